@@ -1,0 +1,1 @@
+//! Sans-I/O codecs of the devices Trunnion reads, one file per protocol.
