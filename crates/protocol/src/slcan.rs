@@ -1,0 +1,537 @@
+//! Lawicel (slcan) serial CAN adapters: ASCII lines ending in CR.
+//!
+//! Host to adapter: `Sn` bit rate (while closed), `O` `L` `C` open, listen, close, `Z0` `Z1` time stamps, `F` `V`
+//! `N` status, version, serial number, `tiiildd…` `Tiiiiiiiildd…` data frame, `riiil` `Riiiiiiiil` remote request.
+//! Adapter to host: CR done, BEL (07h, without CR) refused, `z` `Z` frame accepted, and frames in the same form,
+//! with four more hex digits when time stamps are on (milliseconds modulo 60 000).
+//! Source: Lawicel CAN232 and CANUSB manuals; EasySYNC USB2-F-7x01 guide §4.1.5 (stamp range 0000h..EA5Fh).
+
+use crate::can::{CanFrame, CanId};
+use std::fmt::Write;
+
+const CR: u8 = b'\r';
+const BEL: u8 = 0x07;
+/// Longer than any line of the protocol (extended frame with stamp: 30); beyond it a line is garbage.
+const MAX_LINE: usize = 64;
+
+/// Nominal bit rate, named by its digit in the `S` command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Bitrate {
+    /// 10 kbit/s, `S0`.
+    K10,
+    /// 20 kbit/s, `S1`.
+    K20,
+    /// 50 kbit/s, `S2`.
+    K50,
+    /// 100 kbit/s, `S3`.
+    K100,
+    /// 125 kbit/s, `S4`.
+    K125,
+    /// 250 kbit/s, `S5`.
+    K250,
+    /// 500 kbit/s, `S6`.
+    K500,
+    /// 800 kbit/s, `S7`.
+    K800,
+    /// 1 Mbit/s, `S8`.
+    K1000,
+}
+
+impl Bitrate {
+    /// Every bit rate, in the order of the `S` digit.
+    pub const ALL: [Bitrate; 9] = [
+        Bitrate::K10,
+        Bitrate::K20,
+        Bitrate::K50,
+        Bitrate::K100,
+        Bitrate::K125,
+        Bitrate::K250,
+        Bitrate::K500,
+        Bitrate::K800,
+        Bitrate::K1000,
+    ];
+
+    /// Bits per second.
+    pub fn bits_per_s(self) -> u32 {
+        [10, 20, 50, 100, 125, 250, 500, 800, 1000][self as usize] * 1000
+    }
+
+    /// The bit rate of this many bits per second, if the protocol has it.
+    pub fn from_bits_per_s(bits_per_s: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|rate| rate.bits_per_s() == bits_per_s)
+    }
+}
+
+/// What a host says to an adapter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HostCommand {
+    /// An empty line: hosts send a few to clear the adapter's buffer.
+    Empty,
+    /// `Sn`: set the bit rate; only while closed.
+    SetBitrate(Bitrate),
+    /// `O`: open for reception and transmission.
+    Open,
+    /// `L`: open for listening only.
+    Listen,
+    /// `C`: close.
+    Close,
+    /// `Z1` or `Z0`: frames carry time stamps or not; only while closed.
+    TimeStamps(bool),
+    /// `F`: read the status flags; only while open.
+    Status,
+    /// `V`: read the version.
+    Version,
+    /// `N`: read the serial number.
+    SerialNumber,
+    /// `t`, `T`, `r`, `R`: send a frame; only while open.
+    Transmit(CanFrame),
+}
+
+impl HostCommand {
+    /// The bytes on the wire, CR included.
+    pub fn encode(&self) -> Vec<u8> {
+        let mut line = match self {
+            HostCommand::Empty => String::new(),
+            HostCommand::SetBitrate(rate) => format!("S{}", *rate as u8),
+            HostCommand::Open => "O".into(),
+            HostCommand::Listen => "L".into(),
+            HostCommand::Close => "C".into(),
+            HostCommand::TimeStamps(on) => format!("Z{}", u8::from(*on)),
+            HostCommand::Status => "F".into(),
+            HostCommand::Version => "V".into(),
+            HostCommand::SerialNumber => "N".into(),
+            HostCommand::Transmit(frame) => frame_text(frame),
+        };
+        line.push('\r');
+        line.into_bytes()
+    }
+
+    fn from_line(line: &[u8]) -> Option<Self> {
+        Some(match line {
+            [] => HostCommand::Empty,
+            [b'S', digit @ b'0'..=b'8'] => {
+                HostCommand::SetBitrate(Bitrate::ALL[usize::from(digit - b'0')])
+            }
+            [b'O'] => HostCommand::Open,
+            [b'L'] => HostCommand::Listen,
+            [b'C'] => HostCommand::Close,
+            [b'Z', digit @ (b'0' | b'1')] => HostCommand::TimeStamps(*digit == b'1'),
+            [b'F'] => HostCommand::Status,
+            [b'V'] => HostCommand::Version,
+            [b'N'] => HostCommand::SerialNumber,
+            _ => match parse_frame(line)? {
+                (frame, []) => HostCommand::Transmit(frame),
+                _ => return None,
+            },
+        })
+    }
+}
+
+/// What an adapter says to a host.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum AdapterMessage {
+    /// CR alone: the command was done.
+    Done,
+    /// BEL: the command was refused.
+    Refused,
+    /// `z` or `Z`: the frame was taken for transmission.
+    Accepted,
+    /// A frame from the bus, with the adapter's clock in ms modulo 60 000 when stamps are on.
+    Frame {
+        /// The frame.
+        frame: CanFrame,
+        /// Adapter clock, ms modulo 60 000.
+        stamp_ms: Option<u16>,
+    },
+    /// `Fxx`: status flags (bit 2 error warning, bit 3 overrun, bit 5 error passive, bit 7 bus error).
+    Status(u8),
+    /// `V…`: hardware and software version as sent, `1013` for example.
+    Version(String),
+    /// `N…`: serial number as sent.
+    SerialNumber(String),
+}
+
+impl AdapterMessage {
+    /// The bytes on the wire, CR or BEL included.
+    pub fn encode(&self) -> Vec<u8> {
+        let mut line = match self {
+            AdapterMessage::Done => String::new(),
+            AdapterMessage::Refused => return vec![BEL],
+            AdapterMessage::Accepted => "z".into(),
+            AdapterMessage::Frame { frame, stamp_ms } => {
+                let stamp = stamp_ms.map(|ms| format!("{ms:04X}")).unwrap_or_default();
+                frame_text(frame) + &stamp
+            }
+            AdapterMessage::Status(flags) => format!("F{flags:02X}"),
+            AdapterMessage::Version(text) => format!("V{text}"),
+            AdapterMessage::SerialNumber(text) => format!("N{text}"),
+        };
+        line.push('\r');
+        line.into_bytes()
+    }
+
+    fn from_line(line: &[u8]) -> Option<Self> {
+        Some(match line {
+            [] => AdapterMessage::Done,
+            [b'z' | b'Z'] => AdapterMessage::Accepted,
+            [b'F', high, low] => AdapterMessage::Status(hex_number(&[*high, *low])? as u8),
+            [b'V', rest @ ..] => AdapterMessage::Version(printable(rest)?),
+            [b'N', rest @ ..] => AdapterMessage::SerialNumber(printable(rest)?),
+            _ => match parse_frame(line)? {
+                (frame, []) => AdapterMessage::Frame { frame, stamp_ms: None },
+                (frame, stamp) if stamp.len() == 4 => {
+                    AdapterMessage::Frame { frame, stamp_ms: Some(hex_number(stamp)? as u16) }
+                }
+                _ => return None,
+            },
+        })
+    }
+}
+
+/// What could not be decoded so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Losses {
+    /// Lines, or pieces cut off by a BEL, that are no message of the protocol.
+    pub bad_lines: u64,
+    /// Bytes in those lines.
+    pub dropped_bytes: u64,
+}
+
+/// Splits the host's end of the stream into messages of the adapter.
+#[derive(Debug, Clone, Default)]
+pub struct HostDecoder {
+    lines: LineBuffer,
+}
+
+impl HostDecoder {
+    /// Takes bytes as read and returns the messages they complete.
+    pub fn push(&mut self, bytes: &[u8]) -> Vec<AdapterMessage> {
+        let mut messages = Vec::new();
+        for &byte in bytes {
+            match byte {
+                // Lines are short; a BEL inside one means its rest was lost.
+                BEL => {
+                    self.lines.discard();
+                    messages.push(AdapterMessage::Refused);
+                }
+                CR => messages.extend(self.lines.end(AdapterMessage::from_line)),
+                _ => self.lines.keep(byte),
+            }
+        }
+        messages
+    }
+
+    /// What was dropped since the start.
+    pub fn losses(&self) -> Losses {
+        self.lines.losses
+    }
+}
+
+/// Splits the adapter's end of the stream into commands of the host. A line that is no command gives `None`: the
+/// adapter answers it with [`AdapterMessage::Refused`].
+#[derive(Debug, Clone, Default)]
+pub struct AdapterDecoder {
+    lines: LineBuffer,
+}
+
+impl AdapterDecoder {
+    /// Takes bytes as read and returns the commands they complete, `None` for a line that is none.
+    pub fn push(&mut self, bytes: &[u8]) -> Vec<Option<HostCommand>> {
+        let mut commands = Vec::new();
+        for &byte in bytes {
+            match byte {
+                CR => commands.push(self.lines.end(HostCommand::from_line)),
+                _ => self.lines.keep(byte),
+            }
+        }
+        commands
+    }
+
+    /// What was dropped since the start.
+    pub fn losses(&self) -> Losses {
+        self.lines.losses
+    }
+}
+
+/// State of an emulated adapter: which commands it takes and how it answers them.
+#[derive(Debug, Clone, Default)]
+pub struct Adapter {
+    bitrate: Option<Bitrate>,
+    open: bool,
+    listen_only: bool,
+    time_stamps: bool,
+}
+
+impl Adapter {
+    /// The answer to one command, and the frame to put on the bus if there is one. `None` stands for a line that
+    /// was no command.
+    pub fn answer(&mut self, command: Option<HostCommand>) -> (Option<AdapterMessage>, Option<CanFrame>) {
+        use AdapterMessage::{Accepted, Done, Refused};
+        let accept = |ok: bool| Some(if ok { Done } else { Refused });
+        match command {
+            None => (Some(Refused), None),
+            Some(HostCommand::Empty) => (None, None),
+            Some(HostCommand::SetBitrate(rate)) => {
+                if !self.open {
+                    self.bitrate = Some(rate);
+                }
+                (accept(!self.open), None)
+            }
+            Some(command @ (HostCommand::Open | HostCommand::Listen)) => {
+                let ok = self.bitrate.is_some() && !self.open;
+                if ok {
+                    self.open = true;
+                    self.listen_only = command == HostCommand::Listen;
+                }
+                (accept(ok), None)
+            }
+            Some(HostCommand::Close) => (accept(std::mem::take(&mut self.open)), None),
+            Some(HostCommand::TimeStamps(on)) => {
+                if !self.open {
+                    self.time_stamps = on;
+                }
+                (accept(!self.open), None)
+            }
+            Some(HostCommand::Status) if self.open => (Some(AdapterMessage::Status(0)), None),
+            Some(HostCommand::Status) => (Some(Refused), None),
+            Some(HostCommand::Version) => (Some(AdapterMessage::Version("1013".into())), None),
+            Some(HostCommand::SerialNumber) => (Some(AdapterMessage::SerialNumber("T001".into())), None),
+            Some(HostCommand::Transmit(frame)) if self.open && !self.listen_only => {
+                (Some(Accepted), Some(frame))
+            }
+            Some(HostCommand::Transmit(_)) => (Some(Refused), None),
+        }
+    }
+
+    /// The line for a frame seen on the bus at `clock_ms` of the adapter; nothing while closed.
+    pub fn receive(&self, frame: CanFrame, clock_ms: u64) -> Option<AdapterMessage> {
+        let stamp_ms = self.time_stamps.then_some((clock_ms % 60_000) as u16);
+        self.open.then_some(AdapterMessage::Frame { frame, stamp_ms })
+    }
+
+    /// The bit rate set by the host, if any.
+    pub fn bitrate(&self) -> Option<Bitrate> {
+        self.bitrate
+    }
+
+    /// True between `O` or `L` and `C`.
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+}
+
+#[derive(Debug, Clone, Default)]
+struct LineBuffer {
+    line: Vec<u8>,
+    /// Bytes beyond [`MAX_LINE`] are counted, not kept.
+    overflow: u64,
+    losses: Losses,
+}
+
+impl LineBuffer {
+    fn keep(&mut self, byte: u8) {
+        if byte == b'\n' && self.line.is_empty() && self.overflow == 0 {
+            return; // adapters that end lines in CR LF
+        }
+        if self.line.len() < MAX_LINE { self.line.push(byte) } else { self.overflow += 1 }
+    }
+
+    fn end<T>(&mut self, parse: impl Fn(&[u8]) -> Option<T>) -> Option<T> {
+        let message = if self.overflow == 0 { parse(&self.line) } else { None };
+        if message.is_none() {
+            self.discard();
+        }
+        self.line.clear();
+        message
+    }
+
+    fn discard(&mut self) {
+        let dropped = self.line.len() as u64 + self.overflow;
+        self.losses.bad_lines += u64::from(dropped > 0);
+        self.losses.dropped_bytes += dropped;
+        self.line.clear();
+        self.overflow = 0;
+    }
+}
+
+fn frame_text(frame: &CanFrame) -> String {
+    let (data_letter, remote_letter, id) = match frame.id() {
+        CanId::Standard(id) => ('t', 'r', format!("{id:03X}")),
+        CanId::Extended(id) => ('T', 'R', format!("{id:08X}")),
+    };
+    let mut text = String::with_capacity(32);
+    text.push(if frame.is_remote() { remote_letter } else { data_letter });
+    text.push_str(&id);
+    write!(text, "{}", frame.dlc()).expect("writing to a string cannot fail");
+    for byte in frame.data() {
+        write!(text, "{byte:02X}").expect("writing to a string cannot fail");
+    }
+    text
+}
+
+/// A frame at the start of a line, and what follows it.
+fn parse_frame(line: &[u8]) -> Option<(CanFrame, &[u8])> {
+    let (&letter, rest) = line.split_first()?;
+    let (id, rest) = match letter {
+        b't' | b'r' => {
+            let (digits, rest) = rest.split_at_checked(3)?;
+            (CanId::Standard(hex_number(digits)? as u16), rest)
+        }
+        b'T' | b'R' => {
+            let (digits, rest) = rest.split_at_checked(8)?;
+            (CanId::Extended(hex_number(digits)?), rest)
+        }
+        _ => return None,
+    };
+    let (&length, rest) = rest.split_first()?;
+    let length = usize::from(length.checked_sub(b'0')?);
+    if length > 8 {
+        return None;
+    }
+    if matches!(letter, b'r' | b'R') {
+        return Some((CanFrame::remote_request(id, length).ok()?, rest));
+    }
+    let (digits, rest) = rest.split_at_checked(2 * length)?;
+    let mut data = [0; 8];
+    for (byte, pair) in data.iter_mut().zip(digits.chunks_exact(2)) {
+        *byte = hex_number(pair)? as u8;
+    }
+    Some((CanFrame::data_frame(id, &data[..length]).ok()?, rest))
+}
+
+/// At most eight hex digits, nothing else.
+fn hex_number(digits: &[u8]) -> Option<u32> {
+    digits.iter().try_fold(0, |number, &digit| Some(number << 4 | char::from(digit).to_digit(16)?))
+}
+
+fn printable(bytes: &[u8]) -> Option<String> {
+    bytes.iter().all(u8::is_ascii_graphic).then(|| bytes.iter().map(|&byte| char::from(byte)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn standard(id: u16, data: &[u8]) -> CanFrame {
+        CanFrame::data_frame(CanId::Standard(id), data).unwrap()
+    }
+
+    /// Recorded with python-can 4.6.1: SDO upload of 1000h and its answer, time stamps on.
+    #[test]
+    fn the_golden_exchange_decodes() {
+        let request = standard(0x601, &[0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0]);
+        assert_eq!(HostCommand::Transmit(request).encode(), b"t60184000100000000000\r");
+        let answer = standard(0x581, &[0x43, 0x00, 0x10, 0x00, 0x94, 0x01, 0x02, 0x00]);
+        assert_eq!(
+            HostDecoder::default().push(b"z\rt5818430010009401020089F4\r"),
+            [
+                AdapterMessage::Accepted,
+                AdapterMessage::Frame { frame: answer, stamp_ms: Some(0x89F4) }
+            ]
+        );
+    }
+
+    #[test]
+    fn commands_have_the_manuals_bytes() {
+        let check = |command: HostCommand, expected: &[u8]| {
+            assert_eq!(command.encode(), expected);
+            assert_eq!(AdapterDecoder::default().push(expected), [Some(command)]);
+        };
+        check(HostCommand::SetBitrate(Bitrate::from_bits_per_s(1_000_000).unwrap()), b"S8\r");
+        check(HostCommand::Open, b"O\r");
+        check(HostCommand::Listen, b"L\r");
+        check(HostCommand::Close, b"C\r");
+        check(HostCommand::TimeStamps(true), b"Z1\r");
+        check(HostCommand::Status, b"F\r");
+        // esd CAN-USB-Micro manual, command t
+        check(HostCommand::Transmit(standard(0x123, &[0x99, 0x88, 0x77, 0x66])), b"t123499887766\r");
+        check(
+            HostCommand::Transmit(CanFrame::remote_request(CanId::Extended(0x1ABC_DEF0), 3).unwrap()),
+            b"R1ABCDEF03\r",
+        );
+    }
+
+    #[test]
+    fn an_adapter_refuses_what_its_state_forbids() {
+        let mut adapter = Adapter::default();
+        let mut say = |text: &[u8]| -> Vec<_> {
+            AdapterDecoder::default().push(text).into_iter().map(|c| adapter.answer(c).0).collect()
+        };
+        let (done, refused) = (Some(AdapterMessage::Done), Some(AdapterMessage::Refused));
+        assert_eq!(say(b"\r\rO\r"), [None, None, refused.clone()]);
+        assert_eq!(say(b"S8\rZ1\rO\rO\rS4\r"), [
+            done.clone(),
+            done.clone(),
+            done.clone(),
+            refused.clone(),
+            refused.clone()
+        ]);
+        assert_eq!(say(b"t1232AA\rt1232AABB\r"), [refused, Some(AdapterMessage::Accepted)]);
+        assert_eq!(
+            adapter.receive(standard(1, &[]), 60_001),
+            Some(AdapterMessage::Frame { frame: standard(1, &[]), stamp_ms: Some(1) })
+        );
+    }
+
+    #[test]
+    fn a_refusal_in_the_middle_of_a_line_is_seen_and_the_piece_counted() {
+        let mut decoder = HostDecoder::default();
+        assert_eq!(decoder.push(b"t12\x07\r"), [AdapterMessage::Refused, AdapterMessage::Done]);
+        assert_eq!(decoder.losses(), Losses { bad_lines: 1, dropped_bytes: 3 });
+    }
+
+    fn any_frame() -> impl Strategy<Value = CanFrame> {
+        let id = prop_oneof![
+            (0u16..0x800).prop_map(CanId::Standard),
+            (0u32..0x2000_0000).prop_map(CanId::Extended)
+        ];
+        (id, prop::collection::vec(any::<u8>(), 0..=8), any::<bool>()).prop_map(|(id, data, remote)| {
+            if remote {
+                CanFrame::remote_request(id, data.len()).unwrap()
+            } else {
+                CanFrame::data_frame(id, &data).unwrap()
+            }
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn frames_survive_the_wire_however_it_is_split(
+            frames in prop::collection::vec((any_frame(), prop::option::of(0u16..60_000)), 1..8),
+            cuts in prop::collection::vec(any::<prop::sample::Index>(), 0..6),
+        ) {
+            let messages: Vec<_> =
+                frames.into_iter().map(|(frame, stamp_ms)| AdapterMessage::Frame { frame, stamp_ms }).collect();
+            let bytes: Vec<u8> = messages.iter().flat_map(AdapterMessage::encode).collect();
+            let mut at: Vec<usize> = cuts.iter().map(|cut| cut.index(bytes.len())).collect();
+            at.extend([0, bytes.len()]);
+            at.sort_unstable();
+            let mut decoder = HostDecoder::default();
+            let decoded: Vec<_> = at.windows(2).flat_map(|w| decoder.push(&bytes[w[0]..w[1]])).collect();
+            prop_assert_eq!(decoded, messages);
+            prop_assert_eq!(decoder.losses(), Losses::default());
+        }
+
+        #[test]
+        fn after_garbage_the_next_line_is_read_and_the_garbage_counted(
+            garbage in prop::collection::vec(any::<u8>().prop_filter("no line end", |b| ![CR, BEL, b'\n'].contains(b)), 100..300),
+            frame in any_frame(),
+        ) {
+            let mut decoder = HostDecoder::default();
+            prop_assert_eq!(decoder.push(&garbage), []);
+            prop_assert_eq!(decoder.push(b"\r"), []);
+            prop_assert_eq!(decoder.losses(), Losses { bad_lines: 1, dropped_bytes: garbage.len() as u64 });
+            let message = AdapterMessage::Frame { frame, stamp_ms: None };
+            prop_assert_eq!(decoder.push(&message.encode()), [message]);
+        }
+
+        #[test]
+        fn no_bytes_make_a_decoder_panic(bytes in prop::collection::vec(any::<u8>(), 0..512)) {
+            HostDecoder::default().push(&bytes);
+            AdapterDecoder::default().push(&bytes);
+        }
+    }
+}
