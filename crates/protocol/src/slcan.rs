@@ -109,9 +109,7 @@ impl HostCommand {
     fn from_line(line: &[u8]) -> Option<Self> {
         Some(match line {
             [] => HostCommand::Empty,
-            [b'S', digit @ b'0'..=b'8'] => {
-                HostCommand::SetBitrate(Bitrate::ALL[usize::from(digit - b'0')])
-            }
+            [b'S', digit @ b'0'..=b'8'] => HostCommand::SetBitrate(Bitrate::ALL[usize::from(digit - b'0')]),
             [b'O'] => HostCommand::Open,
             [b'L'] => HostCommand::Listen,
             [b'C'] => HostCommand::Close,
@@ -425,10 +423,7 @@ mod tests {
         let answer = standard(0x581, &[0x43, 0x00, 0x10, 0x00, 0x94, 0x01, 0x02, 0x00]);
         assert_eq!(
             HostDecoder::default().push(b"z\rt5818430010009401020089F4\r"),
-            [
-                AdapterMessage::Accepted,
-                AdapterMessage::Frame { frame: answer, stamp_ms: Some(0x89F4) }
-            ]
+            [AdapterMessage::Accepted, AdapterMessage::Frame { frame: answer, stamp_ms: Some(0x89F4) }]
         );
     }
 
@@ -460,13 +455,10 @@ mod tests {
         };
         let (done, refused) = (Some(AdapterMessage::Done), Some(AdapterMessage::Refused));
         assert_eq!(say(b"\r\rO\r"), [None, None, refused.clone()]);
-        assert_eq!(say(b"S8\rZ1\rO\rO\rS4\r"), [
-            done.clone(),
-            done.clone(),
-            done.clone(),
-            refused.clone(),
-            refused.clone()
-        ]);
+        assert_eq!(
+            say(b"S8\rZ1\rO\rO\rS4\r"),
+            [done.clone(), done.clone(), done.clone(), refused.clone(), refused.clone()]
+        );
         assert_eq!(say(b"t1232AA\rt1232AABB\r"), [refused, Some(AdapterMessage::Accepted)]);
         assert_eq!(
             adapter.receive(standard(1, &[]), 60_001),

@@ -232,8 +232,10 @@ fn notice(line: &str, letter: char) -> Option<Notice> {
     let (number, text) = rest.split_at_checked(3)?;
     let ends = text.is_empty() || !text.starts_with(|c: char| c.is_ascii_alphanumeric());
     let digits = number.bytes().all(|byte| byte.is_ascii_digit());
-    (ends && digits)
-        .then(|| Notice { number: number.parse().unwrap_or(0), text: text.trim_start_matches([':', ' ']).to_owned() })
+    (ends && digits).then(|| Notice {
+        number: number.parse().unwrap_or(0),
+        text: text.trim_start_matches([':', ' ']).to_owned(),
+    })
 }
 
 /// What `GETINFO` says about the sensor.
@@ -302,12 +304,15 @@ mod tests {
     fn the_manuals_getinfo_is_read() {
         let reply = Reply::parse(GETINFO, &Command::get_info());
         let info = SensorInfo::parse(&reply).unwrap();
-        assert_eq!(info, SensorInfo {
-            name: "ILD1420-10".into(),
-            serial: "15030002".into(),
-            range_mm: 10.0,
-            version: "001.010".into()
-        });
+        assert_eq!(
+            info,
+            SensorInfo {
+                name: "ILD1420-10".into(),
+                serial: "15030002".into(),
+                range_mm: 10.0,
+                version: "001.010".into()
+            }
+        );
         assert_eq!(SensorInfo::parse(&info.reply()), Ok(info));
     }
 
@@ -325,22 +330,31 @@ mod tests {
 
     #[test]
     fn the_output_order_is_read_from_the_sensor() {
+        use OutputField::{Counter, Distance, TimestampHigh, TimestampLow};
         let command = Command::get_output_info();
-        let lines = vec!["GETOUTINFO_RS422 DIST1 COUNTER TIMESTAMP".to_owned()];
-        let text = String::from_utf8(Reply { lines, ..Reply::default() }.encode(&command)).unwrap();
-        let reply = Reply::parse(text.strip_suffix("->").unwrap(), &command);
-        assert_eq!(reply.parameters(&command), Some(vec!["DIST1", "COUNTER", "TIMESTAMP"]));
+        let check = |line: &str| {
+            let reply = Reply { lines: vec![line.to_owned()], ..Reply::default() };
+            let text = String::from_utf8(reply.encode(&command)).unwrap();
+            let reply = Reply::parse(text.strip_suffix("->").unwrap(), &command);
+            let layout = crate::optoncdt::Layout::from_reply(&reply).unwrap();
+            assert_eq!(layout.fields(), [Distance, Counter, TimestampLow, TimestampHigh]);
+        };
+        check("GETOUTINFO_RS422 DIST1 COUNTER TIMESTAMP");
+        check("DIST1 COUNTER TIMESTAMP_LO TIMESTAMP_HI");
     }
 
     #[test]
     fn a_sensor_reads_the_commands_of_a_host() {
         let mut decoder = CommandDecoder::default();
         assert_eq!(decoder.push(b"OUTADD_RS422 COUNTER TIME"), []);
-        assert_eq!(decoder.push(b"STAMP\nmeasrate 4\r\n\nPASSWD \"a b\" c\n"), [
-            Command::add_counter_and_timestamp(),
-            Command::measuring_rate_khz(4.0),
-            Command::new("PASSWD", &["a b", "c"]),
-        ]);
+        assert_eq!(
+            decoder.push(b"STAMP\nmeasrate 4\r\n\nPASSWD \"a b\" c\n"),
+            [
+                Command::add_counter_and_timestamp(),
+                Command::measuring_rate_khz(4.0),
+                Command::new("PASSWD", &["a b", "c"]),
+            ]
+        );
         assert_eq!(Command::new("PASSWD", &["a b", "c"]).encode(), b"PASSWD \"a b\" c\n");
     }
 }

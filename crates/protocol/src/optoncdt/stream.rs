@@ -270,11 +270,14 @@ mod tests {
         decoder.await_reply();
         let (a, b) = (encode_block(&block(&[111])), encode_block(&block(&[222])));
         let bytes = [&a[..], b"OUTPUT RS422\r\n->", &b[..]].concat();
-        assert_eq!(decoder.push(&bytes), [
-            Event::Block(block(&[111])),
-            Event::ReplyText("OUTPUT RS422\r\n".into()),
-            Event::Block(block(&[222]))
-        ]);
+        assert_eq!(
+            decoder.push(&bytes),
+            [
+                Event::Block(block(&[111])),
+                Event::ReplyText("OUTPUT RS422\r\n".into()),
+                Event::Block(block(&[222]))
+            ]
+        );
         assert_eq!(decoder.counts().dropped_bytes, 0);
     }
 

@@ -5,7 +5,7 @@
 //! Time stamp: two 16-bit words, low then high, of 10 µs ticks (wraps after 11 h 55 min 49.67 s).
 //! Counter: 18 bits, one per measurement. Exposure: 0.1 µs. Intensity: 25/16368 % (100 % at 65472).
 
-use super::command::OutputField;
+use super::command::{Command, OutputField, Reply};
 use super::stream::{Block, RawValue};
 use thiserror::Error;
 
@@ -144,8 +144,18 @@ impl Layout {
         Self { fields }
     }
 
-    /// The layout in the sensor's words: the parameters of a `GETOUTINFO_RS422` reply. A bare `TIMESTAMP` stands
-    /// for its two words; a name that is not known keeps its place and is not interpreted.
+    /// The layout a reply to `GETOUTINFO_RS422` tells, with or without the command's name in front; `None` when it
+    /// names nothing.
+    pub fn from_reply(reply: &Reply) -> Option<Self> {
+        let command = Command::get_output_info();
+        let words = reply.lines.iter().flat_map(|line| line.split_ascii_whitespace());
+        let layout = Self::from_names(words.filter(|word| *word != command.name));
+        (!layout.fields.is_empty()).then_some(layout)
+    }
+
+    /// The layout in the sensor's words. A bare `TIMESTAMP` stands for its two words; a name that is not known
+    /// keeps its place and is not interpreted. The manual shows no example of this reply, so the spelling of the
+    /// names is that of `OUTADD_RS422` and not confirmed.
     pub fn from_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         let mut fields = Vec::new();
         for name in names {
