@@ -1,1 +1,1 @@
-//! mtconnect
+//! MTConnect
