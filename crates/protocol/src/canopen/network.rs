@@ -235,7 +235,8 @@ impl Message {
 }
 
 pub(super) fn frame(cob_id: CobId, data: &[u8]) -> CanFrame {
-    CanFrame::data_frame(cob_id.can_id(), data).expect("identifiers have 11 bits and the data at most 8 bytes")
+    CanFrame::data_frame(cob_id.can_id(), data)
+        .expect("identifiers have 11 bits and the data at most 8 bytes")
 }
 
 #[cfg(test)]
@@ -250,7 +251,8 @@ mod tests {
     fn every_predefined_identifier_comes_back() {
         for id in 1..=127 {
             let id = node(id);
-            let of_node = [CobId::Emergency(id), CobId::SdoAnswer(id), CobId::SdoRequest(id), CobId::Heartbeat(id)];
+            let of_node =
+                [CobId::Emergency(id), CobId::SdoAnswer(id), CobId::SdoRequest(id), CobId::Heartbeat(id)];
             let pdos = (1..=4).flat_map(|n| [CobId::Tpdo(n, id), CobId::Rpdo(n, id)]);
             for cob_id in of_node.into_iter().chain(pdos).chain([CobId::Nmt, CobId::Sync]) {
                 assert_eq!(CobId::from_can_id(cob_id.can_id()), Some(cob_id));

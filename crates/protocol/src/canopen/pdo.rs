@@ -42,7 +42,9 @@ pub enum PdoError {
     #[error("the mapping needs {0} bits; a frame holds 64")]
     TooLong(u32),
     /// The frame is shorter than the mapping.
-    #[error("a PDO of {got} bytes where the mapping needs {needed}; the node was configured anew: read it again")]
+    #[error(
+        "a PDO of {got} bytes where the mapping needs {needed}; the node was configured anew: read it again"
+    )]
     ShortFrame {
         /// Bytes the mapping needs.
         needed: usize,
@@ -182,8 +184,7 @@ mod tests {
     /// The mapping of the reference probe: 9130h:01 of 32 bits and 6150h:01 of 8.
     #[test]
     fn a_probe_frame_is_a_value_and_a_status() {
-        let mapping =
-            PdoMapping::new([0x9130_0120, 0x6150_0108].map(PdoEntry::from_raw).to_vec()).unwrap();
+        let mapping = PdoMapping::new([0x9130_0120, 0x6150_0108].map(PdoEntry::from_raw).to_vec()).unwrap();
         let objects = mapping.decode(&[0x9C, 0xFF, 0xFF, 0xFF, 0x01]).unwrap();
         assert_eq!(objects[0].0, ObjectKey::new(0x9130, 1));
         assert_eq!(objects[0].1.signed(), -100);
@@ -222,7 +223,9 @@ mod tests {
         assert!(!communication(0x8000_0181).is_enabled());
         assert_eq!(communication(0x4000_0181).can_id(), CanId::Standard(0x181));
         assert_eq!(communication(0x2000_0181).can_id(), CanId::Extended(0x181));
-        assert!(Transmission::from_raw(240).is_synchronous() && !Transmission::from_raw(254).is_synchronous());
+        assert!(
+            Transmission::from_raw(240).is_synchronous() && !Transmission::from_raw(254).is_synchronous()
+        );
     }
 
     proptest! {

@@ -194,7 +194,8 @@ fn describe(node: NodeId, known: &Known) -> Result<NodeDescription, StartupError
             PdoMapping::new(entries?).map_err(|source| StartupError::Mapping { node, number, source })?;
         tpdos.push(Tpdo { number, communication, mapping });
     }
-    let scaling = mapped_objects(known).into_iter().filter_map(|key| Some((key, scaling(known, key)?))).collect();
+    let scaling =
+        mapped_objects(known).into_iter().filter_map(|key| Some((key, scaling(known, key)?))).collect();
     let name = known.get(&DEVICE_NAME).and_then(|answer| answer.as_ref().ok());
     Ok(NodeDescription {
         node,

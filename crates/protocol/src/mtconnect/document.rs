@@ -276,7 +276,9 @@ fn header(root: &Element) -> Result<(Header, &Element), DocumentError> {
 }
 
 fn child<'a>(parent: &'a Element, name: &'static str) -> Result<&'a Element, DocumentError> {
-    parent.child(name).ok_or_else(|| DocumentError::MissingElement { parent: parent.name.clone(), child: name })
+    parent
+        .child(name)
+        .ok_or_else(|| DocumentError::MissingElement { parent: parent.name.clone(), child: name })
 }
 
 fn devices(root: &Element) -> Result<DevicesDocument, DocumentError> {
@@ -374,7 +376,8 @@ fn observation(
     element: &Element,
 ) -> Result<Observation, DocumentError> {
     let timestamp = element.need("timestamp")?;
-    let wrong = || DocumentError::WrongTimestamp { element: element.name.clone(), text: timestamp.to_owned() };
+    let wrong =
+        || DocumentError::WrongTimestamp { element: element.name.clone(), text: timestamp.to_owned() };
     Ok(Observation {
         data_item_id: element.need("dataItemId")?.to_owned(),
         device: device.attribute("name").unwrap_or_default().to_owned(),

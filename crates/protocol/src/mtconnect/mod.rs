@@ -11,8 +11,8 @@ mod write;
 mod xml;
 
 pub use document::{
-    AgentError, Category, Component, DataItem, Device, DevicesDocument, Document, DocumentError, ErrorDocument,
-    Header, Observation, ObservedValue, StreamsDocument, element_name, parse,
+    AgentError, Category, Component, DataItem, Device, DevicesDocument, Document, DocumentError,
+    ErrorDocument, Header, Observation, ObservedValue, StreamsDocument, element_name, parse,
 };
 pub use multipart::{MultipartDecoder, MultipartError, MultipartLosses, Part, boundary, encode_part};
 pub use timestamp::{format_timestamp, parse_timestamp};

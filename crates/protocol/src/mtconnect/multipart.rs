@@ -34,7 +34,8 @@ const MAX_HEADER_BYTES: usize = 8 * 1024;
 pub fn boundary(content_type: &str) -> Result<String, MultipartError> {
     let missing = || MultipartError(content_type.to_owned());
     let mut parameters = content_type.split(';');
-    let multipart = parameters.next().is_some_and(|kind| kind.trim().to_ascii_lowercase().starts_with("multipart/"));
+    let multipart =
+        parameters.next().is_some_and(|kind| kind.trim().to_ascii_lowercase().starts_with("multipart/"));
     let value = parameters.find_map(|parameter| {
         let (name, value) = parameter.split_once('=')?;
         name.trim().eq_ignore_ascii_case("boundary").then(|| value.trim().trim_matches('"').to_owned())

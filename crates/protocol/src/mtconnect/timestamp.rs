@@ -12,7 +12,8 @@ pub fn parse_timestamp(text: &str) -> Option<i64> {
     let (time, offset_s) = split_zone(time)?;
     let (whole, fraction) = time.split_once('.').unwrap_or((time, "0"));
     let mut clock = whole.splitn(3, ':');
-    let (hour, minute, second) = (digits(clock.next()?, 2)?, digits(clock.next()?, 2)?, digits(clock.next()?, 2)?);
+    let (hour, minute, second) =
+        (digits(clock.next()?, 2)?, digits(clock.next()?, 2)?, digits(clock.next()?, 2)?);
     let days_in_month = [31, 28 + i64::from(is_leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
     let length = *days_in_month.get(usize::try_from(month - 1).ok()?)?;
     // 60: a leap second, which becomes the first second of the next minute
@@ -97,7 +98,13 @@ mod tests {
         check("2024-02-29T23:59:59.1234567899Z", Some(1_709_251_199_123_456_789));
         check("2024-02-29T23:59:59.5+01:00", Some(1_709_247_599_500_000_000));
         check("1969-12-31T23:59:59.9Z", Some(-100_000_000));
-        for wrong in ["", "2023-02-29T00:00:00Z", "2010-04-06 06:19:35Z", "2010-4-06T06:19:35Z", "2010-04-06T06:19:35.Z"] {
+        for wrong in [
+            "",
+            "2023-02-29T00:00:00Z",
+            "2010-04-06 06:19:35Z",
+            "2010-4-06T06:19:35Z",
+            "2010-04-06T06:19:35.Z",
+        ] {
             check(wrong, None);
         }
         check("9999-12-31T23:59:59Z", None);

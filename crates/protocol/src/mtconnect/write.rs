@@ -1,8 +1,8 @@
 //! The documents an agent writes, for simulated controllers. Namespaces are those of version 1.8.
 
 use super::document::{
-    Category, Component, DataItem, Device, DevicesDocument, ErrorDocument, Header, Observation, ObservedValue,
-    StreamsDocument,
+    Category, Component, DataItem, Device, DevicesDocument, ErrorDocument, Header, Observation,
+    ObservedValue, StreamsDocument,
 };
 use super::timestamp::format_timestamp;
 use quick_xml::escape::escape;
@@ -24,11 +24,16 @@ pub fn write_streams(document: &StreamsDocument) -> String {
     ];
     let of_device = |group: &[Observation]| {
         let name = attribute("name", &group[0].device);
-        let inner: String = group.chunk_by(|a, b| a.component_id == b.component_id).map(component_stream).collect();
+        let inner: String =
+            group.chunk_by(|a, b| a.component_id == b.component_id).map(component_stream).collect();
         format!("<DeviceStream{name}{}>{inner}</DeviceStream>", attribute("uuid", &group[0].device))
     };
     let inner: String = document.observations.chunk_by(|a, b| a.device == b.device).map(of_device).collect();
-    envelope("MTConnectStreams", &header(&document.header, &sequences), &format!("<Streams>{inner}</Streams>"))
+    envelope(
+        "MTConnectStreams",
+        &header(&document.header, &sequences),
+        &format!("<Streams>{inner}</Streams>"),
+    )
 }
 
 /// The document for a refusal.
@@ -76,22 +81,31 @@ fn device(device: &Device) -> String {
     };
     let is_device = |part: &Component| part.kind == "Device";
     let is_axis = |part: &Component| matches!(part.kind.as_str(), "Linear" | "Rotary");
-    let own: String = groups.iter().filter(|group| is_device(&group[0].component)).map(|group| items(group)).collect();
+    let own: String =
+        groups.iter().filter(|group| is_device(&group[0].component)).map(|group| items(group)).collect();
     let axes = of_kind(&is_axis);
     let others = of_kind(&|part| !is_axis(part) && !is_device(part));
     let axes = if axes.is_empty() {
         axes
     } else {
-        format!("<Axes id=\"{}-axes\" name=\"base\"><Components>{axes}</Components></Axes>", escape(device.id.as_str()))
+        format!(
+            "<Axes id=\"{}-axes\" name=\"base\"><Components>{axes}</Components></Axes>",
+            escape(device.id.as_str())
+        )
     };
-    let attributes =
-        [("id", &device.id), ("name", &device.name), ("uuid", &device.uuid)].map(|(n, v)| attribute(n, v)).concat();
+    let attributes = [("id", &device.id), ("name", &device.name), ("uuid", &device.uuid)]
+        .map(|(n, v)| attribute(n, v))
+        .concat();
     format!("<Device{attributes}>{own}<Components>{axes}{others}</Components></Device>")
 }
 
 fn component(component: &Component, inner: &str) -> String {
     let kind = &component.kind;
-    format!("<{kind}{}{}>{inner}</{kind}>", attribute("id", &component.id), attribute("name", &component.name))
+    format!(
+        "<{kind}{}{}>{inner}</{kind}>",
+        attribute("id", &component.id),
+        attribute("name", &component.name)
+    )
 }
 
 fn data_item(item: &DataItem) -> String {

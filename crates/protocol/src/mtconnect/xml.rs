@@ -1,8 +1,8 @@
 //! An XML document as a tree of elements with local names, so that the documents can be read top-down.
 
 use super::document::DocumentError;
-use quick_xml::{Reader, XmlVersion};
 use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
 
 /// Deeper nesting than any MTConnect device model; bounds the stack when the tree is walked and dropped.
 const MAX_DEPTH: usize = 64;
@@ -41,12 +41,15 @@ impl Element {
 }
 
 pub(super) fn parse_tree(bytes: &[u8]) -> Result<Element, DocumentError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| DocumentError::NotUtf8 { at: error.valid_up_to() })?;
+    let text =
+        std::str::from_utf8(bytes).map_err(|error| DocumentError::NotUtf8 { at: error.valid_up_to() })?;
     let mut reader = Reader::from_str(text);
     // The document is the only child of this one.
     let mut open = vec![Element::default()];
     loop {
-        let event = reader.read_event().map_err(|source| DocumentError::Xml { at: reader.error_position(), source })?;
+        let event = reader
+            .read_event()
+            .map_err(|source| DocumentError::Xml { at: reader.error_position(), source })?;
         let top = open.last_mut().expect("the document element stays open");
         match event {
             Event::Start(start) => {
@@ -77,7 +80,9 @@ fn element(start: &BytesStart<'_>, at: u64) -> Result<Element, DocumentError> {
     let mut attributes = Vec::new();
     for attribute in start.attributes() {
         let attribute = attribute.map_err(|error| DocumentError::Xml { at, source: error.into() })?;
-        let value = attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|source| DocumentError::Xml { at, source })?;
+        let value = attribute
+            .normalized_value(XmlVersion::Implicit1_0)
+            .map_err(|source| DocumentError::Xml { at, source })?;
         attributes.push((attribute.key.local_name().as_ref().to_owned(), value.into_owned()));
     }
     Ok(Element { name: start.local_name().as_ref().to_owned(), attributes, ..Element::default() })

@@ -143,7 +143,9 @@ impl SdoTransfer {
         }
         let (chunk, last) = segment_of(answer);
         data.extend_from_slice(chunk);
-        if data.len() > announced.unwrap_or(MAX_OBJECT_BYTES) || last && announced.is_some_and(|n| n != data.len()) {
+        if data.len() > announced.unwrap_or(MAX_OBJECT_BYTES)
+            || last && announced.is_some_and(|n| n != data.len())
+        {
             let error = match announced {
                 Some(announced) => SdoError::Length { key: self.key, announced, got: data.len() },
                 None => SdoError::TooLong(self.key),
@@ -242,7 +244,10 @@ mod tests {
             play(upload(0x1000, 0), &[("4000100000000000", "4300100094010200")]),
             SdoProgress::Done(vec![0x94, 0x01, 0x02, 0x00])
         );
-        assert_eq!(play(upload(0x1A00, 0), &[("40001A0000000000", "4F001A0002000000")]), SdoProgress::Done(vec![2]));
+        assert_eq!(
+            play(upload(0x1A00, 0), &[("40001A0000000000", "4F001A0002000000")]),
+            SdoProgress::Done(vec![2])
+        );
         let name = [
             ("4008100000000000", "4108100018000000"),
             ("6000000000000000", "00522D7465737420"),
@@ -263,10 +268,13 @@ mod tests {
         let heartbeat = SdoTransfer::download(node(), ObjectKey::new(0x1017, 0), &50u16.to_le_bytes());
         assert_eq!(play(heartbeat, &[("2B17100032000000", "6017100000000000")]), SdoProgress::Done(vec![]));
         let missing = ObjectKey::new(0x5FFF, 0);
-        assert_eq!(play(upload(0x5FFF, 0), &[("40FF5F0000000000", "80FF5F0000000206")]), SdoProgress::Failed {
-            error: SdoError::Aborted { key: missing, code: AbortCode::NO_OBJECT },
-            abort: None
-        });
+        assert_eq!(
+            play(upload(0x5FFF, 0), &[("40FF5F0000000000", "80FF5F0000000206")]),
+            SdoProgress::Failed {
+                error: SdoError::Aborted { key: missing, code: AbortCode::NO_OBJECT },
+                abort: None
+            }
+        );
     }
 
     #[test]

@@ -83,7 +83,8 @@ impl SdoServer {
     }
 
     fn give_segment(&mut self, request: &[u8; 8]) -> Result<[u8; 8], AbortCode> {
-        let Some(Transfer { toggle, direction: Direction::Giving { data, given }, .. }) = &mut self.transfer else {
+        let Some(Transfer { toggle, direction: Direction::Giving { data, given }, .. }) = &mut self.transfer
+        else {
             return Err(AbortCode::COMMAND);
         };
         if toggle_of(request[0]) != *toggle {
@@ -126,7 +127,9 @@ impl SdoServer {
         request: &[u8; 8],
         objects: &mut impl ObjectDictionary,
     ) -> Result<[u8; 8], AbortCode> {
-        let Some(Transfer { key, toggle, direction: Direction::Taking { data, announced } }) = &mut self.transfer else {
+        let Some(Transfer { key, toggle, direction: Direction::Taking { data, announced } }) =
+            &mut self.transfer
+        else {
             return Err(AbortCode::COMMAND);
         };
         if toggle_of(request[0]) != *toggle {
@@ -134,7 +137,9 @@ impl SdoServer {
         }
         let (chunk, last) = segment_of(request);
         data.extend_from_slice(chunk);
-        if data.len() > announced.unwrap_or(MAX_OBJECT_BYTES) || last && announced.is_some_and(|n| n != data.len()) {
+        if data.len() > announced.unwrap_or(MAX_OBJECT_BYTES)
+            || last && announced.is_some_and(|n| n != data.len())
+        {
             return Err(AbortCode::LENGTH);
         }
         let mut answer = [0; 8];
