@@ -67,11 +67,11 @@ fn encoder() -> Objects {
 }
 
 fn read(mut objects: Objects) -> Result<NodeDescription, StartupError> {
-    let node = NodeId::new(1).unwrap();
+    let node = NodeId::new(1).expect("1 is in 1..=127");
     let mut server = SdoServer::new(node);
     let (mut startup, mut request) = NodeStartup::new(node);
     for _ in 0..500 {
-        let answer = server.on_frame(&request, &mut objects).unwrap();
+        let answer = server.on_frame(&request, &mut objects).expect("requests to this node are answered");
         match startup.on_frame(&answer) {
             StartupProgress::Send(next) => request = next,
             StartupProgress::Done(description) => return Ok(*description),
@@ -83,7 +83,7 @@ fn read(mut objects: Objects) -> Result<NodeDescription, StartupError> {
 }
 
 fn frame(id: u16, data: &[u8]) -> CanFrame {
-    CanFrame::data_frame(CanId::Standard(id), data).unwrap()
+    CanFrame::data_frame(CanId::Standard(id), data).expect("test frames fit the bus")
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! mapped object what its numbers mean (unit and digits, or step). Nothing is written; the node may be in any state
 //! but stopped.
 //!
-//! The procedure is a function from what is known to what to read next ([`next_read`]), so that any answer,
+//! The procedure is a function from what is known to what to read next (`next_read`), so that any answer,
 //! including "does not exist", leads on.
 
 use super::cia404::{self, ProcessValue, Unit};

@@ -6,14 +6,16 @@
 
 mod document;
 mod multipart;
+mod read;
 mod timestamp;
 mod write;
 mod xml;
 
 pub use document::{
     AgentError, Category, Component, DataItem, Device, DevicesDocument, Document, DocumentError,
-    ErrorDocument, Header, Observation, ObservedValue, StreamsDocument, element_name, parse,
+    ErrorDocument, Header, Observation, ObservedValue, StreamsDocument,
 };
 pub use multipart::{MultipartDecoder, MultipartError, MultipartLosses, Part, boundary, encode_part};
+pub use read::{element_name, parse};
 pub use timestamp::{format_timestamp, parse_timestamp};
 pub use write::{write_devices, write_error, write_streams};

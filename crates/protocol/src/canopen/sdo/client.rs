@@ -236,7 +236,7 @@ mod tests {
         panic!("the dialogue ended before the transfer")
     }
 
-    /// Recorded on the bus between python canopen 2.4.1 master and node, HARDWARE-like probe, node 1.
+    /// Recorded on the bus between python canopen 2.4.1 master and LocalNode, node 1.
     #[test]
     fn dialogues_recorded_with_an_independent_stack_are_reproduced() {
         let upload = |index, sub| SdoTransfer::upload(node(), ObjectKey::new(index, sub));
