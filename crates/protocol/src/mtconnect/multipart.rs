@@ -1,4 +1,5 @@
-//! The stream of `/sample?interval=`: `multipart/x-mixed-replace`, each part with its own `Content-length`.
+//! The stream of `/sample?interval=`: `multipart/x-mixed-replace` (newer C++ agents: `multipart/mixed`), each part
+//! with its own `Content-length`.
 //! Parts are cut by their length; a part without a usable one is skipped to the next boundary and counted.
 
 use thiserror::Error;
