@@ -39,7 +39,13 @@ impl<'a> Document<'a> {
 
     /// The top-level table.
     pub fn root(&self) -> Table<'_> {
-        Table { document: self, table: &self.root, path: String::new(), span: 0..0, asked: RefCell::default() }
+        Table {
+            document: self,
+            table: &self.root,
+            path: String::new(),
+            span: 0..0,
+            asked: RefCell::default(),
+        }
     }
 
     /// `value` if no problem was noted, else all problems in file order.
@@ -65,7 +71,14 @@ impl<'a> Document<'a> {
     fn note(&self, at: Range<usize>, found: String, allowed: String, advice: &str) {
         let (line, column) = if at.is_empty() { (0, 0) } else { line_and_column(self.text, at.start) };
         let advice = advice.into();
-        self.problems.borrow_mut().push(Problem { file: self.file.into(), line, column, found, allowed, advice });
+        self.problems.borrow_mut().push(Problem {
+            file: self.file.into(),
+            line,
+            column,
+            found,
+            allowed,
+            advice,
+        });
     }
 }
 
@@ -92,7 +105,8 @@ impl<'d> Table<'d> {
 
     /// Keys in file order, without counting them as asked.
     pub fn keys(&self) -> Vec<String> {
-        let mut keys: Vec<_> = self.table.iter().map(|(k, _)| (k.span().start, k.get_ref().to_string())).collect();
+        let mut keys: Vec<_> =
+            self.table.iter().map(|(k, _)| (k.span().start, k.get_ref().to_string())).collect();
         keys.sort();
         keys.into_iter().map(|(_, key)| key).collect()
     }
@@ -251,7 +265,12 @@ impl<'d> Table<'d> {
         for (key, _) in self.table {
             if !asked.iter().any(|known| known == key.get_ref()) {
                 let allowed = asked.join(", ");
-                self.document.note(key.span(), format!("{}{} is not known here", self.path, key.get_ref()), allowed, "");
+                self.document.note(
+                    key.span(),
+                    format!("{}{} is not known here", self.path, key.get_ref()),
+                    allowed,
+                    "",
+                );
             }
         }
     }
@@ -268,14 +287,30 @@ impl<'d> Table<'d> {
         if self.get(key).is_some() {
             return Some(());
         }
-        let place = if self.path.is_empty() { String::new() } else { format!(" in [{}]", self.path.trim_end_matches('.')) };
+        let place = if self.path.is_empty() {
+            String::new()
+        } else {
+            format!(" in [{}]", self.path.trim_end_matches('.'))
+        };
         self.document.note(self.span.clone(), format!("{key} is missing{place}"), expected.into(), "");
         None
     }
 
-    fn child(&self, key: &str, index: Option<usize>, table: &'d DeTable<'d>, span: Range<usize>) -> Table<'d> {
+    fn child(
+        &self,
+        key: &str,
+        index: Option<usize>,
+        table: &'d DeTable<'d>,
+        span: Range<usize>,
+    ) -> Table<'d> {
         let index = index.map_or(String::new(), |i| format!("[{i}]"));
-        Table { document: self.document, table, path: format!("{}{key}{index}.", self.path), span, asked: RefCell::default() }
+        Table {
+            document: self.document,
+            table,
+            path: format!("{}{key}{index}.", self.path),
+            span,
+            asked: RefCell::default(),
+        }
     }
 
     fn check_one_of(&self, key: &str, value: String, allowed: &[&str]) -> Option<String> {
@@ -328,7 +363,9 @@ mod tests {
             lines,
             [(1, "name is integer"), (3, "probes.silence_ms = 5"), (4, "probes.silense is not known here")]
         );
-        assert!(problems.to_string().contains("trunnion.toml:3:14: probes.silence_ms = 5; allowed: 20..=10000"));
+        assert!(
+            problems.to_string().contains("trunnion.toml:3:14: probes.silence_ms = 5; allowed: 20..=10000")
+        );
     }
 
     #[test]

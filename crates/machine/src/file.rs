@@ -1,0 +1,108 @@
+//! The machine file, `format = "trunnion-machine/1"` (DESIGN §3.3).
+
+use crate::{Axis, AxisFacts, Machine};
+use nalgebra::{Point3, Unit, Vector3};
+use trunnion_units::input::{Document, Table};
+use trunnion_units::{AxisLetter, Problems, convert};
+
+/// Largest coordinate a machine file may name, mm.
+const FARTHEST_MM: f64 = 100_000.0;
+
+impl Machine {
+    /// Reads a machine file. `name` is what runs and models call the machine; `file` is shown in problems.
+    ///
+    /// # Errors
+    /// Every problem of the file, with line, what was found and what is allowed.
+    pub fn parse(name: &str, file: &str, text: &str) -> Result<Self, Problems> {
+        let document = Document::parse(file, text)?;
+        let machine = read(name, &document);
+        document.finish(machine)
+    }
+}
+
+fn read(name: &str, document: &Document<'_>) -> Option<Machine> {
+    let root = document.root();
+    let format = root.format("trunnion-machine/1");
+    root.optional_string("about");
+    let chains = [side(&root, "table"), side(&root, "tool")];
+    let letters: Vec<AxisLetter> = chains.iter().flatten().flatten().copied().collect();
+    for (i, letter) in letters.iter().enumerate() {
+        if letters[..i].contains(letter) {
+            root.problem("tool", format!("names {letter} twice"), "each axis once, in table or in tool", "");
+        }
+    }
+    let tables = root.table("axis")?;
+    let axes: Vec<Option<Axis>> = letters.iter().map(|&letter| axis(&tables, letter)).collect();
+    tables.no_other_keys();
+    root.no_other_keys();
+    format?;
+    let [table, tool] = chains;
+    let find = |letter: AxisLetter| axes.iter().flatten().find(|axis| axis.letter == letter).cloned();
+    Some(Machine {
+        name: name.into(),
+        table: table?.into_iter().map(find).collect::<Option<_>>()?,
+        tool: tool?.into_iter().map(find).collect::<Option<_>>()?,
+    })
+}
+
+fn side(root: &Table<'_>, key: &str) -> Option<Vec<AxisLetter>> {
+    let names = root.strings(key)?;
+    let letters: Option<Vec<_>> = names.iter().map(|name| AxisLetter::parse(name)).collect();
+    if letters.is_none() {
+        root.problem(key, format!("= {names:?}"), "axis letters X, Y, Z, A, B, C", "");
+    }
+    letters
+}
+
+fn axis(tables: &Table<'_>, letter: AxisLetter) -> Option<Axis> {
+    let table = tables.table(letter.as_str())?;
+    let kind = table.one_of("kind", &["linear", "rotary"]);
+    let rotary = letter.is_rotary();
+    if kind.as_deref().is_some_and(|kind| (kind == "rotary") != rotary) {
+        table.problem("kind", "does not fit the letter", "linear for X, Y, Z; rotary for A, B, C", "");
+    }
+    let direction = table.vector3("direction");
+    if direction.is_some_and(|d| d.norm() < 1e-6) {
+        table.problem("direction", "has no length", "a vector such as [0, 0, 1]", "");
+        return None;
+    }
+    let through_mm = if rotary { table.vector3("through_mm") } else { Some(Vector3::zeros()) };
+    let sense = table.number("sense", -1.0..=1.0);
+    if sense.is_some_and(|s| s.abs() != 1.0) {
+        table.problem("sense", "is neither way of turning", "1 or -1", "Run the sign-test cycle if unsure.");
+    }
+    let (travel_key, scale): (&str, fn(f64) -> f64) =
+        if rotary { ("travel_deg", convert::rad_from_deg) } else { ("travel_mm", |mm| mm) };
+    let travel = table.optional_numbers(travel_key);
+    let travel = match travel.as_deref() {
+        Some(&[low, high]) if low < high => Some((scale(low), scale(high))),
+        _ => {
+            table.problem(travel_key, "is not a range", "[lowest, highest]", "");
+            None
+        }
+    };
+    let feed_limit = if rotary {
+        table.optional_number("feed_limit_deg_per_min", 0.0..=1e6).map(|f| convert::rad_from_deg(f) / 60.0)
+    } else {
+        table.optional_number("feed_limit_mm_per_min", 0.0..=1e6).map(|f| f / 60.0)
+    };
+    let facts = AxisFacts {
+        screw_lead_mm: table.optional_number("screw_lead_mm", 0.1..=1000.0),
+        gear_teeth: table.optional_number("gear_teeth", 1.0..=10_000.0),
+        encoder_lines: table.optional_number("encoder_lines", 1.0..=1e7),
+        feed_limit,
+    };
+    table.no_other_keys();
+    let through_mm = through_mm?;
+    if through_mm.amax() > FARTHEST_MM {
+        table.problem("through_mm", "is out of reach", format!("within ±{FARTHEST_MM} mm"), "");
+    }
+    Some(Axis {
+        letter,
+        direction: Unit::new_normalize(direction?),
+        through_mm: Point3::from(through_mm),
+        sense: sense?,
+        travel: travel?,
+        facts,
+    })
+}

@@ -1,0 +1,102 @@
+//! Exact forward kinematics with an error twist at every joint.
+//!
+//! `machine_from_tip = Π_k  T_k`,  `T_k = Trans(o_k)·Dx Dy Dz Da Db Dc(δ_k, ω_k)·Trans(−o_k)·Motion_k(q_k)`
+//! from the bed outward [METHODS §2; S1 eq. 6–7; S2 eq. 4]. `o_k` is the point in the axes of the carrying
+//! component about which the error acts: a point of the axis line for a rotary axis; the carriage itself, which travels
+//! with the axis, for a linear one (so that angular errors act with the arms of S2 eq. 1).
+
+use crate::{Axis, Machine, Side};
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
+use trunnion_units::{AxisLetter, AxisValues, Twist};
+
+/// Error twist at each joint, in the nominal axes of the component that carries it.
+pub type JointErrors = AxisValues<Twist>;
+
+impl Machine {
+    /// Pose of the table (its frame coincides with the machine frame when every axis is at zero).
+    pub fn machine_from_table(&self, position: &AxisValues<f64>, errors: &JointErrors) -> Isometry3<f64> {
+        self.machine_from_tip(Side::Table, position, errors)
+    }
+
+    /// Pose of the tool point.
+    pub fn machine_from_tool(&self, position: &AxisValues<f64>, errors: &JointErrors) -> Isometry3<f64> {
+        self.machine_from_tip(Side::Tool, position, errors)
+    }
+
+    fn machine_from_tip(
+        &self,
+        side: Side,
+        position: &AxisValues<f64>,
+        errors: &JointErrors,
+    ) -> Isometry3<f64> {
+        self.from_bed(side).into_iter().fold(Isometry3::identity(), |machine_from_carrier, axis| {
+            machine_from_carrier * axis.carrier_from_carried(position[axis.letter], &errors[axis.letter])
+        })
+    }
+
+    /// Positions of the linear axes that bring the tool point to `ball_in_table_mm` while the rotary
+    /// axes of `position` stay. `None` when the machine cannot reach it with its linear axes.
+    pub fn follow(
+        &self,
+        position: &AxisValues<f64>,
+        ball_in_table_mm: &Point3<f64>,
+    ) -> Option<AxisValues<f64>> {
+        let mut reached = *position;
+        for letter in AxisLetter::LINEAR {
+            reached[letter] = 0.0;
+        }
+        let gap_mm = |q: &AxisValues<f64>| -> Vector3<f64> {
+            let none = JointErrors::default();
+            let ball_in_machine = self.machine_from_table(q, &none) * ball_in_table_mm;
+            ball_in_machine - self.machine_from_tool(q, &none) * Point3::origin()
+        };
+        // The gap is affine in the linear coordinates, so one solve is exact.
+        let at_zero = gap_mm(&reached);
+        let mut slope = Matrix3::zeros();
+        for (i, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
+            let mut moved = reached;
+            moved[letter] = 1.0;
+            slope.set_column(i, &(gap_mm(&moved) - at_zero));
+        }
+        let solution = slope.lu().solve(&-at_zero)?;
+        for (i, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
+            reached[letter] = solution[i];
+        }
+        Some(reached)
+    }
+}
+
+impl Axis {
+    /// `T_k` of this joint.
+    fn carrier_from_carried(&self, position: f64, error: &Twist) -> Isometry3<f64> {
+        let to_origin = Translation3::from(self.error_origin_mm(position).coords);
+        to_origin * displacement(error) * to_origin.inverse() * self.motion(position)
+    }
+
+    /// `Motion_k(q_k)`, in the axes of the carrying component.
+    pub(crate) fn motion(&self, position: f64) -> Isometry3<f64> {
+        let amount = position * self.sense;
+        if !self.is_rotary() {
+            return Translation3::from(self.direction.into_inner() * amount).into();
+        }
+        let to_axis = Translation3::from(self.through_mm.coords);
+        to_axis * UnitQuaternion::from_axis_angle(&self.direction, amount) * to_axis.inverse()
+    }
+
+    /// `o_k` in the axes of the carrying component, mm.
+    pub(crate) fn error_origin_mm(&self, position: f64) -> Point3<f64> {
+        if self.is_rotary() {
+            self.through_mm
+        } else {
+            Point3::from(self.direction.into_inner() * position * self.sense)
+        }
+    }
+}
+
+/// `Dx Dy Dz Da Db Dc` of a twist.
+fn displacement(error: &Twist) -> Isometry3<f64> {
+    let about = |axis: &Vector3<f64>, angle: f64| UnitQuaternion::from_scaled_axis(axis * angle);
+    let [a, b, c] = [error.rotation_rad.x, error.rotation_rad.y, error.rotation_rad.z];
+    let rotation = about(&Vector3::x(), a) * about(&Vector3::y(), b) * about(&Vector3::z(), c);
+    Isometry3::from_parts(Translation3::from(error.translation_mm), rotation)
+}
