@@ -1,1 +1,17 @@
-//! measurement
+//! The nouns of a run: setup, cycle, point, sample, event, gap.
+//!
+//! A [`Run`] is what identification works on, whether it was measured live, replayed or imported.
+//! Everything here is plain data; nothing opens a file or asks a clock.
+
+pub mod cycle;
+pub mod direction;
+mod point;
+mod run;
+mod sample;
+pub mod setup;
+
+pub use cycle::Cycle;
+pub use point::{Point, Quality};
+pub use run::{Run, RunKind};
+pub use sample::{AxisSample, Event, Gap, ProbeSample};
+pub use setup::{InstrumentKind, NestSide, Setup};

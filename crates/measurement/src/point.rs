@@ -1,0 +1,30 @@
+//! One point: what was read at one state of the machine.
+
+use trunnion_machine::State;
+
+/// How far a point can be trusted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// Settled within the limits of the cycle.
+    #[default]
+    Good,
+    /// Never settled within the time limit; kept, marked, not fitted.
+    Unsettled,
+    /// A probe reported an error or was absent.
+    NoReading,
+}
+
+/// One point of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// State of the machine, with the index of the setup.
+    pub state: State,
+    /// Reading in nest axes, mm: x, y, z of the R-test; the first component alone of a ball bar.
+    pub reading_mm: [f64; 3],
+    /// Robust spread of the samples behind the reading, mm; zero when unknown.
+    pub spread_mm: [f64; 3],
+    /// How many samples are behind it; 0 when imported.
+    pub samples: u32,
+    /// How far it can be trusted.
+    pub quality: Quality,
+}

@@ -1,0 +1,53 @@
+//! What devices deliver before it becomes points: samples, gaps and events, all in run time.
+
+use trunnion_units::AxisValues;
+
+/// One reading of one displacement channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProbeSample {
+    /// Channel: index of the device in the configuration.
+    pub channel: u16,
+    /// Corrected acquisition time, s since the run began.
+    pub time_s: f64,
+    /// Device clock, ticks as counted (unwrapped).
+    pub device_ticks: u64,
+    /// Raw count as sent by the device.
+    pub raw: i64,
+    /// Displacement, mm; NaN when the device reported an error.
+    pub value_mm: f64,
+}
+
+/// Axis positions with one time stamp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisSample {
+    /// Corrected acquisition time, s since the run began.
+    pub time_s: f64,
+    /// Positions, mm and rad.
+    pub position: AxisValues<f64>,
+}
+
+/// Time in which a source delivered nothing although it should have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gap {
+    /// Name of the source.
+    pub source: String,
+    /// From, s since the run began.
+    pub from_s: f64,
+    /// To, s since the run began.
+    pub to_s: f64,
+    /// Samples missing, where the device counts them.
+    pub lost_samples: Option<u64>,
+    /// Why.
+    pub reason: String,
+}
+
+/// Something that happened during a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// When, s since the run began.
+    pub time_s: f64,
+    /// Kind in the words of the product, e.g. `cycle-start`, `point`, `setup-change`.
+    pub kind: String,
+    /// Detail for a person.
+    pub text: String,
+}
