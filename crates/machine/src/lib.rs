@@ -8,9 +8,11 @@ mod file;
 pub mod kinematics;
 pub mod propagation;
 pub mod shipped;
+mod site;
 mod state;
 
 pub use kinematics::JointErrors;
+pub use site::{Errors, Site};
 pub use state::State;
 
 use nalgebra::{Point3, Unit, Vector3};

@@ -1,0 +1,103 @@
+//! Location errors: constant errors of place and direction of the axis average lines.
+//!
+//! Rotary axis R:  δ = (EX0R, EY0R, EZ0R),  ω = (EA0R, EB0R, EC0R) at the joint of R  [ISO 230-1; S1 eq. 6–7; S2 tables 2–5].
+//! No rotary axis: squareness EC0Y (X to Y), EB0Z (X to Z), EA0Z (Y to Z), as rotations of the Y and Z joints.
+//! All six of each rotary axis are carried; which of them nobody can see is for the fit to say, and
+//! [`conventional_zeros`] names those that ISO's minimum set leaves out.
+//! Limits: constant over the run; small angles.
+
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::Vector3;
+use trunnion_machine::{Machine, Site, State};
+use trunnion_units::{AxisLetter, Twist};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "location-errors",
+    about: About {
+        title: "Location errors of the axis average lines",
+        source: "ISO 230-1 §3; S1 eq. 6–7; S2 tables 2–5",
+        equation: "δ = (EX0R, EY0R, EZ0R), ω = (EA0R, EB0R, EC0R) at the joint of each rotary axis R",
+        validity: "Constant over the run; small angles.",
+        typical: "10 µm, 50 µrad",
+        explanation: "The axis average line is not where, or not in the direction, that the control believes.",
+        cause: "Assembly and alignment of the axes, or wrong pivot data in the control.",
+        seen_by: "Any cycle that turns the axis; tilts need two heights.",
+    },
+    subjects: |_| vec![Subject::Whole],
+    parameters,
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+fn carriers(machine: &Machine) -> Vec<AxisLetter> {
+    machine.rotary().iter().map(|axis| axis.letter).collect()
+}
+
+/// (site, unit rotation, symbol) of the squareness errors of a machine without rotary axes.
+fn squareness() -> [(AxisLetter, Vector3<f64>, &'static str); 3] {
+    [
+        (AxisLetter::Y, Vector3::z(), "EC0Y"),
+        (AxisLetter::Z, Vector3::y(), "EB0Z"),
+        (AxisLetter::Z, Vector3::x(), "EA0Z"),
+    ]
+}
+
+fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {
+    let carriers = carriers(&scene.machine);
+    if carriers.is_empty() {
+        return squareness().map(|(_, _, name)| Parameter::new(name, Unit::URAD)).into();
+    }
+    let symbol = |direction: AxisLetter, axis: AxisLetter| {
+        let unit = if direction.is_rotary() { Unit::URAD } else { Unit::UM };
+        Parameter::new(format!("E{direction}0{axis}"), unit)
+    };
+    carriers.iter().flat_map(|&axis| AxisLetter::ALL.map(|direction| symbol(direction, axis))).collect()
+}
+
+fn motions(scene: &Scene, _: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let carriers = carriers(&scene.machine);
+    if carriers.is_empty() {
+        for (k, (letter, axis, _)) in squareness().into_iter().enumerate() {
+            // The tool end of the later axis leans: the angle acts on the travel of that axis.
+            let travel = scene.machine.axis(letter).map_or(0.0, |a| a.sense) * state.position[letter];
+            let along = scene.machine.axis(letter).map_or(Vector3::zeros(), |a| a.direction.into_inner());
+            emit(k, Site::Joint(letter), Twist::translation(axis.cross(&(along * travel))));
+        }
+        return;
+    }
+    for (i, &axis) in carriers.iter().enumerate() {
+        for k in 0..3 {
+            let unit = Vector3::ith(k, 1.0);
+            emit(6 * i + k, Site::Joint(axis), Twist::translation(unit));
+            emit(6 * i + 3 + k, Site::Joint(axis), Twist::rotation(unit));
+        }
+    }
+}
+
+/// Location errors that the minimum set (8 for two rotary axes, S2 tables 2–5) defines to be zero, weakest first: when
+/// one of these cannot be told from others, it is the one that gets no number.
+pub fn conventional_zeros(machine: &Machine) -> Vec<String> {
+    let mut names = Vec::new();
+    // Along the axis itself nothing distinguishes the axis line; its zero position belongs to the axis scale.
+    for axis in machine.rotary().into_iter().rev() {
+        let k = axis.direction.iamax();
+        names.push(format!("E{}0{}", AxisLetter::LINEAR[k], axis.letter));
+        names.push(format!("E{}0{}", AxisLetter::ROTARY[k], axis.letter));
+    }
+    // Relative notation: an error of an outer axis that the inner one can also make is booked on the inner axis
+    // for rotations, on the outer for translations (EX0C, EY0C relative to B).
+    let rotary = machine.rotary();
+    for pair in rotary.windows(2) {
+        let (inner, outer) = (pair[0], pair[1]);
+        let k = inner.direction.iamax();
+        names.push(format!("E{}0{}", AxisLetter::ROTARY[k], outer.letter));
+    }
+    // A zero position of the inner axis is only defined against the outer one: keep it (EB0B), give up the outer's tilt.
+    if rotary.len() > 1 {
+        let inner = rotary[0];
+        let keep = format!("E{}0{}", AxisLetter::ROTARY[inner.direction.iamax()], inner.letter);
+        names.retain(|name| *name != keep);
+        names.push(keep);
+    }
+    names
+}

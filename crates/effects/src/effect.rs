@@ -1,0 +1,120 @@
+//! What an effect file provides.
+
+use crate::Scene;
+use trunnion_machine::{Machine, Site, State};
+use trunnion_units::{AxisLetter, Twist};
+
+/// Receives the motions of an effect: for each parameter, at each site, the twist per unit (1 mm, 1 rad, …)
+/// of that parameter. A parameter may act at several sites; motions add.
+pub type Emit<'a> = &'a mut dyn FnMut(usize, Site, Twist);
+
+/// One physical effect: plain data and functions, one constant per catalogue file.
+pub struct Effect {
+    /// First part of the id and name of the file (with `-` for `_`), e.g. `gravity-sag`.
+    pub phenomenon: &'static str,
+    /// What a person should know.
+    pub about: About,
+    /// On what this machine could show it: one instance each.
+    pub subjects: fn(&Machine) -> Vec<Subject>,
+    /// Linear parameters of one instance in this scene. Empty when the scene cannot have it
+    /// (no time stamps, nothing moving, …): the instance is then out of reach.
+    pub parameters: fn(&Scene, Subject) -> Vec<Parameter>,
+    /// Grid of the shape numbers.
+    pub shapes: fn(&Scene, Subject) -> Shapes,
+    /// The equation: motions per unit parameter at a state, for one shape of the grid or near it.
+    pub motions: fn(&Scene, Subject, &[f64], &State, Emit<'_>),
+}
+
+/// Documentation of an effect, used by reports and the generated catalogue.
+pub struct About {
+    /// Short title, e.g. "Sag of the tilting frame under its own weight".
+    pub title: &'static str,
+    /// Where it comes from, e.g. "S1 §5.3".
+    pub source: &'static str,
+    /// The equation in text.
+    pub equation: &'static str,
+    /// When it holds.
+    pub validity: &'static str,
+    /// Typical size on a good machine.
+    pub typical: &'static str,
+    /// One plain sentence for a technician: what it is.
+    pub explanation: &'static str,
+    /// Likely mechanical cause (S4 table 2 where it has one).
+    pub cause: &'static str,
+    /// Which measurement shows or separates it, e.g. "both directions of C".
+    pub seen_by: &'static str,
+}
+
+/// What an instance is about: the part of the id after the colon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Subject {
+    /// The whole machine; the id has no colon.
+    Whole,
+    /// One axis, `:B`.
+    Axis(AxisLetter),
+    /// A pair of axes, `:ZX`.
+    Pair(AxisLetter, AxisLetter),
+}
+
+/// One linear parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name, unique in the model when prefixed by the effect id; location errors use ISO 230 symbols.
+    pub name: String,
+    /// Unit on files and screens.
+    pub unit: Unit,
+}
+
+/// A unit on files and screens with its size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// Text in JSON, e.g. `um`, `urad`, `um/K`.
+    pub symbol: &'static str,
+    /// Value on the screen = value inside × this.
+    pub per_inside: f64,
+}
+
+impl Unit {
+    /// µm for mm.
+    pub const UM: Self = Self { symbol: "um", per_inside: 1e3 };
+    /// µrad for rad.
+    pub const URAD: Self = Self { symbol: "urad", per_inside: 1e6 };
+    /// µm/m for a ratio.
+    pub const UM_PER_M: Self = Self { symbol: "um/m", per_inside: 1e6 };
+    /// µm/K for mm/K.
+    pub const UM_PER_K: Self = Self { symbol: "um/K", per_inside: 1e3 };
+    /// ms for s.
+    pub const MS: Self = Self { symbol: "ms", per_inside: 1e3 };
+    /// A plain number.
+    pub const ONE: Self = Self { symbol: "1", per_inside: 1.0 };
+}
+
+/// Grid of shape numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shapes {
+    /// Name and unit of each shape number, e.g. `tau_s`.
+    pub names: Vec<&'static str>,
+    /// Grid points; one empty entry when the effect has no shape numbers.
+    pub grid: Vec<Vec<f64>>,
+    /// True when values between grid points make sense (a time constant), false for counts (lobes, teeth).
+    pub continuous: bool,
+}
+
+impl Shapes {
+    /// No shape numbers.
+    pub fn none() -> Self {
+        Self { names: Vec::new(), grid: vec![Vec::new()], continuous: false }
+    }
+
+    /// One shape number with these grid values.
+    pub fn one(name: &'static str, values: impl IntoIterator<Item = f64>, continuous: bool) -> Self {
+        Self { names: vec![name], grid: values.into_iter().map(|v| vec![v]).collect(), continuous }
+    }
+}
+
+impl Parameter {
+    /// A parameter.
+    pub fn new(name: impl Into<String>, unit: Unit) -> Self {
+        Self { name: name.into(), unit }
+    }
+}

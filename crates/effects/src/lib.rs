@@ -1,0 +1,16 @@
+//! The catalogue of physical effects.
+//!
+//! An effect is a small twist at a joint (or an offset of ball, nest or probe) as a function of the machine's
+//! state, linear in a few parameters and, for some, of a few shape numbers (a time constant, a number of teeth) that are searched on a grid.
+//! One file per effect in [`catalogue`], one line in its registry.
+
+pub mod catalogue;
+mod effect;
+mod instance;
+pub mod model;
+mod scene;
+
+pub use effect::{About, Effect, Emit, Parameter, Shapes, Subject, Unit};
+pub use instance::{Instance, UnknownEffect, every_axis, every_linear, every_rotary};
+pub use model::Model;
+pub use scene::{Scene, SceneSetup};

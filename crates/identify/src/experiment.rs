@@ -1,0 +1,170 @@
+//! Runs fitted together: their points, rows and columns.
+//!
+//! Row layout: points in order of the runs, the components of each point together (3 for an R-test, 1 for a ball
+//! bar). Column of parameter j of an effect: `Σ_sites projection · propagation · twist_j(state)` (METHODS §2).
+
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+use trunnion_effects::{Instance, Scene, SceneSetup};
+use trunnion_instruments::Projector;
+use trunnion_machine::Machine;
+use trunnion_measurement::{Point, Run, RunKind, Setup};
+
+/// Points of one or more runs of one machine.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// What effects may know.
+    pub scene: Scene,
+    /// Setups of all runs; `Point::state.setup` indexes them.
+    pub setups: Vec<Setup>,
+    /// Good points of all runs; setups renumbered.
+    pub points: Vec<Point>,
+    /// Which run each point came from.
+    pub run_of_point: Vec<usize>,
+    /// Names of the runs.
+    pub runs: Vec<String>,
+    /// Kind of each run.
+    pub kinds: Vec<RunKind>,
+    first_row: Vec<usize>,
+}
+
+/// Runs that cannot be fitted together.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// No run was given.
+    #[error("there is no run to identify from; name at least one recording")]
+    NoRun,
+    /// No usable point.
+    #[error("the runs {runs} hold no usable point; look at their quality with `trunnion compare`")]
+    NoPoints {
+        /// Names of the runs.
+        runs: String,
+    },
+    /// Two machines.
+    #[error(
+        "run {run} was measured on machine {found}, run {first} on {expected}; fit runs of one machine together"
+    )]
+    DifferentMachines {
+        /// The run that differs.
+        run: String,
+        /// Its machine.
+        found: String,
+        /// The first run.
+        first: String,
+        /// Its machine.
+        expected: String,
+    },
+}
+
+impl Experiment {
+    /// Puts runs together. Setups of different runs stay apart (the ball was set anew); with several runs
+    /// their names are prefixed by the run's number, e.g. `1.low`.
+    ///
+    /// # Errors
+    /// No run, no usable point, or runs of different machines.
+    pub fn new(runs: &[Run]) -> Result<Self, ExperimentError> {
+        let first = runs.first().ok_or(ExperimentError::NoRun)?;
+        let (mut setups, mut points, mut run_of_point, mut channels) =
+            (Vec::new(), Vec::new(), Vec::new(), first.channels.clone());
+        for (i, run) in runs.iter().enumerate() {
+            if run.machine != first.machine {
+                return Err(ExperimentError::DifferentMachines {
+                    run: run.name.clone(),
+                    found: run.machine.name.clone(),
+                    first: first.name.clone(),
+                    expected: first.machine.name.clone(),
+                });
+            }
+            let offset = setups.len();
+            for setup in &run.setups {
+                let name =
+                    if runs.len() > 1 { format!("{}.{}", i + 1, setup.name) } else { setup.name.clone() };
+                setups.push(Setup { name, ..setup.clone() });
+            }
+            channels.retain(|channel| run.channels.contains(channel));
+            for point in run.good_points() {
+                let mut point = point.clone();
+                point.state.setup += offset;
+                points.push(point);
+                run_of_point.push(i);
+            }
+        }
+        // Channels that not every run has would leave holes: only common ones take part.
+        for (point, &i) in points.iter_mut().zip(&run_of_point) {
+            let all = &point.state.temperature_degc;
+            let common = channels
+                .iter()
+                .filter_map(|c| runs[i].channels.iter().position(|x| x == c))
+                .filter_map(|k| all.get(k).copied());
+            point.state.temperature_degc = common.collect();
+        }
+        if points.is_empty() {
+            let runs = runs.iter().map(|run| run.name.clone()).collect::<Vec<_>>().join(", ");
+            return Err(ExperimentError::NoPoints { runs });
+        }
+        let scene_setups = setups
+            .iter()
+            .map(|setup: &Setup| SceneSetup {
+                name: setup.name.clone(),
+                components: setup.instrument.components(),
+            })
+            .collect();
+        let scene = Scene::new(
+            first.machine.clone(),
+            scene_setups,
+            channels,
+            points.iter().map(|p: &Point| &p.state),
+        );
+        let mut first_row = vec![0];
+        for point in &points {
+            let components = setups[point.state.setup].instrument.components().len();
+            first_row.push(first_row[first_row.len() - 1] + components);
+        }
+        let names = runs.iter().map(|run| run.name.clone()).collect();
+        let kinds = runs.iter().map(|run| run.kind).collect();
+        Ok(Self { scene, setups, points, run_of_point, runs: names, kinds, first_row })
+    }
+
+    /// The machine.
+    pub fn machine(&self) -> &Machine {
+        &self.scene.machine
+    }
+
+    /// Number of scalar readings.
+    pub fn rows(&self) -> usize {
+        self.first_row[self.points.len()]
+    }
+
+    /// Rows of one point.
+    pub fn rows_of(&self, point: usize) -> Range<usize> {
+        self.first_row[point]..self.first_row[point + 1]
+    }
+
+    /// Readings, mm.
+    pub fn readings_mm(&self) -> DVector<f64> {
+        let mut readings = DVector::zeros(self.rows());
+        for (i, point) in self.points.iter().enumerate() {
+            for (k, row) in self.rows_of(i).enumerate() {
+                readings[row] = point.reading_mm[k];
+            }
+        }
+        readings
+    }
+
+    /// Columns of one effect: rows × parameters, mm per unit of the parameter (inside units).
+    pub fn columns(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
+        let mut columns = DMatrix::zeros(self.rows(), instance.parameters(&self.scene).len());
+        for i in 0..self.points.len() {
+            let rows = self.rows_of(i);
+            let state = &self.points[i].state;
+            let projector = Projector::new(self.machine(), &self.setups[state.setup], &state.position);
+            instance.motions(&self.scene, shape, state, &mut |parameter, site, twist| {
+                let seen = projector.column(site, &twist);
+                for (k, row) in rows.clone().enumerate() {
+                    columns[(row, parameter)] += seen[k];
+                }
+            });
+        }
+        columns
+    }
+}
