@@ -1,1 +1,4 @@
-//! hil-sim
+//! The virtual machine tool: physics of its own, and devices that speak the real protocols.
+
+pub mod devices;
+pub mod motion;
