@@ -1,0 +1,3 @@
+//! The service: configuration, wiring of devices to recording to analysis, MQTT status.
+
+pub mod mqtt;

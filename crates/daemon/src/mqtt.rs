@@ -1,0 +1,156 @@
+//! Plant status over MQTT: plain JSON topics with retained state and a last will (HARDWARE §5).
+//!
+//! One task polls the connection. Publishing never waits for the broker: each topic keeps its latest value, and every
+//! latest value is sent again after each CONNACK, because a broker that forgot the session drops what
+//! was pending. History lives in the recording, not here.
+
+use rumqttc::{AsyncClient, Event, EventLoop, LastWill, MqttOptions, Packet, QoS};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use tokio::sync::Notify;
+use tokio_util::sync::CancellationToken;
+use tracing::{info, warn};
+
+/// How to reach the broker.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MqttConfig {
+    /// Host name or address.
+    pub host: String,
+    /// TCP port.
+    pub port: u16,
+    /// Machine name in the topics.
+    pub machine: String,
+    /// User and password.
+    pub login: Option<(String, String)>,
+}
+
+/// First and longest wait before connecting again.
+const BACK_OFF: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(30));
+/// How long the farewell may take.
+const FAREWELL: Duration = Duration::from_secs(2);
+/// Messages the client may hold; only latest values are queued, so this bounds the number of topics.
+const QUEUE: usize = 64;
+
+/// Latest value of each topic, shared with the polling task.
+#[derive(Clone, Default)]
+pub struct Board {
+    shared: Arc<Shared>,
+}
+
+#[derive(Default)]
+struct Shared {
+    topics: Mutex<BTreeMap<String, Topic>>,
+    changed: Notify,
+}
+
+#[derive(Clone)]
+struct Topic {
+    payload: String,
+    sent: bool,
+}
+
+impl Board {
+    /// Sets the value of a topic below `trunnion/<machine>/`. Never waits; an unsent older value is replaced.
+    pub fn set(&self, topic: &str, value: &serde_json::Value) {
+        let topic_value = Topic { payload: value.to_string(), sent: false };
+        self.lock().insert(topic.into(), topic_value);
+        self.shared.changed.notify_one();
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, Topic>> {
+        self.shared.topics.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn forget_what_was_sent(&self) {
+        self.lock().values_mut().for_each(|topic| topic.sent = false);
+    }
+}
+
+/// Runs until `cancel`; connects, keeps the retained topics current, reconnects with back-off.
+pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
+    let (client, mut events) = connect(&config);
+    let mut wait = BACK_OFF.0;
+    let mut connected = false;
+    loop {
+        tokio::select! {
+            biased;
+            () = cancel.cancelled() => break,
+            event = events.poll() => match event {
+                Ok(Event::Incoming(Packet::ConnAck(_))) => {
+                    info!(host = config.host, port = config.port, "connected to the MQTT broker");
+                    (connected, wait) = (true, BACK_OFF.0);
+                    board.forget_what_was_sent();
+                    publish_news(&client, &config, &board);
+                }
+                // An acknowledgement frees the queue for what did not fit.
+                Ok(Event::Incoming(Packet::PubAck(_))) => publish_news(&client, &config, &board),
+                Ok(_) => {}
+                Err(error) => {
+                    if connected {
+                        warn!(%error, "lost the MQTT broker; measuring goes on, status is sent again when it returns");
+                    }
+                    connected = false;
+                    tokio::select! {
+                        () = cancel.cancelled() => break,
+                        () = tokio::time::sleep(wait) => wait = (wait * 2).min(BACK_OFF.1),
+                    }
+                }
+            },
+            () = board.shared.changed.notified(), if connected => publish_news(&client, &config, &board),
+        }
+    }
+    if connected && tokio::time::timeout(FAREWELL, farewell(&client, &mut events, &config)).await.is_err() {
+        warn!("the MQTT broker did not take the farewell in time; its last will says offline");
+    }
+}
+
+fn connect(config: &MqttConfig) -> (AsyncClient, EventLoop) {
+    let mut options = MqttOptions::new(
+        format!("trunnion-{}-{}", config.machine, std::process::id()),
+        &config.host,
+        config.port,
+    );
+    options.set_keep_alive(Duration::from_secs(10));
+    options.set_last_will(LastWill::new(status_topic(config), offline("lost"), QoS::AtLeastOnce, true));
+    if let Some((user, password)) = &config.login {
+        options.set_credentials(user, password);
+    }
+    AsyncClient::new(options, QUEUE)
+}
+
+/// Queues every value the broker does not have; what does not fit waits for the next change or connection.
+fn publish_news(client: &AsyncClient, config: &MqttConfig, board: &Board) {
+    for (name, topic) in board.lock().iter_mut().filter(|(_, topic)| !topic.sent) {
+        let full = format!("trunnion/{}/{name}", config.machine);
+        match client.try_publish(full, QoS::AtLeastOnce, true, topic.payload.clone()) {
+            Ok(()) => topic.sent = true,
+            Err(error) => {
+                warn!(%error, topic = name, "MQTT queue is full; the latest value is kept and sent later");
+                return;
+            }
+        }
+    }
+}
+
+async fn farewell(client: &AsyncClient, events: &mut EventLoop, config: &MqttConfig) {
+    if client.try_publish(status_topic(config), QoS::AtLeastOnce, true, offline("stopped")).is_err() {
+        return;
+    }
+    while let Ok(event) = events.poll().await {
+        if matches!(event, Event::Incoming(Packet::PubAck(_))) {
+            break;
+        }
+    }
+    if client.try_disconnect().is_ok() {
+        while events.poll().await.is_ok() {}
+    }
+}
+
+fn status_topic(config: &MqttConfig) -> String {
+    format!("trunnion/{}/status", config.machine)
+}
+
+fn offline(reason: &str) -> String {
+    serde_json::json!({ "state": "offline", "reason": reason }).to_string()
+}
