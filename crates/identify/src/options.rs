@@ -1,0 +1,119 @@
+//! How to fit, and what can go wrong.
+
+use trunnion_effects::UnknownEffect;
+
+/// Choices of a fit. The default is what `trunnion identify` does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// What to do with points far from the rest.
+    pub outliers: Outliers,
+    /// Whether to predict left-out parts (costs a fit for each).
+    pub holdout: HoldoutWanted,
+    /// Directions with a singular value below this share of the largest are not seen.
+    pub null_tolerance: f64,
+}
+
+/// What to do with points far from the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outliers {
+    /// Set them aside and name them.
+    SetAside,
+    /// Keep every point.
+    Keep,
+}
+
+/// Whether to predict left-out parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HoldoutWanted {
+    /// Leave out passes, or blocks, in turn.
+    Yes,
+    /// Save the time.
+    No,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { outliers: Outliers::SetAside, holdout: HoldoutWanted::Yes, null_tolerance: 1e-8 }
+    }
+}
+
+impl Options {
+    /// For a scan of many models: outliers kept, no hold-out.
+    pub fn quick() -> Self {
+        Self { outliers: Outliers::Keep, holdout: HoldoutWanted::No, ..Self::default() }
+    }
+}
+
+/// Why a model could not be identified.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum IdentifyError {
+    /// The model names an effect this machine cannot have.
+    #[error("the model cannot be placed on this machine")]
+    UnknownEffect(#[from] UnknownEffect),
+    /// The runs cannot show an effect of the model.
+    #[error(
+        "effect {effect} is out of reach of these runs (no time stamps, no motion, or no such channel); \
+         remove it from the model or add a run that shows it"
+    )]
+    OutOfReach {
+        /// Effect id.
+        effect: String,
+    },
+    /// An effect is listed twice.
+    #[error("the model lists effect {effect} twice; keep one")]
+    EffectTwice {
+        /// Effect id.
+        effect: String,
+    },
+    /// The model holds a parameter that does not exist.
+    #[error("effect {effect} has no parameter \"{name}\" to hold; allowed: {allowed}")]
+    UnknownFixed {
+        /// Effect id.
+        effect: String,
+        /// What was asked for.
+        name: String,
+        /// Its parameters.
+        allowed: String,
+    },
+    /// The model gives the wrong number of shape numbers.
+    #[error("effect {effect} has {expected} shape number(s) ({names}), the model gives {found}")]
+    WrongShape {
+        /// Effect id.
+        effect: String,
+        /// How many it has.
+        expected: usize,
+        /// Their names.
+        names: String,
+        /// How many the model gives.
+        found: usize,
+    },
+    /// A reading or column that is no number.
+    #[error("point {point} of run {run} gives no finite {what}; mark it in the recording or remove it")]
+    NotFinite {
+        /// Index of the point.
+        point: usize,
+        /// Name of the run.
+        run: String,
+        /// `reading` or `prediction`.
+        what: &'static str,
+    },
+    /// More unknowns than readings.
+    #[error("{rows} readings cannot determine {determined} parameters; measure more poses")]
+    TooFewReadings {
+        /// Scalar readings.
+        rows: usize,
+        /// Parameters the design could determine.
+        determined: usize,
+    },
+    /// Gauss–Newton did not settle.
+    #[error(
+        "the fit did not settle in {steps} steps (last change {change_mm:e} mm); errors beyond a few degrees \
+         are outside the model: check the setup's ball position, the machine file and the turning senses"
+    )]
+    NotSettled {
+        /// Steps done.
+        steps: usize,
+        /// Last change of the prediction, mm.
+        change_mm: f64,
+    },
+}
