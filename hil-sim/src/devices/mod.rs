@@ -1,1 +1,21 @@
 //! Virtual devices that speak the real protocols over real ports, each with a clock of its own.
+//!
+//! [`cell::start`] brings up a whole shop floor: three optoNCDT probes and a CANopen ball bar on pseudo-terminals, a
+//! CNC as an MTConnect agent. Every device asks the same [`World`] what there is to see at its own sampling instants,
+//! stamps it with its own [`DeviceClock`], and can be given [`Fault`]s. What a device does with bytes and instants is
+//! plain code without I/O; [`serial`] and [`mtconnect`] run it in real time.
+
+pub mod canopen;
+pub mod cell;
+mod clock;
+mod faults;
+mod handle;
+pub mod mtconnect;
+pub mod optoncdt;
+pub mod serial;
+mod world;
+
+pub use clock::{DeviceClock, TimeOrigin};
+pub use faults::{Fault, ScheduledFault};
+pub use handle::{Address, DeviceError, Handle, InjectError};
+pub use world::{CycleState, SimulatedCell, World, orthogonal_nest};

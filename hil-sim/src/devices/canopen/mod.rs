@@ -1,0 +1,155 @@
+//! CANopen nodes behind a Lawicel (slcan) adapter: the encoder of a ball bar (CiA 406) and, if wanted, probes
+//! (CiA 404). The adapter is powered over its cable, the nodes are not.
+//!
+//! A SYNC from the host latches all nodes at the instant its line arrives. Sources of the formats:
+//! [`trunnion_protocol::slcan`], [`trunnion_protocol::canopen`].
+
+mod node;
+mod objects;
+
+pub use objects::NodeKind;
+
+use super::clock::{DeviceClock, TimeOrigin};
+use super::faults::ScheduledFault;
+use super::handle::{DeviceError, Handle};
+use super::serial::{self, SerialDevice};
+use super::world::World;
+use node::Node;
+use std::path::Path;
+use std::sync::Arc;
+use trunnion_protocol::can::CanFrame;
+use trunnion_protocol::canopen::NodeId;
+use trunnion_protocol::slcan::{Adapter, AdapterDecoder, AdapterMessage};
+
+/// One node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeConfig {
+    /// Its number.
+    pub id: NodeId,
+    /// What it measures.
+    pub kind: NodeKind,
+    /// Serial number, 1018h:04.
+    pub serial: u32,
+    /// Producer heartbeat time, ms; 0 for none.
+    pub heartbeat_ms: u16,
+    /// Event timer of TPDO 1, ms; 0 switches TPDO 1 off, so that only SYNC asks for values.
+    pub event_timer_ms: u16,
+    /// Its clock, which runs heartbeat and event timer.
+    pub clock: DeviceClock,
+}
+
+/// An adapter and the nodes on its bus.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BusConfig {
+    /// The nodes; each number once.
+    pub nodes: Vec<NodeConfig>,
+    /// Clock of the adapter, which stamps frames in ms modulo 60 000.
+    pub adapter_clock: DeviceClock,
+}
+
+impl BusConfig {
+    /// A ball bar as node 5 with steps of 100 nm, position every 10 ms and after every SYNC.
+    pub fn ball_bar(clock: DeviceClock) -> Self {
+        let id = NodeId::new(5).expect("5 is in 1..=127");
+        let kind = NodeKind::BallBar { step_nm: 100, zero_mm: 10.0 };
+        let node = NodeConfig { id, kind, serial: 4711, heartbeat_ms: 500, event_timer_ms: 10, clock };
+        Self { nodes: vec![node], adapter_clock: clock }
+    }
+
+    /// The ball bar and three probes of ±1 mm as nodes 1 to 3, read by SYNC.
+    pub fn ball_bar_and_probes(clock: DeviceClock) -> Self {
+        let mut bus = Self::ball_bar(clock);
+        for channel in 0..3 {
+            let id = NodeId::new(channel as u8 + 1).expect("1..=3 is in 1..=127");
+            let kind = NodeKind::Probe { channel, digits: 5 };
+            let serial = 1001 + channel as u32;
+            bus.nodes.push(NodeConfig { id, kind, serial, heartbeat_ms: 500, event_timer_ms: 0, clock });
+        }
+        bus
+    }
+
+    fn check(&self) -> Result<(), DeviceError> {
+        let refuse = |setting, found, allowed| {
+            Err(DeviceError::Setting { device: "CANopen bus", setting, found, allowed })
+        };
+        for (index, node) in self.nodes.iter().enumerate() {
+            if self.nodes[..index].iter().any(|other| other.id == node.id) {
+                return refuse("node", f64::from(node.id.get()), "each number once");
+            }
+            match node.kind {
+                NodeKind::Probe { channel, .. } if channel > 2 => {
+                    return refuse("channel", channel as f64, "0..=2");
+                }
+                NodeKind::Probe { digits, .. } if digits > 8 => {
+                    return refuse("digits", f64::from(digits), "0..=8");
+                }
+                NodeKind::BallBar { step_nm: 0, .. } => return refuse("step_nm", 0.0, "1 or more"),
+                NodeKind::Probe { .. } | NodeKind::BallBar { .. } => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Starts adapter and nodes on a pseudo-terminal that `port` will link to. Must be called within a tokio runtime.
+pub fn spawn(
+    world: Arc<dyn World>,
+    config: &BusConfig,
+    port: &Path,
+    origin: TimeOrigin,
+    faults: &[ScheduledFault],
+) -> Result<Handle, DeviceError> {
+    config.check()?;
+    let bus = Bus {
+        nodes: config.nodes.iter().map(|node| Node::new(*node, Arc::clone(&world))).collect(),
+        adapter: Adapter::default(),
+        commands: AdapterDecoder::default(),
+        adapter_clock: config.adapter_clock,
+    };
+    serial::spawn("CANopen bus", bus, port, origin, faults)
+}
+
+struct Bus {
+    nodes: Vec<Node>,
+    adapter: Adapter,
+    commands: AdapterDecoder,
+    adapter_clock: DeviceClock,
+}
+
+impl Bus {
+    /// The adapter's lines for frames seen on the bus.
+    fn lines(&self, frames: Vec<CanFrame>, now_s: f64) -> Vec<u8> {
+        let clock_ms = (self.adapter_clock.device_s(now_s) * 1e3).max(0.0) as u64;
+        let seen = frames.into_iter().filter_map(|frame| self.adapter.receive(frame, clock_ms));
+        seen.flat_map(|message: AdapterMessage| message.encode()).collect()
+    }
+}
+
+impl SerialDevice for Bus {
+    fn receive(&mut self, bytes: &[u8], now_s: f64) -> Vec<u8> {
+        let mut lines = Vec::new();
+        for command in self.commands.push(bytes) {
+            let (answer, frame) = self.adapter.answer(command);
+            lines.extend(answer.iter().flat_map(AdapterMessage::encode));
+            if let Some(frame) = frame {
+                let answers = self.nodes.iter_mut().flat_map(|node| node.on_frame(&frame, now_s)).collect();
+                lines.extend(self.lines(answers, now_s));
+            }
+        }
+        lines
+    }
+
+    fn next_due_s(&self) -> Option<f64> {
+        self.nodes.iter().filter_map(Node::next_due_s).min_by(f64::total_cmp)
+    }
+
+    fn send_due(&mut self, now_s: f64) -> Vec<u8> {
+        let frames = self.nodes.iter_mut().flat_map(|node| node.frames_due(now_s)).collect();
+        self.lines(frames, now_s)
+    }
+
+    fn plugged_in(&mut self) {
+        self.adapter = Adapter::default();
+        self.commands = AdapterDecoder::default();
+    }
+}

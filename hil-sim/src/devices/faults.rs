@@ -1,0 +1,89 @@
+//! What can go wrong with a device, on command or at a time set beforehand.
+
+use super::clock::TimeOrigin;
+use tokio::sync::mpsc;
+
+/// A fault.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fault {
+    /// The next bytes the device sends are damaged.
+    GarbleBytes {
+        /// How many.
+        count: usize,
+    },
+    /// The device says nothing and hears nothing; its clock and counters go on. At the agent: the link to the
+    /// controller is lost, every data item becomes `UNAVAILABLE`.
+    Silence {
+        /// How long, s.
+        duration_s: f64,
+    },
+    /// The cable is pulled and put back: the port vanishes, its users are hung up, a new port appears under the same
+    /// name. At the agent: the network is gone, connections are dropped and new ones refused.
+    Unplug {
+        /// How long, s.
+        duration_s: f64,
+    },
+    /// The agent is restarted: connections dropped, new `instanceId`, sequence numbers from 1.
+    AgentRestart,
+}
+
+impl Fault {
+    /// True when its duration, if it has one, is a time.
+    pub(super) fn is_possible(&self) -> bool {
+        match self {
+            Fault::Silence { duration_s } | Fault::Unplug { duration_s } => {
+                duration_s.is_finite() && *duration_s >= 0.0
+            }
+            Fault::GarbleBytes { .. } | Fault::AgentRestart => true,
+        }
+    }
+}
+
+/// A fault at a time of the cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScheduledFault {
+    /// When, in time of the cell, s.
+    pub at_s: f64,
+    /// What.
+    pub fault: Fault,
+}
+
+/// Faults of one device, scheduled and commanded, in the order they happen.
+#[derive(Debug)]
+pub(super) struct FaultSource {
+    origin: TimeOrigin,
+    /// Latest first.
+    scheduled: Vec<ScheduledFault>,
+    commanded: mpsc::Receiver<Fault>,
+}
+
+impl FaultSource {
+    pub fn new(origin: TimeOrigin, scheduled: &[ScheduledFault], commanded: mpsc::Receiver<Fault>) -> Self {
+        let mut scheduled = scheduled.to_vec();
+        scheduled.sort_by(|a, b| b.at_s.total_cmp(&a.at_s));
+        Self { origin, scheduled, commanded }
+    }
+
+    /// The next fault, when it happens. Cancel safe: a fault is taken only when it is given out.
+    pub async fn next(&mut self) -> Fault {
+        let Some(next) = self.scheduled.last().copied() else {
+            return commanded(&mut self.commanded).await;
+        };
+        tokio::select! {
+            biased;
+            fault = commanded(&mut self.commanded) => fault,
+            () = tokio::time::sleep_until(self.origin.instant_of(next.at_s)) => {
+                self.scheduled.pop();
+                next.fault
+            }
+        }
+    }
+}
+
+/// A commanded fault; never when nobody is left to command one.
+async fn commanded(queue: &mut mpsc::Receiver<Fault>) -> Fault {
+    match queue.recv().await {
+        Some(fault) => fault,
+        None => std::future::pending().await,
+    }
+}

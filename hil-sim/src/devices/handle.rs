@@ -1,0 +1,162 @@
+//! What the outside holds of a running device.
+
+use super::faults::Fault;
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use thiserror::Error;
+use tokio::sync::mpsc;
+use tokio::task::JoinHandle;
+use tokio_util::sync::CancellationToken;
+
+/// Where a device is reached.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Address {
+    /// Symbolic link to the pseudo-terminal; the link keeps its name when the device is plugged in again.
+    Port(PathBuf),
+    /// Base URL of the agent, without a slash at the end.
+    Url(String),
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Address::Port(path) => path.display().fmt(f),
+            Address::Url(url) => url.fmt(f),
+        }
+    }
+}
+
+/// Why a device could not be started.
+#[derive(Debug, Error)]
+pub enum DeviceError {
+    /// No pseudo-terminal, or no link to it.
+    #[error("no pseudo-terminal for {path}")]
+    Port {
+        /// The link.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The address cannot be listened on.
+    #[error("the agent cannot listen on {address}")]
+    Listen {
+        /// The address.
+        address: std::net::SocketAddr,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A setting that no device has.
+    #[error("{device}: {setting} = {found}; allowed is {allowed}")]
+    Setting {
+        /// Which device.
+        device: &'static str,
+        /// Which setting.
+        setting: &'static str,
+        /// Its value.
+        found: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A fault this kind of device cannot have, or one with an impossible duration.
+    #[error("{device} cannot have the fault {fault:?}")]
+    Fault {
+        /// Which device.
+        device: &'static str,
+        /// The fault.
+        fault: Fault,
+    },
+}
+
+/// Why a fault was not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum InjectError {
+    /// This kind of device cannot have it, or its duration is impossible.
+    #[error("this device cannot have the fault {0:?}")]
+    NotPossible(Fault),
+    /// Too many faults are waiting.
+    #[error("the device has {FAULT_QUEUE} faults waiting already")]
+    TooMany,
+    /// The device has been shut down.
+    #[error("the device has been shut down")]
+    Stopped,
+}
+
+/// Faults that can wait for a device.
+pub(super) const FAULT_QUEUE: usize = 16;
+
+/// A running device. Dropping the handle switches the device off; [`Handle::shutdown`] waits until it is off.
+#[derive(Debug)]
+pub struct Handle {
+    address: Address,
+    faults: mpsc::Sender<Fault>,
+    can_have: fn(&Fault) -> bool,
+    lost_bytes: Arc<AtomicU64>,
+    stop: CancellationToken,
+    task: JoinHandle<()>,
+}
+
+impl Handle {
+    pub(super) fn new(
+        address: Address,
+        (faults, can_have): (mpsc::Sender<Fault>, fn(&Fault) -> bool),
+        lost_bytes: Arc<AtomicU64>,
+        stop: CancellationToken,
+        task: JoinHandle<()>,
+    ) -> Self {
+        Self { address, faults, can_have, lost_bytes, stop, task }
+    }
+
+    /// Where the device is reached.
+    pub fn address(&self) -> &Address {
+        &self.address
+    }
+
+    /// The port of a serial device.
+    pub fn port(&self) -> Option<&Path> {
+        match &self.address {
+            Address::Port(path) => Some(path),
+            Address::Url(_) => None,
+        }
+    }
+
+    /// The base URL of an agent.
+    pub fn url(&self) -> Option<&str> {
+        match &self.address {
+            Address::Port(_) => None,
+            Address::Url(url) => Some(url),
+        }
+    }
+
+    /// Gives the device a fault; it happens at once.
+    pub fn inject(&self, fault: Fault) -> Result<(), InjectError> {
+        if !(self.can_have)(&fault) {
+            return Err(InjectError::NotPossible(fault));
+        }
+        self.faults.try_send(fault).map_err(|error| match error {
+            mpsc::error::TrySendError::Full(_) => InjectError::TooMany,
+            mpsc::error::TrySendError::Closed(_) => InjectError::Stopped,
+        })
+    }
+
+    /// Bytes the device sent that nobody read in time, or that a fault swallowed.
+    pub fn lost_bytes(&self) -> u64 {
+        self.lost_bytes.load(Ordering::Relaxed)
+    }
+
+    /// Switches the device off and waits until its port is gone.
+    pub async fn shutdown(mut self) {
+        self.stop.cancel();
+        if let Err(error) = (&mut self.task).await {
+            tracing::error!(%error, address = %self.address, "the device ended badly");
+        }
+    }
+}
+
+impl Drop for Handle {
+    fn drop(&mut self) {
+        self.stop.cancel();
+    }
+}

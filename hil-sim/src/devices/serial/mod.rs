@@ -1,0 +1,97 @@
+//! Runs a serial device in real time on a pseudo-terminal, and gives it its faults.
+
+mod link;
+mod pty;
+
+use super::clock::TimeOrigin;
+use super::faults::{Fault, FaultSource, ScheduledFault};
+use super::handle::{Address, DeviceError, FAULT_QUEUE, Handle};
+use link::Link;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+use tokio::sync::mpsc;
+use tokio_util::sync::CancellationToken;
+
+/// A device at the far end of a serial line. Times are of the cell, s; answers are bytes for the line.
+pub trait SerialDevice: Send + 'static {
+    /// Takes bytes from the host and gives the answer.
+    fn receive(&mut self, bytes: &[u8], now_s: f64) -> Vec<u8>;
+    /// When the device next has something to say on its own; later than the last `now_s` of [`Self::send_due`].
+    fn next_due_s(&self) -> Option<f64>;
+    /// What the device says on its own up to now.
+    fn send_due(&mut self, now_s: f64) -> Vec<u8>;
+    /// The cable is back; what was powered over it starts anew.
+    fn plugged_in(&mut self);
+}
+
+/// Starts a device on a pseudo-terminal that `port` will link to. Must be called within a tokio runtime.
+pub fn spawn(
+    name: &'static str,
+    device: impl SerialDevice,
+    port: &Path,
+    origin: TimeOrigin,
+    scheduled: &[ScheduledFault],
+) -> Result<Handle, DeviceError> {
+    if let Some(bad) = scheduled.iter().find(|scheduled| !can_have(&scheduled.fault)) {
+        return Err(DeviceError::Fault { device: name, fault: bad.fault });
+    }
+    let lost_bytes = Arc::new(AtomicU64::new(0));
+    let link = Link::plug_in(port, Arc::clone(&lost_bytes))
+        .map_err(|source| DeviceError::Port { path: port.to_owned(), source })?;
+    let (commands, commanded) = mpsc::channel(FAULT_QUEUE);
+    let faults = FaultSource::new(origin, scheduled, commanded);
+    let stop = CancellationToken::new();
+    let task = tokio::spawn(run(name, device, link, origin, faults, stop.clone()));
+    Ok(Handle::new(Address::Port(port.to_owned()), (commands, can_have), lost_bytes, stop, task))
+}
+
+fn can_have(fault: &Fault) -> bool {
+    fault.is_possible() && *fault != Fault::AgentRestart
+}
+
+async fn run(
+    name: &'static str,
+    mut device: impl SerialDevice,
+    mut link: Link,
+    origin: TimeOrigin,
+    mut faults: FaultSource,
+    stop: CancellationToken,
+) {
+    let mut buffer = [0; 1024];
+    loop {
+        let at = |t_s: Option<f64>| async move {
+            match t_s {
+                Some(t_s) => tokio::time::sleep_until(origin.instant_of(t_s)).await,
+                None => std::future::pending().await,
+            }
+        };
+        let (due_s, replug_s) = (device.next_due_s(), link.replug_s());
+        tokio::select! {
+            () = stop.cancelled() => return,
+            fault = faults.next() => {
+                tracing::info!(device = name, ?fault, "fault");
+                link.suffer(fault, origin.now_s());
+            }
+            () = at(replug_s) => match link.replug() {
+                Ok(()) => device.plugged_in(),
+                Err(error) => return tracing::error!(device = name, %error, "the port cannot be opened again"),
+            },
+            received = link.receive(&mut buffer) => match received {
+                Ok(count) => {
+                    let now_s = origin.now_s();
+                    if !link.is_silent(now_s) {
+                        let answer = device.receive(&buffer[..count], now_s);
+                        link.send(&answer, now_s);
+                    }
+                }
+                Err(error) => return tracing::error!(device = name, %error, "the port failed"),
+            },
+            () = at(due_s) => {
+                let now_s = origin.now_s();
+                let bytes = device.send_due(now_s);
+                link.send(&bytes, now_s);
+            }
+        }
+    }
+}
