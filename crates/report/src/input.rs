@@ -1,0 +1,157 @@
+//! What a report shows: plain data, whoever computed it.
+
+use nalgebra::{Matrix3, Vector3};
+use trunnion_diagnose::Diagnosis;
+use trunnion_units::AxisValues;
+
+/// Everything the compare report shows. Empty lists and `None` leave their section out or say what is missing.
+#[derive(Clone, Debug, Default)]
+pub struct CompareInput {
+    /// The fit, with its parameters.
+    pub identification: IdentificationView,
+    /// Date, software version or whatever else the caller wants under the headline; may be empty.
+    pub label: String,
+    /// Setups; `PointView::setup` indexes them.
+    pub setups: Vec<SetupView>,
+    /// Points in the order they were taken.
+    pub points: Vec<PointView>,
+    /// True when the points were sampled while an axis turned.
+    pub on_the_fly: bool,
+    /// The list of effects added, with the error after each.
+    pub ladder: Vec<LadderRow>,
+    /// Which effect is missing, when that was asked.
+    pub diagnosis: Option<Diagnosis>,
+    /// What is missing from the recording, one sentence each (gaps, damaged parts, points never settled).
+    pub losses: Vec<String>,
+}
+
+/// A fit as people read it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct IdentificationView {
+    /// Machine name.
+    pub machine: String,
+    /// Names of the runs.
+    pub runs: Vec<String>,
+    /// Effects of the model, in the order they were added.
+    pub effects: Vec<String>,
+    /// Points that took part.
+    pub points: usize,
+    /// Points set aside by the robust loss.
+    pub outliers: usize,
+    /// Root mean square of the residual, µm per component, outliers left out.
+    pub rms_um: f64,
+    /// The noise floor.
+    pub noise: Noise,
+    /// Residual on data left out of the fit, µm rms.
+    pub holdout_rms_um: Option<f64>,
+    /// Parameters; those without a value cannot be seen in these data.
+    pub parameters: Vec<ParameterRow>,
+    /// What cannot be told apart.
+    pub unobservable: Vec<UnobservableRow>,
+}
+
+/// What would remain if nothing were missing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Noise {
+    /// µm rms per component; `None` when the cycle has nothing to estimate it from.
+    pub rms_um: Option<f64>,
+    /// Where the figure comes from, e.g. "both directions at the same pose".
+    pub origin: String,
+}
+
+/// One parameter of the model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ParameterRow {
+    /// Name, e.g. `EX0C`.
+    pub name: String,
+    /// The effect it belongs to.
+    pub effect: String,
+    /// Value in `unit`; `None` when unobservable.
+    pub value: Option<f64>,
+    /// Standard uncertainty in `unit`.
+    pub u: Option<f64>,
+    /// Unit as in the JSON, e.g. `um`, `urad`.
+    pub unit: String,
+    /// A remark for a person; may be empty.
+    pub note: String,
+}
+
+/// A combination of parameters that these readings cannot see.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct UnobservableRow {
+    /// The direction, e.g. `EX0C + ball-setting.low.x`.
+    pub direction: String,
+    /// Why, for a person.
+    pub why: String,
+}
+
+/// One instrument mounted in one way, as shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SetupView {
+    /// Name, e.g. `low`.
+    pub name: String,
+    /// Names of the components of a reading: x y z, or r.
+    pub components: Vec<String>,
+    /// Nominal centre of the table-side ball or nest, table axes, mm.
+    pub ball_in_table_mm: Vector3<f64>,
+}
+
+/// One point: where it was, what was read, what the model says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointView {
+    /// Index of its setup.
+    pub setup: usize,
+    /// Commanded axis positions, mm and rad.
+    pub position: AxisValues<f64>,
+    /// Direction of each axis: −1, 0 (unknown), +1.
+    pub direction: AxisValues<f64>,
+    /// Seconds since the run began.
+    pub time_s: Option<f64>,
+    /// Reading, nest axes, mm; only the first component of a ball bar.
+    pub measured_mm: [f64; 3],
+    /// What the model predicts for it, mm.
+    pub predicted_mm: [f64; 3],
+    /// True when the robust loss set it aside.
+    pub outlier: bool,
+    /// The table-side ball or nest in machine axes.
+    pub in_machine: Place,
+    /// The same in the axes of the part that carries the turning axis, Z along that axis: the table plane is its XY plane.
+    pub in_table_plane: Place,
+}
+
+/// A commanded place, and how a reading moves it: `actual = commanded + shift_from_reading · reading`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// Commanded place of the table-side ball or nest, mm.
+    pub commanded_mm: Vector3<f64>,
+    /// Motion of the table side against the tool per reading, in the axes of this place.
+    pub shift_from_reading: Matrix3<f64>,
+}
+
+/// One step of the ladder: an effect added, and the error before and after.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LadderRow {
+    /// Effect added; the first row may be the base model.
+    pub effect: String,
+    /// Date as written in the model file; may be empty.
+    pub date: String,
+    /// Run it was fitted to; may be empty.
+    pub run: String,
+    /// Residual of the fit before, µm rms.
+    pub fit_before_um: f64,
+    /// Residual of the fit after, µm rms.
+    pub fit_after_um: f64,
+    /// Held-out residual before, µm rms.
+    pub holdout_before_um: Option<f64>,
+    /// Held-out residual after, µm rms.
+    pub holdout_after_um: Option<f64>,
+    /// How far the location error that moved most went when the effect came in: name, change, unit.
+    pub largest_location_change: Option<(String, f64, String)>,
+}
+
+impl PointView {
+    /// `measured − predicted`, nest axes, mm.
+    pub fn residual_mm(&self) -> Vector3<f64> {
+        Vector3::from(self.measured_mm) - Vector3::from(self.predicted_mm)
+    }
+}

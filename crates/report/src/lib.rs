@@ -1,0 +1,18 @@
+//! Reports: one self-contained HTML page with its plots, and tables for the terminal.
+//!
+//! Everything takes plain data ([`CompareInput`]) and returns a string; nothing opens a file or asks a clock. Screens
+//! show mm, µm, degrees and µrad; `residual = measured − predicted` everywhere.
+
+mod from_results;
+mod html;
+mod input;
+
+mod text;
+
+pub use from_results::points_of;
+pub use html::compare_html;
+pub use input::{
+    CompareInput, IdentificationView, LadderRow, Noise, ParameterRow, Place, PointView, SetupView,
+    UnobservableRow,
+};
+pub use text::{compare_text, diagnosis_text, identification_text, ladder_text};
