@@ -1,0 +1,277 @@
+//! MCAP record framing, read with limits (<https://mcap.dev/spec>).
+//!
+//! The reader of the `mcap` crate trusts lengths; this one trusts nothing: every length is held against the
+//! file and against [`LARGEST`] before anything is allocated, checksums are compared, and whatever is wrong
+//! is noted with its offset. A bad chunk is skipped; a bad length ends the walk.
+
+use crate::reader::Damage;
+use crc32fast::Hasher;
+use mcap::records::op;
+use std::io::{self, Read};
+
+/// Largest record and largest unpacked chunk, bytes.
+pub const LARGEST: u64 = 64 << 20;
+/// Largest zstd window, as a power of two.
+const LARGEST_WINDOW_LOG: u32 = 25;
+/// Opcode and length.
+const FRAME_BYTES: u64 = 9;
+
+/// A record as it lies in the file.
+pub enum Record<'a> {
+    Schema { id: u16, name: &'a str, encoding: &'a str, data: &'a [u8] },
+    Channel { id: u16, schema_id: u16, topic: &'a str, encoding: &'a str },
+    Message(MessageRecord<'a>),
+    Metadata { name: &'a str, pairs: Vec<(&'a str, &'a str)> },
+    Attachment { name: &'a str, media_type: &'a str, log_time: u64, data: &'a [u8] },
+}
+
+/// One message.
+#[derive(Clone, Copy)]
+pub struct MessageRecord<'a> {
+    pub channel_id: u16,
+    pub sequence: u32,
+    pub log_time: u64,
+    pub publish_time: u64,
+    pub data: &'a [u8],
+    /// Where `data` lies: in the file, or in its chunk.
+    pub data_offset: u64,
+}
+
+/// Visits every readable record in file order and notes the damage. `visit` says why a record is wrong, or
+/// `Ok(false)` to stop.
+///
+/// # Errors
+/// Only when the operating system fails; damage is not an error.
+pub fn walk(
+    file: impl Read,
+    file_bytes: u64,
+    visit: &mut dyn FnMut(&Record<'_>) -> Result<bool, String>,
+) -> io::Result<Option<Damage>> {
+    let mut walk = Walk { file, file_bytes, at: 0, crc: Hasher::new(), damage: None, skipped: 0 };
+    walk.run(visit)?;
+    let skipped = walk.skipped;
+    Ok(walk.damage.map(|damage| match skipped {
+        0 | 1 => damage,
+        n => Damage { lost: format!("{}; {n} damaged places in all", damage.lost), ..damage },
+    }))
+}
+
+struct Walk<R> {
+    file: R,
+    file_bytes: u64,
+    at: u64,
+    crc: Hasher,
+    damage: Option<Damage>,
+    skipped: u64,
+}
+
+type Visit<'v> = &'v mut dyn FnMut(&Record<'_>) -> Result<bool, String>;
+
+impl<R: Read> Walk<R> {
+    fn run(&mut self, visit: Visit<'_>) -> io::Result<()> {
+        let mut magic = [0; 8];
+        let magic_bytes = self.file_bytes.min(8) as usize;
+        self.take(&mut magic[..magic_bytes])?;
+        if magic != mcap::MAGIC {
+            self.note(0, "the file does not begin like a recording".into(), "everything");
+            return Ok(());
+        }
+        let mut body = Vec::new();
+        loop {
+            let offset = self.at;
+            let left = self.file_bytes - offset;
+            if left < FRAME_BYTES {
+                let reason = format!("the file ends without its end record, {left} bytes after the last one");
+                self.note(offset, reason, "what was to follow");
+                return Ok(());
+            }
+            let crc_before = self.crc.clone();
+            let mut frame = [0; FRAME_BYTES as usize];
+            self.take(&mut frame)?;
+            let opcode = frame[0];
+            let bytes = u64::from_le_bytes(frame[1..].try_into().expect("eight bytes"));
+            if opcode == 0 || bytes > LARGEST || bytes > left - FRAME_BYTES {
+                let reason = format!("a record of kind {opcode} claims {bytes} bytes, {left} are left");
+                self.note(offset, reason, "everything from there on");
+                return Ok(());
+            }
+            body.resize(bytes as usize, 0);
+            self.take(&mut body)?;
+            if opcode == op::DATA_END {
+                self.check_end(offset, &body, crc_before);
+                return Ok(());
+            }
+            let data_at = offset + FRAME_BYTES;
+            let went_on = match opcode {
+                op::CHUNK => self.chunk(offset, &body, visit),
+                _ => visit_record(opcode, &body, data_at, visit),
+            };
+            match went_on {
+                Ok(true) => {}
+                Ok(false) => return Ok(()),
+                Err(reason) => self.note(offset, reason, "this record"),
+            }
+        }
+    }
+
+    /// Unpacks a chunk and visits its records.
+    fn chunk(&mut self, offset: u64, body: &[u8], visit: Visit<'_>) -> Result<bool, String> {
+        let mut cursor = Cursor(body);
+        cursor.bytes(16)?;
+        let unpacked_bytes = cursor.u64()?;
+        let crc = cursor.u32()?;
+        let compression = cursor.string()?;
+        let packed_bytes = cursor.u64()?;
+        let packed = cursor.bytes(usize::try_from(packed_bytes).unwrap_or(usize::MAX))?;
+        if unpacked_bytes > LARGEST {
+            return Err(format!("a chunk claims {unpacked_bytes} bytes, {LARGEST} are allowed"));
+        }
+        let unpacked = match compression {
+            "" => packed.to_vec(),
+            "zstd" => {
+                unpack(packed, unpacked_bytes).map_err(|error| format!("a chunk does not unpack: {error}"))?
+            }
+            other => return Err(format!("a chunk is packed with {other:?}; zstd is known")),
+        };
+        if unpacked.len() as u64 != unpacked_bytes || (crc != 0 && crc32fast::hash(&unpacked) != crc) {
+            return Err("the checksum of a chunk differs".into());
+        }
+        let mut rest = Cursor(&unpacked);
+        while !rest.0.is_empty() {
+            let opcode = rest.bytes(1)?[0];
+            let bytes = rest.u64()?;
+            let at = (unpacked.len() - rest.0.len()) as u64;
+            let record = rest.bytes(usize::try_from(bytes).unwrap_or(usize::MAX))?;
+            match visit_record(opcode, record, at, visit) {
+                Ok(true) => {}
+                Ok(false) => return Ok(false),
+                Err(reason) => self.note(offset, reason, "a record of this chunk"),
+            }
+        }
+        Ok(true)
+    }
+
+    /// Compares the checksum of all that came before, and looks for the end of the file.
+    fn check_end(&mut self, offset: u64, body: &[u8], crc: Hasher) {
+        match Cursor(body).u32() {
+            Ok(expected) if expected != 0 && expected != crc.finalize() => {
+                self.note(offset, "the checksum of the data differs".into(), "unknown: values may be wrong");
+            }
+            Ok(_) => {}
+            Err(reason) => self.note(offset, reason, "the checksum"),
+        }
+        let mut tail = Vec::new();
+        let left = (self.file_bytes - self.at).min(LARGEST);
+        if self.file.by_ref().take(left).read_to_end(&mut tail).is_err() || !summary_is_whole(&tail) {
+            self.note(self.at, "the index at the end is damaged".into(), "nothing but the index");
+        }
+    }
+
+    fn take(&mut self, bytes: &mut [u8]) -> io::Result<()> {
+        self.file.read_exact(bytes)?;
+        self.crc.update(bytes);
+        self.at += bytes.len() as u64;
+        Ok(())
+    }
+
+    fn note(&mut self, offset: u64, reason: String, lost: &str) {
+        self.skipped += 1;
+        self.damage.get_or_insert_with(|| Damage { offset, reason, lost: lost.into() });
+    }
+}
+
+fn unpack(packed: &[u8], bytes: u64) -> io::Result<Vec<u8>> {
+    let mut decoder = zstd::stream::read::Decoder::new(packed)?;
+    decoder.window_log_max(LARGEST_WINDOW_LOG)?;
+    let mut unpacked = Vec::new();
+    decoder.take(bytes + 1).read_to_end(&mut unpacked)?;
+    Ok(unpacked)
+}
+
+/// Everything between the end of the data and the checksum in the footer, against that checksum.
+fn summary_is_whole(tail: &[u8]) -> bool {
+    let Some(records) = tail.strip_suffix(mcap::MAGIC) else { return false };
+    let Some((covered, crc)) = records.split_last_chunk::<4>() else { return false };
+    let crc = u32::from_le_bytes(*crc);
+    crc == 0 || crc == crc32fast::hash(covered)
+}
+
+fn visit_record(opcode: u8, body: &[u8], at: u64, visit: Visit<'_>) -> Result<bool, String> {
+    let mut cursor = Cursor(body);
+    let record = match opcode {
+        op::SCHEMA => {
+            let (id, name, encoding) = (cursor.u16()?, cursor.string()?, cursor.string()?);
+            let bytes = cursor.u32()? as usize;
+            Record::Schema { id, name, encoding, data: cursor.bytes(bytes)? }
+        }
+        op::CHANNEL => {
+            let (id, schema_id) = (cursor.u16()?, cursor.u16()?);
+            Record::Channel { id, schema_id, topic: cursor.string()?, encoding: cursor.string()? }
+        }
+        op::MESSAGE => Record::Message(MessageRecord {
+            channel_id: cursor.u16()?,
+            sequence: cursor.u32()?,
+            log_time: cursor.u64()?,
+            publish_time: cursor.u64()?,
+            data: cursor.0,
+            data_offset: at + (body.len() - cursor.0.len()) as u64,
+        }),
+        op::METADATA => {
+            let name = cursor.string()?;
+            let bytes = cursor.u32()? as usize;
+            let mut map = Cursor(cursor.bytes(bytes)?);
+            let mut pairs = Vec::new();
+            while !map.0.is_empty() {
+                pairs.push((map.string()?, map.string()?));
+            }
+            Record::Metadata { name, pairs }
+        }
+        op::ATTACHMENT => {
+            let log_time = cursor.u64()?;
+            cursor.u64()?;
+            let (name, media_type) = (cursor.string()?, cursor.string()?);
+            let bytes = cursor.u64()?;
+            let data = cursor.bytes(usize::try_from(bytes).unwrap_or(usize::MAX))?;
+            let covered = body.len() - cursor.0.len();
+            let crc = cursor.u32()?;
+            if crc != 0 && crc != crc32fast::hash(&body[..covered]) {
+                return Err(format!("the checksum of the attachment {name} differs"));
+            }
+            Record::Attachment { name, media_type, log_time, data }
+        }
+        _ => return Ok(true),
+    };
+    visit(&record)
+}
+
+/// Reads little-endian fields and refuses to read past the end.
+struct Cursor<'a>(&'a [u8]);
+
+impl<'a> Cursor<'a> {
+    fn bytes(&mut self, count: usize) -> Result<&'a [u8], String> {
+        let left = self.0.len();
+        let (taken, rest) = self
+            .0
+            .split_at_checked(count)
+            .ok_or_else(|| format!("a field claims {count} bytes, {left} are left"))?;
+        self.0 = rest;
+        Ok(taken)
+    }
+
+    fn u16(&mut self) -> Result<u16, String> {
+        Ok(u16::from_le_bytes(self.bytes(2)?.try_into().expect("two bytes")))
+    }
+
+    fn u32(&mut self) -> Result<u32, String> {
+        Ok(u32::from_le_bytes(self.bytes(4)?.try_into().expect("four bytes")))
+    }
+
+    fn u64(&mut self) -> Result<u64, String> {
+        Ok(u64::from_le_bytes(self.bytes(8)?.try_into().expect("eight bytes")))
+    }
+
+    fn string(&mut self) -> Result<&'a str, String> {
+        let bytes = self.u32()? as usize;
+        std::str::from_utf8(self.bytes(bytes)?).map_err(|_| "a text is not UTF-8".into())
+    }
+}

@@ -1,0 +1,75 @@
+//! What can go wrong with a recording.
+
+use std::path::{Path, PathBuf};
+use trunnion_units::Problems;
+
+/// Why a recording could not be made, finished or read.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The operating system refused.
+    #[error("cannot {what} {}", path.display())]
+    Io {
+        /// What we were doing.
+        what: &'static str,
+        /// To which file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// Writing MCAP records failed.
+    #[error("cannot write {}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: mcap::McapError,
+    },
+    /// A recording of this name exists.
+    #[error("{} exists already; choose another name, or run recovery if it is left over", path.display())]
+    Exists {
+        /// The file in the way.
+        path: PathBuf,
+    },
+    /// Nothing of the file can be read.
+    #[error("{} is not a recording: at byte {offset}, {reason}", path.display())]
+    NotARecording {
+        /// The file.
+        path: PathBuf,
+        /// Where reading stopped.
+        offset: u64,
+        /// Why.
+        reason: String,
+    },
+    /// The finished file differs from the journal it was made from; the journal is kept.
+    #[error("{} does not read back as it was written ({reason}); the journal beside it is kept", path.display())]
+    Verify {
+        /// The rewritten file.
+        path: PathBuf,
+        /// What differs.
+        reason: String,
+    },
+    /// The machine of the recording is not known.
+    #[error("{}: machine \"{name}\" is neither in the recording nor known; add its file to config/machines", path.display())]
+    UnknownMachine {
+        /// The recording.
+        path: PathBuf,
+        /// The name it gives.
+        name: String,
+    },
+    /// The machine file inside the recording has problems.
+    #[error("the recorded machine file cannot be used")]
+    Machine(#[source] Problems),
+    /// The writer thread has ended.
+    #[error("the recorder has stopped; see the log for why")]
+    Stopped,
+}
+
+impl RecordError {
+    pub(crate) fn io(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        move |source| Self::Io { what, path: path.into(), source }
+    }
+
+    pub(crate) fn write(path: &Path) -> impl FnOnce(mcap::McapError) -> Self {
+        move |source| Self::Write { path: path.into(), source }
+    }
+}

@@ -1,0 +1,320 @@
+//! From journal to finished file: sorted by acquisition time, chunked, compressed, indexed, verified.
+//!
+//! The journal goes only when the finished file has been read back, renamed and synced, so a crash at any
+//! moment leaves one of them whole. Runs found at the next start take the same way.
+
+use crate::container::{MessageRecord, Record, walk};
+use crate::error::RecordError;
+use crate::item::RunHeader;
+use crate::journal::{JOURNAL_ENDING, wall_time};
+use crate::reader::{Damage, decode_header};
+use crate::schema::FILE_DESCRIPTOR_SET;
+use crate::wire::{Topic, encode_event};
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{Attachment, Compression, WriteOptions, Writer};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use trunnion_measurement::Event;
+
+/// Metadata record that says the messages are in order of `log_time`.
+pub const FINISHED_METADATA: &str = "trunnion:finished";
+/// A journal cut short by a crash ends with at most one unfinished message.
+const LONGEST_TAIL: u64 = 64 * 1024;
+/// Ending while the finished file is being written.
+const PARTIAL_ENDING: &str = ".partial";
+
+/// A finished recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinishedFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Messages in it.
+    pub messages: u64,
+    /// Its size.
+    pub bytes: u64,
+    /// What of the journal could not be read.
+    pub damage: Option<Damage>,
+}
+
+/// Finishes every journal in `dir` that no running program holds; each gets an event `recovered` saying
+/// so. One that cannot be finished stays, and does not hinder the others.
+///
+/// # Errors
+/// Only when `dir` cannot be listed; a folder that does not exist holds no journals.
+pub fn recover_orphans(dir: &Path) -> Result<Vec<Result<FinishedFile, RecordError>>, RecordError> {
+    if !dir.exists() {
+        return Ok(Vec::new());
+    }
+    let entries = std::fs::read_dir(dir).map_err(RecordError::io("list", dir))?;
+    let mut journals = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(RecordError::io("list", dir))?.path();
+        if path.extension().is_some_and(|ending| ending == &JOURNAL_ENDING[1..]) {
+            journals.push(path);
+        }
+    }
+    journals.sort();
+    Ok(journals.iter().filter_map(|journal| recover(journal).transpose()).collect())
+}
+
+/// `None` when another program is writing it.
+fn recover(journal: &Path) -> Result<Option<FinishedFile>, RecordError> {
+    let lock = File::options().write(true).open(journal).map_err(RecordError::io("open", journal))?;
+    if lock.try_lock().is_err() {
+        return Ok(None);
+    }
+    finish_journal(journal, Some("the program ended while recording; finished at the next start")).map(Some)
+}
+
+/// Rewrites a closed or left-over journal; `recovered` is the text of the event that says so.
+pub fn finish_journal(journal: &Path, recovered: Option<&str>) -> Result<FinishedFile, RecordError> {
+    let (header, contents) = index(journal)?;
+    let finished = journal.with_extension("");
+    let free = free_path(&finished, recovered.is_some())?;
+    let partial = PathBuf::from(format!("{}{PARTIAL_ENDING}", free.display()));
+    let rewritten = rewrite(journal, &header, &contents, recovered, &partial);
+    let written = match rewritten.and_then(|written| verify(&partial, &written).map(|()| written)) {
+        Ok(written) => written,
+        Err(error) => {
+            if let Err(left) = std::fs::remove_file(&partial) {
+                tracing::warn!("cannot remove {}: {left}", partial.display());
+            }
+            return Err(error);
+        }
+    };
+    std::fs::rename(&partial, &free).map_err(RecordError::io("rename", &partial))?;
+    sync_folder(&free)?;
+    std::fs::remove_file(journal).map_err(RecordError::io("remove", journal))?;
+    sync_folder(&free)?;
+    let bytes = std::fs::metadata(&free).map_err(RecordError::io("look at", &free))?.len();
+    // A message cut short at the end was never accepted; that a left-over journal has no end is no damage.
+    let torn =
+        |damage: &Damage| damage.offset >= contents.end && contents.bytes - damage.offset < LONGEST_TAIL;
+    let damage = contents.damage.filter(|damage| !torn(damage));
+    Ok(FinishedFile { path: free, messages: written.messages, bytes, damage })
+}
+
+/// What a journal holds; the messages stay in the file.
+#[derive(Default)]
+struct Contents {
+    schemas: HashMap<u16, (String, String, Vec<u8>)>,
+    channels: BTreeMap<u16, (u16, String, String)>,
+    metadata: Vec<Metadata>,
+    attachments: Vec<Attachment<'static>>,
+    messages: Vec<Place>,
+    /// First byte after the last readable message.
+    end: u64,
+    /// Size of the journal.
+    bytes: u64,
+    damage: Option<Damage>,
+}
+
+/// One message of the journal.
+struct Place {
+    channel_id: u16,
+    sequence: u32,
+    log_time: u64,
+    publish_time: u64,
+    offset: u64,
+    bytes: u32,
+}
+
+fn index(journal: &Path) -> Result<(RunHeader, Contents), RecordError> {
+    let file = File::open(journal).map_err(RecordError::io("open", journal))?;
+    let bytes = file.metadata().map_err(RecordError::io("look at", journal))?.len();
+    let mut header = None;
+    let mut contents = Contents { bytes, ..Contents::default() };
+    let damage = walk(BufReader::new(file), bytes, &mut |record| {
+        match record {
+            Record::Schema { id, name, encoding, data } => {
+                contents.schemas.insert(*id, ((*name).into(), (*encoding).into(), data.to_vec()));
+            }
+            Record::Channel { id, schema_id, topic, encoding } => {
+                contents.channels.insert(*id, (*schema_id, (*topic).into(), (*encoding).into()));
+            }
+            Record::Metadata { name, pairs } => {
+                let metadata =
+                    pairs.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect();
+                contents.metadata.push(Metadata { name: (*name).into(), metadata });
+            }
+            Record::Attachment { name, media_type, log_time, data } => {
+                contents.attachments.push(Attachment {
+                    log_time: *log_time,
+                    create_time: *log_time,
+                    name: (*name).into(),
+                    media_type: (*media_type).into(),
+                    data: Cow::Owned(data.to_vec()),
+                })
+            }
+            Record::Message(message) => {
+                contents.end = message.data_offset + message.data.len() as u64;
+                let Some((schema_id, _, _)) = contents.channels.get(&message.channel_id) else {
+                    return Err(format!(
+                        "a message names channel {}, which is not declared",
+                        message.channel_id
+                    ));
+                };
+                if header.is_none() {
+                    let schema = contents.schemas.get(schema_id).map(|(name, _, _)| name.as_str());
+                    header = decode_header(schema.unwrap_or_default(), message.data);
+                }
+                contents.messages.push(Place {
+                    channel_id: message.channel_id,
+                    sequence: message.sequence,
+                    log_time: message.log_time,
+                    publish_time: message.publish_time,
+                    offset: message.data_offset,
+                    bytes: u32::try_from(message.data.len()).map_err(|_| "a message is too long")?,
+                });
+            }
+        }
+        Ok(true)
+    });
+    contents.damage = damage.map_err(RecordError::io("read", journal))?;
+    let header = header.ok_or_else(|| {
+        let damage = contents.damage.clone();
+        RecordError::NotARecording {
+            path: journal.into(),
+            offset: damage.as_ref().map_or(0, |damage| damage.offset),
+            reason: damage.map_or("it has no header".into(), |damage| damage.reason),
+        }
+    })?;
+    // Stable: what has the same time keeps the order in which it was written. The header stays first.
+    contents.messages[1..].sort_by_key(|place| place.log_time);
+    Ok((header, contents))
+}
+
+/// What was written, to be found again.
+#[derive(PartialEq)]
+struct Written {
+    messages: u64,
+    digest: u64,
+}
+
+fn rewrite(
+    journal: &Path,
+    header: &RunHeader,
+    contents: &Contents,
+    recovered: Option<&str>,
+    partial: &Path,
+) -> Result<Written, RecordError> {
+    let mut source = File::open(journal).map_err(RecordError::io("open", journal))?;
+    let target = File::create(partial).map_err(RecordError::io("create", partial))?;
+    let options = WriteOptions::new()
+        .compression(Some(Compression::Zstd))
+        .compression_threads(0)
+        .library(format!("trunnion {}", header.software_version));
+    let write_error = RecordError::write(partial);
+    let write = || -> mcap::McapResult<(Written, BufWriter<File>)> {
+        let mut writer = options.create(BufWriter::new(target))?;
+        let order = BTreeMap::from([("order".to_string(), "log_time".to_string())]);
+        writer.write_metadata(&Metadata { name: FINISHED_METADATA.into(), metadata: order })?;
+        for metadata in &contents.metadata {
+            writer.write_metadata(metadata)?;
+        }
+        for attachment in &contents.attachments {
+            writer.attach(attachment)?;
+        }
+        let channels = declare(&mut writer, contents)?;
+        let (mut messages, mut digest) = (0, DefaultHasher::new());
+        let mut put = |writer: &mut Writer<_>, head: MessageHeader, payload: &[u8]| {
+            (head.log_time, head.publish_time, payload).hash(&mut digest);
+            messages += 1;
+            writer.write_to_known_channel(&head, payload)
+        };
+        let mut payload = Vec::new();
+        for (i, place) in contents.messages.iter().enumerate() {
+            payload.resize(place.bytes as usize, 0);
+            source.seek(SeekFrom::Start(place.offset))?;
+            source.read_exact(&mut payload)?;
+            let Some(&channel_id) = channels.get(&place.channel_id) else { continue };
+            let (sequence, log_time, publish_time) = (place.sequence, place.log_time, place.publish_time);
+            put(&mut writer, MessageHeader { channel_id, sequence, log_time, publish_time }, &payload)?;
+            if i == 0 {
+                // The header and the declarations in a small chunk of their own are hard to damage.
+                writer.flush()?;
+            }
+        }
+        if let Some(text) = recovered {
+            let schema = writer.add_schema(Topic::Event.schema(), "protobuf", FILE_DESCRIPTOR_SET)?;
+            let topic = Topic::Event.name(&header);
+            let channel_id = writer.add_channel(schema, &topic, "protobuf", &BTreeMap::new())?;
+            let last = contents.messages.last().map_or(0, |place| place.log_time);
+            let start = wall_time(&header, 0.0);
+            let time_s = last.saturating_sub(start) as f64 * 1e-9;
+            let text = match &contents.damage {
+                Some(damage) => format!("{text}. At byte {}: {}", damage.offset, damage.reason),
+                None => text.into(),
+            };
+            let event = encode_event(&Event { time_s, kind: "recovered".into(), text });
+            let log_time = last.max(start);
+            let head = MessageHeader { channel_id, sequence: 0, log_time, publish_time: log_time };
+            put(&mut writer, head, &event.payload)?;
+        }
+        writer.finish()?;
+        Ok((Written { messages, digest: digest.finish() }, writer.into_inner()))
+    };
+    let (written, mut target) = write().map_err(write_error)?;
+    target.flush().map_err(RecordError::io("write", partial))?;
+    target.get_ref().sync_all().map_err(RecordError::io("sync", partial))?;
+    Ok(written)
+}
+
+/// Declares the schemas and channels of the journal; gives the new id of each channel.
+fn declare(writer: &mut Writer<BufWriter<File>>, contents: &Contents) -> mcap::McapResult<HashMap<u16, u16>> {
+    let mut channels = HashMap::new();
+    for (&id, (schema_id, topic, encoding)) in &contents.channels {
+        let schema = match contents.schemas.get(schema_id) {
+            Some((name, encoding, data)) => writer.add_schema(name, encoding, data)?,
+            None => 0,
+        };
+        channels.insert(id, writer.add_channel(schema, topic, encoding, &BTreeMap::new())?);
+    }
+    Ok(channels)
+}
+
+fn verify(path: &Path, written: &Written) -> Result<(), RecordError> {
+    let file = File::open(path).map_err(RecordError::io("open", path))?;
+    let bytes = file.metadata().map_err(RecordError::io("look at", path))?.len();
+    let (mut messages, mut digest) = (0, DefaultHasher::new());
+    let damage = walk(BufReader::new(file), bytes, &mut |record| {
+        if let Record::Message(MessageRecord { log_time, publish_time, data, .. }) = record {
+            (*log_time, *publish_time, *data).hash(&mut digest);
+            messages += 1;
+        }
+        Ok(true)
+    })
+    .map_err(RecordError::io("read", path))?;
+    let read = Written { messages, digest: digest.finish() };
+    let reason = match damage {
+        Some(damage) => format!("at byte {}: {}", damage.offset, damage.reason),
+        None if read != *written => format!("{messages} messages instead of {}", written.messages),
+        None => return Ok(()),
+    };
+    Err(RecordError::Verify { path: path.into(), reason })
+}
+
+/// `finished` itself, or for a recovered journal `NAME-recovered.mcap` when it is taken.
+fn free_path(finished: &Path, may_rename: bool) -> Result<PathBuf, RecordError> {
+    if !finished.exists() {
+        return Ok(finished.into());
+    }
+    let stem = finished.file_stem().unwrap_or_default().to_string_lossy();
+    let renamed = finished.with_file_name(format!("{stem}-recovered.mcap"));
+    if may_rename && !renamed.exists() {
+        return Ok(renamed);
+    }
+    Err(RecordError::Exists { path: finished.into() })
+}
+
+fn sync_folder(path: &Path) -> Result<(), RecordError> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    File::open(folder).and_then(|folder| folder.sync_all()).map_err(RecordError::io("sync", folder))
+}

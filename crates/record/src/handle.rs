@@ -1,0 +1,201 @@
+//! The recorder on a thread of its own, for callers that must not wait.
+//!
+//! The queue is bounded. What does not fit is counted, and written as a gap when there is room again.
+
+use crate::error::RecordError;
+use crate::item::Item;
+use crate::writer::{Finished, Recorder};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use trunnion_measurement::Gap;
+use trunnion_units::{Clock, HostTime};
+
+/// How often waiting batches are looked at when nothing arrives.
+const IDLE: Duration = Duration::from_millis(20);
+/// Time between two fdatasync calls.
+const SYNC: Duration = Duration::from_secs(1);
+
+/// How the recorder is doing.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RecorderStatus {
+    /// Messages written.
+    pub messages: u64,
+    /// Samples lost: the queue or the disk was full.
+    pub lost_samples: u64,
+    /// Why nothing can be written at present.
+    pub failing: Option<String>,
+}
+
+/// Sends items to the writing thread; clone one for each source.
+#[derive(Clone)]
+pub struct RecordSender {
+    queue: SyncSender<Order>,
+    shared: Arc<Mutex<Shared>>,
+}
+
+/// The writing thread.
+pub struct RecorderHandle {
+    sender: RecordSender,
+    thread: JoinHandle<Result<Finished, RecordError>>,
+}
+
+enum Order {
+    Record(Item, HostTime),
+    Finish,
+}
+
+#[derive(Default)]
+struct Shared {
+    status: RecorderStatus,
+    overflow: Option<Gap>,
+    overflow_samples: u64,
+}
+
+impl RecordSender {
+    /// Hands over one item that arrived at `arrival`; never waits. False when the queue was full and the
+    /// item is lost (counted, and recorded as a gap) or the recorder has ended.
+    pub fn try_send(&self, item: Item, arrival: HostTime) -> bool {
+        match self.queue.try_send(Order::Record(item, arrival)) {
+            Ok(()) => true,
+            Err(TrySendError::Full(order) | TrySendError::Disconnected(order)) => {
+                if let Order::Record(item, _) = order {
+                    self.count_lost(&item);
+                }
+                false
+            }
+        }
+    }
+
+    /// How the recorder is doing.
+    pub fn status(&self) -> RecorderStatus {
+        let shared = lock(&self.shared);
+        let mut status = shared.status.clone();
+        status.lost_samples += shared.overflow_samples;
+        status
+    }
+
+    fn count_lost(&self, item: &Item) {
+        let (from_s, to_s, samples) = extent(item);
+        let mut shared = lock(&self.shared);
+        shared.overflow_samples += samples;
+        let gap = shared.overflow.get_or_insert_with(|| Gap {
+            source: "recorder".into(),
+            from_s,
+            to_s,
+            lost_samples: Some(0),
+            reason: "the queue to the recorder was full".into(),
+        });
+        gap.from_s = gap.from_s.min(from_s);
+        gap.to_s = gap.to_s.max(to_s);
+        gap.lost_samples = gap.lost_samples.map(|lost| lost + samples);
+    }
+}
+
+impl RecorderHandle {
+    /// Moves `recorder` to its own thread, with room for `capacity` items.
+    ///
+    /// # Errors
+    /// When the thread cannot be started.
+    pub fn spawn(recorder: Recorder, capacity: usize, clock: Arc<dyn Clock>) -> std::io::Result<Self> {
+        let (queue, orders) = sync_channel(capacity);
+        let shared = Arc::new(Mutex::new(Shared::default()));
+        let sender = RecordSender { queue, shared: Arc::clone(&shared) };
+        let thread = std::thread::Builder::new()
+            .name("recorder".into())
+            .spawn(move || record(recorder, &orders, &shared, clock.as_ref()))?;
+        Ok(Self { sender, thread })
+    }
+
+    /// A sender for one more source.
+    pub fn sender(&self) -> RecordSender {
+        self.sender.clone()
+    }
+
+    /// As [`RecordSender::try_send`].
+    pub fn try_send(&self, item: Item, arrival: HostTime) -> bool {
+        self.sender.try_send(item, arrival)
+    }
+
+    /// As [`RecordSender::status`].
+    pub fn status(&self) -> RecorderStatus {
+        self.sender.status()
+    }
+
+    /// Ends the run and waits for the finished file. Everything sent before is in it; whatever other senders
+    /// send later is refused. Takes as long as rewriting does: call it where blocking is allowed.
+    ///
+    /// # Errors
+    /// As [`Recorder::finish`].
+    pub fn finish(self) -> Result<Finished, RecordError> {
+        let Self { sender, thread } = self;
+        // Refused only when the thread has ended by itself; joining then says why.
+        if sender.queue.send(Order::Finish).is_err() {
+            tracing::error!("the recorder ended before the run");
+        }
+        thread.join().unwrap_or(Err(RecordError::Stopped))
+    }
+}
+
+fn record(
+    mut recorder: Recorder,
+    orders: &Receiver<Order>,
+    shared: &Mutex<Shared>,
+    clock: &dyn Clock,
+) -> Result<Finished, RecordError> {
+    let mut synced = clock.now();
+    loop {
+        match orders.recv_timeout(IDLE) {
+            Ok(Order::Record(item, arrival)) => recorder.append(item, arrival),
+            Err(RecvTimeoutError::Timeout) => recorder.flush_aged(clock.now()),
+            Ok(Order::Finish) | Err(RecvTimeoutError::Disconnected) => break,
+        }
+        write_overflow(&mut recorder, shared, clock);
+        if clock.now() - synced >= SYNC {
+            synced = clock.now();
+            if let Err(error) = recorder.sync() {
+                tracing::warn!("{error}");
+            }
+        }
+    }
+    write_overflow(&mut recorder, shared, clock);
+    let mut finished = recorder.finish(clock.now())?;
+    finished.lost_samples += lock(shared).overflow_samples;
+    Ok(finished)
+}
+
+fn write_overflow(recorder: &mut Recorder, shared: &Mutex<Shared>, clock: &dyn Clock) {
+    let overflow = {
+        let mut shared = lock(shared);
+        shared.status.messages = recorder.messages();
+        shared.status.lost_samples = recorder.lost_samples();
+        shared.status.failing = recorder.failing().map(Into::into);
+        shared.overflow.take()
+    };
+    if let Some(gap) = overflow {
+        recorder.append(Item::Gap(gap), clock.now());
+    }
+}
+
+/// First time, last time and number of samples of an item.
+fn extent(item: &Item) -> (f64, f64, u64) {
+    let span = |first: Option<f64>, last: Option<f64>, samples: usize| {
+        (first.unwrap_or(0.0), last.unwrap_or(0.0), samples as u64)
+    };
+    match item {
+        Item::Probes(s) => span(s.first().map(|s| s.time_s), s.last().map(|s| s.time_s), s.len()),
+        Item::Axes(s) => span(s.first().map(|s| s.time_s), s.last().map(|s| s.time_s), s.len()),
+        Item::Point(point) => span(point.state.time_s, point.state.time_s, 1),
+        Item::Controller(state) => (state.time_s, state.time_s, 1),
+        Item::Temperature(reading) => (reading.time_s, reading.time_s, 1),
+        Item::Event(event) => (event.time_s, event.time_s, 1),
+        Item::Gap(gap) => (gap.from_s, gap.to_s, 1),
+        Item::Log(line) => (line.time_s, line.time_s, 1),
+    }
+}
+
+/// A poisoned lock only means that a sender panicked between two counts.
+fn lock(shared: &Mutex<Shared>) -> std::sync::MutexGuard<'_, Shared> {
+    shared.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}

@@ -1,0 +1,123 @@
+//! What a recording holds: the header of the run and the items that follow.
+
+use trunnion_machine::Machine;
+use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Run, RunKind, Setup};
+use trunnion_units::{HostTime, Problems};
+
+/// What is known of a run before its first sample. The texts are kept as attachments, word for word.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunHeader {
+    /// Name of the run, shown in reports.
+    pub name: String,
+    /// Static or on the fly.
+    pub kind: RunKind,
+    /// Name of the machine.
+    pub machine_name: String,
+    /// The machine file; empty: looked up by name when read.
+    pub machine_text: String,
+    /// Setups; `Point::state.setup` indexes them.
+    pub setups: Vec<Setup>,
+    /// Names of the temperature channels; `Temperature::channel` indexes them.
+    pub temperature_channels: Vec<String>,
+    /// Names of the probe channels; `ProbeSample::channel` indexes them.
+    pub probes: Vec<String>,
+    /// The cycle file; empty when there was none.
+    pub cycle_text: String,
+    /// The configuration of the program; empty when there was none.
+    pub config_text: String,
+    /// Version of the program that recorded.
+    pub software_version: String,
+    /// Wall clock at run time 0, ns since 1970 UTC; a label only.
+    pub wall_start_ns: i64,
+    /// Host clock at run time 0.
+    pub host_start: HostTime,
+}
+
+impl RunHeader {
+    /// The header of a run that is already in memory (imported or simulated).
+    pub fn of_run(run: &Run, machine_text: &str, software_version: &str, wall_start_ns: i64) -> Self {
+        Self {
+            name: run.name.clone(),
+            kind: run.kind,
+            machine_name: run.machine.name.clone(),
+            machine_text: machine_text.into(),
+            setups: run.setups.clone(),
+            temperature_channels: run.channels.clone(),
+            probes: Vec::new(),
+            cycle_text: String::new(),
+            config_text: String::new(),
+            software_version: software_version.into(),
+            wall_start_ns,
+            host_start: HostTime::default(),
+        }
+    }
+
+    /// The machine as recorded; `None` when the recording only names it.
+    ///
+    /// # Errors
+    /// Every problem of the recorded machine file.
+    pub fn machine(&self) -> Option<Result<Machine, Problems>> {
+        let file = format!("{}.toml in the recording", self.machine_name);
+        (!self.machine_text.is_empty()).then(|| Machine::parse(&self.machine_name, &file, &self.machine_text))
+    }
+}
+
+/// One thing to record, or one thing read back. Times are run time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Item {
+    /// Probe samples in order of time; channels may be mixed when recording, one channel when read.
+    Probes(Vec<ProbeSample>),
+    /// Axis positions in order of time.
+    Axes(Vec<AxisSample>),
+    /// A point.
+    Point(Point),
+    /// What the controller is doing.
+    Controller(ControllerState),
+    /// A temperature.
+    Temperature(Temperature),
+    /// An event.
+    Event(Event),
+    /// A gap.
+    Gap(Gap),
+    /// A line of the log.
+    Log(LogLine),
+}
+
+/// What the controller says it is doing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ControllerState {
+    /// When, s since the run began.
+    pub time_s: f64,
+    /// Execution state in the controller's words, e.g. `ACTIVE`.
+    pub execution: String,
+    /// Mode in the controller's words, e.g. `AUTOMATIC`.
+    pub mode: String,
+    /// Program being run; empty when unknown.
+    pub program: String,
+    /// Line or block number being run.
+    pub line: Option<i64>,
+    /// Feed override, %.
+    pub feed_override_percent: Option<f64>,
+}
+
+/// One reading of a temperature channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Temperature {
+    /// When, s since the run began.
+    pub time_s: f64,
+    /// Index into [`RunHeader::temperature_channels`].
+    pub channel: u16,
+    /// °C; NaN when the sensor reported an error.
+    pub value_degc: f64,
+}
+
+/// A line of the program's log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LogLine {
+    /// When, s since the run began.
+    pub time_s: f64,
+    /// `error`, `warn`, `info` or `debug`.
+    pub level: String,
+    /// The line.
+    pub text: String,
+}

@@ -1,0 +1,29 @@
+//! Recordings: one run is one MCAP file (DESIGN §3.8).
+//!
+//! While a run is recorded, [`Recorder`] writes an unchunked journal `NAME.mcap.active`, one system call a
+//! message, so that a kill loses nothing that was written. [`Recorder::finish`] rewrites it sorted by
+//! acquisition time, chunked, compressed and indexed, reads it back and only then renames it.
+//! [`recover_orphans`] does the same for journals left behind. [`read_run`] and [`visit`] read any of them,
+//! damaged or not. [`points_csv`] and [`export`] are the ways in and out as tables.
+
+mod container;
+mod error;
+pub mod export;
+mod finish;
+mod handle;
+mod item;
+mod journal;
+mod lossless;
+pub mod points_csv;
+mod reader;
+mod schema;
+mod wire;
+mod writer;
+
+pub use error::RecordError;
+pub use finish::{FinishedFile, recover_orphans};
+pub use handle::{RecordSender, RecorderHandle, RecorderStatus};
+pub use item::{ControllerState, Item, LogLine, RunHeader, Temperature};
+pub use reader::{Damage, Recording, read_run, visit};
+pub use schema::FILE_DESCRIPTOR_SET;
+pub use writer::{Finished, Recorder, write_run};

@@ -1,0 +1,196 @@
+//! Reading a recording: finished, still a journal, or damaged.
+
+use crate::container::{Record, walk};
+use crate::error::RecordError;
+use crate::finish::FINISHED_METADATA;
+use crate::item::{ControllerState, Item, LogLine, RunHeader, Temperature};
+use crate::journal::{CONFIG_TEXT, CYCLE_TEXT, MACHINE_TEXT};
+use crate::wire::{Decoded, decode};
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+use trunnion_machine::Machine;
+use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Run};
+
+/// What of a recording cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Damage {
+    /// Byte at which the first damage was found.
+    pub offset: u64,
+    /// What is wrong there.
+    pub reason: String,
+    /// What is missing because of it.
+    pub lost: String,
+}
+
+/// Everything a recording holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// What was known before the first sample.
+    pub header: RunHeader,
+    /// The run: machine, setups, points.
+    pub run: Run,
+    /// Probe samples; those of one channel in order of time.
+    pub probe_samples: Vec<ProbeSample>,
+    /// Axis positions in order of time.
+    pub axis_samples: Vec<AxisSample>,
+    /// Temperatures in order of time.
+    pub temperatures: Vec<Temperature>,
+    /// States of the controller in order of time.
+    pub controller_states: Vec<ControllerState>,
+    /// Events in order of time.
+    pub events: Vec<Event>,
+    /// Gaps in order of their beginnings.
+    pub gaps: Vec<Gap>,
+    /// The log.
+    pub log: Vec<LogLine>,
+    /// What could not be read; `None` when the file is whole.
+    pub damage: Option<Damage>,
+}
+
+/// Reads a whole recording into memory. The machine is the one in the recording; `machine_by_name` is asked when
+/// there is none.
+///
+/// # Errors
+/// When the file cannot be opened, has no header, or its machine is unknown. Damage is not an error.
+pub fn read_run(
+    path: &Path,
+    machine_by_name: &dyn Fn(&str) -> Option<Machine>,
+) -> Result<Recording, RecordError> {
+    let (mut probe_samples, mut axis_samples, mut temperatures) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut controller_states, mut events) = (Vec::new(), Vec::new());
+    let (mut gaps, mut log) = (Vec::new(), Vec::new());
+    let mut points: Vec<(u64, Point)> = Vec::new();
+    let (header, damage) = visit_indexed(path, &mut |index, item| {
+        match item {
+            Item::Probes(samples) => probe_samples.extend(samples),
+            Item::Axes(samples) => axis_samples.extend(samples),
+            Item::Point(point) => points.push((index, point)),
+            Item::Controller(state) => controller_states.push(state),
+            Item::Temperature(reading) => temperatures.push(reading),
+            Item::Event(event) => events.push(event),
+            Item::Gap(gap) => gaps.push(gap),
+            Item::Log(line) => log.push(line),
+        }
+        true
+    })?;
+    points.sort_by_key(|(index, _)| *index);
+    let machine = match header.machine() {
+        Some(machine) => machine.map_err(RecordError::Machine)?,
+        None => machine_by_name(&header.machine_name).ok_or_else(|| RecordError::UnknownMachine {
+            path: path.into(),
+            name: header.machine_name.clone(),
+        })?,
+    };
+    let run = Run {
+        name: header.name.clone(),
+        machine,
+        kind: header.kind,
+        setups: header.setups.clone(),
+        channels: header.temperature_channels.clone(),
+        points: points.into_iter().map(|(_, point)| point).collect(),
+    };
+    Ok(Recording {
+        header,
+        run,
+        probe_samples,
+        axis_samples,
+        temperatures,
+        controller_states,
+        events,
+        gaps,
+        log,
+        damage,
+    })
+}
+
+/// Hands every item to `on_item` in order of acquisition time (a batch counts with its first sample) until that says
+/// false. A finished recording streams, one chunk in memory; a journal is sorted in memory first.
+///
+/// # Errors
+/// When the file cannot be opened or has no header. Damage is not an error.
+pub fn visit(
+    path: &Path,
+    on_item: &mut dyn FnMut(Item) -> bool,
+) -> Result<(RunHeader, Option<Damage>), RecordError> {
+    visit_indexed(path, &mut |_, item| on_item(item))
+}
+
+fn visit_indexed(
+    path: &Path,
+    on_item: &mut dyn FnMut(u64, Item) -> bool,
+) -> Result<(RunHeader, Option<Damage>), RecordError> {
+    let mut waiting: Vec<(u64, u64, Item)> = Vec::new();
+    let (header, damage) = visit_in_file_order(path, &mut |sorted, log_time, index, item| {
+        if sorted {
+            return on_item(index, item);
+        }
+        waiting.push((log_time, index, item));
+        true
+    })?;
+    waiting.sort_by_key(|(log_time, _, _)| *log_time);
+    for (_, index, item) in waiting {
+        if !on_item(index, item) {
+            break;
+        }
+    }
+    Ok((header, damage))
+}
+
+type OnItem<'v> = &'v mut dyn FnMut(bool, u64, u64, Item) -> bool;
+
+fn visit_in_file_order(path: &Path, on_item: OnItem<'_>) -> Result<(RunHeader, Option<Damage>), RecordError> {
+    let file = File::open(path).map_err(RecordError::io("open", path))?;
+    let bytes = file.metadata().map_err(RecordError::io("look at", path))?.len();
+    let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
+    let mut texts: HashMap<String, String> = HashMap::new();
+    let (mut header, mut sorted) = (None, false);
+    let damage = walk(BufReader::with_capacity(1 << 16, file), bytes, &mut |record| {
+        match record {
+            Record::Schema { id, name, .. } => {
+                schemas.insert(*id, (*name).to_string());
+            }
+            Record::Channel { id, schema_id, .. } => {
+                channels.insert(*id, *schema_id);
+            }
+            Record::Metadata { name, .. } => sorted |= *name == FINISHED_METADATA,
+            Record::Attachment { name, data, .. } => {
+                let text =
+                    std::str::from_utf8(data).map_err(|_| format!("the attachment {name} is not text"))?;
+                texts.insert((*name).into(), text.into());
+            }
+            Record::Message(message) => {
+                let schema = channels.get(&message.channel_id).and_then(|schema| schemas.get(schema));
+                let schema = schema.ok_or("a message of a channel that is not declared")?;
+                match decode(schema, message.data).map_err(|error| error.to_string())? {
+                    Decoded::Header(found) => header = header.take().or(Some(found)),
+                    Decoded::Item { index, item } => {
+                        return Ok(on_item(sorted, message.log_time, index, item));
+                    }
+                    Decoded::Skipped => {}
+                }
+            }
+        }
+        Ok(true)
+    })
+    .map_err(RecordError::io("read", path))?;
+    let mut header: RunHeader = header.ok_or_else(|| RecordError::NotARecording {
+        path: path.into(),
+        offset: damage.as_ref().map_or(0, |damage| damage.offset),
+        reason: damage.as_ref().map_or("it has no header".into(), |damage| damage.reason.clone()),
+    })?;
+    let mut text = |name: &str| texts.remove(name).unwrap_or_default();
+    header.machine_text = text(MACHINE_TEXT);
+    header.cycle_text = text(CYCLE_TEXT);
+    header.config_text = text(CONFIG_TEXT);
+    Ok((header, damage))
+}
+
+/// The header, if this is its message.
+pub fn decode_header(schema: &str, payload: &[u8]) -> Option<RunHeader> {
+    match decode(schema, payload) {
+        Ok(Decoded::Header(header)) => Some(header),
+        _ => None,
+    }
+}

@@ -1,0 +1,411 @@
+//! Items as protobuf messages and back.
+
+use crate::item::{ControllerState, Item, LogLine, RunHeader, Temperature};
+use crate::lossless::{self, Line};
+use crate::schema as pb;
+use nalgebra::{Point3, Vector3};
+use prost::{DecodeError, Message};
+use trunnion_machine::State;
+use trunnion_measurement::{
+    AxisSample, Event, Gap, InstrumentKind, NestSide, Point, ProbeSample, Quality, RunKind, Setup,
+};
+use trunnion_units::{AxisLetter, AxisValues, HostTime, convert};
+
+/// What a message is about; each has its MCAP topic and schema.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Topic {
+    Run,
+    Probe(u16),
+    Axes,
+    Point,
+    Controller,
+    Temperature,
+    Event,
+    Gap,
+    Log,
+    Plot(u16),
+    PlotAxes,
+}
+
+impl Topic {
+    /// Name of the MCAP channel.
+    pub fn name(self, header: &RunHeader) -> String {
+        let probe = |channel: u16| match header.probes.get(usize::from(channel)) {
+            Some(name) if !name.is_empty() => name.clone(),
+            _ => channel.to_string(),
+        };
+        match self {
+            Self::Run => "/run".into(),
+            Self::Probe(channel) => format!("/probe/{}", probe(channel)),
+            Self::Axes => "/axes".into(),
+            Self::Point => "/point".into(),
+            Self::Controller => "/controller".into(),
+            Self::Temperature => "/temperature".into(),
+            Self::Event => "/event".into(),
+            Self::Gap => "/gap".into(),
+            Self::Log => "/log".into(),
+            Self::Plot(channel) => format!("/plot/{}", probe(channel)),
+            Self::PlotAxes => "/plot/axes".into(),
+        }
+    }
+
+    /// Name of the protobuf message.
+    pub fn schema(self) -> &'static str {
+        match self {
+            Self::Run => "trunnion.RunHeader",
+            Self::Probe(_) => "trunnion.ProbeBatch",
+            Self::Axes => "trunnion.AxisBatch",
+            Self::Point => "trunnion.Point",
+            Self::Controller => "trunnion.ControllerState",
+            Self::Temperature => "trunnion.Temperature",
+            Self::Event => "trunnion.Event",
+            Self::Gap => "trunnion.Gap",
+            Self::Log => "trunnion.LogLine",
+            Self::Plot(_) => "trunnion.PlotSample",
+            Self::PlotAxes => "trunnion.PlotAxes",
+        }
+    }
+}
+
+/// A message ready to be written.
+#[derive(Clone, Debug)]
+pub struct Encoded {
+    pub topic: Topic,
+    /// Acquisition time, s since the run began; what has no time counts as the start.
+    pub time_s: f64,
+    /// How many samples are lost with it.
+    pub samples: u64,
+    pub payload: Vec<u8>,
+}
+
+fn encoded(topic: Topic, time_s: f64, samples: usize, message: &impl Message) -> Encoded {
+    Encoded { topic, time_s, samples: samples as u64, payload: message.encode_to_vec() }
+}
+
+/// A message read back.
+pub enum Decoded {
+    Header(RunHeader),
+    /// `index` orders points; 0 for everything else.
+    Item {
+        index: u64,
+        item: Item,
+    },
+    /// Derived or unknown; nothing to read.
+    Skipped,
+}
+
+/// Why a message cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum WireError {
+    #[error(transparent)]
+    Protobuf(#[from] DecodeError),
+    #[error("a {0} contradicts itself")]
+    Inconsistent(&'static str),
+}
+
+/// Reads one message.
+pub fn decode(schema: &str, payload: &[u8]) -> Result<Decoded, WireError> {
+    let item = match schema {
+        "trunnion.RunHeader" => return Ok(Decoded::Header(header_from(pb::RunHeader::decode(payload)?)?)),
+        "trunnion.Point" => {
+            let message = pb::Point::decode(payload)?;
+            let index = message.index;
+            return Ok(Decoded::Item { index, item: Item::Point(point_from(message)?) });
+        }
+        "trunnion.ProbeBatch" => Item::Probes(probes_from(pb::ProbeBatch::decode(payload)?)?),
+        "trunnion.AxisBatch" => Item::Axes(axes_from(pb::AxisBatch::decode(payload)?)?),
+        "trunnion.ControllerState" => {
+            let m = pb::ControllerState::decode(payload)?;
+            Item::Controller(ControllerState {
+                time_s: m.time_s(),
+                execution: m.execution,
+                mode: m.mode,
+                program: m.program,
+                line: m.line,
+                feed_override_percent: m.feed_override_percent,
+            })
+        }
+        "trunnion.Temperature" => {
+            let m = pb::Temperature::decode(payload)?;
+            let channel = u16::try_from(m.channel).map_err(|_| WireError::Inconsistent("Temperature"))?;
+            Item::Temperature(Temperature { time_s: m.time_s(), channel, value_degc: m.value_degc })
+        }
+        "trunnion.Event" => {
+            let m = pb::Event::decode(payload)?;
+            Item::Event(Event { time_s: m.time_s(), kind: m.kind, text: m.text })
+        }
+        "trunnion.Gap" => {
+            let m = pb::Gap::decode(payload)?;
+            let (from_s, to_s, lost_samples) = (m.from_s(), m.to_s(), m.lost_samples);
+            Item::Gap(Gap { source: m.source, from_s, to_s, lost_samples, reason: m.reason })
+        }
+        "trunnion.LogLine" => {
+            let m = pb::LogLine::decode(payload)?;
+            Item::Log(LogLine { time_s: m.time_s(), level: m.level, text: m.text })
+        }
+        _ => return Ok(Decoded::Skipped),
+    };
+    Ok(Decoded::Item { index: 0, item })
+}
+
+/// The header as the first message; the texts travel as attachments.
+pub fn encode_header(header: &RunHeader) -> Encoded {
+    let setup = |setup: &Setup| pb::Setup {
+        name: setup.name.clone(),
+        instrument: setup.instrument.name().into(),
+        nest: match setup.nest {
+            NestSide::Table => "table".into(),
+            NestSide::Spindle => "spindle".into(),
+        },
+        ball_in_table_mm: setup.ball_in_table_mm.coords.as_slice().to_vec(),
+        bar_length_mm: setup.bar_length_mm,
+    };
+    let message = pb::RunHeader {
+        name: header.name.clone(),
+        kind: match header.kind {
+            RunKind::Static => "static".into(),
+            RunKind::OnTheFly => "on-the-fly".into(),
+        },
+        machine: header.machine_name.clone(),
+        setups: header.setups.iter().map(setup).collect(),
+        temperature_channels: header.temperature_channels.clone(),
+        probes: header.probes.clone(),
+        software_version: header.software_version.clone(),
+        wall_start_ns: header.wall_start_ns,
+        host_start_ns: header.host_start.0,
+    };
+    encoded(Topic::Run, 0.0, 0, &message)
+}
+
+fn header_from(message: pb::RunHeader) -> Result<RunHeader, WireError> {
+    let setup = |setup: pb::Setup| -> Option<Setup> {
+        let instrument = InstrumentKind::NAMES.into_iter().find(|(name, _)| *name == setup.instrument)?.1;
+        let nest = match setup.nest.as_str() {
+            "table" => NestSide::Table,
+            "spindle" => NestSide::Spindle,
+            _ => return None,
+        };
+        let ball_in_table_mm = Point3::from(three(&setup.ball_in_table_mm)?);
+        Some(Setup {
+            name: setup.name,
+            instrument,
+            nest,
+            ball_in_table_mm,
+            bar_length_mm: setup.bar_length_mm,
+        })
+    };
+    let kind = match message.kind.as_str() {
+        "static" => RunKind::Static,
+        "on-the-fly" => RunKind::OnTheFly,
+        _ => return Err(WireError::Inconsistent("RunHeader")),
+    };
+    let setups: Option<Vec<Setup>> = message.setups.into_iter().map(setup).collect();
+    Ok(RunHeader {
+        name: message.name,
+        kind,
+        machine_name: message.machine,
+        machine_text: String::new(),
+        setups: setups.ok_or(WireError::Inconsistent("RunHeader"))?,
+        temperature_channels: message.temperature_channels,
+        probes: message.probes,
+        cycle_text: String::new(),
+        config_text: String::new(),
+        software_version: message.software_version,
+        wall_start_ns: message.wall_start_ns,
+        host_start: HostTime(message.host_start_ns),
+    })
+}
+
+/// One batch of one probe channel. `samples` is not empty.
+pub fn encode_probes(channel: u16, samples: &[ProbeSample]) -> Encoded {
+    let raw: Vec<i64> = samples.iter().map(|sample| sample.raw).collect();
+    let values: Vec<f64> = samples.iter().map(|sample| sample.value_mm).collect();
+    let times: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
+    let line = lossless::encode_values(&raw, &values);
+    let (time_ns_delta, time_ulps) = lossless::encode_times(&times);
+    let message = pb::ProbeBatch {
+        channel: u32::from(channel),
+        time_ns_delta,
+        time_ulps,
+        device_ticks_delta: lossless::deltas(samples.iter().map(|sample| sample.device_ticks as i64)),
+        raw_delta: lossless::deltas(raw.into_iter()),
+        value_offset_mm: line.offset,
+        value_gain_mm: line.gain,
+        value_ulps: line.ulps,
+        value_mm: line.exact,
+    };
+    encoded(Topic::Probe(channel), times[0], samples.len(), &message)
+}
+
+fn probes_from(message: pb::ProbeBatch) -> Result<Vec<ProbeSample>, WireError> {
+    let wrong = || WireError::Inconsistent("ProbeBatch");
+    let channel = u16::try_from(message.channel).map_err(|_| wrong())?;
+    let raw: Vec<i64> = lossless::sums(&message.raw_delta).collect();
+    let times = lossless::decode_times(&message.time_ns_delta, &message.time_ulps).ok_or_else(wrong)?;
+    let line = Line {
+        offset: message.value_offset_mm,
+        gain: message.value_gain_mm,
+        ulps: message.value_ulps,
+        exact: message.value_mm,
+    };
+    let values = lossless::decode_values(&raw, &line).ok_or_else(wrong)?;
+    let ticks: Vec<i64> = lossless::sums(&message.device_ticks_delta).collect();
+    if times.len() != raw.len() || ticks.len() != raw.len() {
+        return Err(wrong());
+    }
+    let sample = |i: usize| ProbeSample {
+        channel,
+        time_s: times[i],
+        device_ticks: ticks[i] as u64,
+        raw: raw[i],
+        value_mm: values[i],
+    };
+    Ok((0..raw.len()).map(sample).collect())
+}
+
+/// One batch of axis positions. `samples` is not empty.
+pub fn encode_axes(samples: &[AxisSample]) -> Encoded {
+    let times: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
+    let (time_ns_delta, time_ulps) = lossless::encode_times(&times);
+    let positions = |letter: AxisLetter| -> Vec<f64> {
+        let moved = samples.iter().any(|sample| sample.position[letter].to_bits() != 0);
+        if moved { samples.iter().map(|sample| sample.position[letter]).collect() } else { Vec::new() }
+    };
+    let message = pb::AxisBatch {
+        time_ns_delta,
+        time_ulps,
+        x_mm: positions(AxisLetter::X),
+        y_mm: positions(AxisLetter::Y),
+        z_mm: positions(AxisLetter::Z),
+        a_rad: positions(AxisLetter::A),
+        b_rad: positions(AxisLetter::B),
+        c_rad: positions(AxisLetter::C),
+    };
+    encoded(Topic::Axes, times[0], samples.len(), &message)
+}
+
+fn axes_from(m: pb::AxisBatch) -> Result<Vec<AxisSample>, WireError> {
+    let wrong = || WireError::Inconsistent("AxisBatch");
+    let times = lossless::decode_times(&m.time_ns_delta, &m.time_ulps).ok_or_else(wrong)?;
+    let lists = AxisValues([m.x_mm, m.y_mm, m.z_mm, m.a_rad, m.b_rad, m.c_rad]);
+    if lists.0.iter().any(|list| !list.is_empty() && list.len() != times.len()) {
+        return Err(wrong());
+    }
+    let position = |i: usize| AxisValues::from_fn(|letter| lists[letter].get(i).copied().unwrap_or(0.0));
+    Ok(times.iter().enumerate().map(|(i, &time_s)| AxisSample { time_s, position: position(i) }).collect())
+}
+
+/// A point with its place in the order of the run.
+pub fn encode_point(index: u64, point: &Point) -> Encoded {
+    let state = &point.state;
+    let message = pb::Point {
+        index,
+        time_s: state.time_s,
+        setup: u32::try_from(state.setup).unwrap_or(u32::MAX),
+        position_mm_rad: state.position.0.to_vec(),
+        direction: state.direction.0.to_vec(),
+        velocity_per_s: state.velocity.0.to_vec(),
+        acceleration_per_s2: state.acceleration.0.to_vec(),
+        since_reversal_mm_rad: state.since_reversal.0.to_vec(),
+        temperature_degc: state.temperature_degc.clone(),
+        deflection_mm: state.deflection_mm.as_slice().to_vec(),
+        reading_mm: point.reading_mm.to_vec(),
+        spread_mm: point.spread_mm.to_vec(),
+        samples: point.samples,
+        quality: match point.quality {
+            Quality::Good => "good".into(),
+            Quality::Unsettled => "unsettled".into(),
+            Quality::NoReading => "no-reading".into(),
+        },
+    };
+    encoded(Topic::Point, state.time_s.unwrap_or(0.0), 1, &message)
+}
+
+fn point_from(m: pb::Point) -> Result<Point, WireError> {
+    let point = || {
+        let six = |list: &[f64]| <[f64; 6]>::try_from(list).ok().map(AxisValues);
+        let state = State {
+            position: six(&m.position_mm_rad)?,
+            direction: six(&m.direction)?,
+            velocity: six(&m.velocity_per_s)?,
+            acceleration: six(&m.acceleration_per_s2)?,
+            since_reversal: six(&m.since_reversal_mm_rad)?,
+            time_s: m.time_s,
+            temperature_degc: m.temperature_degc.clone(),
+            setup: usize::try_from(m.setup).ok()?,
+            deflection_mm: Vector3::from(three(&m.deflection_mm)?),
+        };
+        let quality = match m.quality.as_str() {
+            "good" => Quality::Good,
+            "unsettled" => Quality::Unsettled,
+            "no-reading" => Quality::NoReading,
+            _ => return None,
+        };
+        let (reading_mm, spread_mm) = (three(&m.reading_mm)?, three(&m.spread_mm)?);
+        Some(Point { state, reading_mm, spread_mm, samples: m.samples, quality })
+    };
+    point().ok_or(WireError::Inconsistent("Point"))
+}
+
+/// The items that are one message each.
+pub fn encode_controller(state: &ControllerState) -> Encoded {
+    let message = pb::ControllerState {
+        time_s: Some(state.time_s),
+        execution: state.execution.clone(),
+        mode: state.mode.clone(),
+        program: state.program.clone(),
+        line: state.line,
+        feed_override_percent: state.feed_override_percent,
+    };
+    encoded(Topic::Controller, state.time_s, 1, &message)
+}
+
+/// A temperature.
+pub fn encode_temperature(reading: &Temperature) -> Encoded {
+    let channel = u32::from(reading.channel);
+    let message = pb::Temperature { time_s: Some(reading.time_s), channel, value_degc: reading.value_degc };
+    encoded(Topic::Temperature, reading.time_s, 1, &message)
+}
+
+/// An event.
+pub fn encode_event(event: &Event) -> Encoded {
+    let message =
+        pb::Event { time_s: Some(event.time_s), kind: event.kind.clone(), text: event.text.clone() };
+    encoded(Topic::Event, event.time_s, 1, &message)
+}
+
+/// A gap; stands where it began.
+pub fn encode_gap(gap: &Gap) -> Encoded {
+    let message = pb::Gap {
+        source: gap.source.clone(),
+        from_s: Some(gap.from_s),
+        to_s: Some(gap.to_s),
+        lost_samples: gap.lost_samples,
+        reason: gap.reason.clone(),
+    };
+    encoded(Topic::Gap, gap.from_s, 1, &message)
+}
+
+/// A line of the log.
+pub fn encode_log(line: &LogLine) -> Encoded {
+    let message =
+        pb::LogLine { time_s: Some(line.time_s), level: line.level.clone(), text: line.text.clone() };
+    encoded(Topic::Log, line.time_s, 1, &message)
+}
+
+/// A probe value for viewers.
+pub fn encode_plot(sample: &ProbeSample) -> Encoded {
+    let message = pb::PlotSample { value_um: convert::um_from_mm(sample.value_mm) };
+    encoded(Topic::Plot(sample.channel), sample.time_s, 0, &message)
+}
+
+/// Axis positions for viewers.
+pub fn encode_plot_axes(sample: &AxisSample) -> Encoded {
+    let [x_mm, y_mm, z_mm, a, b, c] = sample.position.0;
+    let [a_deg, b_deg, c_deg] = [a, b, c].map(convert::deg_from_rad);
+    encoded(Topic::PlotAxes, sample.time_s, 0, &pb::PlotAxes { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg })
+}
+
+fn three(list: &[f64]) -> Option<[f64; 3]> {
+    <[f64; 3]>::try_from(list).ok()
+}

@@ -1,0 +1,372 @@
+//! The recorder: items in, a journal while the run lasts, a finished file at its end.
+//!
+//! Samples wait in a batch for at most [`BATCH_AGE`] or [`BATCH_SAMPLES`]; everything else is written at once.
+//! After a failed write the file is over: messages wait in a bounded ring while a new file is tried every
+//! [`RETRY`], and what the ring cannot hold becomes a gap.
+
+use crate::error::RecordError;
+use crate::finish::{FinishedFile, finish_journal};
+use crate::item::{Item, RunHeader};
+use crate::journal::{JOURNAL_ENDING, Journal, OpenJournal, open_locked, wall_time};
+use crate::wire::{self, Encoded, Topic};
+use std::collections::{HashMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use trunnion_measurement::{AxisSample, Event, Gap, ProbeSample, Run};
+use trunnion_units::HostTime;
+
+/// Longest time a sample waits for its batch to fill.
+const BATCH_AGE: Duration = Duration::from_millis(40);
+/// Samples in a full batch.
+const BATCH_SAMPLES: usize = 256;
+/// Shortest time between two samples for viewers, s.
+const PLOT_STEP_S: f64 = 0.01;
+/// Time between attempts to open a new file after a failure.
+const RETRY: Duration = Duration::from_secs(1);
+/// Messages kept while nothing can be written, bytes.
+const RING_BYTES: usize = 8 << 20;
+
+/// Writes one run. Blocking; asynchronous callers use [`crate::RecorderHandle`].
+pub struct Recorder {
+    dir: PathBuf,
+    name: String,
+    header: RunHeader,
+    open: OpenJournal,
+    journal: Option<Journal>,
+    journals: Vec<PathBuf>,
+    retry_at: HostTime,
+    why_failed: String,
+    ring: VecDeque<(Encoded, u64)>,
+    ring_bytes: usize,
+    lost: Option<Gap>,
+    lost_samples: u64,
+    probes: Batches<u16, ProbeSample>,
+    axes: Batches<(), AxisSample>,
+    plotted_s: HashMap<Topic, f64>,
+    points: u64,
+    messages: u64,
+    latest_s: f64,
+}
+
+/// The result of a run that was recorded to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finished {
+    /// The finished files; more than one when the disk was full in between.
+    pub files: Vec<FinishedFile>,
+    /// Samples that could not be written.
+    pub lost_samples: u64,
+}
+
+impl Recorder {
+    /// Starts `dir/name.mcap.active`; `dir` is created if need be.
+    ///
+    /// # Errors
+    /// When a recording of this name exists or the journal cannot be started.
+    pub fn create(dir: &Path, name: &str, header: &RunHeader) -> Result<Self, RecordError> {
+        Self::create_with(dir, name, header, Box::new(open_locked))
+    }
+
+    pub(crate) fn create_with(
+        dir: &Path,
+        name: &str,
+        header: &RunHeader,
+        open: OpenJournal,
+    ) -> Result<Self, RecordError> {
+        std::fs::create_dir_all(dir).map_err(RecordError::io("create the folder", dir))?;
+        let mut recorder = Self {
+            dir: dir.into(),
+            name: name.into(),
+            header: header.clone(),
+            open,
+            journal: None,
+            journals: Vec::new(),
+            retry_at: header.host_start,
+            why_failed: String::new(),
+            ring: VecDeque::new(),
+            ring_bytes: 0,
+            lost: None,
+            lost_samples: 0,
+            probes: Batches::default(),
+            axes: Batches::default(),
+            plotted_s: HashMap::new(),
+            points: 0,
+            messages: 0,
+            latest_s: 0.0,
+        };
+        recorder.journal = Some(recorder.start_journal()?);
+        Ok(recorder)
+    }
+
+    /// Takes one item that arrived at `arrival`. Never fails: what cannot be written now is kept or counted
+    /// as lost, [`Recorder::failing`] says so, and the recording holds a gap.
+    pub fn append(&mut self, item: Item, arrival: HostTime) {
+        match item {
+            Item::Probes(samples) => {
+                for sample in samples {
+                    self.plot_probe(&sample, arrival);
+                    if let Some(full) = self.probes.push(sample.channel, sample, arrival) {
+                        self.write(wire::encode_probes(sample.channel, &full), arrival);
+                    }
+                }
+            }
+            Item::Axes(samples) => {
+                for sample in samples {
+                    self.plot_axes(&sample, arrival);
+                    if let Some(full) = self.axes.push((), sample, arrival) {
+                        self.write(wire::encode_axes(&full), arrival);
+                    }
+                }
+            }
+            Item::Point(point) => {
+                self.points += 1;
+                self.write(wire::encode_point(self.points - 1, &point), arrival);
+            }
+            Item::Controller(state) => self.write(wire::encode_controller(&state), arrival),
+            Item::Temperature(reading) => self.write(wire::encode_temperature(&reading), arrival),
+            Item::Event(event) => self.write(wire::encode_event(&event), arrival),
+            Item::Gap(gap) => self.write(wire::encode_gap(&gap), arrival),
+            Item::Log(line) => self.write(wire::encode_log(&line), arrival),
+        }
+        self.flush_aged(arrival);
+    }
+
+    /// Writes batches older than 40 ms. Call when nothing arrives for a while.
+    pub fn flush_aged(&mut self, now: HostTime) {
+        let aged = |arrival: HostTime| now - arrival >= BATCH_AGE;
+        for (channel, batch) in self.probes.take(aged) {
+            self.write(wire::encode_probes(channel, &batch), now);
+        }
+        for ((), batch) in self.axes.take(aged) {
+            self.write(wire::encode_axes(&batch), now);
+        }
+    }
+
+    /// Brings everything written to the disk (0.1–40 ms): not from the thread that acquires.
+    ///
+    /// # Errors
+    /// When the disk refuses; recording goes on.
+    pub fn sync(&self) -> Result<(), RecordError> {
+        self.journal.as_ref().map_or(Ok(()), Journal::sync)
+    }
+
+    /// Why nothing can be written at present; `None` while all is well.
+    pub fn failing(&self) -> Option<&str> {
+        self.journal.is_none().then_some(self.why_failed.as_str())
+    }
+
+    /// Messages written so far.
+    pub fn messages(&self) -> u64 {
+        self.messages
+    }
+
+    /// Samples lost so far because they could not be written.
+    pub fn lost_samples(&self) -> u64 {
+        self.lost_samples
+    }
+
+    /// Ends the run: writes what waits, rewrites the journal into `NAME.mcap`, verifies it.
+    ///
+    /// # Errors
+    /// When a file cannot be written or does not read back; its journal is then kept for recovery.
+    pub fn finish(mut self, now: HostTime) -> Result<Finished, RecordError> {
+        for (channel, batch) in self.probes.take(|_| true) {
+            self.write(wire::encode_probes(channel, &batch), now);
+        }
+        for ((), batch) in self.axes.take(|_| true) {
+            self.write(wire::encode_axes(&batch), now);
+        }
+        if self.journal.is_none() {
+            self.retry_at = now;
+            self.try_new_file(now);
+        }
+        if let Some(journal) = self.journal.take() {
+            journal.close()?;
+        }
+        let lost_samples =
+            self.lost_samples + self.ring.iter().map(|(message, _)| message.samples).sum::<u64>();
+        let files = self.journals.iter().map(|path| finish_journal(path, None)).collect::<Result<_, _>>()?;
+        Ok(Finished { files, lost_samples })
+    }
+
+    fn write(&mut self, message: Encoded, arrival: HostTime) {
+        self.latest_s = self.latest_s.max(message.time_s);
+        let publish = wall_time(&self.header, arrival.seconds_since(self.header.host_start));
+        if self.journal.is_none() {
+            self.try_new_file(arrival);
+        }
+        if let Err(message) = self.write_now(message, publish, arrival) {
+            self.keep(message, publish);
+        }
+    }
+
+    fn write_now(&mut self, message: Encoded, publish: u64, arrival: HostTime) -> Result<(), Encoded> {
+        let Some(journal) = &mut self.journal else { return Err(message) };
+        match journal.write(&self.header, &message, publish) {
+            Ok(()) => {
+                self.messages += 1;
+                Ok(())
+            }
+            Err(error) => {
+                let path = journal.abandon();
+                self.journal = None;
+                self.failed(RecordError::Write { path, source: error }, arrival);
+                Err(message)
+            }
+        }
+    }
+
+    fn failed(&mut self, error: RecordError, now: HostTime) {
+        self.why_failed = chain(&error);
+        self.retry_at = now + RETRY;
+        tracing::error!("recording interrupted, kept in memory: {}", self.why_failed);
+    }
+
+    /// Keeps a message in the ring; the oldest make room and are counted.
+    fn keep(&mut self, message: Encoded, publish: u64) {
+        self.ring_bytes += message.payload.len();
+        self.ring.push_back((message, publish));
+        while self.ring_bytes > RING_BYTES {
+            let Some((oldest, _)) = self.ring.pop_front() else { return };
+            self.ring_bytes -= oldest.payload.len();
+            self.lost_samples += oldest.samples;
+            let gap = self.lost.get_or_insert_with(|| Gap {
+                source: "recorder".into(),
+                from_s: oldest.time_s,
+                to_s: oldest.time_s,
+                lost_samples: Some(0),
+                reason: String::new(),
+            });
+            gap.to_s = gap.to_s.max(oldest.time_s);
+            gap.lost_samples = gap.lost_samples.map(|lost| lost + oldest.samples);
+        }
+    }
+
+    fn try_new_file(&mut self, now: HostTime) {
+        if now < self.retry_at {
+            return;
+        }
+        match self.start_journal() {
+            Ok(journal) => self.journal = Some(journal),
+            Err(error) => return self.failed(error, now),
+        }
+        tracing::info!("recording goes on in a new file");
+        let text = format!("a new file was begun after: {}", self.why_failed);
+        let resumed = Event { time_s: self.latest_s, kind: "recording-resumed".into(), text };
+        let lost =
+            self.lost.take().map(|gap| wire::encode_gap(&Gap { reason: self.why_failed.clone(), ..gap }));
+        let publish = wall_time(&self.header, now.seconds_since(self.header.host_start));
+        let waiting = std::mem::take(&mut self.ring);
+        self.ring_bytes = 0;
+        let first = [Some(wire::encode_event(&resumed)), lost].into_iter().flatten();
+        for (message, publish) in first.map(|message| (message, publish)).chain(waiting) {
+            if let Err(message) = self.write_now(message, publish, now) {
+                self.keep(message, publish);
+            }
+        }
+    }
+
+    /// Starts the journal `NAME.mcap.active`, then `NAME-2.mcap.active` and so on.
+    fn start_journal(&mut self) -> Result<Journal, RecordError> {
+        let name = match self.journals.len() {
+            0 => self.name.clone(),
+            n => format!("{}-{}", self.name, n + 1),
+        };
+        let finished = self.dir.join(format!("{name}.mcap"));
+        let path = self.dir.join(format!("{name}.mcap{JOURNAL_ENDING}"));
+        if let Some(path) = [&finished, &path].into_iter().find(|path| path.exists()) {
+            return Err(RecordError::Exists { path: path.clone() });
+        }
+        let file = (self.open)(&path).map_err(RecordError::io("create", &path))?;
+        match Journal::start(path.clone(), file, &self.header) {
+            Ok(journal) => {
+                self.journals.push(path);
+                Ok(journal)
+            }
+            Err(error) => {
+                // A journal without its header is worth nothing, and its name must stay free.
+                std::fs::remove_file(&path).map_err(RecordError::io("remove", &path))?;
+                Err(error)
+            }
+        }
+    }
+
+    fn plot_probe(&mut self, sample: &ProbeSample, arrival: HostTime) {
+        if self.due(Topic::Plot(sample.channel), sample.time_s) {
+            self.write(wire::encode_plot(sample), arrival);
+        }
+    }
+
+    fn plot_axes(&mut self, sample: &AxisSample, arrival: HostTime) {
+        if self.due(Topic::PlotAxes, sample.time_s) {
+            self.write(wire::encode_plot_axes(sample), arrival);
+        }
+    }
+
+    fn due(&mut self, topic: Topic, time_s: f64) -> bool {
+        let last = self.plotted_s.entry(topic).or_insert(f64::NEG_INFINITY);
+        let due = time_s - *last >= PLOT_STEP_S;
+        if due {
+            *last = time_s;
+        }
+        due
+    }
+}
+
+/// Records a run that is already in memory as `path` (ending in `.mcap`).
+///
+/// # Errors
+/// As [`Recorder::create`] and [`Recorder::finish`]; also when writing fails in between.
+pub fn write_run(path: &Path, run: &Run, header: &RunHeader) -> Result<FinishedFile, RecordError> {
+    let dir = match path.parent() {
+        Some(dir) if !dir.as_os_str().is_empty() => dir,
+        _ => Path::new("."),
+    };
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut recorder = Recorder::create(dir, &name, header)?;
+    for point in &run.points {
+        recorder.append(Item::Point(point.clone()), header.host_start);
+    }
+    if let Some(why) = recorder.failing() {
+        let source = std::io::Error::other(why.to_string());
+        return Err(RecordError::Io { what: "write", path: path.into(), source });
+    }
+    let finished = recorder.finish(header.host_start)?;
+    let first = finished.files.into_iter().next();
+    first.ok_or_else(|| RecordError::Exists { path: path.into() })
+}
+
+/// Samples waiting for their batch to fill, by channel, with the arrival of the first.
+struct Batches<K, S>(Vec<(K, HostTime, Vec<S>)>);
+
+impl<K, S> Default for Batches<K, S> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<K: PartialEq + Copy, S> Batches<K, S> {
+    /// Adds a sample; hands back the batch when it is full.
+    fn push(&mut self, key: K, sample: S, arrival: HostTime) -> Option<Vec<S>> {
+        let at = self.0.iter().position(|(other, _, _)| *other == key).unwrap_or_else(|| {
+            self.0.push((key, arrival, Vec::with_capacity(BATCH_SAMPLES)));
+            self.0.len() - 1
+        });
+        let (_, first, batch) = &mut self.0[at];
+        if batch.is_empty() {
+            *first = arrival;
+        }
+        batch.push(sample);
+        (batch.len() >= BATCH_SAMPLES).then(|| std::mem::take(batch))
+    }
+
+    /// Hands back the batches whose first sample arrived at a time that `which` accepts.
+    fn take(&mut self, which: impl Fn(HostTime) -> bool) -> Vec<(K, Vec<S>)> {
+        let ready = self.0.iter_mut().filter(|(_, first, batch)| !batch.is_empty() && which(*first));
+        ready.map(|(key, _, batch)| (*key, std::mem::take(batch))).collect()
+    }
+}
+
+fn chain(error: &RecordError) -> String {
+    let causes = std::iter::successors(std::error::Error::source(error), |cause| cause.source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
+}
