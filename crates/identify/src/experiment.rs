@@ -154,17 +154,41 @@ impl Experiment {
     /// Columns of one effect: rows × parameters, mm per unit of the parameter (inside units).
     pub fn columns(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
         let mut columns = DMatrix::zeros(self.rows(), instance.parameters(&self.scene).len());
-        for i in 0..self.points.len() {
+        self.add_columns(&[(instance, shape)], 0..self.points.len(), &mut columns);
+        columns
+    }
+
+    /// Rows of `points`.
+    pub fn rows_of_points(&self, points: &Range<usize>) -> Range<usize> {
+        self.first_row[points.start]..self.first_row[points.end]
+    }
+
+    /// Adds the columns of `effects`, side by side, in the rows of `points` to `columns`, whose first row is
+    /// the first row of `points`.
+    pub fn add_columns(
+        &self,
+        effects: &[(&Instance, &[f64])],
+        points: Range<usize>,
+        columns: &mut DMatrix<f64>,
+    ) {
+        let first_row = self.first_row[points.start];
+        let mut first_column = vec![0];
+        for (instance, _) in effects {
+            first_column
+                .push(first_column[first_column.len() - 1] + instance.parameters(&self.scene).len());
+        }
+        for i in points {
             let rows = self.rows_of(i);
             let state = &self.points[i].state;
             let projector = Projector::new(self.machine(), &self.setups[state.setup], &state.position);
-            instance.motions(&self.scene, shape, state, &mut |parameter, site, twist| {
-                let seen = projector.column(site, &twist);
-                for (k, row) in rows.clone().enumerate() {
-                    columns[(row, parameter)] += seen[k];
-                }
-            });
+            for (k, (instance, shape)) in effects.iter().enumerate() {
+                instance.motions(&self.scene, shape, state, &mut |parameter, site, twist| {
+                    let seen = projector.column(site, &twist);
+                    for (component, row) in rows.clone().enumerate() {
+                        columns[(row - first_row, first_column[k] + parameter)] += seen[component];
+                    }
+                });
+            }
         }
-        columns
     }
 }

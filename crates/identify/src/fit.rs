@@ -1,17 +1,169 @@
 //! Joint least squares over all effects of a model.
+//!
+//! shapes (grid) → settle (Gauss–Newton to the exact prediction) → outliers set aside, until they stay the same →
+//! uncertainties, noise, held-out proof.
 
-use crate::{Experiment, Identification, IdentifyError, Options};
+use crate::design::Design;
+use crate::identification::{FittedEffect, FittedParameter, Identification, Outlier, Status};
+use crate::joint::Joint;
+use crate::noise::{noise, noise_of_residual};
+use crate::null_space::describe;
+use crate::passes::passes;
+use crate::robust::without_outliers;
+use crate::settle::{Settled, settle};
+use crate::shape::search_shapes;
+use crate::uncertainty::{covariance, holdout, sums};
+use crate::{Experiment, HoldoutWanted, IdentifyError, Options, Outliers};
+use nalgebra::{DMatrix, DVector};
 use trunnion_effects::Model;
+use trunnion_machine::Axis;
+use trunnion_units::convert;
+
+/// Rounds of setting points aside.
+const MOST_ROUNDS: usize = 6;
 
 /// Fits every effect of `model` to the runs of `experiment` together.
 ///
 /// # Errors
-/// The model does not fit the machine or the runs, or the fit does not settle.
+/// The model does not fit the machine or the runs, a reading is no number, there are too few readings, or the fit
+/// does not settle.
 pub fn identify(
     experiment: &Experiment,
     model: &Model,
     options: &Options,
 ) -> Result<Identification, IdentifyError> {
-    let _ = (model, options);
-    Err(IdentifyError::TooFewReadings { rows: experiment.rows(), determined: 0 })
+    let mut joint = Joint::place(experiment, model)?;
+    let everything = vec![true; experiment.points.len()];
+    let searched = search_shapes(experiment, &mut joint, &everything, options)?;
+    let (mut used, mut fit) = settle_robustly(&Design::new(experiment, &joint), options)?;
+    if searched && used != everything {
+        search_shapes(experiment, &mut joint, &used, options)?;
+        (used, fit) = settle_robustly(&Design::new(experiment, &joint), options)?;
+    }
+    Ok(gather(&Design::new(experiment, &joint), &used, fit, options))
+}
+
+fn settle_robustly(
+    design: &Design<'_>,
+    options: &Options,
+) -> Result<(Vec<bool>, Settled), IdentifyError> {
+    let mut used = vec![true; design.experiment.points.len()];
+    let mut fit = settle(design, &used, options)?;
+    if options.outliers == Outliers::Keep {
+        return Ok((used, fit));
+    }
+    for _ in 0..MOST_ROUNDS {
+        let kept = without_outliers(design.experiment, &fit.residual_mm);
+        if kept == used {
+            break;
+        }
+        used = kept;
+        fit = settle(design, &used, options)?;
+    }
+    Ok((used, fit))
+}
+
+fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -> Identification {
+    let (experiment, joint) = (design.experiment, design.joint);
+    let passes = passes(experiment);
+    let sums = sums(design, &passes, &fit, used);
+    let determined = &fit.gauge.determined;
+    let small = covariance(&fit, &sums);
+    let mut covariance = DMatrix::zeros(joint.width(), joint.width());
+    for (a, &i) in determined.iter().enumerate() {
+        for (b, &j) in determined.iter().enumerate() {
+            covariance[(i, j)] = small[(a, b)];
+        }
+    }
+    let unobservable: Vec<_> = fit
+        .gauge
+        .directions
+        .iter()
+        .map(|direction| describe(direction, &joint.parameters, &fit.gauge.status))
+        .collect();
+    let parameters = (0..joint.width()).map(|j| parameter(joint, &fit, &covariance, j)).collect();
+    let degrees_of_freedom = fit.degrees_of_freedom();
+    let of_residual = noise_of_residual(fit.sigma_mm, degrees_of_freedom);
+    Identification {
+        machine: experiment.machine().name.clone(),
+        runs: experiment.runs.clone(),
+        effects: joint
+            .effects
+            .iter()
+            .map(|placed| FittedEffect {
+                id: placed.id.clone(),
+                shape_names: placed.shapes.names.clone(),
+                shape: placed.shape.clone(),
+            })
+            .collect(),
+        points: experiment.points.len(),
+        parameters,
+        unobservable,
+        covariance,
+        noise: noise(experiment, &passes, &fit.residual_mm, used, of_residual),
+        holdout: match options.holdout {
+            HoldoutWanted::Yes => holdout(&sums),
+            HoldoutWanted::No => None,
+        },
+        rms_mm: fit.sigma_mm * (degrees_of_freedom as f64 / fit.rows_used as f64).sqrt(),
+        outliers: outliers(experiment, used, &fit.residual_mm),
+        used: used.to_vec(),
+        rank: fit.gauge.rank,
+        condition: fit.condition,
+        iterations: fit.iterations,
+        degrees_of_freedom,
+        solution: fit.solution,
+        predicted_mm: fit.predicted_mm,
+        residual_mm: fit.residual_mm,
+    }
+}
+
+fn parameter(joint: &Joint, fit: &Settled, covariance: &DMatrix<f64>, j: usize) -> FittedParameter {
+    let status = fit.gauge.status[j];
+    let name = |k: usize| joint.parameters[k].name.as_str();
+    let stands_for: Vec<&str> = fit
+        .gauge
+        .directions
+        .iter()
+        .filter(|direction| direction.conventional && direction.terms[1..].iter().any(|(k, _)| *k == j))
+        .map(|direction| name(direction.terms[0].0))
+        .collect();
+    let note = match status {
+        Status::Held => "held by the model".into(),
+        Status::ZeroByConvention => "zero by convention: cannot be told from others".into(),
+        Status::Unobservable => "cannot be seen".into(),
+        Status::Identified if stands_for.is_empty() => String::new(),
+        Status::Identified => format!("contains {}", stands_for.join(", ")),
+    };
+    let identified = status == Status::Identified;
+    FittedParameter {
+        name: name(j).into(),
+        effect: joint.effects[joint.effect_of[j]].id.clone(),
+        unit: joint.parameters[j].unit,
+        value: (identified || status == Status::Held).then(|| fit.solution[j]),
+        u: identified.then(|| covariance[(j, j)].sqrt()),
+        status,
+        note,
+    }
+}
+
+fn outliers(experiment: &Experiment, used: &[bool], residual_mm: &DVector<f64>) -> Vec<Outlier> {
+    (0..used.len())
+        .filter(|&i| !used[i])
+        .map(|i| {
+            let state = &experiment.points[i].state;
+            let degrees = |axis: &Axis| {
+                format!("{} {:.3}°", axis.letter, convert::deg_from_rad(state.position[axis.letter]))
+            };
+            let pose: Vec<String> = experiment.machine().rotary().into_iter().map(degrees).collect();
+            let rows = experiment.rows_of(i);
+            Outlier {
+                point: i,
+                run: experiment.runs[experiment.run_of_point[i]].clone(),
+                setup: experiment.setups[state.setup].name.clone(),
+                pose: pose.join(" "),
+                residual_mm: residual_mm.rows(rows.start, rows.len()).norm(),
+            }
+        })
+        .collect()
 }

@@ -1,0 +1,204 @@
+//! What the data cannot see: null directions of the scaled design, made sparse and named.
+//!
+//! Null vectors are the right singular vectors with σ ≤ tolerance·σ₁, and those along which the fit
+//! would wander by more than [`MEANINGLESS_MM`] of reading. They are brought to reduced row echelon form. Pivots are first the
+//! parameters that the minimum set of location errors defines as zero (S2 tables 2–5), weakest first, then the most
+//! involved ones. Every pivot is held at zero, which leaves independent columns. A conventional pivot lets the
+//! others of its direction stand for it; any other pivot leaves its whole direction without numbers.
+
+use crate::identification::{Status, Unobservable};
+use crate::linear::Reduced;
+use nalgebra::DMatrix;
+use std::fmt::Write;
+use trunnion_effects::Parameter;
+
+/// A direction whose uncertainty moves the readings by more than this (rms, mm) has no physical meaning.
+const MEANINGLESS_MM: f64 = 1.0;
+/// Share of a direction (scaled columns) above which a parameter takes part, for exact and for weak directions.
+const TAKES_PART: f64 = 1e-6;
+const TAKES_PART_WEAKLY: f64 = 1e-3;
+
+/// How the null space is fixed.
+pub(crate) struct Gauge {
+    /// Columns left to determine; independent.
+    pub determined: Vec<usize>,
+    /// Status of every parameter.
+    pub status: Vec<Status>,
+    /// The directions.
+    pub directions: Vec<Direction>,
+    /// Rank before any convention.
+    pub rank: usize,
+}
+
+/// One null vector.
+pub(crate) struct Direction {
+    /// Parameter index and coefficient, inside units, the pivot first with coefficient 1.
+    pub terms: Vec<(usize, f64)>,
+    /// True when the pivot is zero by convention.
+    pub conventional: bool,
+    /// True when the direction is not exactly null, only too weak.
+    pub weak: bool,
+}
+
+/// What decides that a direction is not seen.
+pub(crate) struct Limits {
+    /// Relative singular value.
+    pub tolerance: f64,
+    /// Singular value (scaled columns, mm) below which the uncertainty is beyond meaning; 0 when noise is not known yet.
+    pub weakest: f64,
+}
+
+impl Limits {
+    /// Limits once the residual standard deviation is known.
+    pub fn with_noise(tolerance: f64, sigma_mm: f64, rows: usize) -> Self {
+        Self { tolerance, weakest: sigma_mm / (MEANINGLESS_MM * (rows as f64).sqrt()) }
+    }
+}
+
+pub(crate) fn gauge(
+    reduced: &Reduced,
+    free: &[usize],
+    parameters: &[Parameter],
+    conventional_zeros: &[String],
+    limits: &Limits,
+) -> Gauge {
+    let mut status = vec![Status::Held; parameters.len()];
+    for &j in free {
+        status[j] = Status::Identified;
+    }
+    if free.is_empty() {
+        return Gauge { determined: vec![], status, directions: vec![], rank: 0 };
+    }
+    let (sigma, v) = reduced.singular(free);
+    let null_below = limits.tolerance.max(reduced.floor) * sigma[0];
+    let null: Vec<usize> =
+        (0..sigma.len()).filter(|&i| sigma[i] <= null_below || sigma[i] < limits.weakest).collect();
+    let weak = null.iter().any(|&i| sigma[i] > null_below);
+    let takes_part = if weak { TAKES_PART_WEAKLY } else { TAKES_PART };
+    let preferred: Vec<usize> = conventional_zeros
+        .iter()
+        .filter_map(|name| free.iter().position(|&j| parameters[j].name == *name))
+        .collect();
+    let rows = echelon(v.select_columns(&null).transpose(), &preferred, takes_part);
+    let mut directions = Vec::new();
+    for (pivot, row) in rows {
+        let conventional = preferred.contains(&pivot);
+        status[free[pivot]] = if conventional { Status::ZeroByConvention } else { Status::Unobservable };
+        let mut others: Vec<usize> =
+            (0..row.len()).filter(|&k| k != pivot && row[k].abs() > takes_part).collect();
+        if !conventional {
+            for &k in &others {
+                status[free[k]] = Status::Unobservable;
+            }
+        }
+        others.insert(0, pivot);
+        let scale = |k: usize| reduced.scale[free[k]];
+        let terms = others.iter().map(|&k| (free[k], row[k] * scale(k) / scale(pivot))).collect();
+        directions.push(Direction { terms, conventional, weak });
+    }
+    let pivots: Vec<usize> = directions.iter().map(|direction| direction.terms[0].0).collect();
+    let determined = free.iter().copied().filter(|j| !pivots.contains(j)).collect();
+    Gauge { determined, status, directions, rank: free.len() - null.len() }
+}
+
+/// Reduced row echelon form; pivots from `preferred` while they take part, then the largest entries.
+fn echelon(mut rows: DMatrix<f64>, preferred: &[usize], takes_part: f64) -> Vec<(usize, Vec<f64>)> {
+    let mut pivots = Vec::new();
+    let mut preferred = preferred.iter();
+    while pivots.len() < rows.nrows() {
+        let below = pivots.len();
+        let largest_in = |column: usize, rows: &DMatrix<f64>| {
+            (below..rows.nrows()).map(|i| (i, rows[(i, column)].abs())).max_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let chosen = preferred
+            .by_ref()
+            .find_map(|&column| largest_in(column, &rows).filter(|(_, size)| *size > takes_part).map(|(i, _)| (i, column)));
+        let (row, column) = chosen.unwrap_or_else(|| {
+            let rest = rows.rows(below, rows.nrows() - below);
+            let (i, column) = rest.icamax_full();
+            (below + i, column)
+        });
+        rows.swap_rows(below, row);
+        let pivot = rows[(below, column)];
+        rows.row_mut(below).scale_mut(pivot.recip());
+        let pivot_row = rows.row(below).into_owned();
+        for i in (0..rows.nrows()).filter(|&i| i != below) {
+            let factor = rows[(i, column)];
+            rows.row_mut(i).zip_apply(&pivot_row, |x, p| *x -= factor * p);
+        }
+        pivots.push(column);
+    }
+    pivots.into_iter().enumerate().map(|(i, column)| (column, rows.row(i).iter().copied().collect())).collect()
+}
+
+/// The direction in words.
+pub(crate) fn describe(direction: &Direction, parameters: &[Parameter], status: &[Status]) -> Unobservable {
+    let pivot = direction.terms[0].0;
+    let screen = |&(j, x): &(usize, f64)| {
+        (parameters[j].name.clone(), x * parameters[j].unit.per_inside / parameters[pivot].unit.per_inside)
+    };
+    let terms: Vec<(String, f64)> = direction.terms.iter().map(screen).collect();
+    let pivot = terms[0].0.clone();
+    let others: Vec<&str> = terms[1..].iter().map(|(name, _)| name.as_str()).collect();
+    let without: Vec<&str> = direction.terms[1..]
+        .iter()
+        .filter(|(j, _)| status[*j] == Status::Unobservable)
+        .map(|(j, _)| parameters[*j].name.as_str())
+        .collect();
+    let how = if direction.weak { "moves the readings too little" } else { "moves no reading" };
+    let why = match (others.is_empty(), direction.conventional) {
+        (true, _) => format!("cannot be seen: {pivot} {how} of these runs"),
+        (false, true) => {
+            let stands = if others.len() == 1 { "stands" } else { "stand" };
+            let both = if others.len() == 1 { "both" } else { "all of them" };
+            let mut why = format!(
+                "{pivot} cannot be told apart from {} in these runs; by convention {pivot} = 0, so {} {stands} for {both}",
+                join(&others),
+                join(&others)
+            );
+            if !without.is_empty() {
+                write!(why, " ({} cannot be seen for another reason)", join(&without))
+                    .expect("writing to a string cannot fail");
+            }
+            why
+        }
+        (false, false) => {
+            format!(
+                "cannot be seen: {pivot} and {} together {how} of these runs; none of them gets a number",
+                join(&others)
+            )
+        }
+    };
+    Unobservable { direction: spell(&terms), terms, why }
+}
+
+fn join(names: &[&str]) -> String {
+    names.join(", ")
+}
+
+/// `EX0A - 0.5 EX0C`.
+fn spell(terms: &[(String, f64)]) -> String {
+    let mut text = String::new();
+    for (k, (name, coefficient)) in terms.iter().enumerate() {
+        let sign = match (k, *coefficient < 0.0) {
+            (0, false) => "",
+            (0, true) => "-",
+            (_, false) => " + ",
+            (_, true) => " - ",
+        };
+        text.push_str(sign);
+        let size = coefficient.abs();
+        if (size - 1.0).abs() > 1e-4 {
+            text.push_str(&four_digits(size));
+            text.push(' ');
+        }
+        text.push_str(name);
+    }
+    text
+}
+
+fn four_digits(size: f64) -> String {
+    let decimals = (3 - size.log10().floor() as i32).clamp(0, 9) as usize;
+    let text = format!("{size:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}

@@ -1,0 +1,144 @@
+//! Gauss–Newton to the exact prediction, columns at the nominal machine.
+//!
+//! x ← x + argmin ‖A δ − (measured − predicted(x))‖ over the used points. The columns are the analytic linear ones, so
+//! each step shrinks what is left by about the size of the errors (0.005 for a tilt of 0.3°).
+
+use crate::design::{Design, unused_rows};
+use crate::linear::{Reduced, Solver};
+use crate::null_space::{Gauge, Limits, gauge};
+use crate::{IdentifyError, Options};
+use nalgebra::DVector;
+use trunnion_effects::catalogue::conventional_zeros;
+
+/// The fit stands when no prediction moves by more than this, mm.
+const SETTLED_MM: f64 = 1e-9;
+const MOST_STEPS: usize = 40;
+
+/// A settled fit for one choice of points.
+pub(crate) struct Settled {
+    pub solution: DVector<f64>,
+    pub predicted_mm: DVector<f64>,
+    pub residual_mm: DVector<f64>,
+    pub gauge: Gauge,
+    pub solver: Solver,
+    pub condition: f64,
+    pub iterations: usize,
+    /// Residual standard deviation of the used rows, mm.
+    pub sigma_mm: f64,
+    pub rows_used: usize,
+}
+
+impl Settled {
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.rows_used - self.gauge.determined.len()
+    }
+}
+
+pub(crate) fn settle(
+    design: &Design<'_>,
+    used: &[bool],
+    options: &Options,
+) -> Result<Settled, IdentifyError> {
+    let reduced = design.reduce(used);
+    let exact = Limits { tolerance: options.null_tolerance, weakest: 0.0 };
+    let first = settle_within(design, &reduced, used, &exact)?;
+    // Directions so weak that noise alone makes their numbers absurd are known only after the noise is.
+    let weak = Limits::with_noise(options.null_tolerance, first.sigma_mm, first.rows_used);
+    let free = design.joint.free();
+    if free.is_empty() {
+        return Ok(first);
+    }
+    let rank = named_gauge(design, &reduced, &weak).rank;
+    if rank == first.gauge.rank { Ok(first) } else { settle_within(design, &reduced, used, &weak) }
+}
+
+fn named_gauge(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Gauge {
+    let zeros = conventional_zeros(design.experiment.machine());
+    gauge(reduced, &design.joint.free(), &design.joint.parameters, &zeros, limits)
+}
+
+fn settle_within(
+    design: &Design<'_>,
+    reduced: &Reduced,
+    used: &[bool],
+    limits: &Limits,
+) -> Result<Settled, IdentifyError> {
+    let (experiment, joint) = (design.experiment, design.joint);
+    let gauge = named_gauge(design, reduced, limits);
+    let rows_used: usize = (0..used.len()).filter(|&i| used[i]).map(|i| experiment.rows_of(i).len()).sum();
+    if rows_used <= gauge.determined.len() {
+        return Err(IdentifyError::TooFewReadings { rows: rows_used, determined: gauge.determined.len() });
+    }
+    let solver = reduced.solver(&gauge.determined);
+    let condition = if gauge.determined.is_empty() {
+        1.0
+    } else {
+        let sigma = reduced.singular(&gauge.determined).0;
+        sigma[0] / sigma[sigma.len() - 1]
+    };
+    let readings = experiment.readings_mm();
+    let mut solution = DVector::from_iterator(joint.width(), joint.held.iter().map(|held| held.unwrap_or(0.0)));
+    let mut predicted = joint.predict_mm(experiment, &solution);
+    for step in 1..=MOST_STEPS {
+        let residual = &readings - &predicted;
+        check_finite(design, &residual)?;
+        if gauge.determined.is_empty() {
+            return Ok(settled(design, used, solution, predicted, gauge, solver, condition, step));
+        }
+        let mut counted = residual;
+        for row in unused_rows(experiment, used) {
+            counted[row] = 0.0;
+        }
+        let change = solver.solve(&design.project(reduced, &counted));
+        for (k, &j) in gauge.determined.iter().enumerate() {
+            solution[j] += change[k];
+        }
+        let next = joint.predict_mm(experiment, &solution);
+        let change_mm = (&next - &predicted).amax();
+        predicted = next;
+        if change_mm < SETTLED_MM {
+            return Ok(settled(design, used, solution, predicted, gauge, solver, condition, step));
+        }
+        if step == MOST_STEPS || !change_mm.is_finite() {
+            return Err(IdentifyError::NotSettled { steps: step, change_mm });
+        }
+    }
+    unreachable!("the last step returns")
+}
+
+#[expect(clippy::too_many_arguments, reason = "gathers what the loop above has made")]
+fn settled(
+    design: &Design<'_>,
+    used: &[bool],
+    solution: DVector<f64>,
+    predicted_mm: DVector<f64>,
+    gauge: Gauge,
+    solver: Solver,
+    condition: f64,
+    iterations: usize,
+) -> Settled {
+    let residual_mm = design.experiment.readings_mm() - &predicted_mm;
+    let (mut squares, mut rows_used) = (0.0, 0);
+    for i in (0..used.len()).filter(|&i| used[i]) {
+        for row in design.experiment.rows_of(i) {
+            squares += residual_mm[row] * residual_mm[row];
+            rows_used += 1;
+        }
+    }
+    let sigma_mm = (squares / (rows_used - gauge.determined.len()) as f64).sqrt();
+    Settled { solution, predicted_mm, residual_mm, gauge, solver, condition, iterations, sigma_mm, rows_used }
+}
+
+fn check_finite(design: &Design<'_>, residual: &DVector<f64>) -> Result<(), IdentifyError> {
+    let experiment = design.experiment;
+    let Some(row) = residual.iter().position(|r| !r.is_finite()) else { return Ok(()) };
+    let point = (0..experiment.points.len())
+        .find(|&i| experiment.rows_of(i).contains(&row))
+        .expect("every row belongs to a point");
+    let reading = experiment.points[point].reading_mm.iter().all(|r| r.is_finite());
+    Err(IdentifyError::NotFinite {
+        point,
+        run: experiment.runs[experiment.run_of_point[point]].clone(),
+        what: if reading { "prediction" } else { "reading" },
+    })
+}
