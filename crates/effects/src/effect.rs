@@ -83,6 +83,18 @@ impl Unit {
     pub const UM_PER_M: Self = Self { symbol: "um/m", per_inside: 1e6 };
     /// µm/K for mm/K.
     pub const UM_PER_K: Self = Self { symbol: "um/K", per_inside: 1e3 };
+    /// µm/mm for a ratio.
+    pub const UM_PER_MM: Self = Self { symbol: "um/mm", per_inside: 1e3 };
+    /// µm/mm² for 1/mm.
+    pub const UM_PER_MM2: Self = Self { symbol: "um/mm2", per_inside: 1e3 };
+    /// µm per m/s² for s² (mm per mm/s²).
+    pub const UM_PER_M_S2: Self = Self { symbol: "um/(m/s2)", per_inside: 1e6 };
+    /// µrad per rad/s² for s².
+    pub const URAD_PER_RAD_S2: Self = Self { symbol: "urad/(rad/s2)", per_inside: 1e6 };
+    /// µrad per m/s² for rad·s²/mm.
+    pub const URAD_PER_M_S2: Self = Self { symbol: "urad/(m/s2)", per_inside: 1e9 };
+    /// µm per (rad/s)² for mm·s².
+    pub const UM_PER_RAD2_S2: Self = Self { symbol: "um/(rad/s)2", per_inside: 1e3 };
     /// ms for s.
     pub const MS: Self = Self { symbol: "ms", per_inside: 1e3 };
     /// A plain number.
@@ -93,7 +105,7 @@ impl Unit {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shapes {
     /// Name and unit of each shape number, e.g. `tau_s`.
-    pub names: Vec<&'static str>,
+    pub names: Vec<String>,
     /// Grid points; one empty entry when the effect has no shape numbers.
     pub grid: Vec<Vec<f64>>,
     /// True when values between grid points make sense (a time constant), false for counts (lobes, teeth).
@@ -107,8 +119,8 @@ impl Shapes {
     }
 
     /// One shape number with these grid values.
-    pub fn one(name: &'static str, values: impl IntoIterator<Item = f64>, continuous: bool) -> Self {
-        Self { names: vec![name], grid: values.into_iter().map(|v| vec![v]).collect(), continuous }
+    pub fn one(name: &str, values: impl IntoIterator<Item = f64>, continuous: bool) -> Self {
+        Self { names: vec![name.into()], grid: values.into_iter().map(|v| vec![v]).collect(), continuous }
     }
 }
 

@@ -1,90 +1,144 @@
 //! An effect placed on a subject: what a model lists and a diagnosis scores.
 
 use crate::catalogue::REGISTRY;
-use crate::{Effect, Emit, Parameter, Scene, Shapes, Subject};
+use crate::formula::{Formula, FormulaError};
+use crate::{About, Effect, Emit, ModelEffect, Parameter, Scene, Shapes, Subject};
+use std::fmt;
+use std::sync::Arc;
 use trunnion_machine::{Machine, State};
-use trunnion_units::AxisLetter;
 
-/// One effect on one subject, e.g. `gravity-sag:B`.
-#[derive(Clone, Copy)]
-pub struct Instance {
-    /// The effect.
-    pub effect: &'static Effect,
-    /// Its subject.
-    pub subject: Subject,
+/// One effect on one subject, e.g. `gravity-sag:B`, or a formula out of a model file.
+#[derive(Clone)]
+pub enum Instance {
+    /// An effect of the catalogue.
+    Catalogue {
+        /// The effect.
+        effect: &'static Effect,
+        /// Its subject.
+        subject: Subject,
+    },
+    /// A `formula:NAME` effect.
+    Formula(Arc<Formula>),
 }
 
-/// An id that names no effect of this machine.
+/// A model entry that is no effect of this machine.
 #[derive(Clone, Debug, thiserror::Error)]
-#[error("there is no effect \"{id}\" on machine {machine}; allowed: {allowed}")]
-pub struct UnknownEffect {
-    /// What was asked for.
-    pub id: String,
-    /// On which machine.
-    pub machine: String,
-    /// Ids this machine can have.
-    pub allowed: String,
+pub enum UnknownEffect {
+    /// No such id.
+    #[error(
+        "there is no effect \"{id}\" on machine {machine}; allowed: {allowed}, formula:NAME in a model file"
+    )]
+    Id {
+        /// What was asked for.
+        id: String,
+        /// On which machine.
+        machine: String,
+        /// Ids this machine can have.
+        allowed: String,
+    },
+    /// A formula that cannot be read.
+    #[error("{id} cannot be read")]
+    Formula {
+        /// Id of the formula.
+        id: String,
+        /// Why.
+        #[source]
+        error: FormulaError,
+    },
 }
 
 impl Instance {
-    /// Every instance this machine can have, in registry order.
+    /// Every catalogue instance this machine can have, in registry order.
     pub fn all(machine: &Machine) -> Vec<Self> {
         REGISTRY
-            .iter()
-            .flat_map(|effect| (effect.subjects)(machine).into_iter().map(|subject| Self { effect, subject }))
+            .into_iter()
+            .flat_map(|effect| {
+                (effect.subjects)(machine).into_iter().map(move |subject| Self::Catalogue { effect, subject })
+            })
             .collect()
     }
 
-    /// The instance with this id.
+    /// The catalogue instance with this id.
     ///
     /// # Errors
     /// When the machine has no such effect; lists what is allowed.
     pub fn find(id: &str, machine: &Machine) -> Result<Self, UnknownEffect> {
         let all = Self::all(machine);
-        all.iter().find(|instance| instance.id() == id).copied().ok_or_else(|| UnknownEffect {
+        all.iter().find(|instance| instance.id() == id).cloned().ok_or_else(|| UnknownEffect::Id {
             id: id.into(),
             machine: machine.name.clone(),
             allowed: all.iter().map(Self::id).collect::<Vec<_>>().join(", "),
         })
     }
 
-    /// `phenomenon` or `phenomenon:SUBJECT`.
+    /// The instance an entry of a model names; a `formula:NAME` is read from the entry.
+    ///
+    /// # Errors
+    /// When the machine has no such effect, or the formula cannot be read.
+    pub fn from_model_effect(entry: &ModelEffect, machine: &Machine) -> Result<Self, UnknownEffect> {
+        if !entry.id.starts_with("formula:") {
+            return Self::find(&entry.id, machine);
+        }
+        let formula = Formula::from_model_effect(entry, machine)
+            .map_err(|error| UnknownEffect::Formula { id: entry.id.clone(), error })?;
+        Ok(Self::Formula(Arc::new(formula)))
+    }
+
+    /// `phenomenon`, `phenomenon:SUBJECT` or `formula:NAME`.
     pub fn id(&self) -> String {
-        let phenomenon = self.effect.phenomenon;
-        match self.subject {
-            Subject::Whole => phenomenon.into(),
-            Subject::Axis(letter) => format!("{phenomenon}:{letter}"),
-            Subject::Pair(first, second) => format!("{phenomenon}:{first}{second}"),
+        match self {
+            Self::Formula(formula) => format!("formula:{}", formula.name),
+            Self::Catalogue { effect, subject } => match subject {
+                Subject::Whole => effect.phenomenon.into(),
+                Subject::Axis(letter) => format!("{}:{letter}", effect.phenomenon),
+                Subject::Pair(first, second) => format!("{}:{first}{second}", effect.phenomenon),
+            },
+        }
+    }
+
+    /// What a person should know of it; a formula has nothing but its expression.
+    pub fn about(&self) -> Option<&'static About> {
+        match self {
+            Self::Catalogue { effect, .. } => Some(&effect.about),
+            Self::Formula(_) => None,
+        }
+    }
+
+    /// What it is about; a formula belongs to its site only.
+    pub fn subject(&self) -> Subject {
+        match self {
+            Self::Catalogue { subject, .. } => *subject,
+            Self::Formula(_) => Subject::Whole,
         }
     }
 
     /// Linear parameters in this scene; empty when out of reach.
     pub fn parameters(&self, scene: &Scene) -> Vec<Parameter> {
-        (self.effect.parameters)(scene, self.subject)
+        match self {
+            Self::Catalogue { effect, subject } => (effect.parameters)(scene, *subject),
+            Self::Formula(formula) => formula.parameters(scene),
+        }
     }
 
     /// Grid of shape numbers in this scene.
     pub fn shapes(&self, scene: &Scene) -> Shapes {
-        (self.effect.shapes)(scene, self.subject)
+        match self {
+            Self::Catalogue { effect, subject } => (effect.shapes)(scene, *subject),
+            Self::Formula(formula) => formula.shapes(),
+        }
     }
 
     /// Motions per unit parameter.
     pub fn motions(&self, scene: &Scene, shape: &[f64], state: &State, emit: Emit<'_>) {
-        (self.effect.motions)(scene, self.subject, shape, state, emit);
+        match self {
+            Self::Catalogue { effect, subject } => (effect.motions)(scene, *subject, shape, state, emit),
+            Self::Formula(formula) => formula.motions(scene, shape, state, emit),
+        }
     }
 }
 
-/// One subject for every rotary axis of the machine.
-pub fn every_rotary(machine: &Machine) -> Vec<Subject> {
-    machine.rotary().iter().map(|axis| Subject::Axis(axis.letter)).collect()
-}
-
-/// One subject for every linear axis of the machine.
-pub fn every_linear(machine: &Machine) -> Vec<Subject> {
-    AxisLetter::LINEAR.into_iter().filter(|&l| machine.axis(l).is_some()).map(Subject::Axis).collect()
-}
-
-/// One subject for every axis of the machine.
-pub fn every_axis(machine: &Machine) -> Vec<Subject> {
-    machine.axes().map(|axis| Subject::Axis(axis.letter)).collect()
+impl fmt::Debug for Instance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Instance({})", self.id())
+    }
 }

@@ -6,11 +6,15 @@
 
 pub mod catalogue;
 mod effect;
+pub mod formula;
 mod instance;
 pub mod model;
 mod scene;
+mod subjects;
 
 pub use effect::{About, Effect, Emit, Parameter, Shapes, Subject, Unit};
-pub use instance::{Instance, UnknownEffect, every_axis, every_linear, every_rotary};
-pub use model::Model;
+pub use formula::{Formula, FormulaError};
+pub use instance::{Instance, UnknownEffect};
+pub use model::{LadderRow, Model, ModelEffect, Prior};
 pub use scene::{Scene, SceneSetup};
+pub use subjects::{every_axis, every_linear, every_rotary};

@@ -1,4 +1,35 @@
-//! The model: the effects in the order they were added. File format of DESIGN §3.4.
+//! The model: the effects in the order they were added. File format `trunnion-model/1` (DESIGN §3.4).
+//!
+//! ```toml
+//! format = "trunnion-model/1"
+//! machine = "table-bc"
+//!
+//! [[effect]]
+//! id = "location-errors"
+//! fixed = { EX0B = 3.0 }                            # screen units (here µm)
+//! prior = { EA0C = { value = 0.0, u = 20.0 } }
+//!
+//! [[effect]]
+//! id = "thermal-drift"
+//! shape = [300.0, 1800.0]
+//! [effect.ladder]
+//! date = "2026-03-01"
+//! run = "tuesday"
+//! error_before_um = 4.1
+//! error_after_um = 1.2
+//! noise_um = 0.9
+//!
+//! [[effect]]
+//! id = "formula:hose"
+//! site = "axis:B"
+//! component = "ea"
+//! expression = "pull * step(B - start)"
+//! grid = { start = [0.2, 0.4, 0.6] }
+//! ```
+
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table as Written, Value, value};
+use trunnion_units::input::{Document, Table};
+use trunnion_units::{Problem, Problems};
 
 /// A model: machine name and effects in the order they were added.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,16 +45,294 @@ pub struct Model {
 pub struct ModelEffect {
     /// Effect id.
     pub id: String,
-    /// Shape numbers, where the effect has some; empty: the fit chooses on the grid.
+    /// Shape numbers (inside units), where the effect has some; empty: the fit chooses on the grid.
     pub shape: Vec<f64>,
     /// Parameters held at a value (screen units) by name.
     pub fixed: Vec<(String, f64)>,
+    /// What is known of parameters beforehand (screen units) by name.
+    pub prior: Vec<(String, Prior)>,
+    /// Where a formula acts: `axis:B`, `ball`, `spindle` or `reading`.
+    pub site: Option<String>,
+    /// Component of a formula: `dx` … `ec`.
+    pub component: Option<String>,
+    /// Expression of a formula.
+    pub expression: Option<String>,
+    /// Grid of the non-linear parameters of a formula (inside units) by name.
+    pub grid: Vec<(String, Vec<f64>)>,
+    /// What adding it did.
+    pub ladder: Option<LadderRow>,
 }
+
+/// A value known beforehand with its standard uncertainty, screen units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prior {
+    /// Expected value.
+    pub value: f64,
+    /// Standard uncertainty, above zero.
+    pub u: f64,
+}
+
+/// One row of the ladder: what adding an effect did to the error.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LadderRow {
+    /// Day, `YYYY-MM-DD`.
+    pub date: String,
+    /// Runs it was fitted to.
+    pub run: String,
+    /// rms residual before, µm.
+    pub error_before_um: f64,
+    /// rms residual after, µm.
+    pub error_after_um: f64,
+    /// rms residual of left-out data before, µm.
+    pub holdout_before_um: Option<f64>,
+    /// rms residual of left-out data after, µm.
+    pub holdout_after_um: Option<f64>,
+    /// Noise floor, µm.
+    pub noise_um: f64,
+}
+
+const FORMAT: &str = "trunnion-model/1";
+const ANY: std::ops::RangeInclusive<f64> = f64::MIN..=f64::MAX;
 
 impl Model {
     /// `location-errors` and `ball-setting` alone.
     pub fn base(machine: &str) -> Self {
         let entry = |id: &str| ModelEffect { id: id.into(), ..ModelEffect::default() };
         Self { machine: machine.into(), effects: crate::catalogue::BASE.map(entry).into() }
+    }
+
+    /// Reads a model file; `file` is the name shown in problems. Whether the machine can have the effects is for
+    /// [`crate::Instance::from_model_effect`] to say.
+    ///
+    /// # Errors
+    /// Every problem of the file, with line, what was found and what is allowed.
+    pub fn parse(file: &str, text: &str) -> Result<Self, Problems> {
+        let document = Document::parse(file, text)?;
+        let model = read(&document);
+        document.finish(model)
+    }
+
+    /// The model as a new file.
+    pub fn to_text(&self) -> String {
+        let mut document = DocumentMut::new();
+        document["format"] = value(FORMAT);
+        document["machine"] = value(&self.machine);
+        document["effect"] = Item::ArrayOfTables(self.effects.iter().map(written).collect());
+        document.to_string()
+    }
+
+    /// The text of a model file with one more entry; comments and order of what is there stay as they are.
+    ///
+    /// # Errors
+    /// When `text` is no TOML or its `effect` is no `[[effect]]` list.
+    pub fn append(text: &str, entry: &ModelEffect) -> Result<String, Problems> {
+        let problem = |found: String, allowed: &str| Problem {
+            file: "model".into(),
+            line: 0,
+            column: 0,
+            found,
+            allowed: allowed.into(),
+            advice: String::new(),
+        };
+        let mut document: DocumentMut =
+            text.parse().map_err(|error: toml_edit::TomlError| problem(error.to_string(), "TOML 1.0"))?;
+        let effects = document.entry("effect").or_insert(Item::ArrayOfTables(ArrayOfTables::new()));
+        let Some(effects) = effects.as_array_of_tables_mut() else {
+            return Err(problem("effect is no list of tables".into(), "[[effect]]").into());
+        };
+        effects.push(written(entry));
+        Ok(document.to_string())
+    }
+}
+
+fn read(document: &Document<'_>) -> Option<Model> {
+    let root = document.root();
+    let format = root.format(FORMAT);
+    let machine = root.string("machine");
+    let effects: Vec<Option<ModelEffect>> = root.tables("effect").iter().map(read_effect).collect();
+    root.no_other_keys();
+    for (i, entry) in effects.iter().enumerate() {
+        let Some(entry) = entry else { continue };
+        if effects[..i].iter().flatten().any(|earlier| earlier.id == entry.id) {
+            root.tables("effect")[i].problem(
+                "id",
+                format!("= \"{}\" is there twice", entry.id),
+                "each effect once",
+                "",
+            );
+        }
+    }
+    format?;
+    Some(Model { machine: machine?, effects: effects.into_iter().collect::<Option<_>>()? })
+}
+
+fn read_effect(table: &Table<'_>) -> Option<ModelEffect> {
+    let id = table.string("id");
+    let is_formula = id.as_deref().is_some_and(|id| id.starts_with("formula:"));
+    let texts = ["site", "component", "expression"].map(|key| {
+        if is_formula {
+            return table.string(key);
+        }
+        if table.has(key) {
+            table.problem(key, "belongs to a formula", "only with id = \"formula:NAME\"", "");
+        }
+        None
+    });
+    let [site, component, expression] = texts;
+    let entry = ModelEffect {
+        id: id.unwrap_or_default(),
+        shape: table.optional_numbers("shape").unwrap_or_default(),
+        fixed: named(table, "fixed", |values, name| values.number(name, ANY)),
+        prior: named(table, "prior", |values, name| {
+            let prior = values.table(name)?;
+            let (value, u) = (prior.number("value", ANY), prior.number("u", f64::MIN_POSITIVE..=f64::MAX));
+            prior.no_other_keys();
+            Some(Prior { value: value?, u: u? })
+        }),
+        grid: if is_formula {
+            named(table, "grid", |values, name| {
+                let numbers = values.optional_numbers(name)?;
+                if numbers.is_empty() {
+                    values.problem(name, "is empty", "at least one number", "");
+                }
+                Some(numbers)
+            })
+        } else {
+            Vec::new()
+        },
+        ladder: table.optional_table("ladder").and_then(|ladder| read_ladder(&ladder)),
+        site,
+        component,
+        expression,
+    };
+    table.no_other_keys();
+    if entry.id.is_empty() {
+        return None;
+    }
+    Some(entry)
+}
+
+/// The entries of a sub-table by name, in file order.
+fn named<T>(table: &Table<'_>, key: &str, read: impl Fn(&Table<'_>, &str) -> Option<T>) -> Vec<(String, T)> {
+    let Some(values) = table.optional_table(key) else { return Vec::new() };
+    values.keys().into_iter().filter_map(|name| read(&values, &name).map(|v| (name, v))).collect()
+}
+
+fn read_ladder(table: &Table<'_>) -> Option<LadderRow> {
+    let error = 0.0..=f64::MAX;
+    let row = LadderRow {
+        date: table.string("date").unwrap_or_default(),
+        run: table.string("run").unwrap_or_default(),
+        error_before_um: table.number("error_before_um", error.clone()).unwrap_or_default(),
+        error_after_um: table.number("error_after_um", error.clone()).unwrap_or_default(),
+        holdout_before_um: table.optional_number("holdout_before_um", error.clone()),
+        holdout_after_um: table.optional_number("holdout_after_um", error.clone()),
+        noise_um: table.number("noise_um", error).unwrap_or_default(),
+    };
+    table.no_other_keys();
+    Some(row)
+}
+
+fn written(entry: &ModelEffect) -> Written {
+    let mut table = Written::new();
+    table["id"] = value(&entry.id);
+    for (key, text) in
+        [("site", &entry.site), ("component", &entry.component), ("expression", &entry.expression)]
+    {
+        if let Some(text) = text {
+            table[key] = value(text);
+        }
+    }
+    let array = |numbers: &[f64]| Value::Array(numbers.iter().copied().collect::<Array>());
+    if !entry.shape.is_empty() {
+        table["shape"] = value(array(&entry.shape));
+    }
+    let mut put = |key: &str, inline: InlineTable| {
+        if !inline.is_empty() {
+            table[key] = value(inline);
+        }
+    };
+    put("grid", entry.grid.iter().map(|(name, numbers)| (name, array(numbers))).collect());
+    put("fixed", entry.fixed.iter().map(|(name, number)| (name, Value::from(*number))).collect());
+    let prior =
+        |prior: &Prior| -> InlineTable { [("value", prior.value), ("u", prior.u)].into_iter().collect() };
+    put("prior", entry.prior.iter().map(|(name, p)| (name, Value::InlineTable(prior(p)))).collect());
+    if let Some(row) = &entry.ladder {
+        table["ladder"] = Item::Table(written_ladder(row));
+    }
+    table
+}
+
+fn written_ladder(row: &LadderRow) -> Written {
+    let mut table = Written::new();
+    table["date"] = value(&row.date);
+    table["run"] = value(&row.run);
+    let numbers = [
+        ("error_before_um", Some(row.error_before_um)),
+        ("error_after_um", Some(row.error_after_um)),
+        ("holdout_before_um", row.holdout_before_um),
+        ("holdout_after_um", row.holdout_after_um),
+        ("noise_um", Some(row.noise_um)),
+    ];
+    for (key, number) in numbers {
+        if let Some(number) = number {
+            table[key] = value((number * 1e4).round() / 1e4);
+        }
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn formula() -> ModelEffect {
+        ModelEffect {
+            id: "formula:hose".into(),
+            site: Some("axis:B".into()),
+            component: Some("ea".into()),
+            expression: Some("pull * step(B - start)".into()),
+            grid: vec![("start".into(), vec![0.2, 0.4])],
+            fixed: vec![("pull".into(), 3.0)],
+            ladder: Some(LadderRow {
+                date: "2026-03-01".into(),
+                run: "tuesday".into(),
+                error_before_um: 4.1,
+                error_after_um: 1.25,
+                holdout_after_um: Some(1.5),
+                noise_um: 0.9,
+                ..LadderRow::default()
+            }),
+            ..ModelEffect::default()
+        }
+    }
+
+    #[test]
+    fn a_model_survives_its_file() {
+        let mut model = Model::base("table-bc");
+        model.effects[0].prior = vec![("EA0C".into(), Prior { value: 0.0, u: 20.0 })];
+        model.effects.push(ModelEffect { shape: vec![300.0, 1800.0], ..formula() });
+        assert_eq!(Model::parse("m.toml", &model.to_text()).unwrap(), model);
+    }
+
+    #[test]
+    fn appending_keeps_comments_and_hand_edits() {
+        let text = "# the blue machine\nformat = \"trunnion-model/1\"\nmachine = \"table-bc\" # C on B\n\n\
+                    [[effect]]\nid = \"location-errors\"\nfixed = { EX0B = 3 }   # from the builder\n";
+        let appended = Model::append(text, &formula()).unwrap();
+        assert!(appended.starts_with(text), "{appended}");
+        let model = Model::parse("m.toml", &appended).unwrap();
+        assert_eq!(model.effects[0].fixed, [("EX0B".to_string(), 3.0)]);
+        assert_eq!(model.effects[1], formula());
+    }
+
+    #[test]
+    fn every_problem_of_a_model_file_is_named_with_its_line() {
+        let text = "format = \"trunnion-model/2\"\nmachine = \"m\"\n[[effect]]\nid = \"a\"\nshap = [1]\n\
+                    [[effect]]\nid = \"a\"\nsite = \"ball\"\n[[effect]]\nid = \"formula:f\"\nsite = \"ball\"\n\
+                    component = \"dx\"\n";
+        let problems = Model::parse("m.toml", text).unwrap_err();
+        let lines: Vec<_> = problems.0.iter().map(|p| p.line).collect();
+        assert_eq!(lines, [1, 5, 7, 8, 9], "{problems}");
     }
 }

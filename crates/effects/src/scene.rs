@@ -1,7 +1,8 @@
 //! What an effect may know of an experiment besides the state: machine, setups, channels, ranges.
 
+use nalgebra::Vector3;
 use trunnion_machine::{Machine, State};
-use trunnion_units::AxisValues;
+use trunnion_units::{AxisLetter, AxisValues};
 
 /// The experiment an effect is placed in. Built from all points of all runs that are fitted together.
 #[derive(Clone, Debug)]
@@ -18,6 +19,18 @@ pub struct Scene {
     pub position_range: AxisValues<(f64, f64)>,
     /// True when any axis moved while it was read.
     pub on_the_fly: bool,
+    /// Smallest and largest direction of travel of each axis: (−1, 1) when it came from both sides.
+    pub direction_range: AxisValues<(f64, f64)>,
+    /// Smallest and largest speed of each axis while it was read, mm/s and rad/s, never negative.
+    pub speed_range: AxisValues<(f64, f64)>,
+    /// Smallest and largest acceleration of each axis, mm/s² and rad/s².
+    pub acceleration_range: AxisValues<(f64, f64)>,
+    /// Largest deflection the probes were asked to read, by component, nest axes, mm.
+    pub deflection_mm: Vector3<f64>,
+    /// First value of each temperature channel, °C.
+    pub first_temperature_degc: Vec<f64>,
+    /// Smallest and largest value of each temperature channel, °C.
+    pub temperature_range_degc: Vec<(f64, f64)>,
 }
 
 /// What an effect may know of a setup.
@@ -37,19 +50,72 @@ impl Scene {
         channels: Vec<String>,
         states: impl Iterator<Item = &'a State> + Clone,
     ) -> Self {
-        let position_range = AxisValues::from_fn(|letter| {
-            range(states.clone().map(|s| s.position[letter])).unwrap_or((0.0, 0.0))
-        });
+        let axis_range = |value: fn(&State, AxisLetter) -> f64| {
+            AxisValues::from_fn(|letter| {
+                range(states.clone().map(|s| value(s, letter))).unwrap_or((0.0, 0.0))
+            })
+        };
         let timed = states.clone().all(|s| s.time_s.is_some());
-        let time_range_s = if timed { range(states.clone().filter_map(|s| s.time_s)) } else { None };
-        let on_the_fly = states.clone().any(|s| s.velocity.0.iter().any(|v| *v != 0.0));
-        Self { machine, setups, channels, time_range_s, position_range, on_the_fly }
+        let deflection_mm = states.clone().fold(Vector3::zeros(), |d, s| d.sup(&s.deflection_mm.abs()));
+        let channel = |i: usize| states.clone().filter_map(move |s| s.temperature_degc.get(i).copied());
+        Self {
+            time_range_s: if timed { range(states.clone().filter_map(|s| s.time_s)) } else { None },
+            position_range: axis_range(|s, l| s.position[l]),
+            on_the_fly: states.clone().any(|s| s.velocity.0.iter().any(|v| *v != 0.0)),
+            direction_range: axis_range(|s, l| s.direction[l]),
+            speed_range: axis_range(|s, l| s.velocity[l].abs()),
+            acceleration_range: axis_range(|s, l| s.acceleration[l]),
+            deflection_mm,
+            first_temperature_degc: (0..channels.len())
+                .map(|i| channel(i).next().unwrap_or_default())
+                .collect(),
+            temperature_range_degc: (0..channels.len())
+                .map(|i| range(channel(i)).unwrap_or_default())
+                .collect(),
+            machine,
+            setups,
+            channels,
+        }
     }
 
     /// Time between the first and the last point, s; `None` without time.
     pub fn duration_s(&self) -> Option<f64> {
         self.time_range_s.map(|(first, last)| last - first)
     }
+
+    /// Time since the first point, s; `None` without time.
+    pub fn elapsed_s(&self, state: &State) -> Option<f64> {
+        Some(state.time_s? - self.time_range_s?.0)
+    }
+
+    /// True when time goes by between the points.
+    pub fn has_time(&self) -> bool {
+        self.duration_s().is_some_and(|duration_s| duration_s > 0.0)
+    }
+
+    /// True when the axis stands at more than one position.
+    pub fn moves(&self, letter: AxisLetter) -> bool {
+        differs(self.position_range[letter])
+    }
+
+    /// True when the axis came from, or moved in, both directions.
+    pub fn both_directions(&self, letter: AxisLetter) -> bool {
+        self.direction_range[letter].0 < 0.0 && self.direction_range[letter].1 > 0.0
+    }
+
+    /// True when the axis moved while it was read.
+    pub fn read_in_motion(&self, letter: AxisLetter) -> bool {
+        self.speed_range[letter].1 > 0.0
+    }
+
+    /// Channels whose temperature changed, by index.
+    pub fn varying_channels(&self) -> Vec<usize> {
+        (0..self.channels.len()).filter(|&i| differs(self.temperature_range_degc[i])).collect()
+    }
+}
+
+fn differs((low, high): (f64, f64)) -> bool {
+    high - low > 1e-9
 }
 
 fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {

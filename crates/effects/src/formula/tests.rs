@@ -1,0 +1,109 @@
+//! Formulas as people write them.
+
+use super::*;
+use crate::{Instance, Scene, UnknownEffect};
+use trunnion_machine::shipped;
+
+fn entry(site: &str, component: &str, expression: &str) -> ModelEffect {
+    ModelEffect {
+        id: "formula:test".into(),
+        site: Some(site.into()),
+        component: Some(component.into()),
+        expression: Some(expression.into()),
+        ..ModelEffect::default()
+    }
+}
+
+fn read(entry: &ModelEffect) -> Result<Formula, FormulaError> {
+    Formula::from_model_effect(entry, &shipped::machine("table-bc").unwrap())
+}
+
+fn refused(expression: &str) -> String {
+    read(&entry("axis:B", "ea", expression)).unwrap_err().to_string()
+}
+
+#[test]
+fn arithmetic_binds_as_in_books() {
+    let value = |text: &str| Expression::parse(text).unwrap().value(&|_| f64::NAN);
+    for (text, expected) in [
+        ("1 + 2*3", 7.0),
+        ("-2^2", -4.0),
+        ("2^3^2", 512.0),
+        ("2^-1", 0.5),
+        ("8/2/2", 2.0),
+        ("1 - 2 - 3", -4.0),
+        ("1.5e-3*2E3", 3.0),
+        ("max(1, min(2, 3)) + step(0) - sign(-4) + sign(0)", 4.0),
+        ("sin(pi/2) + sqrt(abs(-9)) + exp(log(2))", 6.0),
+    ] {
+        assert!((value(text) - expected).abs() < 1e-12, "{text} = {}", value(text));
+    }
+}
+
+#[test]
+fn parameters_that_enter_linearly_are_told_from_those_that_do_not() {
+    let mut sag = entry("axis:B", "dz", "a*(1 - cos(2*B)) + b*sin(n*B + phase)/(1 + w^2)");
+    assert!(read(&sag).unwrap_err().to_string().contains("parameter n enters non-linearly"));
+    sag.grid = vec![("n".into(), vec![1.0, 2.0]), ("phase".into(), vec![0.0, 0.5]), ("w".into(), vec![0.0])];
+    let formula = read(&sag).unwrap();
+    assert_eq!(
+        (formula.linear, formula.nonlinear),
+        (vec!["a".into(), "b".into()], vec!["n".to_string(), "phase".into(), "w".into()])
+    );
+    assert_eq!(formula.grid.len(), 4);
+    // A product of two unknowns is linear in one of them only.
+    let product = read(&ModelEffect { shape: vec![2.0], ..entry("ball", "dx", "a*b*C") }).unwrap();
+    assert_eq!((product.linear, product.nonlinear), (vec!["a".into()], vec!["b".to_string()]));
+}
+
+#[test]
+fn a_formula_moves_what_its_expression_says() {
+    let machine = shipped::machine("table-bc").unwrap();
+    let states = [0.0, 10.0].map(|time_s| {
+        let mut state =
+            State { time_s: Some(time_s), temperature_degc: vec![20.0 + time_s], ..State::default() };
+        state.position[AxisLetter::B] = 0.5;
+        state.direction[AxisLetter::C] = -1.0;
+        state
+    });
+    let scene = Scene::new(machine.clone(), Vec::new(), vec!["spindle".into()], states.iter());
+    let drift =
+        ModelEffect { shape: vec![5.0], ..entry("axis:B", "eb", "a*B*dirC*(1-exp(-t/tau)) + b*T_spindle") };
+    let instance = Instance::from_model_effect(&drift, &machine).unwrap();
+    assert_eq!(instance.id(), "formula:test");
+    assert_eq!(instance.parameters(&scene).iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+    let mut seen = Vec::new();
+    instance.motions(&scene, &[5.0], &states[1], &mut |i, site, twist| seen.push((i, site, twist)));
+    let expected = -0.5 * (1.0 - (-2.0f64).exp());
+    assert_eq!(seen[0], (0, Site::Joint(AxisLetter::B), Twist::rotation(Vector3::y() * expected)));
+    assert_eq!(seen[1], (1, Site::Joint(AxisLetter::B), Twist::rotation(Vector3::y() * 10.0)));
+    // Without the channel the effect is out of reach rather than silently zero.
+    let bare = Scene::new(machine, Vec::new(), Vec::new(), states.iter());
+    assert!(instance.parameters(&bare).is_empty());
+}
+
+#[test]
+fn a_wrong_formula_is_refused_with_the_place_and_what_is_allowed() {
+    for (expression, says) in [
+        ("a*sin(B", "column 8: found the end; allowed: \")\""),
+        ("a*sinus(B)", "column 3: found function \"sinus\"; allowed: sin cos"),
+        ("a*", "column 3: found the end"),
+        ("a B", "column 3: found \"B\"; allowed: an operator"),
+        ("a*1.2.3", "column 3: found \"1.2.3\""),
+        ("a*B + 1", "term without a linear parameter"),
+        ("sin(B)", "term without a linear parameter"),
+        ("a*sin(A)", "an axis machine table-bc does not have"),
+        ("a*B$", "column 4: found \"$\""),
+    ] {
+        let found = refused(expression);
+        assert!(found.contains(says), "{expression}: {found}");
+    }
+    let deep = format!("a*{}B{}", "(".repeat(100_000), ")".repeat(100_000));
+    assert!(refused(&deep).contains("levels"));
+    assert!(read(&entry("ball", "ea", "a*B")).unwrap_err().to_string().contains("allowed: dx, dy, dz"));
+    assert!(read(&entry("axis:A", "dx", "a*B")).unwrap_err().to_string().contains("axis:B"));
+    let machine = shipped::machine("table-bc").unwrap();
+    let unknown =
+        Instance::from_model_effect(&ModelEffect { id: "sag".into(), ..Default::default() }, &machine);
+    assert!(matches!(unknown, Err(UnknownEffect::Id { .. })));
+}
