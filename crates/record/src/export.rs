@@ -1,1 +1,100 @@
-//! Export.
+//! A recording as tables. The points table is the format that [`crate::points_csv`] imports.
+
+use crate::item::RunHeader;
+use std::fmt::Write;
+use trunnion_measurement::{AxisSample, InstrumentKind, Point, ProbeSample, Quality, Run};
+use trunnion_units::{AxisLetter, convert};
+
+/// The good points of a run as `points.csv`; unsettled points and those without a reading are left out.
+/// Importing it again gives the same points to the printed digits (0.1 nm, 0.1 µdeg, 1 µs, 0.1 mK).
+pub fn points_csv(run: &Run) -> String {
+    let axes: Vec<AxisLetter> =
+        AxisLetter::ALL.into_iter().filter(|&letter| run.machine.axis(letter).is_some()).collect();
+    let rotary: Vec<AxisLetter> = axes.iter().copied().filter(|letter| letter.is_rotary()).collect();
+    let measures = |kind| run.setups.iter().any(|setup| setup.instrument == kind);
+    let (r_test, ball_bar) = (measures(InstrumentKind::RTest), measures(InstrumentKind::BallBar));
+
+    let mut names = vec!["setup".to_string()];
+    names.extend(run.has_time().then(|| "time_s".into()));
+    names.extend(
+        axes.iter()
+            .map(|letter| format!("{}_{}", letter.lower(), if letter.is_rotary() { "deg" } else { "mm" })),
+    );
+    names.extend(rotary.iter().map(|letter| format!("direction_{}", letter.lower())));
+    if r_test {
+        names.extend(["dx_um", "dy_um", "dz_um"].map(String::from));
+    }
+    names.extend(ball_bar.then(|| "dr_um".into()));
+    names.extend(run.channels.iter().map(|channel| format!("{channel}_degc")));
+
+    let mut table = names.join(",") + "\n";
+    for point in run.good_points() {
+        let state = &point.state;
+        let setup = run.setups.get(state.setup);
+        let mut cells = vec![setup.map_or_else(String::new, |setup| setup.name.clone())];
+        if run.has_time() {
+            cells.push(state.time_s.map_or_else(String::new, |time_s| digits(time_s, 6)));
+        }
+        cells.extend(axes.iter().map(|&letter| position(point, letter)));
+        cells.extend(rotary.iter().map(|&letter| digits(state.direction[letter], 0)));
+        let instrument = setup.map(|setup| setup.instrument);
+        let reading = |kind, i: usize| match instrument {
+            Some(measured) if measured == kind => digits(convert::um_from_mm(point.reading_mm[i]), 4),
+            _ => String::new(),
+        };
+        if r_test {
+            cells.extend((0..3).map(|i| reading(InstrumentKind::RTest, i)));
+        }
+        if ball_bar {
+            cells.push(reading(InstrumentKind::BallBar, 0));
+        }
+        cells.extend(state.temperature_degc.iter().map(|&degc| digits(degc, 4)));
+        table += &(cells.join(",") + "\n");
+    }
+    table
+}
+
+/// How many points of the run [`points_csv`] leaves out.
+pub fn points_left_out(run: &Run) -> usize {
+    run.points.iter().filter(|point| point.quality != Quality::Good).count()
+}
+
+/// Probe samples: `time_s,probe,device_ticks,raw,value_um`; an empty value means the device reported an
+/// error.
+pub fn probe_samples_csv(header: &RunHeader, samples: &[ProbeSample]) -> String {
+    let mut table = String::from("time_s,probe,device_ticks,raw,value_um\n");
+    for sample in samples {
+        let name = header.probes.get(usize::from(sample.channel)).filter(|name| !name.is_empty());
+        let name = name.cloned().unwrap_or_else(|| sample.channel.to_string());
+        let value = sample.value_mm.is_finite().then(|| digits(convert::um_from_mm(sample.value_mm), 4));
+        let (time, ticks, raw) = (digits(sample.time_s, 9), sample.device_ticks, sample.raw);
+        writeln!(table, "{time},{name},{ticks},{raw},{}", value.unwrap_or_default())
+            .expect("writing to a string cannot fail");
+    }
+    table
+}
+
+/// Axis positions: `time_s,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg`.
+pub fn axis_samples_csv(samples: &[AxisSample]) -> String {
+    let mut table = String::from("time_s,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n");
+    for sample in samples {
+        let cells = sample.position.iter().map(|(letter, &value)| {
+            digits(if letter.is_rotary() { convert::deg_from_rad(value) } else { value }, 7)
+        });
+        let cells: Vec<String> = std::iter::once(digits(sample.time_s, 9)).chain(cells).collect();
+        table += &(cells.join(",") + "\n");
+    }
+    table
+}
+
+fn position(point: &Point, letter: AxisLetter) -> String {
+    let value = point.state.position[letter];
+    digits(if letter.is_rotary() { convert::deg_from_rad(value) } else { value }, 7)
+}
+
+/// A number with at most `places` places, without trailing zeros and without minus zero.
+fn digits(number: f64, places: usize) -> String {
+    let text = format!("{number:.places$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".into() } else { text.into() }
+}

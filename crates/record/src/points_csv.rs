@@ -1,1 +1,303 @@
-//! Import.
+//! Import of static points measured elsewhere: `points.csv` and `setup.toml` (DESIGN §3.2).
+//!
+//! Columns in any order, units in their names. Every problem of the file is reported at once, with line,
+//! column, what was found and what is allowed.
+
+use std::collections::HashSet;
+use trunnion_machine::{Machine, State};
+use trunnion_measurement::direction::fill_directions;
+use trunnion_measurement::setup::parse_setup_file;
+use trunnion_measurement::{InstrumentKind, Point, Quality, Run, RunKind, Setup};
+use trunnion_units::{AxisLetter, Problem, Problems, convert};
+
+/// A file that is wrong everywhere is not listed to its end.
+const MOST_PROBLEMS: usize = 200;
+
+/// Reads a points file into a run called `name`; `file` is shown in problems.
+///
+/// # Errors
+/// Every problem of the file.
+pub fn import(
+    name: &str,
+    file: &str,
+    text: &str,
+    setups: Vec<Setup>,
+    machine: Machine,
+) -> Result<Run, Problems> {
+    let (points, channels) = read(file, text, Some(&setups), Some(&machine)).map_err(Problems)?;
+    Ok(Run { name: name.into(), machine, kind: RunKind::Static, setups, channels, points })
+}
+
+/// Reads both files, each given as its name and its text, and reports the problems of both at once.
+/// `machine_by_name` knows the machine that the setup file names.
+///
+/// # Errors
+/// Every problem of either file.
+pub fn import_files(
+    name: &str,
+    (points_file, points_text): (&str, &str),
+    (setup_file, setup_text): (&str, &str),
+    machine_by_name: &dyn Fn(&str) -> Option<Machine>,
+) -> Result<Run, Problems> {
+    let mut problems = Vec::new();
+    let setup = parse_setup_file(setup_file, setup_text).map_err(|wrong| problems.extend(wrong.0)).ok();
+    let machine = setup.as_ref().and_then(|setup| {
+        let machine = machine_by_name(&setup.machine);
+        if machine.is_none() {
+            problems.push(unknown_machine(setup_file, setup_text, &setup.machine));
+        }
+        machine
+    });
+    let setups = setup.map(|setup| setup.setups);
+    let points = read(points_file, points_text, setups.as_deref(), machine.as_ref());
+    let points = points.map_err(|wrong| problems.extend(wrong)).ok();
+    match (points, setups, machine) {
+        (Some((points, channels)), Some(setups), Some(machine)) => {
+            Ok(Run { name: name.into(), machine, kind: RunKind::Static, setups, channels, points })
+        }
+        _ => Err(Problems(problems)),
+    }
+}
+
+fn unknown_machine(file: &str, text: &str, name: &str) -> Problem {
+    let line = text.lines().position(|line| line.trim_start().starts_with("machine")).map_or(0, |at| at + 1);
+    Problem {
+        file: file.into(),
+        line,
+        column: usize::from(line > 0),
+        found: format!("machine = \"{name}\" is not known"),
+        allowed: "the name of a machine file in config/machines, or a path".into(),
+        advice: String::new(),
+    }
+}
+
+/// What a column holds.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Column {
+    Setup,
+    Time,
+    Position(AxisLetter),
+    Direction(AxisLetter),
+    Deviation(usize),
+    Length,
+    Temperature(String),
+}
+
+/// Reads the points; without setups or machine only what can be checked without them.
+fn read(
+    file: &str,
+    text: &str,
+    setups: Option<&[Setup]>,
+    machine: Option<&Machine>,
+) -> Result<(Vec<Point>, Vec<String>), Vec<Problem>> {
+    let mut notes = Notes { file, list: Vec::new(), more: 0 };
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
+    let Some((header_line, header)) = lines.next() else {
+        notes.add(0, 0, "the file is empty", "a header row and a row for each point", "");
+        return Err(notes.finish());
+    };
+    let columns = read_header(&mut notes, header_line, header, setups, machine);
+    let mut points = Vec::new();
+    for (line, row) in lines {
+        let cells: Vec<(usize, &str)> = cells(row).collect();
+        if cells.len() != columns.len() {
+            let found = format!("{} cells", cells.len());
+            let advice = "A decimal mark must be a point; cells are separated by commas.";
+            notes.add(line, 1, &found, &format!("{}, as in the header", columns.len()), advice);
+            continue;
+        }
+        points.extend(read_row(&mut notes, line, &columns, &cells, setups));
+    }
+    if points.is_empty() && notes.list.is_empty() {
+        notes.add(header_line, 1, "no point follows the header", "a row for each point", "");
+    }
+    if !notes.list.is_empty() {
+        return Err(notes.finish());
+    }
+    let stated: HashSet<&Column> = columns.iter().flatten().collect();
+    let unstated = AxisLetter::ALL.into_iter().filter(|&letter| !stated.contains(&Column::Direction(letter)));
+    fill_directions(&mut points, &unstated.collect::<Vec<_>>());
+    let channels = columns.iter().flatten().filter_map(|column| match column {
+        Column::Temperature(name) => Some(name.clone()),
+        _ => None,
+    });
+    Ok((points, channels.collect()))
+}
+
+fn read_header(
+    notes: &mut Notes<'_>,
+    line: usize,
+    header: &str,
+    setups: Option<&[Setup]>,
+    machine: Option<&Machine>,
+) -> Vec<Option<Column>> {
+    let has = |kind| setups.is_none_or(|setups| setups.iter().any(|setup| setup.instrument == kind));
+    let moves = |letter| machine.is_none_or(|machine| machine.axis(letter).is_some());
+    let mut required = vec![Column::Setup];
+    required.extend(AxisLetter::ALL.into_iter().filter(|&letter| moves(letter)).map(Column::Position));
+    if has(InstrumentKind::RTest) {
+        required.extend((0..3).map(Column::Deviation));
+    }
+    if has(InstrumentKind::BallBar) {
+        required.push(Column::Length);
+    }
+    let mut allowed = required.clone();
+    allowed.push(Column::Time);
+    allowed.extend(AxisLetter::ALL.into_iter().filter(|&letter| moves(letter)).map(Column::Direction));
+    let names = allowed.iter().map(Column::name).collect::<Vec<_>>().join(", ") + ", NAME_degc";
+
+    let mut columns: Vec<Option<Column>> = Vec::new();
+    for (at, cell) in cells(header) {
+        let column =
+            Column::parse(cell).filter(|c| matches!(c, Column::Temperature(_)) || allowed.contains(c));
+        if column.is_none() {
+            let advice = if header.contains(';') { "Separate the columns by commas." } else { "" };
+            notes.add(line, at, &format!("column \"{cell}\""), &names, advice);
+        } else if columns.contains(&column) {
+            notes.add(line, at, &format!("column \"{cell}\" appears twice"), "each column once", "");
+        }
+        columns.push(column);
+    }
+    if machine.is_some() && setups.is_some() {
+        for column in required.into_iter().map(Some).filter(|column| !columns.contains(column)) {
+            let name = column.as_ref().map(Column::name).unwrap_or_default();
+            notes.add(line, 1, &format!("column {name} is missing"), &names, "");
+        }
+    }
+    columns
+}
+
+fn read_row(
+    notes: &mut Notes<'_>,
+    line: usize,
+    columns: &[Option<Column>],
+    cells: &[(usize, &str)],
+    setups: Option<&[Setup]>,
+) -> Option<Point> {
+    let before = notes.count();
+    let setup_cell = columns.iter().position(|column| *column == Some(Column::Setup)).map(|at| cells[at]);
+    let setup = setups.zip(setup_cell).and_then(|(setups, (at, name))| {
+        let setup = setups.iter().position(|setup| setup.name == name);
+        if setup.is_none() {
+            let names = setups.iter().map(|setup| setup.name.as_str()).collect::<Vec<_>>().join(", ");
+            notes.add(line, at, &format!("setup \"{name}\""), &names, "Each setup needs a [[setup]] table.");
+        }
+        setup
+    });
+    let instrument = setups.zip(setup).map(|(setups, setup)| setups[setup].instrument);
+    let mut state = State { setup: setup.unwrap_or(0), ..State::default() };
+    let mut reading_mm = [0.0; 3];
+    for (column, &(at, cell)) in columns.iter().zip(cells) {
+        let Some(column) = column else { continue };
+        let foreign = match column {
+            Column::Setup => continue,
+            Column::Deviation(_) => instrument.is_some_and(|kind| kind != InstrumentKind::RTest),
+            Column::Length => instrument.is_some_and(|kind| kind != InstrumentKind::BallBar),
+            _ => false,
+        };
+        if foreign {
+            if !cell.is_empty() {
+                let found = format!("{} = {cell}", column.name());
+                notes.add(line, at, &found, "an empty cell: this setup does not measure it", "");
+            }
+            continue;
+        }
+        let Some(number) = cell.parse().ok().filter(|number: &f64| number.is_finite()) else {
+            notes.add(line, at, &format!("{} = \"{cell}\"", column.name()), "a finite number", "");
+            continue;
+        };
+        match column {
+            Column::Setup => {}
+            Column::Time => state.time_s = Some(number),
+            Column::Position(letter) if letter.is_rotary() => {
+                state.position[*letter] = convert::rad_from_deg(number);
+            }
+            Column::Position(letter) => state.position[*letter] = number,
+            Column::Direction(letter) if [-1.0, 0.0, 1.0].contains(&number) => {
+                state.direction[*letter] = number;
+            }
+            Column::Direction(_) => {
+                notes.add(line, at, &format!("{} = {cell}", column.name()), "-1, 0, 1", "");
+            }
+            Column::Deviation(i) => reading_mm[*i] = convert::mm_from_um(number),
+            Column::Length => reading_mm[0] = convert::mm_from_um(number),
+            Column::Temperature(_) => state.temperature_degc.push(number),
+        }
+    }
+    state.deflection_mm = reading_mm.into();
+    let point = Point { state, reading_mm, spread_mm: [0.0; 3], samples: 0, quality: Quality::Good };
+    (notes.count() == before).then_some(point)
+}
+
+impl Column {
+    fn parse(name: &str) -> Option<Self> {
+        let fixed = [Self::Setup, Self::Time, Self::Length].into_iter();
+        let axes =
+            AxisLetter::ALL.into_iter().flat_map(|letter| [Self::Position(letter), Self::Direction(letter)]);
+        let mut all = fixed.chain(axes).chain((0..3).map(Self::Deviation));
+        let temperature = || name.strip_suffix("_degc").filter(|name| !name.is_empty());
+        all.find(|column| column.name() == name)
+            .or_else(|| temperature().map(|name| Self::Temperature(name.into())))
+    }
+
+    fn name(&self) -> String {
+        match self {
+            Self::Setup => "setup".into(),
+            Self::Time => "time_s".into(),
+            Self::Position(letter) if letter.is_rotary() => format!("{}_deg", letter.lower()),
+            Self::Position(letter) => format!("{}_mm", letter.lower()),
+            Self::Direction(letter) => format!("direction_{}", letter.lower()),
+            Self::Deviation(i) => format!("d{}_um", ["x", "y", "z"][*i]),
+            Self::Length => "dr_um".into(),
+            Self::Temperature(name) => format!("{name}_degc"),
+        }
+    }
+}
+
+/// Cells of a row with the column (in characters, from 1) at which each begins.
+fn cells(row: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut at = 1;
+    row.split(',').map(move |cell| {
+        let begins = at + cell.chars().take_while(|c| c.is_whitespace()).count();
+        at += cell.chars().count() + 1;
+        let cell = cell.trim();
+        let bare = cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"'));
+        (begins, bare.unwrap_or(cell))
+    })
+}
+
+struct Notes<'a> {
+    file: &'a str,
+    list: Vec<Problem>,
+    more: usize,
+}
+
+impl Notes<'_> {
+    fn add(&mut self, line: usize, column: usize, found: &str, allowed: &str, advice: &str) {
+        if self.list.len() >= MOST_PROBLEMS {
+            self.more += 1;
+            return;
+        }
+        let (found, allowed, advice) = (found.into(), allowed.into(), advice.into());
+        self.list.push(Problem { file: self.file.into(), line, column, found, allowed, advice });
+    }
+
+    fn count(&self) -> usize {
+        self.list.len() + self.more
+    }
+
+    fn finish(mut self) -> Vec<Problem> {
+        if self.more > 0 {
+            self.list.push(Problem {
+                file: self.file.into(),
+                line: 0,
+                column: 0,
+                found: format!("{} more problems of this file are not listed", self.more),
+                allowed: String::new(),
+                advice: String::new(),
+            });
+        }
+        self.list
+    }
+}

@@ -7,6 +7,7 @@ use crate::item::{ControllerState, Item, LogLine, RunHeader, Temperature};
 use crate::journal::{CONFIG_TEXT, CYCLE_TEXT, MACHINE_TEXT};
 use crate::wire::{Decoded, decode};
 use std::collections::HashMap;
+use std::fmt;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -22,6 +23,12 @@ pub struct Damage {
     pub reason: String,
     /// What is missing because of it.
     pub lost: String,
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "damaged at byte {}: {}; lost: {}", self.offset, self.reason, self.lost)
+    }
 }
 
 /// Everything a recording holds.

@@ -316,7 +316,7 @@ impl Recorder {
 ///
 /// # Errors
 /// As [`Recorder::create`] and [`Recorder::finish`]; also when writing fails in between.
-pub fn write_run(path: &Path, run: &Run, header: &RunHeader) -> Result<FinishedFile, RecordError> {
+pub fn write_run(path: &Path, header: &RunHeader, run: &Run) -> Result<FinishedFile, RecordError> {
     let dir = match path.parent() {
         Some(dir) if !dir.as_os_str().is_empty() => dir,
         _ => Path::new("."),
