@@ -1,0 +1,262 @@
+//! The nodes while they measure: values to readings, SYNC numbers, heartbeats, silence.
+
+use super::NodeConfig;
+use crate::config::Role;
+use crate::message::{Counters, ProbeReading, Reading, TemperatureReading};
+use crate::supervisor::{Link, SessionEnd};
+use std::time::Duration;
+use trunnion_protocol::can::CanFrame;
+use trunnion_protocol::canopen::cia404::Quantity;
+use trunnion_protocol::canopen::{
+    Message, NmtState, NodeDescription, Profile, Reading as NodeReading, Transmission, Value,
+};
+use trunnion_units::HostTime;
+
+/// Device clock of this driver: µs since the session began to measure.
+const TICK_S: f64 = 1e-6;
+/// After so many SYNCs without one acknowledgement the adapter gives none.
+const SYNCS_WITHOUT_ACK: u64 = 10;
+/// SYNCs whose moments are kept.
+const SYNCS_KEPT: usize = 256;
+
+/// Checks profile, serial number and that the node sends what its role needs.
+pub(super) fn check(config: &NodeConfig, found: &NodeDescription) -> Result<(), SessionEnd> {
+    let wrong = |expected: String| SessionEnd::WrongDevice { found: identity(found), expected };
+    let id = config.id.get();
+    if matches!(found.profile(), Profile::Other(_)) {
+        return Err(wrong(format!("node {id} with profile CiA 404 or CiA 406")));
+    }
+    if let Some(serial) = config.serial.filter(|&serial| found.identity.serial != Some(serial)) {
+        return Err(wrong(format!("node {id} with serial number {serial}")));
+    }
+    if found.tpdos.is_empty() {
+        return Err(SessionEnd::Protocol {
+            doing: "reading a node's description",
+            fault: format!("node {id} has no TPDO switched on; map its process value to a TPDO"),
+        });
+    }
+    Ok(())
+}
+
+/// One node in words.
+pub(super) fn identity(found: &NodeDescription) -> String {
+    let profile = match found.profile() {
+        Profile::MeasuringDevice => "CiA 404".into(),
+        Profile::Encoder => "CiA 406".into(),
+        Profile::Other(number) => format!("profile {number}"),
+    };
+    let name = found.name.as_deref().unwrap_or("unnamed");
+    let serial = found.identity.serial.map_or(String::new(), |serial| format!(" serial {serial}"));
+    format!("node {} {name} {profile} vendor {:X}h{serial}", found.node.get(), found.identity.vendor)
+}
+
+/// All nodes of the bus.
+pub(super) struct Nodes {
+    nodes: Vec<Node>,
+    began: HostTime,
+    /// Moments of the last SYNCs, by index modulo the length.
+    syncs: Vec<HostTime>,
+    written: u64,
+    accepted: u64,
+}
+
+struct Node {
+    config: NodeConfig,
+    channel: u16,
+    description: NodeDescription,
+    /// Last SYNC index or count, with its arrival.
+    last: Option<(u64, HostTime)>,
+    last_value: HostTime,
+    heartbeat: Option<HostTime>,
+    longest_heartbeat: Duration,
+}
+
+impl Nodes {
+    pub(super) fn new(
+        configs: &[NodeConfig],
+        descriptions: Vec<NodeDescription>,
+        first_channel: u16,
+        began: HostTime,
+    ) -> Self {
+        let node = |(index, (config, description)): (usize, (&NodeConfig, NodeDescription))| Node {
+            config: *config,
+            channel: first_channel + index as u16,
+            description,
+            last: None,
+            last_value: began,
+            heartbeat: None,
+            longest_heartbeat: Duration::ZERO,
+        };
+        let nodes = configs.iter().zip(descriptions).enumerate().map(node).collect();
+        Self { nodes, began, syncs: vec![began; SYNCS_KEPT], written: 0, accepted: 0 }
+    }
+
+    pub(super) fn sync_written(&mut self, at: HostTime) {
+        self.written += 1;
+        self.syncs[self.written as usize % SYNCS_KEPT] = at;
+    }
+
+    pub(super) fn sync_accepted(&mut self) {
+        // The start command may be acknowledged late; more than was written cannot be.
+        self.accepted = (self.accepted + 1).min(self.written);
+    }
+
+    /// Index of the SYNC that values arriving now belong to.
+    fn sync_now(&self) -> u64 {
+        let silent_adapter = self.accepted == 0 && self.written > SYNCS_WITHOUT_ACK;
+        let index = if silent_adapter { self.written } else { self.accepted };
+        index.max(self.written.saturating_sub(SYNCS_KEPT as u64 - 1))
+    }
+
+    pub(super) fn take(
+        &mut self,
+        frame: &CanFrame,
+        arrival: HostTime,
+        link: &mut Link,
+        counters: &mut Counters,
+    ) -> Result<(), SessionEnd> {
+        let sync = self.sync_now();
+        let sync_at = self.syncs[sync as usize % SYNCS_KEPT];
+        if let Some(message) = Message::from_frame(frame) {
+            self.supervise(message, arrival, link)?;
+        }
+        let began = self.began;
+        for node in &mut self.nodes {
+            let Some(readings) = node.description.decode(frame) else { continue };
+            let readings = readings.map_err(|error| SessionEnd::Restarted(error.source.to_string()))?;
+            let every = node.every_sync(frame);
+            let (sequence, moment) = match every {
+                Some(_) => (sync, sync_at),
+                None => (node.last.map_or(1, |(count, _)| count + 1), arrival),
+            };
+            node.count_loss(sequence, every, arrival, link, counters);
+            let ticks = (moment.0 - began.0).max(0).cast_unsigned() / 1000;
+            node.publish(&readings, sequence, ticks, arrival, link, counters);
+        }
+        Ok(())
+    }
+
+    fn supervise(&mut self, message: Message, arrival: HostTime, link: &mut Link) -> Result<(), SessionEnd> {
+        let find = |nodes: &mut Vec<Node>, id| nodes.iter().position(|node| node.config.id == id);
+        match message {
+            Message::Heartbeat(id, state) => {
+                let Some(index) = find(&mut self.nodes, id) else { return Ok(()) };
+                let node = &mut self.nodes[index];
+                if let Some(last) = node.heartbeat {
+                    node.longest_heartbeat = node.longest_heartbeat.max(arrival - last);
+                }
+                node.heartbeat = Some(arrival);
+                // The start command may still be on its way in the first moments.
+                if state == NmtState::BootUp || node.last.is_some() && state != NmtState::Operational {
+                    return Err(SessionEnd::Restarted(format!("node {} is {state:?}", id.get())));
+                }
+            }
+            Message::Emergency(id, emergency) => {
+                let (code, register) = (emergency.code, emergency.register);
+                let text = format!("node {} emergency {code:04X}h, register {register:02X}h", id.get());
+                link.log(code != 0, text);
+            }
+            Message::Nmt(..)
+            | Message::Sync(_)
+            | Message::Tpdo(..)
+            | Message::SdoAnswer(_)
+            | Message::SdoRequest(_) => {}
+        }
+        Ok(())
+    }
+
+    /// Every node must send values; one that once sent heartbeats must go on.
+    pub(super) fn check_silence(&self, now: HostTime, silence: Duration) -> Result<(), SessionEnd> {
+        for node in &self.nodes {
+            let id = node.config.id.get();
+            let waited = now - node.last_value;
+            if waited > silence {
+                return Err(SessionEnd::Silent { who: format!("node {id} sends no values"), waited });
+            }
+            let limit = silence.max(3 * node.longest_heartbeat);
+            let known = node.longest_heartbeat > Duration::ZERO;
+            if let Some(last) = node.heartbeat.filter(|&last| known && now - last > limit) {
+                let who = format!("node {id} sends no heartbeat any more");
+                return Err(SessionEnd::Silent { who, waited: now - last });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Node {
+    /// Values come after every so many SYNCs; none when they are not bound to SYNC.
+    fn every_sync(&self, frame: &CanFrame) -> Option<u64> {
+        let tpdo = self.description.tpdos.iter().find(|tpdo| tpdo.communication.can_id() == frame.id())?;
+        match tpdo.communication.transmission {
+            Transmission::EverySync(n) => Some(u64::from(n)),
+            Transmission::SyncOnChange => Some(u64::MAX),
+            Transmission::OnRequest | Transmission::Event | Transmission::Reserved(_) => None,
+        }
+    }
+
+    fn count_loss(
+        &mut self,
+        sequence: u64,
+        every: Option<u64>,
+        arrival: HostTime,
+        link: &mut Link,
+        counters: &mut Counters,
+    ) {
+        if let (Some((last, at)), Some(every)) = (self.last, every) {
+            let lost = (sequence.saturating_sub(last) / every).saturating_sub(1);
+            if lost > 0 {
+                counters.lost_readings += lost;
+                let reason = format!("node {} missed SYNCs", self.config.id.get());
+                link.gap(at, arrival, Some(lost), reason);
+            }
+        }
+        self.last = Some((sequence, arrival));
+        self.last_value = arrival;
+    }
+
+    fn publish(
+        &self,
+        readings: &[NodeReading],
+        sequence: u64,
+        device_ticks: u64,
+        arrival: HostTime,
+        link: &mut Link,
+        counters: &mut Counters,
+    ) {
+        let bad = readings.iter().any(|r| matches!(r.value, Value::Status(status) if !status.is_good()));
+        let wanted = |r: &&NodeReading| match (self.config.role, r.value) {
+            (_, Value::NoValue) => true,
+            (Role::Temperature, Value::Quantity(Quantity::TemperatureC(_))) => true,
+            (Role::Probe(_) | Role::Bar, Value::Quantity(Quantity::LengthMm(_))) => true,
+            _ => false,
+        };
+        let Some(found) = readings.iter().find(wanted) else {
+            counters.damaged += 1; // a TPDO of this node that carries nothing for its role
+            return;
+        };
+        let value = match found.value {
+            Value::Quantity(Quantity::LengthMm(value) | Quantity::TemperatureC(value)) if !bad => value,
+            _ => f64::NAN,
+        };
+        counters.readings += 1;
+        counters.error_readings += u64::from(value.is_nan());
+        let reading = match self.config.role {
+            Role::Temperature => Reading::Temperature(TemperatureReading {
+                name: format!("node-{}", self.config.id.get()),
+                degc: value,
+                arrival,
+            }),
+            Role::Probe(_) | Role::Bar => Reading::Probe(ProbeReading {
+                channel: self.channel,
+                device_ticks,
+                tick_s: TICK_S,
+                sequence,
+                raw: found.raw.signed(),
+                value_mm: value,
+                arrival,
+            }),
+        };
+        link.reading(reading, arrival);
+    }
+}

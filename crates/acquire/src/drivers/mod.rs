@@ -1,0 +1,63 @@
+//! The drivers: one file each and one line in [`DRIVERS`].
+//!
+//! A session opens, identifies the device, reads, and ends with a reason. It never retries: that is the
+//! supervisor's work. Dropping a session at any await is safe; the port is closed with it.
+
+pub mod canopen_slcan;
+pub mod mtconnect;
+pub mod optoncdt;
+
+use crate::config::Role;
+use crate::supervisor::{Link, SessionEnd};
+use std::fmt::Debug;
+use std::future::Future;
+use std::pin::Pin;
+use std::sync::Arc;
+use trunnion_units::input::Table;
+
+/// A session under way.
+pub type Session<'a> = Pin<Box<dyn Future<Output = SessionEnd> + Send + 'a>>;
+
+/// A configured device: what a driver makes of its table.
+pub trait Device: Debug + Send + Sync {
+    /// Channels of the device: name suffix (empty when there is one) and role.
+    fn channels(&self) -> Vec<(String, Role)>;
+    /// Port or address, for messages and to find two devices on one port.
+    fn address(&self) -> &str;
+    /// One connection, from opening to its end.
+    fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a>;
+}
+
+/// One kind of device.
+pub struct Driver {
+    /// Name in `trunnion.toml`; the file is named after it, `-` as `_`.
+    pub name: &'static str,
+    /// One line for `trunnion devices`.
+    pub about: &'static str,
+    /// `silence_ms` when the table has none.
+    pub default_silence_ms: f64,
+    /// Reads the driver's keys, noting problems.
+    pub read: fn(&Table<'_>) -> Option<Arc<dyn Device>>,
+}
+
+/// Every driver.
+pub const DRIVERS: [&Driver; 3] = [&canopen_slcan::DRIVER, &mtconnect::DRIVER, &optoncdt::DRIVER];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_driver_file_is_registered_under_its_own_name() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/drivers");
+        let mut files: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter_map(|name| name.strip_suffix(".rs").map(|stem| stem.replace('_', "-")))
+            .filter(|stem| stem != "mod")
+            .collect();
+        files.sort();
+        assert_eq!(files, DRIVERS.map(|driver| driver.name));
+        assert!(DRIVERS.iter().all(|driver| !driver.about.is_empty()));
+    }
+}

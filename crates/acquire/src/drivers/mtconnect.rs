@@ -1,0 +1,266 @@
+//! Controllers behind an MTConnect agent. Keys: `url`, `device` (name, where the agent has several), `interval_ms` (10),
+//! and a table `axes` that names the data item of an axis (`axes = { C = "Cpos" }`, id or name) where it cannot be
+//! found by itself: `Position` of a `Linear` or `Angle` of a `Rotary` component, `ACTUAL`, machine coordinates, whose
+//! component is named after the axis (`C`, `C1`).
+//!
+//! The session asks `/probe`, `/current`, then streams `/sample` from the next sequence number. A changed `instanceId` ends
+//! it (`Restarted`). When the agent no longer has what we ask for (`OUT_OF_RANGE`) it goes on from `/current` and records
+//! a gap. An agent sends changes only: while it says that nothing changed, held positions are sent.
+
+mod model;
+
+use super::{Device, Driver, Session};
+use crate::config::Role;
+use crate::message::{Counters, Reading};
+use crate::supervisor::{Link, SessionEnd};
+use crate::transport::http;
+use hyper::Uri;
+use model::{Items, Model};
+use std::sync::Arc;
+use std::time::Duration;
+use trunnion_protocol::mtconnect::{self, DevicesDocument, Document, MultipartDecoder, StreamsDocument};
+use trunnion_units::input::Table;
+use trunnion_units::{AxisLetter, AxisValues};
+
+/// Registry entry.
+pub const DRIVER: Driver = Driver {
+    name: "mtconnect",
+    about: "machine controllers behind an MTConnect agent (HTTP)",
+    default_silence_ms: 2000.0,
+    read,
+};
+
+#[derive(Debug)]
+struct MtConnect {
+    url: String,
+    base: Uri,
+    device: Option<String>,
+    interval_ms: u32,
+    axes: AxisValues<Option<String>>,
+}
+
+fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
+    let url = table.string("url");
+    let base = url.as_deref().and_then(|url| {
+        http::parse_base(url)
+            .map_err(|why| table.problem("url", format!("= \"{url}\" {why}"), "http://host:port", ""))
+            .ok()
+    });
+    let device = table.optional_string("device");
+    let interval_ms = table.optional_number("interval_ms", 0.0..=1000.0).unwrap_or(10.0) as u32;
+    let mut axes = AxisValues::default();
+    if let Some(named) = table.optional_table("axes") {
+        axes = AxisValues::from_fn(|letter| named.optional_string(letter.as_str()));
+        named.no_other_keys();
+    }
+    Some(Arc::new(MtConnect { url: url?, base: base?, device, interval_ms, axes }))
+}
+
+impl Device for MtConnect {
+    fn channels(&self) -> Vec<(String, Role)> {
+        Vec::new()
+    }
+
+    fn address(&self) -> &str {
+        &self.url
+    }
+
+    fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a> {
+        Box::pin(async move {
+            let mut counters = Counters::default();
+            let end = match self.run(link, &mut counters).await {
+                Ok(never) => match never {},
+                Err(end) => end,
+            };
+            link.final_counters(counters);
+            end
+        })
+    }
+}
+
+/// Why a stream of samples ended without ending the session.
+enum StreamEnd {
+    /// The agent no longer has what was asked for.
+    OutOfRange,
+    /// The agent closed the stream after this sequence number.
+    Closed(u64),
+}
+
+impl MtConnect {
+    async fn run(
+        &self,
+        link: &mut Link,
+        counters: &mut Counters,
+    ) -> Result<std::convert::Infallible, SessionEnd> {
+        let devices = match self.document("/probe", link).await? {
+            Document::Devices(devices) => devices,
+            other => return Err(unexpected("asking /probe", &other)),
+        };
+        let instance = devices.header.instance_id;
+        let items = self.find_items(&devices)?;
+        link.identified(format!(
+            "MTConnect agent {} {}, axes {}",
+            devices.header.sender,
+            devices.header.version,
+            items.letters().iter().map(|letter| letter.as_str()).collect::<Vec<_>>().join(" ")
+        ));
+        let mut model = Model::new(items);
+        let mut next = self.current(instance, &mut model, link, counters).await?;
+        loop {
+            match self.stream(instance, next, &mut model, link, counters).await? {
+                StreamEnd::Closed(from) => next = from,
+                StreamEnd::OutOfRange => {
+                    let before = next;
+                    let from = link.last_reading();
+                    next = self.current(instance, &mut model, link, counters).await?;
+                    let (lost, now) = (next.saturating_sub(before), link.now());
+                    counters.lost_readings += lost;
+                    let reason = "the agent's buffer had moved on (OUT_OF_RANGE)".into();
+                    link.gap(from.unwrap_or(now), now, Some(lost), reason);
+                }
+            }
+        }
+    }
+
+    fn find_items(&self, devices: &DevicesDocument) -> Result<Items, SessionEnd> {
+        let names: Vec<&str> = devices.devices.iter().map(|device| device.name.as_str()).collect();
+        let wanted = |name: &str| self.device.as_deref().is_none_or(|wanted| wanted == name);
+        let device = devices.devices.iter().find(|device| wanted(&device.name) && device.name != "Agent");
+        let wrong = |found: String, expected: String| SessionEnd::WrongDevice { found, expected };
+        let device = device.ok_or_else(|| {
+            let expected = self.device.clone().unwrap_or_else(|| "a device".into());
+            wrong(format!("an agent with {}", names.join(", ")), expected)
+        })?;
+        Items::find(device, &self.axes).map_err(|missing| wrong(format!("device {}", device.name), missing))
+    }
+
+    /// Takes the present values; gives the sequence number to go on from.
+    async fn current(
+        &self,
+        instance: u64,
+        model: &mut Model,
+        link: &mut Link,
+        counters: &mut Counters,
+    ) -> Result<u64, SessionEnd> {
+        match self.document("/current", link).await? {
+            Document::Streams(streams) => {
+                model.forget();
+                take(model, &streams, instance, link, counters)?;
+                Ok(streams.next_sequence)
+            }
+            other => Err(unexpected("asking /current", &other)),
+        }
+    }
+
+    async fn stream(
+        &self,
+        instance: u64,
+        from: u64,
+        model: &mut Model,
+        link: &mut Link,
+        counters: &mut Counters,
+    ) -> Result<StreamEnd, SessionEnd> {
+        // Some agents take no heartbeat below their interval; a quarter of the silence leaves room for two losses.
+        let heartbeat = (link.silence.as_millis() as u32 / 4).max(self.interval_ms).max(10);
+        let query = format!(
+            "/sample?from={from}&interval={}&count=1000&heartbeat={heartbeat}",
+            self.interval_ms
+        );
+        let mut answer = http::get(&self.base, &self.path(&query)).await?;
+        if !answer.content_type.to_ascii_lowercase().starts_with("multipart/") {
+            let body = answer.whole(link.silence).await?;
+            return match parse(&body)? {
+                Document::Error(error) if error.is_out_of_range() => Ok(StreamEnd::OutOfRange),
+                other => Err(unexpected("asking /sample", &other)),
+            };
+        }
+        let mut parts = MultipartDecoder::new(&answer.content_type).map_err(|error| SessionEnd::Protocol {
+            doing: "asking /sample",
+            fault: error.to_string(),
+        })?;
+        let mut next = from;
+        let mut last_part = link.now();
+        loop {
+            let waited = link.now() - last_part;
+            let left = link.silence.saturating_sub(waited).max(Duration::from_millis(1));
+            let Some(bytes) = answer.chunk(left).await? else { return Ok(StreamEnd::Closed(next)) };
+            for part in parts.push(&bytes) {
+                last_part = link.now();
+                match parse(&part.body)? {
+                    Document::Streams(streams) => {
+                        take(model, &streams, instance, link, counters)?;
+                        next = streams.next_sequence;
+                    }
+                    Document::Error(error) if error.is_out_of_range() => return Ok(StreamEnd::OutOfRange),
+                    other => return Err(unexpected("reading samples", &other)),
+                }
+            }
+            let losses = parts.losses();
+            (counters.dropped_bytes, counters.damaged) = (losses.dropped_bytes, losses.bad_parts);
+            link.counters(*counters, last_part);
+            if link.now() - last_part >= link.silence {
+                let waited = link.now() - last_part;
+                return Err(SessionEnd::Silent { who: format!("{} sends no samples", self.url), waited });
+            }
+        }
+    }
+
+    fn path(&self, query: &str) -> String {
+        self.device.as_ref().map_or_else(|| query.to_owned(), |device| format!("/{device}{query}"))
+    }
+
+    async fn document(&self, query: &str, link: &Link) -> Result<Document, SessionEnd> {
+        let answer = http::get(&self.base, &self.path(query)).await?;
+        parse(&answer.whole(link.silence.max(Duration::from_secs(2))).await?)
+    }
+}
+
+fn take(
+    model: &mut Model,
+    streams: &StreamsDocument,
+    instance: u64,
+    link: &mut Link,
+    counters: &mut Counters,
+) -> Result<(), SessionEnd> {
+    let found = streams.header.instance_id;
+    if found != instance {
+        return Err(SessionEnd::Restarted(format!("agent instance {instance} became {found}")));
+    }
+    let arrival = link.now();
+    for line in model.warnings(streams) {
+        link.log(true, line);
+    }
+    for reading in model.take(streams, arrival) {
+        counters.readings += 1;
+        link.reading(reading, arrival);
+    }
+    if let Some((from, to)) = model.ended_absence(arrival) {
+        link.gap(from, to, None, "the agent had no value for an axis (UNAVAILABLE)".into());
+    }
+    Ok(())
+}
+
+fn parse(body: &[u8]) -> Result<Document, SessionEnd> {
+    mtconnect::parse(body)
+        .map_err(|error| SessionEnd::Protocol { doing: "reading a document", fault: error.to_string() })
+}
+
+fn unexpected(doing: &'static str, document: &Document) -> SessionEnd {
+    let fault = match document {
+        Document::Error(error) => {
+            let words = error.errors.iter().map(|error| format!("{}: {}", error.code, error.text));
+            words.collect::<Vec<_>>().join("; ")
+        }
+        Document::Devices(_) => "the agent sent a devices document".into(),
+        Document::Streams(_) => "the agent sent a streams document".into(),
+    };
+    SessionEnd::Protocol { doing, fault }
+}
+
+/// Axis named by a component or data item: `C`, `C1`, `c`; `S` and others are none.
+fn letter_of(name: &str) -> Option<AxisLetter> {
+    AxisLetter::parse(name.trim_end_matches(|c: char| c.is_ascii_digit()))
+}
+
+/// Reading of a model step.
+type Readings = Vec<Reading>;

@@ -1,0 +1,235 @@
+//! What the agent's data items mean, and the latest value of each.
+
+use super::{Readings, letter_of};
+use crate::message::{AxisReading, ControllerReading, Execution, Reading, TemperatureReading};
+use std::collections::BTreeMap;
+use trunnion_protocol::mtconnect::{Category, DataItem, Device, Observation, ObservedValue, StreamsDocument};
+use trunnion_units::{AxisLetter, AxisValues, HostTime, convert};
+
+/// Data items this program uses, by id.
+pub(super) struct Items {
+    axes: AxisValues<Option<String>>,
+    execution: Option<String>,
+    program: Option<String>,
+    block: Option<String>,
+    temperatures: BTreeMap<String, String>,
+}
+
+impl Items {
+    /// Finds them; where `named` names a data item by id or name, that one. Else what is missing.
+    pub(super) fn find(device: &Device, named: &AxisValues<Option<String>>) -> Result<Self, String> {
+        let items = &device.data_items;
+        let mut axes = AxisValues::default();
+        for letter in AxisLetter::ALL {
+            axes[letter] = match &named[letter] {
+                Some(name) => {
+                    let is_it = |item: &&DataItem| item.id == *name || item.name.as_ref() == Some(name);
+                    let item = items.iter().find(is_it);
+                    Some(item.ok_or(format!("a data item {name} for axis {letter}"))?.id.clone())
+                }
+                None => items.iter().filter(|item| is_position(item, letter)).map(|item| item.id.clone()).next(),
+            };
+        }
+        if axes.0.iter().all(Option::is_none) {
+            return Err("actual positions of axes named X, Y, Z, A, B or C (or name them in `axes`)".into());
+        }
+        let first = |kind: &str| items.iter().find(|item| item.kind == kind).map(|item| item.id.clone());
+        let temperatures = items
+            .iter()
+            .filter(|item| item.category == Category::Sample && item.kind == "TEMPERATURE")
+            .map(|item| (item.id.clone(), item.name.clone().unwrap_or_else(|| item.id.clone())))
+            .collect();
+        Ok(Self {
+            axes,
+            execution: first("EXECUTION"),
+            program: first("PROGRAM"),
+            block: first("BLOCK").or_else(|| first("LINE")).or_else(|| first("LINE_NUMBER")),
+            temperatures,
+        })
+    }
+
+    /// The axes found.
+    pub(super) fn letters(&self) -> Vec<AxisLetter> {
+        self.axes.iter().filter(|(_, id)| id.is_some()).map(|(letter, _)| letter).collect()
+    }
+}
+
+/// Actual position of this axis in machine coordinates.
+fn is_position(item: &DataItem, letter: AxisLetter) -> bool {
+    let (kind, component) = if letter.is_rotary() { ("ANGLE", "Rotary") } else { ("POSITION", "Linear") };
+    let name = Some(item.component.name.as_str()).filter(|name| !name.is_empty());
+    item.category == Category::Sample
+        && item.kind == kind
+        && item.component.kind == component
+        && item.sub_type.as_deref().is_none_or(|sub| sub == "ACTUAL")
+        && item.coordinate_system.as_deref().is_none_or(|system| system == "MACHINE")
+        && name.and_then(letter_of) == Some(letter)
+}
+
+/// Latest values.
+pub(super) struct Model {
+    items: Items,
+    position: AxisValues<Option<f64>>,
+    stamps: AxisValues<i64>,
+    /// Stamp and arrival of the last axis reading that was not held.
+    last_axes: Option<(i64, HostTime)>,
+    sequence: u64,
+    controller: (Execution, String, String),
+    /// Since when an axis has no value.
+    absent_since: Option<HostTime>,
+    ended_absence: Option<(HostTime, HostTime)>,
+}
+
+impl Model {
+    pub(super) fn new(items: Items) -> Self {
+        Self {
+            items,
+            position: AxisValues::default(),
+            stamps: AxisValues::default(),
+            last_axes: None,
+            sequence: 0,
+            controller: Default::default(),
+            absent_since: None,
+            ended_absence: None,
+        }
+    }
+
+    /// Before `/current`: its values replace all others.
+    pub(super) fn forget(&mut self) {
+        self.position = AxisValues::default();
+    }
+
+    /// Faults and warnings among the conditions.
+    pub(super) fn warnings(&self, streams: &StreamsDocument) -> Vec<String> {
+        let conditions = streams.observations.iter().filter(|observation| {
+            observation.category == Category::Condition
+                && matches!(observation.kind.as_str(), "Fault" | "Warning")
+        });
+        conditions
+            .map(|observation| match &observation.value {
+                ObservedValue::Text(text) => format!("{} {}: {text}", observation.kind, observation.data_item_id),
+                _ => format!("{} {}", observation.kind, observation.data_item_id),
+            })
+            .collect()
+    }
+
+    /// The time in which an axis had no value, told once when it is over.
+    pub(super) fn ended_absence(&mut self, _now: HostTime) -> Option<(HostTime, HostTime)> {
+        self.ended_absence.take()
+    }
+
+    /// Readings of a document, in order of sequence: one axis reading for each stamp.
+    pub(super) fn take(&mut self, streams: &StreamsDocument, arrival: HostTime) -> Readings {
+        let mut observations: Vec<&Observation> = streams.observations.iter().collect();
+        observations.sort_by_key(|observation| observation.sequence);
+        let mut readings = Vec::new();
+        let mut pending: Option<i64> = None;
+        let mut controller_stamp = None;
+        for observation in observations {
+            if let Some(letter) = self.axis_of(observation) {
+                if let Some(stamp) = pending.filter(|&stamp| stamp != observation.timestamp_ns) {
+                    readings.extend(self.axes(stamp, arrival, false));
+                }
+                pending = Some(observation.timestamp_ns);
+                self.set_axis(letter, observation, arrival);
+            } else if self.set_controller(observation) {
+                controller_stamp = Some(observation.timestamp_ns);
+            } else if let Some(name) = self.items.temperatures.get(&observation.data_item_id) {
+                let degc = number(&observation.value).unwrap_or(f64::NAN);
+                readings.push(Reading::Temperature(TemperatureReading { name: name.clone(), degc, arrival }));
+            }
+        }
+        match pending {
+            Some(stamp) => readings.extend(self.axes(stamp, arrival, false)),
+            None => readings.extend(self.held(arrival)),
+        }
+        if let Some(stamp_ns) = controller_stamp {
+            let (execution, program, block) = self.controller.clone();
+            let reading = ControllerReading { execution, program, block, stamp_ns, arrival };
+            readings.push(Reading::Controller(reading));
+        }
+        readings
+    }
+
+    fn axis_of(&self, observation: &Observation) -> Option<AxisLetter> {
+        let is_it = |id: &Option<String>| id.as_ref() == Some(&observation.data_item_id);
+        self.items.axes.iter().find(|(_, id)| is_it(id)).map(|(letter, _)| letter)
+    }
+
+    fn set_axis(&mut self, letter: AxisLetter, observation: &Observation, arrival: HostTime) {
+        let value = number(&observation.value);
+        self.position[letter] = value.map(|v| if letter.is_rotary() { convert::rad_from_deg(v) } else { v });
+        self.stamps[letter] = observation.timestamp_ns;
+        self.sequence = observation.sequence;
+        if value.is_none() {
+            self.absent_since.get_or_insert(arrival);
+        }
+    }
+
+    fn set_controller(&mut self, observation: &Observation) -> bool {
+        let id = Some(&observation.data_item_id);
+        let text = match &observation.value {
+            ObservedValue::Text(text) => text.clone(),
+            ObservedValue::Number(number) => number.to_string(),
+            ObservedValue::Unavailable => String::new(),
+        };
+        let (execution, program, block) = &mut self.controller;
+        if id == self.items.execution.as_ref() {
+            *execution = execution_of(&text);
+        } else if id == self.items.program.as_ref() {
+            *program = text;
+        } else if id == self.items.block.as_ref() {
+            *block = text;
+        } else {
+            return false;
+        }
+        true
+    }
+
+    /// A reading of all axes at a stamp; none while one that the controller has is unavailable.
+    fn axes(&mut self, stamp_ns: i64, arrival: HostTime, held: bool) -> Option<Reading> {
+        let present = AxisValues::from_fn(|letter| self.items.axes[letter].is_some());
+        if AxisLetter::ALL.iter().any(|&letter| present[letter] && self.position[letter].is_none()) {
+            return None;
+        }
+        if let Some(since) = self.absent_since.take() {
+            self.ended_absence = Some((since, arrival));
+        }
+        // Equal stamps come in order; a stamp behind the last one would send the clock back.
+        if let Some((last, _)) = self.last_axes.filter(|_| !held)
+            && stamp_ns <= last
+        {
+            return None;
+        }
+        if !held {
+            self.last_axes = Some((stamp_ns, arrival));
+        }
+        let position = AxisValues::from_fn(|letter| self.position[letter].unwrap_or(0.0));
+        let reading =
+            AxisReading { stamp_ns, arrival, position, present, sequence: self.sequence, held, skew_ns: 0 };
+        Some(Reading::Axes(reading))
+    }
+
+    /// Nothing has changed: the last positions hold, as long after their stamp as after their arrival.
+    fn held(&mut self, arrival: HostTime) -> Option<Reading> {
+        let (stamp_ns, at) = self.last_axes?;
+        self.axes(stamp_ns + (arrival.0 - at.0), arrival, true)
+    }
+}
+
+fn number(value: &ObservedValue) -> Option<f64> {
+    match value {
+        ObservedValue::Number(number) => Some(*number),
+        ObservedValue::Unavailable | ObservedValue::Text(_) => None,
+    }
+}
+
+fn execution_of(text: &str) -> Execution {
+    match text {
+        "READY" => Execution::Ready,
+        "ACTIVE" => Execution::Active,
+        "INTERRUPTED" | "FEED_HOLD" | "OPTIONAL_STOP" | "PROGRAM_OPTIONAL_STOP" | "WAIT" => Execution::Held,
+        "STOPPED" | "PROGRAM_STOPPED" | "PROGRAM_COMPLETED" => Execution::Ended,
+        _ => Execution::Unknown,
+    }
+}

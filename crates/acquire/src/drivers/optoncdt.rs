@@ -1,0 +1,281 @@
+//! Micro-Epsilon optoNCDT 1320/1420 on RS422. Keys: `port`, `baud` (921600), `role`, `range_mm`, `rate_khz` (1).
+//!
+//! The session stops the output, asks `GETINFO` (model and range must be those configured), sets the rate, adds
+//! counter and time stamp, asks for the order of the values, and starts the output.
+
+use super::{Device, Driver, Session};
+use crate::config::Role;
+use crate::message::{Counters, ProbeReading, Reading};
+use crate::supervisor::{Link, SessionEnd};
+use crate::transport::serial::{self, Port};
+use std::sync::Arc;
+use std::time::Duration;
+use trunnion_protocol::optoncdt::values::TIMESTAMP_TICK_S;
+use trunnion_protocol::optoncdt::{
+    BlockLength, Command, Decoder, Event, Layout, Reply, SensorInfo, Unwrap, distance_mm,
+};
+use trunnion_units::HostTime;
+use trunnion_units::input::Table;
+
+/// Registry entry.
+pub const DRIVER: Driver = Driver {
+    name: "optoncdt",
+    about: "Micro-Epsilon optoNCDT 1320/1420 laser sensor, RS422 binary stream",
+    default_silence_ms: 250.0,
+    read,
+};
+
+/// The sensor answers within some ms.
+const REPLY_LIMIT: Duration = Duration::from_millis(700);
+const RATES_KHZ: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+/// Two lengths this close are one measuring range, mm.
+const RANGE_SLACK_MM: f64 = 0.01;
+
+#[derive(Debug)]
+struct Optoncdt {
+    port: String,
+    baud: u32,
+    role: Role,
+    range_mm: f64,
+    rate_khz: f64,
+}
+
+fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
+    let port = table.string("port");
+    let baud = table.optional_number("baud", 9600.0..=4_000_000.0);
+    let role = Role::read(table);
+    let range_mm = table.number("range_mm", 1.0..=1000.0);
+    let rate_khz = table.optional_number("rate_khz", 0.25..=4.0).unwrap_or(1.0);
+    if !RATES_KHZ.contains(&rate_khz) {
+        table.problem("rate_khz", format!("= {rate_khz}"), "0.25, 0.5, 1, 2, 4", "");
+    }
+    if role == Some(Role::Temperature) {
+        table.problem("role", "= \"temperature\"", "probe-1, probe-2, probe-3, bar", "");
+    }
+    let baud = baud.unwrap_or(921_600.0) as u32;
+    Some(Arc::new(Optoncdt { port: port?, baud, role: role?, range_mm: range_mm?, rate_khz }))
+}
+
+impl Device for Optoncdt {
+    fn channels(&self) -> Vec<(String, Role)> {
+        vec![(String::new(), self.role)]
+    }
+
+    fn address(&self) -> &str {
+        &self.port
+    }
+
+    fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a> {
+        Box::pin(async move {
+            let mut connection = match self.open(link) {
+                Ok(connection) => connection,
+                Err(end) => return end,
+            };
+            let end = match connection.run(self, link).await {
+                Ok(never) => match never {},
+                Err(end) => end,
+            };
+            let totals = connection.counters();
+            link.final_counters(totals);
+            end
+        })
+    }
+}
+
+impl Optoncdt {
+    fn open(&self, link: &mut Link) -> Result<Connection, SessionEnd> {
+        let (port, remark) = serial::open(&self.port, self.baud)?;
+        if let Some(remark) = remark {
+            link.log(true, remark);
+        }
+        Ok(Connection {
+            port,
+            decoder: Decoder::new(BlockLength::UntilNext),
+            blocks: Vec::new(),
+            counters: Counters::default(),
+        })
+    }
+}
+
+struct Connection {
+    port: Port,
+    decoder: Decoder,
+    /// Events read together with a reply and not yet handled.
+    blocks: Vec<Event>,
+    counters: Counters,
+}
+
+impl Connection {
+    async fn run(&mut self, config: &Optoncdt, link: &mut Link) -> Result<std::convert::Infallible, SessionEnd> {
+        self.identify(config, link).await?;
+        let layout = self.configure(config, link).await?;
+        self.stream(config, &layout, link).await
+    }
+
+    async fn identify(&mut self, config: &Optoncdt, link: &mut Link) -> Result<(), SessionEnd> {
+        // A reply cut in half by the stop of the output is no answer: ask twice.
+        if self.ask(&Command::output_none()).await.is_err() {
+            self.ask(&Command::output_none()).await?;
+        }
+        let reply = self.ask(&Command::get_info()).await?;
+        let expected = || format!("an optoNCDT 1320 or 1420 with range {} mm", config.range_mm);
+        let wrong = |found: String| SessionEnd::WrongDevice { found, expected: expected() };
+        let info = SensorInfo::parse(&reply).map_err(|error| wrong(format!("{:?} ({error})", reply.lines)))?;
+        let found = format!("{} serial {} range {} mm", info.name, info.serial, info.range_mm);
+        let family = ["ILD132", "ILD142"].iter().any(|family| info.name.to_ascii_uppercase().starts_with(family));
+        if !family || (info.range_mm - config.range_mm).abs() > RANGE_SLACK_MM {
+            return Err(wrong(found));
+        }
+        link.identified(found);
+        Ok(())
+    }
+
+    async fn configure(&mut self, config: &Optoncdt, link: &mut Link) -> Result<Layout, SessionEnd> {
+        for command in [Command::measuring_rate_khz(config.rate_khz), Command::add_counter_and_timestamp()] {
+            let reply = self.ask(&command).await?;
+            if let Some(refusal) = reply.error.or(reply.warning) {
+                link.log(true, format!("{} answered {refusal}", command.text()));
+            }
+        }
+        let reply = self.ask(&Command::get_output_info()).await?;
+        let layout = Layout::from_reply(&reply).ok_or_else(|| SessionEnd::Protocol {
+            doing: "asking for the order of the values",
+            fault: format!("{:?}", reply.lines),
+        })?;
+        self.decoder.set_block_length(BlockLength::Exactly(layout.values_per_block()));
+        self.blocks.clear();
+        let reply = self.ask(&Command::output_rs422()).await?;
+        match reply.error {
+            None => Ok(layout),
+            Some(refusal) => {
+                Err(SessionEnd::Protocol { doing: "starting the output", fault: refusal.to_string() })
+            }
+        }
+    }
+
+    /// Sends a command and waits for its reply.
+    async fn ask(&mut self, command: &Command) -> Result<Reply, SessionEnd> {
+        self.decoder.await_reply();
+        self.port.write(&command.encode()).await?;
+        let deadline = tokio::time::Instant::now() + REPLY_LIMIT;
+        let mut buffer = [0; 4096];
+        loop {
+            let left = deadline.saturating_duration_since(tokio::time::Instant::now());
+            let Some(count) = self.port.read(&mut buffer, left).await? else {
+                self.decoder.give_up_reply();
+                let who = format!("{} does not answer {}", self.port.name(), command.text());
+                return Err(SessionEnd::Silent { who, waited: REPLY_LIMIT });
+            };
+            let mut reply = None;
+            for event in self.decoder.push(&buffer[..count]) {
+                match event {
+                    Event::ReplyText(text) => reply = Some(Reply::parse(&text, command)),
+                    block => self.blocks.push(block),
+                }
+            }
+            if let Some(reply) = reply {
+                return Ok(reply);
+            }
+        }
+    }
+
+    async fn stream(
+        &mut self,
+        config: &Optoncdt,
+        layout: &Layout,
+        link: &mut Link,
+    ) -> Result<std::convert::Infallible, SessionEnd> {
+        let mut sensor = Sensor::new(config, layout.clone(), link.first_channel);
+        let mut last_block = link.now();
+        let mut events = std::mem::take(&mut self.blocks);
+        let mut buffer = [0; 16 * 1024];
+        loop {
+            let arrival = link.now();
+            for event in events {
+                let Event::Block(block) = event else { continue };
+                last_block = arrival;
+                sensor.take(&block, arrival, link, &mut self.counters)?;
+            }
+            link.counters(self.counters(), arrival);
+            let waited = arrival - last_block;
+            if waited >= link.silence {
+                return Err(SessionEnd::Silent { who: format!("{} sends no values", self.port.name()), waited });
+            }
+            let left = link.silence - waited;
+            events = match self.port.read(&mut buffer, left).await? {
+                Some(count) => self.decoder.push(&buffer[..count]),
+                None => Vec::new(),
+            };
+        }
+    }
+
+    fn counters(&self) -> Counters {
+        let seen = self.decoder.counts();
+        let (dropped_bytes, damaged, resyncs) = (seen.dropped_bytes, seen.damaged_blocks, seen.resyncs);
+        Counters { dropped_bytes, damaged, resyncs, ..self.counters }
+    }
+}
+
+/// Blocks into readings.
+struct Sensor {
+    channel: u16,
+    range_mm: f64,
+    period_s: f64,
+    layout: Layout,
+    counter: Unwrap,
+    timestamp: Unwrap,
+    last: Option<(u64, HostTime)>,
+    blocks: u64,
+}
+
+impl Sensor {
+    fn new(config: &Optoncdt, layout: Layout, channel: u16) -> Self {
+        Self {
+            channel,
+            range_mm: config.range_mm,
+            period_s: 1e-3 / config.rate_khz,
+            layout,
+            counter: Unwrap::new(18),
+            timestamp: Unwrap::new(32),
+            last: None,
+            blocks: 0,
+        }
+    }
+
+    fn take(
+        &mut self,
+        block: &trunnion_protocol::optoncdt::Block,
+        arrival: HostTime,
+        link: &mut Link,
+        counters: &mut Counters,
+    ) -> Result<(), SessionEnd> {
+        let values = self.layout.read(block).map_err(|error| SessionEnd::Protocol {
+            doing: "reading a block",
+            fault: error.to_string(),
+        })?;
+        let Some(distance) = values.distance else {
+            return Err(SessionEnd::Protocol { doing: "reading a block", fault: "it has no distance".into() });
+        };
+        self.blocks += 1;
+        let sequence = values.counter.map_or(self.blocks, |raw| self.counter.push(raw));
+        let (device_ticks, tick_s) = match values.timestamp_ticks {
+            Some(raw) => (self.timestamp.push(raw), TIMESTAMP_TICK_S),
+            None => (sequence, self.period_s),
+        };
+        let value_mm = distance_mm(distance, self.range_mm).unwrap_or(f64::NAN);
+        if let Some((last, at)) = self.last
+            && sequence > last + 1
+        {
+            let lost = sequence - last - 1;
+            counters.lost_readings += lost;
+            link.gap(at, arrival, Some(lost), "values lost on the line (counter jumped)".into());
+        }
+        self.last = Some((sequence, arrival));
+        counters.readings += 1;
+        counters.error_readings += u64::from(value_mm.is_nan());
+        let raw = i64::from(distance.get());
+        let reading = ProbeReading { channel: self.channel, device_ticks, tick_s, sequence, raw, value_mm, arrival };
+        link.reading(Reading::Probe(reading), arrival);
+        Ok(())
+    }
+}

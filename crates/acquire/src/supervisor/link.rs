@@ -1,0 +1,217 @@
+//! What the supervisor lends to a session: where readings go, whose clock is asked, and the status it publishes.
+
+use super::{DeviceState, DeviceStatus, SessionEnd};
+use crate::message::{Counters, LogLine, Message, Reading, SourceGap};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::mpsc::error::TrySendError;
+use tokio::sync::{mpsc, watch};
+use trunnion_units::{Clock, HostTime};
+
+/// One device's end of the message queue. It never waits: when the queue is full, messages are dropped and counted,
+/// and a gap is sent as soon as there is room.
+pub struct Outlet {
+    device: u16,
+    name: String,
+    sender: mpsc::Sender<Message>,
+    dropping_since: Option<HostTime>,
+    dropped: u64,
+    lost_total: u64,
+}
+
+impl Outlet {
+    /// For the device with this index and name.
+    pub fn new(device: u16, name: String, sender: mpsc::Sender<Message>) -> Self {
+        Self { device, name, sender, dropping_since: None, dropped: 0, lost_total: 0 }
+    }
+
+    fn send(&mut self, epoch: u32, reading: Reading, now: HostTime) {
+        if let Some(from) = self.dropping_since {
+            let gap = SourceGap {
+                source: self.name.clone(),
+                from,
+                to: now,
+                lost_readings: Some(self.dropped),
+                reason: "the program did not take the readings in time".into(),
+            };
+            if !self.offer(epoch, Reading::Gap(gap)) {
+                self.count_loss(now);
+                return;
+            }
+            (self.dropping_since, self.dropped) = (None, 0);
+        }
+        if !self.offer(epoch, reading) {
+            self.count_loss(now);
+        }
+    }
+
+    fn offer(&self, epoch: u32, reading: Reading) -> bool {
+        match self.sender.try_send(Message { device: self.device, epoch, reading }) {
+            Ok(()) => true,
+            Err(TrySendError::Full(_) | TrySendError::Closed(_)) => false,
+        }
+    }
+
+    fn count_loss(&mut self, now: HostTime) {
+        self.dropping_since.get_or_insert(now);
+        self.dropped += 1;
+        self.lost_total += 1;
+    }
+}
+
+/// The session's link to the rest of the program.
+pub struct Link {
+    /// Index of the device's first channel in the list of all channels.
+    pub first_channel: u16,
+    /// No reading for so long must end the session.
+    pub silence: Duration,
+    clock: Arc<dyn Clock>,
+    outlet: Outlet,
+    status: watch::Sender<DeviceStatus>,
+    epoch: u32,
+    healthy: bool,
+    last_reading: Option<HostTime>,
+    /// Reason of a gap still open: the connection was lost after `last_reading`.
+    gap_reason: Option<String>,
+    counted: Option<(HostTime, Counters)>,
+}
+
+impl Link {
+    /// For one device; the supervisor keeps it through all sessions.
+    pub fn new(
+        first_channel: u16,
+        silence: Duration,
+        clock: Arc<dyn Clock>,
+        outlet: Outlet,
+        status: watch::Sender<DeviceStatus>,
+    ) -> Self {
+        Self {
+            first_channel,
+            silence,
+            clock,
+            outlet,
+            status,
+            epoch: 0,
+            healthy: false,
+            last_reading: None,
+            gap_reason: None,
+            counted: None,
+        }
+    }
+
+    /// The present moment.
+    pub fn now(&self) -> HostTime {
+        self.clock.now()
+    }
+
+    /// Publishes what the device said of itself.
+    pub fn identified(&mut self, identity: String) {
+        self.log(false, format!("found {identity}"));
+        self.status.send_modify(|status| status.identity = identity);
+    }
+
+    /// Sends a reading that arrived at `at`; it proves health.
+    pub fn reading(&mut self, reading: Reading, at: HostTime) {
+        if !self.healthy {
+            self.healthy = true;
+            self.status.send_modify(|status| status.state = DeviceState::Streaming);
+        }
+        if let (Some(reason), Some(from)) = (self.gap_reason.take(), self.last_reading) {
+            self.gap(from, at, None, reason);
+        }
+        self.last_reading = Some(at);
+        self.send(reading);
+    }
+
+    /// Records that readings are missing although the connection stands.
+    pub fn gap(&mut self, from: HostTime, to: HostTime, lost_readings: Option<u64>, reason: String) {
+        let source = self.outlet.name.clone();
+        self.send(Reading::Gap(SourceGap { source, from, to, lost_readings, reason }));
+    }
+
+    /// Moment of the last reading of this or an earlier session.
+    pub fn last_reading(&self) -> Option<HostTime> {
+        self.last_reading
+    }
+
+    /// A line for the log of the run and of the program.
+    pub fn log(&mut self, warning: bool, text: String) {
+        let device = &self.outlet.name;
+        if warning {
+            tracing::warn!(device, "{text}");
+        } else {
+            tracing::info!(device, "{text}");
+        }
+        let at = self.now();
+        self.send(Reading::Log(LogLine { warning, text, at }));
+    }
+
+    /// Sends the totals of the connection when they changed and the last ones are a second old.
+    pub fn counters(&mut self, counters: Counters, at: HostTime) {
+        let due = self.counted.is_none_or(|(sent, old)| at - sent >= Duration::from_secs(1) && old != counters);
+        if due {
+            self.counted = Some((at, counters));
+            self.send(Reading::Counters(counters));
+        }
+    }
+
+    /// Sends the totals at the end of a session, whatever was sent before.
+    pub fn final_counters(&mut self, counters: Counters) {
+        self.send(Reading::Counters(counters));
+    }
+
+    fn send(&mut self, reading: Reading) {
+        let now = self.clock.now();
+        self.outlet.send(self.epoch, reading, now);
+        let lost = self.outlet.lost_total;
+        self.status.send_if_modified(|status| std::mem::replace(&mut status.lost_messages, lost) != lost);
+    }
+
+    pub(super) fn begin(&mut self) {
+        self.epoch += 1;
+        self.healthy = false;
+        self.counted = None;
+        let epoch = self.epoch;
+        self.status.send_modify(|status| {
+            status.epoch = epoch;
+            // Attempts on an absent device are not worth a change of its state.
+            if status.state != DeviceState::Absent || epoch == 1 {
+                status.state = DeviceState::Connecting;
+            }
+        });
+    }
+
+    pub(super) fn was_healthy(&self) -> bool {
+        self.healthy
+    }
+
+    pub(super) fn ended(&mut self, end: &SessionEnd) {
+        if *end == SessionEnd::Cancelled {
+            if let (Some(reason), Some(from)) = (self.gap_reason.take(), self.last_reading) {
+                self.gap(from, self.now(), None, reason);
+            }
+        } else if self.healthy {
+            self.gap_reason.get_or_insert_with(|| end.to_string());
+        }
+        if self.status.borrow().last_end.as_ref() != Some(end) {
+            let warning = !matches!(end, SessionEnd::Cancelled | SessionEnd::Absent(_));
+            self.log(warning, end.to_string());
+        }
+        self.healthy = false;
+        let state = match end {
+            SessionEnd::Absent(_) => DeviceState::Absent,
+            SessionEnd::Silent { .. } => DeviceState::Silent,
+            SessionEnd::WrongDevice { .. } => DeviceState::WrongDevice,
+            SessionEnd::Refused { .. } => DeviceState::Refused,
+            SessionEnd::Cancelled => DeviceState::Stopped,
+            SessionEnd::Disconnected(_) | SessionEnd::Protocol { .. } | SessionEnd::Restarted(_) => {
+                DeviceState::Failed
+            }
+        };
+        self.status.send_modify(|status| {
+            status.state = state;
+            status.ends[end.kind()] += 1;
+            status.last_end = Some(end.clone());
+        });
+    }
+}

@@ -1,0 +1,165 @@
+//! Run time: every reading on its device clock becomes a sample in seconds since the run began.
+//!
+//! One [`ClockLine`] for each connection of each device. The time of a device's samples never goes back, even when
+//! a new arrival lowers its line. Readings taken before the run began have negative times.
+
+use crate::clock::{ClockLine, WINDOW_S};
+use crate::message::{AxisReading, Message, ProbeReading, Reading};
+use std::collections::HashMap;
+use trunnion_measurement::{AxisSample, Event, Gap, ProbeSample};
+use trunnion_units::HostTime;
+
+/// Axis stamps are in ns.
+const AXIS_TICK_S: f64 = 1e-9;
+
+/// A reading in run time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Timed {
+    /// A displacement.
+    Probe(ProbeSample),
+    /// Axis positions.
+    Axes(AxisSample),
+    /// Something missing.
+    Gap(Gap),
+    /// A temperature: channel name, °C, time.
+    Temperature {
+        /// Name of the channel.
+        name: String,
+        /// Temperature, °C.
+        degc: f64,
+        /// When, s since the run began.
+        time_s: f64,
+    },
+    /// Controller states and log lines.
+    Event(Event),
+}
+
+/// Translates the readings of one run.
+#[derive(Clone, Debug)]
+pub struct TimeBase {
+    origin: HostTime,
+    lines: HashMap<u16, DeviceLine>,
+}
+
+#[derive(Clone, Debug)]
+struct DeviceLine {
+    epoch: u32,
+    line: ClockLine,
+    last: Option<(u64, f64)>,
+}
+
+impl TimeBase {
+    /// `origin` is time zero of the run.
+    pub fn new(origin: HostTime) -> Self {
+        Self { origin, lines: HashMap::new() }
+    }
+
+    /// Run time of a host time, s.
+    pub fn seconds(&self, at: HostTime) -> f64 {
+        at.seconds_since(self.origin)
+    }
+
+    /// The message in run time; `None` for counters, which have none.
+    pub fn translate(&mut self, message: &Message) -> Option<Timed> {
+        let (device, epoch) = (message.device, message.epoch);
+        Some(match &message.reading {
+            Reading::Probe(reading) => Timed::Probe(self.probe(device, epoch, reading)),
+            Reading::Axes(reading) => Timed::Axes(self.axes(device, epoch, reading)),
+            Reading::Gap(gap) => Timed::Gap(Gap {
+                source: gap.source.clone(),
+                from_s: self.seconds(gap.from),
+                to_s: self.seconds(gap.to),
+                lost_samples: gap.lost_readings,
+                reason: gap.reason.clone(),
+            }),
+            Reading::Temperature(reading) => Timed::Temperature {
+                name: reading.name.clone(),
+                degc: reading.degc,
+                time_s: self.seconds(reading.arrival),
+            },
+            Reading::Controller(reading) => Timed::Event(Event {
+                time_s: self.seconds(reading.arrival),
+                kind: "controller".into(),
+                text: format!("{:?} {} {}", reading.execution, reading.program, reading.block).trim().into(),
+            }),
+            Reading::Log(line) => Timed::Event(Event {
+                time_s: self.seconds(line.at),
+                kind: if line.warning { "warning" } else { "log" }.into(),
+                text: line.text.clone(),
+            }),
+            Reading::Counters(_) => return None,
+        })
+    }
+
+    /// Estimated drift of a device's clock; `None` before its first reading.
+    pub fn drift(&self, device: u16) -> Option<f64> {
+        Some(self.lines.get(&device)?.line.translation()?.drift)
+    }
+
+    fn probe(&mut self, device: u16, epoch: u32, reading: &ProbeReading) -> ProbeSample {
+        let ticks = reading.device_ticks;
+        ProbeSample {
+            channel: reading.channel,
+            time_s: self.time(device, epoch, reading.tick_s, ticks, reading.arrival),
+            device_ticks: ticks,
+            raw: reading.raw,
+            value_mm: reading.value_mm,
+        }
+    }
+
+    fn axes(&mut self, device: u16, epoch: u32, reading: &AxisReading) -> AxisSample {
+        let ticks = reading.stamp_ns.cast_unsigned();
+        let time_s = self.time(device, epoch, AXIS_TICK_S, ticks, reading.arrival);
+        AxisSample { time_s, position: reading.position }
+    }
+
+    fn time(&mut self, device: u16, epoch: u32, tick_s: f64, ticks: u64, arrival: HostTime) -> f64 {
+        let origin = self.origin;
+        let known = self.lines.remove(&device).filter(|known| known.epoch == epoch);
+        let mut known =
+            known.unwrap_or_else(|| DeviceLine { epoch, line: ClockLine::new(tick_s, WINDOW_S), last: None });
+        known.line.push(ticks, arrival);
+        let by_line = known.line.to_host(ticks).unwrap_or(arrival).seconds_since(origin);
+        let time_s = match known.last {
+            Some((last_ticks, last_s)) if last_ticks == ticks => last_s,
+            Some((_, last_s)) => by_line.max(last_s),
+            None => by_line,
+        };
+        known.last = Some((ticks, time_s));
+        self.lines.insert(device, known);
+        time_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn probe(epoch: u32, device_ticks: u64, arrival_ms: i64) -> Message {
+        let arrival = HostTime(1_000_000_000 + arrival_ms * 1_000_000);
+        let reading = ProbeReading {
+            channel: 0,
+            device_ticks,
+            tick_s: 1e-3,
+            sequence: 0,
+            raw: 0,
+            value_mm: 0.0,
+            arrival,
+        };
+        Message { device: 0, epoch, reading: Reading::Probe(reading) }
+    }
+
+    #[test]
+    fn time_never_goes_back_and_a_new_connection_begins_a_new_clock() {
+        let mut base = TimeBase::new(HostTime(1_000_000_000));
+        let mut time = |message| match base.translate(&message) {
+            Some(Timed::Probe(sample)) => sample.time_s,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(time(probe(1, 100, 20)), 0.020);
+        // The next arrival shows that the first was 15 ms late; its own time must still not lie before it.
+        assert_eq!(time(probe(1, 101, 6)), 0.020);
+        assert_eq!(time(probe(1, 120, 30)), 0.025);
+        assert_eq!(time(probe(2, 5, 500)), 0.500);
+    }
+}

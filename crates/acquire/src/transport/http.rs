@@ -1,0 +1,135 @@
+//! HTTP/1.1 GET over plain TCP, whole answers and streams, with limits on connecting, on each read, and on size.
+
+use crate::supervisor::SessionEnd;
+use http_body_util::{BodyExt, Empty};
+use hyper::body::{Bytes, Incoming};
+use hyper::{Request, StatusCode, Uri, header};
+use hyper_util::rt::TokioIo;
+use std::error::Error;
+use std::io::ErrorKind;
+use std::time::Duration;
+use tokio::net::TcpStream;
+use tokio::task::JoinHandle;
+use tokio::time::timeout;
+
+/// Connecting, and the head of an answer, must not take longer.
+const CONNECT_LIMIT: Duration = Duration::from_secs(3);
+/// A whole document is smaller.
+const MAX_BODY_BYTES: usize = 64 * 1024 * 1024;
+
+/// An answer whose body is still coming.
+pub struct Answer {
+    /// Status.
+    pub status: StatusCode,
+    /// `Content-Type`, empty when missing.
+    pub content_type: String,
+    body: Incoming,
+    connection: Connection,
+}
+
+/// The task that drives one connection; it ends with the answer.
+struct Connection(JoinHandle<()>);
+
+impl Drop for Connection {
+    fn drop(&mut self) {
+        self.0.abort();
+    }
+}
+
+/// Checks a base address `http://host[:port][/path]`.
+pub fn parse_base(url: &str) -> Result<Uri, String> {
+    let uri: Uri = url.parse().map_err(|error| format!("is no address ({error})"))?;
+    if uri.scheme_str() != Some("http") || uri.host().is_none_or(str::is_empty) || uri.query().is_some() {
+        return Err("does not begin with http://host (encrypted agents are not supported)".into());
+    }
+    Ok(uri)
+}
+
+/// Asks for `base` + `path`, for example `/probe`. Cancel safe: a dropped request closes its connection.
+///
+/// # Errors
+/// `Absent` when nobody listens, `Silent` when the answer stays out, `Disconnected`.
+pub async fn get(base: &Uri, path: &str) -> Result<Answer, SessionEnd> {
+    let host = base.host().unwrap_or_default();
+    let address = (host.trim_matches(['[', ']']), base.port_u16().unwrap_or(80));
+    let silent = |waited| SessionEnd::Silent { who: format!("{base}"), waited };
+    let stream = match timeout(CONNECT_LIMIT, TcpStream::connect(address)).await {
+        Err(_) => return Err(silent(CONNECT_LIMIT)),
+        Ok(Err(error)) if error.kind() == ErrorKind::PermissionDenied => {
+            return Err(SessionEnd::Refused { address: base.to_string(), why: error.to_string() });
+        }
+        Ok(Err(error)) => return Err(SessionEnd::Absent(format!("{base} ({error})"))),
+        Ok(Ok(stream)) => stream,
+    };
+    let lost = |error: hyper::Error| SessionEnd::Disconnected(format!("{base}: {}", chain(&error)));
+    let (mut sender, connection) =
+        hyper::client::conn::http1::handshake(TokioIo::new(stream)).await.map_err(lost)?;
+    let device = base.to_string();
+    let connection = Connection(tokio::spawn(async move {
+        if let Err(error) = connection.await {
+            tracing::debug!(device, "connection ended: {error}");
+        }
+    }));
+    let target = format!("{}{path}", base.path().trim_end_matches('/'));
+    let authority = base.authority().map_or(host, |authority| authority.as_str());
+    let request = Request::get(target)
+        .header(header::HOST, authority)
+        .header(header::USER_AGENT, concat!("trunnion/", env!("CARGO_PKG_VERSION")))
+        .body(Empty::<Bytes>::new())
+        .map_err(|error| SessionEnd::Protocol { doing: "building a request", fault: error.to_string() })?;
+    let response = timeout(CONNECT_LIMIT, sender.send_request(request)).await;
+    let response = response.map_err(|_| silent(CONNECT_LIMIT))?.map_err(lost)?;
+    let content_type = response.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok());
+    Ok(Answer {
+        status: response.status(),
+        content_type: content_type.unwrap_or_default().to_owned(),
+        body: response.into_body(),
+        connection,
+    })
+}
+
+impl Answer {
+    /// The next bytes of the body; `None` at its end. Cancel safe.
+    ///
+    /// # Errors
+    /// `Silent` when nothing comes within `limit`, `Disconnected`.
+    pub async fn chunk(&mut self, limit: Duration) -> Result<Option<Bytes>, SessionEnd> {
+        loop {
+            let frame = timeout(limit, self.body.frame()).await;
+            let silent = |_| SessionEnd::Silent { who: "the agent's stream".into(), waited: limit };
+            match frame.map_err(silent)? {
+                None => return Ok(None),
+                Some(Err(error)) => return Err(SessionEnd::Disconnected(chain(&error))),
+                Some(Ok(frame)) => {
+                    if let Ok(data) = frame.into_data() {
+                        return Ok(Some(data));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The whole body.
+    pub async fn whole(mut self, limit: Duration) -> Result<Vec<u8>, SessionEnd> {
+        let mut body = Vec::new();
+        while let Some(chunk) = self.chunk(limit).await? {
+            body.extend_from_slice(&chunk);
+            if body.len() > MAX_BODY_BYTES {
+                let fault = format!("more than {MAX_BODY_BYTES} bytes");
+                return Err(SessionEnd::Protocol { doing: "reading a document", fault });
+            }
+        }
+        drop(self.connection);
+        Ok(body)
+    }
+}
+
+fn chain(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text += &format!(": {error}");
+        cause = error.source();
+    }
+    text
+}
