@@ -4,7 +4,15 @@
 //! scatter), averaged over a bank of such noises, and every winner has to defend itself against an open grammar of shapes
 //! that have no name.
 
+mod answer;
 mod diagnosis;
+mod evidence;
+mod noise;
+mod problem;
+mod search;
+pub mod views;
+mod vocabulary;
+mod words;
 
 pub use diagnosis::{
     Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, Verdict,
@@ -54,18 +62,10 @@ pub enum DiagnoseError {
 /// # Errors
 /// A model that does not fit the machine, or too few readings.
 pub fn diagnose(
-    _experiment: &Experiment,
+    experiment: &Experiment,
     model: &Model,
-    _options: &Options,
+    options: &Options,
 ) -> Result<Diagnosis, DiagnoseError> {
-    Ok(Diagnosis {
-        model: model.effects.iter().map(|effect| effect.id.clone()).collect(),
-        residual: ResidualSummary::default(),
-        verdict: Verdict::NoiseFloor,
-        candidates: Vec::new(),
-        formula: None,
-        next_cycle: None,
-        not_visible: Vec::new(),
-        out_of_reach: Vec::new(),
-    })
+    let problem = problem::Problem::new(experiment, model)?;
+    Ok(answer::answer(&problem, model, options))
 }

@@ -1,0 +1,1 @@
+//! Residual views for `compare`.
