@@ -11,6 +11,9 @@ use nalgebra::{DMatrix, DVector, Dyn};
 /// Smallest relative singular value that a Gram matrix in double precision can tell from zero.
 const GRAM_FLOOR: f64 = 3e-7;
 
+/// Passes of refinement after the first solution.
+const REFINEMENTS: usize = 3;
+
 /// A design reduced to its triangle.
 pub(crate) struct Reduced {
     /// S: column j of the scaled design is column j of A times this.
@@ -128,50 +131,77 @@ pub struct LinearFit {
     pub rank: usize,
 }
 
-/// min ‖A x − b‖ with one refinement on a residual of doubled precision. `tolerance`: relative singular value below which a
-/// direction is not seen; dependent columns, last first, get zero.
+/// min ‖A x − b‖, refined. `tolerance`: relative singular value below which a direction is not seen; dependent
+/// columns, last first, get zero.
+///
+/// Refinement of x and r together (Björck): `r + A x = b`, `Aᵀ r = 0`; what both leave is formed in doubled precision and
+/// sent through the same QR again.
 pub fn least_squares(a: &DMatrix<f64>, b: &DVector<f64>, tolerance: f64) -> LinearFit {
+    let of = independent_columns(a, tolerance);
+    let chosen = a.select_columns(&of);
+    let reduced = Reduced::from_design(&chosen);
+    let scaled = &chosen * DMatrix::from_diagonal(&reduced.scale);
+    let qr = scaled.clone().resize_vertically(a.nrows().max(of.len()), 0.0).qr();
+    let (q, triangle) = (qr.q().rows(0, a.nrows()).into_owned(), qr.r());
+    let (mut z, mut r) = (DVector::<f64>::zeros(of.len()), DVector::<f64>::zeros(b.len()));
+    let scaled_t = scaled.transpose();
+    for _ in 0..=REFINEMENTS {
+        let f = DVector::from_fn(b.len(), |i, _| {
+            doubled_sum(b[i], [(1.0, -r[i])].into_iter().chain(products(&scaled, i, &z)))
+        });
+        let g = DVector::from_fn(of.len(), |j, _| doubled_sum(0.0, products(&scaled_t, j, &r)));
+        let p = triangle.tr_solve_upper_triangular(&g).expect("columns are independent");
+        let c = q.tr_mul(&f);
+        z += triangle.solve_upper_triangular(&(&c - &p)).expect("columns are independent");
+        r += &q * p + f - &q * c;
+    }
+    let degrees_of_freedom = a.nrows().saturating_sub(of.len()).max(1);
+    let s = (r.norm_squared() / degrees_of_freedom as f64).sqrt();
+    let all: Vec<usize> = (0..of.len()).collect();
+    let u_found = reduced.solver(&all).cofactor().diagonal().map(|q| s * q.sqrt());
+    let (mut x, mut u) = (DVector::zeros(a.ncols()), DVector::zeros(a.ncols()));
+    for (k, &j) in of.iter().enumerate() {
+        (x[j], u[j]) = (z[k] * reduced.scale[k], u_found[k]);
+    }
+    LinearFit { x, u, s, rank: of.len() }
+}
+
+fn independent_columns(a: &DMatrix<f64>, tolerance: f64) -> Vec<usize> {
     let reduced = Reduced::from_design(a);
     let mut of: Vec<usize> = (0..a.ncols()).collect();
-    loop {
+    while of.len() > 1 {
         let (sigma, v) = reduced.singular(&of);
         let last = of.len() - 1;
-        if sigma[last] > tolerance * sigma[0] || last == 0 {
+        if sigma[last] > tolerance * sigma[0] {
             break;
         }
         let drop = (0..of.len()).rev().find(|&i| v[(i, last)].abs() > 1e-6).unwrap_or(last);
         of.remove(drop);
     }
-    let solver = reduced.solver(&of);
-    let mut found = solver.solve(&reduced.project(b));
-    let chosen = a.select_columns(&of);
-    let correction = solver.solve(&reduced.project(&residual(&chosen, &found, b)));
-    found += correction;
-    let left = residual(&chosen, &found, b);
-    let degrees_of_freedom = a.nrows().saturating_sub(of.len()).max(1);
-    let s = (left.norm_squared() / degrees_of_freedom as f64).sqrt();
-    let u_found = solver.cofactor().diagonal().map(|q| s * q.sqrt());
-    let (mut x, mut u) = (DVector::zeros(a.ncols()), DVector::zeros(a.ncols()));
-    for (k, &j) in of.iter().enumerate() {
-        (x[j], u[j]) = (found[k], u_found[k]);
-    }
-    LinearFit { x, u, s, rank: of.len() }
+    of
 }
 
-/// b − A x, each row summed in doubled precision (two-product by fused multiply-add, two-sum).
-fn residual(a: &DMatrix<f64>, x: &DVector<f64>, b: &DVector<f64>) -> DVector<f64> {
-    DVector::from_fn(b.len(), |i, _| {
-        let (mut high, mut low) = (b[i], 0.0);
-        for j in 0..x.len() {
-            let product = -a[(i, j)] * x[j];
-            low += (-a[(i, j)]).mul_add(x[j], -product);
-            let sum = high + product;
-            let back = sum - high;
-            low += (high - (sum - back)) + (product - back);
-            high = sum;
-        }
-        high + low
-    })
+/// −A_ij x_j of row i.
+fn products<'a>(
+    a: &'a DMatrix<f64>,
+    i: usize,
+    x: &'a DVector<f64>,
+) -> impl Iterator<Item = (f64, f64)> + 'a {
+    (0..x.len()).map(move |j| (-a[(i, j)], x[j]))
+}
+
+/// `start` plus all products, summed in doubled precision (two-product by fused multiply-add, two-sum).
+fn doubled_sum(start: f64, products: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (mut high, mut low) = (start, 0.0);
+    for (a, b) in products {
+        let product = a * b;
+        low += a.mul_add(b, -product);
+        let sum = high + product;
+        let back = sum - high;
+        low += (high - (sum - back)) + (product - back);
+        high = sum;
+    }
+    high + low
 }
 
 /// The power of two nearest to 1/norm; 1 for a zero column.

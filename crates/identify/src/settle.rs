@@ -77,15 +77,16 @@ fn settle_within(
         sigma[0] / sigma[sigma.len() - 1]
     };
     let readings = experiment.readings_mm();
-    let mut solution = DVector::from_iterator(joint.width(), joint.held.iter().map(|held| held.unwrap_or(0.0)));
-    let mut predicted = joint.predict_mm(experiment, &solution);
-    for step in 1..=MOST_STEPS {
-        let residual = &readings - &predicted;
-        check_finite(design, &residual)?;
-        if gauge.determined.is_empty() {
-            return Ok(settled(design, used, solution, predicted, gauge, solver, condition, step));
+    let mut solution =
+        DVector::from_iterator(joint.width(), joint.held.iter().map(|held| held.unwrap_or(0.0)));
+    let mut predicted_mm = joint.predict_mm(experiment, &solution);
+    check_finite(design, &(&readings - &predicted_mm))?;
+    let (mut iterations, mut change_mm) = (0, f64::INFINITY);
+    while change_mm > SETTLED_MM && !gauge.determined.is_empty() {
+        if iterations == MOST_STEPS || change_mm.is_nan() {
+            return Err(IdentifyError::NotSettled { steps: iterations, change_mm });
         }
-        let mut counted = residual;
+        let mut counted = &readings - &predicted_mm;
         for row in unused_rows(experiment, used) {
             counted[row] = 0.0;
         }
@@ -94,39 +95,25 @@ fn settle_within(
             solution[j] += change[k];
         }
         let next = joint.predict_mm(experiment, &solution);
-        let change_mm = (&next - &predicted).amax();
-        predicted = next;
-        if change_mm < SETTLED_MM {
-            return Ok(settled(design, used, solution, predicted, gauge, solver, condition, step));
-        }
-        if step == MOST_STEPS || !change_mm.is_finite() {
-            return Err(IdentifyError::NotSettled { steps: step, change_mm });
-        }
+        change_mm = (&next - &predicted_mm).amax();
+        predicted_mm = next;
+        iterations += 1;
     }
-    unreachable!("the last step returns")
-}
-
-#[expect(clippy::too_many_arguments, reason = "gathers what the loop above has made")]
-fn settled(
-    design: &Design<'_>,
-    used: &[bool],
-    solution: DVector<f64>,
-    predicted_mm: DVector<f64>,
-    gauge: Gauge,
-    solver: Solver,
-    condition: f64,
-    iterations: usize,
-) -> Settled {
-    let residual_mm = design.experiment.readings_mm() - &predicted_mm;
-    let (mut squares, mut rows_used) = (0.0, 0);
-    for i in (0..used.len()).filter(|&i| used[i]) {
-        for row in design.experiment.rows_of(i) {
-            squares += residual_mm[row] * residual_mm[row];
-            rows_used += 1;
-        }
-    }
+    let residual_mm = readings - &predicted_mm;
+    let unused: f64 = unused_rows(experiment, used).map(|row| residual_mm[row].powi(2)).sum();
+    let squares = (residual_mm.norm_squared() - unused).max(0.0);
     let sigma_mm = (squares / (rows_used - gauge.determined.len()) as f64).sqrt();
-    Settled { solution, predicted_mm, residual_mm, gauge, solver, condition, iterations, sigma_mm, rows_used }
+    Ok(Settled {
+        solution,
+        predicted_mm,
+        residual_mm,
+        gauge,
+        solver,
+        condition,
+        iterations,
+        sigma_mm,
+        rows_used,
+    })
 }
 
 fn check_finite(design: &Design<'_>, residual: &DVector<f64>) -> Result<(), IdentifyError> {
