@@ -1,14 +1,72 @@
 //! One file per physical effect, one line here. A test walks the directory and this list.
 
+mod angular_motion;
+mod axial_error_motion;
+mod backlash;
 mod ball_setting;
+mod ballscrew_pitch;
+mod clamp_shift;
+mod direction_shift;
+mod drive_pitch;
+mod encoder_eccentricity;
+mod gravity_sag;
+mod inertial_deflection;
+mod linear_scale;
 mod location_errors;
+mod nest_rotation;
+mod probe_gain;
+mod probe_nonlinearity;
+mod radial_error_motion;
+mod reversal_spike;
+mod servo_lag;
+mod setup_slip;
+mod spindle_growth;
+mod squareness;
+mod stacked_tilt;
+mod straightness;
+mod sync_delay;
+mod thermal_drift;
+mod thermal_expansion;
+mod tilt_error_motion;
+mod unbalance;
 
+pub use encoder_eccentricity::encoder_amplitude_rad;
 pub use location_errors::conventional_zeros;
 
 use crate::Effect;
 
 /// Every effect; the two base effects first.
-pub static REGISTRY: [&Effect; 2] = [&location_errors::EFFECT, &ball_setting::EFFECT];
+pub static REGISTRY: [&Effect; 29] = [
+    &location_errors::EFFECT,
+    &ball_setting::EFFECT,
+    &gravity_sag::EFFECT,
+    &unbalance::EFFECT,
+    &thermal_drift::EFFECT,
+    &thermal_expansion::EFFECT,
+    &spindle_growth::EFFECT,
+    &backlash::EFFECT,
+    &direction_shift::EFFECT,
+    &reversal_spike::EFFECT,
+    &encoder_eccentricity::EFFECT,
+    &drive_pitch::EFFECT,
+    &radial_error_motion::EFFECT,
+    &axial_error_motion::EFFECT,
+    &tilt_error_motion::EFFECT,
+    &stacked_tilt::EFFECT,
+    &linear_scale::EFFECT,
+    &straightness::EFFECT,
+    &angular_motion::EFFECT,
+    &squareness::EFFECT,
+    &ballscrew_pitch::EFFECT,
+    &servo_lag::EFFECT,
+    &sync_delay::EFFECT,
+    &inertial_deflection::EFFECT,
+    &clamp_shift::EFFECT,
+    &setup_slip::EFFECT,
+    &probe_gain::EFFECT,
+    &probe_nonlinearity::EFFECT,
+    &nest_rotation::EFFECT,
+];
 
 /// Ids of the effects that are always in the model.
 pub const BASE: [&str; 2] = ["location-errors", "ball-setting"];

@@ -1,0 +1,48 @@
+//! Pitch, yaw and roll of a linear axis.
+//!
+//! EAX(x) = a₁ s + a₂ P₂(s) and likewise EBX, ECX, s = x scaled to −1…1 over the measured range      [S2 eq. 1–2; S4 table 2]
+//! They act about the carriage, with the arm to the tool point or the ball. Limits: smooth guideway.
+
+use super::straightness::{legendre_2, scaled};
+use crate::subjects::{axis_of, every_linear};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::Vector3;
+use trunnion_machine::{Site, State};
+use trunnion_units::{AxisLetter, Twist};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "angular-motion",
+    about: About {
+        title: "Pitch, yaw and roll of a linear axis",
+        source: "S2 eq. 1–2; S4 table 2 (pitch, yaw, roll changes)",
+        equation: "EAX = a₁ s + a₂ P₂(s), likewise EBX, ECX; s = −1…1 over the measured range",
+        validity: "Smooth guideway; orders 1 and 2 over the measured range.",
+        typical: "10–30 µrad",
+        explanation: "The carriage nods, swings or rolls while it travels.",
+        cause: "Guideways not parallel or bent; weight of the carriage overhanging the bed.",
+        seen_by: "Poses all along the axis with other axes at different places, so that the arm changes; two tool lengths.",
+    },
+    subjects: every_linear,
+    parameters,
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.moves(axis.letter)) else {
+        return Vec::new();
+    };
+    AxisLetter::ROTARY
+        .into_iter()
+        .flat_map(|k| [1, 2].map(|n| Parameter::new(format!("E{k}{}.P{n}", axis.letter), Unit::URAD)))
+        .collect()
+}
+
+fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let Some(axis) = axis_of(&scene.machine, subject) else { return };
+    let s = scaled(scene, axis.letter, state);
+    for k in 0..3 {
+        emit(2 * k, Site::Joint(axis.letter), Twist::rotation(Vector3::ith(k, s)));
+        emit(2 * k + 1, Site::Joint(axis.letter), Twist::rotation(Vector3::ith(k, legendre_2(s))));
+    }
+}

@@ -1,0 +1,44 @@
+//! Axial error motion: the turning part moves along its axis.
+//!
+//! δ(q) = (a cos nq + b sin nq) along the axis, n = 1…4                    [ISO 230-7 §3; S4 §4.2.2]
+//! Limits: repeats every turn.
+
+use crate::subjects::{axis_of, every_rotary};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use trunnion_machine::{Site, State};
+use trunnion_units::Twist;
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "axial-error-motion",
+    about: About {
+        title: "Axial error motion",
+        source: "ISO 230-7; S4 §4.2.2 (measurement C-Z) and table 2",
+        equation: "δ = (a cos nq + b sin nq) along the axis, n = 1…4",
+        validity: "Repeats every turn.",
+        typical: "1 µm",
+        explanation: "The table rises and falls while it turns.",
+        cause: "Axial run-out of the bearing: wavy rings, rollers of unequal size.",
+        seen_by: "Turning the axis with the ball on its line (one radius tells it from a tilt only for n > 1).",
+    },
+    subjects: every_rotary,
+    parameters,
+    shapes: |_, _| Shapes::one("lobes", (1..=4).map(f64::from), false),
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    match axis_of(&scene.machine, subject) {
+        Some(axis) if scene.moves(axis.letter) => {
+            ["cos", "sin"].map(|name| Parameter::new(name, Unit::UM)).into()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
+    let (Some(axis), &[n]) = (axis_of(&scene.machine, subject), shape) else { return };
+    let (q, site, along) =
+        (state.position[axis.letter], Site::Joint(axis.letter), axis.direction.into_inner());
+    emit(0, site, Twist::translation(along * (n * q).cos()));
+    emit(1, site, Twist::translation(along * (n * q).sin()));
+}

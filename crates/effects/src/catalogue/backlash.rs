@@ -1,0 +1,40 @@
+//! Backlash: lost motion of the drive when the direction turns.
+//!
+//! e = ½ h · direction on the positioning error of the axis, direction −1, 0, +1       [METHODS §5, §9; ISO 230-2 reversal value, ISO 230-4]
+//! A negative h is an over-compensated control. Limits: direction known; both directions measured; no dependence on load.
+
+use crate::subjects::{axis_of, every_axis};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use trunnion_machine::{Site, State};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "backlash",
+    about: About {
+        title: "Backlash of the drive",
+        source: "METHODS §5, §9; ISO 230-2; S4 table 2 (positioning mechanism)",
+        equation: "e = ½ h · direction on the positioning error",
+        validity: "The direction of approach is known and both occur; the same at every place.",
+        typical: "2 µm; 0.002–0.006°",
+        explanation: "The axis stops short of its target by the same amount from either side.",
+        cause: "Errors in the positioning mechanism: play in worm, gear, screw nut or coupling; wrong backlash compensation.",
+        seen_by: "Approaching every pose from both directions of this axis.",
+    },
+    subjects: every_axis,
+    parameters,
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    match axis_of(&scene.machine, subject) {
+        Some(axis) if scene.moves(axis.letter) && scene.both_directions(axis.letter) => {
+            vec![Parameter::new("h", if axis.is_rotary() { Unit::URAD } else { Unit::UM })]
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let Some(axis) = axis_of(&scene.machine, subject) else { return };
+    emit(0, Site::Joint(axis.letter), axis.positioning_twist() * (0.5 * state.direction[axis.letter]));
+}

@@ -1,0 +1,52 @@
+//! Cyclic error of a ball screw or linear scale.
+//!
+//! e(x) = a cos(2πx/p) + b sin(2πx/p) on the positioning error, p the period        [METHODS §9; ISO 230-4 cyclic error]
+//! p: lead and half the lead of the machine file; without it a list of usual leads. Limits: aliases on coarse grids of poses.
+
+use crate::subjects::{axis_of, every_linear};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use std::f64::consts::TAU;
+use trunnion_machine::{Site, State};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "ballscrew-pitch",
+    about: About {
+        title: "Cyclic error of the ball screw",
+        source: "METHODS §5, §9; ISO 230-4",
+        equation: "e = a cos(2πx/p) + b sin(2πx/p); p = lead, lead/2",
+        validity: "Same at every turn of the screw; aliases on a coarse grid of poses.",
+        typical: "0.5–3 µm",
+        explanation: "The axis runs ahead and behind once each turn of its screw.",
+        cause: "Screw or its bearing running out, eccentric motor encoder, coupling out of line.",
+        seen_by: "A slow continuous move, or poses much closer than the lead.",
+    },
+    subjects: every_linear,
+    parameters,
+    shapes,
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    match axis_of(&scene.machine, subject) {
+        Some(axis) if scene.moves(axis.letter) => {
+            ["cos", "sin"].map(|name| Parameter::new(name, Unit::UM)).into()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn shapes(scene: &Scene, subject: Subject) -> Shapes {
+    let lead_mm = axis_of(&scene.machine, subject).and_then(|axis| axis.facts.screw_lead_mm);
+    let periods_mm = match lead_mm {
+        Some(lead_mm) => vec![lead_mm, lead_mm / 2.0],
+        None => vec![4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 32.0, 40.0],
+    };
+    Shapes::one("period_mm", periods_mm, false)
+}
+
+fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
+    let (Some(axis), &[period_mm]) = (axis_of(&scene.machine, subject), shape) else { return };
+    let phase = TAU * state.position[axis.letter] / period_mm;
+    emit(0, Site::Joint(axis.letter), axis.positioning_twist() * phase.cos());
+    emit(1, Site::Joint(axis.letter), axis.positioning_twist() * phase.sin());
+}

@@ -1,0 +1,45 @@
+//! The axis line of a rotary axis shifts with the direction of rotation.
+//!
+//! δ = ½ s · direction, s = (X, Y, Z) in the carrier of the axis        [METHODS §9; S4 §4.3: 2 µm axial on reversing B]
+//! Limits: direction known; both directions measured.
+
+use crate::subjects::{axis_of, every_rotary};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::Vector3;
+use trunnion_machine::{Site, State};
+use trunnion_units::{AxisLetter, Twist};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "direction-shift",
+    about: About {
+        title: "Shift of the axis with the direction of rotation",
+        source: "S4 §4.3 (2 µm axial shift of B on reversal); METHODS §9",
+        equation: "δ = ½ s · direction, s = (EXR, EYR, EZR)",
+        validity: "The direction of rotation is known and both occur.",
+        typical: "2 µm",
+        explanation: "The whole axis moves a little sideways or lengthways when it turns the other way.",
+        cause: "Bearing without enough preload, pushed by the worm or by friction.",
+        seen_by: "Both directions of this axis at every pose.",
+    },
+    subjects: every_rotary,
+    parameters,
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    match axis_of(&scene.machine, subject) {
+        Some(axis) if scene.moves(axis.letter) && scene.both_directions(axis.letter) => AxisLetter::LINEAR
+            .map(|letter| Parameter::new(format!("E{letter}{}", axis.letter), Unit::UM))
+            .into(),
+        _ => Vec::new(),
+    }
+}
+
+fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let Some(axis) = axis_of(&scene.machine, subject) else { return };
+    for k in 0..3 {
+        let half_shift = Vector3::ith(k, 0.5 * state.direction[axis.letter]);
+        emit(k, Site::Joint(axis.letter), Twist::translation(half_shift));
+    }
+}

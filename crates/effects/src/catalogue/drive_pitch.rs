@@ -1,0 +1,51 @@
+//! Pitch error of worm, gear or graduation: cyclic positioning error of a rotary axis.
+//!
+//! e(q) = a cos Nq + b sin Nq, N cycles a turn                   [S4 table 2: "pitch error in transmission mechanism (e.g. worm gear)"]
+//! N: 3…12 (harmonics of the wheel) and, where the machine file gives gear_teeth, the teeth, one beside, and their double.
+//! Limits: on a grid of poses with step Δ, N is the same as 2π/Δ ± N: teeth need on-the-fly data.
+
+use crate::subjects::{axis_of, every_rotary};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use trunnion_machine::{Site, State};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "drive-pitch",
+    about: About {
+        title: "Pitch error of worm or gear",
+        source: "S4 table 2; METHODS §9",
+        equation: "e = a cos Nq + b sin Nq on the positioning error; N = 3…12, teeth, teeth ± 1, 2 × teeth",
+        validity: "N known or small; aliases on a coarse grid of poses.",
+        typical: "1–10 arcsec",
+        explanation: "The axis runs ahead and behind in step with the teeth of its drive.",
+        cause: "Pitch error in the transmission (worm gear), or an inaccurate pitch error compensation table.",
+        seen_by: "A continuous slow turn, or poses much closer than a tooth.",
+    },
+    subjects: every_rotary,
+    parameters,
+    shapes,
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    match axis_of(&scene.machine, subject) {
+        Some(axis) if scene.moves(axis.letter) => {
+            ["cos", "sin"].map(|name| Parameter::new(name, Unit::URAD)).into()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn shapes(scene: &Scene, subject: Subject) -> Shapes {
+    let mut cycles: Vec<f64> = (3..=12).map(f64::from).collect();
+    if let Some(teeth) = axis_of(&scene.machine, subject).and_then(|axis| axis.facts.gear_teeth) {
+        cycles.extend([teeth - 1.0, teeth, teeth + 1.0, 2.0 * teeth].into_iter().filter(|n| *n > 12.0));
+    }
+    Shapes::one("cycles_per_turn", cycles, false)
+}
+
+fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
+    let (Some(axis), &[n]) = (axis_of(&scene.machine, subject), shape) else { return };
+    let (q, site) = (state.position[axis.letter], Site::Joint(axis.letter));
+    emit(0, site, axis.positioning_twist() * (n * q).cos());
+    emit(1, site, axis.positioning_twist() * (n * q).sin());
+}

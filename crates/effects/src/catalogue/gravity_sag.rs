@@ -1,0 +1,100 @@
+//! Sag of the tilting frame under its own weight, and wind-up of its drive.
+//!
+//! u(B) = R K⁻¹ Rᵀ g − K⁻¹ g,  g = −z unit vector in the carrier of the tilting axis, R = rotation by B    [METHODS §9; S1 §5.3; S4 table 2]
+//! K⁻¹ = [[p, q], [q, −p]] across the axis line: an equal compliance in all directions gives a constant, which is a
+//! location error, so only the anisotropy p and the skewness q survive (1 − cos 2B and sin 2B terms).
+//! Wind-up of the drive: ω = (s·(sin B) + c·(cos B − 1)) along the axis, ∝ sin(B + φ) − sin φ of the centre of mass.
+//! Limits: the load on the table does not change; a frame symmetric about the plane across its axis.
+
+use crate::subjects::{across, axis_of, carrier_from_carried, gravity_in_carrier, tilts_the_table};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::{Matrix3, Vector3};
+use trunnion_machine::{Machine, Site, State};
+use trunnion_units::Twist;
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "gravity-sag",
+    about: About {
+        title: "Sag of the tilting frame under its own weight",
+        source: "S1 §5.3; S4 table 2; METHODS §9",
+        equation: "u = R K⁻¹ Rᵀ g − K⁻¹ g (terms 1 − cos 2B and sin 2B across the axis) and wind-up ω ∝ sin(B + φ) − sin φ about it",
+        validity: "The load on the table stays the same; gravity along −Z; zero at the zero position.",
+        typical: "5–10 µm",
+        explanation: "The tilting frame and its drive give way under the weight, differently at every tilt.",
+        cause: "Deformation of the rotating unit and angular error of its positioning under gravity: an uneven stiffness of frame and bearings, missing counterbalance.",
+        seen_by: "Static poses over the whole tilt at two heights; another load on the table tells it from radial error motion and encoder error.",
+    },
+    subjects: |machine: &Machine| {
+        machine
+            .rotary()
+            .into_iter()
+            .filter(|axis| tilts_the_table(machine, axis))
+            .map(|axis| Subject::Axis(axis.letter))
+            .collect()
+    },
+    parameters,
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    match axis_of(&scene.machine, subject) {
+        Some(axis) if scene.moves(axis.letter) => vec![
+            Parameter::new("anisotropy", Unit::UM),
+            Parameter::new("skewness", Unit::UM),
+            Parameter::new("windup.sin", Unit::URAD),
+            Parameter::new("windup.cos", Unit::URAD),
+        ],
+        _ => Vec::new(),
+    }
+}
+
+fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let Some(axis) = axis_of(&scene.machine, subject) else { return };
+    let site = Site::Joint(axis.letter);
+    let across = across(&axis.direction);
+    let (e1, e2): (Vector3<f64>, Vector3<f64>) = (across.first, across.second);
+    let g = gravity_in_carrier(&scene.machine, axis, state);
+    let r = *carrier_from_carried(axis, state).to_rotation_matrix().matrix();
+    let anisotropy = e1 * e1.transpose() - e2 * e2.transpose();
+    let skewness = e1 * e2.transpose() + e2 * e1.transpose();
+    let sag = |compliance: Matrix3<f64>| r * compliance * r.transpose() * g - compliance * g;
+    let angle = axis.sense * state.position[axis.letter];
+    emit(0, site, Twist::translation(sag(anisotropy)));
+    emit(1, site, Twist::translation(sag(skewness)));
+    emit(2, site, Twist::rotation(axis.direction.into_inner()) * angle.sin());
+    emit(3, site, Twist::rotation(axis.direction.into_inner()) * (angle.cos() - 1.0));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Instance;
+    use trunnion_machine::shipped;
+    use trunnion_units::AxisLetter;
+
+    #[test]
+    fn sag_is_zero_upright_and_grows_as_one_minus_cos_2b() {
+        let machine = shipped::machine("table-bc").unwrap();
+        let state = |b: f64| {
+            let mut state = State::default();
+            state.position[AxisLetter::B] = b;
+            state
+        };
+        let states = [state(0.0), state(1.0)];
+        let scene = Scene::new(machine.clone(), Vec::new(), Vec::new(), states.iter());
+        let instance = Instance::find("gravity-sag:B", &machine).unwrap();
+        let seen = |b: f64| {
+            let mut seen = [Twist::default(); 4];
+            instance.motions(&scene, &[], &state(b), &mut |i, _, twist| seen[i] += twist);
+            seen
+        };
+        assert!(seen(0.0).iter().all(|t| t.translation_mm.norm() + t.rotation_rad.norm() < 1e-15));
+        for b in [0.3f64, 0.9, -1.4] {
+            // R(b) diag(1,−1) R(b)ᵀ(0,−1) worked by hand in the plane (z, x): −z → (−cos 2b, −sin 2b).
+            let [anisotropy, ..] = seen(b);
+            let expected = Vector3::new(-(2.0 * b).sin(), 0.0, 1.0 - (2.0 * b).cos());
+            assert!((anisotropy.translation_mm - expected).norm() < 1e-12, "{b} {anisotropy:?}");
+        }
+    }
+}

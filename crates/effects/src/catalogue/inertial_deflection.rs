@@ -1,0 +1,61 @@
+//! Deflection under the inertia of an accelerating axis.
+//!
+//! Positioning: e = −c a, c compliance × mass, s².  Linear axis: tilts ω = k a across it (mass above its drive).
+//! Rotary axis: δ = R(C) f v², the off-centre mass pulls outward.         [METHODS §9: acceleration, centrifugal, cross-talk]
+//! Limits: on the fly; below the first resonance.
+
+use crate::subjects::{across, axis_of, carrier_from_carried, every_axis, linear_name, rotary_name};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use trunnion_machine::{Site, State};
+use trunnion_units::Twist;
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "inertial-deflection",
+    about: About {
+        title: "Deflection under acceleration",
+        source: "METHODS §9; ISO 230-1 annex on cross-talk",
+        equation: "e = −c a; linear: ω = k a across the axis; rotary: δ = R f v² outward",
+        validity: "Read on the fly; slow against the first resonance.",
+        typical: "1–10 µm per m/s²; grows with the square of the feed on a circle",
+        explanation: "The machine bends while it accelerates or while an off-centre mass turns fast.",
+        cause: "Mass above or beside the drive, soft drive train, unbalanced table.",
+        seen_by: "Two feeds: the error grows fourfold when the feed doubles.",
+    },
+    subjects: every_axis,
+    parameters,
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    let Some(axis) = axis_of(&scene.machine, subject) else { return Vec::new() };
+    let changes = |(low, high): (f64, f64)| high - low > 1e-9;
+    let accelerates = changes(scene.acceleration_range[axis.letter]);
+    let two_feeds = axis.is_rotary() && changes(scene.speed_range[axis.letter]);
+    if !accelerates && !two_feeds {
+        return Vec::new();
+    }
+    let across = across(&axis.direction);
+    let (names, unit, along) = if axis.is_rotary() {
+        (across.index.map(linear_name), Unit::UM_PER_RAD2_S2, Unit::URAD_PER_RAD_S2)
+    } else {
+        (across.index.map(rotary_name), Unit::URAD_PER_M_S2, Unit::UM_PER_M_S2)
+    };
+    let cross = |k: usize| Parameter::new(format!("E{}{}", names[k], axis.letter), unit);
+    vec![Parameter::new("along", along), cross(0), cross(1)]
+}
+
+fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let Some(axis) = axis_of(&scene.machine, subject) else { return };
+    let (v, a) = (state.velocity[axis.letter], state.acceleration[axis.letter]);
+    let (site, across) = (Site::Joint(axis.letter), across(&axis.direction));
+    emit(0, site, axis.positioning_twist() * -a);
+    for (k, e) in [across.first, across.second].into_iter().enumerate() {
+        let twist = if axis.is_rotary() {
+            Twist::translation(carrier_from_carried(axis, state) * e * v * v)
+        } else {
+            Twist::rotation(e * a)
+        };
+        emit(1 + k, site, twist);
+    }
+}

@@ -1,0 +1,34 @@
+//! Scale error of a linear axis.
+//!
+//! EXX = s · x on the positioning error, s a ratio             [S2 eq. 1; METHODS §5 (0/90° oval), §9]
+//! Limits: proportional to the coordinate; with one ball radius a common scale of all axes hides.
+
+use crate::subjects::{axis_of, every_linear};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use trunnion_machine::{Site, State};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "linear-scale",
+    about: About {
+        title: "Scale error of a linear axis",
+        source: "S2 eq. 1; ISO 230-2; ISO 230-4",
+        equation: "e = s · x on the positioning error",
+        validity: "Proportional to the coordinate.",
+        typical: "10 µm/m",
+        explanation: "The axis travels a little too far or too short over its whole length.",
+        cause: "Thermal growth of screw or scale, wrong scale factor, screw used as scale without compensation.",
+        seen_by: "Two ball radii or a bar of known length; temperature of screw or scale.",
+    },
+    subjects: every_linear,
+    parameters: |scene, subject| match axis_of(&scene.machine, subject) {
+        Some(axis) if scene.moves(axis.letter) => vec![Parameter::new("scale", Unit::UM_PER_M)],
+        _ => Vec::new(),
+    },
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let Some(axis) = axis_of(&scene.machine, subject) else { return };
+    emit(0, Site::Joint(axis.letter), axis.positioning_twist() * state.position[axis.letter]);
+}

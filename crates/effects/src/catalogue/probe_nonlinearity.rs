@@ -1,0 +1,36 @@
+//! Non-linearity of the probes.
+//!
+//! m = q · d² for each component of the reading, d the deflection       [METHODS §9: m = g·d + q·d²]
+//! Limits: nest axes, not the single probe; second order only.
+
+use super::probe_gain::{COMPONENTS, deflected};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::Vector3;
+use trunnion_machine::{Site, State};
+use trunnion_units::Twist;
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "probe-nonlinearity",
+    about: About {
+        title: "Non-linearity of the probes",
+        source: "METHODS §9",
+        equation: "m = q · d² for each component",
+        validity: "Second order; components in nest axes.",
+        typical: "0.1–1 µm over the range",
+        explanation: "The probes show large displacements differently from small ones.",
+        cause: "Probes used at the end of their range, or near a metal part (eddy current); not an error of the machine.",
+        seen_by: "Known steps of different size (nest calibration).",
+    },
+    subjects: |_| vec![Subject::Whole],
+    parameters: |scene, _| {
+        deflected(scene).into_iter().map(|k| Parameter::new(COMPONENTS[k], Unit::UM_PER_MM2)).collect()
+    },
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+fn motions(scene: &Scene, _: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    for (i, k) in deflected(scene).into_iter().enumerate() {
+        emit(i, Site::Reading, Twist::translation(Vector3::ith(k, state.deflection_mm[k].powi(2))));
+    }
+}

@@ -1,0 +1,54 @@
+//! Radial error motion: the axis line wanders across while it turns.
+//!
+//! δ(q) = R(+nq) f + R(−nq) b,  f and b across the axis, n = 1…4         [ISO 230-7 §3; S0 §3; METHODS §9]
+//! Every Fourier term of EXC and EYC is a sum of one phasor that turns n times forward and one that turns n times backward.
+//! n = 1 forward turns with the table: it *is* the ball setting (or the place of the next axis) and gives no motion here.
+//! Limits: repeats every turn.
+
+use crate::subjects::{across, axis_of, every_rotary, linear_name};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::UnitQuaternion;
+use trunnion_machine::{Site, State};
+use trunnion_units::Twist;
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "radial-error-motion",
+    about: About {
+        title: "Radial error motion",
+        source: "ISO 230-7; S0 §3; S4 §4.2.2 and table 2",
+        equation: "δ = R(+nq) f + R(−nq) b across the axis, n = 1…4; n = 1 forward is the ball setting",
+        validity: "Repeats every turn.",
+        typical: "1 µm",
+        explanation: "The axis line runs out sideways while it turns.",
+        cause: "Bearing run-out: out-of-round rings or rollers of unequal size.",
+        seen_by: "Turning the axis with the ball near its line, at two heights; a second ball radius tells n = 1 from a scale error.",
+    },
+    subjects: every_rotary,
+    parameters,
+    shapes: |_, _| Shapes::one("lobes", (1..=4).map(f64::from), false),
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.moves(axis.letter)) else {
+        return Vec::new();
+    };
+    let [first, second, _] = across(&axis.direction).index.map(linear_name);
+    let name =
+        |turn: &str, direction: &str| Parameter::new(format!("E{direction}{}.{turn}", axis.letter), Unit::UM);
+    vec![name("forward", first), name("forward", second), name("backward", first), name("backward", second)]
+}
+
+fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
+    let (Some(axis), &[n]) = (axis_of(&scene.machine, subject), shape) else { return };
+    let site = Site::Joint(axis.letter);
+    let across = across(&axis.direction);
+    let angle = axis.sense * state.position[axis.letter];
+    let forward = UnitQuaternion::from_axis_angle(&axis.direction, n * angle);
+    for (k, e) in [across.first, across.second].into_iter().enumerate() {
+        if n > 1.0 {
+            emit(k, site, Twist::translation(forward * e));
+        }
+        emit(2 + k, site, Twist::translation(forward.inverse() * e));
+    }
+}

@@ -1,0 +1,51 @@
+//! Reversal spike: the axis sticks when its direction turns and catches up with travel.
+//!
+//! e = −h · direction · e^(−s/s₀) on the positioning error, s travel since the reversal, s₀ its decay     [METHODS §5, §9; ISO 230-4 quadrant glitch]
+//! Limits: read on the fly; feed and friction constant.
+
+use crate::subjects::{axis_of, every_axis};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use trunnion_machine::{Site, State};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "reversal-spike",
+    about: About {
+        title: "Spike after a reversal",
+        source: "METHODS §5, §9; ISO 230-4",
+        equation: "e = −h · direction · e^(−s/s₀), s travel since the reversal",
+        validity: "Read on the fly; constant feed and friction.",
+        typical: "5–20 µm",
+        explanation: "The axis sticks for a moment when it turns round, then catches up.",
+        cause: "Friction at standstill (stick-slip) that the servo compensates too late: seals, guideways, missing friction compensation.",
+        seen_by: "On-the-fly circles through the reversal, at two feeds.",
+    },
+    subjects: every_axis,
+    parameters,
+    shapes,
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    match axis_of(&scene.machine, subject) {
+        Some(axis) if scene.read_in_motion(axis.letter) && scene.both_directions(axis.letter) => {
+            vec![Parameter::new("h", if axis.is_rotary() { Unit::URAD } else { Unit::UM })]
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn shapes(scene: &Scene, subject: Subject) -> Shapes {
+    match axis_of(&scene.machine, subject) {
+        Some(axis) if axis.is_rotary() => {
+            Shapes::one("decay_rad", [0.1f64, 0.3, 1.0, 3.0, 10.0].map(f64::to_radians), true)
+        }
+        _ => Shapes::one("decay_mm", [0.03, 0.1, 0.3, 1.0, 3.0], true),
+    }
+}
+
+fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
+    let (Some(axis), &[decay]) = (axis_of(&scene.machine, subject), shape) else { return };
+    let k = axis.letter;
+    let stuck = -state.direction[k] * (-state.since_reversal[k].abs() / decay).exp();
+    emit(0, Site::Joint(k), axis.positioning_twist() * stuck);
+}

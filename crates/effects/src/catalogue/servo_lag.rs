@@ -1,0 +1,62 @@
+//! Servo lag of one axis against the others.
+//!
+//! e = −T v on the positioning error, v velocity, T = 1/Kv beyond the others' lag        [METHODS §5 (45° oval that flips with direction), §9]
+//! Limits: on the fly; velocity changes slowly against T. A lag common to all axes keeps the path and shows as `sync-delay`.
+
+use crate::subjects::{axis_of, every_axis};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use trunnion_machine::{Site, State};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "servo-lag",
+    about: About {
+        title: "Lag of one axis behind the others",
+        source: "METHODS §5, §9; ISO 230-4; S4 §2 (synchronisation of linear and rotary axes)",
+        equation: "e = −T v on the positioning error",
+        validity: "Read on the fly; smooth motion.",
+        typical: "0.1–1 ms: 21 µm per ms at 360°/min on R 200 mm",
+        explanation: "One axis follows its command a little later than the others.",
+        cause: "Servo gain (Kv) or feed-forward not matched to the other axes.",
+        seen_by: "Both directions and two feeds: the error flips with direction and doubles with the feed.",
+    },
+    subjects: every_axis,
+    parameters: |scene, subject| match axis_of(&scene.machine, subject) {
+        Some(axis) if scene.read_in_motion(axis.letter) => vec![Parameter::new("lag", Unit::MS)],
+        _ => Vec::new(),
+    },
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let Some(axis) = axis_of(&scene.machine, subject) else { return };
+    emit(0, Site::Joint(axis.letter), axis.positioning_twist() * -state.velocity[axis.letter]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Instance;
+    use nalgebra::Point3;
+    use trunnion_machine::shipped;
+    use trunnion_units::AxisLetter;
+
+    #[test]
+    fn one_millisecond_of_c_at_360_degrees_a_minute_is_21_um_on_a_200_mm_radius() {
+        let machine = shipped::machine("table-bc").unwrap();
+        let mut state = State::default();
+        state.velocity[AxisLetter::C] = 360f64.to_radians() / 60.0;
+        let scene = Scene::new(machine.clone(), Vec::new(), Vec::new(), [state.clone()].iter());
+        for id in ["servo-lag:C", "sync-delay"] {
+            let mut moved_um = 0.0;
+            Instance::find(id, &machine).unwrap().motions(&scene, &[], &state, &mut |_, site, twist| {
+                if site == Site::Joint(AxisLetter::C) {
+                    let frame = machine.joint_frame(AxisLetter::C, &state.position).unwrap();
+                    moved_um += frame.displacement_mm(&Point3::new(200.0, 0.0, 0.0), &(twist * 1e-3)).y * 1e3;
+                }
+            });
+            // 2π·200 mm / 60 s · 1 ms (METHODS §9 says 21 µm).
+            assert!((moved_um + 20.94).abs() < 0.01, "{id} {moved_um}");
+        }
+    }
+}

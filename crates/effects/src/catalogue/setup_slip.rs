@@ -1,0 +1,50 @@
+//! Slip of the ball or nest on the table at some moment.
+//!
+//! s(t) = (x, y, z) in table axes from t₁ on, 0 before            [METHODS §9: setting slip]
+//! Limits: one slip; needs time stamps.
+
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::Vector3;
+use trunnion_machine::{Site, State};
+use trunnion_units::Twist;
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "setup-slip",
+    about: About {
+        title: "Slip of ball or nest",
+        source: "METHODS §9",
+        equation: "s = (x, y, z) in table axes from t₁ on, 0 before",
+        validity: "One slip; needs time stamps.",
+        typical: "any",
+        explanation: "The ball or the nest was moved during the measurement and stayed there.",
+        cause: "Loose magnet or clamp, a knock, a collision, a cable that pulled; not an error of the machine.",
+        seen_by: "Returning to the first pose before and after; mount it again and repeat.",
+    },
+    subjects: |_| vec![Subject::Whole],
+    parameters: |scene, _| {
+        if scene.has_time() {
+            ["x", "y", "z"].map(|name| Parameter::new(name, Unit::UM)).into()
+        } else {
+            Vec::new()
+        }
+    },
+    shapes,
+    motions,
+};
+
+/// Moments tried, evenly over the experiment.
+const MOMENTS: usize = 32;
+
+fn shapes(scene: &Scene, _: Subject) -> Shapes {
+    let duration_s = scene.duration_s().unwrap_or_default();
+    let moment = |i: usize| duration_s * (i as f64 + 0.5) / MOMENTS as f64;
+    Shapes::one("slip_after_s", (0..MOMENTS).map(moment), true)
+}
+
+fn motions(scene: &Scene, _: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
+    let (Some(elapsed_s), &[slip_after_s]) = (scene.elapsed_s(state), shape) else { return };
+    let slipped = f64::from(u8::from(elapsed_s >= slip_after_s));
+    for k in 0..3 {
+        emit(k, Site::TableBall, Twist::translation(Vector3::ith(k, slipped)));
+    }
+}

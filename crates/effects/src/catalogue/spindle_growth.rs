@@ -1,0 +1,38 @@
+//! Growth of the spindle along its axis while it warms up.
+//!
+//! z(t) = −a (1 − e^(−(t − t₀)/τ)) z_tool at the spindle-side ball: a growing spindle pushes the tool tip out      [METHODS §9; ISO 230-3 §6]
+//! Limits: one change of speed or load at the first point; needs time stamps.
+
+use super::thermal_drift::{TAU_OF_DURATION, warmed_up};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::Vector3;
+use trunnion_machine::{Site, State};
+use trunnion_units::Twist;
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "spindle-growth",
+    about: About {
+        title: "Growth of the spindle",
+        source: "METHODS §9; ISO 230-3 §6",
+        equation: "z(t) = −a (1 − e^(−t/τ)) along the spindle",
+        validity: "One change of spindle heat at the beginning; needs time stamps.",
+        typical: "5–30 µm, τ 10–30 min",
+        explanation: "The spindle gets longer while it warms up.",
+        cause: "Heat of the spindle bearings and motor.",
+        seen_by: "Returning to the first pose; only along the tool, unlike thermal drift of the frame.",
+    },
+    subjects: |_| vec![Subject::Whole],
+    parameters: |scene, _| {
+        if scene.has_time() { vec![Parameter::new("growth", Unit::UM)] } else { Vec::new() }
+    },
+    shapes: |scene: &Scene, _| {
+        let duration_s = scene.duration_s().unwrap_or_default();
+        Shapes::one("tau_s", TAU_OF_DURATION.map(|share| share * duration_s), true)
+    },
+    motions,
+};
+
+fn motions(scene: &Scene, _: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
+    let (Some(elapsed_s), &[tau_s]) = (scene.elapsed_s(state), shape) else { return };
+    emit(0, Site::SpindleBall, Twist::translation(-Vector3::z() * warmed_up(elapsed_s, tau_s)));
+}

@@ -1,0 +1,62 @@
+//! Squareness between two linear axes of a machine with rotary axes.
+//!
+//! EC0Y (Y to X), EB0Z (Z to X), EA0Z (Z to Y): δ = angle × travel of the later axis        [S2 tables 2–5; S4 table 1]
+//! A machine without rotary axes carries them in `location-errors` already. Limits: constant over the run.
+
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::Vector3;
+use trunnion_machine::{Machine, Site, State};
+use trunnion_units::AxisLetter::{X, Y, Z};
+use trunnion_units::{AxisLetter, Twist};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "squareness",
+    about: About {
+        title: "Squareness of two linear axes",
+        source: "S2 tables 2–5; S4 table 1",
+        equation: "δ = E × travel: EC0Y (YX), EB0Z (ZX), EA0Z (ZY)",
+        validity: "Constant over the run.",
+        typical: "10–50 µm/m",
+        explanation: "Two linear axes do not meet at a right angle.",
+        cause: "Alignment of the guideways, or a machine standing unevenly on its feet.",
+        seen_by: "A circle in the plane of the two axes (45° oval alike in both directions); rotary cycles at two heights.",
+    },
+    subjects,
+    parameters,
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+fn subjects(machine: &Machine) -> Vec<Subject> {
+    if machine.rotary().is_empty() {
+        return Vec::new();
+    }
+    [(Y, X), (Z, X), (Z, Y)]
+        .into_iter()
+        .filter(|&(a, b)| machine.axis(a).is_some() && machine.axis(b).is_some())
+        .map(|(a, b)| Subject::Pair(a, b))
+        .collect()
+}
+
+/// The coordinate direction about which the pair leans, by index.
+fn about(first: AxisLetter, second: AxisLetter) -> usize {
+    3 - first as usize - second as usize
+}
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    match subject {
+        Subject::Pair(first, second) if scene.moves(first) => {
+            let rotary = AxisLetter::ROTARY[about(first, second)];
+            vec![Parameter::new(format!("E{rotary}0{first}"), Unit::URAD)]
+        }
+        Subject::Pair(..) | Subject::Whole | Subject::Axis(_) => Vec::new(),
+    }
+}
+
+fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let Subject::Pair(first, second) = subject else { return };
+    let Some(axis) = scene.machine.axis(first) else { return };
+    let travel = axis.positioning_twist().translation_mm * state.position[first];
+    let leaning = Vector3::ith(about(first, second), 1.0).cross(&travel);
+    emit(0, Site::Joint(first), Twist::translation(leaning));
+}

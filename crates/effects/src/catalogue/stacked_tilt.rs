@@ -1,0 +1,68 @@
+//! Tilt error motion of a rotary axis that changes with the tilt of the axis it is stacked on.
+//!
+//! ω(B, C) = load(B) · [R(+nC) f + R(−nC) b],  load = sin B (radial) or 1 − cos B (axial), n = 1, 2      [S4 table 2: EAC(C, B), EBC(C, B)]
+//! The part that does not change with C is B's own tilt error motion. Limits: repeats every turn of C.
+
+use crate::subjects::{across, axis_of, rotary_below, rotary_name};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::UnitQuaternion;
+use trunnion_machine::{Machine, Site, State};
+use trunnion_units::Twist;
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "stacked-tilt",
+    about: About {
+        title: "Tilt error motion that depends on the axis below",
+        source: "S4 table 2 (αC(C, B), βC(C, B)); S1 §5.3",
+        equation: "ω = load(B)·[R(+nC) f + R(−nC) b], load 0: sin B, 1: 1 − cos B; n = 1, 2",
+        validity: "Repeats every turn of the upper axis.",
+        typical: "2–50 µrad",
+        explanation: "The upper axis wobbles more, or otherwise, when the lower axis is tilted.",
+        cause: "Bearing of the upper axis that gives way to the changing direction of the weight; out-of-round rings under load.",
+        seen_by: "Whole turns of the upper axis at several tilts, two heights.",
+    },
+    subjects: |machine: &Machine| {
+        machine
+            .rotary()
+            .into_iter()
+            .filter(|axis| rotary_below(machine, axis.letter).is_some())
+            .map(|axis| Subject::Axis(axis.letter))
+            .collect()
+    },
+    parameters,
+    shapes: |_, _| Shapes {
+        names: vec!["lobes".into(), "load".into()],
+        grid: [[1.0, 0.0], [1.0, 1.0], [2.0, 0.0], [2.0, 1.0]].map(Vec::from).into(),
+        continuous: false,
+    },
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.moves(axis.letter)) else {
+        return Vec::new();
+    };
+    if !rotary_below(&scene.machine, axis.letter).is_some_and(|below| scene.moves(below.letter)) {
+        return Vec::new();
+    }
+    let [first, second, _] = across(&axis.direction).index.map(rotary_name);
+    let name = |turn: &str, direction: &str| {
+        Parameter::new(format!("E{direction}{}.{turn}", axis.letter), Unit::URAD)
+    };
+    vec![name("forward", first), name("forward", second), name("backward", first), name("backward", second)]
+}
+
+fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
+    let (Some(axis), &[n, load]) = (axis_of(&scene.machine, subject), shape) else { return };
+    let Some(below) = rotary_below(&scene.machine, axis.letter) else { return };
+    let tilt = below.sense * state.position[below.letter];
+    let load = if load < 0.5 { tilt.sin() } else { 1.0 - tilt.cos() };
+    let site = Site::Joint(axis.letter);
+    let across = across(&axis.direction);
+    let angle = axis.sense * state.position[axis.letter];
+    let forward = UnitQuaternion::from_axis_angle(&axis.direction, n * angle);
+    for (k, e) in [across.first, across.second].into_iter().enumerate() {
+        emit(k, site, Twist::rotation(forward * e * load));
+        emit(2 + k, site, Twist::rotation(forward.inverse() * e * load));
+    }
+}

@@ -1,0 +1,61 @@
+//! Straightness errors of a linear axis: bow and S-shape, both lateral directions.
+//!
+//! EYX(x) = a₂ P₂(s) + a₃ P₃(s), s = x scaled to −1…1 over the measured range, P₂, P₃ Legendre        [S2 eq. 1; METHODS §5 (three lobes), §9]
+//! The straight part is squareness. Limits: smooth guideway; the amplitude belongs to the measured range.
+
+use crate::subjects::{across, axis_of, every_linear, linear_name};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use trunnion_machine::{Site, State};
+use trunnion_units::{AxisLetter, Twist};
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "straightness",
+    about: About {
+        title: "Straightness of a linear axis",
+        source: "S2 eq. 1; S4 table 2 (straightness); ISO 230-1",
+        equation: "e = a₂ P₂(s) + a₃ P₃(s) across the axis, s = −1…1 over the measured range",
+        validity: "Smooth guideway; orders 2 and 3 over the measured range.",
+        typical: "1–5 µm",
+        explanation: "The axis travels along a bow or an S instead of a straight line.",
+        cause: "Guideway bent by assembly, by its own weight or by heat.",
+        seen_by: "Poses all along the axis; other balls or bar lengths tell it from rotary errors.",
+    },
+    subjects: every_linear,
+    parameters,
+    shapes: |_, _| Shapes::none(),
+    motions,
+};
+
+/// Coordinate scaled to −1…1 over the measured range of the axis.
+pub(super) fn scaled(scene: &Scene, letter: AxisLetter, state: &State) -> f64 {
+    let (low, high) = scene.position_range[letter];
+    if high > low { (2.0 * state.position[letter] - low - high) / (high - low) } else { 0.0 }
+}
+
+pub(super) fn legendre_2(s: f64) -> f64 {
+    (3.0 * s * s - 1.0) / 2.0
+}
+
+fn legendre_3(s: f64) -> f64 {
+    (5.0 * s * s * s - 3.0 * s) / 2.0
+}
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.moves(axis.letter)) else {
+        return Vec::new();
+    };
+    let [first, second, _] = across(&axis.direction).index.map(linear_name);
+    [first, second]
+        .into_iter()
+        .flat_map(|k| [2, 3].map(|n| Parameter::new(format!("E{k}{}.P{n}", axis.letter), Unit::UM)))
+        .collect()
+}
+
+fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let Some(axis) = axis_of(&scene.machine, subject) else { return };
+    let (s, across) = (scaled(scene, axis.letter, state), across(&axis.direction));
+    for (k, e) in [across.first, across.second].into_iter().enumerate() {
+        emit(2 * k, Site::Joint(axis.letter), Twist::translation(e * legendre_2(s)));
+        emit(2 * k + 1, Site::Joint(axis.letter), Twist::translation(e * legendre_3(s)));
+    }
+}

@@ -1,0 +1,54 @@
+//! Tilt error motion (coning, angular motion): the axis line leans while it turns.
+//!
+//! ω(q) = R(+nq) f + R(−nq) b,  f and b across the axis, n = 1…3          [ISO 230-7 §3; S1 §5.3 (coning); S4 §4.2.2, table 2]
+//! n = 1 forward turns with the table: to the ball it is part of the ball setting and gives no motion here.
+//! Limits: repeats every turn.
+
+use crate::subjects::{across, axis_of, every_rotary, rotary_name};
+use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use nalgebra::UnitQuaternion;
+use trunnion_machine::{Site, State};
+use trunnion_units::Twist;
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "tilt-error-motion",
+    about: About {
+        title: "Tilt error motion (coning)",
+        source: "ISO 230-7; S1 §5.3; S4 §4.2.2 and table 2 (angular motion of the rotation centre line)",
+        equation: "ω = R(+nq) f + R(−nq) b across the axis, n = 1…3; n = 1 forward is part of the ball setting",
+        validity: "Repeats every turn.",
+        typical: "2–230 µrad",
+        explanation: "The axis line wobbles like a top while it turns.",
+        cause: "Angular motion of the centre line: ring profile of the bearing, two bearings out of line, rollers of unequal size.",
+        seen_by: "Two heights of the ball: the wander grows with height.",
+    },
+    subjects: every_rotary,
+    parameters,
+    shapes: |_, _| Shapes::one("lobes", (1..=3).map(f64::from), false),
+    motions,
+};
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.moves(axis.letter)) else {
+        return Vec::new();
+    };
+    let [first, second, _] = across(&axis.direction).index.map(rotary_name);
+    let name = |turn: &str, direction: &str| {
+        Parameter::new(format!("E{direction}{}.{turn}", axis.letter), Unit::URAD)
+    };
+    vec![name("forward", first), name("forward", second), name("backward", first), name("backward", second)]
+}
+
+fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
+    let (Some(axis), &[n]) = (axis_of(&scene.machine, subject), shape) else { return };
+    let site = Site::Joint(axis.letter);
+    let across = across(&axis.direction);
+    let angle = axis.sense * state.position[axis.letter];
+    let forward = UnitQuaternion::from_axis_angle(&axis.direction, n * angle);
+    for (k, e) in [across.first, across.second].into_iter().enumerate() {
+        if n > 1.0 {
+            emit(k, site, Twist::rotation(forward * e));
+        }
+        emit(2 + k, site, Twist::rotation(forward.inverse() * e));
+    }
+}
