@@ -71,6 +71,11 @@ impl SimulatedCell {
         (self.deflection_mm)(&self.state(t_s))
     }
 
+    /// Change of length of the ball bar without noise, mm.
+    pub fn true_bar_mm(&self, t_s: f64) -> f64 {
+        (self.bar_mm)(&self.state(t_s))
+    }
+
     /// The machine's state at `t_s`.
     pub fn state(&self, t_s: f64) -> State {
         self.trajectory.at(t_s).state(t_s, vec![(self.temperature_degc)(t_s)], self.setup)
@@ -93,7 +98,7 @@ impl World for SimulatedCell {
     }
 
     fn bar_reading_mm(&self, t_s: f64) -> f64 {
-        (self.bar_mm)(&self.state(t_s)) + self.noise(t_s, 3)
+        self.true_bar_mm(t_s) + self.noise(t_s, 3)
     }
 
     fn temperature_degc(&self, t_s: f64) -> f64 {

@@ -57,7 +57,9 @@ pub enum Step {
 
 /// Where the followers are, given where all axes are: a function of the driven axes that fills in the others.
 #[derive(Clone)]
-pub struct Follow(Arc<dyn Fn(&AxisValues<f64>) -> AxisValues<f64> + Send + Sync>);
+pub struct Follow(Arc<FollowFn>);
+
+type FollowFn = dyn Fn(&AxisValues<f64>) -> AxisValues<f64> + Send + Sync;
 
 impl Follow {
     /// Follow by this function. It must be smooth, must not depend on the followers' own values, and must leave the

@@ -1,1 +1,212 @@
-//! MTConnect agent.
+//! A CNC as an MTConnect agent over HTTP: `/probe`, `/current`, `/sample` with and without `interval`.
+//!
+//! The controller samples all axes at one instant of its own clock and hands them to the agent as one line with one
+//! time stamp. Values that have not changed are not observed again, as agents filter them.
+//! Source of the formats: [`trunnion_protocol::mtconnect`]; behaviour: MTConnect Standard part 1 §5 (buffer) and
+//! §8 (requests and errors).
+
+mod buffer;
+mod controller;
+mod http;
+mod request;
+
+use super::clock::{DeviceClock, TimeOrigin};
+use super::faults::{Fault, FaultSource, ScheduledFault};
+use super::handle::{Address, DeviceError, FAULT_QUEUE, Handle};
+use super::world::World;
+use buffer::Buffer;
+use controller::Controller;
+use http::Shared;
+use std::net::{Ipv4Addr, SocketAddr};
+use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, Mutex};
+use tokio::net::TcpListener;
+use tokio::sync::{mpsc, watch};
+use tokio_util::sync::CancellationToken;
+use trunnion_units::AxisLetter;
+
+/// A controller and its agent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AgentConfig {
+    /// Where to listen; port 0 takes a free one.
+    pub listen: SocketAddr,
+    /// Name of the device.
+    pub device: String,
+    /// Axes shown.
+    pub axes: Vec<AxisLetter>,
+    /// Lines per second of the controller's clock, 1..=1000.
+    pub rate_hz: f64,
+    /// Resolution of linear positions, mm.
+    pub resolution_mm: f64,
+    /// Resolution of angles, degrees.
+    pub resolution_deg: f64,
+    /// Observations the agent keeps.
+    pub buffer_size: usize,
+    /// The controller's wall clock: what it shows at time 0 of the cell, ns since 1970 UTC, besides the clock's
+    /// offset.
+    pub wall_ns_at_origin: i64,
+    /// Offset, rate error and wander of the wall clock.
+    pub clock: DeviceClock,
+}
+
+impl AgentConfig {
+    /// A five-axis machine with axes X, Y, Z, B, C at 125 lines per second, on a free port of this computer.
+    pub fn new(wall_ns_at_origin: i64, clock: DeviceClock) -> Self {
+        use AxisLetter::{B, C, X, Y, Z};
+        Self {
+            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
+            device: "VMC-5Axis".into(),
+            axes: vec![X, Y, Z, B, C],
+            rate_hz: 125.0,
+            resolution_mm: 1e-4,
+            resolution_deg: 1e-5,
+            buffer_size: 131_072,
+            wall_ns_at_origin,
+            clock,
+        }
+    }
+
+    fn check(&self) -> Result<(), DeviceError> {
+        let refuse = |setting, found, allowed| {
+            Err(DeviceError::Setting { device: "MTConnect agent", setting, found, allowed })
+        };
+        if !(1.0..=1000.0).contains(&self.rate_hz) {
+            return refuse("rate_hz", self.rate_hz, "1..=1000");
+        }
+        for (setting, found) in
+            [("resolution_mm", self.resolution_mm), ("resolution_deg", self.resolution_deg)]
+        {
+            if !(1e-9..=1.0).contains(&found) {
+                return refuse(setting, found, "1e-9..=1");
+            }
+        }
+        if !(128..=1 << 22).contains(&self.buffer_size) {
+            return refuse("buffer_size", self.buffer_size as f64, "128..=4194304");
+        }
+        Ok(())
+    }
+}
+
+/// Starts controller and agent. Must be called within a tokio runtime.
+pub async fn spawn(
+    world: Arc<dyn World>,
+    config: AgentConfig,
+    origin: TimeOrigin,
+    faults: &[ScheduledFault],
+) -> Result<Handle, DeviceError> {
+    config.check()?;
+    if let Some(bad) = faults.iter().find(|scheduled| !scheduled.fault.is_possible()) {
+        return Err(DeviceError::Fault { device: "MTConnect agent", fault: bad.fault });
+    }
+    let failed = |source| DeviceError::Listen { address: config.listen, source };
+    let listener = TcpListener::bind(config.listen).await.map_err(failed)?;
+    let address = listener.local_addr().map_err(failed)?;
+    let (commands, commanded) = mpsc::channel(FAULT_QUEUE);
+    let faults = FaultSource::new(origin, faults, commanded);
+    let stop = CancellationToken::new();
+    let lost_bytes = Arc::new(AtomicU64::new(0));
+    let floor = Floor { world, config, origin, address, stop: stop.clone() };
+    let task = tokio::spawn(floor.run(listener, faults));
+    let url = Address::Url(format!("http://{address}"));
+    Ok(Handle::new(url, (commands, Fault::is_possible), lost_bytes, stop, task))
+}
+
+/// What outlives a restart of the agent.
+struct Floor {
+    world: Arc<dyn World>,
+    config: AgentConfig,
+    origin: TimeOrigin,
+    address: SocketAddr,
+    stop: CancellationToken,
+}
+
+/// Why an agent ended.
+enum End {
+    Stopped,
+    Restart,
+    Unplugged { duration_s: f64 },
+}
+
+impl Floor {
+    async fn run(self, mut listener: TcpListener, mut faults: FaultSource) {
+        let mut instance_id = 0;
+        let mut controller =
+            Controller::new(Arc::clone(&self.world), self.config.clone(), self.origin.now_s());
+        let mut shared = self.fresh_agent(&mut instance_id, &controller);
+        loop {
+            let network = CancellationToken::new();
+            let server = tokio::spawn(http::serve(listener, Arc::clone(&shared), network.clone()));
+            let end = self.operate(&mut controller, &shared, &mut faults).await;
+            network.cancel();
+            if let Err(error) = server.await {
+                return tracing::error!(%error, "the agent's server ended badly");
+            }
+            match end {
+                End::Stopped => return,
+                End::Restart => shared = self.fresh_agent(&mut instance_id, &controller),
+                End::Unplugged { duration_s } => {
+                    let back_s = self.origin.now_s() + duration_s;
+                    // Controller and agent go on while the network is away.
+                    if self.without_network(&mut controller, &shared, back_s).await.is_none() {
+                        return;
+                    }
+                }
+            }
+            listener = match TcpListener::bind(self.address).await {
+                Ok(listener) => listener,
+                Err(error) => {
+                    return tracing::error!(%error, address = %self.address, "the agent cannot listen again");
+                }
+            };
+        }
+    }
+
+    /// A restarted agent knows nothing yet. Its instance id is the second it was started in, and never an old one.
+    fn fresh_agent(&self, instance_id: &mut u64, controller: &Controller) -> Arc<Shared> {
+        let wall_ns = controller.wall_ns(self.origin.now_s());
+        *instance_id = (*instance_id + 1).max((wall_ns / 1_000_000_000).max(0) as u64);
+        let buffer = Buffer::new(*instance_id, self.config.buffer_size, controller.items(), wall_ns);
+        Arc::new(Shared {
+            buffer: Mutex::new(buffer),
+            news: watch::channel(0).0,
+            devices: controller.devices(),
+            device: self.config.device.clone(),
+            garble: Mutex::new(0),
+            clock: controller.wall_clock(self.origin),
+        })
+    }
+
+    /// Feeds the agent until something ends it.
+    async fn operate(&self, controller: &mut Controller, agent: &Shared, faults: &mut FaultSource) -> End {
+        loop {
+            tokio::select! {
+                () = self.stop.cancelled() => return End::Stopped,
+                fault = faults.next() => {
+                    tracing::info!(device = "MTConnect agent", ?fault, "fault");
+                    match fault {
+                        Fault::GarbleBytes { count } => agent.garble(count),
+                        Fault::Silence { duration_s } => controller.lose_link(self.origin.now_s() + duration_s),
+                        Fault::Unplug { duration_s } => return End::Unplugged { duration_s },
+                        Fault::AgentRestart => return End::Restart,
+                    }
+                }
+                () = tokio::time::sleep_until(self.origin.instant_of(controller.due_s())) => {
+                    agent.feed(controller, self.origin.now_s());
+                }
+            }
+        }
+    }
+
+    /// Feeds the agent until `back_s`; `None` when it is to stop.
+    async fn without_network(&self, controller: &mut Controller, agent: &Shared, back_s: f64) -> Option<()> {
+        loop {
+            tokio::select! {
+                () = self.stop.cancelled() => return None,
+                () = tokio::time::sleep_until(self.origin.instant_of(back_s)) => return Some(()),
+                () = tokio::time::sleep_until(self.origin.instant_of(controller.due_s())) => {
+                    agent.feed(controller, self.origin.now_s());
+                }
+            }
+        }
+    }
+}

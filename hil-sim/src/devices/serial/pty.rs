@@ -37,7 +37,7 @@ impl Pty {
         remove_if_there(&staged)?;
         std::os::unix::fs::symlink(target, &staged)?;
         fs::rename(&staged, name)?;
-        Ok(Self { master: AsyncFd::register(pair.master)?, slave: pair.slave, name: name.to_owned() })
+        Ok(Self { master: register(pair.master)?, slave: pair.slave, name: name.to_owned() })
     }
 
     /// Bytes from the user of the port. Cancel safe.
@@ -84,6 +84,14 @@ impl Drop for Pty {
             tracing::warn!(%error, port = %self.name.display(), "the link of a closed port stays behind");
         }
     }
+}
+
+#[expect(
+    deprecated,
+    reason = "the successor is unsafe for descriptors that can be swapped; an OwnedFd stays open until it is dropped"
+)]
+fn register(master: OwnedFd) -> io::Result<AsyncFd<OwnedFd>> {
+    AsyncFd::new(master)
 }
 
 fn remove_if_there(path: &Path) -> io::Result<()> {

@@ -1,0 +1,157 @@
+//! The controller: which data items it has, and one line of values per cycle of its own clock.
+
+use super::AgentConfig;
+use super::http::WallClock;
+use crate::devices::clock::TimeOrigin;
+use crate::devices::world::World;
+use std::sync::Arc;
+use trunnion_protocol::mtconnect::{Category, Component, DataItem, Device, ObservedValue};
+
+/// Lines that lie further back are not made up for, s.
+const BACKLOG_S: f64 = 1.0;
+
+/// Values of one instant, one for each data item.
+pub(super) struct Line {
+    pub wall_ns: i64,
+    pub values: Vec<ObservedValue>,
+}
+
+pub(super) struct Controller {
+    world: Arc<dyn World>,
+    config: AgentConfig,
+    items: Vec<DataItem>,
+    /// Of the controller's clock, in lines since its clock showed 0.
+    next_line: u64,
+    link_lost_until_s: f64,
+}
+
+impl Controller {
+    pub fn new(world: Arc<dyn World>, config: AgentConfig, now_s: f64) -> Self {
+        let items = data_items(&config);
+        let mut controller =
+            Self { world, config, items, next_line: 0, link_lost_until_s: f64::NEG_INFINITY };
+        controller.next_line = controller.line_at(now_s);
+        controller
+    }
+
+    pub fn items(&self) -> &[DataItem] {
+        &self.items
+    }
+
+    pub fn devices(&self) -> Vec<Device> {
+        let name = self.config.device.clone();
+        vec![Device { id: "d1".into(), uuid: name.clone(), name, data_items: self.items.clone() }]
+    }
+
+    pub fn wall_clock(&self, origin: TimeOrigin) -> WallClock {
+        WallClock { origin, ns_at_origin: self.config.wall_ns_at_origin, clock: self.config.clock }
+    }
+
+    /// What the controller's wall clock shows at `t_s`, ns since 1970 UTC.
+    pub fn wall_ns(&self, t_s: f64) -> i64 {
+        self.config.wall_ns_at_origin + (self.config.clock.device_s(t_s) * 1e9).round() as i64
+    }
+
+    /// The link to the agent is down until then.
+    pub fn lose_link(&mut self, until_s: f64) {
+        self.link_lost_until_s = self.link_lost_until_s.max(until_s);
+    }
+
+    /// When the next line is due, time of the cell, s.
+    pub fn due_s(&self) -> f64 {
+        self.line_s(self.next_line)
+    }
+
+    /// The lines up to now.
+    pub fn lines(&mut self, now_s: f64) -> Vec<Line> {
+        self.next_line = self.next_line.max(self.line_at(now_s - BACKLOG_S));
+        let end = self.line_at(now_s).max(self.next_line + u64::from(self.due_s() <= now_s));
+        let lines = (self.next_line..end).map(|line| self.line(self.line_s(line))).collect();
+        self.next_line = end;
+        lines
+    }
+
+    fn line(&self, t_s: f64) -> Line {
+        let wall_ns = self.wall_ns(t_s) / 1000 * 1000; // agents stamp in µs
+        if t_s < self.link_lost_until_s {
+            return Line { wall_ns, values: vec![ObservedValue::Unavailable; self.items.len()] };
+        }
+        let (axes, cycle) = (self.world.axes(t_s), self.world.cycle(t_s));
+        let text = |text: &str| ObservedValue::Text(text.into());
+        let mut values = vec![text("AVAILABLE")];
+        for &axis in &self.config.axes {
+            values.push(ObservedValue::Number(if axis.is_rotary() {
+                rounded(axes[axis].to_degrees(), self.config.resolution_deg)
+            } else {
+                rounded(axes[axis], self.config.resolution_mm)
+            }));
+        }
+        values.push(text(if cycle.running { "ACTIVE" } else { "READY" }));
+        values.push(text("AUTOMATIC"));
+        values.push(text(&cycle.program));
+        values.push(ObservedValue::Text(format!("N{}", cycle.block)));
+        values.push(ObservedValue::Text(cycle.block.to_string()));
+        values.push(ObservedValue::Number(rounded(self.world.temperature_degc(t_s), 0.01)));
+        Line { wall_ns, values }
+    }
+
+    fn line_s(&self, line: u64) -> f64 {
+        self.config.clock.cell_s(self.config.clock.offset_s + line as f64 / self.config.rate_hz)
+    }
+
+    /// The first line after `t_s`.
+    fn line_at(&self, t_s: f64) -> u64 {
+        let shown_s = self.config.clock.device_s(t_s) - self.config.clock.offset_s;
+        ((shown_s * self.config.rate_hz).floor() + 1.0).max(0.0) as u64
+    }
+}
+
+/// The nearest multiple of a resolution such as 1e-4, as a number without rounding dust.
+fn rounded(value: f64, resolution: f64) -> f64 {
+    let per_unit = (1.0 / resolution).round();
+    // + 0.0 makes −0 a 0
+    (value * per_unit).round() / per_unit + 0.0
+}
+
+/// The data items in the order of a line.
+fn data_items(config: &AgentConfig) -> Vec<DataItem> {
+    let component =
+        |kind: &str, id: &str, name: &str| Component { kind: kind.into(), id: id.into(), name: name.into() };
+    let item = |id: String, category, kind: &str, sub_type: Option<&str>, units: Option<&str>, component| {
+        let (kind, sub_type, units) = (kind.into(), sub_type.map(str::to_owned), units.map(str::to_owned));
+        DataItem {
+            name: Some(id.clone()),
+            id,
+            category,
+            kind,
+            sub_type,
+            units,
+            coordinate_system: None,
+            component,
+        }
+    };
+    let device = component("Device", "d1", &config.device);
+    let mut items = vec![item("avail".into(), Category::Event, "AVAILABILITY", None, None, device)];
+    for axis in &config.axes {
+        let id = axis.lower();
+        let (kind, quantity, unit) = if axis.is_rotary() {
+            ("Rotary", "ANGLE", "DEGREE")
+        } else {
+            ("Linear", "POSITION", "MILLIMETER")
+        };
+        let of_axis = component(kind, id, axis.as_str());
+        let mut item =
+            item(format!("{}act", axis), Category::Sample, quantity, Some("ACTUAL"), Some(unit), of_axis);
+        item.coordinate_system = Some("MACHINE".into());
+        items.push(item);
+    }
+    let controller = component("Controller", "cont", "controller");
+    let path = component("Path", "path", "path");
+    items.push(item("execution".into(), Category::Event, "EXECUTION", None, None, path.clone()));
+    items.push(item("mode".into(), Category::Event, "CONTROLLER_MODE", None, None, path.clone()));
+    items.push(item("program".into(), Category::Event, "PROGRAM", None, None, path.clone()));
+    items.push(item("block".into(), Category::Event, "BLOCK", None, None, path.clone()));
+    items.push(item("line".into(), Category::Event, "LINE_NUMBER", Some("ABSOLUTE"), None, path));
+    items.push(item("temp".into(), Category::Sample, "TEMPERATURE", None, Some("CELSIUS"), controller));
+    items
+}
