@@ -1,0 +1,255 @@
+//! Walks the registry and the catalogue directory: what every effect must keep.
+
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use trunnion_effects::catalogue::REGISTRY;
+use trunnion_effects::{Instance, Scene, SceneSetup};
+use trunnion_machine::{Machine, Site, State, shipped};
+use trunnion_units::{AxisLetter, AxisValues, Twist};
+
+const DIRECTORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/catalogue");
+
+fn machines() -> Vec<Machine> {
+    shipped::FILES.iter().map(|(name, _)| shipped::machine(name).expect("shipped")).collect()
+}
+
+/// States all over the travels of the machine, at rest and in motion, both ways, with time and a temperature.
+fn rich_states(machine: &Machine) -> Vec<State> {
+    let place = |i: usize, letter: AxisLetter| {
+        let (low, high) = machine.axis(letter).map_or((0.0, 0.0), |axis| axis.travel);
+        let golden = (0.5 + (i * (letter as usize + 1)) as f64 * 0.618_033_988_75).fract();
+        low + (high - low)
+            * if i == 0 {
+                0.0
+            } else if i == 1 {
+                1.0
+            } else {
+                golden
+            }
+    };
+    (0..60)
+        .map(|i| {
+            let way = if i % 2 == 0 { 1.0 } else { -1.0 };
+            let moving = f64::from(u8::from(i % 3 != 0));
+            State {
+                position: AxisValues::from_fn(|l| place(i, l)),
+                direction: AxisValues::from_fn(|l| if (l as usize).is_multiple_of(2) { way } else { -way }),
+                velocity: AxisValues::from_fn(|l| moving * way * (l as usize + 1) as f64 * 0.1),
+                acceleration: AxisValues::from_fn(|l| moving * (i as f64 * 0.7 + l as usize as f64).sin()),
+                since_reversal: AxisValues::from_fn(|_| i as f64 * 0.01),
+                time_s: Some(i as f64 * 60.0),
+                temperature_degc: vec![20.0 + (i as f64 / 10.0).sin()],
+                setup: 0,
+                deflection_mm: Vector3::new(0.1, -0.05, 0.02) * (i as f64).cos(),
+            }
+        })
+        .collect()
+}
+
+fn scene(machine: &Machine, states: &[State]) -> Scene {
+    let setup = SceneSetup { name: "low".into(), components: &["x", "y", "z"] };
+    let channels = states[0].temperature_degc.iter().map(|_| "frame".to_string()).collect();
+    Scene::new(machine.clone(), vec![setup], channels, states.iter())
+}
+
+fn each_motion(
+    instance: &Instance,
+    scene: &Scene,
+    states: &[State],
+    mut check: impl FnMut(&[f64], usize, Site, Twist),
+) {
+    for shape in &instance.shapes(scene).grid {
+        for state in states {
+            instance.motions(scene, shape, state, &mut |i, site, twist| check(shape, i, site, twist));
+        }
+    }
+}
+
+#[test]
+fn every_file_of_the_directory_is_registered_under_its_name() {
+    let files: BTreeSet<String> = std::fs::read_dir(DIRECTORY)
+        .unwrap()
+        .map(|entry| entry.unwrap().path().file_stem().unwrap().to_str().unwrap().replace('_', "-"))
+        .collect();
+    let registered: Vec<String> = REGISTRY.iter().map(|effect| effect.phenomenon.into()).collect();
+    assert_eq!(files, registered.iter().cloned().collect());
+    assert_eq!(files.len(), registered.len(), "an effect is registered twice");
+}
+
+#[test]
+fn every_effect_says_what_it_is() {
+    for effect in REGISTRY {
+        let about = &effect.about;
+        let texts = [
+            about.title,
+            about.source,
+            about.equation,
+            about.validity,
+            about.typical,
+            about.explanation,
+            about.cause,
+            about.seen_by,
+        ];
+        assert!(texts.iter().all(|text| text.len() > 2), "{}", effect.phenomenon);
+        let file = Path::new(DIRECTORY).join(format!("{}.rs", effect.phenomenon.replace('-', "_")));
+        let code = std::fs::read_to_string(file).unwrap();
+        let header: String = code.lines().take_while(|line| line.starts_with("//!")).collect();
+        assert!(header.contains("Limits:") || header.contains("limits"), "{}", effect.phenomenon);
+        assert!(header.contains('['), "{} names no source", effect.phenomenon);
+    }
+}
+
+#[test]
+fn ids_and_parameter_names_are_unique_and_ids_lead_back() {
+    for machine in machines() {
+        let scene = scene(&machine, &rich_states(&machine));
+        let mut ids = BTreeSet::new();
+        for instance in Instance::all(&machine) {
+            assert!(ids.insert(instance.id()), "{} twice", instance.id());
+            assert_eq!(Instance::find(&instance.id(), &machine).unwrap().id(), instance.id());
+            let names: Vec<_> = instance.parameters(&scene).into_iter().map(|p| p.name).collect();
+            let unique: BTreeSet<_> = names.iter().collect();
+            assert_eq!(unique.len(), names.len(), "{} {names:?}", instance.id());
+        }
+    }
+    let unknown = Instance::find("sag", &machines()[0]).unwrap_err().to_string();
+    assert!(unknown.contains("gravity-sag:B"), "{unknown}");
+}
+
+#[test]
+fn motions_are_finite_within_bounds_and_every_parameter_moves_something() {
+    for machine in machines() {
+        let states = rich_states(&machine);
+        let scene = scene(&machine, &states);
+        for instance in Instance::all(&machine) {
+            let id = instance.id();
+            let parameters = instance.parameters(&scene);
+            assert!(!parameters.is_empty(), "{} {id}: nothing to fit in a rich scene", machine.name);
+            let shapes = instance.shapes(&scene);
+            assert!(!shapes.grid.is_empty(), "{id}");
+            assert!(shapes.grid.iter().all(|point| point.len() == shapes.names.len()), "{id}");
+            let mut moved = BTreeSet::new();
+            each_motion(&instance, &scene, &states, |shape, i, site, twist| {
+                let all = [twist.translation_mm, twist.rotation_rad];
+                assert!(all.iter().all(|v| v.iter().all(|x| x.is_finite())), "{id} {shape:?}");
+                assert!(i < parameters.len(), "{id}: parameter {i} of {}", parameters.len());
+                match site {
+                    Site::Joint(letter) => assert!(machine.axis(letter).is_some(), "{id}"),
+                    _ => assert_eq!(twist.rotation_rad, Vector3::zeros(), "{id} turns a point"),
+                }
+                if all.iter().any(|v| v.norm() > 1e-12) {
+                    moved.insert(i);
+                }
+            });
+            assert_eq!(moved.len(), parameters.len(), "{} {id} moves only {moved:?}", machine.name);
+        }
+    }
+}
+
+/// Phenomena with parameters in a scene, out of those the machine can have.
+fn in_reach(machine: &Machine, states: &[State]) -> BTreeMap<String, bool> {
+    let scene = scene(machine, states);
+    Instance::all(machine).iter().map(|i| (i.id(), !i.parameters(&scene).is_empty())).collect()
+}
+
+#[test]
+fn what_a_scene_cannot_show_is_out_of_reach() {
+    let machine = shipped::machine("table-bc").unwrap();
+    // Static points without time, temperature or direction; C never moves.
+    let states: Vec<State> = (0..5)
+        .map(|i| {
+            let mut state = State::default();
+            state.position[AxisLetter::B] = f64::from(i) * 0.3;
+            state.position[AxisLetter::X] = f64::from(i) * 10.0;
+            state
+        })
+        .collect();
+    let seen: Vec<String> =
+        in_reach(&machine, &states).into_iter().filter(|(_, reach)| *reach).map(|(id, _)| id).collect();
+    assert_eq!(
+        seen,
+        [
+            "angular-motion:X",
+            "axial-error-motion:B",
+            "ball-setting",
+            "ballscrew-pitch:X",
+            "drive-pitch:B",
+            "encoder-eccentricity:B",
+            "gravity-sag:B",
+            "linear-scale:X",
+            "location-errors",
+            "radial-error-motion:B",
+            "straightness:X",
+            "tilt-error-motion:B",
+        ]
+    );
+}
+
+#[test]
+fn an_effect_needs_its_own_kind_of_evidence() {
+    let machine = shipped::machine("table-bc").unwrap();
+    let check = |needs: &[&str], poorer: &dyn Fn(&mut State)| {
+        let mut states = rich_states(&machine);
+        states.iter_mut().for_each(poorer);
+        let reach = in_reach(&machine, &states);
+        for (id, reach) in reach {
+            let phenomenon = id.split(':').next().unwrap();
+            assert_eq!(reach, !needs.contains(&phenomenon), "{id}");
+        }
+    };
+    check(&["thermal-drift", "spindle-growth", "setup-slip"], &|s| s.time_s = None);
+    check(&["thermal-drift", "spindle-growth", "setup-slip"], &|s| s.time_s = Some(5.0));
+    check(&["thermal-expansion"], &|s| s.temperature_degc = vec![20.0]);
+    check(&["backlash", "direction-shift", "reversal-spike"], &|s| {
+        s.direction = AxisValues::from_fn(|_| 1.0)
+    });
+    check(&["probe-gain", "probe-nonlinearity", "nest-rotation"], &|s| s.deflection_mm = Vector3::zeros());
+    check(&["reversal-spike", "servo-lag", "sync-delay", "inertial-deflection", "clamp-shift"], &|s| {
+        s.velocity = AxisValues::default();
+        s.acceleration = AxisValues::default();
+    });
+}
+
+#[test]
+fn effects_that_start_at_zero_are_zero_at_the_start() {
+    for machine in machines() {
+        let mut states = rich_states(&machine);
+        states[0] = State { time_s: Some(0.0), temperature_degc: vec![20.0], ..State::default() };
+        let scene = scene(&machine, &states);
+        for instance in Instance::all(&machine) {
+            let id = instance.id();
+            let starts_at_zero = [
+                "gravity-sag",
+                "thermal",
+                "spindle-growth",
+                "setup-slip",
+                "linear-scale",
+                "squareness",
+                "stacked-tilt",
+                "backlash",
+                "servo-lag",
+                "sync-delay",
+                "inertial-deflection",
+                "probe",
+                "nest",
+            ];
+            if starts_at_zero.iter().any(|name| id.starts_with(name)) {
+                each_motion(&instance, &scene, &states[..1], |shape, i, _, twist| {
+                    let size = twist.translation_mm.norm() + twist.rotation_rad.norm();
+                    assert!(size < 1e-12, "{id} {shape:?} parameter {i}: {size}");
+                });
+            }
+        }
+    }
+}
+
+#[test]
+fn the_catalogue_document_is_current() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/catalogue.md");
+    let found = std::fs::read_to_string(path).unwrap_or_default();
+    assert!(
+        found == trunnion_effects::catalogue_markdown(),
+        "docs/catalogue.md is not current: cargo run -p trunnion-effects --example catalogue > docs/catalogue.md"
+    );
+}
