@@ -1,8 +1,8 @@
 //! The columns of a joint model over all points: held in memory when short, formed block by block when long.
 
-use crate::Experiment;
 use crate::joint::Joint;
 use crate::linear::Reduced;
+use crate::{Experiment, IdentifyError};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 use std::ops::Range;
 
@@ -10,6 +10,9 @@ use std::ops::Range;
 const ROWS_IN_MEMORY: usize = 50_000;
 /// Points formed at a time.
 const BLOCK: usize = 512;
+
+/// Receives points, their rows and the columns in these rows.
+pub(crate) type Visit<'a> = &'a mut dyn FnMut(Range<usize>, Range<usize>, DMatrixView<'_, f64>);
 
 pub(crate) struct Design<'a> {
     pub experiment: &'a Experiment,
@@ -25,7 +28,7 @@ impl<'a> Design<'a> {
     }
 
     /// Visits the columns block by block: points, rows, columns in these rows.
-    pub fn blocks(&self, visit: &mut dyn FnMut(Range<usize>, Range<usize>, DMatrixView<'_, f64>)) {
+    pub fn blocks(&self, visit: Visit<'_>) {
         let count = self.experiment.points.len();
         for start in (0..count).step_by(BLOCK) {
             let points = start..(start + BLOCK).min(count);
@@ -41,15 +44,17 @@ impl<'a> Design<'a> {
     }
 
     /// The design of the used points, reduced.
-    pub fn reduce(&self, used: &[bool]) -> Reduced {
+    pub fn reduce(&self, used: &[bool]) -> Result<Reduced, IdentifyError> {
         if let Some(all) = &self.in_memory {
             let mut kept = all.clone();
             for row in unused_rows(self.experiment, used) {
                 kept.row_mut(row).fill(0.0);
             }
-            return Reduced::from_design(&kept);
+            self.check_finite(0, &kept)?;
+            return Ok(Reduced::from_design(&kept));
         }
         let mut gram = DMatrix::zeros(self.joint.width(), self.joint.width());
+        let mut finite = Ok(());
         self.blocks(&mut |points, rows, columns| {
             let mut kept = columns.into_owned();
             for i in points.filter(|&i| !used[i]) {
@@ -57,9 +62,19 @@ impl<'a> Design<'a> {
                     kept.row_mut(row - rows.start).fill(0.0);
                 }
             }
+            if finite.is_ok() {
+                finite = self.check_finite(rows.start, &kept);
+            }
             gram.gemm_tr(1.0, &kept, &kept, 1.0);
         });
-        Reduced::from_gram(&gram)
+        finite?;
+        Ok(Reduced::from_gram(&gram))
+    }
+
+    /// A column that is no number would make the decompositions run forever.
+    fn check_finite(&self, first_row: usize, columns: &DMatrix<f64>) -> Result<(), IdentifyError> {
+        let Some(k) = columns.iter().position(|x| !x.is_finite()) else { return Ok(()) };
+        Err(self.experiment.not_finite(first_row + k % columns.nrows(), "prediction"))
     }
 
     /// Qᵀ of a residual; rows of unused points must be zero.

@@ -3,6 +3,7 @@
 //! Row layout: points in order of the runs, the components of each point together (3 for an R-test, 1 for a ball
 //! bar). Column of parameter j of an effect: `Σ_sites projection · propagation · twist_j(state)` (METHODS §2).
 
+use crate::IdentifyError;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use trunnion_effects::{Instance, Scene, SceneSetup};
@@ -151,6 +152,12 @@ impl Experiment {
         readings
     }
 
+    /// The error of a row that is no number.
+    pub(crate) fn not_finite(&self, row: usize, what: &'static str) -> IdentifyError {
+        let point = self.first_row.partition_point(|first| *first <= row) - 1;
+        IdentifyError::NotFinite { point, run: self.runs[self.run_of_point[point]].clone(), what }
+    }
+
     /// Columns of one effect: rows × parameters, mm per unit of the parameter (inside units).
     pub fn columns(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
         let mut columns = DMatrix::zeros(self.rows(), instance.parameters(&self.scene).len());
@@ -174,8 +181,7 @@ impl Experiment {
         let first_row = self.first_row[points.start];
         let mut first_column = vec![0];
         for (instance, _) in effects {
-            first_column
-                .push(first_column[first_column.len() - 1] + instance.parameters(&self.scene).len());
+            first_column.push(first_column[first_column.len() - 1] + instance.parameters(&self.scene).len());
         }
         for i in points {
             let rows = self.rows_of(i);

@@ -43,10 +43,7 @@ pub fn identify(
     Ok(gather(&Design::new(experiment, &joint), &used, fit, options))
 }
 
-fn settle_robustly(
-    design: &Design<'_>,
-    options: &Options,
-) -> Result<(Vec<bool>, Settled), IdentifyError> {
+fn settle_robustly(design: &Design<'_>, options: &Options) -> Result<(Vec<bool>, Settled), IdentifyError> {
     let mut used = vec![true; design.experiment.points.len()];
     let mut fit = settle(design, &used, options)?;
     if options.outliers == Outliers::Keep {

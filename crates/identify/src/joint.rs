@@ -16,6 +16,15 @@ pub(crate) struct Joint {
     pub effect_of: Vec<usize>,
     /// Value at which the model holds a parameter, inside units.
     pub held: Vec<Option<f64>>,
+    /// What the model expects of parameters beforehand.
+    pub priors: Vec<Expected>,
+}
+
+/// A value expected beforehand, inside units.
+pub(crate) struct Expected {
+    pub parameter: usize,
+    pub value: f64,
+    pub u: f64,
 }
 
 /// One effect with its shape numbers.
@@ -30,7 +39,8 @@ pub(crate) struct Placed {
 
 impl Joint {
     pub fn place(experiment: &Experiment, model: &Model) -> Result<Self, IdentifyError> {
-        let mut joint = Self { effects: vec![], parameters: vec![], effect_of: vec![], held: vec![] };
+        let mut joint =
+            Self { effects: vec![], parameters: vec![], effect_of: vec![], held: vec![], priors: vec![] };
         for entry in &model.effects {
             if joint.effects.iter().any(|placed| placed.id == entry.id) {
                 return Err(IdentifyError::EffectTwice { effect: entry.id.clone() });
@@ -39,6 +49,12 @@ impl Joint {
             let parameters = placed.instance.parameters(&experiment.scene);
             if parameters.is_empty() {
                 return Err(IdentifyError::OutOfReach { effect: entry.id.clone() });
+            }
+            for (name, prior) in &entry.prior {
+                let j = index(entry, &parameters, name)?;
+                let per_inside = parameters[j].unit.per_inside;
+                let (value, u) = (prior.value / per_inside, prior.u / per_inside);
+                joint.priors.push(Expected { parameter: joint.width() + j, value, u });
             }
             joint.held.extend(held(entry, &parameters)?);
             joint.effect_of.extend(parameters.iter().map(|_| joint.effects.len()));
@@ -115,12 +131,16 @@ fn place(experiment: &Experiment, entry: &ModelEffect) -> Result<Placed, Identif
 fn held(entry: &ModelEffect, parameters: &[Parameter]) -> Result<Vec<Option<f64>>, IdentifyError> {
     let mut held = vec![None; parameters.len()];
     for (name, value) in &entry.fixed {
-        let j = parameters.iter().position(|p| p.name == *name).ok_or_else(|| IdentifyError::UnknownFixed {
-            effect: entry.id.clone(),
-            name: name.clone(),
-            allowed: parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
-        })?;
+        let j = index(entry, parameters, name)?;
         held[j] = Some(value / parameters[j].unit.per_inside);
     }
     Ok(held)
+}
+
+fn index(entry: &ModelEffect, parameters: &[Parameter], name: &str) -> Result<usize, IdentifyError> {
+    parameters.iter().position(|p| p.name == name).ok_or_else(|| IdentifyError::UnknownParameter {
+        effect: entry.id.clone(),
+        name: name.into(),
+        allowed: parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
+    })
 }

@@ -18,7 +18,7 @@ const REFINEMENTS: usize = 3;
 pub(crate) struct Reduced {
     /// S: column j of the scaled design is column j of A times this.
     pub scale: DVector<f64>,
-    /// R, columns × columns.
+    /// R, columns × columns; below it the rows of priors.
     pub triangle: DMatrix<f64>,
     /// Smallest relative singular value that means something.
     pub floor: f64,
@@ -35,7 +35,8 @@ impl Reduced {
     /// From the design itself.
     pub fn from_design(design: &DMatrix<f64>) -> Self {
         let (rows, columns) = design.shape();
-        let scale = DVector::from_iterator(columns, design.column_iter().map(|c| power_of_two_over(c.norm())));
+        let scale =
+            DVector::from_iterator(columns, design.column_iter().map(|c| power_of_two_over(c.norm())));
         let mut scaled = design.clone().resize_vertically(rows.max(columns), 0.0);
         for j in 0..columns {
             scaled.column_mut(j).scale_mut(scale[j]);
@@ -57,6 +58,16 @@ impl Reduced {
         let inverse_root = root.map(|r| if r > least { r.recip() } else { 0.0 });
         let form = Form::Gram(DMatrix::from_diagonal(&inverse_root) * v_t * DMatrix::from_diagonal(&scale));
         Self { scale, triangle, floor: GRAM_FLOOR, form }
+    }
+
+    /// Adds a row `weight · x_j = …` for each prior; [`Solver::solve`] then wants their right-hand sides below Qᵀb.
+    pub fn add_priors(&mut self, weights: &[(usize, f64)]) {
+        let top = self.triangle.nrows();
+        let triangle = std::mem::replace(&mut self.triangle, DMatrix::zeros(0, 0));
+        self.triangle = triangle.resize_vertically(top + weights.len(), 0.0);
+        for (k, &(j, weight)) in weights.iter().enumerate() {
+            self.triangle[(top + k, j)] = weight * self.scale[j];
+        }
     }
 
     /// True when [`Self::project`] wants the right-hand side itself, false when it wants Aᵀb.
@@ -108,11 +119,8 @@ impl Solver {
     /// (AᵀA)⁻¹.
     pub fn cofactor(&self) -> DMatrix<f64> {
         let n = self.scale.len();
-        let inverse = self
-            .qr
-            .r()
-            .solve_upper_triangular(&DMatrix::identity(n, n))
-            .expect("columns are independent");
+        let inverse =
+            self.qr.r().solve_upper_triangular(&DMatrix::identity(n, n)).expect("columns are independent");
         let scaled = DMatrix::from_diagonal(&self.scale) * inverse;
         &scaled * scaled.transpose()
     }
@@ -182,11 +190,7 @@ fn independent_columns(a: &DMatrix<f64>, tolerance: f64) -> Vec<usize> {
 }
 
 /// −A_ij x_j of row i.
-fn products<'a>(
-    a: &'a DMatrix<f64>,
-    i: usize,
-    x: &'a DVector<f64>,
-) -> impl Iterator<Item = (f64, f64)> + 'a {
+fn products<'a>(a: &'a DMatrix<f64>, i: usize, x: &'a DVector<f64>) -> impl Iterator<Item = (f64, f64)> + 'a {
     (0..x.len()).map(move |j| (-a[(i, j)], x[j]))
 }
 

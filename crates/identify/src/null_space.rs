@@ -9,7 +9,6 @@
 use crate::identification::{Status, Unobservable};
 use crate::linear::Reduced;
 use nalgebra::DMatrix;
-use std::fmt::Write;
 use trunnion_effects::Parameter;
 
 /// A direction whose uncertainty moves the readings by more than this (rms, mm) has no physical meaning.
@@ -110,9 +109,9 @@ fn echelon(mut rows: DMatrix<f64>, preferred: &[usize], takes_part: f64) -> Vec<
         let largest_in = |column: usize, rows: &DMatrix<f64>| {
             (below..rows.nrows()).map(|i| (i, rows[(i, column)].abs())).max_by(|a, b| a.1.total_cmp(&b.1))
         };
-        let chosen = preferred
-            .by_ref()
-            .find_map(|&column| largest_in(column, &rows).filter(|(_, size)| *size > takes_part).map(|(i, _)| (i, column)));
+        let chosen = preferred.by_ref().find_map(|&column| {
+            largest_in(column, &rows).filter(|(_, size)| *size > takes_part).map(|(i, _)| (i, column))
+        });
         let (row, column) = chosen.unwrap_or_else(|| {
             let rest = rows.rows(below, rows.nrows() - below);
             let (i, column) = rest.icamax_full();
@@ -128,7 +127,11 @@ fn echelon(mut rows: DMatrix<f64>, preferred: &[usize], takes_part: f64) -> Vec<
         }
         pivots.push(column);
     }
-    pivots.into_iter().enumerate().map(|(i, column)| (column, rows.row(i).iter().copied().collect())).collect()
+    pivots
+        .into_iter()
+        .enumerate()
+        .map(|(i, column)| (column, rows.row(i).iter().copied().collect()))
+        .collect()
 }
 
 /// The direction in words.
@@ -145,35 +148,34 @@ pub(crate) fn describe(direction: &Direction, parameters: &[Parameter], status: 
         .filter(|(j, _)| status[*j] == Status::Unobservable)
         .map(|(j, _)| parameters[*j].name.as_str())
         .collect();
-    let how = if direction.weak { "moves the readings too little" } else { "moves no reading" };
-    let why = match (others.is_empty(), direction.conventional) {
-        (true, _) => format!("cannot be seen: {pivot} {how} of these runs"),
-        (false, true) => {
-            let stands = if others.len() == 1 { "stands" } else { "stand" };
-            let both = if others.len() == 1 { "both" } else { "all of them" };
-            let mut why = format!(
-                "{pivot} cannot be told apart from {} in these runs; by convention {pivot} = 0, so {} {stands} for {both}",
-                join(&others),
-                join(&others)
-            );
-            if !without.is_empty() {
-                write!(why, " ({} cannot be seen for another reason)", join(&without))
-                    .expect("writing to a string cannot fail");
-            }
-            why
-        }
-        (false, false) => {
-            format!(
-                "cannot be seen: {pivot} and {} together {how} of these runs; none of them gets a number",
-                join(&others)
-            )
+    let how = |s: &str| {
+        if direction.weak {
+            format!("move{s} the readings too little")
+        } else {
+            format!("move{s} no reading")
         }
     };
+    let why = if others.is_empty() {
+        format!("cannot be seen: {pivot} {} of these runs", how("s"))
+    } else if !direction.conventional {
+        let others = others.join(", ");
+        let how = how("");
+        format!(
+            "cannot be seen: {pivot} and {others} together {how} of these runs; none of them gets a number"
+        )
+    } else {
+        let (stand, all) = if others.len() == 1 { ("stands", "both") } else { ("stand", "all of them") };
+        let others = others.join(", ");
+        let meaning = if without.is_empty() {
+            format!(", so {others} {stand} for {all}")
+        } else {
+            format!("; {} cannot be seen for another reason", without.join(", "))
+        };
+        format!(
+            "{pivot} cannot be told apart from {others} in these runs; by convention {pivot} = 0{meaning}"
+        )
+    };
     Unobservable { direction: spell(&terms), terms, why }
-}
-
-fn join(names: &[&str]) -> String {
-    names.join(", ")
 }
 
 /// `EX0A - 0.5 EX0C`.

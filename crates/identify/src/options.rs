@@ -65,9 +65,9 @@ pub enum IdentifyError {
         /// Effect id.
         effect: String,
     },
-    /// The model holds a parameter that does not exist.
-    #[error("effect {effect} has no parameter \"{name}\" to hold; allowed: {allowed}")]
-    UnknownFixed {
+    /// The model holds or expects a parameter that does not exist.
+    #[error("effect {effect} has no parameter \"{name}\" to hold or expect; allowed: {allowed}")]
+    UnknownParameter {
         /// Effect id.
         effect: String,
         /// What was asked for.

@@ -36,14 +36,7 @@ pub(crate) fn passes(experiment: &Experiment) -> Passes {
     let pass = pass_of_points(experiment, &moving);
     let block = block_of_points(experiment, &moving, &pass);
     let cluster = number(pass.iter().zip(&block));
-    Passes {
-        passes: count(&pass),
-        blocks: count(&block),
-        clusters: count(&cluster),
-        pass,
-        block,
-        cluster,
-    }
+    Passes { passes: count(&pass), blocks: count(&block), clusters: count(&cluster), pass, block, cluster }
 }
 
 /// Rotary axes that move, or all axes that move when none turns: fewest changes first.
@@ -80,7 +73,8 @@ fn pass_of_points(experiment: &Experiment, moving: &[AxisLetter]) -> Vec<usize> 
     let mut merged = keys.clone();
     for i in 0..keys.len() {
         if !large(&keys[i]) {
-            let same_setup = |k: &usize| (keys[*k].0, keys[*k].1) == (keys[i].0, keys[i].1) && large(&keys[*k]);
+            let same_setup =
+                |k: &usize| (keys[*k].0, keys[*k].1) == (keys[i].0, keys[i].1) && large(&keys[*k]);
             let near = (i + 1..keys.len()).find(same_setup).or_else(|| (0..i).rev().find(same_setup));
             if let Some(k) = near {
                 merged[i] = keys[k].clone();

@@ -4,6 +4,7 @@
 //! each step shrinks what is left by about the size of the errors (0.005 for a tilt of 0.3°).
 
 use crate::design::{Design, unused_rows};
+use crate::joint::Expected;
 use crate::linear::{Reduced, Solver};
 use crate::null_space::{Gauge, Limits, gauge};
 use crate::{IdentifyError, Options};
@@ -13,6 +14,8 @@ use trunnion_effects::catalogue::conventional_zeros;
 /// The fit stands when no prediction moves by more than this, mm.
 const SETTLED_MM: f64 = 1e-9;
 const MOST_STEPS: usize = 40;
+/// Noise is never taken below this against a prior, mm.
+const FINEST_MM: f64 = 1e-6;
 
 /// A settled fit for one choice of points.
 pub(crate) struct Settled {
@@ -39,17 +42,30 @@ pub(crate) fn settle(
     used: &[bool],
     options: &Options,
 ) -> Result<Settled, IdentifyError> {
-    let reduced = design.reduce(used);
-    let exact = Limits { tolerance: options.null_tolerance, weakest: 0.0 };
-    let first = settle_within(design, &reduced, used, &exact)?;
-    // Directions so weak that noise alone makes their numbers absurd are known only after the noise is.
-    let weak = Limits::with_noise(options.null_tolerance, first.sigma_mm, first.rows_used);
-    let free = design.joint.free();
-    if free.is_empty() {
+    let mut reduced = design.reduce(used)?;
+    let mut limits = Limits { tolerance: options.null_tolerance, weakest: 0.0 };
+    let first = settle_within(design, &reduced, &[], used, &limits)?;
+    if design.joint.free().is_empty() {
         return Ok(first);
     }
-    let rank = named_gauge(design, &reduced, &weak).rank;
-    if rank == first.gauge.rank { Ok(first) } else { settle_within(design, &reduced, used, &weak) }
+    // Directions so weak that noise alone makes their numbers absurd, and the weight of priors against readings,
+    // are known only after the noise is.
+    limits = Limits::with_noise(options.null_tolerance, first.sigma_mm, first.rows_used);
+    let sigma_mm = first.sigma_mm.max(FINEST_MM);
+    let priors: Vec<(&Expected, f64)> = design
+        .joint
+        .priors
+        .iter()
+        .filter(|prior| design.joint.held[prior.parameter].is_none())
+        .map(|prior| (prior, sigma_mm / prior.u))
+        .collect();
+    let weights: Vec<(usize, f64)> = priors.iter().map(|(prior, w)| (prior.parameter, *w)).collect();
+    reduced.add_priors(&weights);
+    let rank = named_gauge(design, &reduced, &limits).rank;
+    if rank == first.gauge.rank && priors.is_empty() {
+        return Ok(first);
+    }
+    settle_within(design, &reduced, &priors, used, &limits)
 }
 
 fn named_gauge(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Gauge {
@@ -60,6 +76,7 @@ fn named_gauge(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Gauge
 fn settle_within(
     design: &Design<'_>,
     reduced: &Reduced,
+    priors: &[(&Expected, f64)],
     used: &[bool],
     limits: &Limits,
 ) -> Result<Settled, IdentifyError> {
@@ -90,7 +107,10 @@ fn settle_within(
         for row in unused_rows(experiment, used) {
             counted[row] = 0.0;
         }
-        let change = solver.solve(&design.project(reduced, &counted));
+        let surprise = priors.iter().map(|(prior, w)| w * (prior.value - solution[prior.parameter]));
+        let projected = design.project(reduced, &counted);
+        let right: Vec<f64> = projected.iter().copied().chain(surprise).collect();
+        let change = solver.solve(&DVector::from_vec(right));
         for (k, &j) in gauge.determined.iter().enumerate() {
             solution[j] += change[k];
         }
@@ -119,13 +139,6 @@ fn settle_within(
 fn check_finite(design: &Design<'_>, residual: &DVector<f64>) -> Result<(), IdentifyError> {
     let experiment = design.experiment;
     let Some(row) = residual.iter().position(|r| !r.is_finite()) else { return Ok(()) };
-    let point = (0..experiment.points.len())
-        .find(|&i| experiment.rows_of(i).contains(&row))
-        .expect("every row belongs to a point");
-    let reading = experiment.points[point].reading_mm.iter().all(|r| r.is_finite());
-    Err(IdentifyError::NotFinite {
-        point,
-        run: experiment.runs[experiment.run_of_point[point]].clone(),
-        what: if reading { "prediction" } else { "reading" },
-    })
+    let reading = experiment.readings_mm()[row].is_finite();
+    Err(experiment.not_finite(row, if reading { "prediction" } else { "reading" }))
 }

@@ -175,8 +175,16 @@ fn basis(columns: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 fn neighbours(grid: &[Vec<f64>], axis: usize, value: f64) -> (f64, f64) {
-    let below = grid.iter().map(|g| g[axis]).filter(|g| *g < value).fold(value, |a, b| if a == value { b } else { a.max(b) });
-    let above = grid.iter().map(|g| g[axis]).filter(|g| *g > value).fold(value, |a, b| if a == value { b } else { a.min(b) });
+    let below = grid
+        .iter()
+        .map(|g| g[axis])
+        .filter(|g| *g < value)
+        .fold(value, |a, b| if a == value { b } else { a.max(b) });
+    let above = grid
+        .iter()
+        .map(|g| g[axis])
+        .filter(|g| *g > value)
+        .fold(value, |a, b| if a == value { b } else { a.min(b) });
     (below, above)
 }
 

@@ -84,9 +84,8 @@ impl fmt::Display for Identification {
                 });
                 writeln!(f, "{effect}{shape}")?;
             }
-            let number = |x: Option<f64>, decimals: usize| {
-                x.map_or_else(|| "-".into(), |x| format!("{x:.decimals$}"))
-            };
+            let number =
+                |x: Option<f64>, decimals: usize| x.map_or_else(|| "-".into(), |x| format!("{x:.decimals$}"));
             let (value, u) = (number(p.screen_value(), 3), number(p.screen_u(), 3));
             let unit = screen_unit(p.unit.symbol);
             writeln!(f, "{:width$}  {value:>12}  {u:>10}  {unit:6}  {}", p.name, p.note)?;
@@ -113,7 +112,11 @@ impl fmt::Display for Identification {
         )?;
         for o in &self.outliers {
             let size = um_from_mm(o.residual_mm);
-            writeln!(f, "set aside: point {} of {}, setup {}, {}: {size:.1} µm", o.point, o.run, o.setup, o.pose)?;
+            writeln!(
+                f,
+                "set aside: point {} of {}, setup {}, {}: {size:.1} µm",
+                o.point, o.run, o.setup, o.pose
+            )?;
         }
         if !self.unobservable.is_empty() {
             writeln!(f, "cannot be seen:")?;

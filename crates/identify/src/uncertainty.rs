@@ -115,11 +115,7 @@ pub(crate) fn holdout(sums: &Sums) -> Option<Holdout> {
         squares += left.max(0.0);
         rows += part.rows;
     }
-    Some(Holdout {
-        rms_mm: (squares / rows as f64).sqrt(),
-        left_out: sums.left_out,
-        parts: parts.len(),
-    })
+    Some(Holdout { rms_mm: (squares / rows as f64).sqrt(), left_out: sums.left_out, parts: parts.len() })
 }
 
 /// Solution of the normal equations in the directions they see, zero in the others.

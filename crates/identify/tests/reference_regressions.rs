@@ -7,7 +7,8 @@ use serde_json::Value;
 use trunnion_identify::linear::least_squares;
 
 fn numbers(value: &Value) -> Vec<f64> {
-    let one = |x: &Value| x.as_f64().unwrap_or_else(|| x.as_str().unwrap().replace('D', "E").parse().unwrap());
+    let one =
+        |x: &Value| x.as_f64().unwrap_or_else(|| x.as_str().unwrap().replace('D', "E").parse().unwrap());
     value.as_array().unwrap().iter().map(one).collect()
 }
 
@@ -19,9 +20,12 @@ fn digits(set: &Value) -> (f64, f64) {
         let degree = set["deg"].as_u64().unwrap() as usize;
         DMatrix::from_fn(x.len(), degree + 1, |i, j| x[i].powf(j as f64))
     } else {
-        let rows: Vec<Vec<f64>> = set["X"].as_array().unwrap().iter().map(|row| {
-            if row.is_array() { numbers(row) } else { vec![row.as_f64().unwrap()] }
-        }).collect();
+        let rows: Vec<Vec<f64>> = set["X"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|row| if row.is_array() { numbers(row) } else { vec![row.as_f64().unwrap()] })
+            .collect();
         DMatrix::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j])
     };
     let fit = least_squares(&a, &y, 1e-14);

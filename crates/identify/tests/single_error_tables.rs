@@ -84,7 +84,11 @@ fn check(sheet: &Sheet, fit: &Identification, tolerance: f64) {
         let Some(value) = p.screen_value() else { continue };
         let expected = sheet.expected.iter().find(|(name, _)| *name == p.name).map_or(0.0, |(_, v)| *v);
         let name = &p.name;
-        assert!((value - expected).abs() < tolerance, "{}: {name} = {value}, not {expected}\n{fit}", sheet.name);
+        assert!(
+            (value - expected).abs() < tolerance,
+            "{}: {name} = {value}, not {expected}\n{fit}",
+            sheet.name
+        );
     }
     for (name, _) in sheet.expected {
         assert!(fit.parameter(name).unwrap().observable(), "{}: {name} has no number", sheet.name);
@@ -117,7 +121,13 @@ fn the_outside_tables_are_reproduced_to_their_rounding() {
             })
             .collect();
         let fit = fit(&sheet, &rows);
-        println!("{}: rms {:.4} µm, largest {:.4} µm, {} steps", sheet.name, fit.rms_mm * 1e3, fit.residual_mm.amax() * 1e3, fit.iterations);
+        println!(
+            "{}: rms {:.4} µm, largest {:.4} µm, {} steps",
+            sheet.name,
+            fit.rms_mm * 1e3,
+            fit.residual_mm.amax() * 1e3,
+            fit.iterations
+        );
         // Five decimals of a millimetre; ZOA is printed with four.
         let rounding_mm = if sheet.name == "ZOA" { 5e-5 } else { 5e-6 };
         assert!(fit.residual_mm.amax() < 1.3 * rounding_mm, "{}: {fit}", sheet.name);
