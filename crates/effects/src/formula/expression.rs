@@ -58,8 +58,9 @@ const FUNCTIONS: [(&str, Function); 9] = [
     ("step", Function::Step),
 ];
 const FUNCTION_NAMES: &str = "sin cos tan exp log sqrt abs sign step min max";
-/// Deepest nesting; keeps recursion within any stack.
+/// Deepest nesting (a pair of parentheses counts twice) and longest text; they keep recursion within any stack.
 const DEEPEST: usize = 64;
+const LONGEST: usize = 2000;
 
 impl Function {
     fn apply(self, x: f64) -> f64 {
@@ -84,6 +85,13 @@ impl Expression {
     /// # Errors
     /// The first place that does not fit, with its column, what was found and what is allowed.
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
+        if text.len() > LONGEST {
+            return Err(FormulaError::Syntax {
+                column: LONGEST + 1,
+                found: format!("{} characters", text.len()),
+                allowed: format!("at most {LONGEST}; split it into several formulas"),
+            });
+        }
         let mut parser = Parser { tokens: tokens(text)?, at: 0, depth: 0 };
         let expression = parser.sum()?;
         match parser.peek() {
@@ -268,7 +276,7 @@ impl Parser {
     fn sum(&mut self) -> Result<Expression, FormulaError> {
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err(self.unexpected(&format!("at most {DEEPEST} levels of parentheses")));
+            return Err(self.unexpected("fewer levels of parentheses and powers"));
         }
         let mut sum = self.product()?;
         loop {
@@ -299,7 +307,7 @@ impl Parser {
     fn power(&mut self) -> Result<Expression, FormulaError> {
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err(self.unexpected(&format!("at most {DEEPEST} levels")));
+            return Err(self.unexpected("fewer levels of parentheses and powers"));
         }
         let result = if self.accept('-') {
             Expression::Product(Expression::Number(-1.0).into(), self.power()?.into())
