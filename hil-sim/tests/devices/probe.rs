@@ -156,8 +156,15 @@ async fn garbage_and_silence_are_seen_by_the_host_and_end() {
     let mut counter = Unwrap::new(18);
     let mut gaps = Vec::new();
     let mut last = None;
-    cell.probes[2].inject(Fault::Silence { duration_s: 0.2 }).unwrap();
-    while gaps.is_empty() {
+    let mut silenced = false;
+    for _ in 0..2000 {
+        if !gaps.is_empty() {
+            break;
+        }
+        if last.is_some() && !silenced {
+            cell.probes[2].inject(Fault::Silence { duration_s: 0.2 }).unwrap();
+            silenced = true;
+        }
         for block in host.blocks().await {
             let now = counter.push(layout.read(&block).unwrap().counter.unwrap());
             gaps.extend(last.map(|last| now - last).filter(|step| *step > 1));
