@@ -1,4 +1,14 @@
-//! The virtual machine tool: physics of its own, and devices that speak the real protocols.
+//! A machine tool that exists only in the computer, keeps the truth about itself, and speaks through real ports.
+//!
+//! [`physics`] gives its errors (own transforms, own error physics: nothing here is shared with the columns of
+//! a fit), [`truth`] says what is wrong with it and seals that in a file the program never reads, [`motion`]
+//! moves it, [`devices`] speak the real protocols.
 
 pub mod devices;
 pub mod motion;
+pub mod physics;
+pub mod truth;
+
+pub use physics::hidden::HiddenChoice;
+pub use physics::{Sampler, VirtualMachine};
+pub use truth::{Instrument, NestOn, SimSetup, Truth};

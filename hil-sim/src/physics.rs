@@ -1,0 +1,108 @@
+//! The virtual machine: poses with errors, and what an instrument between tool and table reads.
+//!
+//! R-test, nest on the table: `reading = table_from_machine·p_tool − nominal nest + setting`, table axes
+//! [METHODS §1, S1 eq. 4]. Nest in the spindle: `reading = p_table − p_tool`, machine axes [S0].
+//! Ball bar: `|p_tool − p_table| − L` [METHODS §5]. All exact, tilde poses from [`chain`].
+
+mod chain;
+pub mod disturbance;
+pub mod grid;
+pub mod hidden;
+mod natural;
+mod sampler;
+
+pub use disturbance::Disturbance;
+pub use sampler::Sampler;
+
+use crate::truth::{Instrument, NestOn, Truth};
+use hidden::Scene;
+use nalgebra::Point3;
+use natural::NaturalMotion;
+use trunnion_machine::{Machine, Side, State};
+
+/// A machine with a truth.
+#[derive(Clone, Debug)]
+pub struct VirtualMachine {
+    machine: Machine,
+    truth: Truth,
+    natural: Vec<NaturalMotion>,
+}
+
+/// The truth belongs to another machine.
+#[derive(Debug, thiserror::Error)]
+#[error("the truth is of machine {truth}, not of {machine}; load the machine file it names")]
+pub struct OtherMachine {
+    truth: String,
+    machine: String,
+}
+
+impl VirtualMachine {
+    /// Builds the machine the truth describes. Whether the hidden physics fit the machine was checked when the truth was made.
+    ///
+    /// # Errors
+    /// When the truth names another machine.
+    pub fn new(machine: Machine, truth: Truth) -> Result<Self, OtherMachine> {
+        if machine.name != truth.machine {
+            return Err(OtherMachine { truth: truth.machine, machine: machine.name });
+        }
+        let natural = natural::draw(&machine, truth.noise.natural_motion_mm, truth.seed);
+        Ok(Self { machine, truth, natural })
+    }
+
+    /// The nominal machine.
+    pub fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    /// What is wrong with it.
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// What the instrument of a setup would read without noise, mm: x y z, or the bar's change of length and two zeros.
+    ///
+    /// # Panics
+    /// When `setup` is not the index of a setup of the truth.
+    pub fn ideal_reading_mm(&self, setup: usize, state: &State) -> [f64; 3] {
+        self.disturbed_reading_mm(setup, state, Disturbance::default())
+    }
+
+    /// The reading with something on top of all the truth says.
+    fn disturbed_reading_mm(&self, setup: usize, state: &State, extra: Disturbance) -> [f64; 3] {
+        let wrong = self.disturbance(setup, state) + extra;
+        let pose = |side| chain::machine_from_tip(&self.machine, side, &state.position, &wrong.joints);
+        let (machine_from_table, machine_from_tool) = (pose(Side::Table), pose(Side::Tool));
+        let tool_in_machine = machine_from_tool * Point3::origin() + wrong.tool_in_machine_mm;
+        let placed = &self.truth.setups[setup];
+        let setting = placed.setting_mm + wrong.setting_in_table_mm;
+        let nominal_in_table = placed.setup.ball_in_table_mm;
+        let ball_in_machine = machine_from_table * (nominal_in_table + setting) + wrong.table_in_machine_mm;
+        match (placed.setup.instrument, placed.setup.nest) {
+            (Instrument::RTest, NestOn::Table) => {
+                let tool_in_table =
+                    machine_from_table.inverse() * (tool_in_machine - wrong.table_in_machine_mm);
+                (tool_in_table - nominal_in_table + setting).into()
+            }
+            (Instrument::RTest, NestOn::Spindle) => (ball_in_machine - tool_in_machine).into(),
+            (Instrument::BallBar { length_mm }, _) => {
+                [(tool_in_machine - ball_in_machine).norm() - length_mm, 0.0, 0.0]
+            }
+        }
+    }
+
+    fn disturbance(&self, setup: usize, state: &State) -> Disturbance {
+        let mut wrong = Disturbance::from_joints(self.truth.location);
+        for motion in &self.natural {
+            wrong = wrong + motion.at(state);
+        }
+        for hidden in &self.truth.hidden {
+            wrong = wrong + hidden.at(&Scene { machine: &self.machine, place: hidden.place, setup, state });
+        }
+        wrong
+    }
+}
+
+/// Noise-free readings of a list of states, each with the setup it names.
+pub fn simulate_points(machine: &VirtualMachine, states: &[State]) -> Vec<[f64; 3]> {
+    states.iter().map(|state| machine.ideal_reading_mm(state.setup, state)).collect()
+}

@@ -1,0 +1,28 @@
+//! The clock of the CNC positions runs behind that of the rotary axes' group.
+//!
+//! The rotary axes are where they were τ ago when the linear axes are where they are said to be: positioning error
+//! `−v τ` of every rotary axis. Looks like servo lag of all of them at once: ∝ v, flips with direction, nothing at rest.
+
+use super::*;
+
+pub(super) const KIND: Kind = Kind {
+    name: "sync-delay",
+    about: "rotary axes come later than linear axes",
+    amplitude: "delay, s",
+    places: &[Place::Machine],
+    seen_in: SeenIn::OnTheFly,
+    catalogued: true,
+    shape: &["sign"],
+    draw,
+    disturb,
+};
+
+fn draw(rng: &mut ChaCha8Rng, _: &Circumstances<'_>) -> Vec<f64> {
+    vec![any_sign(rng)]
+}
+
+fn disturb(scene: &Scene<'_>, shape: &[f64]) -> Disturbance {
+    let [sign] = numbers(shape);
+    let late = |letter| scene.positioning(letter, -sign * scene.state.velocity[letter]);
+    AxisLetter::ROTARY.into_iter().map(late).fold(Disturbance::default(), |sum, each| sum + each)
+}

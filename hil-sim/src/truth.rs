@@ -1,0 +1,142 @@
+//! The truth about a virtual machine: everything that is wrong with it, and nothing else.
+//!
+//! Drawn from a seed, or read from the sealed truth file `format = "trunnion-truth/1"`.
+
+mod draw;
+mod file;
+
+pub use draw::{LocationError, minimum_set};
+
+use crate::physics::hidden::Hidden;
+use nalgebra::{Point3, Vector3};
+use trunnion_machine::JointErrors;
+
+/// What is wrong with one machine during one run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    /// Name of the machine file.
+    pub machine: String,
+    /// Seed of everything random that is not written out: noise and natural error motions.
+    pub seed: u64,
+    /// Length of the run for which the time constants were drawn, s.
+    pub run_duration_s: f64,
+    /// Location errors at the joints, constant, mm and rad (minimum set, others zero).
+    pub location: JointErrors,
+    /// Setups in the order of `State::setup`.
+    pub setups: Vec<PlacedSetup>,
+    /// Everything the readings suffer besides.
+    pub noise: Noise,
+    /// Physics no base model knows of.
+    pub hidden: Vec<Hidden>,
+}
+
+/// One way of placing ball and nest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimSetup {
+    /// Name as in the cycle and points files.
+    pub name: String,
+    /// Where the nest is (R-test), ignored by the ball bar.
+    pub nest: NestOn,
+    /// Nominal centre of whatever the table carries (nest or ball), table axes, mm.
+    pub ball_in_table_mm: Point3<f64>,
+    /// What reads it.
+    pub instrument: Instrument,
+}
+
+/// What carries the nest of the R-test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NestOn {
+    /// The table; the ball rides in the spindle (S1).
+    Table,
+    /// The spindle; the ball sits on the table (S0).
+    Spindle,
+}
+
+/// The instrument between tool and table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Instrument {
+    /// Three probes: all three components.
+    RTest,
+    /// A ball bar: change of the distance of two balls.
+    BallBar {
+        /// Calibrated length, mm.
+        length_mm: f64,
+    },
+}
+
+/// A setup and how far off it was really placed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedSetup {
+    /// As planned.
+    pub setup: SimSetup,
+    /// Offset of ball against nest, fixed to the table, table axes, mm.
+    pub setting_mm: Vector3<f64>,
+}
+
+/// Noise of a run. Standard deviations unless said otherwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// White noise of every component of every reading, mm.
+    pub white_mm: f64,
+    /// Offset of every pass (setup and directions of travel), machine axes, mm.
+    pub pass_offset_mm: f64,
+    /// Slow Ornstein–Uhlenbeck drift, machine axes, mm.
+    pub drift_mm: f64,
+    /// Its correlation time, s.
+    pub drift_time_s: f64,
+    /// Scatter of every positioning of the tilting axis, rad.
+    pub repeatability_rad: f64,
+    /// Size of the small repeatable error motions every rotary axis has, mm.
+    pub natural_motion_mm: f64,
+    /// Share of outliers, 0..1.
+    pub outlier_share: f64,
+    /// Size of an outlier, mm.
+    pub outlier_mm: f64,
+}
+
+impl Noise {
+    /// None at all.
+    pub const NONE: Self = Self {
+        white_mm: 0.0,
+        pass_offset_mm: 0.0,
+        drift_mm: 0.0,
+        drift_time_s: 600.0,
+        repeatability_rad: 0.0,
+        natural_motion_mm: 0.0,
+        outlier_share: 0.0,
+        outlier_mm: 0.0,
+    };
+
+    /// White noise of 0.3 µm only.
+    pub const WHITE: Self = Self { white_mm: 0.3e-3, ..Self::NONE };
+
+    /// What a good machine in a good room does (DIAGNOSIS: "real" noise). The drift wanders over a quarter of the run.
+    pub fn real(run_duration_s: f64) -> Self {
+        Self {
+            white_mm: 0.3e-3,
+            pass_offset_mm: 0.1e-3,
+            drift_mm: 0.15e-3,
+            drift_time_s: 0.25 * run_duration_s,
+            repeatability_rad: 1e-6,
+            natural_motion_mm: 0.15e-3,
+            outlier_share: 0.01,
+            outlier_mm: 5e-3,
+        }
+    }
+}
+
+impl Truth {
+    /// A machine without any error and without noise.
+    pub fn perfect(machine: &str, setups: &[SimSetup], run_duration_s: f64) -> Self {
+        let place = |setup: &SimSetup| PlacedSetup { setup: setup.clone(), setting_mm: Vector3::zeros() };
+        Self {
+            machine: machine.into(),
+            seed: 0,
+            run_duration_s,
+            location: JointErrors::default(),
+            setups: setups.iter().map(place).collect(),
+            noise: Noise::NONE,
+            hidden: Vec::new(),
+        }
+    }
+}
