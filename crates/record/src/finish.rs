@@ -241,10 +241,10 @@ fn rewrite(
         }
         if let Some(text) = recovered {
             let schema = writer.add_schema(Topic::Event.schema(), "protobuf", FILE_DESCRIPTOR_SET)?;
-            let topic = Topic::Event.name(&header);
+            let topic = Topic::Event.name(header);
             let channel_id = writer.add_channel(schema, &topic, "protobuf", &BTreeMap::new())?;
             let last = contents.messages.last().map_or(0, |place| place.log_time);
-            let start = wall_time(&header, 0.0);
+            let start = wall_time(header, 0.0);
             let time_s = last.saturating_sub(start) as f64 * 1e-9;
             let text = match &contents.damage {
                 Some(damage) => format!("{text}. At byte {}: {}", damage.offset, damage.reason),

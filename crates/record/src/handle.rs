@@ -41,6 +41,7 @@ pub struct RecorderHandle {
     thread: JoinHandle<Result<Finished, RecordError>>,
 }
 
+#[expect(clippy::large_enum_variant, reason = "nearly every order is the large one")]
 enum Order {
     Record(Item, HostTime),
     Finish,

@@ -63,6 +63,10 @@ impl RunHeader {
 }
 
 /// One thing to record, or one thing read back. Times are run time.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "the queue is bounded, and one box a sample batch would cost more"
+)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
     /// Probe samples in order of time; channels may be mixed when recording, one channel when read.
