@@ -12,7 +12,7 @@ fn nothing_hidden() -> Run {
 }
 
 fn fit(run: Run, model: &Model) -> Result<trunnion_identify::Identification, IdentifyError> {
-    identify(&Experiment::new(&[run]).unwrap(), model, &Options::default())
+    identify(&Experiment::new(&[run]).expect("points"), model, &Options::default())
 }
 
 #[test]

@@ -7,9 +7,16 @@ use serde_json::Value;
 use trunnion_identify::linear::least_squares;
 
 fn numbers(value: &Value) -> Vec<f64> {
-    let one =
-        |x: &Value| x.as_f64().unwrap_or_else(|| x.as_str().unwrap().replace('D', "E").parse().unwrap());
-    value.as_array().unwrap().iter().map(one).collect()
+    let one = |x: &Value| {
+        x.as_f64().unwrap_or_else(|| {
+            x.as_str()
+                .expect("the form of the data file")
+                .replace('D', "E")
+                .parse()
+                .expect("the form of the data file")
+        })
+    };
+    value.as_array().expect("the form of the data file").iter().map(one).collect()
 }
 
 /// Fewest correct digits of any coefficient, and of any standard deviation that is not zero.
@@ -17,14 +24,20 @@ fn digits(set: &Value) -> (f64, f64) {
     let y = DVector::from_vec(numbers(&set["y"]));
     let a = if set["kind"] == "poly" {
         let x = numbers(&set["x"]);
-        let degree = set["deg"].as_u64().unwrap() as usize;
+        let degree = set["deg"].as_u64().expect("the form of the data file") as usize;
         DMatrix::from_fn(x.len(), degree + 1, |i, j| x[i].powf(j as f64))
     } else {
         let rows: Vec<Vec<f64>> = set["X"]
             .as_array()
-            .unwrap()
+            .expect("the form of the data file")
             .iter()
-            .map(|row| if row.is_array() { numbers(row) } else { vec![row.as_f64().unwrap()] })
+            .map(|row| {
+                if row.is_array() {
+                    numbers(row)
+                } else {
+                    vec![row.as_f64().expect("the form of the data file")]
+                }
+            })
             .collect();
         DMatrix::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j])
     };
@@ -42,7 +55,9 @@ fn digits(set: &Value) -> (f64, f64) {
 
 #[test]
 fn certified_coefficients_are_met() {
-    let sets: Value = serde_json::from_str(&common::outside("nist_strd_linear.json").unwrap()).unwrap();
+    let sets: Value =
+        serde_json::from_str(&common::outside("nist_strd_linear.json").expect("the form of the data file"))
+            .expect("the form of the data file");
     for (name, least, least_u) in [
         ("Norris", 12.0, 12.0),
         ("Pontius", 11.0, 11.0),

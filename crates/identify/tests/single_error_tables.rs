@@ -74,8 +74,8 @@ fn closed_form(sheet: &Sheet) -> Rows {
 
 fn fit(sheet: &Sheet, rows: &Rows) -> Identification {
     let run = common::run_ac(sheet.name, Vector3::from(sheet.ball_mm), rows);
-    let experiment = Experiment::new(&[run]).unwrap();
-    identify(&experiment, &Model::base("table-ac"), &Options::default()).unwrap()
+    let experiment = Experiment::new(&[run]).expect("points");
+    identify(&experiment, &Model::base("table-ac"), &Options::default()).expect("a fit")
 }
 
 /// Location errors are as expected, those not listed zero; what cannot be told apart is named.
@@ -91,12 +91,16 @@ fn check(sheet: &Sheet, fit: &Identification, tolerance: f64) {
         );
     }
     for (name, _) in sheet.expected {
-        assert!(fit.parameter(name).unwrap().observable(), "{}: {name} has no number", sheet.name);
+        assert!(
+            fit.parameter(name).expect("a parameter").observable(),
+            "{}: {name} has no number",
+            sheet.name
+        );
     }
     for direction in ["EX0A - EX0C", "EA0C - EA0A", "EZ0C - ball-setting.ball.z"] {
         assert!(fit.unobservable.iter().any(|d| d.direction == direction), "{}: {direction}", sheet.name);
     }
-    assert!(!fit.parameter("EZ0C").unwrap().observable());
+    assert!(!fit.parameter("EZ0C").expect("a parameter").observable());
 }
 
 #[test]
