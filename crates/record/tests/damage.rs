@@ -1,5 +1,7 @@
 //! No file, however damaged, panics the reader or makes it allocate without bound; damage is reported.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail like tests")]
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,7 @@
 //! Nothing accepted more than 0.1 s before a kill is lost.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail like tests")]
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::HashSet;

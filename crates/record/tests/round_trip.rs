@@ -1,5 +1,7 @@
 //! What is recorded is read back, bit for bit, by our reader and by one we did not write.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail like tests")]
+
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
