@@ -5,7 +5,7 @@ use crate::diagnosis::{
 };
 use crate::evidence::Score;
 use crate::problem::Problem;
-use crate::search::{Item, Scans, What, columns_of, named_item, refine, scan, search};
+use crate::search::{Item, Scans, What, columns_of, named_item, refine, scan, scan_named, scan_open, search};
 use crate::{Options, words};
 use nalgebra::DMatrix;
 use std::f64::consts::LN_10;
@@ -105,17 +105,13 @@ impl Context<'_> {
 
     fn candidate(&self, group: usize, ln_odds: f64, item: &Item) -> Candidate {
         let problem = self.problem;
-        let alone = scan(problem, &item.columns);
-        let rest_ln = alone
-            .named
-            .scores
-            .iter()
-            .enumerate()
-            .filter(|(g, _)| *g != group)
-            .map(|(_, score)| score.ln_odds)
-            .chain(alone.open.map(|(score, _)| score.ln_odds))
-            .fold(f64::NEG_INFINITY, f64::max);
-        let adequate = rest_ln <= self.options.claim_ln;
+        let alone = scan_named(problem, &item.columns);
+        let others = alone.named.scores.iter().enumerate().filter(|(g, _)| *g != group);
+        let named_left = others.map(|(_, score)| score.ln_odds).fold(f64::NEG_INFINITY, f64::max);
+        let limit = self.options.claim_ln;
+        let adequate = named_left <= limit
+            && scan_open(problem, &item.columns, &alone.fit, &alone.named)
+                .is_none_or(|(score, _)| score.ln_odds <= limit);
         let after_mm = alone.fit.rms_mm;
         let instance = &problem.instances[group];
         let confused = self.confused_with(group, item);
@@ -156,10 +152,13 @@ impl Context<'_> {
     /// Rivals whose odds are close when the other kept effects are in the model, and effects whose columns coincide with
     /// this one's in this cycle.
     fn confused_with(&self, group: usize, item: &Item) -> Vec<usize> {
+        if !self.found.iter().any(|other| other.what == item.what) {
+            return Vec::new();
+        }
         let problem = self.problem;
         let rows = problem.experiment.rows();
         let others = columns_of(self.found.iter().filter(|other| other.what != item.what), rows);
-        let scans = scan(problem, &others);
+        let scans = scan_named(problem, &others);
         let scores = &scans.named.scores;
         let member = &problem.bank.members[scores[group].member];
         let kept = |g: usize| self.found.iter().any(|other| other.what == What::Named(g));

@@ -17,9 +17,11 @@ use std::ops::Range;
 /// Directions that keep less than this share of their norm are taken as imitated by the model.
 pub const SURVIVAL: f64 = 0.03;
 /// Variances of the repeatable error motions in the bank, relative to the white noise.
-const MOTIONS: [f64; 3] = [0.0, 0.15, 0.6];
+const MOTIONS: [f64; 2] = [0.0, 0.4];
 /// Threads used for the bank.
 const WORKERS: usize = 2;
+/// Repeatable motions of a rotary axis are natural up to this share of the noise variance: every bearing has some.
+const NATURAL_SHARE: f64 = 0.5;
 
 /// Columns that compete: groups of alternatives (one per shape), each a few columns.
 #[derive(Clone, Debug)]
@@ -37,15 +39,27 @@ pub struct Group {
     pub parts: Vec<Range<usize>>,
     /// ln of its prior odds, not positive.
     pub prior_ln: f64,
+    /// True for repeatable motions of a rotary axis, which must exceed what is natural.
+    pub natural: bool,
+}
+
+/// A group before its columns are stacked.
+pub struct Entry {
+    /// Columns of each shape, rows × columns.
+    pub parts: Vec<DMatrix<f64>>,
+    /// See [`Group::prior_ln`].
+    pub prior_ln: f64,
+    /// See [`Group::natural`].
+    pub natural: bool,
 }
 
 impl Library {
-    /// Stacks groups given as (columns per shape as rows × columns, prior); scales each column to norm 1.
-    pub fn new(rows: usize, groups: Vec<(Vec<DMatrix<f64>>, f64)>) -> Self {
-        let width = groups.iter().flat_map(|(parts, _)| parts).map(DMatrix::ncols).sum();
+    /// Stacks groups; scales each column to norm 1.
+    pub fn new(rows: usize, groups: Vec<Entry>) -> Self {
+        let width = groups.iter().flat_map(|entry| &entry.parts).map(DMatrix::ncols).sum();
         let mut columns = DMatrix::zeros(width, rows);
         let (mut next, mut listed) = (0, Vec::with_capacity(groups.len()));
-        for (parts, prior_ln) in groups {
+        for Entry { parts, prior_ln, natural } in groups {
             let mut ranges = Vec::with_capacity(parts.len());
             for part in parts {
                 for j in 0..part.ncols() {
@@ -56,7 +70,7 @@ impl Library {
                 ranges.push(next..next + part.ncols());
                 next += part.ncols();
             }
-            listed.push(Group { parts: ranges, prior_ln });
+            listed.push(Group { parts: ranges, prior_ln, natural });
         }
         Self { columns, groups: listed }
     }
@@ -66,7 +80,8 @@ impl Library {
         let part = |range: &Range<usize>| self.columns.rows(range.start, range.len()).transpose();
         let groups = chosen.iter().map(|&g| {
             let group = &self.groups[g];
-            (group.parts.iter().map(part).collect(), group.prior_ln)
+            let parts = group.parts.iter().map(part).collect();
+            Entry { parts, prior_ln: group.prior_ln, natural: group.natural }
         });
         Self::new(self.columns.ncols(), groups.collect())
     }
@@ -94,6 +109,7 @@ pub struct Prepared {
 
 /// What a library looks like under one noise model.
 pub struct Blocks {
+    /// Motion × column.
     on_motion: DMatrix<f64>,
     grams: Vec<DMatrix<f64>>,
     norm_squared: Vec<f64>,
@@ -134,6 +150,8 @@ pub struct Score {
     pub log_likelihood: f64,
     /// The same without the price of its columns: how well it fits.
     pub fit_ln: f64,
+    /// Mean square that it explains, relative to the noise, in whitened readings.
+    pub share: f64,
 }
 
 impl Score {
@@ -174,11 +192,15 @@ impl Bank {
             let prepared = &self.members[m];
             let context = prepared.context(y, chosen);
             let scored = members.iter().position(|&x| x == m);
+            let products = match scored {
+                Some(_) => prepared.products(library, &context),
+                None => DMatrix::zeros(0, 0),
+            };
             MOTIONS
                 .iter()
                 .map(|&rho| {
                     let blocks = scored.map(|i| blocks[i]);
-                    prepared.scan(library, blocks, &context, rho, self.rows)
+                    prepared.scan(library, blocks, &context, &products, rho, self.rows)
                 })
                 .collect::<Vec<_>>()
         });
@@ -209,8 +231,9 @@ impl Prepared {
         let mut random = random.transpose();
         random -= &basis * (basis.transpose() * &random);
         let eigen = (random.transpose() * &random).symmetric_eigen();
+        let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max).max(1e-9);
         let keep: Vec<usize> =
-            (0..eigen.eigenvalues.len()).filter(|&j| eigen.eigenvalues[j] > 1e-9).collect();
+            (0..eigen.eigenvalues.len()).filter(|&j| eigen.eigenvalues[j] > 0.01 * largest).collect();
         let mut motion = DMatrix::zeros(random.nrows(), keep.len());
         let mut motion_eigenvalues = DVector::zeros(keep.len());
         for (k, &j) in keep.iter().enumerate() {
@@ -243,7 +266,7 @@ impl Prepared {
             sums
         };
         let on_basis = &whitened * &self.basis;
-        let on_motion = &whitened * &self.motion;
+        let on_motion = self.motion.tr_mul(&whitened.transpose());
         let gram = |range: &Range<usize>| {
             let columns = whitened.rows(range.start, range.len());
             let shadow = on_basis.rows(range.start, range.len());
@@ -262,15 +285,23 @@ impl Prepared {
         Context { vectors, on_motion }
     }
 
+    /// Inner products of the library with readings and chosen columns; column × vector.
+    fn products(&self, library: &Library, context: &Context) -> DMatrix<f64> {
+        let mut back = context.vectors.clone();
+        self.whitener.adjoint(&mut back);
+        &library.columns * back.transpose()
+    }
+
     /// (ln marginal likelihood of nothing, per part (ln BF, surviving columns, gain)).
     fn scan(
         &self,
         library: &Library,
         blocks: Option<&Blocks>,
         context: &Context,
+        products: &DMatrix<f64>,
         rho: f64,
         rows: usize,
-    ) -> (f64, Vec<(f64, usize, f64)>) {
+    ) -> (f64, Vec<PartScore>) {
         let weights = self.motion_eigenvalues.map(|d| rho * d / (1.0 + rho * d));
         let softened = |m: &DMatrix<f64>| {
             let mut scaled = m.clone();
@@ -291,10 +322,8 @@ impl Prepared {
         let nothing = -0.5 * log_det - 0.5 * nu * rss.ln();
         let Some(blocks) = blocks else { return (nothing, Vec::new()) };
 
-        let mut back = context.vectors.clone();
-        self.whitener.adjoint(&mut back);
-        let mut products = &library.columns * back.transpose();
-        products -= &blocks.on_motion * soft_context.transpose();
+        let mut products = products.clone();
+        products -= blocks.on_motion.tr_mul(&soft_context.transpose());
         let on_chosen = chosen.orthonormal(&products);
         let residual = products.column(0) - &on_chosen * &chosen.on_readings;
         let mut scored = Vec::with_capacity(blocks.grams.len());
@@ -437,6 +466,8 @@ impl Scratch {
         on_chosen: &DMatrix<f64>,
         residual: &DVector<f64>,
     ) {
+        let height = weights.len();
+        let motion = |column: usize| &blocks.on_motion.as_slice()[column * height..(column + 1) * height];
         let size = range.len();
         self.size = size;
         self.gram.clear();
@@ -450,8 +481,9 @@ impl Scratch {
                 let mut value = gram[(i, j)];
                 if j <= i {
                     if rho > 0.0 {
+                        let (on_a, on_b) = (motion(a), motion(b));
                         for m in 0..weights.len() {
-                            value -= weights[m] * blocks.on_motion[(a, m)] * blocks.on_motion[(b, m)];
+                            value -= weights[m] * on_a[m] * on_b[m];
                         }
                     }
                     for c in 0..on_chosen.ncols() {
@@ -496,18 +528,27 @@ impl Scratch {
     }
 }
 
-/// (ln BF, surviving columns, gain in fit) of one part.
-fn score(r_squared: f64, surviving: usize, nu: f64, g: f64) -> (f64, usize, f64) {
+/// Score of one shape under one noise.
+#[derive(Clone, Copy, Default)]
+struct PartScore {
+    ln_bf: f64,
+    surviving: usize,
+    /// −½ ν ln(1 − R²).
+    gain_ln: f64,
+    share: f64,
+}
+
+fn score(r_squared: f64, surviving: usize, nu: f64, g: f64) -> PartScore {
     if surviving == 0 {
-        return (0.0, 0, 0.0);
+        return PartScore::default();
     }
     let left = (1.0 - r_squared).clamp(1e-12, 1.0);
     let k = surviving as f64;
     let ln_bf = 0.5 * (nu - k) * g.ln_1p() - 0.5 * nu * (g * left).ln_1p();
-    (ln_bf, surviving, -0.5 * nu * left.ln())
+    PartScore { ln_bf, surviving, gain_ln: -0.5 * nu * left.ln(), share: (1.0 - left) / left * nu / g }
 }
 
-type MemberScores = Vec<(f64, Vec<(f64, usize, f64)>)>;
+type MemberScores = Vec<(f64, Vec<PartScore>)>;
 
 fn combine(library: &Library, per_member: &[MemberScores]) -> Scan {
     let nothing: Vec<f64> =
@@ -526,24 +567,25 @@ fn combine(library: &Library, per_member: &[MemberScores]) -> Scan {
             surviving: 0,
             log_likelihood: f64::NEG_INFINITY,
             fit_ln: f64::NEG_INFINITY,
+            share: 0.0,
         };
         for (member, by_motion) in per_member.iter().enumerate() {
             for (nothing, scored) in by_motion {
-                for (part, &(ln_bf, surviving, gain_ln)) in
+                for (part, &PartScore { ln_bf, surviving, gain_ln, share }) in
                     scored.iter().skip(first_part).take(parts).enumerate()
                 {
                     let log_likelihood = nothing + ln_bf;
                     terms.push(log_likelihood);
                     if log_likelihood > best.log_likelihood {
                         let fit_ln = nothing + gain_ln;
-                        best = Score { part, member, surviving, log_likelihood, fit_ln, ..best };
+                        best = Score { part, member, surviving, log_likelihood, fit_ln, share, ..best };
                     }
                 }
             }
         }
         best.ln_odds =
             log_sum_exp(terms.iter().copied()) - (parts.max(1) as f64).ln() - total_nothing + group.prior_ln;
-        if best.surviving == 0 {
+        if best.surviving == 0 || (group.natural && best.share < NATURAL_SHARE) {
             best.ln_odds = f64::NEG_INFINITY;
         }
         scores.push(best);

@@ -1,7 +1,7 @@
 //! An experiment and a model, laid out for scans: readings, base columns, libraries, noise bank.
 
 use crate::DiagnoseError;
-use crate::evidence::{Bank, Blocks, Library, stacked};
+use crate::evidence::{Bank, Blocks, Entry, Library, stacked};
 use crate::noise::Order;
 use crate::vocabulary::{self, Vocabulary};
 use nalgebra::{DMatrix, DVector};
@@ -74,13 +74,14 @@ impl<'a> Problem<'a> {
             }
             let parts: Vec<DMatrix<f64>> =
                 grid.grid.iter().map(|shape| finite(experiment.columns(&instance, shape))).collect();
-            groups.push((parts, 0.0));
+            let natural = instance.id().contains("-error-motion");
+            groups.push(Entry { parts, prior_ln: 0.0, natural });
             instances.push(instance);
             shapes.push(grid);
         }
         let prior = -(groups.len().max(1) as f64).ln();
         for group in &mut groups {
-            group.1 = prior;
+            group.prior_ln = prior;
         }
         let named = Library::new(experiment.rows(), groups);
         let order = Order::new(experiment);

@@ -6,9 +6,9 @@ use crate::problem::{Fit, Problem};
 use nalgebra::DMatrix;
 
 /// Noise models under which the whole grammar is scored; its best phrases are then scored under all.
-const OPEN_MEMBERS: usize = 4;
+const OPEN_MEMBERS: usize = 3;
 /// Best phrases of the grammar that are scored under the whole bank.
-const OPEN_FINALISTS: usize = 24;
+const OPEN_FINALISTS: usize = 8;
 /// A phrase beats the catalogue when it leads by more than this.
 const CLEAR_LEAD: f64 = 3.0;
 /// A named effect that fits as well as the phrase, up to this, is the plainer explanation of the same shape.
@@ -50,16 +50,22 @@ pub fn columns_of<'a>(items: impl Iterator<Item = &'a Item>, rows: usize) -> DMa
     items.fold(DMatrix::zeros(0, rows), |all, item| stacked(&all, &item.columns))
 }
 
-/// Scores everything with `chosen` (column × row) in the model.
-pub fn scan(problem: &Problem<'_>, chosen: &DMatrix<f64>) -> Scans {
+/// Scores the catalogue alone with `chosen` (column × row) in the model.
+pub fn scan_named(problem: &Problem<'_>, chosen: &DMatrix<f64>) -> Scans {
     let fit = problem.fit(chosen);
     let all: Vec<usize> = (0..problem.bank.members.len()).collect();
     let named = problem.bank.scan(&problem.named, &all, &problem.named_blocks(), &fit.readings, chosen);
-    let open = scan_open(problem, chosen, &fit, &named);
-    Scans { fit, named, open }
+    Scans { fit, named, open: None }
 }
 
-fn scan_open(
+/// Scores everything with `chosen` (column × row) in the model.
+pub fn scan(problem: &Problem<'_>, chosen: &DMatrix<f64>) -> Scans {
+    let scans = scan_named(problem, chosen);
+    let open = scan_open(problem, chosen, &scans.fit, &scans.named);
+    Scans { open, ..scans }
+}
+
+pub fn scan_open(
     problem: &Problem<'_>,
     chosen: &DMatrix<f64>,
     fit: &Fit,

@@ -6,7 +6,7 @@
 //! `formula:` effect and evaluated by the formula reader, so that what is found can be added as it stands.
 //! Price: ln(number of groups) + 1 per order.
 
-use crate::evidence::Library;
+use crate::evidence::{Entry, Library};
 use crate::noise::{Order, ground_joint};
 use crate::problem::{modulated, unit_columns};
 use nalgebra::{DMatrix, DVector};
@@ -55,6 +55,8 @@ struct Family {
     variants: Vec<Vec<String>>,
     words: String,
     carriers: Carriers,
+    /// Repeatable motion of a rotary axis.
+    natural: bool,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -92,7 +94,11 @@ pub fn vocabulary(experiment: &Experiment, order: &Order) -> Vocabulary {
                     .collect();
                 DMatrix::from_columns(&columns)
             };
-            groups.push((values.iter().map(part).collect::<Vec<_>>(), -(family.order as f64)));
+            groups.push(Entry {
+                parts: values.iter().map(part).collect(),
+                prior_ln: -(family.order as f64),
+                natural: family.natural,
+            });
             phrases.push(Phrase {
                 site: site_text(carrier.site),
                 component: COMPONENTS[carrier.component],
@@ -103,7 +109,7 @@ pub fn vocabulary(experiment: &Experiment, order: &Order) -> Vocabulary {
     }
     let price = (groups.len().max(1) as f64).ln();
     for group in &mut groups {
-        group.1 -= price;
+        group.prior_ln -= price;
     }
     Vocabulary { library: Library::new(experiment.rows(), groups), phrases }
 }
@@ -223,6 +229,7 @@ fn angles(rotary: &[AxisLetter], families: &mut Vec<Family>) {
                 variants,
                 words: words.join(" and "),
                 carriers: Carriers::All,
+                natural: true,
             });
         }
     }
@@ -230,7 +237,7 @@ fn angles(rotary: &[AxisLetter], families: &mut Vec<Family>) {
         for m in 1..=2 {
             let variants = vec![products(&[slow.to_string()], &waves(Some(fast), m))];
             let words = format!("{m} per turn of {fast}, growing with {slow}");
-            families.push(Family { order: m + 1, variants, words, carriers: Carriers::All });
+            families.push(Family { order: m + 1, variants, words, carriers: Carriers::All, natural: false });
         }
     }
 }
@@ -253,7 +260,7 @@ fn directions(
     for (order, factors, words) in companions(rotary) {
         let variants = vec![products(&[format!("dir{letter}")], &factors)];
         let words = format!("changing sign with the direction of {letter}{words}");
-        families.push(Family { order: order + 1, variants, words, carriers: Carriers::All });
+        families.push(Family { order: order + 1, variants, words, carriers: Carriers::All, natural: false });
     }
     // Hysteresis: what is left of the last reversal dies out with the travel since.
     let (low, high) = experiment.scene.position_range[letter];
@@ -263,7 +270,7 @@ fn directions(
     };
     let variants = [0.15, 0.4, 1.0].map(|share| decay(share * half.max(1e-3))).into();
     let words = format!("after each reversal of {letter}, fading with its travel");
-    families.push(Family { order: 2, variants, words, carriers: Carriers::All });
+    families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
 }
 
 fn linear(experiment: &Experiment, families: &mut Vec<Family>) {
@@ -272,14 +279,14 @@ fn linear(experiment: &Experiment, families: &mut Vec<Family>) {
     for (i, first) in letters.iter().enumerate() {
         let dir = vec![vec![format!("dir{first}")]];
         let words = format!("changing sign with the direction of {first}");
-        families.push(Family { order: 1, variants: dir, words, carriers: Carriers::Ground });
+        families.push(Family { order: 1, variants: dir, words, carriers: Carriers::Ground, natural: false });
         let line = vec![vec![format!("{first}/100")]];
         let words = format!("proportional to {first}");
-        families.push(Family { order: 1, variants: line, words, carriers: Carriers::Ground });
+        families.push(Family { order: 1, variants: line, words, carriers: Carriers::Ground, natural: false });
         for second in &letters[i..] {
             let variants = vec![vec![format!("{first}*{second}/10000")]];
             let words = format!("with {first} times {second}");
-            families.push(Family { order: 2, variants, words, carriers: Carriers::Ground });
+            families.push(Family { order: 2, variants, words, carriers: Carriers::Ground, natural: false });
         }
     }
 }
@@ -301,30 +308,30 @@ fn places(letter: AxisLetter, experiment: &Experiment, families: &mut Vec<Family
     };
     let variants = (0..12).map(|i| bump(at(f64::from(i) / 11.0))).collect();
     let words = format!("near one angle of {letter}");
-    families.push(Family { order: 2, variants, words, carriers: Carriers::All });
+    families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
     let shares: Vec<f64> = (1..8).map(|i| f64::from(i) / 8.0).collect();
     for (exponent, how) in [("", "in proportion"), ("^2", "with the square")] {
         let above = |share: &f64| vec![format!("max(0, {letter} - {:.4}){exponent}", at(*share))];
         let words = format!("above an angle of {letter}, {how}");
         let variants = shares.iter().map(above).collect();
-        families.push(Family { order: 2, variants, words, carriers: Carriers::All });
+        families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
         let below = |share: &f64| vec![format!("max(0, {:.4} - {letter}){exponent}", at(*share))];
         let words = format!("below an angle of {letter}, {how}");
         let variants = shares.iter().map(below).collect();
-        families.push(Family { order: 2, variants, words, carriers: Carriers::All });
+        families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
         if low < -0.2 && high > 0.2 {
             let reach = high.min(-low);
             let beyond =
                 |share: &f64| vec![format!("max(0, abs({letter}) - {:.4}){exponent}", share * reach)];
             let words = format!("on both sides beyond an angle of {letter}, {how}");
             let variants = shares.iter().map(beyond).collect();
-            families.push(Family { order: 2, variants, words, carriers: Carriers::All });
+            families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
         }
     }
     let step = |share: &f64| vec![format!("step({letter} - {:.4})", at(*share))];
     let words = format!("switching at an angle of {letter}");
     let variants = shares.iter().map(step).collect();
-    families.push(Family { order: 2, variants, words, carriers: Carriers::All });
+    families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
 }
 
 fn times(duration_s: f64, rotary: &[AxisLetter], families: &mut Vec<Family>) {
@@ -336,20 +343,33 @@ fn times(duration_s: f64, rotary: &[AxisLetter], families: &mut Vec<Family>) {
             variants: line,
             words: linear_words,
             carriers: Carriers::All,
+            natural: false,
         });
         let decays = [0.06, 0.15, 0.4];
         let warming = |share: &f64| products(&[format!("(1 - exp(-t/{:.1}))", share * duration_s)], &factors);
         let variants = decays.iter().map(warming).collect();
         let words = format!("settling with time{words}");
-        families.push(Family { order: order + 2, variants, words, carriers: Carriers::All });
+        families.push(Family { order: order + 2, variants, words, carriers: Carriers::All, natural: false });
     }
     let step = |i: i32| vec![format!("step(t - {:.1})", duration_s * f64::from(i) / 13.0)];
     let words = "switching at one moment".into();
-    families.push(Family { order: 1, variants: (1..13).map(step).collect(), words, carriers: Carriers::All });
+    families.push(Family {
+        order: 1,
+        variants: (1..13).map(step).collect(),
+        words,
+        carriers: Carriers::All,
+        natural: false,
+    });
     let wave = |i: i32| {
         let rate = 2.0 * PI * 1.35_f64.powi(i) * 2.0 / duration_s;
         vec![format!("cos({rate:.6}*t)"), format!("sin({rate:.6}*t)")]
     };
     let words = "coming and going with time".into();
-    families.push(Family { order: 2, variants: (0..7).map(wave).collect(), words, carriers: Carriers::All });
+    families.push(Family {
+        order: 2,
+        variants: (0..7).map(wave).collect(),
+        words,
+        carriers: Carriers::All,
+        natural: false,
+    });
 }
