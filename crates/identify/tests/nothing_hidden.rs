@@ -6,8 +6,8 @@ use trunnion_effects::Model;
 use trunnion_identify::{Experiment, Identification, NoiseOrigin, Options, identify};
 
 fn fitted() -> Identification {
-    let experiment = Experiment::new(&[common::points_run("points-nothing-hidden")]).unwrap();
-    identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap()
+    let experiment = Experiment::new(&[common::points_run("points-nothing-hidden")]).expect("points");
+    identify(&experiment, &Model::base("table-bc"), &Options::default()).expect("a fit")
 }
 
 #[test]

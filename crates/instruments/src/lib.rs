@@ -1,6 +1,6 @@
 //! Observation models: what an instrument sees of the machine, exactly and to first order.
 //!
-//! Both forms are given the same errors by site; [`Instrument::project`] is the derivative of [`Instrument::predict`] at zero
+//! Both forms are given the same errors by site; [`Projector::column`] is the derivative of [`predict`] at zero
 //! errors (a test holds them together). One file per instrument, one line in [`REGISTRY`].
 
 mod ball_bar;
