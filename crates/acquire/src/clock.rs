@@ -13,8 +13,9 @@ use trunnion_units::HostTime;
 pub const MAX_DRIFT: f64 = 500e-6;
 /// Span after which the drift is estimated, ns.
 pub const SLOPE_AFTER_NS: f64 = 10e9;
-/// Default window, s: several beats of sampling against a 16 ms timer, less than clocks wander.
-pub const WINDOW_S: f64 = 120.0;
+/// Default window, s. It looks back at least half of it: 1 kHz against a 16 ms timer beats in 33 s at 30 ppm, and the
+/// slope needs three of them.
+pub const WINDOW_S: f64 = 200.0;
 
 /// A fitted line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,11 +57,14 @@ impl ClockLine {
         Self { tick_ns: tick_s * 1e9, block_ns: window_s * 0.5e9, first: None, block, window }
     }
 
-    /// Takes an arrival. Ticks must not go back.
+    /// Takes an arrival; one whose ticks go back is not looked at.
     pub fn push(&mut self, ticks: u64, arrival: HostTime) {
         let (origin_ticks, origin) = *self.first.get_or_insert((ticks, arrival));
         let x = ticks_between(origin_ticks, ticks) * self.tick_ns;
         let excess = (arrival.0 - origin.0) as f64 - x;
+        if self.window.points.last().is_some_and(|last| x < last.x) {
+            return;
+        }
         if self.block.points.first().is_some_and(|first| x - first.x > self.block_ns) {
             self.window = std::mem::take(&mut self.block);
         }
@@ -135,7 +139,8 @@ impl Hull {
     fn line(&self) -> Option<(f64, f64)> {
         let (first, last) = (self.points.first()?, self.points.last()?);
         let mean_x = self.sum_x / self.count;
-        let right = self.points.partition_point(|point| point.x < mean_x).clamp(1, self.points.len().max(2) - 1);
+        let right =
+            self.points.partition_point(|point| point.x < mean_x).clamp(1, self.points.len().max(2) - 1);
         if last.x - first.x >= SLOPE_AFTER_NS
             && let Some(end) = self.points.get(right)
         {
@@ -176,7 +181,11 @@ mod tests {
                 let truth = 5.0 + n as f64 * true_period;
                 let ready = truth - link.noise_s * (1.0 - rng.random::<f64>()).ln();
                 let arrival = (ready / link.timer_s).ceil() * link.timer_s;
-                ((n as f64 * ticks_per_period).round() as u64 + 77_000, truth, HostTime((arrival * 1e9) as i64))
+                (
+                    (n as f64 * ticks_per_period).round() as u64 + 77_000,
+                    truth,
+                    HostTime((arrival * 1e9) as i64),
+                )
             })
             .collect()
     }
@@ -205,13 +214,13 @@ mod tests {
     }
 
     #[test]
-    fn online_the_line_settles_after_the_first_seconds_and_follows_a_sliding_window() {
-        let run = simulate(&USB, 200.0, 9);
-        let mut line = ClockLine::new(USB.tick_s, 60.0);
+    fn online_the_line_settles_after_three_beats_and_follows_a_sliding_window() {
+        let run = simulate(&USB, 320.0, 9);
+        let mut line = ClockLine::new(USB.tick_s, WINDOW_S);
         let mut errors = Vec::new();
         for &(ticks, truth, arrival) in &run {
             line.push(ticks, arrival);
-            if truth > 35.0 {
+            if truth > 110.0 {
                 errors.push(line.to_host(ticks).unwrap().0 as f64 * 1e-9 - truth);
             }
         }

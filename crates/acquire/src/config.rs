@@ -80,7 +80,8 @@ pub fn channels(devices: &[DeviceConfig]) -> Vec<Channel> {
     let of = |(index, config): (usize, &DeviceConfig)| {
         let device = index as u16;
         let named = |(suffix, role): (String, Role)| {
-            let name = if suffix.is_empty() { config.name.clone() } else { format!("{}.{suffix}", config.name) };
+            let name =
+                if suffix.is_empty() { config.name.clone() } else { format!("{}.{suffix}", config.name) };
             Channel { device, name, role }
         };
         config.device.channels().into_iter().map(named).collect::<Vec<_>>()

@@ -61,13 +61,17 @@ pub struct NestFit {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NestError {
     /// Not enough steps.
-    #[error("{0} steps with finite readings; at least 4 are needed, better 12 and both ways along X, Y and Z")]
+    #[error(
+        "{0} steps with finite readings; at least 4 are needed, better 12 and both ways along X, Y and Z"
+    )]
     TooFew(usize),
     /// Steps do not span space.
     #[error("the steps do not span all three directions; step X, Y and Z each by 0.1 mm or more")]
     Flat,
     /// Probes do not span space.
-    #[error("the probes look along nearly one plane (condition {0:.0}, allowed up to 50); check their mounting")]
+    #[error(
+        "the probes look along nearly one plane (condition {0:.0}, allowed up to 50); check their mounting"
+    )]
     Degenerate(f64),
 }
 
@@ -221,7 +225,10 @@ mod tests {
         assert_eq!(calibrate(&flat[..3]), Err(NestError::TooFew(3)));
         let copied: Vec<_> = steps(0.0)
             .into_iter()
-            .map(|step| NestStep { probes_mm: [step.probes_mm[0], step.probes_mm[1], step.probes_mm[1]], ..step })
+            .map(|step| NestStep {
+                probes_mm: [step.probes_mm[0], step.probes_mm[1], step.probes_mm[1]],
+                ..step
+            })
             .collect();
         assert!(matches!(calibrate(&copied), Err(NestError::Degenerate(_))));
     }

@@ -51,7 +51,11 @@ impl StaticRules {
     fn is_near(&self, position: &AxisValues<f64>, pose: &Pose, axes: &[AxisLetter]) -> bool {
         axes.iter().all(|&letter| {
             let off = position[letter] - pose.position[letter];
-            if letter.is_rotary() { whole_turns_off(off).abs() <= self.near_rad } else { off.abs() <= self.near_mm }
+            if letter.is_rotary() {
+                whole_turns_off(off).abs() <= self.near_rad
+            } else {
+                off.abs() <= self.near_mm
+            }
         })
     }
 }
@@ -251,8 +255,8 @@ impl StaticCycle {
     fn find_pose(&self, position: &AxisValues<f64>) -> Option<usize> {
         let near = |pose: &Pose| self.rules.is_near(position, pose, &self.axes);
         let ahead = self.poses[self.next..].iter().position(near)?;
-        let just_read = &self.poses[self.next.saturating_sub(2)..self.next];
-        (ahead == 0 || !just_read.iter().any(near)).then_some(ahead)
+        let just_read = self.next.checked_sub(1).map(|last| &self.poses[last]);
+        (ahead == 0 || !just_read.is_some_and(near)).then_some(ahead)
     }
 
     /// The next pose may be where the machine stands already: it gets a window of its own.
@@ -322,7 +326,8 @@ impl StaticCycle {
     /// The point of a pose from the window of this stand.
     fn point(&self, index: usize, quality: Quality) -> Point {
         let mut point = self.missing(index);
-        let calibration = self.calibrations.get(self.poses[index].setup).or(self.calibrations.last()).copied();
+        let calibration =
+            self.calibrations.get(self.poses[index].setup).or(self.calibrations.last()).copied();
         let calibration = calibration.unwrap_or_else(NestCalibration::orthogonal);
         let Some(summary) = self.stand.summary(&calibration) else { return point };
         let (direction, since_reversal) = self.stand.approach();

@@ -169,7 +169,8 @@ pub fn start(
         let device = index as u16;
         let (status, state) = watch::channel(DeviceStatus::default());
         states.push(state);
-        let first_channel = all_channels.iter().position(|channel| channel.device == device).unwrap_or(0) as u16;
+        let first_channel =
+            all_channels.iter().position(|channel| channel.device == device).unwrap_or(0) as u16;
         let outlet = Outlet::new(device, config.name.clone(), sender.clone());
         let link = Link::new(first_channel, config.silence, clock.clone(), outlet, status);
         tasks.spawn(supervise(config, link, cancel.clone()));

@@ -49,7 +49,8 @@ impl SweepRules {
     /// The signed feed at which a sample was taken, if it counts.
     fn feed_of(&self, sample: &AlignedSample) -> Option<f64> {
         let velocity = sample.velocity[self.axis];
-        let (low, high) = (self.from_to_rad.0.min(self.from_to_rad.1), self.from_to_rad.0.max(self.from_to_rad.1));
+        let (low, high) =
+            (self.from_to_rad.0.min(self.from_to_rad.1), self.from_to_rad.0.max(self.from_to_rad.1));
         let inside = (low..=high).contains(&sample.position[self.axis]);
         let steady = sample.acceleration[self.axis].abs() <= self.acceleration_limit;
         let feed = self
@@ -77,7 +78,12 @@ pub struct SweepCycle {
 
 impl SweepCycle {
     /// For one setup.
-    pub fn new(rules: SweepRules, calibration: NestCalibration, setup: usize, temperature_channels: usize) -> Self {
+    pub fn new(
+        rules: SweepRules,
+        calibration: NestCalibration,
+        setup: usize,
+        temperature_channels: usize,
+    ) -> Self {
         let swept = vec![[0.0; 2]; rules.feeds_rad_per_s.len()];
         Self {
             rules,

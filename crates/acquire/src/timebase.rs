@@ -100,7 +100,7 @@ impl TimeBase {
         let ticks = reading.device_ticks;
         ProbeSample {
             channel: reading.channel,
-            time_s: self.time(device, epoch, reading.tick_s, ticks, reading.arrival),
+            time_s: self.time(device, epoch, reading.tick_s, ticks, Some(reading.arrival)),
             device_ticks: ticks,
             raw: reading.raw,
             value_mm: reading.value_mm,
@@ -109,17 +109,23 @@ impl TimeBase {
 
     fn axes(&mut self, device: u16, epoch: u32, reading: &AxisReading) -> AxisSample {
         let ticks = reading.stamp_ns.cast_unsigned();
-        let time_s = self.time(device, epoch, AXIS_TICK_S, ticks, reading.arrival);
+        // The stamp of held positions comes from the host's clock and says nothing about the controller's.
+        let arrival = Some(reading.arrival).filter(|_| !reading.held);
+        let time_s = self.time(device, epoch, AXIS_TICK_S, ticks, arrival);
         AxisSample { time_s, position: reading.position }
     }
 
-    fn time(&mut self, device: u16, epoch: u32, tick_s: f64, ticks: u64, arrival: HostTime) -> f64 {
+    /// Run time of a tick; an arrival improves the line first.
+    fn time(&mut self, device: u16, epoch: u32, tick_s: f64, ticks: u64, arrival: Option<HostTime>) -> f64 {
         let origin = self.origin;
         let known = self.lines.remove(&device).filter(|known| known.epoch == epoch);
         let mut known =
             known.unwrap_or_else(|| DeviceLine { epoch, line: ClockLine::new(tick_s, WINDOW_S), last: None });
-        known.line.push(ticks, arrival);
-        let by_line = known.line.to_host(ticks).unwrap_or(arrival).seconds_since(origin);
+        if let Some(arrival) = arrival {
+            known.line.push(ticks, arrival);
+        }
+        let host = known.line.to_host(ticks).or(arrival).unwrap_or(origin);
+        let by_line = host.seconds_since(origin);
         let time_s = match known.last {
             Some((last_ticks, last_s)) if last_ticks == ticks => last_s,
             Some((_, last_s)) => by_line.max(last_s),

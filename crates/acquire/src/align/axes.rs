@@ -88,9 +88,7 @@ impl AxisHistory {
         }
         let joined = last.filter(|last| sample.time_s - last.time_s <= self.longest_s);
         let position = AxisValues::from_fn(|letter| match joined {
-            Some(last) if letter.is_rotary() => {
-                nearest_turn(sample.position[letter], last.position[letter])
-            }
+            Some(last) if letter.is_rotary() => nearest_turn(sample.position[letter], last.position[letter]),
             _ => sample.position[letter],
         });
         let tracks = AxisValues::from_fn(|letter| {
@@ -115,7 +113,13 @@ impl AxisHistory {
             return None;
         }
         let node = self.nodes.get(self.next)?;
-        let state = state(node.time_s, node.position, self.slopes(self.next), self.curvatures(self.next), &node.tracks);
+        let state = state(
+            node.time_s,
+            node.position,
+            self.slopes(self.next),
+            self.curvatures(self.next),
+            &node.tracks,
+        );
         self.next += 1;
         // Two nodes behind the next one are enough to interpolate; instants come in order.
         while self.next > 4 {
@@ -146,9 +150,8 @@ impl AxisHistory {
         let s = (time_s - a.time_s) / h;
         let (slopes_a, slopes_b) = (self.slopes(before), self.slopes(after));
         let (curved_a, curved_b) = (self.curvatures(before), self.curvatures(after));
-        let position = AxisValues::from_fn(|k| {
-            hermite(s, h, a.position[k], b.position[k], slopes_a[k], slopes_b[k])
-        });
+        let position =
+            AxisValues::from_fn(|k| hermite(s, h, a.position[k], b.position[k], slopes_a[k], slopes_b[k]));
         let velocity = AxisValues::from_fn(|k| {
             hermite_slope(s, h, a.position[k], b.position[k], slopes_a[k], slopes_b[k])
         });

@@ -107,11 +107,14 @@ fn a_servo_that_overshoots_a_little_has_not_reversed() {
 #[test]
 fn an_axis_shown_modulo_a_turn_goes_on_smoothly() {
     let shown = |t: f64| (6.0 + t).rem_euclid(std::f64::consts::TAU);
-    let inputs = (0..100).map(|i| f64::from(i) * 0.01).map(|t| Input::Axes(axes(t, &[(C, shown(t))]))).collect();
+    let inputs =
+        (0..100).map(|i| f64::from(i) * 0.01).map(|t| Input::Axes(axes(t, &[(C, shown(t))]))).collect();
     let (out, _) = align(inputs, AlignLimits::default());
     for step in out {
         let Aligned::Axes(state) = step else { continue };
-        assert!((state.velocity[C] - 1.0).abs() < 1e-9 && (state.position[C] - 6.0 - state.time_s).abs() < 1e-9);
+        assert!(
+            (state.velocity[C] - 1.0).abs() < 1e-9 && (state.position[C] - 6.0 - state.time_s).abs() < 1e-9
+        );
     }
 }
 

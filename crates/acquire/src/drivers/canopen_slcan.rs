@@ -80,7 +80,8 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     let complete = !nodes.is_empty() && nodes.len() == tables.len();
     let sync_period = Duration::from_secs_f64(sync_ms / 1e3);
     let (port, bitrate) = (port?, known?);
-    complete.then(|| Arc::new(CanopenSlcan { port, baud: baud as u32, bitrate, sync_period, nodes }) as Arc<_>)
+    complete
+        .then(|| Arc::new(CanopenSlcan { port, baud: baud as u32, bitrate, sync_period, nodes }) as Arc<_>)
 }
 
 impl Device for CanopenSlcan {

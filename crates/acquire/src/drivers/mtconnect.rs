@@ -11,7 +11,7 @@ mod model;
 
 use super::{Device, Driver, Session};
 use crate::config::Role;
-use crate::message::{Counters, Reading};
+use crate::message::Counters;
 use crate::supervisor::{Link, SessionEnd};
 use crate::transport::http;
 use hyper::Uri;
@@ -29,6 +29,9 @@ pub const DRIVER: Driver = Driver {
     default_silence_ms: 2000.0,
     read,
 };
+
+/// How often the agent tells that nothing changed, ms.
+const HEARTBEAT_MS: u32 = 100;
 
 #[derive(Debug)]
 struct MtConnect {
@@ -160,12 +163,10 @@ impl MtConnect {
         link: &mut Link,
         counters: &mut Counters,
     ) -> Result<StreamEnd, SessionEnd> {
-        // Some agents take no heartbeat below their interval; a quarter of the silence leaves room for two losses.
-        let heartbeat = (link.silence.as_millis() as u32 / 4).max(self.interval_ms).max(10);
-        let query = format!(
-            "/sample?from={from}&interval={}&count=1000&heartbeat={heartbeat}",
-            self.interval_ms
-        );
+        // Not below the interval, which some agents refuse; often enough to see a machine stand.
+        let heartbeat = (link.silence.as_millis() as u32 / 4).min(HEARTBEAT_MS).max(self.interval_ms).max(10);
+        let query =
+            format!("/sample?from={from}&interval={}&count=1000&heartbeat={heartbeat}", self.interval_ms);
         let mut answer = http::get(&self.base, &self.path(&query)).await?;
         if !answer.content_type.to_ascii_lowercase().starts_with("multipart/") {
             let body = answer.whole(link.silence).await?;
@@ -174,10 +175,8 @@ impl MtConnect {
                 other => Err(unexpected("asking /sample", &other)),
             };
         }
-        let mut parts = MultipartDecoder::new(&answer.content_type).map_err(|error| SessionEnd::Protocol {
-            doing: "asking /sample",
-            fault: error.to_string(),
-        })?;
+        let mut parts = MultipartDecoder::new(&answer.content_type)
+            .map_err(|error| SessionEnd::Protocol { doing: "asking /sample", fault: error.to_string() })?;
         let mut next = from;
         let mut last_part = link.now();
         loop {
@@ -234,7 +233,7 @@ fn take(
         counters.readings += 1;
         link.reading(reading, arrival);
     }
-    if let Some((from, to)) = model.ended_absence(arrival) {
+    if let Some((from, to)) = model.ended_absence() {
         link.gap(from, to, None, "the agent had no value for an axis (UNAVAILABLE)".into());
     }
     Ok(())
@@ -261,6 +260,3 @@ fn unexpected(doing: &'static str, document: &Document) -> SessionEnd {
 fn letter_of(name: &str) -> Option<AxisLetter> {
     AxisLetter::parse(name.trim_end_matches(|c: char| c.is_ascii_digit()))
 }
-
-/// Reading of a model step.
-type Readings = Vec<Reading>;

@@ -106,7 +106,11 @@ struct Connection {
 }
 
 impl Connection {
-    async fn run(&mut self, config: &Optoncdt, link: &mut Link) -> Result<std::convert::Infallible, SessionEnd> {
+    async fn run(
+        &mut self,
+        config: &Optoncdt,
+        link: &mut Link,
+    ) -> Result<std::convert::Infallible, SessionEnd> {
         self.identify(config, link).await?;
         let layout = self.configure(config, link).await?;
         self.stream(config, &layout, link).await
@@ -120,9 +124,11 @@ impl Connection {
         let reply = self.ask(&Command::get_info()).await?;
         let expected = || format!("an optoNCDT 1320 or 1420 with range {} mm", config.range_mm);
         let wrong = |found: String| SessionEnd::WrongDevice { found, expected: expected() };
-        let info = SensorInfo::parse(&reply).map_err(|error| wrong(format!("{:?} ({error})", reply.lines)))?;
+        let info =
+            SensorInfo::parse(&reply).map_err(|error| wrong(format!("{:?} ({error})", reply.lines)))?;
         let found = format!("{} serial {} range {} mm", info.name, info.serial, info.range_mm);
-        let family = ["ILD132", "ILD142"].iter().any(|family| info.name.to_ascii_uppercase().starts_with(family));
+        let family =
+            ["ILD132", "ILD142"].iter().any(|family| info.name.to_ascii_uppercase().starts_with(family));
         if !family || (info.range_mm - config.range_mm).abs() > RANGE_SLACK_MM {
             return Err(wrong(found));
         }
@@ -199,7 +205,10 @@ impl Connection {
             link.counters(self.counters(), arrival);
             let waited = arrival - last_block;
             if waited >= link.silence {
-                return Err(SessionEnd::Silent { who: format!("{} sends no values", self.port.name()), waited });
+                return Err(SessionEnd::Silent {
+                    who: format!("{} sends no values", self.port.name()),
+                    waited,
+                });
             }
             let left = link.silence - waited;
             events = match self.port.read(&mut buffer, left).await? {
@@ -249,12 +258,15 @@ impl Sensor {
         link: &mut Link,
         counters: &mut Counters,
     ) -> Result<(), SessionEnd> {
-        let values = self.layout.read(block).map_err(|error| SessionEnd::Protocol {
-            doing: "reading a block",
-            fault: error.to_string(),
-        })?;
+        let values = self
+            .layout
+            .read(block)
+            .map_err(|error| SessionEnd::Protocol { doing: "reading a block", fault: error.to_string() })?;
         let Some(distance) = values.distance else {
-            return Err(SessionEnd::Protocol { doing: "reading a block", fault: "it has no distance".into() });
+            return Err(SessionEnd::Protocol {
+                doing: "reading a block",
+                fault: "it has no distance".into(),
+            });
         };
         self.blocks += 1;
         let sequence = values.counter.map_or(self.blocks, |raw| self.counter.push(raw));
@@ -274,7 +286,8 @@ impl Sensor {
         counters.readings += 1;
         counters.error_readings += u64::from(value_mm.is_nan());
         let raw = i64::from(distance.get());
-        let reading = ProbeReading { channel: self.channel, device_ticks, tick_s, sequence, raw, value_mm, arrival };
+        let reading =
+            ProbeReading { channel: self.channel, device_ticks, tick_s, sequence, raw, value_mm, arrival };
         link.reading(Reading::Probe(reading), arrival);
         Ok(())
     }

@@ -127,7 +127,9 @@ fn every_pose_of_a_quiet_cycle_is_read_with_median_spread_direction_and_time() {
     cycle.set_temperature(0, 21.5);
     let events = play(&mut cycle, &steps);
     assert_eq!((qualities(&events), end(&events)), (vec![Good; 4], EndReason::Complete));
-    for (point, (c, direction)) in points(&events).iter().zip([(0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (0.2, -1.0)]) {
+    for (point, (c, direction)) in
+        points(&events).iter().zip([(0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (0.2, -1.0)])
+    {
         let expected = reading(0.0, 0.0, c);
         for k in 0..3 {
             assert!((point.reading_mm[k] - expected[k]).abs() < 0.15e-3, "{point:?}");
@@ -148,8 +150,9 @@ fn a_reading_waits_until_the_drift_has_died_away() {
     let steps = Shop { legs: &legs(&[0.0, 0.5], 4.0), reading: &reading, noise_mm: 0.1e-3 }.run();
     let events = play(&mut cycle(&[0.0, 0.5]), &steps);
     assert_eq!(qualities(&events), [Good, Good]);
+    // halves of a window differ by 2·sinh(0.125/0.4) times its median: 0.5 µm of drift is a median of 0.79 µm
     for point in points(&events) {
-        assert!(point.reading_mm[0] < 0.6e-3, "{point:?}");
+        assert!((0.5e-3..0.85e-3).contains(&point.reading_mm[0]), "{point:?}");
     }
 }
 
@@ -157,8 +160,11 @@ fn a_reading_waits_until_the_drift_has_died_away() {
 fn what_never_settles_or_is_left_early_is_marked_and_kept() {
     let noisy = |_: f64, _: f64, c: f64| if c > 0.7 { [0.0; 3] } else { [0.01, 0.0, 0.0] };
     // The second pose is left after 0.4 s, less than a window.
-    let way =
-        [Leg { c_rad: 0.0, stand_s: 1.5 }, Leg { c_rad: 0.5, stand_s: 0.4 }, Leg { c_rad: 1.0, stand_s: 1.5 }];
+    let way = [
+        Leg { c_rad: 0.0, stand_s: 1.5 },
+        Leg { c_rad: 0.5, stand_s: 0.4 },
+        Leg { c_rad: 1.0, stand_s: 1.5 },
+    ];
     let steps = Shop { legs: &way, reading: &noisy, noise_mm: 0.1e-3 }.run();
     let events = play(&mut cycle(&[0.0, 0.5, 1.0]), &steps);
     assert_eq!((qualities(&events), end(&events)), (vec![Good, Unsettled, Good], EndReason::Complete));
@@ -172,7 +178,8 @@ fn what_never_settles_or_is_left_early_is_marked_and_kept() {
 
 #[test]
 fn poses_passed_by_get_points_without_reading() {
-    let steps = Shop { legs: &legs(&[0.0, 1.0, 1.5], 1.5), reading: &|_, _, _| [0.0; 3], noise_mm: 0.0 }.run();
+    let steps =
+        Shop { legs: &legs(&[0.0, 1.0, 1.5], 1.5), reading: &|_, _, _| [0.0; 3], noise_mm: 0.0 }.run();
     let events = play(&mut cycle(&[0.0, 0.25, 0.5, 1.0, 1.5, 2.0]), &steps);
     assert_eq!(qualities(&events), [Good, NoReading, NoReading, Good, Good, NoReading]);
     assert_eq!(end(&events), EndReason::Stopped);
@@ -206,7 +213,8 @@ fn where_the_grid_turns_back_one_stand_gives_two_points_from_windows_of_their_ow
     assert!(times[2] - times[1] >= 0.5, "{times:?}");
 
     // A program that overruns and comes back from the other side: the later reading counts.
-    let way = [(0.0, 2.0), (0.5, 2.0), (0.7, 0.3), (0.5, 2.0), (0.0, 2.0)].map(|(c_rad, stand_s)| Leg { c_rad, stand_s });
+    let way = [(0.0, 2.0), (0.5, 2.0), (0.7, 0.3), (0.5, 2.0), (0.0, 2.0)]
+        .map(|(c_rad, stand_s)| Leg { c_rad, stand_s });
     let events = play(&mut cycle(&stations), &Shop { legs: &way, reading: &reading, noise_mm: 0.0 }.run());
     assert_eq!(qualities(&events), [Good; 4]);
     let directions: Vec<f64> = points(&events).iter().map(|point| point.state.direction[C]).collect();
@@ -242,7 +250,6 @@ fn a_machine_that_stops_for_good_ends_the_cycle_and_progress_tells_the_time_left
     let left = again.progress().seconds_left.unwrap();
     assert!((1.9..2.1).contains(&left), "{left}"); // one pose, 2 s each
 }
-
 
 #[test]
 fn the_same_samples_give_the_same_bytes() {

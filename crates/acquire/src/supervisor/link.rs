@@ -148,7 +148,8 @@ impl Link {
 
     /// Sends the totals of the connection when they changed and the last ones are a second old.
     pub fn counters(&mut self, counters: Counters, at: HostTime) {
-        let due = self.counted.is_none_or(|(sent, old)| at - sent >= Duration::from_secs(1) && old != counters);
+        let due =
+            self.counted.is_none_or(|(sent, old)| at - sent >= Duration::from_secs(1) && old != counters);
         if due {
             self.counted = Some((at, counters));
             self.send(Reading::Counters(counters));

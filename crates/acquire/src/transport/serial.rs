@@ -34,7 +34,9 @@ pub fn open(name: &str, baud: u32) -> Result<(Port, Option<String>), SessionEnd>
     let (stream, remark) = match open_at(name, baud) {
         Ok(stream) => (stream, None),
         Err(first) => match open_at(name, PLAIN_BAUD) {
-            Ok(stream) => (stream, Some(format!("{name} takes no {baud} baud ({first}); opened at {PLAIN_BAUD}"))),
+            Ok(stream) => {
+                (stream, Some(format!("{name} takes no {baud} baud ({first}); opened at {PLAIN_BAUD}")))
+            }
             Err(_) => return Err(refusal(name, &first)),
         },
     };
@@ -79,7 +81,9 @@ impl Port {
     /// Writes all bytes. Dropped midway, some may have been written.
     pub async fn write(&mut self, bytes: &[u8]) -> Result<(), SessionEnd> {
         match timeout(WRITE_LIMIT, self.stream.write_all(bytes)).await {
-            Err(_) => Err(SessionEnd::Silent { who: format!("{} takes no bytes", self.name), waited: WRITE_LIMIT }),
+            Err(_) => {
+                Err(SessionEnd::Silent { who: format!("{} takes no bytes", self.name), waited: WRITE_LIMIT })
+            }
             Ok(Ok(())) => Ok(()),
             Ok(Err(error)) => Err(SessionEnd::Disconnected(format!("writing to {}: {error}", self.name))),
         }

@@ -60,7 +60,8 @@ impl Bus {
             if messages.is_empty() && Instant::now() >= deadline {
                 return Ok(None);
             }
-            let answer = messages.into_iter().find(|message| !matches!(message, AdapterMessage::Frame { .. }));
+            let answer =
+                messages.into_iter().find(|message| !matches!(message, AdapterMessage::Frame { .. }));
             if answer.is_some() {
                 return Ok(answer);
             }
@@ -119,7 +120,8 @@ impl Bus {
                         if let Some(abort) = abort {
                             self.send(abort).await?;
                         }
-                        let cause = std::error::Error::source(&error).map_or(String::new(), |c| format!(": {c}"));
+                        let cause =
+                            std::error::Error::source(&error).map_or(String::new(), |c| format!(": {c}"));
                         return Err(SessionEnd::Protocol {
                             doing: "reading a node's description",
                             fault: format!("{error}{cause}"),

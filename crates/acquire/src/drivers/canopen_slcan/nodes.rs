@@ -7,6 +7,7 @@ use crate::supervisor::{Link, SessionEnd};
 use std::time::Duration;
 use trunnion_protocol::can::CanFrame;
 use trunnion_protocol::canopen::cia404::Quantity;
+use trunnion_protocol::canopen::node::Scaling;
 use trunnion_protocol::canopen::{
     Message, NmtState, NodeDescription, Profile, Reading as NodeReading, Transmission, Value,
 };
@@ -64,6 +65,8 @@ struct Node {
     config: NodeConfig,
     channel: u16,
     description: NodeDescription,
+    /// Values come with SYNC; those it sends besides, by event, are not taken.
+    by_sync: bool,
     /// Last SYNC index or count, with its arrival.
     last: Option<(u64, HostTime)>,
     last_value: HostTime,
@@ -81,6 +84,7 @@ impl Nodes {
         let node = |(index, (config, description)): (usize, (&NodeConfig, NodeDescription))| Node {
             config: *config,
             channel: first_channel + index as u16,
+            by_sync: has_synchronous_value(&description),
             description,
             last: None,
             last_value: began,
@@ -125,6 +129,9 @@ impl Nodes {
             let Some(readings) = node.description.decode(frame) else { continue };
             let readings = readings.map_err(|error| SessionEnd::Restarted(error.source.to_string()))?;
             let every = node.every_sync(frame);
+            if node.by_sync && every.is_none() {
+                continue;
+            }
             let (sequence, moment) = match every {
                 Some(_) => (sync, sync_at),
                 None => (node.last.map_or(1, |(count, _)| count + 1), arrival),
@@ -182,6 +189,15 @@ impl Nodes {
         }
         Ok(())
     }
+}
+
+/// True when a TPDO bound to SYNC carries a measured value.
+fn has_synchronous_value(description: &NodeDescription) -> bool {
+    let mut keys =
+        description.synchronous_tpdos().flat_map(|tpdo| tpdo.mapping.entries()).map(|entry| entry.key);
+    keys.any(|key| {
+        matches!(description.scaling.get(&key), Some(Scaling::Process { .. } | Scaling::Position { .. }))
+    })
 }
 
 impl Node {

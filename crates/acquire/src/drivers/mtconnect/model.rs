@@ -1,10 +1,13 @@
 //! What the agent's data items mean, and the latest value of each.
 
-use super::{Readings, letter_of};
+use super::letter_of;
 use crate::message::{AxisReading, ControllerReading, Execution, Reading, TemperatureReading};
 use std::collections::BTreeMap;
 use trunnion_protocol::mtconnect::{Category, DataItem, Device, Observation, ObservedValue, StreamsDocument};
 use trunnion_units::{AxisLetter, AxisValues, HostTime, convert};
+
+/// Longest time from a change at the controller to its arrival here, ns.
+const ON_THE_WAY_NS: i64 = 30_000_000;
 
 /// Data items this program uses, by id.
 pub(super) struct Items {
@@ -27,7 +30,9 @@ impl Items {
                     let item = items.iter().find(is_it);
                     Some(item.ok_or(format!("a data item {name} for axis {letter}"))?.id.clone())
                 }
-                None => items.iter().filter(|item| is_position(item, letter)).map(|item| item.id.clone()).next(),
+                None => {
+                    items.iter().filter(|item| is_position(item, letter)).map(|item| item.id.clone()).next()
+                }
             };
         }
         if axes.0.iter().all(Option::is_none) {
@@ -107,19 +112,21 @@ impl Model {
         });
         conditions
             .map(|observation| match &observation.value {
-                ObservedValue::Text(text) => format!("{} {}: {text}", observation.kind, observation.data_item_id),
+                ObservedValue::Text(text) => {
+                    format!("{} {}: {text}", observation.kind, observation.data_item_id)
+                }
                 _ => format!("{} {}", observation.kind, observation.data_item_id),
             })
             .collect()
     }
 
     /// The time in which an axis had no value, told once when it is over.
-    pub(super) fn ended_absence(&mut self, _now: HostTime) -> Option<(HostTime, HostTime)> {
+    pub(super) fn ended_absence(&mut self) -> Option<(HostTime, HostTime)> {
         self.ended_absence.take()
     }
 
     /// Readings of a document, in order of sequence: one axis reading for each stamp.
-    pub(super) fn take(&mut self, streams: &StreamsDocument, arrival: HostTime) -> Readings {
+    pub(super) fn take(&mut self, streams: &StreamsDocument, arrival: HostTime) -> Vec<Reading> {
         let mut observations: Vec<&Observation> = streams.observations.iter().collect();
         observations.sort_by_key(|observation| observation.sequence);
         let mut readings = Vec::new();
@@ -210,10 +217,15 @@ impl Model {
         Some(Reading::Axes(reading))
     }
 
-    /// Nothing has changed: the last positions hold, as long after their stamp as after their arrival.
+    /// Nothing has changed: the last positions hold, as long after their stamp as after their arrival, less what a
+    /// change under way may take.
     fn held(&mut self, arrival: HostTime) -> Option<Reading> {
         let (stamp_ns, at) = self.last_axes?;
-        self.axes(stamp_ns + (arrival.0 - at.0), arrival, true)
+        let later_ns = arrival.0 - at.0 - ON_THE_WAY_NS;
+        if later_ns <= 0 {
+            return None;
+        }
+        self.axes(stamp_ns + later_ns, arrival, true)
     }
 }
 
