@@ -15,6 +15,8 @@ use trunnion_effects::{Model, Unit};
 const CONFUSED_LN: f64 = 3.0;
 /// Columns whose smallest canonical correlation exceeds this coincide in this cycle.
 const ALIAS: f64 = 0.999;
+/// A named effect that explains at least this share leads, although a part remains.
+const MOSTLY: f64 = 0.8;
 
 /// Answers for the model of `problem`.
 pub fn answer(problem: &Problem<'_>, model: &Model, options: &Options) -> Diagnosis {
@@ -29,6 +31,9 @@ pub fn answer(problem: &Problem<'_>, model: &Model, options: &Options) -> Diagno
 
     let candidates = context.candidates();
     let (formula, formula_leads) = context.formula();
+    // A named effect beside a phrase that had to be kept is only believed when it explains most on its own.
+    let named_leads = candidates.first().is_some_and(|best| best.explains_fraction >= MOSTLY);
+    let formula_leads = formula_leads || (formula.is_some() && !named_leads);
     let verdict = match (candidates.is_empty(), formula_leads) {
         (_, true) => Verdict::UnnamedStructure,
         (false, false) => Verdict::MissingEffect,

@@ -319,3 +319,95 @@ impl Step {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trunnion_machine::{State, shipped};
+    use trunnion_measurement::{InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
+    use trunnion_units::AxisValues;
+
+    fn small_run() -> Experiment {
+        let machine = shipped::machine("table-bc").unwrap();
+        let setup = Setup {
+            name: "low".into(),
+            instrument: InstrumentKind::RTest,
+            nest: NestSide::Table,
+            ball_in_table_mm: nalgebra::Point3::new(150.0, 0.0, 60.0),
+            bar_length_mm: None,
+        };
+        let mut points = Vec::new();
+        for (i, (b, c)) in
+            [(0.0, 0.1), (0.0, 0.9), (0.7, 0.9), (0.7, 2.0), (0.7, 3.0), (-0.4, 1.0)].into_iter().enumerate()
+        {
+            let mut position = AxisValues::default();
+            position[AxisLetter::B] = b;
+            position[AxisLetter::C] = c;
+            let time_s = Some(4.0 * i as f64 + if i > 3 { 30.0 } else { 0.0 });
+            points.push(Point {
+                state: State { position, time_s, ..State::default() },
+                reading_mm: [0.0; 3],
+                spread_mm: [0.0; 3],
+                samples: 0,
+                quality: Quality::Good,
+            });
+        }
+        let run = Run {
+            name: "small".into(),
+            machine,
+            kind: RunKind::Static,
+            setups: vec![setup],
+            channels: vec![],
+            points,
+        };
+        Experiment::new(&[run]).unwrap()
+    }
+
+    /// Σ written out element by element from its definition.
+    fn dense(order: &Order, noise: &Noise) -> DMatrix<f64> {
+        let rows = order.visits.iter().map(|v| v.rows.len()).sum();
+        let mut sigma = DMatrix::identity(rows, rows);
+        let (mut times, mut stations, mut time, mut station) = (vec![], vec![], 0.0, 0);
+        for (k, visit) in order.visits.iter().enumerate() {
+            time += visit.since_last;
+            station += usize::from(k > 0 && visit.new_station);
+            times.push(time);
+            stations.push(station);
+        }
+        for (i, a) in order.visits.iter().enumerate() {
+            for (j, b) in order.visits.iter().enumerate() {
+                let correlation = (-(times[i] - times[j]).abs() / noise.tau).exp();
+                let mut block = a.drift * b.drift.transpose() * noise.drift * correlation;
+                if stations[i] == stations[j] {
+                    block += a.slow_lever * b.slow_lever.transpose() * noise.pass;
+                }
+                if i == j {
+                    block += a.fast_lever * a.fast_lever.transpose() * noise.axis;
+                }
+                let mut target = sigma.view_mut((a.rows.start, b.rows.start), (3, 3));
+                target += block;
+            }
+        }
+        sigma
+    }
+
+    #[test]
+    fn whitened_covariance_is_the_identity_and_the_determinant_is_that_of_the_dense_matrix() {
+        let experiment = small_run();
+        let order = Order::new(&experiment);
+        let noise = Noise { pass: 0.7, axis: 0.3, drift: 1.5, tau: 20.0 };
+        let sigma = dense(&order, &noise);
+        let whitener = Whitener::new(&order, &noise);
+        let rows = sigma.nrows();
+        let mut operator = DMatrix::identity(rows, rows);
+        whitener.whiten(&mut operator);
+        let w = operator.transpose();
+        let difference = &w * &sigma * w.transpose() - DMatrix::identity(rows, rows);
+        assert!(difference.amax() < 1e-10, "{}", difference.amax());
+        let log_det = 2.0 * sigma.cholesky().unwrap().l().diagonal().map(f64::ln).sum();
+        assert!((log_det - whitener.log_det).abs() < 1e-9);
+        let mut adjoint = DMatrix::identity(rows, rows);
+        whitener.adjoint(&mut adjoint);
+        assert!((adjoint - w).amax() < 1e-12);
+    }
+}
