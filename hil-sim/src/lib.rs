@@ -7,6 +7,7 @@
 pub mod devices;
 pub mod motion;
 pub mod physics;
+pub mod scenario;
 pub mod truth;
 
 pub use physics::hidden::HiddenChoice;

@@ -1,1 +1,63 @@
-fn main() {}
+//! `trunnion`: the one binary. Each command is one file under `commands`.
+//!
+//! Exit codes (DESIGN §3.5): 0 done, 1 failed, 2 usage, 3 done with data loss.
+
+mod commands;
+mod load;
+mod outcome;
+
+use clap::{Parser, Subcommand};
+use commands::{
+    add, check_config, compare, daemon, demo, diagnose, export, identify, import, ladder, replay, simulate,
+};
+use outcome::Outcome;
+use std::process::ExitCode;
+
+/// Finds out why a five-axis machine tool is not accurate.
+#[derive(Parser)]
+#[command(name = "trunnion", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Demo(demo::Args),
+    Daemon(daemon::Args),
+    CheckConfig(check_config::Args),
+    Import(import::Args),
+    Export(export::Args),
+    Replay(replay::Args),
+    Identify(identify::Args),
+    Compare(compare::Args),
+    Diagnose(diagnose::Args),
+    Add(add::Args),
+    Ladder(ladder::Args),
+    Simulate(simulate::Args),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Demo(args) => demo::run(&args),
+        Command::Daemon(args) => daemon::run(&args),
+        Command::CheckConfig(args) => check_config::run(&args),
+        Command::Import(args) => import::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Identify(args) => identify::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Diagnose(args) => diagnose::run(&args),
+        Command::Add(args) => add::run(&args),
+        Command::Ladder(args) => ladder::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+    };
+    match outcome {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::DataLoss) => ExitCode::from(3),
+        Err(error) => {
+            eprintln!("trunnion: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

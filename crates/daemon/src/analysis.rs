@@ -18,8 +18,10 @@ pub enum AnalysisError {
     #[error("looking for missing effects failed")]
     Diagnose(#[from] DiagnoseError),
     /// A formula that nobody proposed.
-    #[error("there is no expression for {id}; `trunnion diagnose` proposes {proposed}. \
-             Or write the formula into the model file by hand")]
+    #[error(
+        "there is no expression for {id}; `trunnion diagnose` proposes {proposed}. \
+             Or write the formula into the model file by hand"
+    )]
     NoSuchFormula {
         /// What was asked for.
         id: String,
@@ -105,7 +107,8 @@ pub fn add(experiment: &Experiment, model: &Model, id: &str, date: &str) -> Resu
     let mut larger = model.clone();
     larger.effects.push(entry.clone());
     let identification = trunnion_identify::identify(experiment, &larger, &options)?;
-    let holdout_um = |fit: &Identification| fit.holdout.as_ref().map(|holdout| convert::um_from_mm(holdout.rms_mm));
+    let holdout_um =
+        |fit: &Identification| fit.holdout.as_ref().map(|holdout| convert::um_from_mm(holdout.rms_mm));
     entry.ladder = Some(LadderRow {
         date: date.into(),
         run: experiment.runs.join(", "),

@@ -56,7 +56,8 @@ fn read(document: &Document<'_>, folder: &Path, text: &str) -> Option<Config> {
     let recordings = root.string("recordings").map(|path| folder.join(path));
     let nest = root.table("nest").and_then(|table| read_nest(&table));
     let devices = read_devices(&root);
-    let mqtt = root.optional_table("mqtt").map(|table| read_mqtt(&table, name.as_deref().unwrap_or("machine")));
+    let mqtt =
+        root.optional_table("mqtt").map(|table| read_mqtt(&table, name.as_deref().unwrap_or("machine")));
     root.no_other_keys();
     format?;
     let mqtt = match mqtt {

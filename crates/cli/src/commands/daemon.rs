@@ -1,0 +1,76 @@
+//! `trunnion daemon`: the service.
+
+use crate::load;
+use crate::outcome::Outcome;
+use anyhow::Context;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tokio::signal::unix::{SignalKind, signal};
+use tokio_util::sync::CancellationToken;
+use trunnion_acquire::config::channels;
+use trunnion_daemon::clock::SystemClock;
+use trunnion_daemon::config::Config;
+use trunnion_daemon::live::Plan;
+use trunnion_daemon::service::{self, Texts};
+use trunnion_effects::Model;
+use trunnion_measurement::Cycle;
+
+/// Run as a service: wait for a cycle, record it, analyse it, report
+///
+/// Example: trunnion daemon --config config/trunnion.toml
+#[derive(clap::Args)]
+pub struct Args {
+    /// Configuration file
+    #[arg(long, value_name = "FILE")]
+    config: PathBuf,
+}
+
+/// A configuration with everything it names.
+pub struct Prepared {
+    pub config: Config,
+    pub plan: Plan,
+    pub texts: Texts,
+    pub model: Model,
+}
+
+/// Reads a configuration and the files it names.
+pub fn prepare(path: &Path) -> anyhow::Result<Prepared> {
+    let text = load::read(path)?;
+    let config = Config::parse(path, &text)?;
+    let cycle_text = load::read(&config.cycle)?;
+    let cycle = Cycle::parse(&config.cycle.display().to_string(), &cycle_text)?;
+    let machine = load::machine(&cycle.machine)?;
+    let model = match &config.model {
+        Some(path) => load::model(path)?,
+        None => Model::base(&machine.name),
+    };
+    let texts = Texts { machine: load::machine_text(&cycle.machine)?, cycle: cycle_text, config: text };
+    let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
+    Ok(Prepared { config, plan, texts, model })
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    log_to_stderr();
+    let prepared = prepare(&args.config)?;
+    let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
+    runtime.block_on(async {
+        let cancel = CancellationToken::new();
+        let stop = cancel.clone();
+        let mut terminate = signal(SignalKind::terminate()).context("cannot listen for SIGTERM")?;
+        let mut interrupt = signal(SignalKind::interrupt()).context("cannot listen for SIGINT")?;
+        tokio::spawn(async move {
+            tokio::select! { _ = terminate.recv() => {}, _ = interrupt.recv() => {} }
+            stop.cancel();
+        });
+        let clock = Arc::new(SystemClock::start());
+        service::serve(prepared.config, prepared.plan, prepared.texts, prepared.model, clock, cancel).await?;
+        Ok(Outcome::Done)
+    })
+}
+
+/// Log lines on standard error; `RUST_LOG` chooses, the usual level is info.
+pub fn log_to_stderr() {
+    let filter =
+        tracing_subscriber::EnvFilter::try_from_default_env().unwrap_or_else(|_| "info,rumqttc=warn".into());
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+}

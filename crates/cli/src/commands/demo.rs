@@ -1,0 +1,404 @@
+//! `trunnion demo`: the main job on the simulator, through real ports.
+//!
+//! The simulator hides an effect and seals the truth; the program measures through its own drivers, identifies,
+//! doubts, names what is missing, adds it. Only when all is printed the seal is broken.
+
+use crate::commands::daemon::log_to_stderr;
+use crate::outcome::{self, Outcome};
+use anyhow::{Context, bail};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio_util::sync::CancellationToken;
+use trunnion_acquire::config::channels;
+use trunnion_acquire::{Progress, TimeBase};
+use trunnion_daemon::analysis::Analysis;
+use trunnion_daemon::clock::SystemClock;
+use trunnion_daemon::config::Config;
+use trunnion_daemon::live::{self, Plan};
+use trunnion_daemon::page;
+use trunnion_daemon::service::{self, Recorded, Texts};
+use trunnion_diagnose::Verdict;
+use trunnion_effects::Model;
+use trunnion_hil_sim::devices::{SimulatedCell, World, cell};
+use trunnion_hil_sim::physics::hidden;
+use trunnion_hil_sim::scenario::{self, Pace, Station};
+use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine};
+use trunnion_identify::{Experiment, Identification};
+use trunnion_machine::shipped;
+use trunnion_measurement::cycle::Motion;
+use trunnion_measurement::{Cycle, Setup};
+use trunnion_report::{diagnosis_text, ladder_text};
+use trunnion_units::{Clock, convert};
+
+/// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
+///
+/// Example: trunnion demo --hidden gravity-sag:B --seed 7
+#[derive(clap::Args)]
+pub struct Args {
+    /// Hidden physics: an id (the axis may be left out), `random`, or `none`
+    #[arg(long, default_value = "random", value_name = "ID")]
+    hidden: String,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Size of the hidden effect, in units of its usual size
+    #[arg(long, default_value_t = 1.0)]
+    size: f64,
+    /// Folder for recordings and the report
+    #[arg(long, value_name = "FOLDER", default_value = "trunnion-demo")]
+    output: PathBuf,
+    /// Leave out the on-the-fly cycle
+    #[arg(long)]
+    static_only: bool,
+    /// Print JSON instead of the story
+    #[arg(long)]
+    json: bool,
+}
+
+const STATIC_CYCLE: &str = include_str!("../../../../config/cycles/demo-static.toml");
+const SWEEP_CYCLE: &str = include_str!("../../../../config/cycles/demo-sweep-c.toml");
+/// The simulated machine is quick: a newcomer waits.
+const PACE: Pace = Pace { move_s: 0.055, dwell_s: 0.075 };
+/// From switching on to the start of the program: drivers connect, clocks settle.
+const WARM_UP: Duration = Duration::from_millis(2500);
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    if std::env::var_os("RUST_LOG").is_some() {
+        log_to_stderr();
+    }
+    std::fs::create_dir_all(&args.output)
+        .with_context(|| format!("cannot make {}", args.output.display()))?;
+    let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
+    runtime.block_on(demo(args))
+}
+
+async fn demo(args: &Args) -> anyhow::Result<Outcome> {
+    let tell = |text: &str| if args.json { Ok(()) } else { outcome::print(text) };
+    let static_cycle = Cycle::parse("demo-static.toml", STATIC_CYCLE)?;
+    let machine = shipped::machine(&static_cycle.machine).context("the demo machine is shipped")?;
+    let poses = static_cycle.poses(&machine).context("the demo machine follows the ball")?;
+    let stations: Vec<Station> =
+        poses.iter().map(|pose| Station { setup: pose.setup, position: pose.position }).collect();
+
+    let setups: Vec<SimSetup> = static_cycle.setups.iter().map(sim_setup).collect();
+    let choices = hidden_choices(args, &machine)?;
+    let truth =
+        Truth::draw(&machine, &setups, &choices, scenario::duration_s(stations.len(), PACE), args.seed)?;
+    let truth_path = args.output.join("truth.toml");
+    write(&truth_path, &truth.to_toml())?;
+    let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth)?);
+
+    tell(&format!(
+        "A simulated five-axis machine ({}) with errors of its own{}. The truth is sealed.\n\
+         Three probes on serial ports and the controller on the network; the program knows only what they say.\n\n",
+        machine.name,
+        if args.hidden == "none" { "" } else { " and something hidden" },
+    ))?;
+    tell(&format!("Static cycle: {} poses, two heights, both directions.\n", stations.len()))?;
+    let world = scenario::static_cycle(virtual_machine.clone(), &static_cycle.name, &stations, PACE)?;
+    let recorded = measure(args, &static_cycle, STATIC_CYCLE, world, "static").await?;
+    tell(&format!("Recorded {}\n\n", recorded.path.display()))?;
+
+    let date = service::day(SystemClock::start().wall_ns());
+    let base = Model::base(&machine.name);
+    let (path, machine_for_analysis) = (recorded.path.clone(), machine.clone());
+    let (experiment, analysis) = tokio::task::spawn_blocking(move || {
+        service::analyse_recording(&path, &machine_for_analysis, &base, &date)
+    })
+    .await??;
+    tell(&story(&experiment, &analysis))?;
+
+    let mut losses = page::losses(&recorded.gaps, recorded.lost_samples);
+    let on_the_fly = if args.static_only {
+        None
+    } else {
+        let sweep_cycle = Cycle::parse("demo-sweep-c.toml", SWEEP_CYCLE)?;
+        tell("\nOn-the-fly cycle: C turns both ways at two feeds.\n")?;
+        let world = sweep_world(virtual_machine.clone(), &sweep_cycle)?;
+        let swept = measure(args, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c").await?;
+        losses.extend(page::losses(&swept.gaps, swept.lost_samples));
+        let fit = fit_again(&swept.path, &machine, &analysis.model)?;
+        tell(&format!(
+            "Recorded {}; {} points while turning. The model of the static cycle leaves {:.2} um there, \
+             the noise is {:.2} um.\n",
+            swept.path.display(),
+            fit.points,
+            convert::um_from_mm(fit.rms_mm),
+            convert::um_from_mm(fit.noise.sigma_mm),
+        ))?;
+        Some(fit)
+    };
+
+    let report = args.output.join("report.html");
+    write(&report, &page::compare_page(&experiment, &analysis, &losses))?;
+    let model_path = args.output.join("model.toml");
+    write(&model_path, &analysis.model.to_text())?;
+    tell(&format!("\nReport: {}\nModel:  {}\n", report.display(), model_path.display()))?;
+    tell(&format!("\nThe seal is broken. {}\n", truth_text(&virtual_machine, &analysis, &truth_path)))?;
+    if args.json {
+        outcome::print_json(&serde_json::json!({
+            "format": "trunnion-demo/1",
+            "seed": args.seed,
+            "hidden": virtual_machine.truth().hidden.iter().map(hidden::Hidden::id).collect::<Vec<_>>(),
+            "found": analysis.steps.iter().map(|step| step.entry.id.clone()).collect::<Vec<_>>(),
+            "verdict": analysis.diagnoses[0].verdict.as_str(),
+            "diagnosis": analysis.diagnoses[0].to_json(),
+            "ladder": page::ladder(&analysis.model).iter().map(|row| serde_json::json!({
+                "effect": row.effect, "error_before_um": row.fit_before_um, "error_after_um": row.fit_after_um,
+                "holdout_before_um": row.holdout_before_um, "holdout_after_um": row.holdout_after_um,
+            })).collect::<Vec<_>>(),
+            "identification": analysis.identification().to_json(),
+            "last_diagnosis": analysis.diagnosis().to_json(),
+            "on_the_fly": on_the_fly.map(|fit| fit.to_json()),
+            "report": report.display().to_string(),
+            "losses": losses,
+        }))?;
+    }
+    Ok(if losses.is_empty() { Outcome::Done } else { Outcome::DataLoss })
+}
+
+fn hidden_choices(args: &Args, machine: &trunnion_machine::Machine) -> anyhow::Result<Vec<HiddenChoice>> {
+    match args.hidden.as_str() {
+        "none" => Ok(Vec::new()),
+        "random" => Ok(vec![hidden::random(machine, args.seed)]),
+        name => {
+            let ids = hidden::ids();
+            let wanted = ids
+                .iter()
+                .find(|id| *id == name)
+                .or_else(|| ids.iter().find(|id| id.split(':').next() == Some(name)));
+            let Some(id) = wanted else {
+                bail!("there is no hidden physics \"{name}\"; allowed: none, random, {}", ids.join(", "))
+            };
+            Ok(vec![HiddenChoice { id: id.clone(), sigma: args.size }])
+        }
+    }
+}
+
+fn sim_setup(setup: &Setup) -> SimSetup {
+    SimSetup {
+        name: setup.name.clone(),
+        nest: NestOn::Table,
+        ball_in_table_mm: setup.ball_in_table_mm,
+        instrument: Instrument::RTest,
+    }
+}
+
+fn sweep_world(machine: Arc<VirtualMachine>, cycle: &Cycle) -> anyhow::Result<SimulatedCell> {
+    let Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, others } = &cycle.motion else {
+        bail!("the demo's sweep cycle is not on the fly")
+    };
+    Ok(scenario::sweep_cycle(machine, &cycle.name, *axis, *from_to_rad, feeds_rad_per_s, others)?)
+}
+
+/// Switches a shop floor on, connects the real drivers to its ports, records one cycle.
+async fn measure(
+    args: &Args,
+    cycle: &Cycle,
+    cycle_text: &str,
+    world: SimulatedCell,
+    name: &str,
+) -> anyhow::Result<Recorded> {
+    let ports = std::env::temp_dir().join(format!("trunnion-demo-{}", std::process::id()));
+    std::fs::create_dir_all(&ports).with_context(|| format!("cannot make {}", ports.display()))?;
+    let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
+    let mut floor = cell::CellConfig::new(&ports, clock.wall_ns());
+    floor.can = None;
+    let world: Arc<dyn World> = Arc::new(world);
+    let cell = cell::start(world, floor, tokio::time::Instant::now() + WARM_UP).await?;
+    let agent =
+        cell.controller.as_ref().and_then(|handle| handle.url()).context("the cell has a controller")?;
+    let config_text = config_text(&ports, agent, &args.output);
+    let config = Config::parse(Path::new("demo.toml"), &config_text)?;
+    let machine = shipped::machine(&cycle.machine).context("the demo machine is shipped")?;
+    let machine_text = crate::load::machine_text(&cycle.machine)?;
+    let plan = Plan { machine, cycle: cycle.clone(), nest: config.nest, channels: channels(&config.devices) };
+    let texts = Texts { machine: machine_text, cycle: cycle_text.into(), config: config_text };
+
+    let cancel = CancellationToken::new();
+    let mut acquisition = trunnion_acquire::start(
+        config.devices,
+        clock.clone(),
+        cancel.clone(),
+        trunnion_acquire::supervisor::QUEUE_LENGTH,
+    );
+    let mut timebase = TimeBase::new(clock.now());
+    let start = live::wait_for_start(&mut acquisition.messages, &mut timebase, &cancel);
+    let start = tokio::time::timeout(Duration::from_secs(20), start)
+        .await
+        .context("the simulated controller did not start its program within 20 s")?
+        .context("the simulated devices went away")?;
+    let run_name = free_name(&args.output, name);
+    let mut bar = ProgressBar::new(args.json);
+    let recorded = service::record_cycle(
+        &plan,
+        &texts,
+        &args.output,
+        &run_name,
+        start,
+        &mut acquisition.messages,
+        &mut timebase,
+        &clock,
+        &cancel,
+        &mut |progress| bar.show(progress),
+    )
+    .await;
+    bar.clear();
+    cancel.cancel();
+    acquisition.stop().await;
+    cell.shutdown().await;
+    std::fs::remove_dir_all(&ports).with_context(|| format!("cannot remove {}", ports.display()))?;
+    Ok(recorded?)
+}
+
+/// Recordings are never overwritten.
+fn free_name(folder: &Path, name: &str) -> String {
+    let taken = |name: &str| {
+        folder.join(format!("{name}.mcap")).exists() || folder.join(format!("{name}.mcap.active")).exists()
+    };
+    let mut free = name.to_string();
+    let mut number = 2;
+    while taken(&free) {
+        free = format!("{name}-{number}");
+        number += 1;
+    }
+    free
+}
+
+fn config_text(ports: &Path, agent: &str, recordings: &Path) -> String {
+    let mut text = format!(
+        "format = \"trunnion-config/1\"\nname = \"demo\"\ncycle = \"demo.toml\"\nrecordings = '{}'\n\n[nest]\n",
+        recordings.display()
+    );
+    for (k, direction) in trunnion_hil_sim::devices::orthogonal_nest().iter().enumerate() {
+        text += &format!("probe_{} = {direction:?}\n", k + 1);
+    }
+    for k in 1..=3 {
+        text += &format!(
+            "\n[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\n\
+             range_mm = 2\nrate_khz = 1\n",
+            ports.display()
+        );
+    }
+    text + &format!("\n[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{agent}\"\n")
+}
+
+/// One line on standard error: share done and time left.
+struct ProgressBar {
+    shown: bool,
+    quiet: bool,
+}
+
+impl ProgressBar {
+    fn new(quiet: bool) -> Self {
+        Self { shown: false, quiet }
+    }
+
+    fn show(&mut self, progress: Progress) {
+        const WIDTH: usize = 40;
+        let total = progress.total.max(1);
+        if self.quiet || !(progress.done % 7 == 0 || progress.done == total) {
+            return;
+        }
+        let full = (WIDTH * progress.done / total).min(WIDTH);
+        let left = progress.seconds_left.map_or(String::new(), |s| format!(", {s:.0} s left"));
+        eprint!("\r  [{}{}] {}/{total}{left}   ", "#".repeat(full), ".".repeat(WIDTH - full), progress.done);
+        self.shown = std::io::stderr().flush().is_ok();
+    }
+
+    fn clear(&mut self) {
+        if self.shown {
+            eprint!("\r{:80}\r", "");
+        }
+    }
+}
+
+/// The ladder as it grows: base model, what fails, which effect, added, error falls.
+fn story(experiment: &Experiment, analysis: &Analysis) -> String {
+    let um = convert::um_from_mm;
+    let noise = |fit: &Identification| um(fit.noise.sigma_mm);
+    let mut text = format!(
+        "Base model (location errors and ball setting): {:.2} um rms remain; noise of a reading {:.2} um.\n",
+        um(analysis.before.rms_mm),
+        noise(&analysis.before),
+    );
+    for (diagnosis, step) in analysis.diagnoses.iter().zip(analysis.steps.iter().map(Some).chain([None])) {
+        text += "\nWhere and why does the model fail?\n";
+        text += &diagnosis_text(diagnosis);
+        if let Some(step) = step {
+            let ladder = step.entry.ladder.as_ref();
+            let held_out = ladder.and_then(|row| Some((row.holdout_before_um?, row.holdout_after_um?)));
+            text += &format!(
+                "\nAdded {}: error {:.2} -> {:.2} um{}; noise {:.2} um.\n",
+                step.entry.id,
+                ladder.map_or(f64::NAN, |row| row.error_before_um),
+                ladder.map_or(f64::NAN, |row| row.error_after_um),
+                held_out.map_or(String::new(), |(b, a)| format!(
+                    ", on passes left out of the fit {b:.2} -> {a:.2} um"
+                )),
+                noise(&step.identification),
+            );
+        }
+    }
+    text += &match analysis.diagnosis().verdict {
+        Verdict::NoiseFloor => "\nNothing is missing: what remains is noise.\n".to_string(),
+        Verdict::UnnamedStructure => {
+            "\nSomething remains that no effect of the catalogue describes.\n".into()
+        }
+        Verdict::MissingEffect => "\nMore may be missing; the demo stops adding here.\n".into(),
+    };
+    if !analysis.steps.is_empty() {
+        text += "\n";
+        text += &ladder_text(&page::ladder(&analysis.model), Some(noise(analysis.identification())));
+    }
+    text += &format!(
+        "\n{} points, {} set aside as outliers.\n",
+        experiment.points.len(),
+        analysis.before.outliers.len()
+    );
+    text
+}
+
+fn fit_again(
+    path: &Path,
+    machine: &trunnion_machine::Machine,
+    model: &Model,
+) -> anyhow::Result<Identification> {
+    let recording = trunnion_record::read_run(path, &|_| Some(machine.clone()))?;
+    let experiment = Experiment::new(std::slice::from_ref(&recording.run))?;
+    // What a turning C cannot show is left out, not guessed.
+    let mut reachable = model.clone();
+    reachable.effects.retain(|entry| {
+        trunnion_effects::Instance::from_model_effect(entry, machine)
+            .is_ok_and(|instance| !instance.parameters(&experiment.scene).is_empty())
+    });
+    Ok(trunnion_identify::identify(&experiment, &reachable, &trunnion_identify::Options::default())?)
+}
+
+fn truth_text(machine: &VirtualMachine, analysis: &Analysis, path: &Path) -> String {
+    let truth = machine.truth();
+    let hidden: Vec<String> = truth.hidden.iter().map(hidden::Hidden::id).collect();
+    let found: Vec<&str> = analysis.steps.iter().map(|step| step.entry.id.as_str()).collect();
+    let mut text = format!(
+        "Hidden: {}. Found: {}. ({})\n",
+        if hidden.is_empty() { "nothing".into() } else { hidden.join(", ") },
+        if found.is_empty() { "nothing".into() } else { found.join(", ") },
+        path.display(),
+    );
+    text += "  location error        truth      found          u\n";
+    for error in trunnion_hil_sim::truth::minimum_set(machine.machine()) {
+        let name = error.name();
+        let (scale, unit) = if error.direction.is_rotary() { (1e6, "urad") } else { (1e3, "um") };
+        let fitted = analysis.identification().parameter(&name);
+        let value = fitted.and_then(|p| p.screen_value()).map_or("   unseen".into(), |v| format!("{v:9.2}"));
+        let u = fitted.and_then(|p| p.screen_u()).map_or(String::new(), |u| format!("{u:9.2}"));
+        text += &format!("  {name:14} {:>12.2}  {value}  {u} {unit}\n", error.of(&truth.location) * scale);
+    }
+    text
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}

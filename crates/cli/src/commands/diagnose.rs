@@ -1,0 +1,31 @@
+//! `trunnion diagnose`: which physical effect is missing from the model.
+
+use crate::load::{self, ModelArgs, RunArgs};
+use crate::outcome::{self, Outcome};
+use trunnion_report::diagnosis_text;
+
+/// Say which physical effect is missing from the model
+///
+/// Example: trunnion diagnose run.mcap --model machine.model.toml
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    runs: RunArgs,
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Print JSON (format trunnion-diagnosis/1)
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let (runs, outcome) = load::runs(&args.runs)?;
+    let (experiment, model) = load::experiment(&runs, &args.model)?;
+    let diagnosis = trunnion_diagnose::diagnose(&experiment, &model, &trunnion_diagnose::Options::default())?;
+    if args.json {
+        outcome::print_json(&diagnosis.to_json())?;
+    } else {
+        outcome::print(&diagnosis_text(&diagnosis))?;
+    }
+    Ok(outcome)
+}

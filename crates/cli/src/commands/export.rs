@@ -1,0 +1,34 @@
+//! `trunnion export`: the points of a recording as a table.
+
+use crate::load;
+use crate::outcome::{self, Outcome};
+use anyhow::Context;
+use std::path::PathBuf;
+
+/// Export a recording as a table
+///
+/// Example: trunnion export csv run.mcap -o points.csv
+#[derive(clap::Args)]
+pub struct Args {
+    /// What to write
+    #[arg(value_parser = ["csv"])]
+    format: String,
+    /// Recording
+    #[arg(value_name = "RUN")]
+    run: PathBuf,
+    /// File to write; without it, standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let (run, outcome) = load::run(&args.run)?;
+    let table = trunnion_record::export::points_csv(&run);
+    match &args.output {
+        None => outcome::print(&table)?,
+        Some(path) => {
+            std::fs::write(path, table).with_context(|| format!("cannot write {}", path.display()))?
+        }
+    }
+    Ok(outcome)
+}

@@ -1,0 +1,14 @@
+//! One file per command.
+
+pub mod add;
+pub mod check_config;
+pub mod compare;
+pub mod daemon;
+pub mod demo;
+pub mod diagnose;
+pub mod export;
+pub mod identify;
+pub mod import;
+pub mod ladder;
+pub mod replay;
+pub mod simulate;

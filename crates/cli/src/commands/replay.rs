@@ -1,0 +1,45 @@
+//! `trunnion replay`: the analysis of a recording once more, from the file alone.
+
+use crate::load::{self, ModelArgs};
+use crate::outcome::{self, Outcome};
+use anyhow::Context;
+use std::path::PathBuf;
+use trunnion_daemon::analysis;
+use trunnion_identify::Experiment;
+
+/// Analyse a recording again; writes the same bytes as the live run did
+///
+/// Example: trunnion replay run.mcap --output again/
+#[derive(clap::Args)]
+pub struct Args {
+    /// Recording
+    #[arg(value_name = "RUN")]
+    run: PathBuf,
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Folder for NAME.identification.json and NAME.diagnosis.json; without it, standard output
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let (run, outcome) = load::run(&args.run)?;
+    let runs = [run];
+    let model = load::experiment(&runs, &args.model)?.1;
+    let analysis = analysis::climb(&Experiment::new(&runs)?, &model, "")?;
+    let identification = format!("{:#}\n", analysis.identification().to_json());
+    let diagnosis = format!("{:#}\n", analysis.diagnoses[0].to_json());
+    let Some(folder) = &args.output else {
+        outcome::print(&identification)?;
+        outcome::print(&diagnosis)?;
+        return Ok(outcome);
+    };
+    let name = args.run.file_name().context("the recording has no name")?;
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    for (ending, text) in [("identification.json", identification), ("diagnosis.json", diagnosis)] {
+        let path = folder.join(name).with_extension(ending);
+        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        outcome::print(&format!("{}\n", path.display()))?;
+    }
+    Ok(outcome)
+}

@@ -1,0 +1,101 @@
+//! Machines, runs and models from the names and paths a user gives.
+
+use crate::outcome::Outcome;
+use anyhow::{Context, bail};
+use std::path::{Path, PathBuf};
+use trunnion_effects::Model;
+use trunnion_identify::Experiment;
+use trunnion_machine::{Machine, shipped};
+use trunnion_measurement::Run;
+
+/// Recordings named on a command line.
+#[derive(clap::Args)]
+pub struct RunArgs {
+    /// Recordings (.mcap); several are fitted together
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
+}
+
+/// The model a command judges.
+#[derive(clap::Args)]
+pub struct ModelArgs {
+    /// Model file; without it the base model (location errors and ball setting)
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+}
+
+/// A machine file by path, or a shipped machine by name.
+pub fn machine(name: &str) -> anyhow::Result<Machine> {
+    let path = Path::new(name);
+    if path.extension().is_some_and(|ending| ending == "toml") {
+        let text = read(path)?;
+        let stem = path.file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
+        return Ok(Machine::parse(&stem, name, &text)?);
+    }
+    shipped::machine(name).with_context(|| {
+        let names = shipped::FILES.map(|(name, _)| name).join(", ");
+        format!(
+            "there is no machine \"{name}\"; allowed: {names}, or the path of a machine file ending in .toml"
+        )
+    })
+}
+
+/// The text of a machine by the name or path in a file, for the recording.
+pub fn machine_text(name: &str) -> anyhow::Result<String> {
+    match shipped::FILES.iter().find(|(shipped, _)| *shipped == name) {
+        Some((_, text)) => Ok((*text).into()),
+        None => read(Path::new(name)),
+    }
+}
+
+/// Reads a text file; the error names it.
+pub fn read(path: &Path) -> anyhow::Result<String> {
+    std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+/// Reads the recordings. Damage is told on standard error and ends in [`Outcome::DataLoss`].
+pub fn runs(args: &RunArgs) -> anyhow::Result<(Vec<Run>, Outcome)> {
+    let mut outcome = Outcome::Done;
+    let mut runs = Vec::new();
+    for path in &args.runs {
+        let (run, one) = run(path)?;
+        runs.push(run);
+        if one == Outcome::DataLoss {
+            outcome = one;
+        }
+    }
+    Ok((runs, outcome))
+}
+
+/// Reads one recording.
+pub fn run(path: &Path) -> anyhow::Result<(Run, Outcome)> {
+    if path.extension().is_some_and(|ending| ending == "csv") {
+        bail!(
+            "{} is a points file; import it first: trunnion import {0} --setup setup.toml -o run.mcap",
+            path.display()
+        );
+    }
+    let recording = trunnion_record::read_run(path, &|name| machine(name).ok())
+        .with_context(|| format!("cannot read the recording {}", path.display()))?;
+    let mut outcome = Outcome::Done;
+    if let Some(damage) = &recording.damage {
+        eprintln!("trunnion: {}: {damage}", path.display());
+        outcome = Outcome::DataLoss;
+    }
+    Ok((recording.run, outcome))
+}
+
+/// The experiment of the runs and the model to judge it by.
+pub fn experiment(runs: &[Run], args: &ModelArgs) -> anyhow::Result<(Experiment, Model)> {
+    let experiment = Experiment::new(runs)?;
+    let model = match &args.model {
+        None => Model::base(&experiment.machine().name),
+        Some(path) => model(path)?,
+    };
+    Ok((experiment, model))
+}
+
+/// Reads a model file.
+pub fn model(path: &Path) -> anyhow::Result<Model> {
+    Ok(Model::parse(&path.display().to_string(), &read(path)?)?)
+}

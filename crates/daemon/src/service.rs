@@ -1,0 +1,373 @@
+//! The service loop: wait for a cycle, record it, analyse the recording, report; again.
+
+use crate::analysis::{self, Analysis, AnalysisError};
+use crate::config::Config;
+use crate::live::{self, Plan, PlanError};
+use crate::mqtt::{self, Board};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::{mpsc, watch};
+use tokio_util::sync::CancellationToken;
+use tracing::{error, info, warn};
+use trunnion_acquire::{DeviceStatus, Message, Progress, TimeBase};
+use trunnion_effects::Model;
+use trunnion_identify::{Experiment, ExperimentError};
+use trunnion_machine::Machine;
+use trunnion_measurement::cycle::Motion;
+use trunnion_measurement::{Gap, RunKind};
+use trunnion_protocol::mtconnect::format_timestamp;
+use trunnion_record::{RecordError, Recorder, RecorderHandle, RunHeader};
+use trunnion_units::{Clock, HostTime};
+
+/// Why the service, or one cycle of it, failed.
+#[derive(Debug, thiserror::Error)]
+pub enum ServiceError {
+    /// The cycle cannot be measured with these devices.
+    #[error("the cycle cannot be measured")]
+    Plan(#[from] PlanError),
+    /// The recording failed.
+    #[error("recording failed")]
+    Record(#[from] RecordError),
+    /// The writing thread could not be started.
+    #[error("cannot start the recording thread")]
+    Thread(#[source] std::io::Error),
+    /// A result could not be written.
+    #[error("cannot write {path}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's words.
+        source: std::io::Error,
+    },
+    /// The points do not make an experiment.
+    #[error("the recording {path} cannot be analysed")]
+    Experiment {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: ExperimentError,
+    },
+    /// The analysis failed.
+    #[error("analysing {path} failed")]
+    Analysis {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: AnalysisError,
+    },
+    /// A part of the service panicked.
+    #[error("the {0} ended badly; this is a defect of the program")]
+    Broken(&'static str),
+}
+
+/// Texts that go into a recording word for word.
+#[derive(Clone, Debug)]
+pub struct Texts {
+    /// The machine file.
+    pub machine: String,
+    /// The cycle file.
+    pub cycle: String,
+    /// The configuration.
+    pub config: String,
+}
+
+/// Items between the service and the writing thread: a second of three probes at 4 kHz, with room.
+const RECORDER_QUEUE: usize = 32_768;
+/// Time between status messages.
+const STATUS_PERIOD: Duration = Duration::from_secs(1);
+
+/// What recording one cycle gave.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// The finished recording.
+    pub path: PathBuf,
+    /// Why the cycle ended, for a person.
+    pub ended: String,
+    /// Holes in the data.
+    pub gaps: Vec<Gap>,
+    /// Samples that the recorder lost.
+    pub lost_samples: u64,
+}
+
+/// Runs until `cancel`. Cycles that fail are reported and do not end the service.
+///
+/// # Errors
+/// When the configuration cannot measure the cycle.
+pub async fn serve(
+    config: Config,
+    plan: Plan,
+    texts: Texts,
+    model: Model,
+    clock: Arc<dyn Clock>,
+    cancel: CancellationToken,
+) -> Result<(), ServiceError> {
+    live::check(&plan)?;
+    recover(&config.recordings);
+    let board = Board::default();
+    let broker = config.mqtt.clone().map(|mqtt| tokio::spawn(mqtt::run(mqtt, board.clone(), cancel.clone())));
+    let mut acquisition = trunnion_acquire::start(
+        config.devices.clone(),
+        clock.clone(),
+        cancel.clone(),
+        trunnion_acquire::supervisor::QUEUE_LENGTH,
+    );
+    let names: Vec<String> = config.devices.iter().map(|device| device.name.clone()).collect();
+    let status =
+        tokio::spawn(publish_status(names, acquisition.states.clone(), board.clone(), cancel.clone()));
+    let mut timebase = TimeBase::new(clock.now());
+    tell_systemd(&[sd_notify::NotifyState::Ready]);
+    info!(machine = config.name, cycle = plan.cycle.name, "waiting for the controller to start the cycle");
+    while let Some(start) = live::wait_for_start(&mut acquisition.messages, &mut timebase, &cancel).await {
+        let name = format!("{}-{}", plan.cycle.name, file_stamp(clock.wall_ns()));
+        board.set("cycle", &json!({ "state": "measuring", "run": name }));
+        let mut progress = |now: Progress| {
+            board.set(
+                "cycle",
+                &json!({ "state": "measuring", "run": name, "done": now.done, "total": now.total,
+                "seconds_left": now.seconds_left }),
+            );
+        };
+        let recorded = record_cycle(
+            &plan,
+            &texts,
+            &config.recordings,
+            &name,
+            start,
+            &mut acquisition.messages,
+            &mut timebase,
+            &clock,
+            &cancel,
+            &mut progress,
+        )
+        .await;
+        let outcome = match recorded {
+            Ok(recorded) => report_cycle(recorded, &model, plan.machine.clone(), &clock, &board).await,
+            Err(failure) => Err(failure),
+        };
+        if let Err(failure) = outcome {
+            error!(error = &failure as &dyn std::error::Error, run = name, "the cycle failed");
+            board.set("cycle", &json!({ "state": "failed", "run": name, "why": chain(&failure) }));
+        }
+    }
+    acquisition.stop().await;
+    tell_systemd(&[sd_notify::NotifyState::Stopping]);
+    for (task, what) in [(Some(status), "status"), (broker, "MQTT connection")] {
+        if let Some(task) = task {
+            task.await.map_err(|_| ServiceError::Broken(what))?;
+        }
+    }
+    Ok(())
+}
+
+/// Records one cycle from `start` until it ends and finishes its file.
+///
+/// # Errors
+/// When the plan cannot be measured or the recording cannot be finished.
+#[expect(clippy::too_many_arguments, reason = "the parts of a running service, borrowed separately")]
+pub async fn record_cycle(
+    plan: &Plan,
+    texts: &Texts,
+    folder: &Path,
+    name: &str,
+    start: HostTime,
+    messages: &mut mpsc::Receiver<Message>,
+    timebase: &mut TimeBase,
+    clock: &Arc<dyn Clock>,
+    cancel: &CancellationToken,
+    progress: &mut (dyn FnMut(Progress) + Send),
+) -> Result<Recorded, ServiceError> {
+    let header = header(plan, texts, name, start, clock);
+    let recorder = Recorder::create(folder, name, &header)?;
+    let handle =
+        RecorderHandle::spawn(recorder, RECORDER_QUEUE, clock.clone()).map_err(ServiceError::Thread)?;
+    let sender = handle.sender();
+    let measured =
+        live::measure(plan, name, start, messages, timebase, &sender, clock, cancel, progress).await;
+    drop(sender);
+    let finished = tokio::task::spawn_blocking(move || handle.finish())
+        .await
+        .map_err(|_| ServiceError::Broken("recording thread"))??;
+    let measured = measured?;
+    info!(run = name, reason = ?measured.reason, points = measured.run.points.len(), "the cycle has ended");
+    let path =
+        finished.files.first().map_or_else(|| folder.join(format!("{name}.mcap")), |file| file.path.clone());
+    Ok(Recorded {
+        path,
+        ended: format!("{:?}", measured.reason),
+        gaps: measured.gaps,
+        lost_samples: finished.lost_samples,
+    })
+}
+
+fn header(plan: &Plan, texts: &Texts, name: &str, start: HostTime, clock: &Arc<dyn Clock>) -> RunHeader {
+    RunHeader {
+        name: name.into(),
+        kind: match plan.cycle.motion {
+            Motion::Static { .. } => RunKind::Static,
+            Motion::OnTheFly { .. } => RunKind::OnTheFly,
+        },
+        machine_name: plan.machine.name.clone(),
+        machine_text: texts.machine.clone(),
+        setups: plan.cycle.setups.clone(),
+        temperature_channels: Vec::new(),
+        probes: plan.channels.iter().map(|channel| channel.name.clone()).collect(),
+        cycle_text: texts.cycle.clone(),
+        config_text: texts.config.clone(),
+        software_version: env!("CARGO_PKG_VERSION").into(),
+        wall_start_ns: clock.wall_ns() - (clock.now() - start).as_nanos() as i64,
+        host_start: start,
+    }
+}
+
+/// Analyses a recording as `replay` would: from the file alone.
+///
+/// # Errors
+/// When the file cannot be read or its points cannot be analysed.
+pub fn analyse_recording(
+    path: &Path,
+    machine: &Machine,
+    model: &Model,
+    date: &str,
+) -> Result<(Experiment, Analysis), ServiceError> {
+    let recording = trunnion_record::read_run(path, &|_| Some(machine.clone()))?;
+    let experiment = Experiment::new(std::slice::from_ref(&recording.run))
+        .map_err(|source| ServiceError::Experiment { path: path.into(), source })?;
+    let analysis = analysis::climb(&experiment, model, date)
+        .map_err(|source| ServiceError::Analysis { path: path.into(), source })?;
+    Ok((experiment, analysis))
+}
+
+async fn report_cycle(
+    recorded: Recorded,
+    model: &Model,
+    machine: Machine,
+    clock: &Arc<dyn Clock>,
+    board: &Board,
+) -> Result<(), ServiceError> {
+    let (path, model, date) = (recorded.path.clone(), model.clone(), day(clock.wall_ns()));
+    let losses = crate::page::losses(&recorded.gaps, recorded.lost_samples);
+    let analysed = tokio::task::spawn_blocking(move || {
+        let (experiment, analysis) = analyse_recording(&path, &machine, &model, &date)?;
+        let html = crate::page::compare_page(&experiment, &analysis, &losses);
+        write(&path.with_extension("html"), &html)?;
+        write(
+            &path.with_extension("identification.json"),
+            &format!("{:#}\n", analysis.identification().to_json()),
+        )?;
+        write(&path.with_extension("diagnosis.json"), &format!("{:#}\n", analysis.diagnoses[0].to_json()))?;
+        Ok::<_, ServiceError>((path, analysis))
+    })
+    .await
+    .map_err(|_| ServiceError::Broken("analysis"))??;
+    let (path, analysis) = analysed;
+    let added: Vec<&str> = analysis.steps.iter().map(|step| step.entry.id.as_str()).collect();
+    info!(run = %path.display(), verdict = analysis.diagnoses[0].verdict.as_str(), ?added, "analysed");
+    board.set(
+        "result",
+        &json!({
+            "run": path.file_name().map(|name| name.to_string_lossy()),
+            "verdict": analysis.diagnoses[0].verdict.as_str(),
+            "missing_effects": added,
+            "rms_um_before": trunnion_units::convert::um_from_mm(analysis.before.rms_mm),
+            "rms_um_after": trunnion_units::convert::um_from_mm(analysis.identification().rms_mm),
+            "report": path.with_extension("html").display().to_string(),
+        }),
+    );
+    board.set(
+        "cycle",
+        &json!({ "state": "done", "run": path.display().to_string(), "ended": recorded.ended,
+        "gaps": recorded.gaps.len(), "lost_samples": recorded.lost_samples }),
+    );
+    Ok(())
+}
+
+fn write(path: &Path, text: &str) -> Result<(), ServiceError> {
+    std::fs::write(path, text).map_err(|source| ServiceError::Write { path: path.into(), source })
+}
+
+/// Finishes recordings that a kill left behind. What cannot be recovered stays where it is and is told.
+fn recover(folder: &Path) {
+    match trunnion_record::recover_orphans(folder) {
+        Ok(files) => {
+            for recovered in files {
+                match recovered {
+                    Ok(file) => {
+                        warn!(file = %file.path.display(), "recovered a recording that was not finished")
+                    }
+                    Err(failure) => {
+                        warn!(error = &failure as &dyn std::error::Error, "cannot recover a recording")
+                    }
+                }
+            }
+        }
+        Err(failure) => {
+            warn!(error = &failure as &dyn std::error::Error, "cannot look for unfinished recordings")
+        }
+    }
+}
+
+async fn publish_status(
+    names: Vec<String>,
+    states: Vec<watch::Receiver<DeviceStatus>>,
+    board: Board,
+    cancel: CancellationToken,
+) {
+    let mut period = tokio::time::interval(STATUS_PERIOD);
+    let mut last = serde_json::Value::Null;
+    loop {
+        tokio::select! {
+            () = cancel.cancelled() => return,
+            _ = period.tick() => {}
+        }
+        tell_systemd(&[sd_notify::NotifyState::Watchdog]);
+        let devices: serde_json::Map<String, serde_json::Value> = names
+            .iter()
+            .zip(&states)
+            .map(|(name, state)| {
+                let status = state.borrow();
+                let ends: u64 = status.ends.iter().sum();
+                let device = json!({ "state": format!("{:?}", status.state), "identity": status.identity,
+                    "connections": status.epoch, "ends": ends, "lost_messages": status.lost_messages,
+                    "last_end": status.last_end.as_ref().map(ToString::to_string) });
+                (name.clone(), device)
+            })
+            .collect();
+        let now = json!({ "state": "online", "devices": devices });
+        if now != last {
+            board.set("status", &now);
+            last = now;
+        }
+    }
+}
+
+fn tell_systemd(states: &[sd_notify::NotifyState<'_>]) {
+    if let Err(failure) = sd_notify::notify(states) {
+        tracing::debug!(%failure, "systemd was not told");
+    }
+}
+
+/// Every cause of an error in one line.
+fn chain(failure: &dyn std::error::Error) -> String {
+    let mut text = failure.to_string();
+    let mut cause = failure.source();
+    while let Some(next) = cause {
+        text.push_str(": ");
+        text.push_str(&next.to_string());
+        cause = next.source();
+    }
+    text
+}
+
+/// `YYYYMMDDThhmmssZ`.
+pub fn file_stamp(wall_ns: i64) -> String {
+    let stamp: String =
+        format_timestamp(wall_ns).chars().filter(char::is_ascii_alphanumeric).take(15).collect();
+    stamp + "Z"
+}
+
+/// `YYYY-MM-DD`.
+pub fn day(wall_ns: i64) -> String {
+    format_timestamp(wall_ns).chars().take(10).collect()
+}

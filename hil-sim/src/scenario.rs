@@ -1,0 +1,157 @@
+//! A cycle on the virtual machine: the motion of the CNC, and what the probes see along it.
+
+use crate::devices::{SimulatedCell, orthogonal_nest};
+use crate::motion::{Follow, Program, ProgramError, Step, Trajectory};
+use crate::physics::{Sampler, VirtualMachine};
+use std::sync::Arc;
+use trunnion_machine::{Machine, State};
+use trunnion_units::{AxisLetter, AxisValues};
+
+/// Noise of one sample of a probe, mm: averaged away at rest, seen on the fly.
+const SAMPLE_NOISE_MM: f64 = 0.2e-3;
+/// Standing before the first and after the last motion, s.
+const MARGIN_S: f64 = 0.4;
+/// Ramps of a sweep, s.
+const RAMP_S: f64 = 0.4;
+
+/// One pose of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Station {
+    /// Index of the setup.
+    pub setup: usize,
+    /// All axes, mm and rad.
+    pub position: AxisValues<f64>,
+}
+
+/// Times of a static cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// From one pose to the next, s.
+    pub move_s: f64,
+    /// Standing at a pose, s.
+    pub dwell_s: f64,
+}
+
+/// A scenario that cannot be run.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ScenarioError {
+    /// No pose.
+    #[error("a cycle needs at least one pose")]
+    NoStation,
+    /// The program is impossible.
+    #[error("the simulated controller refuses the program")]
+    Program(#[from] ProgramError),
+}
+
+/// How long a static cycle takes, s.
+pub fn duration_s(stations: usize, pace: Pace) -> f64 {
+    2.0 * MARGIN_S + stations as f64 * (pace.move_s + pace.dwell_s)
+}
+
+/// The machine visits the poses and rests at each.
+///
+/// # Errors
+/// No pose, or times no machine can keep.
+pub fn static_cycle(
+    machine: Arc<VirtualMachine>,
+    program: &str,
+    stations: &[Station],
+    pace: Pace,
+) -> Result<SimulatedCell, ScenarioError> {
+    let first = stations.first().ok_or(ScenarioError::NoStation)?;
+    let mut steps = vec![Step::Dwell { duration_s: MARGIN_S }];
+    let mut setup_of_step = vec![first.setup];
+    let mut before = *first;
+    for station in stations {
+        if station.setup != before.setup {
+            // The ball has been set anew: straight to its first pose.
+            steps.push(Step::Move { target: station.position, duration_s: pace.move_s });
+        } else {
+            let follow = follow(machine.machine(), &machine, station.setup);
+            steps.push(Step::Carry { target: station.position, duration_s: pace.move_s, follow });
+        }
+        steps.push(Step::Dwell { duration_s: pace.dwell_s });
+        setup_of_step.extend([station.setup, station.setup]);
+        before = *station;
+    }
+    steps.push(Step::Dwell { duration_s: MARGIN_S });
+    setup_of_step.push(before.setup);
+    let start = Program { start: first.position, steps };
+    Ok(cell(machine, program, Trajectory::compile(&start)?, setup_of_step))
+}
+
+/// One rotary axis turns forward and back at each feed while the linear axes follow the ball of setup 0.
+///
+/// # Errors
+/// Feeds or angles no machine can keep.
+pub fn sweep_cycle(
+    machine: Arc<VirtualMachine>,
+    program: &str,
+    axis: AxisLetter,
+    from_to_rad: (f64, f64),
+    feeds_rad_per_s: &[f64],
+    others: &AxisValues<f64>,
+) -> Result<SimulatedCell, ScenarioError> {
+    let follow = follow(machine.machine(), &machine, 0);
+    let (from, to) = from_to_rad;
+    let mut rotary = *others;
+    rotary[axis] = from;
+    let ball = machine.truth().setups[0].setup.ball_in_table_mm;
+    let start = machine.machine().follow(&rotary, &ball).unwrap_or(rotary);
+    let mut steps = vec![Step::Dwell { duration_s: MARGIN_S }];
+    for &feed in feeds_rad_per_s {
+        for (from, to) in [(from, to), (to, from)] {
+            steps.push(Step::Sweep { axis, from, to, feed, ramp_s: RAMP_S, follow: follow.clone() });
+            steps.push(Step::Dwell { duration_s: MARGIN_S });
+        }
+    }
+    let setup_of_step = vec![0; steps.len()];
+    Ok(cell(machine, program, Trajectory::compile(&Program { start, steps })?, setup_of_step))
+}
+
+fn follow(nominal: &Machine, machine: &VirtualMachine, setup: usize) -> Follow {
+    let nominal = nominal.clone();
+    let ball = machine.truth().setups[setup].setup.ball_in_table_mm;
+    Follow::new(move |axes| nominal.follow(axes, &ball).unwrap_or(*axes))
+}
+
+fn cell(
+    machine: Arc<VirtualMachine>,
+    program: &str,
+    trajectory: Trajectory,
+    setup_of_step: Vec<usize>,
+) -> SimulatedCell {
+    // Pass offsets, drift, scatter and outliers are drawn once for each step, in order of time, so that whoever asks
+    // for a time gets the same answer.
+    let mut sampler = Sampler::new(&machine, 0);
+    let offsets_mm: Vec<[f64; 3]> = setup_of_step
+        .iter()
+        .enumerate()
+        .map(|(step, &setup)| {
+            let begin_s = trajectory.begin_s(step).unwrap_or(0.0);
+            let end_s = trajectory.begin_s(step + 1).unwrap_or(begin_s);
+            let time_s = 0.5 * (begin_s + end_s);
+            let state = trajectory.at(time_s).state(time_s, Vec::new(), setup);
+            let (noisy, ideal) = (sampler.read_mm(&machine, &state), machine.ideal_reading_mm(setup, &state));
+            std::array::from_fn(|k| noisy[k] - ideal[k])
+        })
+        .collect();
+    let seed = machine.truth().seed;
+    let along = trajectory.clone();
+    let deflection_mm = move |state: &State| {
+        let step = along.at(state.time_s.unwrap_or(0.0)).step.min(setup_of_step.len() - 1);
+        let ideal = machine.ideal_reading_mm(setup_of_step[step], state);
+        std::array::from_fn(|k| ideal[k] + offsets_mm[step][k])
+    };
+    SimulatedCell {
+        trajectory,
+        program: program.into(),
+        setup: 0,
+        deflection_mm: Box::new(deflection_mm),
+        bar_mm: Box::new(|_| 0.0),
+        temperature_degc: Box::new(|_| 20.0),
+        probe_directions: orthogonal_nest(),
+        noise_mm: SAMPLE_NOISE_MM,
+        seed,
+    }
+}
