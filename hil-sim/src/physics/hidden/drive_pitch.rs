@@ -1,7 +1,7 @@
 //! Pitch errors of a worm wheel or last gear without a direct encoder.
 //!
 //! Positioning error `sin(nθ + φ) + r sin(Nθ + ψ)`: n = 3…5 waves a turn from the cutting of the wheel, N waves from its
-//! teeth. On a 30° grid the teeth alias (72 teeth read as a constant); on the fly both are seen.
+//! teeth [S4 table 2]. Looks like encoder eccentricity with more waves. On a 30° grid the teeth alias (72 teeth read as a constant); on the fly both are seen.
 
 use super::*;
 

@@ -1,6 +1,7 @@
 //! A linear scale is too long or too short.
 //!
-//! Positioning error `s · x`, x the commanded position. Looks like a stretch of the volume along one direction.
+//! Positioning error `s · x`, x the commanded position [S2 eq. 1: EXX].
+//! Looks like a stretch of the volume along one direction.
 
 use super::*;
 

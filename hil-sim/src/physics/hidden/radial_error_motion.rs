@@ -1,32 +1,31 @@
-//! The axis of rotation wanders sideways: a bearing ring that is oval and three-lobed.
+//! The axis of rotation wanders sideways: a bearing ring that is oval or three-lobed.
 //!
-//! Displacements across the axis, each a sum of cos nθ, sin nθ, n = 2, 3 (n = 1 cannot be told from the setting).
-//! Looks alike at every height and every tilt of what carries the axis, in the carrier's axes.
+//! Displacements across the axis, each of cos nθ and sin nθ, n = 2 or 3 (n = 1 cannot be told from the setting).
+//! Looks like two or three waves a turn, alike at every height and tilt, in the axes of what carries the axis.
 
 use super::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "radial-error-motion",
-    about: "the axis of rotation wanders sideways twice and three times a turn",
+    about: "the axis of rotation wanders sideways twice or three times a turn",
     amplitude: "displacement, mm",
     places: &[A, B, C],
     seen_in: SeenIn::StaticGrid,
     catalogued: true,
-    shape: &["u_cos_2", "u_sin_2", "u_cos_3", "u_sin_3", "v_cos_2", "v_sin_2", "v_cos_3", "v_sin_3"],
+    shape: &["lobes", "u_cos", "u_sin", "v_cos", "v_sin"],
     draw,
     disturb,
 };
 
 fn draw(rng: &mut ChaCha8Rng, _: &Circumstances<'_>) -> Vec<f64> {
-    (0..8).map(|_| any_sign(rng) * rng.random_range(0.3..1.0)).collect()
+    let [a, b, c, d] = std::array::from_fn(|_| any_sign(rng) * rng.random_range(0.3..1.0));
+    vec![f64::from(rng.random_range(2..=3_u8)), a, b, c, d]
 }
 
 fn disturb(scene: &Scene<'_>, shape: &[f64]) -> Disturbance {
-    let [u1, u2, u3, u4, v1, v2, v3, v4] = numbers(shape);
+    let [n, u_cos, u_sin, v_cos, v_sin] = numbers(shape);
     let [u, v, _] = scene.trihedron();
-    let (sin_2, cos_2) = (2.0 * scene.here()).sin_cos();
-    let (sin_3, cos_3) = (3.0 * scene.here()).sin_cos();
-    let sideways = u * (u1 * cos_2 + u2 * sin_2 + u3 * cos_3 + u4 * sin_3)
-        + v * (v1 * cos_2 + v2 * sin_2 + v3 * cos_3 + v4 * sin_3);
+    let (sin, cos) = (n * scene.here()).sin_cos();
+    let sideways = u * (u_cos * cos + u_sin * sin) + v * (v_cos * cos + v_sin * sin);
     Disturbance::joint(scene.letter(), Twist::translation(sideways))
 }

@@ -1,32 +1,38 @@
 //! Coning: the axis of rotation nods as it turns.
 //!
-//! Tilts about both directions across the axis, each a sum of cos nθ, sin nθ, n = 1, 2 [S1 §5.3: sinusoidal].
+//! Tilts about both directions across the axis, each of cos nθ and sin nθ, n = 1 or 2 [S1 §5.3: sinusoidal].
 //! Looks like waves that grow with the distance of the ball from the joint, so differently at two heights.
 
 use super::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "tilt-error-motion",
-    about: "the axis of rotation nods once and twice a turn",
+    about: "the axis of rotation nods once or twice a turn",
     amplitude: "tilt, rad",
     places: &[A, B, C],
     seen_in: SeenIn::StaticGrid,
     catalogued: true,
-    shape: &["u_cos_1", "u_sin_1", "u_cos_2", "u_sin_2", "v_cos_1", "v_sin_1", "v_cos_2", "v_sin_2"],
+    shape: &["lobes", "u_cos", "u_sin", "v_cos", "v_sin"],
     draw,
     disturb,
 };
 
 fn draw(rng: &mut ChaCha8Rng, _: &Circumstances<'_>) -> Vec<f64> {
-    (0..8).map(|_| any_sign(rng) * rng.random_range(0.3..1.0)).collect()
+    // A phasor that turns against the axis and a smaller one that turns with it (n = 1 of that is invisible to a table ball).
+    let (against, with) = (any_angle(rng), any_angle(rng));
+    let r = rng.random_range(0.2..0.6);
+    let lobes = f64::from(rng.random_range(1..=2_u8));
+    let u_cos = against.cos() + r * with.cos();
+    let u_sin = -against.sin() - r * with.sin();
+    let v_cos = -against.sin() + r * with.sin();
+    let v_sin = -against.cos() + r * with.cos();
+    vec![lobes, u_cos, u_sin, v_cos, v_sin]
 }
 
 fn disturb(scene: &Scene<'_>, shape: &[f64]) -> Disturbance {
-    let [u1, u2, u3, u4, v1, v2, v3, v4] = numbers(shape);
+    let [n, u_cos, u_sin, v_cos, v_sin] = numbers(shape);
     let [u, v, _] = scene.trihedron();
-    let (sin_1, cos_1) = scene.here().sin_cos();
-    let (sin_2, cos_2) = (2.0 * scene.here()).sin_cos();
-    let tilt = u * (u1 * cos_1 + u2 * sin_1 + u3 * cos_2 + u4 * sin_2)
-        + v * (v1 * cos_1 + v2 * sin_1 + v3 * cos_2 + v4 * sin_2);
+    let (sin, cos) = (n * scene.here()).sin_cos();
+    let tilt = u * (u_cos * cos + u_sin * sin) + v * (v_cos * cos + v_sin * sin);
     Disturbance::joint(scene.letter(), Twist::rotation(tilt))
 }
