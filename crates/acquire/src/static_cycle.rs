@@ -67,6 +67,7 @@ fn whole_turns_off(angle_rad: f64) -> f64 {
 
 /// What happened.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a few events a minute, nearly all of them points")]
 pub enum CycleEvent {
     /// The point of a pose; poses come in order, each once.
     Point {

@@ -1,5 +1,7 @@
 //! Sessions and supervisor against the virtual devices, through real pseudo-terminals and sockets.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::time::timeout;
@@ -7,14 +9,16 @@ use tokio_util::sync::CancellationToken;
 use trunnion_acquire::align::{AlignLimits, Aligned, Aligner};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{
-    Acquisition, DeviceState, DeviceStatus, Execution, Message, Reading, SessionEnd, TimeBase, Timed,
-    parse_devices, start,
+    Acquisition, CycleEvent, DeviceState, DeviceStatus, EndReason, Execution, Message, Reading, SessionEnd,
+    StaticCycle, StaticRules, TimeBase, Timed, parse_devices, start,
 };
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::cell::{self, Cell, CellConfig};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, SimulatedCell, orthogonal_nest};
 use trunnion_hil_sim::motion::{Follow, Program, Step, Trajectory};
-use trunnion_units::AxisLetter::{B, C, X};
+use trunnion_measurement::cycle::{Pose, Settle};
+use trunnion_measurement::{Point, Quality};
+use trunnion_units::AxisLetter::{B, C, X, Y, Z};
 use trunnion_units::{AxisValues, Clock, HostTime};
 
 /// Longest wait for anything; the build machine may be busy.
@@ -34,11 +38,15 @@ impl Clock for SinceStart {
 
 /// C stands for half a second, then turns at 1 rad/s for longer than any test lasts.
 fn world() -> Arc<SimulatedCell> {
-    let mut from = AxisValues::default();
-    (from[X], from[B]) = (100.0, 0.25);
     let follow = Follow::new(|axes| *axes);
     let sweep = Step::Sweep { axis: C, from: 0.0, to: 600.0, feed: 1.0, ramp_s: 0.2, follow };
-    let program = Program { start: from, steps: vec![Step::Dwell { duration_s: 0.5 }, sweep] };
+    world_of(vec![Step::Dwell { duration_s: 0.5 }, sweep])
+}
+
+fn world_of(steps: Vec<Step>) -> Arc<SimulatedCell> {
+    let mut from = AxisValues::default();
+    (from[X], from[B]) = (100.0, 0.25);
+    let program = Program { start: from, steps };
     Arc::new(SimulatedCell {
         trajectory: Trajectory::compile(&program).unwrap(),
         program: "O1000".into(),
@@ -62,8 +70,11 @@ struct Shop {
 }
 
 async fn shop(change: impl FnOnce(&mut CellConfig)) -> Shop {
+    shop_in(world(), change).await
+}
+
+async fn shop_in(world: Arc<SimulatedCell>, change: impl FnOnce(&mut CellConfig)) -> Shop {
     let directory = tempfile::tempdir().unwrap();
-    let world = world();
     let mut config = CellConfig::new(directory.path(), 1_767_225_600_000_000_000);
     change(&mut config);
     let origin = Instant::now();
@@ -310,4 +321,87 @@ async fn probes_and_axes_of_different_clocks_meet_at_one_instant() {
     errors.sort_by(f64::total_cmp);
     let worst_of_95 = errors[errors.len() * 95 / 100];
     assert!(worst_of_95 < 0.003, "{worst_of_95} mm");
+}
+
+/// Messages to events, as the daemon does it and as a replay does it.
+struct Pipeline {
+    base: TimeBase,
+    aligner: Aligner,
+    cycle: StaticCycle,
+}
+
+impl Pipeline {
+    fn new(poses: &[Pose]) -> Self {
+        let settle = Settle {
+            window_s: 0.5,
+            drift_mm: 1e-3,
+            noise_mm: 2e-3,
+            standstill_mm: 2e-3,
+            standstill_rad: 2e-5,
+            timeout_s: 5.0,
+        };
+        let rules = StaticRules::new(settle);
+        Self {
+            base: TimeBase::new(HostTime(0)),
+            aligner: Aligner::new(&[0, 1, 2], AlignLimits::default()),
+            cycle: StaticCycle::new(poses.to_vec(), rules, vec![], vec![X, Y, Z, B, C], 0),
+        }
+    }
+
+    fn push(&mut self, message: &Message) -> Vec<CycleEvent> {
+        let steps = match self.base.translate(message) {
+            Some(Timed::Probe(sample)) => self.aligner.push_probe(&sample),
+            Some(Timed::Axes(sample)) => self.aligner.push_axes(&sample),
+            _ => Vec::new(),
+        };
+        steps.iter().flat_map(|step| self.cycle.push(step)).collect()
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_static_cycle_is_read_live_and_its_replay_gives_the_same_bytes() {
+    let at = |c: f64| {
+        let mut position = AxisValues::default();
+        (position[X], position[B], position[C]) = (100.0, 0.25, c);
+        position
+    };
+    let stations = [0.5, 1.0, 0.25];
+    let to = |c: f64| [Step::Move { target: at(c), duration_s: 0.4 }, Step::Dwell { duration_s: 1.4 }];
+    let steps = [Step::Dwell { duration_s: 1.0 }].into_iter().chain(stations.into_iter().flat_map(to));
+    let world = world_of(steps.collect());
+    let poses: Vec<Pose> =
+        stations.map(|c| Pose { setup: 0, position: at(c), direction: AxisValues::default() }).to_vec();
+    let shop = shop_in(world.clone(), |config| config.can = None).await;
+    let probes: String = (1..=3).map(|k| PROBE.replace("probe-1", &format!("probe-{k}"))).collect();
+    let mut acquisition = shop.start(&(probes + AGENT), QUEUE_LENGTH);
+
+    let (mut live, mut recorded, mut events) = (Pipeline::new(&poses), Vec::new(), Vec::new());
+    let begun = Instant::now();
+    while !live.cycle.is_ended() {
+        assert!(begun.elapsed() < LIMIT, "{events:?} {:?}", live.aligner.counts());
+        let message = next(&mut acquisition).await;
+        events.extend(live.push(&message));
+        recorded.push(message);
+    }
+    acquisition.stop().await;
+    assert!(matches!(events.last(), Some(CycleEvent::Ended { reason: EndReason::Complete, .. })));
+    let points: Vec<&Point> = events
+        .iter()
+        .filter_map(|event| match event {
+            CycleEvent::Point { point, .. } => Some(point),
+            CycleEvent::UnknownStand { .. } | CycleEvent::Ended { .. } => None,
+        })
+        .collect();
+    for (point, (c, direction)) in points.iter().zip([(0.5f64, 1.0), (1.0, 1.0), (0.25, -1.0)]) {
+        assert_eq!((point.quality, point.state.direction[C]), (Quality::Good, direction), "{point:?}");
+        let deflection = [0.1 * c.sin(), 0.05 * c.cos(), 0.02];
+        for (direction, measured) in orthogonal_nest().iter().zip(point.reading_mm) {
+            // One count of a sensor of 2 mm range is 31 nm.
+            let expected = 1.0 + (0..3).map(|k| direction[k] * deflection[k]).sum::<f64>();
+            assert!((measured - expected).abs() < 1e-4, "{measured} {expected}");
+        }
+    }
+    let mut replay = Pipeline::new(&poses);
+    let replayed: Vec<CycleEvent> = recorded.iter().flat_map(|message| replay.push(message)).collect();
+    assert_eq!(format!("{events:?}"), format!("{replayed:?}"));
 }

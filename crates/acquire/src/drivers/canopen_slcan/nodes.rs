@@ -241,11 +241,15 @@ impl Node {
         counters: &mut Counters,
     ) {
         let bad = readings.iter().any(|r| matches!(r.value, Value::Status(status) if !status.is_good()));
-        let wanted = |r: &&NodeReading| match (self.config.role, r.value) {
-            (_, Value::NoValue) => true,
-            (Role::Temperature, Value::Quantity(Quantity::TemperatureC(_))) => true,
-            (Role::Probe(_) | Role::Bar, Value::Quantity(Quantity::LengthMm(_))) => true,
-            _ => false,
+        let is_temperature = self.config.role == Role::Temperature;
+        let wanted = |r: &&NodeReading| match r.value {
+            Value::NoValue => true,
+            Value::Quantity(Quantity::TemperatureC(_)) => is_temperature,
+            Value::Quantity(Quantity::LengthMm(_)) => !is_temperature,
+            Value::Quantity(Quantity::Other { .. })
+            | Value::SpeedMmPerS(_)
+            | Value::Status(_)
+            | Value::Raw => false,
         };
         let Some(found) = readings.iter().find(wanted) else {
             counters.damaged += 1; // a TPDO of this node that carries nothing for its role
