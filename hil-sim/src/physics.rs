@@ -1,8 +1,8 @@
 //! The virtual machine: poses with errors, and what an instrument between tool and table reads.
 //!
 //! R-test, nest on the table: `reading = table_from_machine·p_tool − nominal nest + setting`, table axes
-//! [METHODS §1, S1 eq. 4]. Nest in the spindle: `reading = p_table − p_tool`, machine axes [S0].
-//! Ball bar: `|p_tool − p_table| − L` [METHODS §5]. All exact, tilde poses from [`chain`].
+//! [METHODS §1, S1 eq. 4]. Nest in the spindle: `reading = p_table − p_tool`, machine axes (S0).
+//! Ball bar: `|p_tool − p_table| − L` [METHODS §5]. All exact, the poses from `chain`.
 
 mod chain;
 pub mod disturbance;
