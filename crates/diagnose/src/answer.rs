@@ -218,7 +218,18 @@ impl Context<'_> {
         let Some(item) = self.found.iter().filter(open).max_by(|a, b| a.ln_odds.total_cmp(&b.ln_odds)) else {
             return (None, false);
         };
-        let What::Open(phrase, variant) = item.what else { return (None, false) };
+        let What::Open(mut phrase, mut variant) = item.what else { return (None, false) };
+        let mut columns = item.columns.clone();
+        let mut ln_odds = item.ln_odds;
+        // What was kept may only patch a named effect; offered is what does most on its own.
+        if let Some((score, alone)) =
+            self.first.open.filter(|(score, _)| score.ln_odds > self.options.claim_ln)
+        {
+            let other = self.problem.vocabulary.library.part(alone, score.part).transpose();
+            if self.problem.fit(&other).rms_mm < self.problem.fit(&columns).rms_mm {
+                (phrase, variant, columns, ln_odds) = (alone, score.part, other, score.ln_odds);
+            }
+        }
         let named = best(&mut self.found.iter().filter(|i| !open(i)).map(|i| i.ln_odds));
         let leads = item.ln_odds > named;
         let text = &self.problem.vocabulary.phrases[phrase];
@@ -227,13 +238,13 @@ impl Context<'_> {
             .filter(|&g| scores[g].ln_odds > self.options.claim_ln)
             .max_by(|&a, &b| scores[a].ln_odds.total_cmp(&scores[b].ln_odds))
             .map(|g| self.problem.instances[g].id());
-        let after_mm = self.problem.fit(&item.columns).rms_mm;
+        let after_mm = self.problem.fit(&columns).rms_mm;
         let proposal = FormulaProposal {
             name: format!("{}-{}", text.site.replace(':', "-").to_lowercase(), text.component),
             site: text.site.clone(),
             component: text.component.into(),
             expression: text.expression(variant),
-            evidence: item.ln_odds / LN_10,
+            evidence: ln_odds / LN_10,
             rms_um_after: after_mm * 1e3,
             explains_fraction: self.explained(after_mm),
             lives: words::lives(&text.site, text.component, &text.words),

@@ -95,8 +95,6 @@ impl Library {
 
 /// One noise model with the base model projected out.
 pub struct Prepared {
-    /// Which noise.
-    pub noise: Noise,
     whitener: Whitener,
     /// Orthonormal basis of the whitened base columns.
     basis: DMatrix<f64>,
@@ -129,8 +127,6 @@ pub struct Scan {
     pub scores: Vec<Score>,
     /// ln marginal likelihood of "nothing more" for each bank member (best motion variance).
     pub nothing: Vec<f64>,
-    /// ln marginal likelihood of "nothing more", all members.
-    pub total_nothing: f64,
     /// Member that explains best with nothing added.
     pub best_member: usize,
 }
@@ -242,7 +238,7 @@ impl Prepared {
             motion.set_column(k, &direction);
         }
         let log_det = whitener.log_det + log_det_base;
-        Self { noise, whitener, basis, motion, motion_eigenvalues, log_det }
+        Self { whitener, basis, motion, motion_eigenvalues, log_det }
     }
 
     /// Whitens and projects vectors held transposed.
@@ -270,7 +266,7 @@ impl Prepared {
         let gram = |range: &Range<usize>| {
             let columns = whitened.rows(range.start, range.len());
             let shadow = on_basis.rows(range.start, range.len());
-            &columns * columns.transpose() - &shadow * shadow.transpose()
+            columns * columns.transpose() - shadow * shadow.transpose()
         };
         let grams = library.groups.iter().flat_map(|group| &group.parts).map(gram).collect();
         Blocks { on_motion, grams, norm_squared }
@@ -344,8 +340,8 @@ impl Prepared {
         let columns = context.vectors.rows(1, chosen.nrows());
         let readings = context.vectors.row(0);
         let scale: Vec<f64> = (0..chosen.nrows()).map(|j| columns.row(j).norm().max(1e-300)).collect();
-        let mut gram = &columns * columns.transpose();
-        let mut right = &columns * readings.transpose();
+        let mut gram = columns * columns.transpose();
+        let mut right = columns * readings.transpose();
         for i in 0..scale.len() {
             right[i] /= scale[i];
             for j in 0..scale.len() {
@@ -591,7 +587,7 @@ fn combine(library: &Library, per_member: &[MemberScores]) -> Scan {
         scores.push(best);
         first_part += parts;
     }
-    Scan { scores, nothing, total_nothing, best_member }
+    Scan { scores, nothing, best_member }
 }
 
 /// Orthonormal basis of columns of similar size and ln det of their Gram matrix over the directions kept.

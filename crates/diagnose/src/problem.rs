@@ -49,8 +49,6 @@ pub struct Problem<'a> {
 pub struct Fit {
     /// Readings with the outliers replaced by their prediction.
     pub readings: DVector<f64>,
-    /// Residual of every row, outliers included.
-    pub residual: DVector<f64>,
     /// True for each point set aside.
     pub outlier: Vec<bool>,
     /// Root mean square of the residual without outliers, mm.
@@ -151,7 +149,7 @@ impl<'a> Problem<'a> {
                 }
             }
         }
-        Fit { readings, residual, outlier, rms_mm: (sum / f64::from(count.max(1))).sqrt() }
+        Fit { readings, outlier, rms_mm: (sum / f64::from(count.max(1))).sqrt() }
     }
 
     /// Root mean square of predictions of parts of the data from the rest, mm: whole passes, or stations of the slow axis

@@ -1,5 +1,7 @@
 //! Acceptance on points that another simulator made (tests/data/PROVENANCE.md).
 
+#![allow(clippy::unwrap_used, reason = "tests")]
+
 mod common;
 
 use common::points_set;

@@ -1,5 +1,6 @@
 //! Points files and synthetic runs for tests.
 #![allow(dead_code, reason = "each test file uses its part")]
+#![allow(clippy::unwrap_used, reason = "a helper of tests")]
 
 use trunnion_machine::{State, shipped};
 use trunnion_measurement::{Point, Quality, Run, RunKind, direction, setup};
