@@ -3,10 +3,10 @@
 //! Row layout: points in order of the runs, the components of each point together (3 for an R-test, 1 for a ball
 //! bar). Column of parameter j of an effect: `Σ_sites projection · propagation · twist_j(state)` (METHODS §2).
 
-use crate::IdentifyError;
-use nalgebra::{DMatrix, DVector};
+use crate::{IdentifyError, Options};
+use nalgebra::{DMatrix, DVector, Vector3};
 use std::ops::Range;
-use trunnion_effects::{Instance, Scene, SceneSetup};
+use trunnion_effects::{Instance, Model, Scene, SceneSetup};
 use trunnion_instruments::Projector;
 use trunnion_machine::Machine;
 use trunnion_measurement::{Point, Run, RunKind, Setup};
@@ -110,12 +110,11 @@ impl Experiment {
                 components: setup.instrument.components(),
             })
             .collect();
-        let scene = Scene::new(
-            first.machine.clone(),
-            scene_setups,
-            channels,
-            points.iter().map(|p: &Point| &p.state),
-        );
+        for point in &mut points {
+            point.state.deflection_mm = Vector3::zeros();
+        }
+        let states = points.iter().map(|p: &Point| &p.state);
+        let scene = Scene::new(first.machine.clone(), scene_setups, channels, states);
         let mut first_row = vec![0];
         for point in &points {
             let components = setups[point.state.setup].instrument.components().len();
@@ -123,7 +122,24 @@ impl Experiment {
         }
         let names = runs.iter().map(|run| run.name.clone()).collect();
         let kinds = runs.iter().map(|run| run.kind).collect();
-        Ok(Self { scene, setups, points, run_of_point, runs: names, kinds, first_row })
+        let mut experiment = Self { scene, setups, points, run_of_point, runs: names, kinds, first_row };
+        experiment.predict_deflections();
+        Ok(experiment)
+    }
+
+    /// What the probes were asked to read, as the base model predicts it. Never the readings themselves: an
+    /// effect of the probes would then explain every reading by itself.
+    fn predict_deflections(&mut self) {
+        let base = Model::base(&self.machine().name);
+        let Ok(fit) = crate::identify(self, &base, &Options::quick()) else { return };
+        for i in 0..self.points.len() {
+            for (k, row) in self.rows_of(i).enumerate() {
+                self.points[i].state.deflection_mm[k] = fit.predicted_mm[row];
+            }
+        }
+        let states = self.points.iter().map(|p| &p.state);
+        let (machine, setups) = (self.scene.machine.clone(), self.scene.setups.clone());
+        self.scene = Scene::new(machine, setups, self.scene.channels.clone(), states);
     }
 
     /// The machine.

@@ -206,6 +206,10 @@ async fn measure(
     let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
     let mut floor = cell::CellConfig::new(&ports, clock.wall_ns());
     floor.can = None;
+    if let Some((agent, _)) = &mut floor.controller {
+        // The poses are short: a stand must show at once.
+        agent.filters_duplicates = false;
+    }
     let world: Arc<dyn World> = Arc::new(world);
     let cell = cell::start(world, floor, tokio::time::Instant::now() + WARM_UP).await?;
     let agent =

@@ -1,9 +1,10 @@
 //! The agent's ring buffer of observations and what it answers from it.
 
+use super::AgentConfig;
 use super::controller::Line;
 use std::collections::VecDeque;
 use trunnion_protocol::mtconnect::{
-    AgentError, DataItem, Device, DevicesDocument, ErrorDocument, Header, Observation, ObservedValue,
+    AgentError, Category, DataItem, Device, DevicesDocument, ErrorDocument, Header, Observation, ObservedValue,
     StreamsDocument, element_name,
 };
 
@@ -24,18 +25,20 @@ pub(super) struct Buffer {
     changes: VecDeque<Change>,
     latest: Vec<Change>,
     next_sequence: u64,
+    filters_duplicates: bool,
 }
 
 impl Buffer {
     /// An agent just started: every item is unavailable until the first line.
-    pub fn new(instance_id: u64, size: usize, items: &[DataItem], wall_ns: i64) -> Self {
+    pub fn new(instance_id: u64, config: &AgentConfig, items: &[DataItem], wall_ns: i64) -> Self {
         let unavailable =
             |item| Change { item, sequence: item as u64 + 1, wall_ns, value: ObservedValue::Unavailable };
         let latest: Vec<Change> = (0..items.len()).map(unavailable).collect();
         let device = items.iter().find(|item| item.component.kind == "Device");
         Self {
             instance_id,
-            size,
+            size: config.buffer_size,
+            filters_duplicates: config.filters_duplicates,
             items: items.to_vec(),
             device: device.map(|item| item.component.name.clone()).unwrap_or_default(),
             changes: latest.iter().cloned().collect(),
@@ -44,10 +47,12 @@ impl Buffer {
         }
     }
 
-    /// Takes a line; values that are the same as before are no observations.
+    /// Takes a line; values that are the same as before are no observations, but for samples of an agent that
+    /// does not filter them.
     pub fn take(&mut self, line: Line) {
         for (item, value) in line.values.into_iter().enumerate() {
-            if self.latest[item].value == value {
+            let repeats = !self.filters_duplicates && self.items[item].category == Category::Sample;
+            if self.latest[item].value == value && !repeats {
                 continue;
             }
             let change = Change { item, sequence: self.next_sequence, wall_ns: line.wall_ns, value };

@@ -42,6 +42,8 @@ pub struct AgentConfig {
     pub resolution_deg: f64,
     /// Observations the agent keeps.
     pub buffer_size: usize,
+    /// Most agents drop samples that are the same as before; without the filter a standing axis is seen to stand at once.
+    pub filters_duplicates: bool,
     /// The controller's wall clock: what it shows at time 0 of the cell, ns since 1970 UTC, besides the clock's
     /// offset.
     pub wall_ns_at_origin: i64,
@@ -61,6 +63,7 @@ impl AgentConfig {
             resolution_mm: 1e-4,
             resolution_deg: 1e-5,
             buffer_size: 131_072,
+            filters_duplicates: true,
             wall_ns_at_origin,
             clock,
         }
@@ -165,7 +168,7 @@ impl Floor {
     fn fresh_agent(&self, instance_id: &mut u64, controller: &Controller) -> Arc<Shared> {
         let wall_ns = controller.wall_ns(self.origin.now_s());
         *instance_id = (*instance_id + 1).max((wall_ns / 1_000_000_000).max(0) as u64);
-        let buffer = Buffer::new(*instance_id, self.config.buffer_size, controller.items(), wall_ns);
+        let buffer = Buffer::new(*instance_id, &self.config, controller.items(), wall_ns);
         Arc::new(Shared {
             buffer: Mutex::new(buffer),
             news: watch::channel(0).0,

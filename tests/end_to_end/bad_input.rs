@@ -1,0 +1,97 @@
+//! Bad input through the binary: file, line, what was found, what is allowed; exit codes of the contract.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn data(file: &str) -> PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-gravity")).join(file)
+}
+
+fn trunnion(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap()
+}
+
+/// Expects exit 1 and every one of `words` on standard error.
+fn check_refused(args: &[&str], words: &[&str]) {
+    let output = trunnion(args);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{args:?}: {error}");
+    for word in words {
+        assert!(error.contains(word), "{word:?} is missing in: {error}");
+    }
+}
+
+fn import_with(points: &str, setup: &str, words: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let (points_path, setup_path) = (folder.path().join("points.csv"), folder.path().join("setup.toml"));
+    std::fs::write(&points_path, points).unwrap();
+    std::fs::write(&setup_path, setup).unwrap();
+    let run = folder.path().join("run.mcap");
+    let args = ["import", points_path.to_str().unwrap(), "-o", run.to_str().unwrap()];
+    check_refused(&args, words);
+    assert!(!run.exists(), "nothing is written from refused input");
+}
+
+#[test]
+fn a_broken_points_file_is_refused_with_line_and_column() {
+    let (points, setup) =
+        (std::fs::read_to_string(data("points.csv")).unwrap(), std::fs::read_to_string(data("setup.toml")).unwrap());
+    import_with(&points.replacen("-21.40", "abc", 1), &setup, &["points.csv:2", "abc", "number"]);
+    import_with(&points.replacen("dx_um", "dx_mm", 1), &setup, &["points.csv:1", "dx_mm", "dx_um"]);
+    import_with(&points.replacen("\nlow,", "\nmiddle,", 1), &setup, &["points.csv:2", "middle", "low"]);
+    import_with(&points, &setup.replace("table-bc", "table-xy"), &["setup.toml:2", "table-xy"]);
+}
+
+#[test]
+fn a_broken_configuration_machine_and_model_are_refused_with_their_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let config = include_str!("../../config/trunnion.toml").replace("rate_khz = 1\n", "rate_khz = 99\n");
+    check_refused(&["check-config", &write("trunnion.toml", &config)], &["trunnion.toml:", "rate_khz", "99"]);
+
+    let machine = include_str!("../../config/machines/table-bc.toml").replace("kind = \"rotary\"", "kind = \"round\"");
+    let machine = write("mine.toml", &machine);
+    let setup = std::fs::read_to_string(data("setup.toml")).unwrap().replace("table-bc", &machine);
+    let setup = write("setup.toml", &setup);
+    let run = folder.path().join("run.mcap").display().to_string();
+    let points = data("points.csv").display().to_string();
+    check_refused(&["import", &points, "--setup", &setup, "-o", &run], &["mine.toml"]);
+
+    let good_setup = data("setup.toml").display().to_string();
+    assert!(trunnion(&["import", &points, "--setup", &good_setup, "-o", &run]).status.success());
+    let model = write(
+        "model.toml",
+        "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"gravity-sag:Q\"\n",
+    );
+    check_refused(&["identify", &run, "--model", &model], &["gravity-sag:Q", "gravity-sag:B"]);
+    let model = write("typo.toml", "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[efect]]\nid = \"x\"\n");
+    check_refused(&["identify", &run, "--model", &model], &["typo.toml:3", "efect"]);
+}
+
+#[test]
+fn a_truncated_recording_is_read_as_far_as_it_goes_and_exits_with_3() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run.mcap");
+    let (points, setup) = (data("points.csv"), data("setup.toml"));
+    let args = ["import", points.to_str().unwrap(), "--setup", setup.to_str().unwrap(), "-o", run.to_str().unwrap()];
+    assert!(trunnion(&args).status.success());
+    let bytes = std::fs::read(&run).unwrap();
+    std::fs::write(&run, &bytes[..bytes.len() - 200]).unwrap();
+    let output = trunnion(&["identify", run.to_str().unwrap()]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{error}");
+    std::fs::write(&run, &bytes[..17]).unwrap();
+    check_refused(&["identify", run.to_str().unwrap()], &["run.mcap"]);
+}
+
+#[test]
+fn wrong_usage_exits_with_2() {
+    assert_eq!(trunnion(&["identify"]).status.code(), Some(2));
+    assert_eq!(trunnion(&["no-such-command"]).status.code(), Some(2));
+}
