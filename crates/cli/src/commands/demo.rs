@@ -6,7 +6,7 @@
 use crate::commands::daemon::log_to_stderr;
 use crate::outcome::{self, Outcome};
 use anyhow::{Context, bail};
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -20,6 +20,7 @@ use trunnion_daemon::live::{self, Plan};
 use trunnion_daemon::page;
 use trunnion_daemon::service::{self, Recorded, Texts};
 use trunnion_diagnose::Verdict;
+use trunnion_diagnose::views::residual_views;
 use trunnion_effects::Model;
 use trunnion_hil_sim::devices::{SimulatedCell, World, cell};
 use trunnion_hil_sim::physics::hidden;
@@ -29,7 +30,7 @@ use trunnion_identify::{Experiment, Identification};
 use trunnion_machine::shipped;
 use trunnion_measurement::cycle::Motion;
 use trunnion_measurement::{Cycle, Setup};
-use trunnion_report::{diagnosis_text, ladder_text};
+use trunnion_report::ladder_text;
 use trunnion_units::{Clock, convert};
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
@@ -164,7 +165,9 @@ fn hidden_choices(args: &Args, machine: &trunnion_machine::Machine) -> anyhow::R
         "none" => Ok(Vec::new()),
         "random" => Ok(vec![hidden::random(machine, args.seed)]),
         name => {
-            let ids = hidden::ids();
+            let possible =
+                |id: &String| hidden::find(id).is_ok_and(|(_, place)| hidden::fits(machine, place));
+            let ids: Vec<String> = hidden::ids().into_iter().filter(possible).collect();
             let wanted = ids
                 .iter()
                 .find(|id| *id == name)
@@ -297,7 +300,7 @@ struct ProgressBar {
 
 impl ProgressBar {
     fn new(quiet: bool) -> Self {
-        Self { shown: false, quiet }
+        Self { shown: false, quiet: quiet || !std::io::stderr().is_terminal() }
     }
 
     fn show(&mut self, progress: Progress) {
@@ -323,45 +326,63 @@ impl ProgressBar {
 fn story(experiment: &Experiment, analysis: &Analysis) -> String {
     let um = convert::um_from_mm;
     let noise = |fit: &Identification| um(fit.noise.sigma_mm);
+    let fits =
+        std::iter::once(&analysis.before).chain(analysis.steps.iter().map(|step| &step.identification));
+    let steps = analysis.steps.iter().map(Some).chain([None]);
     let mut text = format!(
-        "Base model (location errors and ball setting): {:.2} um rms remain; noise of a reading {:.2} um.\n",
+        "Base model (location errors and ball setting): {:.2} um rms remain; a reading repeats within {:.2} um.\n",
         um(analysis.before.rms_mm),
         noise(&analysis.before),
     );
-    for (diagnosis, step) in analysis.diagnoses.iter().zip(analysis.steps.iter().map(Some).chain([None])) {
-        text += "\nWhere and why does the model fail?\n";
-        text += &diagnosis_text(diagnosis);
-        if let Some(step) = step {
-            let ladder = step.entry.ladder.as_ref();
-            let held_out = ladder.and_then(|row| Some((row.holdout_before_um?, row.holdout_after_um?)));
+    for ((diagnosis, fit), step) in analysis.diagnoses.iter().zip(fits).zip(steps) {
+        if diagnosis.verdict != Verdict::NoiseFloor {
+            text += "\nWhere does the model fail most?\n";
+            for place in residual_views(experiment, &fit.residual_mm, &fit.used).worst {
+                text += &format!("  {place}\n");
+            }
+            text += "What is missing?\n";
+            for candidate in diagnosis.candidates.iter().take(3) {
+                text += &format!(
+                    "  {:24} evidence 10^{:<6.0} error would fall to {:.2} um\n",
+                    candidate.effect, candidate.evidence, candidate.rms_um_after
+                );
+            }
+            if let Some(best) = diagnosis.candidates.first() {
+                text += &format!("  {}\n", best.why);
+            }
+        }
+        if let Some(row) =
+            step.and_then(|step| step.entry.ladder.as_ref().map(|row| (step.entry.id.as_str(), row)))
+        {
+            let (effect, row) = row;
+            let held_out = row.holdout_before_um.zip(row.holdout_after_um);
             text += &format!(
-                "\nAdded {}: error {:.2} -> {:.2} um{}; noise {:.2} um.\n",
-                step.entry.id,
-                ladder.map_or(f64::NAN, |row| row.error_before_um),
-                ladder.map_or(f64::NAN, |row| row.error_after_um),
+                "Added {effect}: error {:.2} -> {:.2} um{}.\n",
+                row.error_before_um,
+                row.error_after_um,
                 held_out.map_or(String::new(), |(b, a)| format!(
                     ", on passes left out of the fit {b:.2} -> {a:.2} um"
                 )),
-                noise(&step.identification),
             );
         }
     }
     text += &match analysis.diagnosis().verdict {
         Verdict::NoiseFloor => "\nNothing is missing: what remains is noise.\n".to_string(),
-        Verdict::UnnamedStructure => {
-            "\nSomething remains that no effect of the catalogue describes.\n".into()
-        }
+        Verdict::UnnamedStructure => match &analysis.diagnosis().formula {
+            Some(formula) => format!(
+                "\nSomething remains that no effect of the catalogue describes: {} = {} at {}. {}.\n",
+                formula.component, formula.expression, formula.site, formula.lives
+            ),
+            None => "\nSomething remains that no effect of the catalogue describes.\n".into(),
+        },
         Verdict::MissingEffect => "\nMore may be missing; the demo stops adding here.\n".into(),
     };
     if !analysis.steps.is_empty() {
         text += "\n";
         text += &ladder_text(&page::ladder(&analysis.model), Some(noise(analysis.identification())));
     }
-    text += &format!(
-        "\n{} points, {} set aside as outliers.\n",
-        experiment.points.len(),
-        analysis.before.outliers.len()
-    );
+    let outliers = analysis.identification().outliers.len();
+    text += &format!("\n{} points, {outliers} set aside as outliers.\n", experiment.points.len());
     text
 }
 

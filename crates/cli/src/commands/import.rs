@@ -35,7 +35,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         (&setup_path.display().to_string(), &setup_text),
         &|machine| load::machine(machine).ok(),
     )?;
-    let setup = trunnion_measurement::setup::parse_setup_file(&setup_path.display().to_string(), &setup_text)?;
+    let setup =
+        trunnion_measurement::setup::parse_setup_file(&setup_path.display().to_string(), &setup_text)?;
     let machine_text = load::machine_text(&setup.machine)?;
     let header = trunnion_record::RunHeader::of_run(&run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
     trunnion_record::write_run(&args.output, &header, &run)

@@ -4,8 +4,8 @@ use super::AgentConfig;
 use super::controller::Line;
 use std::collections::VecDeque;
 use trunnion_protocol::mtconnect::{
-    AgentError, Category, DataItem, Device, DevicesDocument, ErrorDocument, Header, Observation, ObservedValue,
-    StreamsDocument, element_name,
+    AgentError, Category, DataItem, Device, DevicesDocument, ErrorDocument, Header, Observation,
+    ObservedValue, StreamsDocument, element_name,
 };
 
 /// One change of one data item.
