@@ -36,8 +36,10 @@ fn import_with(points: &str, setup: &str, words: &[&str]) {
 
 #[test]
 fn a_broken_points_file_is_refused_with_line_and_column() {
-    let (points, setup) =
-        (std::fs::read_to_string(data("points.csv")).unwrap(), std::fs::read_to_string(data("setup.toml")).unwrap());
+    let (points, setup) = (
+        std::fs::read_to_string(data("points.csv")).unwrap(),
+        std::fs::read_to_string(data("setup.toml")).unwrap(),
+    );
     import_with(&points.replacen("-21.40", "abc", 1), &setup, &["points.csv:2", "abc", "number"]);
     import_with(&points.replacen("dx_um", "dx_mm", 1), &setup, &["points.csv:1", "dx_mm", "dx_um"]);
     import_with(&points.replacen("\nlow,", "\nmiddle,", 1), &setup, &["points.csv:2", "middle", "low"]);
@@ -55,7 +57,8 @@ fn a_broken_configuration_machine_and_model_are_refused_with_their_lines() {
     let config = include_str!("../../config/trunnion.toml").replace("rate_khz = 1\n", "rate_khz = 99\n");
     check_refused(&["check-config", &write("trunnion.toml", &config)], &["trunnion.toml:", "rate_khz", "99"]);
 
-    let machine = include_str!("../../config/machines/table-bc.toml").replace("kind = \"rotary\"", "kind = \"round\"");
+    let machine =
+        include_str!("../../config/machines/table-bc.toml").replace("kind = \"rotary\"", "kind = \"round\"");
     let machine = write("mine.toml", &machine);
     let setup = std::fs::read_to_string(data("setup.toml")).unwrap().replace("table-bc", &machine);
     let setup = write("setup.toml", &setup);
@@ -70,7 +73,8 @@ fn a_broken_configuration_machine_and_model_are_refused_with_their_lines() {
         "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"gravity-sag:Q\"\n",
     );
     check_refused(&["identify", &run, "--model", &model], &["gravity-sag:Q", "gravity-sag:B"]);
-    let model = write("typo.toml", "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[efect]]\nid = \"x\"\n");
+    let model =
+        write("typo.toml", "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[efect]]\nid = \"x\"\n");
     check_refused(&["identify", &run, "--model", &model], &["typo.toml:3", "efect"]);
 }
 
@@ -79,7 +83,8 @@ fn a_truncated_recording_is_read_as_far_as_it_goes_and_exits_with_3() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run.mcap");
     let (points, setup) = (data("points.csv"), data("setup.toml"));
-    let args = ["import", points.to_str().unwrap(), "--setup", setup.to_str().unwrap(), "-o", run.to_str().unwrap()];
+    let args =
+        ["import", points.to_str().unwrap(), "--setup", setup.to_str().unwrap(), "-o", run.to_str().unwrap()];
     assert!(trunnion(&args).status.success());
     let bytes = std::fs::read(&run).unwrap();
     std::fs::write(&run, &bytes[..bytes.len() - 200]).unwrap();

@@ -71,13 +71,15 @@ fn nothing_hidden_is_reported_as_noise_and_the_location_errors_are_those_of_the_
     assert_eq!(diagnosis["verdict"], "noise-floor");
     assert_eq!(diagnosis["candidates"].as_array().unwrap().len(), 0);
 
-    let truth: Value =
-        serde_json::from_str(&std::fs::read_to_string(data("points-nothing-hidden").join("truth.json")).unwrap())
-            .unwrap();
+    let truth: Value = serde_json::from_str(
+        &std::fs::read_to_string(data("points-nothing-hidden").join("truth.json")).unwrap(),
+    )
+    .unwrap();
     let identification = json(&["identify", &run, "--json"]);
     for (name, value) in truth["location"].as_object().unwrap() {
         let name = name.trim_end_matches("_relative");
-        let found = identification["parameters"].as_array().unwrap().iter().find(|p| p["name"] == name).unwrap();
+        let found =
+            identification["parameters"].as_array().unwrap().iter().find(|p| p["name"] == name).unwrap();
         let scale = if found["unit"] == "um" { 1e3 } else { 1e6 };
         let error = found["value"].as_f64().unwrap() - value.as_f64().unwrap() * scale;
         assert!(error.abs() < 4.0 * found["u"].as_f64().unwrap(), "{name}: {error} {found}");

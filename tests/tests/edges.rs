@@ -19,15 +19,35 @@ const ALLOWED: [(&str, &[&str]); 15] = [
     (
         "daemon",
         &[
-            "units", "machine", "measurement", "effects", "instruments", "identify", "diagnose", "report", "protocol",
-            "acquire", "record",
+            "units",
+            "machine",
+            "measurement",
+            "effects",
+            "instruments",
+            "identify",
+            "diagnose",
+            "report",
+            "protocol",
+            "acquire",
+            "record",
         ],
     ),
     (
         "cli",
         &[
-            "units", "machine", "measurement", "effects", "instruments", "identify", "diagnose", "report", "protocol",
-            "acquire", "record", "daemon", "hil-sim",
+            "units",
+            "machine",
+            "measurement",
+            "effects",
+            "instruments",
+            "identify",
+            "diagnose",
+            "report",
+            "protocol",
+            "acquire",
+            "record",
+            "daemon",
+            "hil-sim",
         ],
     ),
     ("hil-sim", &["units", "machine", "protocol"]),
@@ -40,12 +60,21 @@ const SOLE_USERS: [(&str, &str); 4] =
 
 /// Crates that touch no socket, file or runtime.
 const PURE: [&str; 9] = [
-    "units", "machine", "measurement", "effects", "instruments", "identify", "diagnose", "protocol", "report",
+    "units",
+    "machine",
+    "measurement",
+    "effects",
+    "instruments",
+    "identify",
+    "diagnose",
+    "protocol",
+    "report",
 ];
 
 fn members() -> Vec<(String, toml::Table)> {
     let root = workspace_root();
-    let mut folders: Vec<_> = std::fs::read_dir(root.join("crates")).unwrap().map(|e| e.unwrap().path()).collect();
+    let mut folders: Vec<_> =
+        std::fs::read_dir(root.join("crates")).unwrap().map(|e| e.unwrap().path()).collect();
     folders.extend([root.join("hil-sim"), root.join("tests")]);
     folders
         .into_iter()
@@ -81,7 +110,10 @@ fn the_outside_world_is_reached_through_one_crate_each() {
     for (name, manifest) in members() {
         let dependencies = dependencies(&manifest);
         for (outside, user) in SOLE_USERS {
-            assert!(name == user || name == "tests" || !dependencies.contains(outside), "{name} uses {outside}");
+            assert!(
+                name == user || name == "tests" || !dependencies.contains(outside),
+                "{name} uses {outside}"
+            );
         }
         if PURE.contains(&name.as_str()) {
             for runtime in ["tokio", "hyper", "nix", "tempfile", "tokio-serial"] {

@@ -34,7 +34,8 @@ async fn our_driver_reads_three_probes_and_an_encoder_of_python_canopen() {
     let mut acquisition = start(devices, Arc::new(SystemClock::start()), cancel.clone(), QUEUE_LENGTH);
 
     let mut readings: BTreeMap<u16, Vec<f64>> = BTreeMap::new();
-    let enough = |readings: &BTreeMap<u16, Vec<f64>>| readings.len() == 4 && readings.values().all(|v| v.len() >= 300);
+    let enough =
+        |readings: &BTreeMap<u16, Vec<f64>>| readings.len() == 4 && readings.values().all(|v| v.len() >= 300);
     while !enough(&readings) {
         let message = tokio::time::timeout(Duration::from_secs(60), acquisition.messages.recv())
             .await

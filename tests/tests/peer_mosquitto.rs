@@ -13,8 +13,16 @@ fn free_port() -> u16 {
 }
 
 fn broker(port: u16) -> Child {
-    let program = if std::path::Path::new("/usr/sbin/mosquitto").exists() { "/usr/sbin/mosquitto" } else { "mosquitto" };
-    Command::new(program).args(["-p", &port.to_string()]).stderr(Stdio::null()).spawn().expect("mosquitto starts")
+    let program = if std::path::Path::new("/usr/sbin/mosquitto").exists() {
+        "/usr/sbin/mosquitto"
+    } else {
+        "mosquitto"
+    };
+    Command::new(program)
+        .args(["-p", &port.to_string()])
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("mosquitto starts")
 }
 
 /// Latest payloads of all `trunnion/#` topics once `enough` holds; fails after a minute.

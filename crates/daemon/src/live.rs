@@ -72,8 +72,19 @@ pub struct Measured {
     pub gaps: Vec<Gap>,
 }
 
+/// A cycle that has begun.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// When the controller was seen to run its program.
+    pub at: HostTime,
+    /// Temperature channels that had told a value by then; later ones take no part in the run.
+    pub temperature_channels: Vec<String>,
+}
+
 /// The controller shows the end before the last samples are through: how long to go on, s.
 const AFTERMATH_S: f64 = 1.0;
+/// No program moves sooner after its start, s.
+const FIRST_MOTION_S: f64 = 0.05;
 /// With no message of any device for so long the cycle ends.
 const SILENCE: Duration = Duration::from_secs(60);
 
@@ -98,6 +109,13 @@ impl Reader {
                 events.push(CycleEvent::Ended { reason, time_s });
                 events
             }
+        }
+    }
+
+    fn set_temperature(&mut self, channel: usize, degc: f64) {
+        match self {
+            Self::Static(cycle) => cycle.set_temperature(channel, degc),
+            Self::Sweep(cycle) => cycle.set_temperature(channel, degc),
         }
     }
 
@@ -158,18 +176,23 @@ pub async fn wait_for_start(
     messages: &mut mpsc::Receiver<Message>,
     timebase: &mut TimeBase,
     cancel: &CancellationToken,
-) -> Option<HostTime> {
+) -> Option<Start> {
+    let mut temperature_channels: Vec<String> = Vec::new();
     loop {
         let message = tokio::select! {
             biased;
             () = cancel.cancelled() => return None,
             message = messages.recv() => message?,
         };
-        timebase.translate(&message);
+        if let Some(Timed::Temperature { name, .. }) = timebase.translate(&message)
+            && !temperature_channels.contains(&name)
+        {
+            temperature_channels.push(name);
+        }
         if let Reading::Controller(controller) = &message.reading
             && controller.execution == Execution::Active
         {
-            return Some(controller.arrival);
+            return Some(Start { at: controller.arrival, temperature_channels });
         }
     }
 }
@@ -182,7 +205,7 @@ pub async fn wait_for_start(
 pub async fn measure(
     plan: &Plan,
     name: &str,
-    start: HostTime,
+    start: &Start,
     messages: &mut mpsc::Receiver<Message>,
     timebase: &mut TimeBase,
     recorder: &RecordSender,
@@ -190,8 +213,8 @@ pub async fn measure(
     cancel: &CancellationToken,
     progress: &mut (dyn FnMut(Progress) + Send),
 ) -> Result<Measured, PlanError> {
-    let mut measurement = Measurement::new(plan)?;
-    let start_s = timebase.seconds(start);
+    let mut measurement = Measurement::new(plan, &start.temperature_channels)?;
+    let start_s = timebase.seconds(start.at);
     let mut last_progress = 0;
     while measurement.ended.is_none() {
         let message = tokio::select! {
@@ -220,7 +243,7 @@ pub async fn measure(
 }
 
 impl Measurement {
-    fn new(plan: &Plan) -> Result<Self, PlanError> {
+    fn new(plan: &Plan, temperature_channels: &[String]) -> Result<Self, PlanError> {
         let channels = check(plan)?;
         let axes: Vec<AxisLetter> = plan.machine.axes().map(|axis| axis.letter).collect();
         let calibrations = vec![plan.nest; plan.cycle.setups.len()];
@@ -232,12 +255,12 @@ impl Measurement {
                     StaticRules::new(*settle),
                     calibrations,
                     axes,
-                    0,
+                    temperature_channels.len(),
                 )))
             }
             Motion::OnTheFly { axis, feeds_rad_per_s, from_to_rad, .. } => {
                 let rules = SweepRules::new(*axis, *from_to_rad, feeds_rad_per_s.clone());
-                Reader::Sweep(Box::new(SweepCycle::new(rules, plan.nest, 0, 0)))
+                Reader::Sweep(Box::new(SweepCycle::new(rules, plan.nest, 0, temperature_channels.len())))
             }
         };
         Ok(Self {
@@ -246,7 +269,7 @@ impl Measurement {
             zero_mm: vec![None; plan.cycle.setups.len()],
             points: Vec::new(),
             gaps: Vec::new(),
-            temperature_channels: Vec::new(),
+            temperature_channels: temperature_channels.to_vec(),
             controller_ended_s: None,
             was_active: false,
             newest_s: 0.0,
@@ -290,18 +313,19 @@ impl Measurement {
                 gap.from_s -= start_s;
                 gap.to_s -= start_s;
                 record(recorder, Item::Gap(gap.clone()), now);
-                self.gaps.push(gap);
+                // What was missing before the program ran is no loss of this run.
+                if gap.to_s > FIRST_MOTION_S {
+                    self.gaps.push(gap);
+                }
                 Vec::new()
             }
             Timed::Temperature { name, degc, time_s } => {
-                let known = self.temperature_channels.iter().position(|channel| *channel == name);
-                let channel = known.unwrap_or_else(|| {
-                    self.temperature_channels.push(name);
-                    self.temperature_channels.len() - 1
-                });
-                let item =
-                    Temperature { time_s: time_s - start_s, channel: channel as u16, value_degc: degc };
-                record(recorder, Item::Temperature(item), now);
+                if let Some(channel) = self.temperature_channels.iter().position(|known| *known == name) {
+                    self.reader.set_temperature(channel, degc);
+                    let channel = channel as u16;
+                    let item = Temperature { time_s: time_s - start_s, channel, value_degc: degc };
+                    record(recorder, Item::Temperature(item), now);
+                }
                 Vec::new()
             }
             Timed::Event(mut event) => {
@@ -373,7 +397,7 @@ impl Measurement {
             machine: plan.machine.clone(),
             kind,
             setups: plan.cycle.setups.clone(),
-            channels: Vec::new(),
+            channels: self.temperature_channels,
             points: self.points,
         };
         Measured { run, reason: self.ended.unwrap_or(EndReason::Stopped), gaps: self.gaps }

@@ -19,7 +19,7 @@ use trunnion_measurement::cycle::Motion;
 use trunnion_measurement::{Gap, RunKind};
 use trunnion_protocol::mtconnect::format_timestamp;
 use trunnion_record::{RecordError, Recorder, RecorderHandle, RunHeader};
-use trunnion_units::{Clock, HostTime};
+use trunnion_units::Clock;
 
 /// Why the service, or one cycle of it, failed.
 #[derive(Debug, thiserror::Error)]
@@ -171,20 +171,20 @@ pub async fn record_cycle(
     texts: &Texts,
     folder: &Path,
     name: &str,
-    start: HostTime,
+    start: live::Start,
     messages: &mut mpsc::Receiver<Message>,
     timebase: &mut TimeBase,
     clock: &Arc<dyn Clock>,
     cancel: &CancellationToken,
     progress: &mut (dyn FnMut(Progress) + Send),
 ) -> Result<Recorded, ServiceError> {
-    let header = header(plan, texts, name, start, clock);
+    let header = header(plan, texts, name, &start, clock);
     let recorder = Recorder::create(folder, name, &header)?;
     let handle =
         RecorderHandle::spawn(recorder, RECORDER_QUEUE, clock.clone()).map_err(ServiceError::Thread)?;
     let sender = handle.sender();
     let measured =
-        live::measure(plan, name, start, messages, timebase, &sender, clock, cancel, progress).await;
+        live::measure(plan, name, &start, messages, timebase, &sender, clock, cancel, progress).await;
     drop(sender);
     let finished = tokio::task::spawn_blocking(move || handle.finish())
         .await
@@ -201,7 +201,7 @@ pub async fn record_cycle(
     })
 }
 
-fn header(plan: &Plan, texts: &Texts, name: &str, start: HostTime, clock: &Arc<dyn Clock>) -> RunHeader {
+fn header(plan: &Plan, texts: &Texts, name: &str, start: &live::Start, clock: &Arc<dyn Clock>) -> RunHeader {
     RunHeader {
         name: name.into(),
         kind: match plan.cycle.motion {
@@ -211,13 +211,13 @@ fn header(plan: &Plan, texts: &Texts, name: &str, start: HostTime, clock: &Arc<d
         machine_name: plan.machine.name.clone(),
         machine_text: texts.machine.clone(),
         setups: plan.cycle.setups.clone(),
-        temperature_channels: Vec::new(),
+        temperature_channels: start.temperature_channels.clone(),
         probes: plan.channels.iter().map(|channel| channel.name.clone()).collect(),
         cycle_text: texts.cycle.clone(),
         config_text: texts.config.clone(),
         software_version: env!("CARGO_PKG_VERSION").into(),
-        wall_start_ns: clock.wall_ns() - (clock.now() - start).as_nanos() as i64,
-        host_start: start,
+        wall_start_ns: clock.wall_ns() - (clock.now() - start.at).as_nanos() as i64,
+        host_start: start.at,
     }
 }
 

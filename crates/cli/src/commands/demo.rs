@@ -132,6 +132,9 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         Some(fit)
     };
 
+    for loss in &losses {
+        tell(&format!("Data loss: {loss}\n"))?;
+    }
     let report = args.output.join("report.html");
     write(&report, &page::compare_page(&experiment, &analysis, &losses))?;
     let model_path = args.output.join("model.toml");
