@@ -1,5 +1,7 @@
 //! The allowed dependency edges between our crates (ARCHITECTURE.md), read from the manifests.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
 use std::collections::BTreeSet;
 use trunnion_tests::workspace_root;
 

@@ -6,8 +6,12 @@
 mod from_results;
 mod html;
 mod input;
-
+mod markup;
+mod number;
+mod svg;
 mod text;
+mod views;
+mod words;
 
 pub use from_results::points_of;
 pub use html::compare_html;

@@ -1,0 +1,37 @@
+//! Parameters of the model with their uncertainty, and what cannot be told apart.
+
+use crate::CompareInput;
+use crate::markup::{element, escape, table};
+use crate::number::value_and_u;
+
+pub fn section(input: &CompareInput) -> String {
+    let fit = &input.identification;
+    let mut effects: Vec<&str> = fit.parameters.iter().map(|p| p.effect.as_str()).collect();
+    effects.dedup();
+    let mut body = String::new();
+    for effect in effects {
+        let rows: Vec<_> = fit
+            .parameters
+            .iter()
+            .filter(|p| p.effect == effect)
+            .map(|p| {
+                let (value, u) = value_and_u(p.value, p.u, &p.unit);
+                vec![p.name.clone(), value, u, p.note.clone()]
+            })
+            .collect();
+        let head = ["parameter", "value", "standard uncertainty", "remark"];
+        body += &table(&crate::words::effect_name(effect), &head, &[1, 2], &rows);
+    }
+    if body.is_empty() {
+        body = element("p", "The model has no parameters.");
+    }
+    if !fit.unobservable.is_empty() {
+        let rows: String = fit
+            .unobservable
+            .iter()
+            .map(|row| format!("<li><b>{}</b>: {}</li>", escape(&row.direction), escape(&row.why)))
+            .collect();
+        body += &format!("<h3>What these readings cannot tell apart</h3>\n<ul>{rows}</ul>\n");
+    }
+    format!("<section class=\"page\"><h2>Location errors and other parameters</h2>\n{body}</section>\n")
+}

@@ -1,0 +1,107 @@
+//! Polar plots over the turning axis: what remains of radial, axial and tilt error motion, one plot per tilt.
+//!
+//! The residual as motion of the table side in the table plane's axes: radial = away from the turning axis,
+//! tangential = along the turn, axial = along the axis; tilt = (radial high − radial low) / (z high − z low).
+//! A ball on the axis has no radial direction: X and Y of the table plane are drawn instead (S0).
+
+use crate::number::degrees;
+use crate::svg::{Trace, nice_above, polar};
+use crate::views::{Axes, at_station, mean, stations};
+use crate::{CompareInput, PointView};
+use nalgebra::Vector3;
+use trunnion_units::convert::{um_from_mm, urad_from_rad};
+
+/// A ball nearer than this to the turning axis counts as on it, mm.
+const ON_AXIS_MM: f64 = 5.0;
+
+pub fn section(input: &CompareInput) -> String {
+    let axes = Axes::of(&input.points);
+    let Some(turning) = axes.turning.filter(|_| input.points.len() > 2) else { return String::new() };
+    let turns = stations(&input.points, turning);
+    let tilts = axes.tilting.map_or(vec![0.0], |letter| stations(&input.points, letter));
+    let at_tilt = |p: &PointView, tilt: f64| axes.tilting.is_none_or(|l| at_station(p, l, tilt, &tilts));
+    let motion_at = |setup: usize, tilt: f64, turn: f64| -> Vector3<f64> {
+        let here: Vec<_> = input
+            .points
+            .iter()
+            .filter(|p| {
+                p.setup == setup && !p.outlier && at_tilt(p, tilt) && at_station(p, turning, turn, &turns)
+            })
+            .map(motion_um)
+            .collect();
+        Vector3::from_fn(|k, _| mean(here.iter().map(|m| m[k]).filter(|v| v.is_finite())))
+    };
+    let mut motions: Vec<(String, Vec<Trace>)> = Vec::new();
+    let mut leans: Vec<(String, Vec<Trace>)> = Vec::new();
+    let pair = two_heights(input);
+    for &tilt in &tilts {
+        let place = axes.tilting.map_or(String::new(), |letter| format!("{letter} = {}", degrees(tilt)));
+        for (s, setup) in input.setups.iter().enumerate() {
+            let around: Vec<_> = turns.iter().map(|&turn| (turn, motion_at(s, tilt, turn))).collect();
+            let trace = |name: &str, k: usize| Trace {
+                name: name.into(),
+                points: around.iter().map(|(turn, m)| (*turn, m[k])).collect(),
+            };
+            let names = if on_axis(input, s) { ["X", "Y"] } else { ["radial", "tangential"] };
+            let traces = vec![trace(names[0], 0), trace("axial", 2), trace(names[1], 1)];
+            motions.push((joined(&place, &format!("setup {}", setup.name)), traces));
+        }
+        if let Some((low, high, height_mm)) = pair {
+            let lean = |turn: f64| {
+                let difference_um = motion_at(high, tilt, turn)[0] - motion_at(low, tilt, turn)[0];
+                urad_from_rad(difference_um / um_from_mm(height_mm))
+            };
+            let points = turns.iter().map(|&turn| (turn, lean(turn))).collect();
+            leans.push((place, vec![Trace { name: "tilt".into(), points }]));
+        }
+    }
+    let mut body = plots(&motions, "µm");
+    if !leans.is_empty() {
+        body += "<h3>Tilt left over, from the two heights</h3>\n";
+        body += &plots(&leans, "urad");
+    }
+    format!(
+        "<section class=\"page\"><h2>Error motion of {turning} that the model leaves</h2>\n\
+         <p class=\"soft\">Residual drawn as motion of the table around a zero circle; mean of both directions. \
+         Outside the circle is positive: outward, up along the axis, forward.</p>\n{body}</section>\n"
+    )
+}
+
+fn joined(place: &str, setup: &str) -> String {
+    if place.is_empty() { setup.into() } else { format!("{place}, {setup}") }
+}
+
+fn plots(of: &[(String, Vec<Trace>)], unit: &str) -> String {
+    let values = of.iter().flat_map(|(_, traces)| traces).flat_map(|t| t.points.iter().map(|p| p.1.abs()));
+    let limit = nice_above(values.filter(|v| v.is_finite()).fold(0.0, f64::max));
+    let drawn = of.iter().map(|(title, traces)| polar(title, traces, limit, unit));
+    format!("<div class=\"small\">{}</div>\n", drawn.collect::<String>())
+}
+
+/// Residual as motion of the table side: radial, tangential, axial; X, Y, Z when the ball is on the axis; µm.
+fn motion_um(point: &PointView) -> Vector3<f64> {
+    let place = &point.in_table_plane;
+    let motion = (place.shift_from_reading * point.residual_mm()).map(um_from_mm);
+    let (x, y) = (place.commanded_mm.x, place.commanded_mm.y);
+    let radius = x.hypot(y);
+    if radius < ON_AXIS_MM {
+        return motion;
+    }
+    let (cos, sin) = (x / radius, y / radius);
+    Vector3::new(cos * motion.x + sin * motion.y, -sin * motion.x + cos * motion.y, motion.z)
+}
+
+fn on_axis(input: &CompareInput, setup: usize) -> bool {
+    let first = input.points.iter().find(|p| p.setup == setup);
+    first.is_some_and(|p| p.in_table_plane.commanded_mm.xy().norm() < ON_AXIS_MM)
+}
+
+/// Two setups that differ in height alone: low, high, distance in mm.
+fn two_heights(input: &CompareInput) -> Option<(usize, usize, f64)> {
+    let [first, second] = &input.setups[..] else { return None };
+    let apart = second.ball_in_table_mm - first.ball_in_table_mm;
+    if apart.xy().norm() > 1.0 || apart.z.abs() < 1.0 || first.components.len() < 3 {
+        return None;
+    }
+    Some(if apart.z > 0.0 { (0, 1, apart.z) } else { (1, 0, -apart.z) })
+}

@@ -1,0 +1,112 @@
+//! Numbers with their units, as a person reads them. What is not finite becomes a dash.
+
+/// What stands for a number that is missing or not finite.
+pub const MISSING: &str = "—";
+
+/// Unit on screen for the ASCII unit of files, e.g. `µm` for `um`.
+pub fn unit_on_screen(unit: &str) -> String {
+    unit.replace("urad", "µrad").replace("um", "µm").replace("degC", "°C").replace("^2", "²")
+}
+
+/// About three significant digits, a true minus sign, no unit.
+pub fn plain(value: f64) -> String {
+    let magnitude = value.abs();
+    let decimals = match magnitude {
+        _ if !value.is_finite() => return MISSING.into(),
+        m if m >= 1e6 || (m > 0.0 && m < 1e-3) => return minus(format!("{value:.1e}")),
+        m if m >= 99.95 => 0,
+        m if m >= 9.995 => 1,
+        m if m >= 0.1 || m == 0.0 => 2,
+        _ => 4,
+    };
+    minus(format!("{value:.decimals$}"))
+}
+
+/// A number with its unit, `3.14 µm`.
+pub fn with_unit(value: f64, unit: &str) -> String {
+    let unit = unit_on_screen(unit);
+    match value.is_finite() {
+        true if unit.is_empty() => plain(value),
+        true => format!("{} {unit}", plain(value)),
+        false => MISSING.into(),
+    }
+}
+
+/// µm with unit.
+pub fn um(value_um: f64) -> String {
+    with_unit(value_um, "um")
+}
+
+/// µm with unit, or a dash.
+pub fn um_or_dash(value_um: Option<f64>) -> String {
+    value_um.map_or(MISSING.into(), um)
+}
+
+/// Whole per cent of a share 0…1.
+pub fn percent(share: f64) -> String {
+    if share.is_finite() { format!("{} %", minus(format!("{:.0}", share * 100.0))) } else { MISSING.into() }
+}
+
+/// Degrees from rad, `−90°`, with decimals only where needed.
+pub fn degrees(rad: f64) -> String {
+    if !rad.is_finite() {
+        return MISSING.into();
+    }
+    let rounded = (trunnion_units::convert::deg_from_rad(rad) * 100.0).round() / 100.0;
+    format!("{}°", minus(format!("{}", rounded + 0.0)))
+}
+
+/// A value with the digits that its standard uncertainty deserves (two digits of u), both with unit.
+pub fn value_and_u(value: Option<f64>, u: Option<f64>, unit: &str) -> (String, String) {
+    let unit_text = unit_on_screen(unit);
+    match (value, u) {
+        (Some(value), Some(u)) if value.is_finite() && u.is_finite() && u > 0.0 => {
+            let decimals = (1.0 - u.log10().floor()).clamp(0.0, 6.0) as usize;
+            (
+                format!("{} {unit_text}", minus(format!("{value:.decimals$}"))),
+                format!("{u:.decimals$} {unit_text}"),
+            )
+        }
+        (Some(value), _) => (with_unit(value, unit), MISSING.into()),
+        (None, _) => ("cannot be seen".into(), MISSING.into()),
+    }
+}
+
+/// Tick label: as many decimals as the step needs.
+pub fn tick(value: f64, step: f64) -> String {
+    let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
+    minus(format!("{:.decimals$}", if value.abs() < step * 1e-6 { 0.0 } else { value }))
+}
+
+/// The same with an explicit plus.
+pub fn signed(value: f64, decimals: usize) -> String {
+    if !value.is_finite() {
+        return MISSING.into();
+    }
+    let text = format!("{value:+.decimals$}");
+    let is_zero = text.chars().all(|c| !c.is_ascii_digit() || c == '0');
+    if is_zero { text[1..].into() } else { minus(text) }
+}
+
+fn minus(text: String) -> String {
+    text.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_carry_unit_sign_and_sensible_digits() {
+        assert_eq!(um(3.14159), "3.14 µm");
+        assert_eq!(um(-12.345), "−12.3 µm");
+        assert_eq!(um(f64::NAN), "—");
+        assert_eq!(with_unit(1234.6, "urad"), "1235 µrad");
+        assert_eq!(degrees(-std::f64::consts::FRAC_PI_2), "−90°");
+        assert_eq!(degrees(-0.0), "0°");
+        assert_eq!(value_and_u(Some(13.5975), Some(0.213), "um"), ("13.60 µm".into(), "0.21 µm".into()));
+        assert_eq!(value_and_u(None, None, "um").0, "cannot be seen");
+        assert_eq!(signed(-0.04, 1), "0.0");
+        assert_eq!(signed(2.25, 1), "+2.2");
+    }
+}

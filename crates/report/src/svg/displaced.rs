@@ -1,0 +1,63 @@
+//! Commanded, measured and predicted places in a plane, the deviations magnified (S1 Fig. 5 and 8).
+
+use super::scale::{Scale, extent};
+use super::{figure, line, text};
+use crate::number::tick;
+
+const WIDTH: f64 = 360.0;
+const LEFT: f64 = 44.0;
+const TOP: f64 = 8.0;
+const SIDE: f64 = 308.0;
+const LEAST_HEIGHT: f64 = 150.0;
+
+/// One point, mm in the plane; measured and predicted already magnified.
+pub struct Displaced {
+    pub commanded: (f64, f64),
+    pub measured: (f64, f64),
+    pub predicted: (f64, f64),
+}
+
+/// The picture with equal scales; `names` of the axes across and up.
+pub fn displaced(title: &str, caption: &str, names: (&str, &str), points: &[Displaced]) -> String {
+    let finite = |p: &&Displaced| {
+        [p.commanded, p.measured, p.predicted].iter().all(|(a, b)| a.is_finite() && b.is_finite())
+    };
+    let points: Vec<_> = points.iter().filter(finite).collect();
+    let places = || points.iter().flat_map(|p| [p.commanded, p.measured, p.predicted]);
+    let (left, right) = extent(places().map(|p| p.0)).unwrap_or((-1.0, 1.0));
+    let (low, high) = extent(places().map(|p| p.1)).unwrap_or((-1.0, 1.0));
+    let mm_per_unit = ((right - left).max(high - low) * 1.1).max(1e-6) / SIDE;
+    let height = ((high - low) * 1.15 / mm_per_unit).clamp(LEAST_HEIGHT, SIDE);
+    let (middle_x, middle_y) = ((left + right) / 2.0, (low + high) / 2.0);
+    let (half_x, half_y) = (SIDE / 2.0 * mm_per_unit, height / 2.0 * mm_per_unit);
+    let bottom = TOP + height;
+    let x = Scale::new((middle_x - half_x, middle_x + half_x), (LEFT, LEFT + SIDE));
+    let y = Scale::new((middle_y - half_y, middle_y + half_y), (bottom, TOP));
+    let mut body =
+        format!("<rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{SIDE}\" height=\"{height:.1}\" class=\"frame\"/>\n");
+    let (ticks, step) = x.ticks(6);
+    for value in ticks {
+        body += &line((x.at(value), TOP), (x.at(value), bottom), "grid");
+        body += &text(x.at(value), bottom + 13.0, "t mid", &tick(value, step));
+    }
+    let (ticks, step) = y.ticks(5);
+    for value in ticks {
+        body += &line((LEFT, y.at(value)), (LEFT + SIDE, y.at(value)), "grid");
+        body += &text(LEFT - 4.0, y.at(value) + 3.5, "t end", &tick(value, step));
+    }
+    for p in points {
+        let at = |(a, b): (f64, f64)| (x.at(a), y.at(b));
+        body += &line(at(p.commanded), at(p.predicted), "l3 thin");
+        body += &line(at(p.predicted), at(p.measured), "l2 solid");
+        let (cx, cy) = at(p.commanded);
+        body += &format!("<circle cx=\"{cx:.1}\" cy=\"{cy:.1}\" r=\"1.8\" class=\"ink\"/>\n");
+        let (mx, my) = at(p.measured);
+        body += &format!("<circle cx=\"{mx:.1}\" cy=\"{my:.1}\" r=\"3.4\" class=\"open\"/>\n");
+        let (px, py) = at(p.predicted);
+        body += &line((px - 3.0, py - 3.0), (px + 3.0, py + 3.0), "l1");
+        body += &line((px - 3.0, py + 3.0), (px + 3.0, py - 3.0), "l1");
+    }
+    body += &text(LEFT + SIDE / 2.0, bottom + 28.0, "t mid", &format!("{} (mm)", names.0));
+    body += &text(4.0, TOP + height / 2.0, "t", names.1);
+    figure(title, WIDTH, bottom + 34.0, caption, &body)
+}

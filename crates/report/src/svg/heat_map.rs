@@ -1,0 +1,105 @@
+//! Heat map of signed values: blue below zero, near white at zero, orange above (told apart by every kind of colour
+//! vision, and by the printed numbers without any colour).
+
+use super::{figure, text};
+use crate::number::signed;
+
+const WIDTH: f64 = 360.0;
+const LEFT: f64 = 44.0;
+const TOP: f64 = 20.0;
+const CELL_HEIGHT: f64 = 21.0;
+/// Wider maps leave the numbers out: they would not fit.
+const MOST_NUMBERED: usize = 13;
+
+/// Values on a grid; NaN cells stay empty.
+pub struct HeatMap<'a> {
+    pub title: &'a str,
+    pub columns: &'a [String],
+    pub rows: &'a [String],
+    pub columns_name: &'a str,
+    pub rows_name: &'a str,
+    /// Row after row, µm.
+    pub values_um: &'a [Vec<f64>],
+    /// The value at the ends of the colour scale, µm.
+    pub limit_um: f64,
+}
+
+/// The map as a figure.
+pub fn heat_map(map: &HeatMap<'_>) -> String {
+    let columns = map.columns.len().max(1);
+    let cell_width = (WIDTH - LEFT - 2.0) / columns as f64;
+    let mut body = String::new();
+    for (i, row) in map.values_um.iter().enumerate() {
+        let y = TOP + i as f64 * CELL_HEIGHT;
+        body += &text(LEFT - 4.0, y + 14.0, "t end", map.rows.get(i).map_or("", String::as_str));
+        for (j, &value) in row.iter().enumerate() {
+            let x = LEFT + j as f64 * cell_width;
+            body += &cell(x, y, cell_width, value, map.limit_um);
+            if columns <= MOST_NUMBERED && value.is_finite() {
+                let class = if dark(value / map.limit_um) { "cell light" } else { "cell" };
+                body += &text(x + cell_width / 2.0, y + 14.0, class, &signed(value, 1));
+            }
+        }
+    }
+    let bottom = TOP + map.values_um.len() as f64 * CELL_HEIGHT;
+    let every = columns.div_ceil(12);
+    for (j, name) in map.columns.iter().enumerate().step_by(every) {
+        body += &text(LEFT + (j as f64 + 0.5) * cell_width, bottom + 12.0, "t mid", name);
+    }
+    body += &text(LEFT, 12.0, "t", &format!("{} down, {} across; µm", map.rows_name, map.columns_name));
+    figure(map.title, WIDTH, bottom + 18.0, map.title, &body)
+}
+
+fn cell(x: f64, y: f64, width: f64, value_um: f64, limit_um: f64) -> String {
+    if !value_um.is_finite() {
+        return format!(
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" class=\"hole\"/>\n",
+            width - 1.0,
+            CELL_HEIGHT - 1.0
+        );
+    }
+    format!(
+        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{}\"/>\n",
+        width - 1.0,
+        CELL_HEIGHT - 1.0,
+        colour(value_um / limit_um)
+    )
+}
+
+/// The signed colour scale with its numbers.
+pub fn legend(limit_um: f64) -> String {
+    let steps = 40;
+    let width = 240.0 / f64::from(steps);
+    let mut body = String::new();
+    for i in 0..steps {
+        let share = (f64::from(i) + 0.5) / f64::from(steps) * 2.0 - 1.0;
+        let x = 60.0 + f64::from(i) * width;
+        body += &format!(
+            "<rect x=\"{x:.1}\" y=\"4\" width=\"{:.1}\" height=\"12\" fill=\"{}\"/>\n",
+            width + 0.3,
+            colour(share)
+        );
+    }
+    for (share, anchor) in [(-1.0, "t mid"), (0.0, "t mid"), (1.0, "t mid")] {
+        let label =
+            if share == 0.0 { "0".to_owned() } else { format!("{} µm", signed(share * limit_um, 1)) };
+        body += &text(180.0 + 120.0 * share, 28.0, anchor, &label);
+    }
+    let caption = "Blue: the reading lies below the prediction. Orange: above. Same scale in every map.";
+    figure("Colour scale of the residual", WIDTH, 32.0, caption, &body)
+}
+
+/// Blue (−1) – near white (0) – orange (+1).
+fn colour(share: f64) -> String {
+    const BLUE: [f64; 3] = [20.0, 84.0, 158.0];
+    const PALE: [f64; 3] = [246.0, 246.0, 243.0];
+    const ORANGE: [f64; 3] = [200.0, 84.0, 0.0];
+    let share = share.clamp(-1.0, 1.0);
+    let end = if share < 0.0 { BLUE } else { ORANGE };
+    let mix = |k: usize| (PALE[k] + (end[k] - PALE[k]) * share.abs()).round() as u8;
+    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+}
+
+fn dark(share: f64) -> bool {
+    share.abs() > 0.6
+}

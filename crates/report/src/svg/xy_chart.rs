@@ -1,0 +1,114 @@
+//! Lines and marks over two axes with round ticks.
+
+use super::scale::{Scale, extent};
+use super::{figure, line, polyline, text};
+use crate::number::tick;
+
+const WIDTH: f64 = 360.0;
+const HEIGHT: f64 = 210.0;
+const LEFT: f64 = 40.0;
+const RIGHT: f64 = 352.0;
+const TOP: f64 = 26.0;
+const BOTTOM: f64 = 174.0;
+
+/// How a series is drawn; shape and colour say the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Filled blue circles.
+    Dot,
+    /// Open orange triangles.
+    Triangle,
+    /// A line, solid blue.
+    Line,
+    /// A line, dashed orange.
+    Dashed,
+}
+
+/// One set of points.
+pub struct Series {
+    pub name: String,
+    pub mark: Mark,
+    pub points: Vec<(f64, f64)>,
+}
+
+/// A chart.
+pub struct XyChart<'a> {
+    pub title: &'a str,
+    pub x_name: &'a str,
+    pub y_name: &'a str,
+    pub series: &'a [Series],
+    /// Half height of the y axis around zero.
+    pub y_limit: f64,
+    /// Places on x that are marked with a name.
+    pub marks_on_x: &'a [(f64, String)],
+}
+
+/// The chart as a figure.
+pub fn xy_chart(chart: &XyChart<'_>) -> String {
+    let all_x = chart.series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
+    let x = Scale::new(extent(all_x).unwrap_or((0.0, 1.0)), (LEFT + 4.0, RIGHT - 4.0));
+    let y = Scale::new((-chart.y_limit, chart.y_limit), (BOTTOM, TOP));
+    let mut body = axes(&x, &y, chart.x_name, chart.y_name);
+    for (at, name) in chart.marks_on_x.iter().filter(|(at, _)| at.is_finite()) {
+        body += &line((x.at(*at), TOP), (x.at(*at), BOTTOM), "guide");
+        body += &text(x.at(*at) + 2.0, BOTTOM - 4.0, "t", name);
+    }
+    let mut key_x = LEFT;
+    for series in chart.series {
+        let places: Vec<_> = series
+            .points
+            .iter()
+            .filter(|p| p.0.is_finite() && p.1.is_finite())
+            .map(|p| (x.at(p.0), y.at(p.1.clamp(-chart.y_limit, chart.y_limit))))
+            .collect();
+        body += &drawn(series.mark, &places);
+        body += &key(series.mark, key_x);
+        body += &text(key_x + 22.0, 13.0, "t", &series.name);
+        key_x += 34.0 + 5.6 * series.name.chars().count() as f64;
+    }
+    figure(chart.title, WIDTH, HEIGHT, chart.title, &body)
+}
+
+fn axes(x: &Scale, y: &Scale, x_name: &str, y_name: &str) -> String {
+    let mut body = String::new();
+    let (ticks, step) = y.ticks(5);
+    for value in ticks {
+        let class = if value == 0.0 { "zero" } else { "grid" };
+        body += &line((LEFT, y.at(value)), (RIGHT, y.at(value)), class);
+        body += &text(LEFT - 4.0, y.at(value) + 3.5, "t end", &tick(value, step));
+    }
+    let (ticks, step) = x.ticks(6);
+    for value in ticks {
+        body += &line((x.at(value), BOTTOM), (x.at(value), BOTTOM + 4.0), "axis");
+        body += &text(x.at(value), BOTTOM + 15.0, "t mid", &tick(value, step));
+    }
+    body += &line((LEFT, BOTTOM), (RIGHT, BOTTOM), "axis");
+    body += &line((LEFT, TOP), (LEFT, BOTTOM), "axis");
+    body += &text((LEFT + RIGHT) / 2.0, BOTTOM + 30.0, "t mid", x_name);
+    body += &text(2.0, 13.0, "t", y_name);
+    body
+}
+
+fn drawn(mark: Mark, places: &[(f64, f64)]) -> String {
+    match mark {
+        Mark::Line => polyline(places, false, "l1"),
+        Mark::Dashed => polyline(places, false, "l2"),
+        Mark::Dot | Mark::Triangle => places.iter().map(|&(x, y)| symbol(mark, x, y)).collect(),
+    }
+}
+
+fn symbol(mark: Mark, x: f64, y: f64) -> String {
+    if mark == Mark::Dot {
+        return format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"1.8\" class=\"m1\"/>\n");
+    }
+    format!("<path d=\"M{:.1} {:.1}l2.6 4.4h-5.2z\" class=\"m2\"/>\n", x, y - 2.6)
+}
+
+fn key(mark: Mark, x: f64) -> String {
+    let x = x + 8.0;
+    match mark {
+        Mark::Line => line((x - 4.0, 9.5), (x + 10.0, 9.5), "l1"),
+        Mark::Dashed => line((x - 4.0, 9.5), (x + 10.0, 9.5), "l2"),
+        Mark::Dot | Mark::Triangle => symbol(mark, x + 5.0, 9.5),
+    }
+}
