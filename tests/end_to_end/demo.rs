@@ -1,7 +1,5 @@
 //! The main job through real ports: virtual probes and controller, real drivers, recording, diagnosis.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use serde_json::Value;
 use std::process::Command;
 

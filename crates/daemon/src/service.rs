@@ -55,7 +55,7 @@ pub enum ServiceError {
         /// The recording.
         path: PathBuf,
         /// Why.
-        source: AnalysisError,
+        source: Box<AnalysisError>,
     },
     /// A part of the service panicked.
     #[error("the {0} ended badly; this is a defect of the program")]
@@ -235,7 +235,7 @@ pub fn analyse_recording(
     let experiment = Experiment::new(std::slice::from_ref(&recording.run))
         .map_err(|source| ServiceError::Experiment { path: path.into(), source })?;
     let analysis = analysis::climb(&experiment, model, date)
-        .map_err(|source| ServiceError::Analysis { path: path.into(), source })?;
+        .map_err(|source| ServiceError::Analysis { path: path.into(), source: Box::new(source) })?;
     Ok((experiment, analysis))
 }
 

@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn numbers_carry_unit_sign_and_sensible_digits() {
-        assert_eq!(um(3.14159), "3.14 µm");
+        assert_eq!(um(3.1428), "3.14 µm");
         assert_eq!(um(-12.345), "−12.3 µm");
         assert_eq!(um(f64::NAN), "—");
         assert_eq!(with_unit(1234.6, "urad"), "1235 µrad");

@@ -309,7 +309,7 @@ impl ProgressBar {
     fn show(&mut self, progress: Progress) {
         const WIDTH: usize = 40;
         let total = progress.total.max(1);
-        if self.quiet || !(progress.done % 7 == 0 || progress.done == total) {
+        if self.quiet || !(progress.done.is_multiple_of(7) || progress.done == total) {
             return;
         }
         let full = (WIDTH * progress.done / total).min(WIDTH);
