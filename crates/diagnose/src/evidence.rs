@@ -339,7 +339,7 @@ impl Prepared {
         let context = self.context(y, chosen);
         let columns = context.vectors.rows(1, chosen.nrows());
         let readings = context.vectors.row(0);
-        let scale: Vec<f64> = (0..chosen.nrows()).map(|j| columns.row(j).norm().max(1e-300)).collect();
+        let scale = column_scales(&columns.into_owned());
         let mut gram = columns * columns.transpose();
         let mut right = columns * readings.transpose();
         for i in 0..scale.len() {
@@ -608,15 +608,22 @@ fn orthonormal(columns: &DMatrix<f64>) -> (DMatrix<f64>, f64) {
 /// Orthonormal basis of what is left of `raw` columns (column × row), dropping directions that hardly survive.
 fn surviving_basis(left: &DMatrix<f64>, raw: &DMatrix<f64>) -> DMatrix<f64> {
     let mut scaled = left.clone();
-    for j in 0..raw.nrows() {
-        let norm = raw.row(j).norm().max(1e-300);
-        scaled.column_mut(j).unscale_mut(norm);
+    for (j, scale) in column_scales(raw).into_iter().enumerate() {
+        scaled.column_mut(j).unscale_mut(scale);
     }
     let svd = scaled.svd(true, false);
     let left = svd.u.expect("asked for");
     let kept: Vec<usize> =
         (0..svd.singular_values.len()).filter(|&j| svd.singular_values[j] > SURVIVAL).collect();
     DMatrix::from_fn(left.nrows(), kept.len(), |i, k| left[(i, kept[k])])
+}
+
+/// Norm of each column (column × row); infinite for one that moves nothing, so that it scales to zero and
+/// never to a number that no decomposition survives.
+fn column_scales(columns: &DMatrix<f64>) -> Vec<f64> {
+    let norms: Vec<f64> = (0..columns.nrows()).map(|j| columns.row(j).norm()).collect();
+    let largest = norms.iter().copied().fold(0.0, f64::max);
+    norms.into_iter().map(|norm| if norm > 1e-12 * largest { norm } else { f64::INFINITY }).collect()
 }
 
 /// Two sets of columns (column × row) in one.
@@ -646,4 +653,20 @@ pub(crate) fn parallel<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> 
             chunks.into_iter().map(|chunk| scope.spawn(|| chunk.map(&f).collect::<Vec<_>>())).collect();
         handles.into_iter().flat_map(|h| h.join().expect("a worker panics only on a defect")).collect()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Forward wobble at one lobe is zero by definition; its scaled Gram matrix once was NaN, and the
+    /// decomposition of that never ended.
+    #[test]
+    fn a_column_that_moves_nothing_scales_to_zero() {
+        let columns = DMatrix::from_row_slice(3, 2, &[3.0, 4.0, 0.0, 0.0, 1e-17, 0.0]);
+        let scales = column_scales(&columns);
+        assert_eq!(scales, [5.0, f64::INFINITY, f64::INFINITY]);
+        let basis = surviving_basis(&columns.transpose(), &columns);
+        assert_eq!(basis.ncols(), 1);
+    }
 }
