@@ -8,7 +8,7 @@ mod chain;
 pub mod disturbance;
 pub mod grid;
 pub mod hidden;
-mod natural;
+pub(crate) mod natural;
 mod sampler;
 
 pub use disturbance::Disturbance;

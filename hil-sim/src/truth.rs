@@ -4,6 +4,7 @@
 
 mod draw;
 mod file;
+mod mounting;
 
 pub use draw::{LocationError, minimum_set};
 

@@ -3,6 +3,7 @@
 mod angular_motion;
 mod axial_error_motion;
 mod backlash;
+mod ball_form;
 mod ball_setting;
 mod ballscrew_pitch;
 mod clamp_shift;
@@ -29,6 +30,7 @@ mod thermal_drift;
 mod thermal_expansion;
 mod tilt_error_motion;
 mod unbalance;
+mod vibration;
 
 pub use encoder_eccentricity::encoder_amplitude_rad;
 pub use location_errors::conventional_zeros;
@@ -36,7 +38,7 @@ pub use location_errors::conventional_zeros;
 use crate::Effect;
 
 /// Every effect; the two base effects first.
-pub static REGISTRY: [&Effect; 29] = [
+pub static REGISTRY: [&Effect; 31] = [
     &location_errors::EFFECT,
     &ball_setting::EFFECT,
     &gravity_sag::EFFECT,
@@ -66,6 +68,8 @@ pub static REGISTRY: [&Effect; 29] = [
     &probe_gain::EFFECT,
     &probe_nonlinearity::EFFECT,
     &nest_rotation::EFFECT,
+    &ball_form::EFFECT,
+    &vibration::EFFECT,
 ];
 
 /// Ids of the effects that are always in the model.

@@ -1,6 +1,6 @@
 //! What an effect file provides.
 
-use crate::Scene;
+use crate::{Need, Scene};
 use trunnion_machine::{Machine, Site, State};
 use trunnion_units::{AxisLetter, Twist};
 
@@ -23,6 +23,8 @@ pub struct Effect {
     pub shapes: fn(&Scene, Subject) -> Shapes,
     /// The equation: motions per unit parameter at a state, for one shape of the grid or near it.
     pub motions: fn(&Scene, Subject, &[f64], &State, Emit<'_>),
+    /// A typical case, drawn in the catalogue.
+    pub example: Example,
 }
 
 /// Documentation of an effect, used by reports and the generated catalogue.
@@ -33,7 +35,9 @@ pub struct About {
     pub source: &'static str,
     /// The equation in text.
     pub equation: &'static str,
-    /// When it holds.
+    /// What the letters of the equation mean, with units.
+    pub symbols: &'static str,
+    /// When it holds, and when no more.
     pub validity: &'static str,
     /// Typical size on a good machine.
     pub typical: &'static str,
@@ -43,6 +47,39 @@ pub struct About {
     pub cause: &'static str,
     /// Which measurement shows or separates it, e.g. "both directions of C".
     pub seen_by: &'static str,
+    /// What the data must have; without any one of these the effect is out of reach.
+    pub needs: &'static [Need],
+    /// What tells it from other effects that look alike.
+    pub helps: &'static [Need],
+}
+
+/// A typical case of an effect and the view that shows it best.
+pub struct Example {
+    /// Id on machine table-bc.
+    pub id: &'static str,
+    /// Shape numbers, inside units.
+    pub shape: &'static [f64],
+    /// Parameters that are not zero: name and value on the screen.
+    pub values: &'static [(&'static str, f64)],
+    /// How it is drawn.
+    pub view: View,
+}
+
+/// What a picture of an effect shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum View {
+    /// Readings of an R-test at rest over B and C.
+    Poses,
+    /// Readings of an R-test while C turns both ways, B tilted, linear axes following.
+    Turn,
+    /// Radius of a circle in X and Y, both ways, drawn enlarged around it; for each feed in mm/min.
+    Circle(&'static [f64]),
+    /// Displacement of the tool against the table over this many seconds.
+    Time(f64),
+    /// The same while the axis of the effect turns a little, stands, and turns on.
+    StopAndGo,
+    /// Error of the reading over the deflection along the nest's X.
+    Deflection,
 }
 
 /// What an instance is about: the part of the id after the colon.
@@ -99,6 +136,12 @@ impl Unit {
     pub const MS: Self = Self { symbol: "ms", per_inside: 1e3 };
     /// A plain number.
     pub const ONE: Self = Self { symbol: "1", per_inside: 1.0 };
+
+    /// The symbol as people write it, e.g. `µm/(m/s²)`; empty for a plain number.
+    pub fn text(&self) -> String {
+        let written = [("um", "µm"), ("urad", "µrad"), ("mm2", "mm²"), ("s2", "s²"), (")2", ")²"), ("1", "")];
+        written.iter().fold(self.symbol.into(), |text: String, (from, to)| text.replace(from, to))
+    }
 }
 
 /// Grid of shape numbers.

@@ -1,17 +1,25 @@
 //! Formula effects, `formula:NAME`: an expression over the state with named parameters, written in a model file
 //! or found by a diagnosis (DESIGN §3.4).
 //!
-//! Symbols, inside units: `A B C` rad, `X Y Z` mm, `t` s since the first point, `vB` rad/s or mm/s, `dirB` −1, 0, 1,
-//! `T_NAME` change of temperature channel NAME since its first value, K; `pi`. Every other name is a parameter.
+//! Symbols, inside units: `A B C` rad, `X Y Z` mm, `vB` and `aB` velocity and acceleration (per s, per s²), `dirB` −1, 0, 1,
+//! `sinceB` travel since B last turned round, `t` s since the first point, `T_NAME` change of temperature channel NAME since
+//! its first value, K; `pi`. Every other name is a parameter.
 //! A parameter that enters linearly by structure is fitted, in µm (`dx dy dz`) or µrad (`ea eb ec`) per unit of
 //! its factor. The others are shape numbers: they need `shape` values or a `grid`.
 
+mod check;
+mod error;
 mod expression;
+mod nearest;
+mod parser;
+mod symbol;
 
-pub use expression::{Expression, Function};
+pub use error::{FormulaError, Hundredths};
+pub use expression::{Expression, Function, Node, Operator};
 
 use crate::{Emit, ModelEffect, Parameter, Scene, Shapes, Unit};
 use nalgebra::Vector3;
+use symbol::{Symbol, symbol};
 use trunnion_machine::{Machine, Site, State};
 use trunnion_units::{AxisLetter, Twist};
 
@@ -59,47 +67,6 @@ const COMPONENTS: [(&str, Component); 6] = [
 /// Most points of the product grid of all shape numbers.
 const MOST_GRID_POINTS: usize = 10_000;
 
-/// Why a formula cannot be read.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum FormulaError {
-    /// A key of the entry is missing or wrong.
-    #[error("{key} is {found}; allowed: {allowed}")]
-    Key {
-        /// Key of the model entry.
-        key: &'static str,
-        /// What was found.
-        found: String,
-        /// What is allowed.
-        allowed: String,
-    },
-    /// The expression breaks off or holds something unknown.
-    #[error("expression, column {column}: found {found}; allowed: {allowed}")]
-    Syntax {
-        /// Column, from 1.
-        column: usize,
-        /// What was found.
-        found: String,
-        /// What is allowed.
-        allowed: String,
-    },
-    /// A term that no fitted parameter scales: zero parameters would not give zero.
-    #[error(
-        "expression has a term without a linear parameter; multiply every term by one, e.g. \"a*sin(B) + b*t\""
-    )]
-    NoParameter,
-    /// Non-linear parameters without values.
-    #[error(
-        "parameter {name} enters non-linearly and has neither a value nor a grid; \
-         give shape = [..] for ({all}) in this order, or grid = {{ {name} = [..] }}"
-    )]
-    NoGrid {
-        /// The parameter.
-        name: String,
-        /// All non-linear parameters in order.
-        all: String,
-    },
-}
-
 impl Formula {
     /// Reads the formula of a model entry.
     ///
@@ -119,36 +86,42 @@ impl Formula {
         let site = site(&site_text, machine)?;
         let component = component(&component_text, site)?;
         let expression = Expression::parse(&text)?;
-        let mut parameters = Vec::new();
-        for name in expression.names() {
-            match symbol(&name) {
-                None => parameters.push(name),
-                Some(Symbol::Of(_, letter)) if machine.axis(letter).is_none() => {
-                    return Err(FormulaError::Syntax {
-                        column: text.find(&name).map_or(1, |at| at + 1),
-                        found: format!("\"{name}\", an axis machine {} does not have", machine.name),
-                        allowed: machine.axes().map(|a| a.letter.as_str()).collect::<Vec<_>>().join(" "),
-                    });
-                }
-                Some(_) => {}
-            }
-        }
+        let parameters = check::parameters(&expression, machine)?;
         let (linear, nonlinear) = split(&expression, parameters);
-        if linear.is_empty() || !expression.vanishes_without(&|name| linear.iter().any(|p| p == name)) {
-            return Err(FormulaError::NoParameter);
+        if let Some(term) = expression.term_without(&|name| linear.iter().any(|p| p == name)) {
+            return Err(FormulaError::NoParameter { column: term.column });
         }
-        let grid = grid(entry, &nonlinear)?;
+        let grid = grid(entry, &expression, &nonlinear)?;
+        let place = |name: &str| nonlinear.iter().position(|p| p == name);
+        let values_of = |name: &str| place(name).map_or(Vec::new(), |k| grid.iter().map(|g| g[k]).collect());
+        check::degrees(&expression, machine, &values_of)?;
+        for point in grid.iter().take(1).chain(grid.last()) {
+            check::domain(&expression, machine, &|name| place(name).map(|k| point[k]))?;
+        }
         Ok(Self { name, site, component, text, expression, linear, nonlinear, grid })
     }
 
-    /// Fitted parameters; empty when the scene lacks time or a temperature channel the expression uses.
+    /// Why the formula is out of reach in this scene: it uses the time or a temperature channel that is not there.
+    pub fn out_of_reach(&self, scene: &Scene) -> Option<String> {
+        self.expression.names().into_iter().find_map(|(name, _)| match symbol(name)? {
+            Symbol::Time if !scene.has_time() => Some("needs time stamps, for t".into()),
+            Symbol::Temperature(channel) if !scene.channels.iter().any(|c| c == channel) => {
+                let known = scene.channels.iter().map(String::as_str);
+                let meant = nearest::nearest(channel, known)
+                    .map_or(String::new(), |near| format!("; did you mean T_{near}?"));
+                let names: Vec<String> = scene.channels.iter().map(|c| format!("T_{c}")).collect();
+                let known = if names.is_empty() { "none".into() } else { names.join(" ") };
+                Some(format!(
+                    "needs temperature channel \"{channel}\" for {name}; the runs have {known}{meant}"
+                ))
+            }
+            Symbol::Time | Symbol::Temperature(_) | Symbol::Of(..) => None,
+        })
+    }
+
+    /// Fitted parameters; empty when out of reach.
     pub fn parameters(&self, scene: &Scene) -> Vec<Parameter> {
-        let reachable = self.expression.names().iter().all(|name| match symbol(name) {
-            Some(Symbol::Time) => scene.has_time(),
-            Some(Symbol::Temperature(channel)) => scene.channels.iter().any(|c| c == channel),
-            Some(Symbol::Of(..)) | None => true,
-        });
-        if !reachable {
+        if self.out_of_reach(scene).is_some() {
             return Vec::new();
         }
         let unit = if self.component.turns() { Unit::URAD } else { Unit::UM };
@@ -237,10 +210,44 @@ fn split(expression: &Expression, parameters: Vec<String>) -> (Vec<String>, Vec<
     (linear, nonlinear)
 }
 
-fn grid(entry: &ModelEffect, nonlinear: &[String]) -> Result<Vec<Vec<f64>>, FormulaError> {
+/// How to write the commonest non-linear parameters so that they can be fitted.
+fn linear_way(expression: &Expression, name: &str) -> String {
+    if let Some(letter) = AxisLetter::parse(name) {
+        return format!("{name} is a parameter; the position of axis {letter} is written {letter}.");
+    }
+    let holds = |e: &Expression| e.names().iter().any(|(known, _)| *known == name);
+    let lone = |e: &Expression| matches!(&e.node, Node::Name(known) if known == name);
+    let (mut in_function, mut is_phase, mut is_divisor) = (false, false, false);
+    expression.walk(&mut |part| match &part.node {
+        Node::Call(function, inside) if holds(inside) => {
+            in_function = true;
+            is_phase |= matches!(function, Function::Sin | Function::Cos)
+                && matches!(&inside.node, Node::Pair(Operator::Sum | Operator::Difference, a, b) if lone(a) || lone(b));
+        }
+        Node::Pair(Operator::Quotient, _, divisor) => is_divisor |= lone(divisor),
+        Node::Number(_) | Node::Name(_) | Node::Pair(..) | Node::Call(..) => {}
+    });
+    match (is_phase, is_divisor && !in_function) {
+        (true, _) => "A phase is fitted when written as two terms: a*sin(x + phase) is p*sin(x) + q*cos(x).",
+        (false, true) => "A divisor is fitted when written as a factor: x/k is k*x with another k.",
+        (false, false) => "",
+    }
+    .into()
+}
+
+fn grid(
+    entry: &ModelEffect,
+    expression: &Expression,
+    nonlinear: &[String],
+) -> Result<Vec<Vec<f64>>, FormulaError> {
     let all = nonlinear.join(", ");
     if let Some((name, _)) = entry.grid.iter().find(|(name, _)| !nonlinear.contains(name)) {
-        return Err(wrong("grid", &format!("for \"{name}\""), &format!("the non-linear parameters ({all})")));
+        let allowed = if all.is_empty() {
+            "no grid, every parameter is fitted".into()
+        } else {
+            format!("the non-linear parameters ({all})")
+        };
+        return Err(wrong("grid", &format!("for \"{name}\""), &allowed));
     }
     if !entry.shape.is_empty() && entry.shape.len() != nonlinear.len() {
         let found = format!("{} numbers", entry.shape.len());
@@ -251,7 +258,10 @@ fn grid(entry: &ModelEffect, nonlinear: &[String]) -> Result<Vec<Vec<f64>>, Form
         let values = entry.grid.iter().find(|(known, _)| known == name).map(|(_, values)| values.clone());
         let values = values.or_else(|| entry.shape.get(k).map(|&value| vec![value]));
         let Some(values) = values else {
-            return Err(FormulaError::NoGrid { name: name.clone(), all });
+            let names = expression.names();
+            let column = names.iter().find(|(known, _)| known == name).map_or(1, |(_, column)| *column);
+            let advice = linear_way(expression, name);
+            return Err(FormulaError::NoGrid { column, name: name.clone(), all, advice });
         };
         points = points
             .iter()
@@ -265,54 +275,6 @@ fn grid(entry: &ModelEffect, nonlinear: &[String]) -> Result<Vec<Vec<f64>>, Form
         }
     }
     Ok(points)
-}
-
-/// A symbol of the state.
-#[derive(Clone, Copy)]
-enum Symbol<'a> {
-    Of(Quantity, AxisLetter),
-    Time,
-    Temperature(&'a str),
-}
-
-#[derive(Clone, Copy)]
-enum Quantity {
-    Position,
-    Velocity,
-    Direction,
-}
-
-fn symbol(name: &str) -> Option<Symbol<'_>> {
-    let axis = |quantity, text: &str| {
-        let letter = AxisLetter::ALL.into_iter().find(|letter| letter.as_str() == text)?;
-        Some(Symbol::Of(quantity, letter))
-    };
-    if name == "t" {
-        return Some(Symbol::Time);
-    }
-    if let Some(channel) = name.strip_prefix("T_") {
-        return Some(Symbol::Temperature(channel));
-    }
-    axis(Quantity::Position, name)
-        .or_else(|| axis(Quantity::Velocity, name.strip_prefix('v')?))
-        .or_else(|| axis(Quantity::Direction, name.strip_prefix("dir")?))
-}
-
-impl Symbol<'_> {
-    fn value(self, scene: &Scene, state: &State) -> f64 {
-        match self {
-            Self::Of(Quantity::Position, letter) => state.position[letter],
-            Self::Of(Quantity::Velocity, letter) => state.velocity[letter],
-            Self::Of(Quantity::Direction, letter) => state.direction[letter],
-            Self::Time => scene.elapsed_s(state).unwrap_or_default(),
-            Self::Temperature(channel) => scene
-                .channels
-                .iter()
-                .position(|c| c == channel)
-                .and_then(|i| Some(state.temperature_degc.get(i)? - scene.first_temperature_degc.get(i)?))
-                .unwrap_or_default(),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::catalogue::REGISTRY;
 use crate::formula::{Formula, FormulaError};
-use crate::{About, Effect, Emit, ModelEffect, Parameter, Scene, Shapes, Subject};
+use crate::{About, Effect, Emit, ModelEffect, Need, Parameter, Scene, Shapes, Subject};
 use std::fmt;
 use std::sync::Arc;
 use trunnion_machine::{Machine, State};
@@ -118,6 +118,21 @@ impl Instance {
             Self::Catalogue { effect, subject } => (effect.parameters)(scene, *subject),
             Self::Formula(formula) => formula.parameters(scene),
         }
+    }
+
+    /// What the data lack for this effect to show; not empty exactly when a catalogue effect is out of reach.
+    pub fn missing(&self, scene: &Scene) -> Vec<Need> {
+        let lacks = |need: &Need| need.met(scene, self.subject()) == Some(false);
+        self.about().map_or(&[][..], |about| about.needs).iter().copied().filter(lacks).collect()
+    }
+
+    /// Why the effect is out of reach in this scene, in words; `None` when it is within reach.
+    pub fn out_of_reach(&self, scene: &Scene) -> Option<String> {
+        if let Self::Formula(formula) = self {
+            return formula.out_of_reach(scene);
+        }
+        let missing: Vec<&str> = self.missing(scene).into_iter().map(Need::text).collect();
+        (!missing.is_empty()).then(|| format!("needs {}", missing.join("; ")))
     }
 
     /// Grid of shape numbers in this scene.

@@ -7,16 +7,24 @@
 pub mod catalogue;
 mod effect;
 pub mod formula;
+mod history;
 mod instance;
 mod markdown;
 pub mod model;
+mod need;
+mod path;
+mod picture;
 mod scene;
 mod subjects;
 
-pub use effect::{About, Effect, Emit, Parameter, Shapes, Subject, Unit};
+pub use effect::{About, Effect, Emit, Example, Parameter, Shapes, Subject, Unit, View};
 pub use formula::{Formula, FormulaError};
+pub use history::History;
 pub use instance::{Instance, UnknownEffect};
 pub use markdown::catalogue_markdown;
-pub use model::{LadderRow, Model, ModelEffect, Prior};
+pub use model::{LadderRow, Model, ModelEffect, Moved, Prior};
+pub use need::Need;
+pub use path::Path;
+pub use picture::{Picture, catalogue_pictures};
 pub use scene::{Scene, SceneSetup};
 pub use subjects::{every_axis, every_linear, every_rotary};

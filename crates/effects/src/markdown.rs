@@ -1,44 +1,73 @@
-//! The catalogue as a document for people, `docs/catalogue.md`.
+//! The catalogue as a document for people, `docs/catalogue.md`, with a picture of each effect in `docs/catalogue/`.
 
 use crate::catalogue::{BASE, REGISTRY};
-use crate::{Effect, Instance, Subject};
+use crate::{Effect, Instance, Need, Parameter, Scene, SceneSetup, Subject};
+use nalgebra::Point3;
 use std::fmt::Write;
-use trunnion_machine::shipped;
+use trunnion_machine::{Side, State, shipped};
+use trunnion_units::AxisValues;
 
-/// Text of `docs/catalogue.md`. Written by `cargo run -p trunnion-effects --example catalogue > docs/catalogue.md`;
-/// a test compares the two.
+const HEADER: &str = "\
+<!-- Generated: cargo run -p trunnion-effects --example catalogue -->
+
+# Catalogue of effects
+
+Everything that Trunnion can name as the cause of an error. R stands for a rotary axis, L for a linear one, K for any
+axis, LL for a pair of linear axes. Anything else can be written as a `formula:NAME` effect in a model file (at the end).
+
+Sources: S0 Kenno 2020 (R-test, two heights), S1 Oyama (R-test error map), S2 Ibaraki & Knapp 2012 (review), S3 Hayashi 2021
+(hybrid machine), S4 Ibaraki (ball bar DBB5), METHODS (the methods document), ISO standards by number.
+
+Each picture shows a typical case as an instrument reads it. Over poses (B and C) and turns it shows what is left of the
+effect after location errors and ball setting have taken their share: the shape to look for in a residual. Circles are
+drawn enlarged around their nominal radius, after centring.
+";
+
+const FORMULAS: &str = "
+## `formula:NAME`: what has no name
+
+An expression of your own, or one found by `trunnion diagnose`, in the model file:
+
+```toml
+[[effect]]
+id = \"formula:hose\"
+site = \"axis:B\"            # axis:K, ball, spindle, reading
+component = \"ea\"           # dx dy dz; at an axis also ea eb ec
+expression = \"pull*max(0, B - start)\"
+grid = { start = [0.2, 0.4, 0.6] }
+```
+
+- **Names of the state:** `A B C` rad, `X Y Z` mm, `vB` velocity and `aB` acceleration (rad/s, rad/s², mm/s, mm/s²), `dirB` direction −1, 0, +1,
+  `sinceB` travel since B last turned round (rad, mm), `t` s since the first point, `T_NAME` change of temperature channel NAME, K; `pi`. Angles are in rad: 60° is `60*pi/180`.
+- **Functions:** `sin cos tan exp log sqrt abs sign step` of one argument (`step(x)` is 0 below zero, 1 from zero on), `min max` of two; `+ - * / ^`.
+- **Parameters:** every other name. One that multiplies a term is fitted, in µm (`dx dy dz`) or µrad (`ea eb ec`) per unit of its factor; every term needs one.
+  One inside a function, a power or a divisor is a shape number: give its value as `shape = [..]` or values to try as `grid = { NAME = [..] }`.
+";
+
+/// Text of `docs/catalogue.md`. Written with its pictures by `cargo run -p trunnion-effects --example catalogue`;
+/// a test compares them.
 pub fn catalogue_markdown() -> String {
-    let mut text = String::from(
-        "<!-- Generated: cargo run -p trunnion-effects --example catalogue > docs/catalogue.md -->\n\n\
-         # Catalogue of effects\n\n\
-         Everything that Trunnion can name as the cause of an error. R stands for a rotary axis, L for a linear one, \
-         K for any axis. Sources: S0 Kenno 2020, S1 Oyama, S2 Ibaraki & Knapp 2012, S3 Hayashi 2021, \
-         S4 Ibaraki (ball bar DBB5), METHODS (the methods document), ISO standards by number. \
-         Anything else can be written as a `formula:NAME` effect in a model file.\n\n\
-         | effect | what it is | typical |\n|---|---|---|\n",
-    );
+    let mut text = String::from(HEADER);
+    line(&mut text, format_args!("\n| effect | what it is | typical | needs |\n|---|---|---|---|"));
     for effect in REGISTRY {
         let about = &effect.about;
-        line(&mut text, format_args!("| `{}` | {} | {} |", pattern(effect), about.title, about.typical));
+        let title = format!("{}: {}", pattern(effect), about.title);
+        line(
+            &mut text,
+            format_args!(
+                "| [`{}`](#{}) | {} | {} | {} |",
+                pattern(effect),
+                anchor(&title),
+                about.title,
+                about.typical,
+                texts(about.needs)
+            ),
+        );
     }
     for effect in REGISTRY {
-        let about = &effect.about;
-        line(&mut text, format_args!("\n## `{}`: {}\n\n{}", pattern(effect), about.title, about.explanation));
-        if BASE.contains(&effect.phenomenon) {
-            line(&mut text, format_args!("Always in the model."));
-        }
-        for (name, content) in [
-            ("Likely cause", about.cause),
-            ("Seen by", about.seen_by),
-            ("Equation", about.equation),
-            ("Valid", about.validity),
-            ("Typical", about.typical),
-            ("Source", about.source),
-        ] {
-            let gap = if name == "Likely cause" { "\n" } else { "" };
-            line(&mut text, format_args!("{gap}- **{name}:** {content}"));
-        }
+        section(&mut text, effect);
     }
+    text.push_str(FORMULAS);
     line(&mut text, format_args!("\n## Ids by machine\n"));
     for (name, _) in shipped::FILES {
         let machine = shipped::machine(name).expect("shipped machines parse (tested)");
@@ -47,6 +76,72 @@ pub fn catalogue_markdown() -> String {
         line(&mut text, format_args!("- **{name}:** {}", ids.join(" ")));
     }
     text
+}
+
+fn section(text: &mut String, effect: &Effect) {
+    let about = &effect.about;
+    line(text, format_args!("\n## `{}`: {}\n\n{}", pattern(effect), about.title, about.explanation));
+    if BASE.contains(&effect.phenomenon) {
+        line(text, format_args!("Always in the model."));
+    }
+    line(text, format_args!("\n![{}](catalogue/{}.svg)\n", about.title, effect.phenomenon));
+    for (name, content) in [
+        ("Likely cause", about.cause),
+        ("Typical size", about.typical),
+        ("Seen by", about.seen_by),
+        ("Needs", &texts(about.needs)),
+        ("Told from its likes by", &texts(about.helps)),
+        ("Equation", about.equation),
+        ("Symbols", about.symbols),
+        ("Parameters", &parameters(effect)),
+        ("Valid", about.validity),
+        ("Source", about.source),
+    ] {
+        line(text, format_args!("- **{name}:** {content}"));
+    }
+}
+
+fn texts(needs: &[Need]) -> String {
+    if needs.is_empty() {
+        return "any cycle".into();
+    }
+    needs.iter().map(|need| need.text()).collect::<Vec<_>>().join("; ")
+}
+
+/// Names and units of the fitted parameters of the example's instance.
+fn parameters(effect: &Effect) -> String {
+    let machine = shipped::machine("table-bc").expect("shipped machines parse (tested)");
+    let instance =
+        Instance::find(effect.example.id, &machine).expect("examples are effects of table-bc (tested)");
+    let setup = SceneSetup {
+        name: "low".into(),
+        components: &["x", "y", "z"],
+        nest: Side::Table,
+        ball_in_table_mm: Point3::new(150.0, 0.0, 60.0),
+        run: 0,
+    };
+    // Two states that differ in everything, so that every effect is within reach.
+    let state = |s: f64| State {
+        position: AxisValues::from_fn(|_| s),
+        direction: AxisValues::from_fn(|_| 2.0 * s - 1.0),
+        velocity: AxisValues::from_fn(|_| s),
+        acceleration: AxisValues::from_fn(|_| s),
+        time_s: Some(s),
+        temperature_degc: vec![20.0 + s],
+        deflection_mm: nalgebra::Vector3::repeat(s),
+        ..State::default()
+    };
+    let states = [state(0.0), state(1.0)];
+    let scene = Scene::new(machine, vec![setup], vec!["frame".into()], states.iter());
+    let text = |p: &Parameter| format!("`{}` {}", p.name, p.unit.text());
+    let all: Vec<String> = instance.parameters(&scene).iter().map(text).collect();
+    format!("{} ({})", all.join(", "), effect.example.id)
+}
+
+/// Anchor that GitHub gives a heading.
+fn anchor(title: &str) -> String {
+    let kept = title.to_lowercase().replace(' ', "-");
+    kept.chars().filter(|c| c.is_alphanumeric() || matches!(c, '-' | '_')).collect()
 }
 
 /// `gravity-sag:R` for an effect of axes, from its instances on the shipped machines.

@@ -18,6 +18,8 @@
 //! error_before_um = 4.1
 //! error_after_um = 1.2
 //! noise_um = 0.9
+//! [effect.ladder.moved]                             # what it did to the other parameters, screen units
+//! EX0C = { before = -3.2, after = -1.1, u = 0.26, unit = "um" }
 //!
 //! [[effect]]
 //! id = "formula:hose"
@@ -89,6 +91,30 @@ pub struct LadderRow {
     pub holdout_after_um: Option<f64>,
     /// Noise floor, µm.
     pub noise_um: f64,
+    /// Parameters of the effects before it that moved when it came in, most moved first.
+    pub moved: Vec<Moved>,
+}
+
+/// A parameter that moved when an effect came in: it had absorbed a part of what was missing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Moved {
+    /// Parameter name.
+    pub name: String,
+    /// Value without the effect, in `unit`.
+    pub before: f64,
+    /// Value with it.
+    pub after: f64,
+    /// Standard uncertainty: the larger of both.
+    pub u: f64,
+    /// Unit on files and screens, e.g. `um`.
+    pub unit: String,
+}
+
+impl Moved {
+    /// Change in units of the standard uncertainty.
+    pub fn in_u(&self) -> f64 {
+        (self.after - self.before).abs() / self.u.max(f64::MIN_POSITIVE)
+    }
 }
 
 const FORMAT: &str = "trunnion-model/1";
@@ -126,23 +152,52 @@ impl Model {
     /// # Errors
     /// When `text` is no TOML or its `effect` is no `[[effect]]` list.
     pub fn append(text: &str, entry: &ModelEffect) -> Result<String, Problems> {
-        let problem = |found: String, allowed: &str| Problem {
-            file: "model".into(),
-            line: 0,
-            column: 0,
-            found,
-            allowed: allowed.into(),
-            advice: String::new(),
-        };
-        let mut document: DocumentMut =
-            text.parse().map_err(|error: toml_edit::TomlError| problem(error.to_string(), "TOML 1.0"))?;
-        let effects = document.entry("effect").or_insert(Item::ArrayOfTables(ArrayOfTables::new()));
-        let Some(effects) = effects.as_array_of_tables_mut() else {
-            return Err(problem("effect is no list of tables".into(), "[[effect]]").into());
-        };
-        effects.push(written(entry));
-        Ok(document.to_string())
+        edited(text, |effects| effects.push(written(entry)))
     }
+
+    /// The text of a model file without the entry `id`; everything else stays as it is.
+    ///
+    /// # Errors
+    /// When `text` is no TOML or its `effect` is no `[[effect]]` list.
+    pub fn without(text: &str, id: &str) -> Result<String, Problems> {
+        edited(text, |effects| effects.retain(|table| !is_entry(table, id)))
+    }
+
+    /// The text of a model file with the ladder row of the entry `id` replaced; everything else stays as it is.
+    ///
+    /// # Errors
+    /// When `text` is no TOML or its `effect` is no `[[effect]]` list.
+    pub fn with_ladder_row(text: &str, id: &str, row: &LadderRow) -> Result<String, Problems> {
+        edited(text, |effects| {
+            for table in effects.iter_mut().filter(|table| is_entry(table, id)) {
+                table["ladder"] = Item::Table(written_ladder(row));
+            }
+        })
+    }
+}
+
+fn is_entry(table: &Written, id: &str) -> bool {
+    table.get("id").and_then(Item::as_str) == Some(id)
+}
+
+/// The text of a model file with its `[[effect]]` list changed.
+fn edited(text: &str, change: impl FnOnce(&mut ArrayOfTables)) -> Result<String, Problems> {
+    let problem = |found: String, allowed: &str| Problem {
+        file: "model".into(),
+        line: 0,
+        column: 0,
+        found,
+        allowed: allowed.into(),
+        advice: String::new(),
+    };
+    let mut document: DocumentMut =
+        text.parse().map_err(|error: toml_edit::TomlError| problem(error.to_string(), "TOML 1.0"))?;
+    let effects = document.entry("effect").or_insert(Item::ArrayOfTables(ArrayOfTables::new()));
+    let Some(effects) = effects.as_array_of_tables_mut() else {
+        return Err(problem("effect is no list of tables".into(), "[[effect]]").into());
+    };
+    change(effects);
+    Ok(document.to_string())
 }
 
 fn read(document: &Document<'_>) -> Option<Model> {
@@ -227,7 +282,17 @@ fn read_ladder(table: &Table<'_>) -> Option<LadderRow> {
         error_after_um: table.number("error_after_um", error.clone()).unwrap_or_default(),
         holdout_before_um: table.optional_number("holdout_before_um", error.clone()),
         holdout_after_um: table.optional_number("holdout_after_um", error.clone()),
-        noise_um: table.number("noise_um", error).unwrap_or_default(),
+        noise_um: table.number("noise_um", error.clone()).unwrap_or_default(),
+        moved: named(table, "moved", |values, name| {
+            let moved = values.table(name)?;
+            let [before, after] = ["before", "after"].map(|key| moved.number(key, ANY));
+            let (u, unit) = (moved.number("u", error.clone()), moved.string("unit"));
+            moved.no_other_keys();
+            Some(Moved { name: name.into(), before: before?, after: after?, u: u?, unit: unit? })
+        })
+        .into_iter()
+        .map(|(_, moved)| moved)
+        .collect(),
     };
     table.no_other_keys();
     Some(row)
@@ -276,10 +341,25 @@ fn written_ladder(row: &LadderRow) -> Written {
     ];
     for (key, number) in numbers {
         if let Some(number) = number {
-            table[key] = value((number * 1e4).round() / 1e4);
+            table[key] = value(rounded(number));
         }
     }
+    if !row.moved.is_empty() {
+        let mut moved = Written::new();
+        for m in &row.moved {
+            let numbers = [("before", m.before), ("after", m.after), ("u", m.u)];
+            let mut inline: InlineTable =
+                numbers.into_iter().map(|(key, number)| (key, Value::from(rounded(number)))).collect();
+            inline.insert("unit", Value::from(m.unit.as_str()));
+            moved[&m.name] = value(inline);
+        }
+        table["moved"] = Item::Table(moved);
+    }
     table
+}
+
+fn rounded(number: f64) -> f64 {
+    (number * 1e4).round() / 1e4
 }
 
 #[cfg(test)]
@@ -301,6 +381,13 @@ mod tests {
                 error_after_um: 1.25,
                 holdout_after_um: Some(1.5),
                 noise_um: 0.9,
+                moved: vec![Moved {
+                    name: "ball-setting.low.x".into(),
+                    before: -3.2,
+                    after: -1.1,
+                    u: 0.26,
+                    unit: "um".into(),
+                }],
                 ..LadderRow::default()
             }),
             ..ModelEffect::default()
@@ -324,6 +411,25 @@ mod tests {
         let model = Model::parse("m.toml", &appended).unwrap();
         assert_eq!(model.effects[0].fixed, [("EX0B".to_string(), 3.0)]);
         assert_eq!(model.effects[1], formula());
+    }
+
+    #[test]
+    fn taking_an_entry_out_again_leaves_the_file_as_it_was() {
+        let text = "# the blue machine\nformat = \"trunnion-model/1\"\nmachine = \"table-bc\"\n\n# always\n[[effect]]\n\
+                    id = \"location-errors\"   # ISO 230-7\n\n[[effect]]\nid = \"backlash:C\"\n# seen twice\n\
+                    [effect.ladder]\ndate = \"2026-01-01\"\nrun = \"monday\"\nerror_before_um = 4.0\n\
+                    error_after_um = 3.0\nnoise_um = 0.5\n";
+        let longer = Model::append(text, &formula()).unwrap();
+        assert_eq!(Model::without(&longer, "formula:hose").unwrap(), text);
+        let shorter = Model::without(&longer, "backlash:C").unwrap();
+        assert!(shorter.contains("# ISO 230-7") && !shorter.contains("monday"), "{shorter}");
+        let row = LadderRow { date: "2026-02-02".into(), ..LadderRow::default() };
+        let measured = Model::with_ladder_row(text, "backlash:C", &row).unwrap();
+        assert_eq!(Model::parse("m.toml", &measured).unwrap().effects[1].ladder, Some(row));
+        assert!(
+            measured.contains("# always\n[[effect]]\nid = \"location-errors\"   # ISO 230-7"),
+            "{measured}"
+        );
     }
 
     #[test]

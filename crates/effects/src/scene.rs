@@ -1,7 +1,9 @@
-//! What an effect may know of an experiment besides the state: machine, setups, channels, ranges.
+//! What an effect may know of an experiment besides the state: machine, setups, channels, ranges, histories.
 
-use nalgebra::Vector3;
-use trunnion_machine::{Machine, State};
+use crate::history::{History, histories};
+use crate::path::{Path, path};
+use nalgebra::{Point3, Vector3};
+use trunnion_machine::{Machine, Side, State};
 use trunnion_units::{AxisLetter, AxisValues};
 
 /// The experiment an effect is placed in. Built from all points of all runs that are fitted together.
@@ -17,8 +19,12 @@ pub struct Scene {
     pub time_range_s: Option<(f64, f64)>,
     /// Smallest and largest commanded position of each axis, mm and rad.
     pub position_range: AxisValues<(f64, f64)>,
+    /// Usual time from one point to the next, s; `None` without time or with one point.
+    pub time_step_s: Option<f64>,
     /// True when any axis moved while it was read.
     pub on_the_fly: bool,
+    /// How the axes move together while they are read.
+    pub path: Path,
     /// Smallest and largest direction of travel of each axis: (−1, 1) when it came from both sides.
     pub direction_range: AxisValues<(f64, f64)>,
     /// Smallest and largest speed of each axis while it was read, mm/s and rad/s, never negative.
@@ -31,6 +37,9 @@ pub struct Scene {
     pub first_temperature_degc: Vec<f64>,
     /// Smallest and largest value of each temperature channel, °C.
     pub temperature_range_degc: Vec<(f64, f64)>,
+    /// Course of the temperature channels: `histories[run][channel]`; empty without time,
+    /// `None` for a channel that a run has not.
+    pub histories: Vec<Vec<Option<History>>>,
 }
 
 /// What an effect may know of a setup.
@@ -40,6 +49,12 @@ pub struct SceneSetup {
     pub name: String,
     /// Names of the components of a reading: x y z, or r.
     pub components: &'static [&'static str],
+    /// Which side carries the nest; the ball is on the other.
+    pub nest: Side,
+    /// Nominal centre of the table-side ball or nest in table axes, mm.
+    pub ball_in_table_mm: Point3<f64>,
+    /// Number of the run it belongs to: each run has its own clock.
+    pub run: usize,
 }
 
 impl Scene {
@@ -58,8 +73,16 @@ impl Scene {
         let timed = states.clone().all(|s| s.time_s.is_some());
         let deflection_mm = states.clone().fold(Vector3::zeros(), |d, s| d.sup(&s.deflection_mm.abs()));
         let channel = |i: usize| states.clone().filter_map(move |s| s.temperature_degc.get(i).copied());
+        let run_of_setup: Vec<usize> = setups.iter().map(|setup| setup.run).collect();
         Self {
             time_range_s: if timed { range(states.clone().filter_map(|s| s.time_s)) } else { None },
+            time_step_s: if timed { usual_step(states.clone().filter_map(|s| s.time_s)) } else { None },
+            path: path(&machine, &setups, states.clone()),
+            histories: if timed {
+                histories(states.clone(), &run_of_setup, channels.len())
+            } else {
+                Vec::new()
+            },
             position_range: axis_range(|s, l| s.position[l]),
             on_the_fly: states.clone().any(|s| s.velocity.0.iter().any(|v| *v != 0.0)),
             direction_range: axis_range(|s, l| s.direction[l]),
@@ -108,11 +131,46 @@ impl Scene {
         self.speed_range[letter].1 > 0.0
     }
 
+    /// True when the acceleration of the axis differs between readings.
+    pub fn accelerates(&self, letter: AxisLetter) -> bool {
+        differs(self.acceleration_range[letter])
+    }
+
+    /// True when the speed of the axis differs between readings.
+    pub fn changes_speed(&self, letter: AxisLetter) -> bool {
+        differs(self.speed_range[letter])
+    }
+
+    /// True when the axis is read both at rest and in motion.
+    pub fn rests_and_moves(&self, letter: AxisLetter) -> bool {
+        let (slowest, fastest) = self.speed_range[letter];
+        slowest <= 0.0 && fastest > 0.0
+    }
+
+    /// Temperature of a channel as a structure feels it that follows with time constant `tau_s`, °C.
+    pub fn lagged_temperature_degc(&self, channel: usize, tau_s: f64, state: &State) -> Option<f64> {
+        let own_degc = state.temperature_degc.get(channel).copied();
+        let Some(time_s) = state.time_s.filter(|_| tau_s > 0.0) else { return own_degc };
+        let run = self.setups.get(state.setup).map_or(0, |setup| setup.run);
+        let history = self.histories.get(run).and_then(|channels| channels.get(channel)?.as_ref());
+        history.map(|history| history.lagged(time_s, tau_s)).or(own_degc)
+    }
+
     /// Channels whose temperature changed, by index.
     pub fn varying_channels(&self) -> Vec<usize> {
         (0..self.channels.len()).filter(|&i| differs(self.temperature_range_degc[i])).collect()
     }
 }
+
+/// Median of the first steps forward in time.
+fn usual_step(times_s: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let steps = times_s.clone().zip(times_s.skip(1)).map(|(before, after)| after - before);
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).take(STEPS_LOOKED_AT).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied()
+}
+
+const STEPS_LOOKED_AT: usize = 4096;
 
 fn differs((low, high): (f64, f64)) -> bool {
     high - low > 1e-9

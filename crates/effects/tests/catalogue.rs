@@ -1,11 +1,11 @@
 //! Walks the registry and the catalogue directory: what every effect must keep.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use trunnion_effects::catalogue::REGISTRY;
-use trunnion_effects::{Instance, Scene, SceneSetup};
-use trunnion_machine::{Machine, Site, State, shipped};
+use trunnion_effects::catalogue::{BASE, REGISTRY};
+use trunnion_effects::{Instance, Need, Scene, SceneSetup};
+use trunnion_machine::{Machine, Side, Site, State, shipped};
 use trunnion_units::{AxisLetter, AxisValues, Twist};
 
 const DIRECTORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/catalogue");
@@ -48,7 +48,13 @@ fn rich_states(machine: &Machine) -> Vec<State> {
 }
 
 fn scene(machine: &Machine, states: &[State]) -> Scene {
-    let setup = SceneSetup { name: "low".into(), components: &["x", "y", "z"] };
+    let setup = SceneSetup {
+        name: "low".into(),
+        components: &["x", "y", "z"],
+        nest: Side::Table,
+        ball_in_table_mm: Point3::new(150.0, 0.0, 60.0),
+        run: 0,
+    };
     let channels = states[0].temperature_degc.iter().map(|_| "frame".to_string()).collect();
     Scene::new(machine.clone(), vec![setup], channels, states.iter())
 }
@@ -85,6 +91,7 @@ fn every_effect_says_what_it_is() {
             about.title,
             about.source,
             about.equation,
+            about.symbols,
             about.validity,
             about.typical,
             about.explanation,
@@ -92,11 +99,108 @@ fn every_effect_says_what_it_is() {
             about.seen_by,
         ];
         assert!(texts.iter().all(|text| text.len() > 2), "{}", effect.phenomenon);
+        assert_eq!(BASE.contains(&effect.phenomenon), about.needs.is_empty(), "{}", effect.phenomenon);
+        assert!(!about.helps.is_empty(), "{}", effect.phenomenon);
         let file = Path::new(DIRECTORY).join(format!("{}.rs", effect.phenomenon.replace('-', "_")));
         let code = std::fs::read_to_string(file).unwrap();
         let header: String = code.lines().take_while(|line| line.starts_with("//!")).collect();
         assert!(header.contains("Limits:") || header.contains("limits"), "{}", effect.phenomenon);
         assert!(header.contains('['), "{} names no source", effect.phenomenon);
+    }
+}
+
+#[test]
+fn the_catalogue_has_every_id_of_the_design() {
+    // DESIGN §3.1, with the axes each belongs to on a machine with tilting B and turning C.
+    let (rotary, linear, all) = (["B", "C"], ["X", "Y", "Z"], ["X", "Y", "Z", "B", "C"]);
+    let of = |phenomena: &[&str], axes: &[&str]| -> Vec<String> {
+        phenomena.iter().flat_map(|p| axes.iter().map(move |axis| format!("{p}:{axis}"))).collect()
+    };
+    let mut expected: BTreeSet<String> = [
+        "location-errors",
+        "ball-setting",
+        "gravity-sag:B",
+        "unbalance:C",
+        "thermal-drift",
+        "thermal-expansion",
+        "spindle-growth",
+        "stacked-tilt:C",
+        "squareness:YX",
+        "squareness:ZX",
+        "squareness:ZY",
+        "sync-delay",
+        "setup-slip",
+        "probe-gain",
+        "probe-nonlinearity",
+        "nest-rotation",
+        "ball-form",
+        "vibration",
+    ]
+    .map(String::from)
+    .into();
+    expected.extend(of(&["backlash", "reversal-spike", "servo-lag", "inertial-deflection"], &all));
+    expected.extend(of(&["direction-shift", "encoder-eccentricity", "drive-pitch", "clamp-shift"], &rotary));
+    expected.extend(of(&["radial-error-motion", "axial-error-motion", "tilt-error-motion"], &rotary));
+    expected.extend(of(&["linear-scale", "straightness", "angular-motion", "ballscrew-pitch"], &linear));
+    let machine = shipped::machine("table-bc").unwrap();
+    let found: BTreeSet<String> = Instance::all(&machine).iter().map(Instance::id).collect();
+    assert_eq!(found, expected);
+    let machine = shipped::machine("table-ac").unwrap();
+    let found: BTreeSet<String> = Instance::all(&machine).iter().map(Instance::id).collect();
+    assert!(found.contains("gravity-sag:A") && !found.contains("gravity-sag:B"), "{found:?}");
+}
+
+/// Takes something from the state with this number.
+type Poorer = &'static dyn Fn(usize, &mut State);
+
+#[test]
+fn an_effect_is_out_of_reach_exactly_when_the_data_lack_one_of_its_needs() {
+    let poorer: [Poorer; 9] = [
+        &|_, _| {},
+        &|_, s| s.time_s = None,
+        &|_, s| s.temperature_degc = vec![20.0],
+        &|_, s| s.direction = AxisValues::from_fn(|_| 1.0),
+        &|_, s| s.deflection_mm = Vector3::zeros(),
+        &|_, s| s.velocity = AxisValues::default(),
+        &|_, s| {
+            s.velocity = AxisValues::from_fn(|_| 0.5);
+            s.acceleration = AxisValues::default();
+        },
+        &|_, s| s.position[AxisLetter::B] = 0.3,
+        &|i, s| {
+            // Each state moves linear axes or rotary axes, never both.
+            s.velocity =
+                AxisValues::from_fn(|l| if l.is_rotary() == (i % 2 == 0) { s.velocity[l] } else { 0.0 });
+        },
+    ];
+    for machine in machines() {
+        for (case, make_poorer) in poorer.iter().enumerate() {
+            let mut states = rich_states(&machine);
+            states.iter_mut().enumerate().for_each(|(i, state)| make_poorer(i, state));
+            let scene = scene(&machine, &states);
+            for instance in Instance::all(&machine) {
+                let why = instance.out_of_reach(&scene);
+                let empty = instance.parameters(&scene).is_empty();
+                assert_eq!(why.is_some(), empty, "{} {} case {case}: {why:?}", machine.name, instance.id());
+            }
+        }
+    }
+    assert!(Need::ALL.iter().all(|need| need.text().len() > 5));
+}
+
+#[test]
+fn every_example_is_an_effect_of_the_machine_and_can_be_drawn() {
+    let pictures = trunnion_effects::catalogue_pictures();
+    assert_eq!(pictures.len(), REGISTRY.len());
+    for (effect, picture) in REGISTRY.iter().zip(&pictures) {
+        assert_eq!(effect.example.id.split(':').next(), Some(effect.phenomenon));
+        let svg = &picture.svg;
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{}", effect.phenomenon);
+        // A flat line of nothing would be no signature: some path leaves its first height.
+        assert!(svg.contains("<path") && svg.len() > 1500, "{}", effect.phenomenon);
+        for (name, value) in effect.example.values {
+            assert!(*value != 0.0, "{}: {name}", effect.phenomenon);
+        }
     }
 }
 
@@ -172,6 +276,7 @@ fn what_a_scene_cannot_show_is_out_of_reach() {
         [
             "angular-motion:X",
             "axial-error-motion:B",
+            "ball-form",
             "ball-setting",
             "ballscrew-pitch:X",
             "drive-pitch:B",
@@ -198,14 +303,17 @@ fn an_effect_needs_its_own_kind_of_evidence() {
             assert_eq!(reach, !needs.contains(&phenomenon), "{id}");
         }
     };
-    check(&["thermal-drift", "spindle-growth", "setup-slip"], &|s| s.time_s = None);
-    check(&["thermal-drift", "spindle-growth", "setup-slip"], &|s| s.time_s = Some(5.0));
+    let timed = ["thermal-drift", "spindle-growth", "setup-slip", "vibration"];
+    check(&timed, &|s| s.time_s = None);
+    check(&timed, &|s| s.time_s = Some(5.0));
     check(&["thermal-expansion"], &|s| s.temperature_degc = vec![20.0]);
     check(&["backlash", "direction-shift", "reversal-spike"], &|s| {
         s.direction = AxisValues::from_fn(|_| 1.0)
     });
     check(&["probe-gain", "probe-nonlinearity", "nest-rotation"], &|s| s.deflection_mm = Vector3::zeros());
-    check(&["reversal-spike", "servo-lag", "sync-delay", "inertial-deflection", "clamp-shift"], &|s| {
+    let in_motion =
+        ["reversal-spike", "servo-lag", "sync-delay", "inertial-deflection", "clamp-shift", "vibration"];
+    check(&in_motion, &|s| {
         s.velocity = AxisValues::default();
         s.acceleration = AxisValues::default();
     });
@@ -245,11 +353,19 @@ fn effects_that_start_at_zero_are_zero_at_the_start() {
 }
 
 #[test]
-fn the_catalogue_document_is_current() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/catalogue.md");
-    let found = std::fs::read_to_string(path).unwrap_or_default();
+fn the_catalogue_document_and_its_pictures_are_current() {
+    const DOCS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs");
+    let found = |file: String| std::fs::read_to_string(Path::new(DOCS).join(file)).unwrap_or_default();
+    let again = "is not current: cargo run -p trunnion-effects --example catalogue";
     assert!(
-        found == trunnion_effects::catalogue_markdown(),
-        "docs/catalogue.md is not current: cargo run -p trunnion-effects --example catalogue > docs/catalogue.md"
+        found("catalogue.md".into()) == trunnion_effects::catalogue_markdown(),
+        "docs/catalogue.md {again}"
     );
+    let pictures = trunnion_effects::catalogue_pictures();
+    for picture in &pictures {
+        let file = format!("catalogue/{}", picture.file);
+        assert!(found(file.clone()) == picture.svg, "docs/{file} {again}");
+    }
+    let files = std::fs::read_dir(Path::new(DOCS).join("catalogue")).unwrap().count();
+    assert_eq!(files, pictures.len(), "docs/catalogue holds pictures of no effect");
 }

@@ -13,7 +13,8 @@ use trunnion_units::{AxisLetter, Twist};
 
 const LOCATION_MM: f64 = 10e-3;
 const LOCATION_RAD: f64 = 50e-6;
-const SETTING_MM: f64 = 15e-3;
+/// Where a ball ends up when it is set by hand, mm.
+pub(super) const SETTING_MM: f64 = 15e-3;
 
 /// One component of an axis' location error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,6 +4,7 @@
 
 mod chain;
 mod hidden;
+mod mounting;
 mod noise;
 mod outside_points;
 mod truth_file;

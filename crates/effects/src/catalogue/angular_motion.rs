@@ -5,7 +5,7 @@
 
 use super::straightness::{legendre_2, scaled};
 use crate::subjects::{axis_of, every_linear};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Site, State};
 use trunnion_units::{AxisLetter, Twist};
@@ -16,16 +16,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Pitch, yaw and roll of a linear axis",
         source: "S2 eq. 1–2; S4 table 2 (pitch, yaw, roll changes)",
         equation: "EAX = a₁ s + a₂ P₂(s), likewise EBX, ECX; s = −1…1 over the measured range",
+        symbols: "EAX, EBX, ECX turns of the carriage, µrad; a₁, a₂ amplitudes, µrad; P₂ Legendre polynomial; s coordinate scaled to −1…1",
         validity: "Smooth guideway; orders 1 and 2 over the measured range.",
         typical: "10–30 µrad",
         explanation: "The carriage nods, swings or rolls while it travels.",
         cause: "Guideways not parallel or bent; weight of the carriage overhanging the bed.",
         seen_by: "Poses all along the axis with other axes at different places, so that the arm changes; two tool lengths.",
+        needs: &[Need::Travel],
+        helps: &[Need::TwoHeights],
     },
     subjects: every_linear,
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "angular-motion:X",
+        shape: &[],
+        values: &[("EBX.P1", 20.0), ("ECX.P2", 20.0)],
+        view: View::Poses,
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

@@ -4,7 +4,7 @@
 //! Limits: repeats every turn.
 
 use crate::subjects::{axis_of, every_rotary};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
 use trunnion_units::Twist;
 
@@ -14,16 +14,20 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Axial error motion",
         source: "ISO 230-7; S4 §4.2.2 (measurement C-Z) and table 2",
         equation: "δ = (a cos nq + b sin nq) along the axis, n = 1…4",
+        symbols: "δ displacement along the axis, µm; q angle of the axis; a, b amplitudes, µm; n lobes a turn (shape number lobes)",
         validity: "Repeats every turn.",
         typical: "1 µm",
         explanation: "The table rises and falls while it turns.",
         cause: "Axial run-out of the bearing: wavy rings, rollers of unequal size.",
         seen_by: "Turning the axis with the ball on its line (one radius tells it from a tilt only for n > 1).",
+        needs: &[Need::Travel],
+        helps: &[Need::TwoRadii],
     },
     subjects: every_rotary,
     parameters,
     shapes: |_, _| Shapes::one("lobes", (1..=4).map(f64::from), false),
     motions,
+    example: Example { id: "axial-error-motion:C", shape: &[2.0], values: &[("cos", 1.0)], view: View::Turn },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

@@ -1,10 +1,11 @@
 //! Backlash: lost motion of the drive when the direction turns.
 //!
 //! e = ½ h · direction on the positioning error of the axis, direction −1, 0, +1       [METHODS §5, §9; ISO 230-2 reversal value, ISO 230-4]
-//! A negative h is an over-compensated control. Limits: direction known; both directions measured; no dependence on load.
+//! h = mean deviation coming up minus coming down: negative for lost motion (the axis stops short), positive for an
+//! over-compensated control. Limits: direction known; both directions measured; no dependence on load.
 
 use crate::subjects::{axis_of, every_axis};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -13,16 +14,20 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Backlash of the drive",
         source: "METHODS §5, §9; ISO 230-2; S4 table 2 (positioning mechanism)",
         equation: "e = ½ h · direction on the positioning error",
+        symbols: "e positioning error, µm or µrad; h reversal value, µm or µrad: negative when the axis stops short, positive when the control over-compensates; direction −1, 0, +1",
         validity: "The direction of approach is known and both occur; the same at every place.",
         typical: "2 µm; 0.002–0.006°",
         explanation: "The axis stops short of its target by the same amount from either side.",
         cause: "Errors in the positioning mechanism: play in worm, gear, screw nut or coupling; wrong backlash compensation.",
         seen_by: "Approaching every pose from both directions of this axis.",
+        needs: &[Need::Travel, Need::BothDirections],
+        helps: &[Need::TwoFeeds],
     },
     subjects: every_axis,
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example { id: "backlash:X", shape: &[], values: &[("h", -3.0)], view: View::Circle(&[3000.0]) },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

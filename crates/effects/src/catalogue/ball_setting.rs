@@ -4,7 +4,7 @@
 //! side is taken as centred by spindle indexing (S1 §3.2). A ball bar has a free length as well.
 //! Limits: constant within a setup.
 
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Site, State};
 use trunnion_units::Twist;
@@ -15,16 +15,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Setting of ball and nest",
         source: "S0 §3; S1 eq. 14",
         equation: "s = (x, y, z) of the table-side ball or nest in table axes, one for each setup; length of a ball bar",
+        symbols: "s actual minus nominal place, µm; x, y, z in table axes; length of a ball bar, µm",
         validity: "Constant within a setup; spindle-side ball centred by spindle indexing (S1 §3.2).",
         typical: "10–200 µm",
         explanation: "The ball does not sit exactly where the setup file says.",
         cause: "Clamping the ball or the nest by hand.",
         seen_by: "Always.",
+        needs: &[],
+        helps: &[Need::Travel],
     },
     subjects: |_| vec![Subject::Whole],
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "ball-setting",
+        shape: &[],
+        values: &[("ball-setting.low.x", 50.0), ("ball-setting.low.z", 30.0)],
+        view: View::Poses,
+    },
 };
 
 fn is_bar(components: &[&str]) -> bool {

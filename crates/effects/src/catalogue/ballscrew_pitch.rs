@@ -4,7 +4,7 @@
 //! p: lead and half the lead of the machine file; without it a list of usual leads. Limits: aliases on coarse grids of poses.
 
 use crate::subjects::{axis_of, every_linear};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use std::f64::consts::TAU;
 use trunnion_machine::{Site, State};
 
@@ -14,16 +14,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Cyclic error of the ball screw",
         source: "METHODS §5, §9; ISO 230-4",
         equation: "e = a cos(2πx/p) + b sin(2πx/p); p = lead, lead/2",
+        symbols: "e positioning error, µm; a, b amplitudes, µm; x coordinate, mm; p period, mm (shape number period_mm)",
         validity: "Same at every turn of the screw; aliases on a coarse grid of poses.",
         typical: "0.5–3 µm",
         explanation: "The axis runs ahead and behind once each turn of its screw.",
         cause: "Screw or its bearing running out, eccentric motor encoder, coupling out of line.",
         seen_by: "A slow continuous move, or poses much closer than the lead.",
+        needs: &[Need::Travel],
+        helps: &[Need::FinerStep],
     },
     subjects: every_linear,
     parameters,
     shapes,
     motions,
+    example: Example {
+        id: "ballscrew-pitch:X",
+        shape: &[12.0],
+        values: &[("cos", 2.0)],
+        view: View::Circle(&[3000.0]),
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

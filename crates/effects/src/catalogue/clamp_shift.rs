@@ -1,11 +1,13 @@
 //! Shift of a rotary axis when its clamp or brake closes.
 //!
-//! At rest: δ = (EXR, EYR, EZR) and an angle about the axis; moving: nothing            [METHODS §9]
-//! The state has no clamp signal: an axis that stands still is taken as clamped. Limits: seen only where the same
-//! experiment reads the axis both at rest and in motion.
+//! At rest: δ = (EXR, EYR, EZR) and an angle about the axis; moving: nothing            [METHODS §9; S4 §4.3 axial shift of B]
+//! The state has no clamp signal. A clamp that closes at every stop shifts every static reading alike, which is a
+//! location error; so the shift exists only against readings in motion, and an axis at rest (no velocity, no
+//! acceleration) counts as clamped. Limits: out of reach where the same experiment does not read the axis both
+//! at rest and in motion; a clamp that shifts differently each time is scatter, not this effect.
 
 use crate::subjects::{axis_of, every_rotary};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Site, State};
 use trunnion_units::{AxisLetter, Twist};
@@ -16,24 +18,32 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Shift when the clamp closes",
         source: "METHODS §9",
         equation: "at rest: δ = (EXR, EYR, EZR) and a turn about the axis; in motion: 0",
-        validity: "The clamp closes whenever the axis stands still.",
+        symbols: "δ shift of the axis in the axes of what carries it, µm; turn about the axis, µrad; at rest = no velocity and no acceleration",
+        validity: "There is no clamp signal: the clamp is taken as closed whenever the axis stands still. Static data alone cannot show it: a shift at every stop is a location error.",
         typical: "1–5 µm",
         explanation: "The axis is pushed aside when its clamp or brake closes.",
         cause: "Clamp or brake that does not pull evenly, drive that lets go before the clamp holds.",
         seen_by: "The same poses at rest and in slow motion, or with the clamp switched off.",
+        needs: &[Need::RestAndMotion],
+        helps: &[Need::BothDirections, Need::TwoFeeds],
     },
     subjects: every_rotary,
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "clamp-shift:C",
+        shape: &[],
+        values: &[("EXC", 3.0), ("EZC", 1.5)],
+        view: View::StopAndGo,
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
-    let Some(axis) = axis_of(&scene.machine, subject) else { return Vec::new() };
-    let (slowest, fastest) = scene.speed_range[axis.letter];
-    if slowest > 0.0 || fastest <= 0.0 {
+    let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.rests_and_moves(axis.letter))
+    else {
         return Vec::new();
-    }
+    };
     let mut parameters: Vec<_> =
         AxisLetter::LINEAR.map(|letter| Parameter::new(format!("E{letter}{}", axis.letter), Unit::UM)).into();
     parameters.push(Parameter::new("turn", Unit::URAD));
@@ -43,7 +53,8 @@ fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
 fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
     let Some(axis) = axis_of(&scene.machine, subject) else { return };
     let site = Site::Joint(axis.letter);
-    let clamped = f64::from(u8::from(state.velocity[axis.letter] == 0.0));
+    let at_rest = state.velocity[axis.letter] == 0.0 && state.acceleration[axis.letter] == 0.0;
+    let clamped = f64::from(u8::from(at_rest));
     for k in 0..3 {
         emit(k, site, Twist::translation(Vector3::ith(k, clamped)));
     }

@@ -4,7 +4,7 @@
 //! Limits: direction known; both directions measured.
 
 use crate::subjects::{axis_of, every_rotary};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Site, State};
 use trunnion_units::{AxisLetter, Twist};
@@ -15,16 +15,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Shift of the axis with the direction of rotation",
         source: "S4 §4.3 (2 µm axial shift of B on reversal); METHODS §9",
         equation: "δ = ½ s · direction, s = (EXR, EYR, EZR)",
+        symbols: "δ displacement of the axis line, µm; s shift between the two directions in the axes of what carries it, µm; direction −1, 0, +1",
         validity: "The direction of rotation is known and both occur.",
         typical: "2 µm",
         explanation: "The whole axis moves a little sideways or lengthways when it turns the other way.",
         cause: "Bearing without enough preload, pushed by the worm or by friction.",
         seen_by: "Both directions of this axis at every pose.",
+        needs: &[Need::Travel, Need::BothDirections],
+        helps: &[Need::TwoHeights],
     },
     subjects: every_rotary,
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "direction-shift:C",
+        shape: &[],
+        values: &[("EXC", 2.0), ("EZC", 1.0)],
+        view: View::Turn,
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

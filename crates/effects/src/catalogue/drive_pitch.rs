@@ -5,7 +5,7 @@
 //! Limits: on a grid of poses with step Δ, N is the same as 2π/Δ ± N: teeth need on-the-fly data.
 
 use crate::subjects::{axis_of, every_rotary};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -14,16 +14,20 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Pitch error of worm or gear",
         source: "S4 table 2; METHODS §9",
         equation: "e = a cos Nq + b sin Nq on the positioning error; N = 3…12, teeth, teeth ± 1, 2 × teeth",
+        symbols: "e positioning error, µrad; q angle of the axis; a, b amplitudes, µrad; N cycles a turn (shape number cycles_per_turn)",
         validity: "N known or small; aliases on a coarse grid of poses.",
         typical: "1–10 arcsec",
         explanation: "The axis runs ahead and behind in step with the teeth of its drive.",
         cause: "Pitch error in the transmission (worm gear), or an inaccurate pitch error compensation table.",
         seen_by: "A continuous slow turn, or poses much closer than a tooth.",
+        needs: &[Need::Travel],
+        helps: &[Need::FinerStep],
     },
     subjects: every_rotary,
     parameters,
     shapes,
     motions,
+    example: Example { id: "drive-pitch:C", shape: &[12.0], values: &[("cos", 15.0)], view: View::Turn },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

@@ -5,7 +5,7 @@
 //! an oval or tilted disc, or two heads, give the second order. Limits: graduation fixed to the axis.
 
 use crate::subjects::{axis_of, every_rotary};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -14,16 +14,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Eccentric or oval angular encoder",
         source: "S4 table 2 (rotary encoder); METHODS §9",
         equation: "e = a₁ cos q + b₁ sin q + a₂ cos 2q + b₂ sin 2q; an eccentricity e on diameter D gives 2e/D",
+        symbols: "e positioning error, µrad; q angle of the axis; a, b amplitudes, µrad; e eccentricity and D diameter of the graduation",
         validity: "Graduation fixed to the axis; first and second order.",
         typical: "412.5·e[µm]/D[mm] arcsec: 20 µrad for 1 µm on 100 mm",
         explanation: "The axis turns a little too far and then too little, once or twice a turn.",
         cause: "Errors in the rotary encoder: disc mounted off centre or tilted, or one of two heads out of use.",
         seen_by: "The axis turned over its whole range with the ball far from its line; another load tells it from gravity wind-up.",
+        needs: &[Need::Travel],
+        helps: &[Need::TwoRadii, Need::AnotherLoad],
     },
     subjects: every_rotary,
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "encoder-eccentricity:C",
+        shape: &[],
+        values: &[("cos1", 20.0), ("sin2", 10.0)],
+        view: View::Poses,
+    },
 };
 
 /// Amplitude of the angle error of one reading head, rad, for a graduation off centre on a disc.

@@ -7,7 +7,7 @@
 //! Limits: the load on the table does not change; a frame symmetric about the plane across its axis.
 
 use crate::subjects::{across, axis_of, carrier_from_carried, gravity_in_carrier, tilts_the_table};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::{Matrix3, Vector3};
 use trunnion_machine::{Machine, Site, State};
 use trunnion_units::Twist;
@@ -18,11 +18,14 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Sag of the tilting frame under its own weight",
         source: "S1 §5.3; S4 table 2; METHODS §9",
         equation: "u = R K⁻¹ Rᵀ g − K⁻¹ g (terms 1 − cos 2B and sin 2B across the axis) and wind-up ω ∝ sin(B + φ) − sin φ about it",
+        symbols: "u displacement of the frame, µm; K⁻¹ its compliance across the axis with anisotropy p and skewness q times the weight, µm; R turn by B; g unit vector of gravity; ω turn about the axis, µrad; φ place of the centre of mass",
         validity: "The load on the table stays the same; gravity along −Z; zero at the zero position.",
         typical: "5–10 µm",
         explanation: "The tilting frame and its drive give way under the weight, differently at every tilt.",
         cause: "Deformation of the rotating unit and angular error of its positioning under gravity: an uneven stiffness of frame and bearings, missing counterbalance.",
         seen_by: "Static poses over the whole tilt at two heights; another load on the table tells it from radial error motion and encoder error.",
+        needs: &[Need::Travel],
+        helps: &[Need::TwoHeights, Need::AnotherLoad],
     },
     subjects: |machine: &Machine| {
         machine
@@ -35,6 +38,12 @@ pub(crate) static EFFECT: Effect = Effect {
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "gravity-sag:B",
+        shape: &[],
+        values: &[("anisotropy", 4.0), ("windup.sin", 20.0)],
+        view: View::Poses,
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

@@ -5,7 +5,7 @@
 //! Limits: on the fly; below the first resonance.
 
 use crate::subjects::{across, axis_of, carrier_from_carried, every_axis, linear_name, rotary_name};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
 use trunnion_units::Twist;
 
@@ -15,24 +15,33 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Deflection under acceleration",
         source: "METHODS §9; ISO 230-1 annex on cross-talk",
         equation: "e = −c a; linear: ω = k a across the axis; rotary: δ = R f v² outward",
+        symbols: "e positioning error; c compliance × mass, µm per m/s²; k tilt, µrad per m/s²; f outward pull of an off-centre mass, µm per (rad/s)²; v velocity, a acceleration",
         validity: "Read on the fly; slow against the first resonance.",
         typical: "1–10 µm per m/s²; grows with the square of the feed on a circle",
         explanation: "The machine bends while it accelerates or while an off-centre mass turns fast.",
         cause: "Mass above or beside the drive, soft drive train, unbalanced table.",
         seen_by: "Two feeds: the error grows fourfold when the feed doubles.",
+        needs: &[Need::OnTheFly, Need::ChangingSpeed],
+        helps: &[Need::TwoFeeds, Need::BothDirections],
     },
     subjects: every_axis,
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "inertial-deflection:X",
+        shape: &[],
+        values: &[("along", 40.0)],
+        view: View::Circle(&[3000.0, 6000.0]),
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
-    let Some(axis) = axis_of(&scene.machine, subject) else { return Vec::new() };
-    let changes = |(low, high): (f64, f64)| high - low > 1e-9;
-    let accelerates = changes(scene.acceleration_range[axis.letter]);
-    let two_feeds = axis.is_rotary() && changes(scene.speed_range[axis.letter]);
-    if !accelerates && !two_feeds {
+    let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.read_in_motion(axis.letter)) else {
+        return Vec::new();
+    };
+    let two_feeds = axis.is_rotary() && scene.changes_speed(axis.letter);
+    if !scene.accelerates(axis.letter) && !two_feeds {
         return Vec::new();
     }
     let across = across(&axis.direction);

@@ -4,7 +4,7 @@
 //! Limits: proportional to the coordinate; with one ball radius a common scale of all axes hides.
 
 use crate::subjects::{axis_of, every_linear};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -13,11 +13,14 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Scale error of a linear axis",
         source: "S2 eq. 1; ISO 230-2; ISO 230-4",
         equation: "e = s · x on the positioning error",
+        symbols: "e positioning error; s ratio, µm/m; x coordinate",
         validity: "Proportional to the coordinate.",
         typical: "10 µm/m",
         explanation: "The axis travels a little too far or too short over its whole length.",
         cause: "Thermal growth of screw or scale, wrong scale factor, screw used as scale without compensation.",
         seen_by: "Two ball radii or a bar of known length; temperature of screw or scale.",
+        needs: &[Need::Travel],
+        helps: &[Need::TwoRadii, Need::Temperature],
     },
     subjects: every_linear,
     parameters: |scene, subject| match axis_of(&scene.machine, subject) {
@@ -26,6 +29,12 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "linear-scale:X",
+        shape: &[],
+        values: &[("scale", 30.0)],
+        view: View::Circle(&[3000.0]),
+    },
 };
 
 fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {

@@ -6,7 +6,7 @@
 //! [`conventional_zeros`] names those that ISO's minimum set leaves out.
 //! Limits: constant over the run; small angles.
 
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Machine, Site, State};
 use trunnion_units::{AxisLetter, Twist};
@@ -17,16 +17,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Location errors of the axis average lines",
         source: "ISO 230-1 §3; S1 eq. 6–7; S2 tables 2–5",
         equation: "δ = (EX0R, EY0R, EZ0R), ω = (EA0R, EB0R, EC0R) at the joint of each rotary axis R",
+        symbols: "δ place of the axis line, µm; ω its direction, µrad; both in the axes of what carries R",
         validity: "Constant over the run; small angles.",
         typical: "10 µm, 50 µrad",
         explanation: "The axis average line is not where, or not in the direction, that the control believes.",
         cause: "Assembly and alignment of the axes, or wrong pivot data in the control.",
         seen_by: "Any cycle that turns the axis; tilts need two heights.",
+        needs: &[],
+        helps: &[Need::Travel, Need::TwoHeights],
     },
     subjects: |_| vec![Subject::Whole],
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "location-errors",
+        shape: &[],
+        values: &[("EX0C", 20.0), ("EA0C", 100.0)],
+        view: View::Poses,
+    },
 };
 
 fn carriers(machine: &Machine) -> Vec<AxisLetter> {

@@ -3,7 +3,7 @@
 //! m = −ω × d, d the deflection in nest axes, ω the turn of the nest        [METHODS §3, §9: direction vectors of the probes; S1 §3.2]
 //! Limits: three-component instruments; visible only as far as the probes are deflected.
 
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Site, State};
 use trunnion_units::Twist;
@@ -14,16 +14,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Nest turned against the axes",
         source: "METHODS §9; S1 §3.2 (direction vectors)",
         equation: "m = −ω × d",
+        symbols: "m error of the reading; ω turn of the nest about its x, y, z, µrad; d deflection",
         validity: "Small turn; same in all setups.",
         typical: "1–5 mrad by hand",
         explanation: "The nest stands a little askew, so that a move in X also shows in Y.",
         cause: "Nest mounted by hand without alignment; not an error of the machine.",
         seen_by: "Moving the ball by known steps along X, Y, Z (nest calibration).",
+        needs: &[Need::Deflection, Need::ThreeComponents],
+        helps: &[Need::KnownSteps],
     },
     subjects: |_| vec![Subject::Whole],
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "nest-rotation",
+        shape: &[],
+        values: &[("c", 2000.0), ("b", 1000.0)],
+        view: View::Deflection,
+    },
 };
 
 fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {

@@ -4,7 +4,7 @@
 //! Limits: nest axes, not the single probe; visible only as far as the probes are deflected, and a gain common to
 //! all that never deflects hides.
 
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Site, State};
 use trunnion_units::Twist;
@@ -15,11 +15,14 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Gain of the probes",
         source: "METHODS §9; S1 §3.2 (nest calibration)",
         equation: "m = g · d for each component",
+        symbols: "m error of the reading; g gain error, µm/mm; d deflection",
         validity: "Small deflections; components in nest axes.",
         typical: "1–5 µm/mm",
         explanation: "The probes show a little too much or too little of every displacement.",
         cause: "Calibration of the probes out of date, or the wrong sensitivity in their file; not an error of the machine.",
         seen_by: "Moving the ball by known steps (nest calibration).",
+        needs: &[Need::Deflection],
+        helps: &[Need::KnownSteps],
     },
     subjects: |_| vec![Subject::Whole],
     parameters: |scene, _| {
@@ -27,6 +30,7 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example { id: "probe-gain", shape: &[], values: &[("x", 3.0)], view: View::Deflection },
 };
 
 /// Names of the components of a reading; a ball bar has the first only.

@@ -4,7 +4,7 @@
 //! Limits: nest axes, not the single probe; second order only.
 
 use super::probe_gain::{COMPONENTS, deflected};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Site, State};
 use trunnion_units::Twist;
@@ -15,11 +15,14 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Non-linearity of the probes",
         source: "METHODS §9",
         equation: "m = q · d² for each component",
+        symbols: "m error of the reading; q curvature, µm/mm²; d deflection, mm",
         validity: "Second order; components in nest axes.",
         typical: "0.1–1 µm over the range",
         explanation: "The probes show large displacements differently from small ones.",
         cause: "Probes used at the end of their range, or near a metal part (eddy current); not an error of the machine.",
         seen_by: "Known steps of different size (nest calibration).",
+        needs: &[Need::Deflection],
+        helps: &[Need::KnownSteps],
     },
     subjects: |_| vec![Subject::Whole],
     parameters: |scene, _| {
@@ -27,6 +30,7 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example { id: "probe-nonlinearity", shape: &[], values: &[("x", 4.0)], view: View::Deflection },
 };
 
 fn motions(scene: &Scene, _: Subject, _: &[f64], state: &State, emit: Emit<'_>) {

@@ -6,7 +6,7 @@
 //! Limits: repeats every turn.
 
 use crate::subjects::{across, axis_of, every_rotary, linear_name};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::UnitQuaternion;
 use trunnion_machine::{Site, State};
 use trunnion_units::Twist;
@@ -17,16 +17,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Radial error motion",
         source: "ISO 230-7; S0 §3; S4 §4.2.2 and table 2",
         equation: "δ = R(+nq) f + R(−nq) b across the axis, n = 1…4; n = 1 forward is the ball setting",
+        symbols: "δ displacement of the axis line, µm; q angle of the axis; f, b phasors that turn forward and backward, µm; n lobes a turn (shape number lobes)",
         validity: "Repeats every turn.",
         typical: "1 µm",
         explanation: "The axis line runs out sideways while it turns.",
         cause: "Bearing run-out: out-of-round rings or rollers of unequal size.",
         seen_by: "Turning the axis with the ball near its line, at two heights; a second ball radius tells n = 1 from a scale error.",
+        needs: &[Need::Travel],
+        helps: &[Need::TwoHeights, Need::TwoRadii],
     },
     subjects: every_rotary,
     parameters,
     shapes: |_, _| Shapes::one("lobes", (1..=4).map(f64::from), false),
     motions,
+    example: Example {
+        id: "radial-error-motion:C",
+        shape: &[2.0],
+        values: &[("EXC.forward", 1.0), ("EXC.backward", 1.0)],
+        view: View::Turn,
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

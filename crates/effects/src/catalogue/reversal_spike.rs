@@ -4,7 +4,7 @@
 //! Limits: read on the fly; feed and friction constant.
 
 use crate::subjects::{axis_of, every_axis};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -13,16 +13,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Spike after a reversal",
         source: "METHODS §5, §9; ISO 230-4",
         equation: "e = −h · direction · e^(−s/s₀), s travel since the reversal",
+        symbols: "e positioning error, µm or µrad; h height of the spike, µm or µrad; s travel since the reversal; s₀ travel after which it has fallen to 37 %, mm or rad (shape number decay)",
         validity: "Read on the fly; constant feed and friction.",
         typical: "5–20 µm",
         explanation: "The axis sticks for a moment when it turns round, then catches up.",
         cause: "Friction at standstill (stick-slip) that the servo compensates too late: seals, guideways, missing friction compensation.",
         seen_by: "On-the-fly circles through the reversal, at two feeds.",
+        needs: &[Need::OnTheFly, Need::BothDirections],
+        helps: &[Need::TwoFeeds],
     },
     subjects: every_axis,
     parameters,
     shapes,
     motions,
+    example: Example {
+        id: "reversal-spike:X",
+        shape: &[3.0],
+        values: &[("h", 8.0)],
+        view: View::Circle(&[3000.0]),
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

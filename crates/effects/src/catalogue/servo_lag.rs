@@ -1,10 +1,10 @@
 //! Servo lag of one axis against the others.
 //!
 //! e = −T v on the positioning error, v velocity, T = 1/Kv beyond the others' lag        [METHODS §5 (45° oval that flips with direction), §9]
-//! Limits: on the fly; velocity changes slowly against T. A lag common to all axes keeps the path and shows as `sync-delay`.
+//! Limits: on the fly; velocity changes slowly against T. A lag common to all axes keeps the path; one of all rotary axes is `sync-delay`.
 
 use crate::subjects::{axis_of, every_axis};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -13,11 +13,14 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Lag of one axis behind the others",
         source: "METHODS §5, §9; ISO 230-4; S4 §2 (synchronisation of linear and rotary axes)",
         equation: "e = −T v on the positioning error",
+        symbols: "e positioning error; T lag beyond that of the other axes, ms; v velocity",
         validity: "Read on the fly; smooth motion.",
         typical: "0.1–1 ms: 21 µm per ms at 360°/min on R 200 mm",
         explanation: "One axis follows its command a little later than the others.",
         cause: "Servo gain (Kv) or feed-forward not matched to the other axes.",
         seen_by: "Both directions and two feeds: the error flips with direction and doubles with the feed.",
+        needs: &[Need::OnTheFly],
+        helps: &[Need::BothDirections, Need::TwoFeeds],
     },
     subjects: every_axis,
     parameters: |scene, subject| match axis_of(&scene.machine, subject) {
@@ -26,6 +29,12 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "servo-lag:X",
+        shape: &[],
+        values: &[("lag", 0.2)],
+        view: View::Circle(&[3000.0]),
+    },
 };
 
 fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {

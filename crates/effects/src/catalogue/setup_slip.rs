@@ -3,7 +3,7 @@
 //! s(t) = (x, y, z) in table axes from t₁ on, 0 before            [METHODS §9: setting slip]
 //! Limits: one slip; needs time stamps.
 
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Site, State};
 use trunnion_units::Twist;
@@ -14,11 +14,14 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Slip of ball or nest",
         source: "METHODS §9",
         equation: "s = (x, y, z) in table axes from t₁ on, 0 before",
+        symbols: "s displacement of the table-side ball or nest in table axes, µm; t₁ moment of the slip, s (shape number slip_after_s)",
         validity: "One slip; needs time stamps.",
         typical: "any",
         explanation: "The ball or the nest was moved during the measurement and stayed there.",
         cause: "Loose magnet or clamp, a knock, a collision, a cable that pulled; not an error of the machine.",
         seen_by: "Returning to the first pose before and after; mount it again and repeat.",
+        needs: &[Need::TimeStamps],
+        helps: &[Need::Return],
     },
     subjects: |_| vec![Subject::Whole],
     parameters: |scene, _| {
@@ -30,6 +33,12 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     shapes,
     motions,
+    example: Example {
+        id: "setup-slip",
+        shape: &[3000.0],
+        values: &[("x", 8.0), ("z", -3.0)],
+        view: View::Time(7200.0),
+    },
 };
 
 /// Moments tried, evenly over the experiment.

@@ -4,7 +4,7 @@
 //! Limits: one change of speed or load at the first point; needs time stamps.
 
 use super::thermal_drift::{TAU_OF_DURATION, warmed_up};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Site, State};
 use trunnion_units::Twist;
@@ -15,11 +15,14 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Growth of the spindle",
         source: "METHODS §9; ISO 230-3 §6",
         equation: "z(t) = −a (1 − e^(−t/τ)) along the spindle",
+        symbols: "a final growth, µm; t time since the first point, s; τ time constant, s (shape number tau_s)",
         validity: "One change of spindle heat at the beginning; needs time stamps.",
         typical: "5–30 µm, τ 10–30 min",
         explanation: "The spindle gets longer while it warms up.",
         cause: "Heat of the spindle bearings and motor.",
         seen_by: "Returning to the first pose; only along the tool, unlike thermal drift of the frame.",
+        needs: &[Need::TimeStamps],
+        helps: &[Need::Return],
     },
     subjects: |_| vec![Subject::Whole],
     parameters: |scene, _| {
@@ -30,6 +33,12 @@ pub(crate) static EFFECT: Effect = Effect {
         Shapes::one("tau_s", TAU_OF_DURATION.map(|share| share * duration_s), true)
     },
     motions,
+    example: Example {
+        id: "spindle-growth",
+        shape: &[900.0],
+        values: &[("growth", 20.0)],
+        view: View::Time(7200.0),
+    },
 };
 
 fn motions(scene: &Scene, _: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {

@@ -3,7 +3,7 @@
 //! EC0Y (Y to X), EB0Z (Z to X), EA0Z (Z to Y): δ = angle × travel of the later axis        [S2 tables 2–5; S4 table 1]
 //! A machine without rotary axes carries them in `location-errors` already. Limits: constant over the run.
 
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Machine, Site, State};
 use trunnion_units::AxisLetter::{X, Y, Z};
@@ -15,16 +15,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Squareness of two linear axes",
         source: "S2 tables 2–5; S4 table 1",
         equation: "δ = E × travel: EC0Y (YX), EB0Z (ZX), EA0Z (ZY)",
+        symbols: "δ displacement; E angle, µrad; travel of the later axis",
         validity: "Constant over the run.",
         typical: "10–50 µm/m",
         explanation: "Two linear axes do not meet at a right angle.",
         cause: "Alignment of the guideways, or a machine standing unevenly on its feet.",
         seen_by: "A circle in the plane of the two axes (45° oval alike in both directions); rotary cycles at two heights.",
+        needs: &[Need::Travel],
+        helps: &[Need::TwoHeights],
     },
     subjects,
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "squareness:YX",
+        shape: &[],
+        values: &[("EC0Y", 40.0)],
+        view: View::Circle(&[3000.0]),
+    },
 };
 
 fn subjects(machine: &Machine) -> Vec<Subject> {

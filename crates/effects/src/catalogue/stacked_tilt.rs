@@ -4,7 +4,7 @@
 //! The part that does not change with C is B's own tilt error motion. Limits: repeats every turn of C.
 
 use crate::subjects::{across, axis_of, rotary_below, rotary_name};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::UnitQuaternion;
 use trunnion_machine::{Machine, Site, State};
 use trunnion_units::Twist;
@@ -15,11 +15,14 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Tilt error motion that depends on the axis below",
         source: "S4 table 2 (αC(C, B), βC(C, B)); S1 §5.3",
         equation: "ω = load(B)·[R(+nC) f + R(−nC) b], load 0: sin B, 1: 1 − cos B; n = 1, 2",
+        symbols: "ω tilt of the upper axis C, µrad; B tilt of the lower one; f, b phasors, µrad; n lobes a turn (shape number lobes); load how gravity comes in (shape number load)",
         validity: "Repeats every turn of the upper axis.",
         typical: "2–50 µrad",
         explanation: "The upper axis wobbles more, or otherwise, when the lower axis is tilted.",
         cause: "Bearing of the upper axis that gives way to the changing direction of the weight; out-of-round rings under load.",
         seen_by: "Whole turns of the upper axis at several tilts, two heights.",
+        needs: &[Need::Travel, Need::SeveralTilts],
+        helps: &[Need::TwoHeights],
     },
     subjects: |machine: &Machine| {
         machine
@@ -36,6 +39,12 @@ pub(crate) static EFFECT: Effect = Effect {
         continuous: false,
     },
     motions,
+    example: Example {
+        id: "stacked-tilt:C",
+        shape: &[1.0, 0.0],
+        values: &[("EBC.forward", 20.0)],
+        view: View::Poses,
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

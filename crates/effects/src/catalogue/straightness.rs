@@ -4,7 +4,7 @@
 //! The straight part is squareness. Limits: smooth guideway; the amplitude belongs to the measured range.
 
 use crate::subjects::{across, axis_of, every_linear, linear_name};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
 use trunnion_units::{AxisLetter, Twist};
 
@@ -14,16 +14,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Straightness of a linear axis",
         source: "S2 eq. 1; S4 table 2 (straightness); ISO 230-1",
         equation: "e = a₂ P₂(s) + a₃ P₃(s) across the axis, s = −1…1 over the measured range",
+        symbols: "e displacement across the axis, µm; a₂, a₃ amplitudes, µm; P₂, P₃ Legendre polynomials; s coordinate scaled to −1…1",
         validity: "Smooth guideway; orders 2 and 3 over the measured range.",
         typical: "1–5 µm",
         explanation: "The axis travels along a bow or an S instead of a straight line.",
         cause: "Guideway bent by assembly, by its own weight or by heat.",
         seen_by: "Poses all along the axis; other balls or bar lengths tell it from rotary errors.",
+        needs: &[Need::Travel],
+        helps: &[Need::TwoRadii],
     },
     subjects: every_linear,
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "straightness:X",
+        shape: &[],
+        values: &[("EYX.P3", 3.0)],
+        view: View::Circle(&[3000.0]),
+    },
 };
 
 /// Coordinate scaled to −1…1 over the measured range of the axis.

@@ -6,7 +6,7 @@
 //! Limits: one step of heat at the first point; needs time stamps.
 
 use crate::subjects::whole_tool_side;
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::State;
 use trunnion_units::Twist;
@@ -17,16 +17,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Thermal drift of the tool side",
         source: "METHODS §9; ISO 230-3",
         equation: "u(t) = Σ a_i (1 − e^(−t/τ_i)) for x, y, z, two time constants",
+        symbols: "u displacement of the tool side in machine axes, µm; a_i final values, µm; t time since the first point, s; τ_i time constants, s (shape numbers tau1_s, tau2_s)",
         validity: "One change of heat at the beginning; needs time stamps.",
         typical: "5–30 µm, τ 10–120 min",
         explanation: "The machine grows while it warms up or cools down, and the tool wanders.",
         cause: "Warm-up of spindle, drives and structure, or a change of the room or the coolant.",
         seen_by: "Returning to the first pose, interleaved heights, waiting and repeating.",
+        needs: &[Need::TimeStamps],
+        helps: &[Need::Return],
     },
     subjects: |_| vec![Subject::Whole],
     parameters,
     shapes,
     motions,
+    example: Example {
+        id: "thermal-drift",
+        shape: &[600.0, 5400.0],
+        values: &[("x.1", 4.0), ("y.2", -6.0), ("z.1", -5.0), ("z.2", 20.0)],
+        view: View::Time(7200.0),
+    },
 };
 
 fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {

@@ -1,10 +1,13 @@
-//! Displacement of the tool side that follows a temperature channel.
+//! Displacement of the tool side that follows a temperature channel, with a lag.
 //!
-//! u = Σ_channels a_channel (T_channel − T_channel,first) for x, y, z in machine axes           [METHODS §9]
-//! Limits: proportional, without lag; only channels whose temperature changes take part.
+//! u = Σ_channels a_channel (θ_channel − θ_channel,first),  τ dθ/dt = T_channel − θ           [METHODS §9; ISO 230-3; ISO/TR 16015]
+//! for x, y, z in machine axes; τ one shape number for all channels, 0 follows at once. See `History` for the filter.
+//! Limits: proportional; the structure is soaked at the first point of each run; only channels that change take part;
+//! without time stamps no lag.
 
+use super::thermal_drift::TAU_OF_DURATION;
 use crate::subjects::whole_tool_side;
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::State;
 use trunnion_units::Twist;
@@ -13,18 +16,27 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "thermal-expansion",
     about: About {
         title: "Expansion with a measured temperature",
-        source: "METHODS §9; ISO 230-3",
-        equation: "u = Σ a·(T − T_first) for x, y, z and each temperature channel",
-        validity: "Proportional to the channel, no lag between sensor and structure.",
-        typical: "1–10 µm/K",
-        explanation: "The tool wanders with the temperature of a measured spot of the machine.",
+        source: "METHODS §9; ISO 230-3; ISO/TR 16015",
+        equation: "u = Σ a·(θ − θ_first) for x, y, z and each temperature channel, τ dθ/dt = T − θ",
+        symbols: "T temperature of the channel, K; θ temperature of the structure, which follows with time constant τ, s (shape number tau_s, 0 = at once); a displacement of the tool side in machine axes, µm/K",
+        validity: "Proportional to θ; the structure is soaked at the first point; one lag for all channels; without time stamps no lag.",
+        typical: "1–10 µm/K, τ 5–60 min",
+        explanation: "The tool wanders with the temperature of a measured spot of the machine, at once or some time later.",
         cause: "Expansion of structure, scales or screws; compensation off or with a wrong coefficient.",
         seen_by: "Temperatures recorded with the points, and a temperature that goes up and down.",
+        needs: &[Need::Temperature],
+        helps: &[Need::TimeStamps, Need::Return],
     },
     subjects: |_| vec![Subject::Whole],
     parameters,
-    shapes: |_, _| Shapes::none(),
+    shapes,
     motions,
+    example: Example {
+        id: "thermal-expansion",
+        shape: &[1200.0],
+        values: &[("frame.x", 2.0), ("frame.z", 5.0)],
+        view: View::Time(7200.0),
+    },
 };
 
 fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {
@@ -34,11 +46,19 @@ fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {
     scene.varying_channels().into_iter().flat_map(|i| ["x", "y", "z"].map(|k| name(i, k))).collect()
 }
 
-fn motions(scene: &Scene, _: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+fn shapes(scene: &Scene, _: Subject) -> Shapes {
+    let duration_s = scene.duration_s().filter(|duration_s| *duration_s > 0.0);
+    let lags_s =
+        duration_s.into_iter().flat_map(|duration_s| TAU_OF_DURATION.map(|share| share * duration_s));
+    Shapes::one("tau_s", std::iter::once(0.0).chain(lags_s), duration_s.is_some())
+}
+
+fn motions(scene: &Scene, _: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
+    let &[tau_s] = shape else { return };
     let site = whole_tool_side(&scene.machine);
     for (i, channel) in scene.varying_channels().into_iter().enumerate() {
-        let Some(&temperature_degc) = state.temperature_degc.get(channel) else { continue };
-        let change_k = temperature_degc - scene.first_temperature_degc[channel];
+        let Some(felt_degc) = scene.lagged_temperature_degc(channel, tau_s, state) else { continue };
+        let change_k = felt_degc - scene.first_temperature_degc[channel];
         for k in 0..3 {
             emit(3 * i + k, site, Twist::translation(Vector3::ith(k, change_k)));
         }

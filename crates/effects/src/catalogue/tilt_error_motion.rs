@@ -5,7 +5,7 @@
 //! Limits: repeats every turn.
 
 use crate::subjects::{across, axis_of, every_rotary, rotary_name};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::UnitQuaternion;
 use trunnion_machine::{Site, State};
 use trunnion_units::Twist;
@@ -16,16 +16,25 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Tilt error motion (coning)",
         source: "ISO 230-7; S1 §5.3; S4 §4.2.2 and table 2 (angular motion of the rotation centre line)",
         equation: "ω = R(+nq) f + R(−nq) b across the axis, n = 1…3; n = 1 forward is part of the ball setting",
+        symbols: "ω tilt of the axis line, µrad; q angle of the axis; f, b phasors that turn forward and backward, µrad; n lobes a turn (shape number lobes)",
         validity: "Repeats every turn.",
         typical: "2–230 µrad",
         explanation: "The axis line wobbles like a top while it turns.",
         cause: "Angular motion of the centre line: ring profile of the bearing, two bearings out of line, rollers of unequal size.",
         seen_by: "Two heights of the ball: the wander grows with height.",
+        needs: &[Need::Travel],
+        helps: &[Need::TwoHeights],
     },
     subjects: every_rotary,
     parameters,
     shapes: |_, _| Shapes::one("lobes", (1..=3).map(f64::from), false),
     motions,
+    example: Example {
+        id: "tilt-error-motion:C",
+        shape: &[2.0],
+        values: &[("EAC.backward", 20.0)],
+        view: View::Poses,
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

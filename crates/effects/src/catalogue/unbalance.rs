@@ -5,7 +5,7 @@
 //! Limits: one load for the whole experiment; position held by a drive of constant stiffness.
 
 use crate::subjects::{across, axis_of, carrier_from_carried, gravity_in_carrier, rotary_below};
-use crate::{About, Effect, Emit, Parameter, Scene, Shapes, Subject, Unit};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Machine, Side, Site, State};
 use trunnion_units::Twist;
 
@@ -15,11 +15,14 @@ pub(crate) static EFFECT: Effect = Effect {
         title: "Off-centre mass on the turning table",
         source: "METHODS §9; S4 table 2 (gravity influence)",
         equation: "ω = twist·(M·d) d + tilt·(M − (M·d) d), M = R(C) e_i × g",
+        symbols: "ω turn of the table, µrad; d its axis; e_i place of the mass, unit vector; g unit vector of gravity in the carrier of the axis; twist, tilt compliance × weight × distance, µrad",
         validity: "Same load during the whole experiment; needs a tilted table to turn it.",
         typical: "1–5 µm at the ball",
         explanation: "A weight beside the axis of the tilted table pulls it round, and over.",
         cause: "Workpiece or fixture off the centre; weak position loop or bearing of the table.",
         seen_by: "Turning C at several tilts B; with the load moved by 180° the sign flips.",
+        needs: &[Need::Travel, Need::SeveralTilts],
+        helps: &[Need::AnotherLoad, Need::TwoHeights],
     },
     subjects: |machine: &Machine| {
         machine
@@ -33,6 +36,12 @@ pub(crate) static EFFECT: Effect = Effect {
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,
+    example: Example {
+        id: "unbalance:C",
+        shape: &[],
+        values: &[("twist.1", 20.0), ("tilt.2", 10.0)],
+        view: View::Poses,
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

@@ -1,33 +1,40 @@
-//! Expressions of formula effects: grammar, evaluation, and the structure a fit needs to know.
+//! Expressions of formula effects: evaluation, and the structure a fit needs to know.
 //!
-//! sum = product {("+" | "-") product};  product = power {("*" | "/") power};  power = ["-"] atom ["^" power];
-//! atom = number | name | function "(" sum {"," sum} ")" | "(" sum ")".  `-x^2` is −(x²).
-
-use super::FormulaError;
+//! Every node knows its column in the text, so that whatever is wrong with it can be pointed at.
 
 /// A parsed expression.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Expression {
+pub struct Expression {
+    /// Column of its name, number, function or operator in the text, from 1.
+    pub column: usize,
+    /// What it is.
+    pub node: Node,
+}
+
+/// What an expression is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Node {
     /// A number.
     Number(f64),
     /// A name: a symbol of the state or a parameter.
     Name(String),
-    /// a + b
-    Sum(Box<Self>, Box<Self>),
-    /// a − b
-    Difference(Box<Self>, Box<Self>),
-    /// a · b
-    Product(Box<Self>, Box<Self>),
-    /// a / b
-    Quotient(Box<Self>, Box<Self>),
-    /// a ^ b
-    Power(Box<Self>, Box<Self>),
+    /// Two expressions and an operator or a function of two.
+    Pair(Operator, Box<Expression>, Box<Expression>),
     /// A function of one argument.
-    Call(Function, Box<Self>),
-    /// min(a, b)
-    Min(Box<Self>, Box<Self>),
-    /// max(a, b)
-    Max(Box<Self>, Box<Self>),
+    Call(Function, Box<Expression>),
+}
+
+/// What makes one value of two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "their names are their documentation")]
+pub enum Operator {
+    Sum,
+    Difference,
+    Product,
+    Quotient,
+    Power,
+    Min,
+    Max,
 }
 
 /// A function of one argument.
@@ -46,22 +53,6 @@ pub enum Function {
     Step,
 }
 
-const FUNCTIONS: [(&str, Function); 9] = [
-    ("sin", Function::Sin),
-    ("cos", Function::Cos),
-    ("tan", Function::Tan),
-    ("exp", Function::Exp),
-    ("log", Function::Log),
-    ("sqrt", Function::Sqrt),
-    ("abs", Function::Abs),
-    ("sign", Function::Sign),
-    ("step", Function::Step),
-];
-const FUNCTION_NAMES: &str = "sin cos tan exp log sqrt abs sign step min max";
-/// Deepest nesting (a pair of parentheses counts twice) and longest text; they keep recursion within any stack.
-const DEEPEST: usize = 64;
-const LONGEST: usize = 2000;
-
 impl Function {
     fn apply(self, x: f64) -> f64 {
         match self {
@@ -79,288 +70,99 @@ impl Function {
     }
 }
 
-impl Expression {
-    /// Reads `text`.
-    ///
-    /// # Errors
-    /// The first place that does not fit, with its column, what was found and what is allowed.
-    pub fn parse(text: &str) -> Result<Self, FormulaError> {
-        if text.len() > LONGEST {
-            return Err(FormulaError::Syntax {
-                column: LONGEST + 1,
-                found: format!("{} characters", text.len()),
-                allowed: format!("at most {LONGEST}; split it into several formulas"),
-            });
-        }
-        let mut parser = Parser { tokens: tokens(text)?, at: 0, depth: 0 };
-        let expression = parser.sum()?;
-        match parser.peek() {
-            Token::End => Ok(expression),
-            _ => Err(parser.unexpected("an operator + - * / ^ or the end")),
+impl Operator {
+    fn apply(self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::Sum => a + b,
+            Self::Difference => a - b,
+            Self::Product => a * b,
+            Self::Quotient => a / b,
+            Self::Power => a.powf(b),
+            Self::Min => a.min(b),
+            Self::Max => a.max(b),
         }
     }
+}
 
+impl Expression {
     /// Value with `value_of` the names.
     pub fn value(&self, value_of: &impl Fn(&str) -> f64) -> f64 {
-        let of = |e: &Self| e.value(value_of);
-        match self {
-            Self::Number(x) => *x,
-            Self::Name(name) => value_of(name),
-            Self::Sum(a, b) => of(a) + of(b),
-            Self::Difference(a, b) => of(a) - of(b),
-            Self::Product(a, b) => of(a) * of(b),
-            Self::Quotient(a, b) => of(a) / of(b),
-            Self::Power(a, b) => of(a).powf(of(b)),
-            Self::Call(function, a) => function.apply(of(a)),
-            Self::Min(a, b) => of(a).min(of(b)),
-            Self::Max(a, b) => of(a).max(of(b)),
+        match &self.node {
+            Node::Number(x) => *x,
+            Node::Name(name) => value_of(name),
+            Node::Pair(operator, a, b) => operator.apply(a.value(value_of), b.value(value_of)),
+            Node::Call(function, a) => function.apply(a.value(value_of)),
         }
     }
 
-    /// Names in order of appearance, each once.
-    pub fn names(&self) -> Vec<String> {
-        let mut names = Vec::new();
-        self.collect_names(&mut names);
-        names
-    }
-
-    fn collect_names(&self, names: &mut Vec<String>) {
-        match self {
-            Self::Number(_) => {}
-            Self::Name(name) if names.contains(name) => {}
-            Self::Name(name) => names.push(name.clone()),
-            Self::Call(_, a) => a.collect_names(names),
-            Self::Sum(a, b)
-            | Self::Difference(a, b)
-            | Self::Product(a, b)
-            | Self::Quotient(a, b)
-            | Self::Power(a, b)
-            | Self::Min(a, b)
-            | Self::Max(a, b) => {
-                a.collect_names(names);
-                b.collect_names(names);
+    /// It and all expressions within it, from left to right of the tree.
+    pub fn walk<'a>(&'a self, visit: &mut impl FnMut(&'a Self)) {
+        visit(self);
+        match &self.node {
+            Node::Number(_) | Node::Name(_) => {}
+            Node::Call(_, a) => a.walk(visit),
+            Node::Pair(_, a, b) => {
+                a.walk(visit);
+                b.walk(visit);
             }
         }
+    }
+
+    /// Names in order of appearance, each once, with the column where it appears first.
+    pub fn names(&self) -> Vec<(&str, usize)> {
+        let mut names: Vec<(&str, usize)> = Vec::new();
+        self.walk(&mut |part| {
+            if let Node::Name(name) = &part.node
+                && !names.iter().any(|(known, _)| known == name)
+            {
+                names.push((name, part.column));
+            }
+        });
+        names
     }
 
     /// Degree as a polynomial in the names that `is_unknown` picks; `None` when it is no polynomial in them.
     pub fn degree(&self, is_unknown: &impl Fn(&str) -> bool) -> Option<u32> {
         let of = |e: &Self| e.degree(is_unknown);
-        match self {
-            Self::Number(_) => Some(0),
-            Self::Name(name) => Some(u32::from(is_unknown(name))),
-            Self::Sum(a, b) | Self::Difference(a, b) => Some(of(a)?.max(of(b)?)),
-            Self::Product(a, b) => Some(of(a)?.saturating_add(of(b)?)),
-            Self::Quotient(a, b) => (of(b)? == 0).then_some(of(a)?),
-            Self::Power(a, b) => match (of(a)?, &**b) {
-                (0, exponent) => (of(exponent)? == 0).then_some(0),
-                (degree, Self::Number(n)) if *n >= 1.0 && n.fract() == 0.0 && *n <= 9.0 => {
-                    Some(degree.saturating_mul(*n as u32))
-                }
-                _ => None,
+        match &self.node {
+            Node::Number(_) => Some(0),
+            Node::Name(name) => Some(u32::from(is_unknown(name))),
+            Node::Call(_, a) => (of(a)? == 0).then_some(0),
+            Node::Pair(operator, a, b) => match operator {
+                Operator::Sum | Operator::Difference => Some(of(a)?.max(of(b)?)),
+                Operator::Product => Some(of(a)?.saturating_add(of(b)?)),
+                Operator::Quotient => (of(b)? == 0).then_some(of(a)?),
+                Operator::Min | Operator::Max => (of(a)? == 0 && of(b)? == 0).then_some(0),
+                Operator::Power => match (of(a)?, &b.node) {
+                    (0, _) => (of(b)? == 0).then_some(0),
+                    (degree, Node::Number(n)) if *n >= 1.0 && n.fract() == 0.0 && *n <= 9.0 => {
+                        Some(degree.saturating_mul(*n as u32))
+                    }
+                    _ => None,
+                },
             },
-            Self::Call(_, a) => (of(a)? == 0).then_some(0),
-            Self::Min(a, b) | Self::Max(a, b) => (of(a)? == 0 && of(b)? == 0).then_some(0),
         }
     }
 
-    /// True when it is zero, whatever the state, once the names that `is_unknown` picks are zero.
-    pub fn vanishes_without(&self, is_unknown: &impl Fn(&str) -> bool) -> bool {
-        let of = |e: &Self| e.vanishes_without(is_unknown);
-        match self {
-            Self::Number(x) => *x == 0.0,
-            Self::Name(name) => is_unknown(name),
-            Self::Sum(a, b) | Self::Difference(a, b) => of(a) && of(b),
-            Self::Product(a, b) => of(a) || of(b),
-            Self::Quotient(a, _) | Self::Power(a, _) => of(a),
-            Self::Call(..) | Self::Min(..) | Self::Max(..) => false,
-        }
-    }
-}
-
-#[derive(Clone, Debug, PartialEq)]
-enum Token {
-    Number(f64),
-    Name(String),
-    Sign(char),
-    End,
-}
-
-/// Tokens with their column, from 1; the last is `End`.
-fn tokens(text: &str) -> Result<Vec<(usize, Token)>, FormulaError> {
-    let characters: Vec<char> = text.chars().collect();
-    let mut tokens = Vec::new();
-    let mut i = 0;
-    while i < characters.len() {
-        let (start, c) = (i, characters[i]);
-        let take = |from: usize, keep: &dyn Fn(usize) -> bool| {
-            (from..characters.len()).find(|&k| !keep(k)).unwrap_or(characters.len())
-        };
-        if c.is_whitespace() {
-            i += 1;
-            continue;
-        }
-        let token = if c.is_ascii_digit() || c == '.' {
-            // 1e-3: a sign right after the e belongs to the number.
-            i = take(start, &|k| {
-                let x = characters[k];
-                x.is_ascii_digit()
-                    || x == '.'
-                    || (matches!(x, 'e' | 'E') && characters.get(k + 1).is_some_and(|y| !y.is_alphabetic()))
-                    || (matches!(x, '+' | '-') && k > start && matches!(characters[k - 1], 'e' | 'E'))
-            });
-            let found: String = characters[start..i].iter().collect();
-            match found.parse() {
-                Ok(number) => Token::Number(number),
-                Err(_) => {
-                    return Err(FormulaError::Syntax {
-                        column: start + 1,
-                        found: format!("\"{found}\""),
-                        allowed: "a number such as 0.5 or 1e-3".into(),
-                    });
-                }
+    /// The first term that does not vanish, whatever the state, when the names that `is_unknown` picks are zero.
+    pub fn term_without(&self, is_unknown: &impl Fn(&str) -> bool) -> Option<&Self> {
+        let of = |e: &'_ Self| e.term_without(is_unknown).is_some();
+        match &self.node {
+            Node::Number(x) => (*x != 0.0).then_some(self),
+            Node::Name(name) => (!is_unknown(name)).then_some(self),
+            Node::Call(..) | Node::Pair(Operator::Min | Operator::Max, ..) => Some(self),
+            Node::Pair(Operator::Sum | Operator::Difference, a, b) => {
+                a.term_without(is_unknown).or_else(|| b.term_without(is_unknown))
             }
-        } else if c.is_ascii_alphabetic() || c == '_' {
-            i = take(start, &|k| characters[k].is_ascii_alphanumeric() || characters[k] == '_');
-            Token::Name(characters[start..i].iter().collect())
-        } else {
-            i += 1;
-            Token::Sign(c)
-        };
-        tokens.push((start + 1, token));
-    }
-    tokens.push((characters.len() + 1, Token::End));
-    Ok(tokens)
-}
-
-struct Parser {
-    tokens: Vec<(usize, Token)>,
-    at: usize,
-    depth: usize,
-}
-
-impl Parser {
-    fn peek(&self) -> &Token {
-        &self.tokens[self.at].1
-    }
-
-    fn next(&mut self) -> Token {
-        let token = self.peek().clone();
-        self.at = (self.at + 1).min(self.tokens.len() - 1);
-        token
-    }
-
-    fn accept(&mut self, sign: char) -> bool {
-        let found = *self.peek() == Token::Sign(sign);
-        if found {
-            self.next();
-        }
-        found
-    }
-
-    fn expect(&mut self, sign: char) -> Result<(), FormulaError> {
-        if self.accept(sign) { Ok(()) } else { Err(self.unexpected(&format!("\"{sign}\""))) }
-    }
-
-    fn unexpected(&self, allowed: &str) -> FormulaError {
-        let (column, token) = &self.tokens[self.at];
-        let found = match token {
-            Token::Number(x) => x.to_string(),
-            Token::Name(name) => format!("\"{name}\""),
-            Token::Sign(c) => format!("\"{c}\""),
-            Token::End => "the end".into(),
-        };
-        FormulaError::Syntax { column: *column, found, allowed: allowed.into() }
-    }
-
-    fn sum(&mut self) -> Result<Expression, FormulaError> {
-        self.depth += 1;
-        if self.depth > DEEPEST {
-            return Err(self.unexpected("fewer levels of parentheses and powers"));
-        }
-        let mut sum = self.product()?;
-        loop {
-            if self.accept('+') {
-                sum = Expression::Sum(sum.into(), self.product()?.into());
-            } else if self.accept('-') {
-                sum = Expression::Difference(sum.into(), self.product()?.into());
-            } else {
-                self.depth -= 1;
-                return Ok(sum);
-            }
+            Node::Pair(Operator::Product, a, b) => (of(a) && of(b)).then(|| a.leftmost()),
+            Node::Pair(Operator::Quotient | Operator::Power, a, _) => of(a).then(|| a.leftmost()),
         }
     }
 
-    fn product(&mut self) -> Result<Expression, FormulaError> {
-        let mut product = self.power()?;
-        loop {
-            if self.accept('*') {
-                product = Expression::Product(product.into(), self.power()?.into());
-            } else if self.accept('/') {
-                product = Expression::Quotient(product.into(), self.power()?.into());
-            } else {
-                return Ok(product);
-            }
+    fn leftmost(&self) -> &Self {
+        match &self.node {
+            Node::Pair(operator, a, _) if !matches!(operator, Operator::Min | Operator::Max) => a.leftmost(),
+            Node::Pair(..) | Node::Number(_) | Node::Name(_) | Node::Call(..) => self,
         }
-    }
-
-    fn power(&mut self) -> Result<Expression, FormulaError> {
-        self.depth += 1;
-        if self.depth > DEEPEST {
-            return Err(self.unexpected("fewer levels of parentheses and powers"));
-        }
-        let result = if self.accept('-') {
-            Expression::Product(Expression::Number(-1.0).into(), self.power()?.into())
-        } else {
-            let base = self.atom()?;
-            if self.accept('^') { Expression::Power(base.into(), self.power()?.into()) } else { base }
-        };
-        self.depth -= 1;
-        Ok(result)
-    }
-
-    fn atom(&mut self) -> Result<Expression, FormulaError> {
-        let here = self.unexpected(&format!("a number, a name, a function ({FUNCTION_NAMES}) or \"(\""));
-        match self.next() {
-            Token::Number(x) => Ok(Expression::Number(x)),
-            Token::Sign('(') => {
-                let inside = self.sum()?;
-                self.expect(')')?;
-                Ok(inside)
-            }
-            Token::Name(name) if *self.peek() == Token::Sign('(') => self.call(&name),
-            Token::Name(name) if name == "pi" => Ok(Expression::Number(std::f64::consts::PI)),
-            Token::Name(name) => Ok(Expression::Name(name)),
-            Token::Sign(_) | Token::End => Err(here),
-        }
-    }
-
-    fn call(&mut self, name: &str) -> Result<Expression, FormulaError> {
-        let column = self.tokens[self.at - 1].0;
-        self.expect('(')?;
-        let first = self.sum()?;
-        let expression = match name {
-            "min" | "max" => {
-                self.expect(',')?;
-                let second = self.sum()?;
-                if name == "min" {
-                    Expression::Min(first.into(), second.into())
-                } else {
-                    Expression::Max(first.into(), second.into())
-                }
-            }
-            _ => match FUNCTIONS.iter().find(|(known, _)| *known == name) {
-                Some((_, function)) => Expression::Call(*function, first.into()),
-                None => {
-                    return Err(FormulaError::Syntax {
-                        column,
-                        found: format!("function \"{name}\""),
-                        allowed: FUNCTION_NAMES.into(),
-                    });
-                }
-            },
-        };
-        self.expect(')')?;
-        Ok(expression)
     }
 }

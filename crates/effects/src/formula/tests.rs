@@ -82,22 +82,34 @@ fn a_formula_moves_what_its_expression_says() {
     assert!(instance.parameters(&bare).is_empty());
 }
 
+/// Refused expressions with what is said of them, as a person reads it.
+const ERRORS: &str = include_str!("errors.txt");
+
 #[test]
-fn a_wrong_formula_is_refused_with_the_place_and_what_is_allowed() {
-    for (expression, says) in [
-        ("a*sin(B", "column 8: found the end; allowed: \")\""),
-        ("a*sinus(B)", "column 3: found function \"sinus\"; allowed: sin cos"),
-        ("a*", "column 3: found the end"),
-        ("a B", "column 3: found \"B\"; allowed: an operator"),
-        ("a*1.2.3", "column 3: found \"1.2.3\""),
-        ("a*B + 1", "term without a linear parameter"),
-        ("sin(B)", "term without a linear parameter"),
-        ("a*sin(A)", "an axis machine table-bc does not have"),
-        ("a*B$", "column 4: found \"$\""),
-    ] {
-        let found = refused(expression);
-        assert!(found.contains(says), "{expression}: {found}");
-    }
+fn a_wrong_formula_is_refused_with_the_place_what_is_allowed_and_what_to_do() {
+    let expressions = ERRORS.lines().filter_map(|line| line.strip_prefix("> "));
+    let found: String = expressions
+        .map(|line| {
+            // `expression | name = values, …` gives a grid.
+            let (expression, grid) = line.split_once(" | ").unwrap_or((line, ""));
+            let number = |value: &str| value.parse::<f64>().unwrap();
+            let named = |pair: &str| {
+                let (name, values) = pair.split_once(" = ").unwrap();
+                (name.to_string(), values.split(' ').map(number).collect())
+            };
+            let grid = grid.split(", ").filter(|pair| !pair.is_empty()).map(named).collect();
+            let said = match read(&ModelEffect { grid, ..entry("axis:B", "ea", expression) }) {
+                Ok(_) => "accepted".into(),
+                Err(error) => error.to_string(),
+            };
+            format!("> {line}\n{said}\n\n")
+        })
+        .collect();
+    assert!(found.trim() == ERRORS.trim(), "errors.txt is not what is said now:\n{found}");
+}
+
+#[test]
+fn what_cannot_be_written_in_a_line_is_refused_too() {
     let deep = format!("a*{}B{}", "(".repeat(500), ")".repeat(500));
     assert!(refused(&deep).contains("levels"));
     assert!(refused(&"a+".repeat(100_000)).contains("at most 2000"));
@@ -107,4 +119,36 @@ fn a_wrong_formula_is_refused_with_the_place_and_what_is_allowed() {
     let unknown =
         Instance::from_model_effect(&ModelEffect { id: "sag".into(), ..Default::default() }, &machine);
     assert!(matches!(unknown, Err(UnknownEffect::Id { .. })));
+}
+
+#[test]
+fn travel_since_the_reversal_and_acceleration_are_names_of_the_state() {
+    let machine = shipped::machine("table-bc").unwrap();
+    let mut state = State::default();
+    state.since_reversal[AxisLetter::C] = 0.4;
+    state.direction[AxisLetter::C] = -1.0;
+    state.acceleration[AxisLetter::X] = 50.0;
+    let scene = Scene::new(machine.clone(), Vec::new(), Vec::new(), [state.clone()].iter());
+    let entry = ModelEffect { shape: vec![0.2], ..entry("axis:C", "ec", "h*dirC*exp(-sinceC/reach) + k*aX") };
+    let instance = Instance::from_model_effect(&entry, &machine).unwrap();
+    let mut seen = Vec::new();
+    instance.motions(&scene, &[0.2], &state, &mut |_, _, twist| seen.push(twist.rotation_rad.z));
+    assert_eq!(seen, [-(-2.0f64).exp(), 50.0]);
+}
+
+#[test]
+fn a_formula_out_of_reach_says_which_channel_it_misses() {
+    let machine = shipped::machine("table-bc").unwrap();
+    let states = [State { temperature_degc: vec![20.0], ..State::default() }];
+    let scene = Scene::new(machine.clone(), Vec::new(), vec!["spindle".into()], states.iter());
+    let why = |expression: &str| {
+        let entry = entry("axis:B", "dx", expression);
+        Instance::from_model_effect(&entry, &machine).unwrap().out_of_reach(&scene)
+    };
+    assert_eq!(
+        why("a*T_spindel").unwrap(),
+        "needs temperature channel \"spindel\" for T_spindel; the runs have T_spindle; did you mean T_spindle?"
+    );
+    assert_eq!(why("a*t").unwrap(), "needs time stamps, for t");
+    assert_eq!(why("a*T_spindle"), None);
 }
