@@ -1,7 +1,8 @@
-//! The columns of a joint model over all points: held in memory when short, formed block by block when long.
+//! The weighted columns of a joint model over all points: held in memory when short, formed block by block when long.
 
 use crate::joint::Joint;
 use crate::linear::Reduced;
+use crate::weights::Weights;
 use crate::{Experiment, IdentifyError};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 use std::ops::Range;
@@ -17,14 +18,27 @@ pub(crate) type Visit<'a> = &'a mut dyn FnMut(Range<usize>, Range<usize>, DMatri
 pub(crate) struct Design<'a> {
     pub experiment: &'a Experiment,
     pub joint: &'a Joint,
+    pub weights: &'a Weights,
     in_memory: Option<DMatrix<f64>>,
 }
 
 impl<'a> Design<'a> {
-    pub fn new(experiment: &'a Experiment, joint: &'a Joint) -> Self {
-        let all = 0..experiment.points.len();
-        let in_memory = (experiment.rows() <= ROWS_IN_MEMORY).then(|| joint.columns(experiment, all));
-        Self { experiment, joint, in_memory }
+    pub fn new(experiment: &'a Experiment, joint: &'a Joint, weights: &'a Weights) -> Self {
+        let mut design = Self { experiment, joint, weights, in_memory: None };
+        if experiment.rows() <= ROWS_IN_MEMORY {
+            design.in_memory = Some(design.columns(0..experiment.points.len()));
+        }
+        design
+    }
+
+    fn columns(&self, points: Range<usize>) -> DMatrix<f64> {
+        let rows = self.experiment.rows_of_points(&points);
+        let mut columns = self.joint.columns(self.experiment, points);
+        if !self.weights.even {
+            let root = self.weights.root.rows(rows.start, rows.len());
+            columns.column_iter_mut().for_each(|mut column| column.component_mul_assign(&root));
+        }
+        columns
     }
 
     /// Visits the columns block by block: points, rows, columns in these rows.
@@ -36,7 +50,7 @@ impl<'a> Design<'a> {
             match &self.in_memory {
                 Some(all) => visit(points, rows.clone(), all.rows(rows.start, rows.len()).as_view()),
                 None => {
-                    let columns = self.joint.columns(self.experiment, points.clone());
+                    let columns = self.columns(points.clone());
                     visit(points, rows, columns.as_view());
                 }
             }

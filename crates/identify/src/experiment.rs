@@ -3,13 +3,15 @@
 //! Row layout: points in order of the runs, the components of each point together (3 for an R-test, 1 for a ball
 //! bar). Column of parameter j of an effect: `Σ_sites projection · propagation · twist_j(state)` (METHODS §2).
 
+use crate::stream::blocks_of;
 use crate::{IdentifyError, Options};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::ops::Range;
 use trunnion_effects::{Instance, Model, Scene, SceneSetup};
 use trunnion_instruments::Projector;
-use trunnion_machine::Machine;
-use trunnion_measurement::{Point, Run, RunKind, Setup};
+use trunnion_machine::{Machine, Side};
+use trunnion_measurement::blocks::Limits;
+use trunnion_measurement::{NestSide, Point, Run, RunKind, Setup};
 
 /// Points of one or more runs of one machine.
 #[derive(Clone, Debug)]
@@ -58,15 +60,30 @@ pub enum ExperimentError {
 }
 
 impl Experiment {
-    /// Puts runs together. Setups of different runs stay apart (the ball was set anew); with several runs
+    /// Puts runs together; one on the fly with more points than [`Limits::most_blocks`] is reduced to blocks first. Setups of different runs stay apart (the ball was set anew); with several runs
     /// their names are prefixed by the run's number, e.g. `1.low`.
     ///
     /// # Errors
     /// No run, no usable point, or runs of different machines.
     pub fn new(runs: &[Run]) -> Result<Self, ExperimentError> {
+        let limits = Limits::default();
+        let many = |run: &Run| run.kind == RunKind::OnTheFly && run.points.len() > limits.most_blocks;
+        if !runs.iter().any(many) {
+            return Self::of_points(runs);
+        }
+        let reduced = runs.iter().map(|run| if many(run) { blocks_of(run, limits).0 } else { run.clone() });
+        Self::of_points(&reduced.collect::<Vec<_>>())
+    }
+
+    /// As [`Self::new`], with every point as it is, however many.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of_points(runs: &[Run]) -> Result<Self, ExperimentError> {
         let first = runs.first().ok_or(ExperimentError::NoRun)?;
         let (mut setups, mut points, mut run_of_point, mut channels) =
             (Vec::new(), Vec::new(), Vec::new(), first.channels.clone());
+        let mut run_of_setup = Vec::new();
         for (i, run) in runs.iter().enumerate() {
             if run.machine != first.machine {
                 return Err(ExperimentError::DifferentMachines {
@@ -81,6 +98,7 @@ impl Experiment {
                 let name =
                     if runs.len() > 1 { format!("{}.{}", i + 1, setup.name) } else { setup.name.clone() };
                 setups.push(Setup { name, ..setup.clone() });
+                run_of_setup.push(i);
             }
             channels.retain(|channel| run.channels.contains(channel));
             for point in run.good_points() {
@@ -105,9 +123,16 @@ impl Experiment {
         }
         let scene_setups = setups
             .iter()
-            .map(|setup: &Setup| SceneSetup {
+            .zip(&run_of_setup)
+            .map(|(setup, &run): (&Setup, _)| SceneSetup {
                 name: setup.name.clone(),
                 components: setup.instrument.components(),
+                nest: match setup.nest {
+                    NestSide::Table => Side::Table,
+                    NestSide::Spindle => Side::Tool,
+                },
+                ball_in_table_mm: setup.ball_in_table_mm,
+                run,
             })
             .collect();
         for point in &mut points {
@@ -166,6 +191,18 @@ impl Experiment {
             }
         }
         readings
+    }
+
+    /// Standard error of every reading by what its samples say, mm; zero when unknown.
+    pub fn standard_errors_mm(&self) -> DVector<f64> {
+        let mut errors = DVector::zeros(self.rows());
+        for (i, point) in self.points.iter().enumerate() {
+            let of_point = point.standard_error_mm();
+            for (k, row) in self.rows_of(i).enumerate() {
+                errors[row] = of_point[k];
+            }
+        }
+        errors
     }
 
     /// The error of a row that is no number.

@@ -1,7 +1,7 @@
 //! Joint least squares over all effects of a model.
 //!
-//! shapes (grid) → settle (Gauss–Newton to the exact prediction) → outliers set aside, until they stay the same →
-//! uncertainties, noise, held-out proof.
+//! shapes (grid) → settle (Gauss–Newton to the exact prediction) → outliers set aside, until they stay the same → readings
+//! weighted by the noise of their run and their samples, and settled again → uncertainties, noise, held-out proof.
 
 use crate::design::Design;
 use crate::identification::{FittedEffect, FittedParameter, Identification, Outlier, Status};
@@ -13,6 +13,7 @@ use crate::robust::without_outliers;
 use crate::settle::{Settled, settle};
 use crate::shape::search_shapes;
 use crate::uncertainty::{covariance, holdout, sums};
+use crate::weights::{Weights, weigh};
 use crate::{Experiment, HoldoutWanted, IdentifyError, Options, Outliers};
 use nalgebra::{DMatrix, DVector};
 use trunnion_effects::Model;
@@ -21,6 +22,8 @@ use trunnion_units::convert;
 
 /// Rounds of setting points aside.
 const MOST_ROUNDS: usize = 6;
+/// Rounds of weighing.
+const MOST_WEIGHINGS: usize = 3;
 
 /// Fits every effect of `model` to the runs of `experiment` together.
 ///
@@ -34,13 +37,23 @@ pub fn identify(
 ) -> Result<Identification, IdentifyError> {
     let mut joint = Joint::place(experiment, model)?;
     let everything = vec![true; experiment.points.len()];
-    let searched = search_shapes(experiment, &mut joint, &everything, options)?;
-    let (mut used, mut fit) = settle_robustly(&Design::new(experiment, &joint), options)?;
-    if searched && used != everything {
-        search_shapes(experiment, &mut joint, &used, options)?;
-        (used, fit) = settle_robustly(&Design::new(experiment, &joint), options)?;
+    let mut weights = Weights::even(experiment);
+    let searched = search_shapes(experiment, &mut joint, &everything, &weights, options)?;
+    let (mut used, mut fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+    for _ in 0..MOST_WEIGHINGS {
+        let (next, _) = weigh(experiment, &fit.residual_mm, &used, fit.gauge.determined.len());
+        if next.like(&weights) {
+            weights.reference_mm = next.reference_mm;
+            break;
+        }
+        weights = next;
+        (used, fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
     }
-    Ok(gather(&Design::new(experiment, &joint), &used, fit, options))
+    if searched && (used != everything || !weights.even) {
+        search_shapes(experiment, &mut joint, &used, &weights, options)?;
+        (used, fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+    }
+    Ok(gather(&Design::new(experiment, &joint, &weights), &used, fit, options))
 }
 
 fn settle_robustly(design: &Design<'_>, options: &Options) -> Result<(Vec<bool>, Settled), IdentifyError> {
@@ -50,7 +63,7 @@ fn settle_robustly(design: &Design<'_>, options: &Options) -> Result<(Vec<bool>,
         return Ok((used, fit));
     }
     for _ in 0..MOST_ROUNDS {
-        let kept = without_outliers(design.experiment, &fit.residual_mm);
+        let kept = without_outliers(design.experiment, &fit.weighted_mm);
         if kept == used {
             break;
         }
@@ -65,7 +78,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
     let passes = passes(experiment);
     let sums = sums(design, &passes, &fit, used);
     let determined = &fit.gauge.determined;
-    let small = covariance(&fit, &sums);
+    let small = covariance(&fit, &sums, design.weights);
     let mut covariance = DMatrix::zeros(joint.width(), joint.width());
     for (a, &i) in determined.iter().enumerate() {
         for (b, &j) in determined.iter().enumerate() {
@@ -80,7 +93,11 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
         .collect();
     let parameters = (0..joint.width()).map(|j| parameter(joint, &fit, &covariance, j)).collect();
     let degrees_of_freedom = fit.degrees_of_freedom();
-    let of_residual = noise_of_residual(fit.sigma_mm, degrees_of_freedom);
+    let used_rows = (0..used.len()).filter(|&i| used[i]).flat_map(|i| experiment.rows_of(i));
+    let squares: f64 = used_rows.map(|row| fit.residual_mm[row].powi(2)).sum();
+    let sigma_mm = (squares / degrees_of_freedom.max(1) as f64).sqrt();
+    let of_residual = noise_of_residual(sigma_mm, degrees_of_freedom);
+    let (_, noise_by_run) = weigh(experiment, &fit.residual_mm, used, determined.len());
     Identification {
         machine: experiment.machine().name.clone(),
         runs: experiment.runs.clone(),
@@ -102,7 +119,8 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
             HoldoutWanted::Yes => holdout(&sums),
             HoldoutWanted::No => None,
         },
-        rms_mm: fit.sigma_mm * (degrees_of_freedom as f64 / fit.rows_used as f64).sqrt(),
+        noise_by_run,
+        rms_mm: (squares / fit.rows_used as f64).sqrt(),
         outliers: outliers(experiment, used, &fit.residual_mm),
         used: used.to_vec(),
         rank: fit.gauge.rank,

@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use trunnion_effects::Unit;
+use trunnion_measurement::InstrumentKind;
 
 /// The result of [`crate::identify`].
 #[derive(Clone, Debug)]
@@ -38,6 +39,8 @@ pub struct Identification {
     pub rms_mm: f64,
     /// Noise of one scalar reading.
     pub noise: Noise,
+    /// Noise of each run and instrument, as the readings were weighted.
+    pub noise_by_run: Vec<GroupNoise>,
     /// Root mean square of scalar residuals of parts of the data predicted from the rest, mm; `None` when not asked
     /// for or when nothing can be left out.
     pub holdout: Option<Holdout>,
@@ -129,6 +132,23 @@ pub struct Noise {
     pub origin: NoiseOrigin,
     /// Degrees of freedom behind it.
     pub degrees_of_freedom: usize,
+}
+
+/// Noise of one instrument in one run. A reading counts with 1/(floor² + standard error²).
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupNoise {
+    /// Name of the run.
+    pub run: String,
+    /// The instrument.
+    pub instrument: InstrumentKind,
+    /// Scalar readings used.
+    pub readings: usize,
+    /// Root mean square of their residuals, mm.
+    pub rms_mm: f64,
+    /// What does not average down (robust), mm.
+    pub floor_mm: f64,
+    /// Standard error of the readings by their samples (rms), mm; zero when unknown.
+    pub samples_mm: f64,
 }
 
 /// Where the noise figure comes from.

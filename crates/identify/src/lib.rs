@@ -14,12 +14,15 @@ mod robust;
 mod settle;
 mod shape;
 mod show;
+mod stream;
 mod uncertainty;
+mod weights;
 
 pub use experiment::{Experiment, ExperimentError};
 pub use fit::identify;
 pub use identification::{
-    FittedEffect, FittedParameter, Holdout, Identification, LeftOut, Noise, NoiseOrigin, Outlier, Status,
-    Unobservable,
+    FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, LeftOut, Noise, NoiseOrigin, Outlier,
+    Status, Unobservable,
 };
 pub use options::{HoldoutWanted, IdentifyError, Options, Outliers};
+pub use stream::{Nominal, blocks_of, reducer};

@@ -11,6 +11,9 @@ use nalgebra::{DMatrix, DVector, Dyn};
 /// Smallest relative singular value that a Gram matrix in double precision can tell from zero.
 const GRAM_FLOOR: f64 = 3e-7;
 
+/// Columns smaller than this share of the largest are rounding.
+const ROUNDING: f64 = 1e-13;
+
 /// Passes of refinement after the first solution.
 const REFINEMENTS: usize = 3;
 
@@ -35,8 +38,7 @@ impl Reduced {
     /// From the design itself.
     pub fn from_design(design: &DMatrix<f64>) -> Self {
         let (rows, columns) = design.shape();
-        let scale =
-            DVector::from_iterator(columns, design.column_iter().map(|c| power_of_two_over(c.norm())));
+        let scale = scales(&DVector::from_iterator(columns, design.column_iter().map(|c| c.norm())));
         let mut scaled = design.clone().resize_vertically(rows.max(columns), 0.0);
         for j in 0..columns {
             scaled.column_mut(j).scale_mut(scale[j]);
@@ -47,7 +49,7 @@ impl Reduced {
 
     /// From AᵀA.
     pub fn from_gram(gram: &DMatrix<f64>) -> Self {
-        let scale = gram.diagonal().map(|square| power_of_two_over(square.sqrt()));
+        let scale = scales(&gram.diagonal().map(|square| square.max(0.0).sqrt()));
         let scaled = DMatrix::from_fn(gram.nrows(), gram.ncols(), |i, j| gram[(i, j)] * scale[i] * scale[j]);
         let eigen = scaled.symmetric_eigen();
         let largest = eigen.eigenvalues.amax();
@@ -208,7 +210,28 @@ fn doubled_sum(start: f64, products: impl Iterator<Item = (f64, f64)>) -> f64 {
     high + low
 }
 
-/// The power of two nearest to 1/norm; 1 for a zero column.
-fn power_of_two_over(norm: f64) -> f64 {
-    if norm > 0.0 && norm.is_finite() { (-norm.log2().round()).exp2() } else { 1.0 }
+/// The power of two nearest to 1/norm for each column; 1 for one that is rounding only, which must not pass for a direction
+/// that is seen (a ball bar's column of a motion across it).
+fn scales(norms: &DVector<f64>) -> DVector<f64> {
+    let rounding = ROUNDING * norms.iter().copied().filter(|norm| norm.is_finite()).fold(0.0, f64::max);
+    norms.map(|norm| if norm > rounding && norm.is_finite() { (-norm.log2().round()).exp2() } else { 1.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_of_rounding_is_not_seen() {
+        let design = DMatrix::from_fn(40, 3, |i, j| {
+            let t = i as f64 * 0.37;
+            [150.0 * t.sin(), t.cos(), 3e-15 * (5.0 * t).sin()][j]
+        });
+        for reduced in [Reduced::from_design(&design), Reduced::from_gram(&(design.transpose() * &design))] {
+            let (sigma, v) = reduced.singular(&[0, 1, 2]);
+            assert!(sigma[2] < 1e-12 * sigma[0], "{sigma}");
+            assert!(v[(2, 2)].abs() > 0.99);
+        }
+        assert_eq!(least_squares(&design, &design.column(0).into_owned(), 1e-8).rank, 2);
+    }
 }

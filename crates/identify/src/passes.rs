@@ -1,10 +1,12 @@
-//! How the points of an experiment group: passes (run × setup × directions) and blocks of the slowest axis within them.
+//! How the points of an experiment group: passes (run × setup × directions × feed) and blocks of the slowest axis within them.
 //!
 //! Errors that stay alike within a pass or at one position of the slow axis make residuals depend on each other; these
 //! groups are what uncertainties and held-out proof count as independent (DIAGNOSIS §5).
 
 use crate::Experiment;
 use std::collections::HashMap;
+use trunnion_machine::State;
+use trunnion_measurement::RunKind;
 use trunnion_units::{AxisLetter, AxisValues};
 
 /// Points with fewer than this share of their setup's points do not make a pass of their own.
@@ -58,7 +60,11 @@ fn pass_of_points(experiment: &Experiment, moving: &[AxisLetter]) -> Vec<usize> 
     let key = |i: usize| {
         let state = &experiment.points[i].state;
         let heading: Vec<i8> = moving.iter().map(|&l| sign(state.direction[l])).collect();
-        (experiment.run_of_point[i], state.setup, heading)
+        let feed = match experiment.kinds[experiment.run_of_point[i]] {
+            RunKind::OnTheFly => feed_class(state, moving),
+            RunKind::Static => 0,
+        };
+        (experiment.run_of_point[i], state.setup, heading, feed)
     };
     let keys: Vec<_> = (0..experiment.points.len()).map(key).collect();
     let (mut of_key, mut of_setup) = (HashMap::new(), HashMap::new());
@@ -66,7 +72,7 @@ fn pass_of_points(experiment: &Experiment, moving: &[AxisLetter]) -> Vec<usize> 
         *of_key.entry(key.clone()).or_insert(0) += 1;
         *of_setup.entry((key.0, key.1)).or_insert(0) += 1;
     }
-    let large = |key: &(usize, usize, Vec<i8>)| {
+    let large = |key: &(usize, usize, Vec<i8>, i32)| {
         f64::from(of_key[key]) >= SMALLEST_PASS * f64::from(of_setup[&(key.0, key.1)])
     };
     // The first point of an index comes back the other way: it belongs to the pass around it.
@@ -103,6 +109,13 @@ fn block_of_points(experiment: &Experiment, moving: &[AxisLetter], pass: &[usize
             (seen[p] - 1) * PARTS_OF_PASS / length[p]
         })
         .collect()
+}
+
+/// Class of the feed of the axis that turns, in steps of √2; 0 at rest and where no rotary axis moves.
+fn feed_class(state: &State, moving: &[AxisLetter]) -> i32 {
+    let rotary = moving.iter().filter(|letter| letter.is_rotary());
+    let speed = rotary.fold(0.0_f64, |most, &letter| most.max(state.velocity[letter].abs()));
+    if speed > 0.0 { (2.0 * speed.log2()).round() as i32 + 100 } else { 0 }
 }
 
 fn sign(direction: f64) -> i8 {

@@ -1,6 +1,6 @@
 //! Gauss–Newton to the exact prediction, columns at the nominal machine.
 //!
-//! x ← x + argmin ‖A δ − (measured − predicted(x))‖ over the used points. The columns are the analytic linear ones, so
+//! x ← x + argmin ‖W^½ (A δ − (measured − predicted(x)))‖ over the used points. The columns are the analytic linear ones, so
 //! each step shrinks what is left by about the size of the errors (0.005 for a tilt of 0.3°).
 
 use crate::design::{Design, unused_rows};
@@ -22,11 +22,13 @@ pub(crate) struct Settled {
     pub solution: DVector<f64>,
     pub predicted_mm: DVector<f64>,
     pub residual_mm: DVector<f64>,
+    /// Residual times the root of the weight of its row, mm.
+    pub weighted_mm: DVector<f64>,
     pub gauge: Gauge,
     pub solver: Solver,
     pub condition: f64,
     pub iterations: usize,
-    /// Residual standard deviation of the used rows, mm.
+    /// Weighted residual standard deviation of the used rows, mm.
     pub sigma_mm: f64,
     pub rows_used: usize,
 }
@@ -103,7 +105,7 @@ fn settle_within(
         if iterations == MOST_STEPS || change_mm.is_nan() {
             return Err(IdentifyError::NotSettled { steps: iterations, change_mm });
         }
-        let mut counted = &readings - &predicted_mm;
+        let mut counted = (&readings - &predicted_mm).component_mul(&design.weights.root);
         for row in unused_rows(experiment, used) {
             counted[row] = 0.0;
         }
@@ -120,13 +122,15 @@ fn settle_within(
         iterations += 1;
     }
     let residual_mm = readings - &predicted_mm;
-    let unused: f64 = unused_rows(experiment, used).map(|row| residual_mm[row].powi(2)).sum();
-    let squares = (residual_mm.norm_squared() - unused).max(0.0);
+    let weighted_mm = residual_mm.component_mul(&design.weights.root);
+    let unused: f64 = unused_rows(experiment, used).map(|row| weighted_mm[row].powi(2)).sum();
+    let squares = (weighted_mm.norm_squared() - unused).max(0.0);
     let sigma_mm = (squares / (rows_used - gauge.determined.len()) as f64).sqrt();
     Ok(Settled {
         solution,
         predicted_mm,
         residual_mm,
+        weighted_mm,
         gauge,
         solver,
         condition,

@@ -10,6 +10,7 @@ use crate::design::Design;
 use crate::joint::Joint;
 use crate::linear::Reduced;
 use crate::settle::settle;
+use crate::weights::Weights;
 use crate::{Experiment, IdentifyError, Options};
 use nalgebra::{DMatrix, DVector};
 use trunnion_effects::Instance;
@@ -26,14 +27,15 @@ pub(crate) fn search_shapes(
     experiment: &Experiment,
     joint: &mut Joint,
     used: &[bool],
+    weights: &Weights,
     options: &Options,
 ) -> Result<bool, IdentifyError> {
     let open: Vec<usize> = (0..joint.effects.len()).filter(|&k| joint.effects[k].shape_is_free).collect();
     if open.is_empty() {
         return Ok(false);
     }
-    let rows = searched_rows(experiment, used);
-    let z = linear_readings(experiment, joint, used, options)?.select_rows(&rows);
+    let rows = Rows { list: searched_rows(experiment, used), weights };
+    let z = linear_readings(experiment, joint, used, weights, options)?.select_rows(&rows.list);
     for _ in 0..MOST_ROUNDS {
         let before: Vec<Vec<f64>> = joint.effects.iter().map(|placed| placed.shape.clone()).collect();
         for &k in &open {
@@ -55,16 +57,23 @@ fn searched_rows(experiment: &Experiment, used: &[bool]) -> Vec<usize> {
         .collect()
 }
 
-/// Readings as a linear machine would give them: measured − (exact − linear) at a first fit.
+/// Rows that a search looks at.
+struct Rows<'a> {
+    list: Vec<usize>,
+    weights: &'a Weights,
+}
+
+/// Weighted readings as a linear machine would give them: measured − (exact − linear) at a first fit.
 fn linear_readings(
     experiment: &Experiment,
     joint: &Joint,
     used: &[bool],
+    weights: &Weights,
     options: &Options,
 ) -> Result<DVector<f64>, IdentifyError> {
-    let design = Design::new(experiment, joint);
+    let design = Design::new(experiment, joint, weights);
     let fit = settle(&design, used, options)?;
-    let mut linear = fit.residual_mm;
+    let mut linear = fit.weighted_mm;
     design.blocks(&mut |_, rows, columns| {
         let mut part = linear.rows_mut(rows.start, rows.len());
         part.gemv(1.0, &columns, &fit.solution, 1.0);
@@ -76,7 +85,7 @@ fn best_shape(
     experiment: &Experiment,
     joint: &Joint,
     effect: usize,
-    rows: &[usize],
+    rows: &Rows<'_>,
     z: &DVector<f64>,
 ) -> Vec<f64> {
     let instance = &joint.effects[effect].instance;
@@ -106,7 +115,7 @@ fn best_shape(
     shape
 }
 
-fn others(experiment: &Experiment, joint: &Joint, effect: usize, rows: &[usize]) -> DMatrix<f64> {
+fn others(experiment: &Experiment, joint: &Joint, effect: usize, rows: &Rows<'_>) -> DMatrix<f64> {
     let chosen: Vec<(&Instance, &[f64])> = joint
         .effects
         .iter()
@@ -117,7 +126,8 @@ fn others(experiment: &Experiment, joint: &Joint, effect: usize, rows: &[usize])
     selected(experiment, &chosen, rows)
 }
 
-fn selected(experiment: &Experiment, effects: &[(&Instance, &[f64])], rows: &[usize]) -> DMatrix<f64> {
+fn selected(experiment: &Experiment, effects: &[(&Instance, &[f64])], rows: &Rows<'_>) -> DMatrix<f64> {
+    let Rows { list: rows, weights } = rows;
     let width = effects.iter().map(|(instance, _)| instance.parameters(&experiment.scene).len()).sum();
     let mut columns = DMatrix::zeros(rows.len(), width);
     let mut k = 0;
@@ -126,6 +136,8 @@ fn selected(experiment: &Experiment, effects: &[(&Instance, &[f64])], rows: &[us
         if k < rows.len() && rows[k] == of_point.start {
             let mut part = DMatrix::zeros(of_point.len(), width);
             experiment.add_columns(effects, i..i + 1, &mut part);
+            let root = weights.root.rows(of_point.start, of_point.len());
+            part.column_iter_mut().for_each(|mut column| column.component_mul_assign(&root));
             columns.rows_mut(k, of_point.len()).copy_from(&part);
             k += of_point.len();
         }
@@ -137,7 +149,7 @@ fn score(
     experiment: &Experiment,
     instance: &Instance,
     shape: &[f64],
-    rows: &[usize],
+    rows: &Rows<'_>,
     others: &DMatrix<f64>,
     left: &DVector<f64>,
 ) -> f64 {

@@ -59,6 +59,14 @@ impl Identification {
                 NoiseOrigin::Repeats => "repeats",
                 NoiseOrigin::Residual => "residual",
             },
+            "noise_by_run": self.noise_by_run.iter().map(|g| json!({
+                "run": g.run,
+                "instrument": g.instrument.name(),
+                "readings": g.readings,
+                "rms_um": um_from_mm(g.rms_mm),
+                "floor_um": um_from_mm(g.floor_mm),
+                "samples_um": um_from_mm(g.samples_mm),
+            })).collect::<Vec<_>>(),
             "holdout_rms_um": self.holdout_rms_mm().map(um_from_mm),
             "rank": self.rank,
             "condition": self.condition,
@@ -96,6 +104,15 @@ impl fmt::Display for Identification {
         };
         writeln!(f, "residual rms  {:.3} µm", um_from_mm(self.rms_mm))?;
         writeln!(f, "noise         {:.3} µm ({origin})", um_from_mm(self.noise.sigma_mm))?;
+        for g in self.noise_by_run.iter().filter(|_| self.noise_by_run.len() > 1) {
+            let (rms, floor) = (um_from_mm(g.rms_mm), um_from_mm(g.floor_mm));
+            let instrument = g.instrument.name();
+            writeln!(
+                f,
+                "  {}, {instrument}: rms {rms:.3} µm, floor {floor:.3} µm, {} readings",
+                g.run, g.readings
+            )?;
+        }
         if let Some(holdout) = self.holdout {
             let parts = match holdout.left_out {
                 LeftOut::Passes => "passes",

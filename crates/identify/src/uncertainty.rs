@@ -1,6 +1,6 @@
 //! Covariance that knows the residual's structure, and prediction of left-out parts; one pass over the data.
 //!
-//! Classical: C = s² (AᵀA)⁻¹. Cluster-robust: C' = (AᵀA)⁻¹ (Σ_c g_c g_cᵀ) (AᵀA)⁻¹ · m/(m−1), g_c = A_cᵀ r_c over the m clusters
+//! Classical: C = s² (AᵀWA)⁻¹, s² not below the variance that the weights stand for. Cluster-robust: C' = (AᵀA)⁻¹ (Σ_c g_c g_cᵀ) (AᵀA)⁻¹ · m/(m−1), g_c = A_cᵀ r_c over the m clusters
 //! (pass × position of the slow axis). Reported: C with each parameter's row and column widened by
 //! √max(1, C'_jj / C_jj), so a residual that goes in the same direction within a cluster costs what it should, and chance
 //! never narrows anything.
@@ -11,7 +11,8 @@ use crate::design::Design;
 use crate::identification::{Holdout, LeftOut};
 use crate::passes::Passes;
 use crate::settle::Settled;
-use nalgebra::{DMatrix, DVector};
+use crate::weights::Weights;
+use nalgebra::{DMatrix, DMatrixView, DVector, DVectorView};
 
 /// Relative eigenvalue of the kept normal equations below which the kept parts do not see a direction.
 const UNSEEN: f64 = 1e-12;
@@ -21,6 +22,7 @@ pub(crate) struct Sums {
     scores: DMatrix<f64>,
     parts: Vec<Part>,
     left_out: LeftOut,
+    even: bool,
 }
 
 struct Part {
@@ -28,6 +30,25 @@ struct Part {
     score: DVector<f64>,
     squares: f64,
     rows: usize,
+    /// The same without weights, for a held-out error in plain mm; zero when all weights are alike.
+    unweighted: Plain,
+}
+
+struct Plain {
+    gram: DMatrix<f64>,
+    score: DVector<f64>,
+    squares: f64,
+}
+
+impl Plain {
+    fn add(&mut self, a: &DMatrixView<'_, f64>, r: &DVectorView<'_, f64>, root: &DVectorView<'_, f64>) {
+        let mut a = a.clone_owned();
+        a.column_iter_mut().for_each(|mut column| column.component_div_assign(root));
+        let r = r.component_div(root);
+        self.gram.gemm_tr(1.0, &a, &a, 1.0);
+        self.score += a.tr_mul(&r);
+        self.squares += r.norm_squared();
+    }
 }
 
 pub(crate) fn sums(design: &Design<'_>, passes: &Passes, fit: &Settled, used: &[bool]) -> Sums {
@@ -45,6 +66,11 @@ pub(crate) fn sums(design: &Design<'_>, passes: &Passes, fit: &Settled, used: &[
             score: DVector::zeros(width),
             squares: 0.0,
             rows: 0,
+            unweighted: Plain {
+                gram: DMatrix::zeros(width, width),
+                score: DVector::zeros(width),
+                squares: 0.0,
+            },
         })
         .collect();
     design.blocks(&mut |points, rows, columns| {
@@ -61,7 +87,7 @@ pub(crate) fn sums(design: &Design<'_>, passes: &Passes, fit: &Settled, used: &[
             let stretch = design.experiment.rows_of_points(&(start..end));
             if used[start] {
                 let a = chosen.rows(stretch.start - rows.start, stretch.len());
-                let r = fit.residual_mm.rows(stretch.start, stretch.len());
+                let r = fit.weighted_mm.rows(stretch.start, stretch.len());
                 let score = a.tr_mul(&r);
                 let mut of_cluster = scores.column_mut(passes.cluster[start]);
                 of_cluster += &score;
@@ -69,19 +95,22 @@ pub(crate) fn sums(design: &Design<'_>, passes: &Passes, fit: &Settled, used: &[
                 part.gram.gemm_tr(1.0, &a, &a, 1.0);
                 part.score += score;
                 part.squares += r.norm_squared();
+                if !design.weights.even {
+                    part.unweighted.add(&a, &r, &design.weights.root.rows(stretch.start, stretch.len()));
+                }
                 part.rows += stretch.len();
             }
             start = end;
         }
     });
     parts.retain(|part| part.rows > 0);
-    Sums { scores, parts, left_out }
+    Sums { scores, parts, left_out, even: design.weights.even }
 }
 
 /// Covariance of the determined parameters.
-pub(crate) fn covariance(fit: &Settled, sums: &Sums) -> DMatrix<f64> {
+pub(crate) fn covariance(fit: &Settled, sums: &Sums, weights: &Weights) -> DMatrix<f64> {
     let cofactor = fit.solver.cofactor();
-    let classical = &cofactor * (fit.sigma_mm * fit.sigma_mm);
+    let classical = &cofactor * fit.sigma_mm.max(weights.reference_mm).powi(2);
     let clusters = (0..sums.scores.ncols()).filter(|&c| sums.scores.column(c).amax() > 0.0).count();
     if clusters < 2 {
         return classical;
@@ -111,7 +140,13 @@ pub(crate) fn holdout(sums: &Sums) -> Option<Holdout> {
             score += &other.score;
         }
         let change = solve_seen(&gram, &score);
-        let left = part.squares - 2.0 * change.dot(&part.score) + change.dot(&(&part.gram * &change));
+        let plain = &part.unweighted;
+        let (gram, score, of_part) = if sums.even {
+            (&part.gram, &part.score, part.squares)
+        } else {
+            (&plain.gram, &plain.score, plain.squares)
+        };
+        let left = of_part - 2.0 * change.dot(score) + change.dot(&(gram * &change));
         squares += left.max(0.0);
         rows += part.rows;
     }

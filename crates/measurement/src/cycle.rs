@@ -1,9 +1,46 @@
 //! A cycle: the poses to visit and the rules for reading there. `config/cycles/*.toml`.
+//!
+//! ```toml
+//! format = "trunnion-cycle/1"
+//! name = "two-feeds"
+//! machine = "table-bc"
+//! kind = "on-the-fly"                 # or "static" with [[grid]] and [settle]
+//! passes = ["+", "-"]                 # forward and backward; on the fly both when not given
+//!
+//! [[setup]]                           # as in a points file
+//! name = "low"
+//! instrument = "r-test"
+//! nest = "table"
+//! ball_in_table_mm = [150.0, 0.0, 60.0]
+//!
+//! [sweep]
+//! axis = "C"
+//! from_deg = 0
+//! to_deg = 360
+//! feeds_deg_per_min = [1800, 3600]
+//! b_deg = 0
+//!
+//! [rounds]                            # may be left out: once, one setup after the other
+//! count = 3                           # the whole cycle three times
+//! wait_s = 600                        # standing still in between
+//! interleave = true                   # pass by pass through all setups, which all stay mounted
+//!
+//! [bar]                               # may be left out; how a ball bar points from the table's ball to the tool's
+//! direction = [1, 0, 0]
+//! frame = "machine"                   # keeps its direction in the machine, or "table": turns with it
+//! ```
 
-use crate::setup::{Setup, read_setups};
-use trunnion_machine::Machine;
-use trunnion_units::input::{Document, Table};
-use trunnion_units::{AxisLetter, AxisValues, Problems, convert};
+mod read;
+mod visit;
+mod write;
+
+pub use visit::{Pace, VisitError, Visits};
+
+use crate::setup::{InstrumentKind, Setup};
+use nalgebra::{Point3, Unit, Vector3};
+use trunnion_machine::{JointErrors, Machine};
+use trunnion_units::input::Document;
+use trunnion_units::{AxisLetter, AxisValues, Problems};
 
 /// A cycle file, `format = "trunnion-cycle/1"`.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +53,10 @@ pub struct Cycle {
     pub setups: Vec<Setup>,
     /// What is done in each setup.
     pub motion: Motion,
+    /// How often, and in which order of the setups.
+    pub rounds: Rounds,
+    /// Where ball bars point.
+    pub bar: Bar,
 }
 
 /// What a cycle does.
@@ -30,17 +71,60 @@ pub enum Motion {
         /// When a point may be read.
         settle: Settle,
     },
-    /// One rotary axis turning while sampled, both ways.
+    /// One rotary axis turning while sampled.
     OnTheFly {
         /// The turning axis.
         axis: AxisLetter,
         /// First and last angle, rad.
         from_to_rad: (f64, f64),
-        /// Feeds, rad/s; every feed is run forward and back.
+        /// Feeds, rad/s; every feed is run in every pass before the next feed.
         feeds_rad_per_s: Vec<f64>,
+        /// +1: from first to last angle; −1: back.
+        passes: Vec<f64>,
         /// Positions of the other rotary axes, rad.
         others: AxisValues<f64>,
     },
+}
+
+/// How often a cycle is run, and in which order of its setups.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rounds {
+    /// How many times the whole cycle is run.
+    pub count: usize,
+    /// Standing still between two rounds, s.
+    pub wait_s: f64,
+    /// True: pass by pass through all setups, which all stay mounted.
+    pub interleave: bool,
+}
+
+/// Where a ball bar points, from the table-side ball to the spindle-side ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bar {
+    /// Direction in `frame`.
+    pub direction: Unit<Vector3<f64>>,
+    /// What it keeps its direction in while the table turns.
+    pub frame: BarFrame,
+}
+
+/// What a ball bar keeps its direction in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BarFrame {
+    /// The machine: a rotary axis turns alone under the bar [S4: C-X, B-Z, …].
+    Machine,
+    /// The table: the bar turns with it.
+    Table,
+}
+
+impl Default for Rounds {
+    fn default() -> Self {
+        Self { count: 1, wait_s: 0.0, interleave: false }
+    }
+}
+
+impl Default for Bar {
+    fn default() -> Self {
+        Self { direction: Vector3::x_axis(), frame: BarFrame::Machine }
+    }
 }
 
 /// One axis of a grid.
@@ -87,33 +171,87 @@ impl Cycle {
     /// Every problem of the file with its line.
     pub fn parse(file: &str, text: &str) -> Result<Self, Problems> {
         let document = Document::parse(file, text)?;
-        let cycle = read(&document);
+        let cycle = read::read(&document);
         document.finish(cycle)
     }
 
     /// The poses of a static cycle in order; empty for one on the fly. `None` when the machine cannot
     /// follow the ball.
     pub fn poses(&self, machine: &Machine) -> Option<Vec<Pose>> {
-        let Motion::Static { grid, passes, .. } = &self.motion else { return Some(Vec::new()) };
+        let Motion::Static { grid, .. } = &self.motion else { return Some(Vec::new()) };
         let mut poses = Vec::new();
-        for (setup, mounted) in self.setups.iter().enumerate() {
-            for &pass in passes {
-                let mut stations = grid_positions(grid);
-                if pass < 0.0 {
-                    stations.reverse();
+        for leg in self.legs() {
+            let mut stations = grid_positions(grid);
+            if leg.pass < 0.0 {
+                stations.reverse();
+            }
+            for rotary in stations {
+                let position = self.position(machine, leg.setup, &rotary)?;
+                let mut direction = AxisValues::default();
+                for axis in grid {
+                    direction[axis.letter] = leg.pass;
                 }
-                for rotary in stations {
-                    let position = machine.follow(&rotary, &mounted.ball_in_table_mm)?;
-                    let mut direction = AxisValues::default();
-                    for axis in grid {
-                        direction[axis.letter] = pass;
-                    }
-                    poses.push(Pose { setup, position, direction });
-                }
+                poses.push(Pose { setup: leg.setup, position, direction });
             }
         }
         Some(poses)
     }
+
+    /// All axes when the rotary axes stand at `rotary`: the linear axes bring the spindle side to the ball, or a ball bar's
+    /// length away from it. `None` when the machine cannot follow.
+    pub fn position(
+        &self,
+        machine: &Machine,
+        setup: usize,
+        rotary: &AxisValues<f64>,
+    ) -> Option<AxisValues<f64>> {
+        machine.follow(rotary, &self.target_in_table_mm(machine, &self.setups[setup], rotary))
+    }
+
+    fn target_in_table_mm(&self, machine: &Machine, setup: &Setup, rotary: &AxisValues<f64>) -> Point3<f64> {
+        let InstrumentKind::BallBar = setup.instrument else { return setup.ball_in_table_mm };
+        let bar_mm = self.bar.direction.into_inner() * setup.bar_length_mm.unwrap_or_default();
+        let machine_from_table = machine.machine_from_table(rotary, &JointErrors::default()).rotation;
+        match self.bar.frame {
+            BarFrame::Table => setup.ball_in_table_mm + bar_mm,
+            BarFrame::Machine => setup.ball_in_table_mm + machine_from_table.inverse() * bar_mm,
+        }
+    }
+
+    /// Passes of all setups, feeds and rounds in order.
+    fn legs(&self) -> Vec<Leg> {
+        let (passes, feeds) = match &self.motion {
+            Motion::Static { passes, .. } => (passes, 1),
+            Motion::OnTheFly { passes, feeds_rad_per_s, .. } => (passes, feeds_rad_per_s.len()),
+        };
+        let setups = 0..self.setups.len();
+        let of_setup = |round: usize, setup: usize| {
+            (0..feeds).flat_map(move |feed| passes.iter().map(move |&pass| Leg { round, setup, feed, pass }))
+        };
+        let mut legs = Vec::new();
+        for round in 0..self.rounds.count {
+            let one_after_the_other: Vec<Vec<Leg>> =
+                setups.clone().map(|setup| of_setup(round, setup).collect()).collect();
+            if self.rounds.interleave {
+                for k in 0..feeds * passes.len() {
+                    legs.extend(one_after_the_other.iter().map(|legs_of_setup| legs_of_setup[k]));
+                }
+            } else {
+                legs.extend(one_after_the_other.into_iter().flatten());
+            }
+        }
+        legs
+    }
+}
+
+/// One pass of one setup.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Leg {
+    round: usize,
+    setup: usize,
+    /// Index of the feed; 0 at rest.
+    feed: usize,
+    pass: f64,
 }
 
 fn grid_positions(grid: &[GridAxis]) -> Vec<AxisValues<f64>> {
@@ -127,128 +265,5 @@ fn grid_positions(grid: &[GridAxis]) -> Vec<AxisValues<f64>> {
     })
 }
 
-fn read(document: &Document<'_>) -> Option<Cycle> {
-    let root = document.root();
-    let format = root.format("trunnion-cycle/1");
-    let name = root.string("name");
-    let machine = root.string("machine");
-    let setups = read_setups(&root);
-    let motion = match root.one_of("kind", &["static", "on-the-fly"]).as_deref() {
-        Some("static") => read_static(&root),
-        Some("on-the-fly") => read_on_the_fly(&root),
-        _ => None,
-    };
-    root.no_other_keys();
-    format?;
-    Some(Cycle { name: name?, machine: machine?, setups: setups?, motion: motion? })
-}
-
-fn read_static(root: &Table<'_>) -> Option<Motion> {
-    let tables = root.tables("grid");
-    if tables.is_empty() {
-        root.problem("grid", "has no entry", "one [[grid]] for each indexed axis, the slowest first", "");
-    }
-    let grid: Option<Vec<GridAxis>> = tables.iter().map(read_grid_axis).collect();
-    let passes = root.strings("passes").and_then(|names| {
-        let signs: Option<Vec<f64>> = names
-            .iter()
-            .map(|name| ["+", "-"].iter().position(|s| s == name).map(|i| [1.0, -1.0][i]))
-            .collect();
-        if signs.is_none() {
-            root.problem("passes", format!("= {names:?}"), "\"+\" (as written) and \"-\" (backwards)", "");
-        }
-        signs
-    });
-    let settle = root.table("settle").and_then(|table| {
-        let window_s = table.number("window_s", 0.005..=60.0);
-        let drift = table.number("drift_um", 0.01..=1000.0);
-        let noise = table.number("noise_um", 0.01..=1000.0);
-        let standstill_um = table.number("standstill_um", 0.1..=10_000.0);
-        let standstill_deg = table.number("standstill_deg", 0.00001..=1.0);
-        let timeout_s = table.number("timeout_s", 0.05..=3600.0);
-        table.no_other_keys();
-        Some(Settle {
-            window_s: window_s?,
-            drift_mm: convert::mm_from_um(drift?),
-            noise_mm: convert::mm_from_um(noise?),
-            standstill_mm: convert::mm_from_um(standstill_um?),
-            standstill_rad: convert::rad_from_deg(standstill_deg?),
-            timeout_s: timeout_s?,
-        })
-    });
-    let grid = grid.filter(|grid| !grid.is_empty())?;
-    Some(Motion::Static { grid, passes: passes?, settle: settle? })
-}
-
-fn read_grid_axis(table: &Table<'_>) -> Option<GridAxis> {
-    let letter = read_letter(table, "axis");
-    let from = table.number("from_deg", -36_000.0..=36_000.0);
-    let to = table.number("to_deg", -36_000.0..=36_000.0);
-    let step = table.number("step_deg", 0.001..=360.0);
-    table.no_other_keys();
-    let (from, to, step) = (from?, to?, step?);
-    let count = ((to - from) / step + 1e-6).floor();
-    if !(0.0..=100_000.0).contains(&count) {
-        table.problem(
-            "step_deg",
-            format!("gives {count} steps"),
-            "0..=100000 steps from from_deg up to to_deg",
-            "",
-        );
-        return None;
-    }
-    let stations = (0..=count as usize).map(|i| convert::rad_from_deg(from + step * i as f64)).collect();
-    Some(GridAxis { letter: letter?, stations })
-}
-
-fn read_on_the_fly(root: &Table<'_>) -> Option<Motion> {
-    let table = root.table("sweep")?;
-    let axis = read_letter(&table, "axis");
-    let from = table.number("from_deg", -36_000.0..=36_000.0);
-    let to = table.number("to_deg", -36_000.0..=36_000.0);
-    let feeds = table.optional_numbers("feeds_deg_per_min");
-    if feeds.as_ref().is_none_or(|feeds| feeds.is_empty() || feeds.iter().any(|&feed| feed <= 0.0)) {
-        table.problem("feeds_deg_per_min", "is not a list of feeds", "one or more numbers above 0", "");
-    }
-    let mut others = AxisValues::default();
-    for letter in AxisLetter::ROTARY {
-        let key = format!("{}_deg", letter.lower());
-        if let Some(deg) = table.optional_number(&key, -36_000.0..=36_000.0) {
-            others[letter] = convert::rad_from_deg(deg);
-        }
-    }
-    table.no_other_keys();
-    let feeds_rad_per_s = feeds?.into_iter().map(|feed| convert::rad_from_deg(feed) / 60.0).collect();
-    let from_to_rad = (convert::rad_from_deg(from?), convert::rad_from_deg(to?));
-    Some(Motion::OnTheFly { axis: axis?, from_to_rad, feeds_rad_per_s, others })
-}
-
-fn read_letter(table: &Table<'_>, key: &str) -> Option<AxisLetter> {
-    AxisLetter::parse(&table.one_of(key, &["A", "B", "C"])?)
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use trunnion_machine::shipped;
-
-    #[test]
-    fn the_shipped_static_cycle_visits_the_grid_of_oyama_at_two_heights_both_ways() {
-        let cycle =
-            Cycle::parse("s1.toml", include_str!("../../../config/cycles/r-test-static.toml")).unwrap();
-        let poses = cycle.poses(&shipped::machine("table-bc").unwrap()).unwrap();
-        assert_eq!(poses.len(), 2 * 2 * 84);
-        // first pose of the outside data set: B −90, C 0, ball (150, 0, 60) → X −60, Y 0, Z 150
-        let p = poses[0].position;
-        assert!((p[AxisLetter::X] + 60.0).abs() < 1e-9 && (p[AxisLetter::Z] - 150.0).abs() < 1e-9);
-        assert_eq!(poses[84].direction[AxisLetter::C], -1.0);
-    }
-
-    #[test]
-    fn a_broken_cycle_names_line_found_and_allowed() {
-        let text = include_str!("../../../config/cycles/r-test-static.toml")
-            .replace("step_deg = 30", "step_deg = 0");
-        let shown = Cycle::parse("c.toml", &text).unwrap_err().to_string();
-        assert!(shown.contains("step_deg = 0; allowed: 0.001..=360"), "{shown}");
-    }
-}
+mod tests;

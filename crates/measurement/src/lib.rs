@@ -3,6 +3,7 @@
 //! A [`Run`] is what identification works on, whether it was measured live, replayed or imported.
 //! Everything here is plain data; nothing opens a file or asks a clock.
 
+pub mod blocks;
 pub mod cycle;
 pub mod direction;
 mod point;

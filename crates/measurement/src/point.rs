@@ -21,10 +21,20 @@ pub struct Point {
     pub state: State,
     /// Reading in nest axes, mm: x, y, z of the R-test; the first component alone of a ball bar.
     pub reading_mm: [f64; 3],
-    /// Robust spread of the samples behind the reading, mm; zero when unknown.
+    /// Robust spread of the samples behind the reading, mm, for a block on the fly widened by their correlation so that
+    /// spread/√samples is the standard error of the reading; zero when unknown.
     pub spread_mm: [f64; 3],
     /// How many samples are behind it; 0 when imported.
     pub samples: u32,
     /// How far it can be trusted.
     pub quality: Quality,
+}
+
+impl Point {
+    /// Standard error of the reading by what its samples say, mm; zero when unknown. What moves all samples of a
+    /// point alike (drift, positioning) is not in it.
+    pub fn standard_error_mm(&self) -> [f64; 3] {
+        let root = f64::from(self.samples.max(1)).sqrt();
+        self.spread_mm.map(|spread| if spread.is_finite() { spread / root } else { 0.0 })
+    }
 }

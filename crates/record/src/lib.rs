@@ -4,7 +4,7 @@
 //! message, so that a kill loses nothing that was written. [`Recorder::finish`] rewrites it sorted by
 //! acquisition time, chunked, compressed and indexed, reads it back and only then renames it.
 //! [`recover_orphans`] does the same for journals left behind. [`read_run`] and [`visit`] read any of them,
-//! damaged or not. [`points_csv`] and [`export`] are the ways in and out as tables.
+//! damaged or not; [`visit_points`] reads the points alone, however many there are. [`points_csv`] and [`export`] are the ways in and out as tables.
 
 mod container;
 mod error;
@@ -24,6 +24,6 @@ pub use error::RecordError;
 pub use finish::{FinishedFile, recover_orphans};
 pub use handle::{RecordSender, RecorderHandle, RecorderStatus};
 pub use item::{ControllerState, Item, LogLine, RunHeader, Temperature};
-pub use reader::{Damage, Recording, read_run, visit};
+pub use reader::{Damage, OnPoint, Recording, RunStart, read_run, visit, visit_points};
 pub use schema::FILE_DESCRIPTOR_SET;
 pub use writer::{Finished, Recorder, write_run};

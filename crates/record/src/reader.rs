@@ -5,7 +5,7 @@ use crate::error::RecordError;
 use crate::finish::FINISHED_METADATA;
 use crate::item::{ControllerState, Item, LogLine, RunHeader, Temperature};
 use crate::journal::{CONFIG_TEXT, CYCLE_TEXT, MACHINE_TEXT};
-use crate::wire::{Decoded, decode};
+use crate::wire::{Decoded, POINT_SCHEMA, decode};
 use std::collections::HashMap;
 use std::fmt;
 use std::fs::File;
@@ -83,23 +83,10 @@ pub fn read_run(
         true
     })?;
     points.sort_by_key(|(index, _)| *index);
-    let machine = match header.machine() {
-        Some(machine) => machine.map_err(RecordError::Machine)?,
-        None => machine_by_name(&header.machine_name).ok_or_else(|| RecordError::UnknownMachine {
-            path: path.into(),
-            name: header.machine_name.clone(),
-        })?,
-    };
-    let run = Run {
-        name: header.name.clone(),
-        machine,
-        kind: header.kind,
-        setups: header.setups.clone(),
-        channels: header.temperature_channels.clone(),
-        points: points.into_iter().map(|(_, point)| point).collect(),
-    };
+    let start = RunStart { machine: machine_of(path, &header, machine_by_name)?, header };
+    let run = start.run(points.into_iter().map(|(_, point)| point).collect());
     Ok(Recording {
-        header,
+        header: start.header,
         run,
         probe_samples,
         axis_samples,
@@ -110,6 +97,84 @@ pub fn read_run(
         log,
         damage,
     })
+}
+
+/// What is known of a recording before its first point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunStart {
+    /// What was known before the first sample.
+    pub header: RunHeader,
+    /// The machine it was measured on.
+    pub machine: Machine,
+}
+
+impl RunStart {
+    /// The run with these points.
+    pub fn run(&self, points: Vec<Point>) -> Run {
+        Run {
+            name: self.header.name.clone(),
+            machine: self.machine.clone(),
+            kind: self.header.kind,
+            setups: self.header.setups.clone(),
+            channels: self.header.temperature_channels.clone(),
+            points,
+        }
+    }
+}
+
+/// Receives what is known of the recording, the place of a point in the order of the run, and the point.
+pub type OnPoint<'v> = &'v mut dyn FnMut(&RunStart, u64, Point);
+
+/// Hands every point to `on_point` in the order of the file: by time when finished, as taken in a journal. Everything else is passed
+/// over; one chunk is in memory. A point before the header or of a machine nobody knows is never handed out.
+///
+/// # Errors
+/// When the file cannot be opened, has no header, or its machine is unknown. Damage is not an error.
+pub fn visit_points(
+    path: &Path,
+    machine_by_name: &dyn Fn(&str) -> Option<Machine>,
+    on_point: OnPoint<'_>,
+) -> Result<(RunStart, Option<Damage>), RecordError> {
+    let mut start: Option<RunStart> = None;
+    let mut refused = None;
+    let (header, damage) =
+        walk_items(path, &|schema| schema == POINT_SCHEMA, &mut |texts, header, _, _, index, item| {
+            if start.is_none() {
+                let header = header_with(header.clone(), texts);
+                match machine_of(path, &header, machine_by_name) {
+                    Ok(machine) => start = Some(RunStart { header, machine }),
+                    Err(error) => {
+                        refused = Some(error);
+                        return false;
+                    }
+                }
+            }
+            if let (Some(start), Item::Point(point)) = (&start, item) {
+                on_point(start, index, point);
+            }
+            true
+        })?;
+    match (refused, start) {
+        (Some(error), _) => Err(error),
+        (None, Some(start)) => Ok((start, damage)),
+        (None, None) => {
+            Ok((RunStart { machine: machine_of(path, &header, machine_by_name)?, header }, damage))
+        }
+    }
+}
+
+fn machine_of(
+    path: &Path,
+    header: &RunHeader,
+    machine_by_name: &dyn Fn(&str) -> Option<Machine>,
+) -> Result<Machine, RecordError> {
+    match header.machine() {
+        Some(machine) => machine.map_err(RecordError::Machine),
+        None => machine_by_name(&header.machine_name).ok_or_else(|| RecordError::UnknownMachine {
+            path: path.into(),
+            name: header.machine_name.clone(),
+        }),
+    }
 }
 
 /// Hands every item to `on_item` in order of acquisition time (a batch counts with its first sample) until that says
@@ -129,7 +194,7 @@ fn visit_indexed(
     on_item: &mut dyn FnMut(u64, Item) -> bool,
 ) -> Result<(RunHeader, Option<Damage>), RecordError> {
     let mut waiting: Vec<(u64, u64, Item)> = Vec::new();
-    let (header, damage) = visit_in_file_order(path, &mut |sorted, log_time, index, item| {
+    let (header, damage) = walk_items(path, &|_| true, &mut |_, _, sorted, log_time, index, item| {
         if sorted {
             return on_item(index, item);
         }
@@ -145,13 +210,21 @@ fn visit_indexed(
     Ok((header, damage))
 }
 
-type OnItem<'v> = &'v mut dyn FnMut(bool, u64, u64, Item) -> bool;
+type Texts = HashMap<String, String>;
 
-fn visit_in_file_order(path: &Path, on_item: OnItem<'_>) -> Result<(RunHeader, Option<Damage>), RecordError> {
+/// Texts and header read so far, whether the file is sorted, time, place among the points, and the item.
+type OnItem<'v> = &'v mut dyn FnMut(&Texts, &RunHeader, bool, u64, u64, Item) -> bool;
+
+/// Hands the items of the schemas that `wanted` names to `on_item` in the order of the file.
+fn walk_items(
+    path: &Path,
+    wanted: &dyn Fn(&str) -> bool,
+    on_item: OnItem<'_>,
+) -> Result<(RunHeader, Option<Damage>), RecordError> {
     let file = File::open(path).map_err(RecordError::io("open", path))?;
     let bytes = file.metadata().map_err(RecordError::io("look at", path))?.len();
     let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
-    let mut texts: HashMap<String, String> = HashMap::new();
+    let mut texts = Texts::new();
     let (mut header, mut sorted) = (None, false);
     let damage = walk(BufReader::with_capacity(1 << 16, file), bytes, &mut |record| {
         match record {
@@ -170,11 +243,17 @@ fn visit_in_file_order(path: &Path, on_item: OnItem<'_>) -> Result<(RunHeader, O
             Record::Message(message) => {
                 let schema = channels.get(&message.channel_id).and_then(|schema| schemas.get(schema));
                 let schema = schema.ok_or("a message of a channel that is not declared")?;
+                if header.is_some() && !wanted(schema) {
+                    return Ok(true);
+                }
                 match decode(schema, message.data).map_err(|error| error.to_string())? {
                     Decoded::Header(found) => header = header.take().or(Some(found)),
-                    Decoded::Item { index, item } => {
-                        return Ok(on_item(sorted, message.log_time, index, item));
-                    }
+                    Decoded::Item { index, item } => match &header {
+                        Some(header) => {
+                            return Ok(on_item(&texts, header, sorted, message.log_time, index, item));
+                        }
+                        None => return Err("a message before the header of the run".into()),
+                    },
                     Decoded::Skipped => {}
                 }
             }
@@ -182,16 +261,20 @@ fn visit_in_file_order(path: &Path, on_item: OnItem<'_>) -> Result<(RunHeader, O
         Ok(true)
     })
     .map_err(RecordError::io("read", path))?;
-    let mut header: RunHeader = header.ok_or_else(|| RecordError::NotARecording {
+    let header: RunHeader = header.ok_or_else(|| RecordError::NotARecording {
         path: path.into(),
         offset: damage.as_ref().map_or(0, |damage| damage.offset),
         reason: damage.as_ref().map_or("it has no header".into(), |damage| damage.reason.clone()),
     })?;
-    let mut text = |name: &str| texts.remove(name).unwrap_or_default();
+    Ok((header_with(header, &texts), damage))
+}
+
+fn header_with(mut header: RunHeader, texts: &Texts) -> RunHeader {
+    let text = |name: &str| texts.get(name).cloned().unwrap_or_default();
     header.machine_text = text(MACHINE_TEXT);
     header.cycle_text = text(CYCLE_TEXT);
     header.config_text = text(CONFIG_TEXT);
-    Ok((header, damage))
+    header
 }
 
 /// The header, if this is its message.

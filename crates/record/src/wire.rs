@@ -11,6 +11,9 @@ use trunnion_measurement::{
 };
 use trunnion_units::{AxisLetter, AxisValues, HostTime, convert};
 
+/// Name of the message of a point.
+pub const POINT_SCHEMA: &str = "trunnion.Point";
+
 /// What a message is about; each has its MCAP topic and schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Topic {
@@ -55,7 +58,7 @@ impl Topic {
             Self::Run => "trunnion.RunHeader",
             Self::Probe(_) => "trunnion.ProbeBatch",
             Self::Axes => "trunnion.AxisBatch",
-            Self::Point => "trunnion.Point",
+            Self::Point => POINT_SCHEMA,
             Self::Controller => "trunnion.ControllerState",
             Self::Temperature => "trunnion.Temperature",
             Self::Event => "trunnion.Event",
@@ -107,7 +110,7 @@ pub enum WireError {
 pub fn decode(schema: &str, payload: &[u8]) -> Result<Decoded, WireError> {
     let item = match schema {
         "trunnion.RunHeader" => return Ok(Decoded::Header(header_from(pb::RunHeader::decode(payload)?)?)),
-        "trunnion.Point" => {
+        POINT_SCHEMA => {
             let message = pb::Point::decode(payload)?;
             let index = message.index;
             return Ok(Decoded::Item { index, item: Item::Point(point_from(message)?) });

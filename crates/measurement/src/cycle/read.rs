@@ -1,0 +1,165 @@
+//! Reading a cycle file.
+
+use super::{Bar, BarFrame, Cycle, GridAxis, Motion, Rounds, Settle};
+use crate::setup::read_setups;
+use nalgebra::Unit;
+use trunnion_units::input::{Document, Table};
+use trunnion_units::{AxisLetter, AxisValues, convert};
+
+/// Largest angle a cycle file may name, degrees.
+const FARTHEST_DEG: f64 = 36_000.0;
+
+/// The cycle of a document; problems are noted in it.
+pub(super) fn read(document: &Document<'_>) -> Option<Cycle> {
+    let root = document.root();
+    let format = root.format("trunnion-cycle/1");
+    let name = root.string("name");
+    let machine = root.string("machine");
+    let setups = read_setups(&root);
+    let motion = match root.one_of("kind", &["static", "on-the-fly"]).as_deref() {
+        Some("static") => read_static(&root),
+        Some("on-the-fly") => read_on_the_fly(&root),
+        _ => None,
+    };
+    let rounds = root.optional_table("rounds").map_or(Some(Rounds::default()), |table| read_rounds(&table));
+    let bar = root.optional_table("bar").map_or(Some(Bar::default()), |table| read_bar(&table));
+    root.no_other_keys();
+    format?;
+    Some(Cycle {
+        name: name?,
+        machine: machine?,
+        setups: setups?,
+        motion: motion?,
+        rounds: rounds?,
+        bar: bar?,
+    })
+}
+
+fn read_rounds(table: &Table<'_>) -> Option<Rounds> {
+    let once = Rounds::default();
+    let count = match table.has("count") {
+        true => table.number("count", 1.0..=1000.0).map(|count| count as usize),
+        false => Some(once.count),
+    };
+    let wait_s = if table.has("wait_s") { table.number("wait_s", 0.0..=86_400.0) } else { Some(once.wait_s) };
+    let interleave = table.boolean_or("interleave", once.interleave);
+    table.no_other_keys();
+    Some(Rounds { count: count?, wait_s: wait_s?, interleave: interleave? })
+}
+
+fn read_bar(table: &Table<'_>) -> Option<Bar> {
+    let direction = table.vector3("direction");
+    let frame = match table.optional_one_of("frame", &["machine", "table"]).as_deref() {
+        Some("table") => BarFrame::Table,
+        _ => BarFrame::Machine,
+    };
+    table.no_other_keys();
+    let direction = direction?;
+    if direction.norm() < 1e-6 {
+        table.problem("direction", "has no length", "a vector such as [1, 0, 0]", "");
+        return None;
+    }
+    Some(Bar { direction: Unit::new_normalize(direction), frame })
+}
+
+fn read_passes(root: &Table<'_>) -> Option<Vec<f64>> {
+    let names = root.strings("passes")?;
+    let signs: Option<Vec<f64>> =
+        names.iter().map(|name| ["+", "-"].iter().position(|s| s == name).map(|i| [1.0, -1.0][i])).collect();
+    let signs = signs.filter(|signs| !signs.is_empty());
+    if signs.is_none() {
+        root.problem("passes", format!("= {names:?}"), "\"+\" (as written) and \"-\" (backwards)", "");
+    }
+    signs
+}
+
+fn read_static(root: &Table<'_>) -> Option<Motion> {
+    let tables = root.tables("grid");
+    if tables.is_empty() {
+        root.problem("grid", "has no entry", "one [[grid]] for each indexed axis, the slowest first", "");
+    }
+    let grid: Option<Vec<GridAxis>> = tables.iter().map(read_grid_axis).collect();
+    let passes = read_passes(root);
+    let settle = root.table("settle").and_then(|table| {
+        let window_s = table.number("window_s", 0.005..=60.0);
+        let drift = table.number("drift_um", 0.01..=1000.0);
+        let noise = table.number("noise_um", 0.01..=1000.0);
+        let standstill_um = table.number("standstill_um", 0.1..=10_000.0);
+        let standstill_deg = table.number("standstill_deg", 0.00001..=1.0);
+        let timeout_s = table.number("timeout_s", 0.05..=3600.0);
+        table.no_other_keys();
+        Some(Settle {
+            window_s: window_s?,
+            drift_mm: convert::mm_from_um(drift?),
+            noise_mm: convert::mm_from_um(noise?),
+            standstill_mm: convert::mm_from_um(standstill_um?),
+            standstill_rad: convert::rad_from_deg(standstill_deg?),
+            timeout_s: timeout_s?,
+        })
+    });
+    let grid = grid.filter(|grid| !grid.is_empty())?;
+    Some(Motion::Static { grid, passes: passes?, settle: settle? })
+}
+
+fn read_grid_axis(table: &Table<'_>) -> Option<GridAxis> {
+    let letter = read_letter(table, "axis");
+    let stations_deg = if table.has("stations_deg") { read_stations(table) } else { read_steps(table) };
+    table.no_other_keys();
+    let stations = stations_deg?.into_iter().map(convert::rad_from_deg).collect();
+    Some(GridAxis { letter: letter?, stations })
+}
+
+fn read_stations(table: &Table<'_>) -> Option<Vec<f64>> {
+    let stations_deg = table.optional_numbers("stations_deg")?;
+    if stations_deg.is_empty() || stations_deg.iter().any(|deg| deg.abs() > FARTHEST_DEG) {
+        table.problem("stations_deg", "is no list of angles", "one or more numbers in -36000..=36000", "");
+        return None;
+    }
+    Some(stations_deg)
+}
+
+fn read_steps(table: &Table<'_>) -> Option<Vec<f64>> {
+    let from = table.number("from_deg", -FARTHEST_DEG..=FARTHEST_DEG);
+    let to = table.number("to_deg", -FARTHEST_DEG..=FARTHEST_DEG);
+    let step = table.number("step_deg", 0.001..=360.0);
+    let (from, to, step) = (from?, to?, step?);
+    let count = ((to - from) / step + 1e-6).floor();
+    if !(0.0..=100_000.0).contains(&count) {
+        table.problem(
+            "step_deg",
+            format!("gives {count} steps"),
+            "0..=100000 steps from from_deg up to to_deg",
+            "",
+        );
+        return None;
+    }
+    Some((0..=count as usize).map(|i| from + step * i as f64).collect())
+}
+
+fn read_on_the_fly(root: &Table<'_>) -> Option<Motion> {
+    // Forward and back unless the file says otherwise.
+    let passes = if root.has("passes") { read_passes(root) } else { Some(vec![1.0, -1.0]) };
+    let table = root.table("sweep")?;
+    let axis = read_letter(&table, "axis");
+    let from = table.number("from_deg", -FARTHEST_DEG..=FARTHEST_DEG);
+    let to = table.number("to_deg", -FARTHEST_DEG..=FARTHEST_DEG);
+    let feeds = table.optional_numbers("feeds_deg_per_min");
+    if feeds.as_ref().is_none_or(|feeds| feeds.is_empty() || feeds.iter().any(|&feed| feed <= 0.0)) {
+        table.problem("feeds_deg_per_min", "is not a list of feeds", "one or more numbers above 0", "");
+    }
+    let mut others = AxisValues::default();
+    for letter in AxisLetter::ROTARY {
+        let key = format!("{}_deg", letter.lower());
+        if let Some(deg) = table.optional_number(&key, -FARTHEST_DEG..=FARTHEST_DEG) {
+            others[letter] = convert::rad_from_deg(deg);
+        }
+    }
+    table.no_other_keys();
+    let feeds_rad_per_s = feeds?.into_iter().map(|feed| convert::rad_from_deg(feed) / 60.0).collect();
+    let from_to_rad = (convert::rad_from_deg(from?), convert::rad_from_deg(to?));
+    Some(Motion::OnTheFly { axis: axis?, from_to_rad, feeds_rad_per_s, passes: passes?, others })
+}
+
+fn read_letter(table: &Table<'_>, key: &str) -> Option<AxisLetter> {
+    AxisLetter::parse(&table.one_of(key, &["A", "B", "C"])?)
+}
