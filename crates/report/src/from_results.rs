@@ -1,42 +1,156 @@
 //! From results to what is shown: the one place where inside units become screen units and poses become pictures.
 
 use crate::{
-    CompareInput, IdentificationView, Noise, ParameterRow, Place, PointView, SetupView, UnobservableRow,
+    CompareInput, IdentificationView, LadderRow, Noise, ParameterRow, Place, PointView, SetupView, Trial,
+    UnobservableRow,
 };
 use nalgebra::{DVector, Isometry3, Matrix3, UnitQuaternion, Vector3};
-use trunnion_diagnose::Diagnosis;
+use std::collections::HashMap;
+use trunnion_diagnose::views::places as worst_places;
+use trunnion_diagnose::{Diagnosis, Verdict};
+use trunnion_effects::{Model, ModelEffect};
 use trunnion_identify::{Experiment, Identification, NoiseOrigin};
 use trunnion_machine::{JointErrors, Machine};
 use trunnion_measurement::{InstrumentKind, NestSide, Point, RunKind, Setup};
+use trunnion_units::AxisValues;
 use trunnion_units::convert::um_from_mm;
 
 impl CompareInput {
     /// The report of one fit. Label, ladder and losses are the caller's to fill in.
     pub fn new(experiment: &Experiment, fit: &Identification, diagnosis: Option<Diagnosis>) -> Self {
         let mut identification = IdentificationView::from(fit);
-        if let (None, Some(diagnosis)) = (identification.noise.rms_um, &diagnosis) {
-            let noise_um = diagnosis.residual.noise_um;
-            if noise_um > 0.0 {
-                let origin = "the diagnosis, from what stays random in the residual".into();
-                identification.noise = Noise { rms_um: Some(noise_um), origin };
-            }
+        if let Some(noise_um) = diagnosis.as_ref().map(|d| d.residual.noise_um).filter(|um| *um > 0.0) {
+            let repeats = match (identification.noise.rms_um, fit.noise.degrees_of_freedom) {
+                (Some(um), n) => {
+                    format!("; poses measured more than once repeat within {um:.2} µm ({n} repeats)")
+                }
+                (None, _) => "; no pose was measured twice".into(),
+            };
+            let origin = format!("what would be left if nothing were missing{repeats}");
+            identification.noise = Noise { rms_um: Some(noise_um), origin };
         }
+        // Where the diagnosis hears nothing but noise, no place is blamed.
+        let silent = diagnosis.as_ref().is_some_and(|d| d.verdict == Verdict::NoiseFloor);
+        let places = if silent { Vec::new() } else { worst_places(experiment, &fit.residual_mm, &fit.used) };
         Self {
             identification,
             label: String::new(),
             setups: experiment.setups.iter().map(SetupView::from).collect(),
             points: points_of(experiment, &fit.predicted_mm, &fit.used),
+            every: every(experiment),
             on_the_fly: experiment.kinds.contains(&RunKind::OnTheFly),
+            places,
             ladder: Vec::new(),
             diagnosis,
+            trial: None,
             losses: Vec::new(),
         }
     }
 }
 
-/// Points with their place; `predicted_mm` has the rows of the experiment, mm, and `used` one entry a point (points beyond
+impl Trial {
+    /// The fits without and with `entry`, which carries its ladder row; `then` is the diagnosis of the model with it.
+    pub fn new(
+        experiment: &Experiment,
+        entry: &ModelEffect,
+        before: &Identification,
+        after: &Identification,
+        then: Option<Diagnosis>,
+    ) -> Self {
+        let silent = then.as_ref().is_some_and(|d| d.verdict == Verdict::NoiseFloor);
+        let places = |fit: &Identification| worst_places(experiment, &fit.residual_mm, &fit.used);
+        let fits = [before, after];
+        let view = IdentificationView::from(after);
+        let expression = match (&entry.component, &entry.site, &entry.expression) {
+            (Some(component), Some(site), Some(expression)) => format!("{component} at {site}: {expression}"),
+            _ => String::new(),
+        };
+        Self {
+            effect: entry.id.clone(),
+            expression,
+            fit_um: fits.map(|fit| um_from_mm(fit.rms_mm)),
+            holdout_um: fits.map(|fit| fit.holdout_rms_mm().map(um_from_mm)),
+            noise: view.noise,
+            parameters: view.parameters.into_iter().filter(|p| p.effect == entry.id).collect(),
+            moved: entry.ladder.as_ref().map_or(Vec::new(), |row| row.moved.clone()),
+            places: [places(before), if silent { Vec::new() } else { places(after) }],
+            points: fits.map(|fit| points_of(experiment, &fit.predicted_mm, &fit.used)),
+            then,
+        }
+    }
+}
+
+/// The ladder rows that a model carries.
+pub fn ladder_of(model: &Model) -> Vec<LadderRow> {
+    let row = |entry: &ModelEffect| {
+        let ladder = entry.ladder.as_ref()?;
+        Some(LadderRow {
+            effect: entry.id.clone(),
+            date: ladder.date.clone(),
+            run: ladder.run.clone(),
+            fit_before_um: ladder.error_before_um,
+            fit_after_um: ladder.error_after_um,
+            holdout_before_um: ladder.holdout_before_um,
+            holdout_after_um: ladder.holdout_after_um,
+            noise_um: Some(ladder.noise_um),
+            moved: ladder.moved.clone(),
+        })
+    };
+    model.effects.iter().filter_map(row).collect()
+}
+
+/// A direction held by fewer than this share of a setup's points is where passes turn round, not a pass of its own.
+const SMALLEST_PASS: f64 = 0.1;
+
+/// Directions of the rotary axes of each point, those of turning round replaced by those of the pass around them.
+fn pass_directions(experiment: &Experiment) -> Vec<AxisValues<f64>> {
+    let rotary: Vec<_> = experiment.machine().rotary().iter().map(|axis| axis.letter).collect();
+    let points = &experiment.points;
+    let sign = |direction: f64| i8::from(direction > 0.0) - i8::from(direction < 0.0);
+    let group = |i: usize| (experiment.run_of_point[i], points[i].state.setup);
+    let key = |i: usize| {
+        let signs = rotary.iter().map(|&letter| sign(points[i].state.direction[letter]));
+        (group(i), signs.collect::<Vec<_>>())
+    };
+    let (mut of_key, mut of_group) = (HashMap::new(), HashMap::new());
+    for i in 0..points.len() {
+        *of_key.entry(key(i)).or_insert(0.0) += 1.0;
+        *of_group.entry(group(i)).or_insert(0.0) += 1.0;
+    }
+    let is_pass = |i: usize| of_key[&key(i)] >= SMALLEST_PASS * of_group[&group(i)];
+    let mut directions: Vec<_> = points.iter().map(|point| point.state.direction).collect();
+    let mut near = HashMap::new();
+    let mut lone = Vec::new();
+    for i in (0..points.len()).rev() {
+        if is_pass(i) {
+            near.insert(group(i), directions[i]);
+        } else {
+            match near.get(&group(i)) {
+                Some(direction) => directions[i] = *direction,
+                None => lone.push(i),
+            }
+        }
+    }
+    // The last poses of a setup belong to the pass before them.
+    for i in lone {
+        if let Some(before) = (0..i).rev().find(|&k| group(k) == group(i) && is_pass(k)) {
+            directions[i] = directions[before];
+        }
+    }
+    directions
+}
+
+/// Longer runs are drawn by every n-th point.
+const MOST_POINTS: usize = 20_000;
+
+fn every(experiment: &Experiment) -> usize {
+    experiment.points.len().div_ceil(MOST_POINTS).max(1)
+}
+
+/// Points with their place, of long runs every n-th; `predicted_mm` has the rows of the experiment, mm, and `used` one entry a point (points beyond
 /// its end count as used).
 pub fn points_of(experiment: &Experiment, predicted_mm: &DVector<f64>, used: &[bool]) -> Vec<PointView> {
+    let directions = pass_directions(experiment);
     let view = |(i, point): (usize, &Point)| {
         let setup = &experiment.setups[point.state.setup];
         let mut predicted = [0.0; 3];
@@ -47,16 +161,22 @@ pub fn points_of(experiment: &Experiment, predicted_mm: &DVector<f64>, used: &[b
         PointView {
             setup: point.state.setup,
             position: point.state.position,
-            direction: point.state.direction,
+            direction: directions[i],
             time_s: point.state.time_s,
             measured_mm: point.reading_mm,
             predicted_mm: predicted,
+            table_from_machine: rotation(
+                &experiment
+                    .machine()
+                    .machine_from_table(&point.state.position, &JointErrors::default())
+                    .inverse(),
+            ),
             outlier: !used.get(i).copied().unwrap_or(true),
             in_machine,
             in_table_plane,
         }
     };
-    experiment.points.iter().enumerate().map(view).collect()
+    experiment.points.iter().enumerate().step_by(every(experiment)).map(view).collect()
 }
 
 /// Place of the table-side ball or nest in machine axes and in the axes that carry the turning table.

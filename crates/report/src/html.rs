@@ -1,16 +1,19 @@
-//! The compare report as one self-contained HTML page.
+//! The compare report as one self-contained HTML page, told from the verdict down to the tables.
 
-mod diagnosis;
+mod candidates;
 mod ladder;
 mod maps;
 mod parameters;
+mod places;
 mod polars;
 mod positions;
 mod summary;
+mod sure;
 mod sweeps;
+mod trial;
 
-use crate::CompareInput;
 use crate::markup::{element, escape};
+use crate::{CompareInput, LadderRow, Trial};
 
 const STYLE: &str = include_str!("html/style.css");
 
@@ -18,7 +21,9 @@ const STYLE: &str = include_str!("html/style.css");
 pub fn compare_html(input: &CompareInput) -> String {
     let sections = [
         summary::section(input),
-        diagnosis::section(input),
+        places::section(input),
+        candidates::section(input),
+        sure::section(input),
         ladder::section(input),
         maps::section(input),
         sweeps::section(input),
@@ -27,14 +32,33 @@ pub fn compare_html(input: &CompareInput) -> String {
         parameters::section(input),
         losses(input),
     ];
-    let title = format!("Trunnion report: {}", input.identification.machine);
+    page(&format!("Trunnion report: {}", input.identification.machine), &sections.concat())
+}
+
+/// One page on what one effect would do: the residual before and after, on one colour scale.
+pub fn trial_html(input: &CompareInput, trial: &Trial) -> String {
+    let title = format!("Trunnion: {} on trial on {}", trial.effect, input.identification.machine);
+    let sections = [trial::headline(input, trial), trial::places(trial), trial::all_maps(input, trial)];
+    page(&title, &(sections.concat() + &trial::tables(trial)))
+}
+
+/// The ladder of a model alone.
+pub fn ladder_html(machine: &str, rows: &[LadderRow]) -> String {
+    let input = CompareInput { ladder: rows.to_vec(), ..CompareInput::default() };
+    let section = match rows.is_empty() {
+        true => element("p", "No effect was added to this model yet."),
+        false => ladder::section(&input),
+    };
+    page(&format!("Trunnion ladder: {machine}"), &format!("<h1>Machine {}</h1>\n{section}", escape(machine)))
+}
+
+fn page(title: &str, sections: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
          <meta name=\"color-scheme\" content=\"light dark\"/><title>{}</title>\n<style>\n{STYLE}</style></head>\n\
-         <body><main>\n{}</main></body></html>\n",
-        escape(&title),
-        sections.concat(),
+         <body><main>\n{sections}</main></body></html>\n",
+        escape(title),
     )
 }
 

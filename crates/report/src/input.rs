@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 use trunnion_diagnose::Diagnosis;
+use trunnion_diagnose::views::Place as WorstPlace;
+use trunnion_effects::Moved;
 use trunnion_units::AxisValues;
 
 /// Everything the compare report shows. Empty lists and `None` leave their section out or say what is missing.
@@ -15,14 +17,45 @@ pub struct CompareInput {
     pub setups: Vec<SetupView>,
     /// Points in the order they were taken.
     pub points: Vec<PointView>,
+    /// Of long runs only every n-th point is in `points`; 1 or 0: all are.
+    pub every: usize,
     /// True when the points were sampled while an axis turned.
     pub on_the_fly: bool,
+    /// Where the model fails most, worst first; empty when no place stands out of the noise.
+    pub places: Vec<WorstPlace>,
     /// The list of effects added, with the error after each.
     pub ladder: Vec<LadderRow>,
     /// Which effect is missing, when that was asked.
     pub diagnosis: Option<Diagnosis>,
+    /// The best candidate, or the one a user asked for, put in for a trial.
+    pub trial: Option<Trial>,
     /// What is missing from the recording, one sentence each (gaps, damaged parts, points never settled).
     pub losses: Vec<String>,
+}
+
+/// An effect put into the model for a trial: the fits without and with it.
+#[derive(Clone, Debug, Default)]
+pub struct Trial {
+    /// Effect id.
+    pub effect: String,
+    /// `dz at axis:B: k*sin(2*B)` for a formula; empty otherwise.
+    pub expression: String,
+    /// Residual of the fit without and with it, µm rms.
+    pub fit_um: [f64; 2],
+    /// Held-out residual without and with it, µm rms.
+    pub holdout_um: [Option<f64>; 2],
+    /// The noise floor.
+    pub noise: Noise,
+    /// Parameters of the effect.
+    pub parameters: Vec<ParameterRow>,
+    /// Parameters of the other effects that move when it comes in.
+    pub moved: Vec<Moved>,
+    /// Where the model fails most, without and with it.
+    pub places: [Vec<WorstPlace>; 2],
+    /// Points as predicted without and with it.
+    pub points: [Vec<PointView>; 2],
+    /// What the diagnosis says of the model with it.
+    pub then: Option<Diagnosis>,
 }
 
 /// A fit as people read it.
@@ -103,7 +136,8 @@ pub struct PointView {
     pub setup: usize,
     /// Commanded axis positions, mm and rad.
     pub position: AxisValues<f64>,
-    /// Direction of each axis: −1, 0 (unknown), +1.
+    /// Direction of each axis in the pass that the point belongs to: −1, 0 (unknown), +1. Where a pass turns round, the
+    /// few poses approached from the other side stay with it.
     pub direction: AxisValues<f64>,
     /// Seconds since the run began.
     pub time_s: Option<f64>,
@@ -117,6 +151,8 @@ pub struct PointView {
     pub in_machine: Place,
     /// The same in the axes of the part that carries the turning axis, Z along that axis: the table plane is its XY plane.
     pub in_table_plane: Place,
+    /// Rotation from machine to table axes.
+    pub table_from_machine: Matrix3<f64>,
 }
 
 /// A commanded place, and how a reading moves it: `actual = commanded + shift_from_reading · reading`.
@@ -145,13 +181,20 @@ pub struct LadderRow {
     pub holdout_before_um: Option<f64>,
     /// Held-out residual after, µm rms.
     pub holdout_after_um: Option<f64>,
-    /// How far the location error that moved most went when the effect came in: name, change, unit.
-    pub largest_location_change: Option<(String, f64, String)>,
+    /// Noise floor at this step, µm rms.
+    pub noise_um: Option<f64>,
+    /// Parameters of the effects before it that moved when it came in, most moved first.
+    pub moved: Vec<Moved>,
 }
 
 impl PointView {
     /// `measured − predicted`, nest axes, mm.
     pub fn residual_mm(&self) -> Vector3<f64> {
         Vector3::from(self.measured_mm) - Vector3::from(self.predicted_mm)
+    }
+
+    /// The residual as motion of the tool against the table, machine axes, mm; for instruments of three components.
+    pub fn tool_residual_mm(&self) -> Vector3<f64> {
+        -(self.in_machine.shift_from_reading * self.residual_mm())
     }
 }

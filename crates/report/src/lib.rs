@@ -13,10 +13,10 @@ mod text;
 mod views;
 mod words;
 
-pub use from_results::points_of;
-pub use html::compare_html;
+pub use from_results::{ladder_of, points_of};
+pub use html::{compare_html, ladder_html, trial_html};
 pub use input::{
-    CompareInput, IdentificationView, LadderRow, Noise, ParameterRow, Place, PointView, SetupView,
+    CompareInput, IdentificationView, LadderRow, Noise, ParameterRow, Place, PointView, SetupView, Trial,
     UnobservableRow,
 };
-pub use text::{compare_text, diagnosis_text, identification_text, ladder_text};
+pub use text::{compare_text, diagnosis_text, identification_text, ladder_text, trial_text};

@@ -5,6 +5,9 @@ pub const MISSING: &str = "—";
 
 /// Unit on screen for the ASCII unit of files, e.g. `µm` for `um`.
 pub fn unit_on_screen(unit: &str) -> String {
+    if unit == "1" {
+        return String::new();
+    }
     unit.replace("urad", "µrad").replace("um", "µm").replace("degC", "°C").replace("^2", "²")
 }
 
@@ -63,8 +66,8 @@ pub fn value_and_u(value: Option<f64>, u: Option<f64>, unit: &str) -> (String, S
         (Some(value), Some(u)) if value.is_finite() && u.is_finite() && u > 0.0 => {
             let decimals = (1.0 - u.log10().floor()).clamp(0.0, 6.0) as usize;
             (
-                format!("{} {unit_text}", minus(format!("{value:.decimals$}"))),
-                format!("{u:.decimals$} {unit_text}"),
+                format!("{} {unit_text}", minus(format!("{value:.decimals$}"))).trim_end().into(),
+                format!("{u:.decimals$} {unit_text}").trim_end().into(),
             )
         }
         (Some(value), _) => (with_unit(value, unit), MISSING.into()),
@@ -106,6 +109,7 @@ mod tests {
         assert_eq!(degrees(-0.0), "0°");
         assert_eq!(value_and_u(Some(13.5975), Some(0.213), "um"), ("13.60 µm".into(), "0.21 µm".into()));
         assert_eq!(value_and_u(None, None, "um").0, "cannot be seen");
+        assert_eq!(value_and_u(Some(3.0), None, "1").0, "3.00");
         assert_eq!(signed(-0.04, 1), "0.0");
         assert_eq!(signed(2.25, 1), "+2.2");
     }

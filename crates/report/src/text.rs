@@ -1,14 +1,25 @@
 //! Tables for the terminal: aligned columns, no colours, no line drawing beyond plain bars.
 
-use crate::number::{percent, um, um_or_dash, value_and_u, with_unit};
-use crate::views::{cuts, worst_places};
-use crate::words::{candidate_figures, effect_name, explanation, headline, verdict_sentence};
-use crate::{CompareInput, IdentificationView, LadderRow, Noise};
+mod ladder;
+
+pub use ladder::ladder_text;
+
+use crate::number::{percent, plain, um, um_or_dash, unit_on_screen, value_and_u};
+use crate::views::cuts;
+use crate::words::{
+    beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, headline, trial_verdict,
+    verdict,
+};
+use crate::{CompareInput, IdentificationView, Noise, ParameterRow, Trial};
 use std::iter::once;
-use trunnion_diagnose::Diagnosis;
+use trunnion_diagnose::views::Place;
+use trunnion_diagnose::{Candidate, Diagnosis, FormulaProposal};
+use trunnion_effects::Moved;
 
 /// Longest bar, characters.
 const BAR: f64 = 30.0;
+/// Widest paragraph, characters.
+const LINE: usize = 100;
 
 /// Fit, parameters with uncertainty, and what cannot be told apart.
 pub fn identification_text(view: &IdentificationView) -> String {
@@ -24,12 +35,7 @@ pub fn identification_text(view: &IdentificationView) -> String {
         &[],
     );
     out += "\n";
-    let head = ["parameter", "value", "u", "effect", "remark"].map(String::from).to_vec();
-    let rows = view.parameters.iter().map(|p| {
-        let (value, u) = value_and_u(p.value, p.u, &p.unit);
-        vec![p.name.clone(), value, u, p.effect.clone(), p.note.clone()]
-    });
-    out += &columns(&once(head).chain(rows).collect::<Vec<_>>(), &[1, 2]);
+    out += &parameters(&view.parameters);
     if !view.unobservable.is_empty() {
         out += "\nWhat these readings cannot tell apart\n";
         for row in &view.unobservable {
@@ -39,16 +45,12 @@ pub fn identification_text(view: &IdentificationView) -> String {
     out
 }
 
-/// Where the model fails: residual by axis position, direction, setup, time and component.
+/// What is wrong, where the model fails most, and the residual by component, axis position, direction, setup and time.
 pub fn compare_text(input: &CompareInput) -> String {
-    let mut out = format!("{}\n\n", clean(&headline(input)));
-    let places = worst_places(input);
-    if !places.is_empty() {
-        out += "Where the model fails most\n";
-        for (i, place) in places.iter().enumerate() {
-            out += &format!("  {}. {}\n", i + 1, clean(place));
-        }
-    }
+    let mut out = format!("{}\n", clean(&headline(input)));
+    out += &paragraph(&verdict(input).join(" "));
+    out += "\nWhere the model fails most\n";
+    out += &places(&input.places);
     let cuts = cuts(input);
     let groups = cuts.iter().flat_map(|(_, groups)| groups);
     let largest = groups.map(|group| group.rms_um).filter(|r| r.is_finite()).fold(0.0, f64::max);
@@ -68,11 +70,55 @@ pub fn compare_text(input: &CompareInput) -> String {
     out
 }
 
+/// What an effect put in for a trial does.
+pub fn trial_text(trial: &Trial) -> String {
+    let mut out = format!("Trying {}; the model file stays as it is\n", clean(&effect_name(&trial.effect)));
+    if !trial.expression.is_empty() {
+        out += &format!("  {}\n", clean(&trial.expression));
+    }
+    out += &paragraph(&trial_verdict(trial));
+    let largest = trial.fit_um.into_iter().chain(trial.holdout_um.into_iter().flatten()).fold(0.0, f64::max);
+    let row = |name: &str, value: Option<f64>| {
+        vec![name.into(), um_or_dash(value), value.map_or(String::new(), |value| bar(value, largest))]
+    };
+    out += "\n";
+    out += &columns(
+        &[
+            row("fit before", Some(trial.fit_um[0])),
+            row("fit after", Some(trial.fit_um[1])),
+            row("held-out before", trial.holdout_um[0]),
+            row("held-out after", trial.holdout_um[1]),
+            row("noise floor", trial.noise.rms_um),
+        ],
+        &[1],
+    );
+    for (when, list) in [("before", &trial.places[0]), ("after", &trial.places[1])] {
+        out += &format!("\nWhere the model fails most, {when}\n");
+        out += &places(list);
+    }
+    out += "\n";
+    out += &parameters(&trial.parameters);
+    let moved: Vec<Moved> = trial.moved.iter().filter(|m| m.in_u() > 2.0).cloned().collect();
+    if moved.is_empty() {
+        out += "\nNo other parameter moves by more than 2 u.\n";
+    } else {
+        out += "\nOther parameters that it moves by more than 2 u\n";
+        out += &moved_table(&moved);
+    }
+    out
+}
+
 /// Verdict, candidates, formula and what to measure next.
 pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
+    let input = CompareInput { diagnosis: Some(diagnosis.clone()), ..CompareInput::default() };
     let residual = &diagnosis.residual;
-    let mut out = format!("{}\n", clean(&verdict_sentence(diagnosis, residual.rms_um)));
-    out += &format!("Above the noise: {} of the mean square.\n", percent(residual.unexplained_fraction));
+    let mut out = format!("{}\n", clean(&headline(&input)));
+    out += &format!(
+        "{} rms left, noise floor {}: {} of the mean square is above the noise.\n",
+        um(residual.rms_um),
+        um(residual.noise_um),
+        percent(residual.unexplained_fraction)
+    );
     if !diagnosis.candidates.is_empty() {
         out += "\n";
         let head = ["candidate", "evidence", "error after", "held-out", "explains", "enough", "alike here"];
@@ -90,73 +136,91 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
         let rows: Vec<_> = once(head.map(String::from).to_vec()).chain(rows).collect();
         out += &columns(&rows, &[1, 2, 3, 4]);
     }
-    if let Some(best) = diagnosis.candidates.first() {
-        out += &format!(
-            "\n{}\n  {}\n  {}\n",
-            effect_name(&best.effect),
-            clean(&best.why),
-            candidate_figures(best)
-        );
-        for (label, text) in explanation(&best.effect) {
-            out += &format!("  {label}: {text}\n");
-        }
-        for p in &best.parameters {
-            let (value, u) = value_and_u(p.value, p.u, &p.unit);
-            out += &format!("  {} = {value}, u = {u}\n", clean(&p.name));
-        }
-        if !best.confused_with.is_empty() {
-            out += &format!(
-                "  Cannot well be told from {}. To separate them: {}\n",
-                clean(&best.confused_with.join(", ")),
-                clean(&best.separate_by)
-            );
-        }
-    }
-    if let Some(formula) = &diagnosis.formula {
-        out += &format!(
-            "\nformula:{} at {}, {}\n  {}\n  it lives {}; leaves {}, explains {}\n",
-            clean(&formula.name),
-            clean(&formula.site),
-            clean(&formula.component),
-            clean(&formula.expression),
-            clean(&formula.lives),
-            um(formula.rms_um_after),
-            percent(formula.explains_fraction)
-        );
-    }
-    if let Some(next) = &diagnosis.next_cycle {
-        out += &format!("\nMeasure next: {}\n", clean(&next.suggestion));
+    let formula = diagnosis.formula.as_ref().map_or(String::new(), formula);
+    let best = diagnosis.candidates.first().map_or(String::new(), best_candidate);
+    out += &if formula_leads(diagnosis) {
+        format!("{formula}\nThe named effect closest to it:{best}")
+    } else {
+        best + &formula
+    };
+    let said = diagnosis.candidates.first().map_or("", |best| best.separate_by.as_str());
+    if let Some(next) = diagnosis.next_cycle.as_ref().filter(|next| next.suggestion != said) {
+        out += &paragraph(&format!("Measure next: {}", next.suggestion));
     }
     for (words, ids) in
         [("This cycle cannot show", &diagnosis.not_visible), ("Out of reach", &diagnosis.out_of_reach)]
     {
         if !ids.is_empty() {
-            out += &format!("\n{words}: {}\n", clean(&ids.join(", ")));
+            out += &format!("\n{}", paragraph(&format!("{words}: {}", ids.join(", "))));
         }
     }
     out
 }
 
-/// The ladder as a table with bars; `noise_um` is the noise floor where known.
-pub fn ladder_text(rows: &[LadderRow], noise_um: Option<f64>) -> String {
-    let Some(first) = rows.first() else { return "No effect was added to this model yet.\n".into() };
-    let fits = rows.iter().map(|row| row.fit_after_um).chain(once(first.fit_before_um)).chain(noise_um);
-    let largest = fits.filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let mut table = vec![["added", "fit", "held-out", "", "moved most"].map(String::from).to_vec()];
-    let step = |name: String, fit_um: f64, holdout_um: Option<f64>, moved: String| {
-        vec![name, um(fit_um), um_or_dash(holdout_um), bar(fit_um, largest), moved]
+fn formula(formula: &FormulaProposal) -> String {
+    format!("\nformula:{} ({} at {})\n", formula.name, formula.component, formula.site)
+        + &format!("  {}\n", clean(&formula.expression))
+        + &paragraph(&format!(
+            "It is a {}; it leaves {} and explains {}. {}.",
+            formula.lives,
+            um(formula.rms_um_after),
+            percent(formula.explains_fraction),
+            evidence_words(formula.evidence)
+        ))
+}
+
+fn best_candidate(best: &Candidate) -> String {
+    let mut out = format!("\n{}\n", effect_name(&best.effect));
+    for (label, text) in explanation(&best.effect) {
+        out += &paragraph(&format!("{label}: {text}"));
+    }
+    out += &paragraph(&format!("{}. {}", evidence_words(best.evidence), beyond_catalogue(best)));
+    for p in &best.parameters {
+        let (value, u) = value_and_u(p.value, p.u, &p.unit);
+        out += &format!("  {} = {value}, u = {u}\n", clean(&p.name));
+    }
+    if !best.confused_with.is_empty() {
+        out += &paragraph(&format!(
+            "Cannot well be told from {}. To separate them: {}",
+            best.confused_with.join(", "),
+            best.separate_by
+        ));
+    }
+    out
+}
+
+fn parameters(rows: &[ParameterRow]) -> String {
+    let head = ["parameter", "value", "u", "effect", "remark"].map(String::from).to_vec();
+    let rows = rows.iter().map(|p| {
+        let (value, u) = value_and_u(p.value, p.u, &p.unit);
+        vec![p.name.clone(), value, u, p.effect.clone(), p.note.clone()]
+    });
+    columns(&once(head).chain(rows).collect::<Vec<_>>(), &[1, 2])
+}
+
+/// Parameters that moved, most moved first.
+fn moved_table(moved: &[Moved]) -> String {
+    let mut rows = vec![["parameter", "before", "after", "", "moved by"].map(String::from).to_vec()];
+    rows.extend(moved.iter().map(|m| {
+        vec![
+            m.name.clone(),
+            plain(m.before),
+            plain(m.after),
+            unit_on_screen(&m.unit),
+            format!("{:.1} u", m.in_u()),
+        ]
+    }));
+    columns(&rows, &[1, 2, 4])
+}
+
+fn places(places: &[Place]) -> String {
+    if places.is_empty() {
+        return "  No place stands out of the noise.\n".into();
+    }
+    let line = |(i, place): (usize, &Place)| {
+        format!("  {}. {}; {} of the error left\n", i + 1, clean(&place.to_string()), percent(place.share))
     };
-    table.push(step("(before)".into(), first.fit_before_um, first.holdout_before_um, String::new()));
-    for row in rows {
-        let moved = row.largest_location_change.as_ref();
-        let moved =
-            moved.map_or(String::new(), |(name, by, unit)| format!("{name} {}", with_unit(*by, unit)));
-        table.push(step(format!("+ {}", row.effect), row.fit_after_um, row.holdout_after_um, moved));
-    }
-    if let Some(noise_um) = noise_um {
-        table.push(step("(noise floor)".into(), noise_um, None, String::new()));
-    }
-    columns(&table, &[1, 2])
+    places.iter().enumerate().map(line).collect()
 }
 
 fn noise(noise: &Noise) -> String {
@@ -169,6 +233,23 @@ fn noise(noise: &Noise) -> String {
 fn bar(value: f64, largest: f64) -> String {
     let share = value / largest;
     if share.is_finite() { "#".repeat((share * BAR).round().clamp(0.0, BAR) as usize) } else { String::new() }
+}
+
+/// Indented lines of at most [`LINE`] characters.
+fn paragraph(text: &str) -> String {
+    let mut out = String::new();
+    let mut line = String::new();
+    for word in clean(text).split_whitespace() {
+        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > LINE - 2 {
+            out += &format!("  {line}\n");
+            line.clear();
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line += word;
+    }
+    if line.is_empty() { out } else { out + &format!("  {line}\n") }
 }
 
 /// Columns two blanks apart; those in `right` are aligned right.

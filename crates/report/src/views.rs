@@ -2,7 +2,7 @@
 //!
 //! A point set aside by the fit, and any value that is not finite, is left out of every figure here.
 
-use crate::number::{degrees, um};
+use crate::number::degrees;
 use crate::{CompareInput, PointView};
 use trunnion_units::AxisLetter;
 use trunnion_units::convert::{rad_from_deg, um_from_mm};
@@ -69,17 +69,27 @@ pub fn at_station(point: &PointView, letter: AxisLetter, station_rad: f64, stati
     -gap / 2.0 <= offset && offset < gap / 2.0
 }
 
-/// Residual components of a point, µm, with the component's index; nothing for a point set aside.
+/// Residual components of a point, µm, with the component's index: motion of the tool against the table in machine axes where
+/// the instrument reads three components, else as read; nothing for a point set aside.
 pub fn residuals_um<'a>(
     input: &'a CompareInput,
     point: &'a PointView,
 ) -> impl Iterator<Item = (usize, f64)> + 'a {
-    let components = input.setups.get(point.setup).map_or(0, |setup| setup.components.len());
-    let residual = point.residual_mm();
-    (0..components.min(3))
+    let components = components(input, point.setup).len();
+    let residual = if components == 3 { point.tool_residual_mm() } else { point.residual_mm() };
+    (0..components)
         .filter(|_| !point.outlier)
         .map(move |k| (k, um_from_mm(residual[k])))
         .filter(|(_, r)| r.is_finite())
+}
+
+/// Names of the components of [`residuals_um`].
+pub fn components(input: &CompareInput, setup: usize) -> Vec<&str> {
+    match input.setups.get(setup).map(|setup| &setup.components) {
+        Some(names) if names.len() == 3 => vec!["X", "Y", "Z"],
+        Some(names) => names.iter().take(3).map(String::as_str).collect(),
+        None => Vec::new(),
+    }
 }
 
 /// Root mean square per component, µm; NaN of nothing.
@@ -100,11 +110,11 @@ pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Names of the components in the order they first appear in the setups.
-pub fn component_names(input: &CompareInput) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for name in input.setups.iter().flat_map(|setup| &setup.components) {
-        if !names.contains(name) {
-            names.push(name.clone());
+pub fn component_names(input: &CompareInput) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for name in (0..input.setups.len()).flat_map(|setup| components(input, setup)) {
+        if !names.contains(&name) {
+            names.push(name);
         }
     }
     names
@@ -112,7 +122,7 @@ pub fn component_names(input: &CompareInput) -> Vec<String> {
 
 /// Name of component `k` of the setup of `point`.
 pub fn component_name<'a>(input: &'a CompareInput, point: &PointView, k: usize) -> &'a str {
-    input.setups.get(point.setup).and_then(|s| s.components.get(k)).map_or("?", String::as_str)
+    components(input, point.setup).get(k).copied().unwrap_or("?")
 }
 
 /// Directions of travel that occur, as signs of the tilting and the turning axis.
@@ -162,11 +172,12 @@ pub fn cuts(input: &CompareInput) -> Vec<(String, Vec<Group>)> {
     };
     let mut cuts = Vec::new();
     let names = component_names(input);
-    let by_component = |name: &String| {
-        let named = |p: &PointView, k: usize| component_name(input, p, k) == name;
-        let of_point = |p| residuals_um(input, p).filter(move |(k, _)| named(p, *k)).map(|(_, r)| r);
+    let by_component = |name: &&str| {
+        let named = |p: &PointView, k: usize| component_name(input, p, k) == *name;
+        let of_point =
+            |p| residuals_um(input, p).filter(|(k, _)| named(p, *k)).map(|(_, r)| r).collect::<Vec<_>>();
         let values: Vec<f64> = input.points.iter().flat_map(of_point).collect();
-        Group { name: name.clone(), points: values.len(), rms_um: rms(values.into_iter()) }
+        Group { name: name.to_string(), points: values.len(), rms_um: rms(values.into_iter()) }
     };
     cuts.push(("component".into(), names.iter().map(by_component).collect()));
     for letter in [axes.tilting, axes.turning].into_iter().flatten() {
@@ -201,65 +212,12 @@ pub fn time_range_s(input: &CompareInput) -> Option<(f64, f64)> {
     (last > first).then_some((first, last))
 }
 
-/// The three places where the model fails most, in words, worst first.
-pub fn worst_places(input: &CompareInput) -> Vec<String> {
-    let axes = Axes::of(&input.points);
-    let letter = axes.tilting.or(axes.turning);
-    let stations = letter.map_or(Vec::new(), |letter| stations(&input.points, letter));
-    let mut places: Vec<(f64, String)> = Vec::new();
-    for setup in 0..input.setups.len() {
-        for &station in if stations.is_empty() { &[0.0][..] } else { &stations[..] } {
-            let here = |p: &&PointView| {
-                let at = letter.is_none_or(|l| at_station(p, l, station, &stations));
-                p.setup == setup && at && !p.outlier
-            };
-            let size = rms_um(input, input.points.iter().filter(here));
-            if size.is_finite() {
-                let place = letter.map_or(String::new(), |l| format!("at {l} = {}, ", degrees(station)));
-                let points: Vec<_> = input.points.iter().filter(here).collect();
-                let words = shape_in_words(input, &points, axes);
-                let name = &input.setups[setup].name;
-                places.push((size, format!("{place}setup {name}: {} rms; {words}.", um(size))));
-            }
-        }
-    }
-    places.sort_by(|a, b| b.0.total_cmp(&a.0));
-    places.into_iter().take(3).map(|(_, words)| uppercase_first(&words)).collect()
-}
+/// Longer series are drawn as means of neighbours.
+const MOST_MARKS: usize = 500;
 
-/// Which component, which sign, and whether it turns over with direction.
-fn shape_in_words(input: &CompareInput, points: &[&PointView], axes: Axes) -> String {
-    let values = |k: usize, keep: &dyn Fn(&PointView) -> bool| -> Vec<f64> {
-        let kept = points.iter().filter(|p| keep(p));
-        kept.flat_map(|p| residuals_um(input, p)).filter(|(j, _)| *j == k).map(|(_, r)| r).collect()
-    };
-    let size = |k: usize| rms(values(k, &|_| true).into_iter());
-    let Some(largest) = (0..3).filter(|&k| size(k).is_finite()).max_by(|&a, &b| size(a).total_cmp(&size(b)))
-    else {
-        return "nothing readable".into();
-    };
-    let name = points.first().map_or("?", |p| component_name(input, p, largest));
-    let overall = mean(values(largest, &|_| true).into_iter());
-    let one_way = |s: i8| mean(values(largest, &|p| direction(p, axes)[1] == s).into_iter());
-    let (forward, back) = (one_way(1), one_way(-1));
-    let head = format!("largest along {name} ({} rms)", um(size(largest)));
-    if (forward - back).abs() > size(largest) && forward * back < 0.0 {
-        return format!("{head}, and it changes sign with the direction of travel");
-    }
-    if overall.abs() > 0.7 * size(largest) {
-        let side = if overall > 0.0 { "above" } else { "below" };
-        return format!(
-            "{head}, the reading lies {} {side} the prediction nearly everywhere",
-            um(overall.abs())
-        );
-    }
-    match axes.turning {
-        Some(turning) if axes.tilting.is_some() => format!("{head}, changing with {turning}"),
-        _ => head,
-    }
-}
-
-fn uppercase_first(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
+/// At most [`MOST_MARKS`] places, neighbours taken together.
+pub fn thinned(places: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let together = places.len().div_ceil(MOST_MARKS).max(1);
+    let middle = |chunk: &[(f64, f64)]| (mean(chunk.iter().map(|p| p.0)), mean(chunk.iter().map(|p| p.1)));
+    places.chunks(together).map(middle).collect()
 }

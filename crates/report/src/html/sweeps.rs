@@ -4,12 +4,9 @@ use crate::CompareInput;
 use crate::markup::escape;
 use crate::number::um;
 use crate::svg::{Mark, Series, XyChart, nice_above, xy_chart};
-use crate::views::{Axes, component_name, component_names, direction, mean, residuals_um, time_range_s};
+use crate::views::{Axes, component_name, component_names, direction, residuals_um, thinned, time_range_s};
 use trunnion_units::AxisLetter;
 use trunnion_units::convert::{deg_from_rad, s_from_min};
-
-/// Longer series are shown as means of neighbours.
-const MOST_MARKS: usize = 500;
 
 pub fn section(input: &CompareInput) -> String {
     over_turning_axis(input) + &over_time(input)
@@ -83,10 +80,4 @@ fn charts(
         html += &xy_chart(&XyChart { title: &title, x_name, y_name: "µm", series, y_limit, marks_on_x });
     }
     if html.is_empty() { escape("Nothing to draw.") } else { html }
-}
-
-fn thinned(places: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let together = places.len().div_ceil(MOST_MARKS).max(1);
-    let middle = |chunk: &[(f64, f64)]| (mean(chunk.iter().map(|p| p.0)), mean(chunk.iter().map(|p| p.1)));
-    places.chunks(together).map(middle).collect()
 }

@@ -1,7 +1,7 @@
 //! Heat map of signed values: blue below zero, near white at zero, orange above (told apart by every kind of colour
 //! vision, and by the printed numbers without any colour).
 
-use super::{figure, text};
+use super::{figure, line, text};
 use crate::number::signed;
 
 const WIDTH: f64 = 360.0;
@@ -20,6 +20,8 @@ pub struct HeatMap<'a> {
     pub rows_name: &'a str,
     /// Row after row, µm.
     pub values_um: &'a [Vec<f64>],
+    /// Cells inside a frame, row after row; may be empty.
+    pub framed: &'a [Vec<bool>],
     /// The value at the ends of the colour scale, µm.
     pub limit_um: f64,
 }
@@ -41,6 +43,7 @@ pub fn heat_map(map: &HeatMap<'_>) -> String {
             }
         }
     }
+    body += &frame(map.framed, cell_width);
     let bottom = TOP + map.values_um.len() as f64 * CELL_HEIGHT;
     let every = columns.div_ceil(12);
     for (j, name) in map.columns.iter().enumerate().step_by(every) {
@@ -48,6 +51,29 @@ pub fn heat_map(map: &HeatMap<'_>) -> String {
     }
     body += &text(LEFT, 12.0, "t", &format!("{} down, {} across; µm", map.rows_name, map.columns_name));
     figure(map.title, WIDTH, bottom + 18.0, map.title, &body)
+}
+
+/// Lines between cells inside and outside.
+fn frame(framed: &[Vec<bool>], cell_width: f64) -> String {
+    let inside = |i: isize, j: isize| {
+        let cell = usize::try_from(i).ok().zip(usize::try_from(j).ok());
+        cell.and_then(|(i, j)| framed.get(i)?.get(j).copied()).unwrap_or(false)
+    };
+    let corner =
+        |i: isize, j: isize| (LEFT + j as f64 * cell_width - 0.5, TOP + i as f64 * CELL_HEIGHT - 0.5);
+    let (rows, columns) = (framed.len() as isize, framed.first().map_or(0, Vec::len) as isize);
+    let mut body = String::new();
+    for i in 0..=rows {
+        for j in 0..=columns {
+            if inside(i, j) != inside(i - 1, j) {
+                body += &line(corner(i, j), corner(i, j + 1), "edge");
+            }
+            if inside(i, j) != inside(i, j - 1) {
+                body += &line(corner(i, j), corner(i + 1, j), "edge");
+            }
+        }
+    }
+    body
 }
 
 fn cell(x: f64, y: f64, width: f64, value_um: f64, limit_um: f64) -> String {
@@ -85,7 +111,8 @@ pub fn legend(limit_um: f64) -> String {
             if share == 0.0 { "0".to_owned() } else { format!("{} µm", signed(share * limit_um, 1)) };
         body += &text(180.0 + 120.0 * share, 28.0, anchor, &label);
     }
-    let caption = "Blue: the reading lies below the prediction. Orange: above. Same scale in every map.";
+    let caption = "Orange: the tool stands further in the positive direction than predicted; blue: in the negative. \
+                   One scale for all maps.";
     figure("Colour scale of the residual", WIDTH, 32.0, caption, &body)
 }
 

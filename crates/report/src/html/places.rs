@@ -1,0 +1,45 @@
+//! Where the model fails most: the places in words, and the maps that show them best.
+
+use super::maps::{self, Grid, Map};
+use crate::CompareInput;
+use crate::markup::{element, escape};
+use crate::number::percent;
+use trunnion_diagnose::views::Place;
+
+pub fn section(input: &CompareInput) -> String {
+    let mut body = list(&input.places);
+    if let Some(grid) = Grid::of(input).filter(|_| !input.places.is_empty()) {
+        let drawn: Vec<Option<Map>> =
+            input.places.iter().map(|place| maps::of_place(input, &grid, place)).collect();
+        let drawn: Vec<(usize, Map)> =
+            drawn.into_iter().enumerate().filter_map(|(i, map)| Some((i + 1, map?))).collect();
+        let limit_um = maps::limit_um(drawn.iter().map(|(_, map)| map));
+        let figure = |(number, map): &(usize, Map)| {
+            map.figure(&grid, limit_um, &format!("Place {number}: {}", map.title))
+        };
+        body += &format!(
+            "<p class=\"soft\">Sizes are means of measured − predicted; X, Y, Z are machine axes unless the table is named. \
+                 Each place is framed on the map of its component. {}</p>\n<div class=\"plots\">{}</div>\n",
+            maps::KEY,
+            drawn.iter().map(figure).collect::<String>()
+        );
+    }
+    format!("<section><h2>Where the model fails most</h2>\n{body}</section>\n")
+}
+
+/// The places as a numbered list.
+pub fn list(places: &[Place]) -> String {
+    if places.is_empty() {
+        return element("p", "No place stands out of the noise.");
+    }
+    let item = |place: &Place| {
+        format!(
+            "<li>{}: <b>{}</b> <span class=\"soft\">({} readings, {} of the error left)</span></li>\n",
+            escape(&place.location()),
+            escape(&place.size()),
+            place.readings,
+            percent(place.share)
+        )
+    };
+    format!("<ol>{}</ol>\n", places.iter().map(item).collect::<String>())
+}

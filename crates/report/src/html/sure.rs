@@ -1,0 +1,80 @@
+//! How sure the answer is: evidence in words, what it could be mistaken for, what to measure next, what cannot be seen.
+
+use crate::CompareInput;
+use crate::markup::{element, escape};
+use crate::number::{percent, um};
+use crate::words::{beyond_figures, effect_name, evidence_words, formula_leads};
+use trunnion_diagnose::{Candidate, Diagnosis};
+
+pub fn section(input: &CompareInput) -> String {
+    let Some(diagnosis) = &input.diagnosis else { return String::new() };
+    let mut items = vec![noise(input, diagnosis)];
+    if let Some(formula) = diagnosis.formula.as_ref().filter(|_| formula_leads(diagnosis)) {
+        items.push(format!("{}.", evidence_words(formula.evidence)));
+        items.push(match diagnosis.candidates.first() {
+            Some(best) => format!(
+                "No named effect explains it: the best, {}, leaves {} rms with structure in it.",
+                effect_name(&best.effect),
+                um(best.rms_um_after)
+            ),
+            None => "No named effect explains any of it.".into(),
+        });
+    } else if let Some(best) = diagnosis.candidates.first() {
+        items.push(format!("{}.", evidence_words(best.evidence)));
+        items.extend(held_out(input, best));
+        items.push(beyond_figures(best));
+        items.extend(rivals(best));
+    }
+    items.retain(|item| !item.is_empty());
+    let mut body = format!("<ul>{}</ul>\n", items.iter().map(|item| element("li", item)).collect::<String>());
+    let said = diagnosis.candidates.first().map_or("", |best| best.separate_by.as_str());
+    let next = diagnosis.next_cycle.as_ref().map_or(said, |next| next.suggestion.as_str());
+    if !next.is_empty() {
+        body += &format!("<p class=\"warn\"><b>Measure next:</b> {}</p>\n", escape(next));
+    }
+    body += &unseen("This cycle cannot show", &diagnosis.not_visible);
+    body += &unseen("Out of reach of these runs", &diagnosis.out_of_reach);
+    format!("<section><h2>How sure this is</h2>\n{body}</section>\n")
+}
+
+fn noise(input: &CompareInput, diagnosis: &Diagnosis) -> String {
+    let origin = &input.identification.noise.origin;
+    let share = percent(diagnosis.residual.unexplained_fraction);
+    let floor = um(diagnosis.residual.noise_um);
+    format!("{share} of what is left (mean square) lies above the noise floor of {floor}: {origin}.")
+}
+
+fn held_out(input: &CompareInput, best: &Candidate) -> Option<String> {
+    let before = input.identification.holdout_rms_um?;
+    Some(format!(
+        "It also predicts what it has not seen: on passes left out of the fit the error falls from {} to {}.",
+        um(before),
+        um(best.holdout_rms_um_after)
+    ))
+    .filter(|_| best.holdout_rms_um_after < 0.97 * before)
+    .or_else(|| {
+        Some(format!(
+            "On passes left out of the fit the error does not fall ({} before, {} after): take it with care.",
+            um(before),
+            um(best.holdout_rms_um_after)
+        ))
+    })
+}
+
+fn rivals(best: &Candidate) -> Option<String> {
+    let names: Vec<_> = best.confused_with.iter().map(|id| effect_name(id)).collect();
+    (!names.is_empty())
+        .then(|| format!("These data cannot well tell {} from {}.", best.effect, names.join("; ")))
+}
+
+fn unseen(words: &str, ids: &[String]) -> String {
+    if ids.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<details class=\"soft\"><summary>{} ({})</summary><p>{}</p></details>\n",
+        escape(words),
+        ids.len(),
+        escape(&ids.join(", "))
+    )
+}
