@@ -8,7 +8,8 @@ mod outcome;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, check_config, compare, daemon, demo, diagnose, export, identify, import, ladder, replay, simulate,
+    add, check_config, compare, daemon, demo, diagnose, export, identify, import, ladder, plan, remove,
+    replay, simulate,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -33,7 +34,9 @@ enum Command {
     Compare(compare::Args),
     Diagnose(diagnose::Args),
     Add(add::Args),
+    Remove(remove::Args),
     Ladder(ladder::Args),
+    Plan(plan::Args),
     Simulate(simulate::Args),
 }
 
@@ -49,7 +52,9 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Add(args) => add::run(&args),
+        Command::Remove(args) => remove::run(&args),
         Command::Ladder(args) => ladder::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Simulate(args) => simulate::run(&args),
     };
     match outcome {

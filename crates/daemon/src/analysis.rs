@@ -3,9 +3,9 @@
 //! The same path for a live run, a replay, an import and the demo. Pure: the caller writes the files.
 
 use trunnion_diagnose::{DiagnoseError, Diagnosis, Verdict};
-use trunnion_effects::model::LadderRow;
-use trunnion_effects::{Model, ModelEffect};
-use trunnion_identify::{Experiment, Identification, IdentifyError};
+use trunnion_effects::catalogue::BASE;
+use trunnion_effects::{LadderRow, Model, ModelEffect, Moved};
+use trunnion_identify::{Experiment, FittedParameter, Identification, IdentifyError};
 use trunnion_units::convert;
 
 /// What an analysis can fail on.
@@ -19,8 +19,8 @@ pub enum AnalysisError {
     Diagnose(#[from] DiagnoseError),
     /// A formula that nobody proposed.
     #[error(
-        "there is no expression for {id}; `trunnion diagnose` proposes {proposed}. \
-             Or write the formula into the model file by hand"
+        "there is no expression for {id}: the diagnosis proposes {proposed}; \
+         give one with --site axis:B --component dz --expression \"k*sin(2*B)\", or write it into the model file"
     )]
     NoSuchFormula {
         /// What was asked for.
@@ -28,14 +28,49 @@ pub enum AnalysisError {
         /// What the diagnosis proposes now.
         proposed: String,
     },
+    /// An expression for an effect that has its own.
+    #[error("{id} has an equation of its own; site, component, expression and grid belong to formula:NAME")]
+    NoFormula {
+        /// What was asked for.
+        id: String,
+    },
+    /// An effect that is not there.
+    #[error("the model does not hold {id}; it holds {held}")]
+    NotInModel {
+        /// What was asked for.
+        id: String,
+        /// What can be removed.
+        held: String,
+    },
+    /// An effect that every model has.
+    #[error("{id} is in every model and cannot be removed; fix its parameters in the model file instead")]
+    Base {
+        /// What was asked for.
+        id: String,
+    },
 }
 
-/// An effect added to a model.
+/// What a user may say about an effect beyond its id; empty for most.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FormulaText {
+    /// `axis:B`, `ball`, `spindle`, `reading`.
+    pub site: Option<String>,
+    /// `dx` … `ec`.
+    pub component: Option<String>,
+    /// Expression with named parameters.
+    pub expression: Option<String>,
+    /// Values to try of each parameter that enters non-linearly.
+    pub grid: Vec<(String, Vec<f64>)>,
+}
+
+/// An effect put into a model, and the fits without and with it.
 pub struct Step {
     /// The model with the effect.
     pub model: Model,
     /// The new entry, with its ladder row.
     pub entry: ModelEffect,
+    /// The fit of the model without it.
+    pub before: Identification,
     /// The fit of the new model.
     pub identification: Identification,
 }
@@ -72,7 +107,7 @@ const MOST_STEPS: usize = 5;
 /// # Errors
 /// When a fit or a diagnosis fails.
 pub fn climb(experiment: &Experiment, model: &Model, date: &str) -> Result<Analysis, AnalysisError> {
-    let before = trunnion_identify::identify(experiment, model, &trunnion_identify::Options::default())?;
+    let before = fit(experiment, model)?;
     let mut analysis = Analysis { before, steps: Vec::new(), diagnoses: Vec::new(), model: model.clone() };
     loop {
         let diagnosis = diagnose(experiment, &analysis.model)?;
@@ -101,42 +136,158 @@ pub fn diagnose(experiment: &Experiment, model: &Model) -> Result<Diagnosis, Dia
 /// # Errors
 /// When a fit fails or nobody proposed the formula.
 pub fn add(experiment: &Experiment, model: &Model, id: &str, date: &str) -> Result<Step, AnalysisError> {
-    let options = trunnion_identify::Options::default();
-    let before = trunnion_identify::identify(experiment, model, &options)?;
-    let mut entry = entry(experiment, model, id)?;
+    let entry = entry(experiment, model, id, &FormulaText::default())?;
+    put(experiment, model, entry, date)
+}
+
+/// Puts an entry at the end of a model, refits, and measures its ladder row.
+///
+/// # Errors
+/// When a fit fails.
+pub fn put(
+    experiment: &Experiment,
+    model: &Model,
+    entry: ModelEffect,
+    date: &str,
+) -> Result<Step, AnalysisError> {
     let mut larger = model.clone();
-    larger.effects.push(entry.clone());
-    let identification = trunnion_identify::identify(experiment, &larger, &options)?;
-    let holdout_um =
-        |fit: &Identification| fit.holdout.as_ref().map(|holdout| convert::um_from_mm(holdout.rms_mm));
-    entry.ladder = Some(LadderRow {
+    larger.effects.push(entry);
+    let before = fit(experiment, model)?;
+    let identification = fit(experiment, &larger)?;
+    let last = larger.effects.len() - 1;
+    larger.effects[last].ladder = Some(ladder_row(experiment, &before, &identification, date));
+    Ok(Step { entry: larger.effects[last].clone(), model: larger, before, identification })
+}
+
+/// A model without one of its effects. The ladder rows of the effects after it are measured anew, because they said what
+/// adding those did on top of the one that is gone.
+///
+/// # Errors
+/// When the effect is not in the model or in every model, or a fit fails.
+pub fn remove(experiment: &Experiment, model: &Model, id: &str, date: &str) -> Result<Model, AnalysisError> {
+    if BASE.contains(&id) {
+        return Err(AnalysisError::Base { id: id.into() });
+    }
+    let Some(at) = model.effects.iter().position(|entry| entry.id == id) else {
+        let added: Vec<&str> =
+            model.effects.iter().map(|e| e.id.as_str()).filter(|id| !BASE.contains(id)).collect();
+        let held = if added.is_empty() { "nothing that was added".into() } else { added.join(", ") };
+        return Err(AnalysisError::NotInModel { id: id.into(), held });
+    };
+    let mut smaller = model.clone();
+    smaller.effects.remove(at);
+    measure_ladder(experiment, &mut smaller, at, date)?;
+    Ok(smaller)
+}
+
+/// Measures anew the ladder rows of the entries from `first` on, each on top of the entries before it.
+fn measure_ladder(
+    experiment: &Experiment,
+    model: &mut Model,
+    first: usize,
+    date: &str,
+) -> Result<(), AnalysisError> {
+    let until =
+        |last: usize| Model { machine: model.machine.clone(), effects: model.effects[..last].to_vec() };
+    let mut rows = Vec::new();
+    if first < model.effects.len() {
+        let mut before = fit(experiment, &until(first))?;
+        for at in first..model.effects.len() {
+            let after = fit(experiment, &until(at + 1))?;
+            rows.push(ladder_row(experiment, &before, &after, date));
+            before = after;
+        }
+    }
+    for (entry, row) in model.effects[first..].iter_mut().zip(rows) {
+        if !BASE.contains(&entry.id.as_str()) {
+            entry.ladder = Some(row);
+        }
+    }
+    Ok(())
+}
+
+fn fit(experiment: &Experiment, model: &Model) -> Result<Identification, IdentifyError> {
+    trunnion_identify::identify(experiment, model, &trunnion_identify::Options::default())
+}
+
+fn ladder_row(
+    experiment: &Experiment,
+    before: &Identification,
+    after: &Identification,
+    date: &str,
+) -> LadderRow {
+    let holdout_um = |fit: &Identification| fit.holdout_rms_mm().map(convert::um_from_mm);
+    LadderRow {
         date: date.into(),
         run: experiment.runs.join(", "),
         error_before_um: convert::um_from_mm(before.rms_mm),
-        error_after_um: convert::um_from_mm(identification.rms_mm),
-        holdout_before_um: holdout_um(&before),
-        holdout_after_um: holdout_um(&identification),
-        noise_um: convert::um_from_mm(identification.noise.sigma_mm),
-    });
-    if let Some(last) = larger.effects.last_mut() {
-        *last = entry.clone();
+        error_after_um: convert::um_from_mm(after.rms_mm),
+        holdout_before_um: holdout_um(before),
+        holdout_after_um: holdout_um(after),
+        noise_um: convert::um_from_mm(after.noise.sigma_mm),
+        moved: moved(before, after),
     }
-    Ok(Step { model: larger, entry, identification })
 }
 
-fn entry(experiment: &Experiment, model: &Model, id: &str) -> Result<ModelEffect, AnalysisError> {
+/// A parameter counts as moved beyond this many standard uncertainties.
+const MOVED_U: f64 = 2.0;
+
+/// Parameters that moved by more than 2 u, most moved first; the location error that moved most is always among them.
+fn moved(before: &Identification, after: &Identification) -> Vec<Moved> {
+    let mut moved: Vec<(bool, Moved)> = Vec::new();
+    for parameter in &before.parameters {
+        let same = |p: &&FittedParameter| p.name == parameter.name && p.effect == parameter.effect;
+        let Some(now) = after.parameters.iter().find(same) else { continue };
+        let values = parameter.screen_value().zip(now.screen_value());
+        if let (Some((before, after)), Some((u, u_now))) = (values, parameter.screen_u().zip(now.screen_u()))
+        {
+            let unit = now.unit.symbol.into();
+            let one = Moved { name: now.name.clone(), before, after, u: u.max(u_now), unit };
+            moved.push((now.effect == BASE[0], one));
+        }
+    }
+    moved.sort_by(|a, b| b.1.in_u().total_cmp(&a.1.in_u()));
+    let first_location = moved.iter().position(|(is_location, _)| *is_location);
+    let keep = |at: usize, one: &Moved| Some(at) == first_location || one.in_u() > MOVED_U;
+    moved.into_iter().enumerate().filter(|(at, (_, one))| keep(*at, one)).map(|(_, (_, one))| one).collect()
+}
+
+/// The model entry of an effect as a user names it. What a formula is not told is taken from what the diagnosis proposes
+/// under the same name.
+///
+/// # Errors
+/// When the diagnosis fails or proposes no formula of this name.
+pub fn entry(
+    experiment: &Experiment,
+    model: &Model,
+    id: &str,
+    told: &FormulaText,
+) -> Result<ModelEffect, AnalysisError> {
     let Some(name) = id.strip_prefix("formula:") else {
+        if *told != FormulaText::default() {
+            return Err(AnalysisError::NoFormula { id: id.into() });
+        }
         return Ok(ModelEffect { id: id.into(), ..ModelEffect::default() });
     };
+    let mut entry = ModelEffect {
+        id: id.into(),
+        site: told.site.clone(),
+        component: told.component.clone(),
+        expression: told.expression.clone(),
+        grid: told.grid.clone(),
+        ..ModelEffect::default()
+    };
+    if entry.site.is_some() && entry.component.is_some() && entry.expression.is_some() {
+        return Ok(entry);
+    }
     let proposal = diagnose(experiment, model)?.formula;
     match proposal {
-        Some(formula) if formula.name == name => Ok(ModelEffect {
-            id: id.into(),
-            site: Some(formula.site),
-            component: Some(formula.component),
-            expression: Some(formula.expression),
-            ..ModelEffect::default()
-        }),
+        Some(formula) if formula.name == name => {
+            entry.site.get_or_insert(formula.site);
+            entry.component.get_or_insert(formula.component);
+            entry.expression.get_or_insert(formula.expression);
+            Ok(entry)
+        }
         other => Err(AnalysisError::NoSuchFormula {
             id: id.into(),
             proposed: other.map_or("none now".into(), |formula| format!("formula:{}", formula.name)),

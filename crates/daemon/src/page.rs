@@ -27,29 +27,21 @@ pub fn compare_input(
     losses: &[String],
 ) -> CompareInput {
     CompareInput {
-        label: format!("Trunnion {}", env!("CARGO_PKG_VERSION")),
+        label: label(),
         ladder: ladder(model),
         losses: losses.to_vec(),
         ..CompareInput::new(experiment, identification, diagnosis.cloned())
     }
 }
 
+/// What made a page.
+pub fn label() -> String {
+    format!("Trunnion {}", env!("CARGO_PKG_VERSION"))
+}
+
 /// The ladder rows that a model carries.
 pub fn ladder(model: &Model) -> Vec<LadderRow> {
-    let row = |entry: &trunnion_effects::ModelEffect| {
-        let ladder = entry.ladder.as_ref()?;
-        Some(LadderRow {
-            effect: entry.id.clone(),
-            date: ladder.date.clone(),
-            run: ladder.run.clone(),
-            fit_before_um: ladder.error_before_um,
-            fit_after_um: ladder.error_after_um,
-            holdout_before_um: ladder.holdout_before_um,
-            holdout_after_um: ladder.holdout_after_um,
-            largest_location_change: None,
-        })
-    };
-    model.effects.iter().filter_map(row).collect()
+    trunnion_report::ladder_of(model)
 }
 
 /// Holes in the data, one sentence each.

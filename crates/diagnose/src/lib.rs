@@ -8,6 +8,7 @@ mod answer;
 mod diagnosis;
 mod evidence;
 mod noise;
+pub mod plan;
 mod problem;
 mod search;
 pub mod views;

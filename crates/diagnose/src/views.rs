@@ -1,12 +1,15 @@
 //! Where a model fails: the residual by axis position, direction, setup, time and component.
 //!
-//! Root mean squares per scalar reading. The three worst places are where the mean of one component over a group of points
-//! stands out most from its own scatter.
+//! Root mean squares per scalar reading. The worst places are those of [`places()`].
 
-use nalgebra::{DVector, Vector3};
+mod places;
+
+pub use places::{Place, Region, Way, places};
+
+use nalgebra::{DVector, Matrix3, Vector3};
 use trunnion_identify::Experiment;
 use trunnion_instruments::Projector;
-use trunnion_machine::State;
+use trunnion_machine::{Side, State};
 use trunnion_units::{AxisLetter, Twist, convert};
 
 use crate::noise::ground_joint;
@@ -23,8 +26,8 @@ pub struct ResidualViews {
     pub explained_fraction: f64,
     /// One view per axis, direction, setup, third of the time, component and frame.
     pub views: Vec<View>,
-    /// Where the model fails most, in words, worst first; at most three.
-    pub worst: Vec<String>,
+    /// Where the model fails most, worst first; at most three, none when no place stands out of the noise.
+    pub worst: Vec<Place>,
 }
 
 /// One way to sort the points.
@@ -63,15 +66,10 @@ pub fn residual_views(experiment: &Experiment, residual_mm: &DVector<f64>, used:
     };
     let state = |i: usize| -> &State { &experiment.points[i].state };
     let mut views = Vec::new();
-    let mut places: Vec<(String, Vec<usize>)> = Vec::new();
     for axis in experiment.machine().axes() {
         let groups = stations(&points, |i| state(i).position[axis.letter], axis.letter);
         if groups.len() > 1 {
             views.push(view(format!("{} position", axis.letter), &groups));
-            if axis.is_rotary() {
-                places
-                    .extend(groups.iter().map(|(label, m)| (format!("{} {label}", axis.letter), m.clone())));
-            }
         }
         let by_direction = sorted(&points, |i| sign(state(i).direction[axis.letter]).to_string());
         if by_direction.len() > 1 {
@@ -94,7 +92,7 @@ pub fn residual_views(experiment: &Experiment, residual_mm: &DVector<f64>, used:
         points.iter().flat_map(|&i| experiment.rows_of(i)).map(|row| readings[row] * readings[row]).sum();
     let left: f64 = points.iter().map(|&i| square(i)).sum();
     let explained_fraction = if measured > 0.0 { (1.0 - left / measured).clamp(0.0, 1.0) } else { 0.0 };
-    let worst = worst(experiment, residual_mm, &places);
+    let worst = places(experiment, residual_mm, used);
     ResidualViews { rms_um: total.rms_um, explained_fraction, views, worst }
 }
 
@@ -158,8 +156,13 @@ fn stations(
     groups.into_iter().map(|(key, members)| (label(key), members)).collect()
 }
 
-/// The residual of a point in machine axes and in table axes; `None` where the instrument reads one component.
-fn in_frames(experiment: &Experiment, residual_mm: &DVector<f64>, point: usize) -> Option<[Vector3<f64>; 2]> {
+/// The residual of a point as motion of the tool against the table in machine axes, mm, and the rotation from machine to
+/// table axes; `None` where the instrument reads one component.
+fn in_frames(
+    experiment: &Experiment,
+    residual_mm: &DVector<f64>,
+    point: usize,
+) -> Option<(Vector3<f64>, Matrix3<f64>)> {
     let rows = experiment.rows_of(point);
     if rows.len() != 3 {
         return None;
@@ -171,16 +174,20 @@ fn in_frames(experiment: &Experiment, residual_mm: &DVector<f64>, point: usize) 
     let projector = Projector::new(machine, &experiment.setups[state.setup], &state.position);
     let ground = ground_joint(machine);
     let unit = |k: usize| projector.column(ground, &Twist::translation(Vector3::ith(k, 1.0)));
-    // The columns are those of a rotation up to a sign that depends on which side carries the joint.
-    let nest_from_machine = nalgebra::Matrix3::from_columns(&[unit(0), unit(1), unit(2)]);
-    let in_machine = nest_from_machine.transpose() * reading;
+    // The columns are those of a rotation up to the side of the nest; a joint of the table moves the tool the other way.
+    let towards_tool = if machine.from_bed(Side::Tool).is_empty() { -1.0 } else { 1.0 };
+    let nest_from_machine = Matrix3::from_columns(&[unit(0), unit(1), unit(2)]);
+    let in_machine = nest_from_machine.transpose() * reading * towards_tool;
     let machine_from_table = machine.machine_from_table(&state.position, &Default::default()).rotation;
-    Some([in_machine, machine_from_table.inverse() * in_machine])
+    Some((in_machine, machine_from_table.inverse().to_rotation_matrix().into_inner()))
 }
 
 fn component_views(experiment: &Experiment, residual_mm: &DVector<f64>, points: &[usize]) -> Vec<View> {
-    let vectors: Vec<[Vector3<f64>; 2]> =
-        points.iter().filter_map(|&i| in_frames(experiment, residual_mm, i)).collect();
+    let vectors: Vec<[Vector3<f64>; 2]> = points
+        .iter()
+        .filter_map(|&i| in_frames(experiment, residual_mm, i))
+        .map(|(in_machine, table_from_machine)| [in_machine, table_from_machine * in_machine])
+        .collect();
     if vectors.is_empty() {
         return Vec::new();
     }
@@ -197,36 +204,4 @@ fn component_views(experiment: &Experiment, residual_mm: &DVector<f64>, points: 
         View { by: "component in machine axes".into(), bins: bins(0) },
         View { by: "component in table axes".into(), bins: bins(1) },
     ]
-}
-
-/// The groups whose mean of one machine component stands out most: `Z at B -90°, both directions, +4.1 µm`.
-fn worst(
-    experiment: &Experiment,
-    residual_mm: &DVector<f64>,
-    places: &[(String, Vec<usize>)],
-) -> Vec<String> {
-    let mut found: Vec<(f64, String)> = Vec::new();
-    for (place, members) in places {
-        let vectors: Vec<Vector3<f64>> =
-            members.iter().filter_map(|&i| in_frames(experiment, residual_mm, i)).map(|v| v[0]).collect();
-        if vectors.len() < 3 {
-            continue;
-        }
-        let count = vectors.len() as f64;
-        let mean = vectors.iter().sum::<Vector3<f64>>() / count;
-        let ways = sorted(members, |i| {
-            let letter = AxisLetter::parse(&place[..1]).unwrap_or(AxisLetter::B);
-            sign(experiment.points[i].state.direction[letter]).to_string()
-        });
-        let both =
-            if ways.len() > 1 { "both directions".to_string() } else { format!("direction {}", ways[0].0) };
-        for k in 0..3 {
-            let variance = vectors.iter().map(|v| (v[k] - mean[k]).powi(2)).sum::<f64>() / count;
-            let weight = mean[k].abs() / (variance / count).sqrt().max(1e-9);
-            let axis = ["X", "Y", "Z"][k];
-            found.push((weight, format!("{axis} at {place}, {both}, {:+.1} µm", mean[k] * 1e3)));
-        }
-    }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().take(3).map(|(_, text)| text).collect()
 }

@@ -193,7 +193,7 @@ fn sim_setup(setup: &Setup) -> SimSetup {
 }
 
 fn sweep_world(machine: Arc<VirtualMachine>, cycle: &Cycle) -> anyhow::Result<SimulatedCell> {
-    let Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, others } = &cycle.motion else {
+    let Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, others, .. } = &cycle.motion else {
         bail!("the demo's sweep cycle is not on the fly")
     };
     Ok(scenario::sweep_cycle(machine, &cycle.name, *axis, *from_to_rad, feeds_rad_per_s, others)?)

@@ -2,23 +2,41 @@
 
 use crate::load;
 use crate::outcome::{self, Outcome};
-use anyhow::Context;
-use std::path::PathBuf;
+use anyhow::{Context, bail};
+use std::path::{Path, PathBuf};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
-use trunnion_hil_sim::{Instrument, NestOn, Truth};
-use trunnion_measurement::{InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
+use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth};
+use trunnion_machine::{Machine, State};
+use trunnion_measurement::cycle::{Motion, Pace};
+use trunnion_measurement::{Cycle, InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
 
-/// Simulate a static cycle of a machine whose truth is written in a file
+/// Simulate a cycle on a machine whose truth is written in a file
 ///
-/// Example: trunnion simulate truth.toml -o run.mcap
+/// Without --cycle the machine measures the standard grid of poses with the setups of its truth. With --cycle it runs that
+/// cycle, at rest or on the fly, with R-test or ball bar; setups named and placed as in the truth keep their setting
+/// error, others are mounted anew.
+///
+/// Example: trunnion simulate truth.toml --cycle config/cycles/r-test-sweep-c.toml -o run.mcap
 #[derive(clap::Args)]
 pub struct Args {
     /// Truth file (format trunnion-truth/1)
     #[arg(value_name = "TRUTH.TOML")]
     truth: PathBuf,
+    /// Cycle to run (format trunnion-cycle/1)
+    #[arg(long, value_name = "CYCLE.TOML")]
+    cycle: Option<PathBuf>,
+    /// Number of the run: from 1 on all setups are mounted anew, and the noise is another one
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    run: u64,
+    /// Points a second on the fly
+    #[arg(long, value_name = "RATE", default_value_t = Pace::default().points_per_s)]
+    points_per_s: f64,
     /// Recording to write
     #[arg(short, long, value_name = "RUN.MCAP")]
     output: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -26,15 +44,16 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let truth = Truth::parse(&args.truth.display().to_string(), &text)?;
     let machine = load::machine(&truth.machine)?;
     let machine_text = load::machine_text(&truth.machine)?;
-    let virtual_machine = VirtualMachine::new(machine.clone(), truth)?;
-    let placed: Vec<_> = virtual_machine.truth().setups.iter().map(|placed| placed.setup.clone()).collect();
-    let states =
-        grid::compressed(grid::standard_bc(&machine, &placed), virtual_machine.truth().run_duration_s);
-    let mut sampler = Sampler::new(&virtual_machine, 0);
-    let points = states
+    let simulated = match &args.cycle {
+        Some(path) => cycle_run(args, path, &machine, &truth)?,
+        None => standard_run(args, &machine, &truth)?,
+    };
+    let mut sampler = Sampler::new(&simulated.machine, simulated.noise);
+    let points = simulated
+        .states
         .into_iter()
         .map(|state| Point {
-            reading_mm: sampler.read_mm(&virtual_machine, &state),
+            reading_mm: sampler.read_mm(&simulated.machine, &state),
             state,
             spread_mm: [0.0; 3],
             samples: 0,
@@ -42,16 +61,88 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         })
         .collect();
     let name = args.output.file_stem().context("the output has no name")?.to_string_lossy().into_owned();
-    let setups = placed.iter().map(setup_of).collect();
-    let run = Run { name, machine, kind: RunKind::Static, setups, channels: Vec::new(), points };
-    let header = trunnion_record::RunHeader::of_run(&run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
+    let setups = simulated.machine.truth().setups.iter().map(|placed| setup_of(&placed.setup)).collect();
+    let run = Run { name, machine, kind: simulated.kind, setups, channels: Vec::new(), points };
+    let mut header = trunnion_record::RunHeader::of_run(&run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
+    header.cycle_text = simulated.cycle_text;
     trunnion_record::write_run(&args.output, &header, &run)
         .with_context(|| format!("cannot write {}", args.output.display()))?;
-    outcome::print(&format!("{} points -> {}\n", run.points.len(), args.output.display()))?;
+    if args.json {
+        outcome::print_json(&serde_json::json!({
+            "format": "trunnion-simulation/1",
+            "points": run.points.len(),
+            "minutes": simulated.duration_s / 60.0,
+            "run": args.output.display().to_string(),
+        }))?;
+    } else {
+        outcome::print(&format!("{} points -> {}\n", run.points.len(), args.output.display()))?;
+    }
     Ok(Outcome::Done)
 }
 
-fn setup_of(placed: &trunnion_hil_sim::SimSetup) -> Setup {
+struct Simulated {
+    machine: VirtualMachine,
+    kind: RunKind,
+    states: Vec<State>,
+    duration_s: f64,
+    /// Stream of the noise.
+    noise: u64,
+    cycle_text: String,
+}
+
+/// The standard grid, pressed into the time for which the truth was drawn.
+fn standard_run(args: &Args, machine: &Machine, truth: &Truth) -> anyhow::Result<Simulated> {
+    let placed: Vec<_> = truth.setups.iter().map(|placed| placed.setup.clone()).collect();
+    let duration_s = truth.run_duration_s;
+    Ok(Simulated {
+        machine: VirtualMachine::new(machine.clone(), truth.mounted(&placed, args.run))?,
+        kind: RunKind::Static,
+        states: grid::compressed(grid::standard_bc(machine, &placed), duration_s),
+        duration_s,
+        noise: args.run,
+        cycle_text: String::new(),
+    })
+}
+
+/// The cycle of a file, at the pace of a real machine.
+fn cycle_run(args: &Args, path: &Path, machine: &Machine, truth: &Truth) -> anyhow::Result<Simulated> {
+    let cycle_text = load::read(path)?;
+    let cycle = Cycle::parse(&path.display().to_string(), &cycle_text)?;
+    if cycle.machine != truth.machine {
+        bail!(
+            "cycle {} is for machine {}, the truth is of {}; choose a cycle of that machine",
+            path.display(),
+            cycle.machine,
+            truth.machine
+        );
+    }
+    if !(0.01..=100_000.0).contains(&args.points_per_s) {
+        bail!("--points-per-s {} is not possible; allowed: 0.01..=100000", args.points_per_s);
+    }
+    let pace = Pace { points_per_s: args.points_per_s, ..Pace::default() };
+    let visits = cycle.visits(machine, &pace)?;
+    let setups: Vec<SimSetup> = cycle.setups.iter().map(sim_setup).collect();
+    Ok(Simulated {
+        machine: VirtualMachine::new(machine.clone(), truth.mounted(&setups, args.run))?,
+        kind: match cycle.motion {
+            Motion::Static { .. } => RunKind::Static,
+            Motion::OnTheFly { .. } => RunKind::OnTheFly,
+        },
+        states: visits.states,
+        duration_s: visits.duration_s,
+        // Another cycle meets other noise, the same cycle the same.
+        noise: args.run.wrapping_add(fingerprint(&cycle_text)),
+        cycle_text,
+    })
+}
+
+/// FNV-1a of a text, 32 bits.
+fn fingerprint(text: &str) -> u64 {
+    let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+    u64::from(text.bytes().fold(0x811c_9dc5, step))
+}
+
+fn setup_of(placed: &SimSetup) -> Setup {
     let (instrument, bar_length_mm) = match placed.instrument {
         Instrument::RTest => (InstrumentKind::RTest, None),
         Instrument::BallBar { length_mm } => (InstrumentKind::BallBar, Some(length_mm)),
@@ -66,5 +157,22 @@ fn setup_of(placed: &trunnion_hil_sim::SimSetup) -> Setup {
         nest,
         ball_in_table_mm: placed.ball_in_table_mm,
         bar_length_mm,
+    }
+}
+
+fn sim_setup(setup: &Setup) -> SimSetup {
+    SimSetup {
+        name: setup.name.clone(),
+        nest: match setup.nest {
+            NestSide::Table => NestOn::Table,
+            NestSide::Spindle => NestOn::Spindle,
+        },
+        ball_in_table_mm: setup.ball_in_table_mm,
+        instrument: match setup.instrument {
+            InstrumentKind::RTest => Instrument::RTest,
+            InstrumentKind::BallBar => {
+                Instrument::BallBar { length_mm: setup.bar_length_mm.unwrap_or_default() }
+            }
+        },
     }
 }
