@@ -9,7 +9,7 @@ use crate::search::{Item, Scans, What, columns_of, named_item, refine, scan, sca
 use crate::{Options, words};
 use nalgebra::DMatrix;
 use std::f64::consts::LN_10;
-use trunnion_effects::{Model, Unit};
+use trunnion_effects::{Model, ModelEffect, Unit};
 
 /// Rivals within this ln of the posterior odds are confused (a factor of 20).
 const CONFUSED_LN: f64 = 3.0;
@@ -52,6 +52,7 @@ pub fn answer(problem: &Problem<'_>, model: &Model, options: &Options) -> Diagno
         },
         verdict,
         candidates,
+        set: context.set(),
         formula,
         next_cycle,
         not_visible,
@@ -98,6 +99,29 @@ impl Context<'_> {
         });
         let listed: Vec<_> = kept.into_iter().chain(rest).take(self.options.candidates).collect();
         listed.into_iter().map(|(group, ln_odds, item)| self.candidate(group, ln_odds, &item)).collect()
+    }
+
+    /// Model entries of what the search kept.
+    fn set(&self) -> Vec<ModelEffect> {
+        let entry = |item: &Item| match item.what {
+            What::Named(group) => ModelEffect {
+                id: self.problem.instances[group].id(),
+                shape: item.shape.clone(),
+                ..ModelEffect::default()
+            },
+            What::Open(phrase, variant) => {
+                let text = &self.problem.vocabulary.phrases[phrase];
+                let name = format!("{}-{}", text.site.replace(':', "-").to_lowercase(), text.component);
+                ModelEffect {
+                    id: format!("formula:{name}"),
+                    site: Some(text.site.clone()),
+                    component: Some(text.component.into()),
+                    expression: Some(text.expression(variant)),
+                    ..ModelEffect::default()
+                }
+            }
+        };
+        self.found.iter().map(entry).collect()
     }
 
     /// ln odds of a kept effect: against the present model, or with the other kept ones in it where they hide it.

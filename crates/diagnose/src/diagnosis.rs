@@ -1,6 +1,7 @@
 //! The answer of a diagnosis and its JSON form (DESIGN §3.7).
 
 use serde_json::{Value, json};
+use trunnion_effects::ModelEffect;
 
 /// What is missing from a model, as far as the data can say.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +14,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Candidates, best first. Empty when nothing is claimed.
     pub candidates: Vec<Candidate>,
+    /// Model entries that together explain what is left, named and unnamed, shapes as refined; empty when nothing is claimed.
+    pub set: Vec<ModelEffect>,
     /// An expression that describes the structure better than any named effect, ready to add.
     pub formula: Option<FormulaProposal>,
     /// What to measure next to tell rivals apart.
@@ -137,6 +140,7 @@ impl Diagnosis {
             },
             "verdict": self.verdict.as_str(),
             "candidates": self.candidates.iter().map(candidate_json).collect::<Vec<_>>(),
+            "set": self.set.iter().map(|entry| entry.id.as_str()).collect::<Vec<_>>(),
             "formula": self.formula.as_ref().map(formula_json),
             "next_cycle": self.next_cycle.as_ref().map(|next| json!({ "suggestion": next.suggestion })),
         })

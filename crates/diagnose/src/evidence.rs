@@ -10,9 +10,9 @@
 //! would call a missing effect. They enter as random columns U with variance ρ: Σ + ρ U Uᵀ, which is a soft projection onto the
 //! eigenvectors f_j of Uᵀ Σ⁻¹ U with weight ρ d_j / (1 + ρ d_j).
 
-use crate::noise::{Noise, Order, Whitener};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+use trunnion_identify::machine_noise::{Noise, Order, Whitener};
 
 /// Directions that keep less than this share of their norm are taken as imitated by the model.
 pub const SURVIVAL: f64 = 0.03;

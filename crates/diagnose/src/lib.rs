@@ -7,7 +7,6 @@
 mod answer;
 mod diagnosis;
 mod evidence;
-mod noise;
 pub mod plan;
 mod problem;
 mod search;
@@ -31,11 +30,13 @@ pub struct Options {
     pub candidates: usize,
     /// Most effects the internal look-ahead adds to judge which belong together.
     pub look_ahead: usize,
+    /// Ids of effects that take no part, as if the catalogue did not have them.
+    pub without: Vec<String>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { claim_ln: 3.0, candidates: 6, look_ahead: 4 }
+        Self { claim_ln: 3.0, candidates: 6, look_ahead: 4, without: Vec::new() }
     }
 }
 
@@ -67,6 +68,6 @@ pub fn diagnose(
     model: &Model,
     options: &Options,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let problem = problem::Problem::new(experiment, model)?;
+    let problem = problem::Problem::new(experiment, model, &options.without)?;
     Ok(answer::answer(&problem, model, options))
 }

@@ -2,19 +2,16 @@
 
 use crate::DiagnoseError;
 use crate::evidence::{Bank, Blocks, Entry, Library, stacked};
-use crate::noise::Order;
 use crate::vocabulary::{self, Vocabulary};
 use nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;
 use trunnion_effects::catalogue::BASE;
 use trunnion_effects::{Instance, Model, Shapes};
 use trunnion_identify::Experiment;
-use trunnion_instruments::{Projector, predict};
-use trunnion_machine::{Errors, Site};
-use trunnion_units::{AxisLetter, Twist};
+use trunnion_identify::machine_noise::{Order, repeatable_motions};
+use trunnion_instruments::predict;
+use trunnion_machine::Errors;
 
-/// Highest harmonic of the repeatable error motions that count as noise.
-const MOTION_HARMONICS: usize = 4;
 /// A point farther out than this many robust standard deviations is set aside.
 const OUTLIER_SIGMA: f64 = 5.0;
 /// Median of the length of a standard normal vector with 1 and with 3 components.
@@ -56,13 +53,13 @@ pub struct Fit {
 }
 
 impl<'a> Problem<'a> {
-    pub fn new(experiment: &'a Experiment, model: &Model) -> Result<Self, DiagnoseError> {
+    pub fn new(experiment: &'a Experiment, model: &Model, without: &[String]) -> Result<Self, DiagnoseError> {
         let (base, readings) = base_columns(experiment, model)?;
         let in_model = |id: &str| BASE.contains(&id) || model.effects.iter().any(|entry| entry.id == id);
         let mut out_of_reach = Vec::new();
         let (mut instances, mut shapes, mut groups) = (Vec::new(), Vec::new(), Vec::new());
         for instance in Instance::all(experiment.machine()) {
-            if in_model(&instance.id()) {
+            if in_model(&instance.id()) || without.contains(&instance.id()) {
                 continue;
             }
             let grid = instance.shapes(&experiment.scene);
@@ -84,7 +81,7 @@ impl<'a> Problem<'a> {
         let named = Library::new(experiment.rows(), groups);
         let order = Order::new(experiment);
         let vocabulary = vocabulary::vocabulary(experiment, &order);
-        let bank = Bank::new(&order, &base, &motions(experiment));
+        let bank = Bank::new(&order, &base, &repeatable_motions(experiment));
         let parameters = bank.base_rank();
         if experiment.rows() < 2 * parameters {
             return Err(DiagnoseError::TooFewReadings { rows: experiment.rows(), parameters });
@@ -294,69 +291,6 @@ fn base_columns(
         base = stacked(&base, &columns.select_rows(&free));
     }
     Ok((base, readings))
-}
-
-/// Random columns of the small repeatable error motions: harmonics of every rotary axis in its six components; together
-/// variance 1 per reading.
-fn motions(experiment: &Experiment) -> DMatrix<f64> {
-    let mut columns = Vec::new();
-    for axis in experiment.machine().rotary() {
-        let (low, high) = experiment.scene.position_range[axis.letter];
-        if high - low < 1e-6 {
-            continue;
-        }
-        for k in 0..6 {
-            let carrier = unit_columns(experiment, Site::Joint(axis.letter), k);
-            for harmonic in 1..=MOTION_HARMONICS {
-                for phase in [0.0, std::f64::consts::FRAC_PI_2] {
-                    let factor = |letter: AxisLetter, i: usize| {
-                        (harmonic as f64 * experiment.points[i].state.position[letter] - phase).cos()
-                    };
-                    columns.push(modulated(experiment, &carrier, |i| factor(axis.letter, i)));
-                }
-            }
-        }
-    }
-    let mut all = DMatrix::zeros(columns.len(), experiment.rows());
-    let size = (experiment.rows() as f64 / columns.len().max(1) as f64).sqrt();
-    for (j, column) in columns.iter().enumerate() {
-        let norm = column.norm();
-        if norm > 1e-12 {
-            all.row_mut(j).tr_copy_from(&(column * (size / norm)));
-        }
-    }
-    all
-}
-
-/// Reading for a unit of one component (dx dy dz ea eb ec) at a site.
-pub fn unit_columns(experiment: &Experiment, site: Site, component: usize) -> DVector<f64> {
-    let unit = nalgebra::Vector3::ith(component % 3, 1.0);
-    let twist = if component < 3 { Twist::translation(unit) } else { Twist::rotation(unit) };
-    let mut column = DVector::zeros(experiment.rows());
-    for (i, point) in experiment.points.iter().enumerate() {
-        let setup = &experiment.setups[point.state.setup];
-        let seen = Projector::new(experiment.machine(), setup, &point.state.position).column(site, &twist);
-        for (k, row) in experiment.rows_of(i).enumerate() {
-            column[row] = seen[k];
-        }
-    }
-    column
-}
-
-/// A column multiplied by a factor of the point.
-pub fn modulated(
-    experiment: &Experiment,
-    carrier: &DVector<f64>,
-    factor: impl Fn(usize) -> f64,
-) -> DVector<f64> {
-    let mut column = carrier.clone();
-    for i in 0..experiment.points.len() {
-        let value = factor(i);
-        for row in experiment.rows_of(i) {
-            column[row] *= value;
-        }
-    }
-    column
 }
 
 /// A column that is not finite everywhere takes no part.

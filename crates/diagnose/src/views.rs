@@ -12,7 +12,7 @@ use trunnion_instruments::Projector;
 use trunnion_machine::{Side, State};
 use trunnion_units::{AxisLetter, Twist, convert};
 
-use crate::noise::ground_joint;
+use trunnion_identify::machine_noise::ground_joint;
 
 /// Most bins of one axis.
 const MOST_BINS: usize = 13;

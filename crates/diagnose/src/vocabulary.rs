@@ -7,12 +7,11 @@
 //! Price: ln(number of groups) + 1 per order.
 
 use crate::evidence::{Entry, Library};
-use crate::noise::{Order, ground_joint};
-use crate::problem::{modulated, unit_columns};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 use trunnion_effects::{Instance, ModelEffect};
 use trunnion_identify::Experiment;
+use trunnion_identify::machine_noise::{Order, ground_joint, modulated, unit_columns};
 use trunnion_machine::Site;
 use trunnion_units::AxisLetter;
 

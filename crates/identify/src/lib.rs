@@ -6,6 +6,7 @@ mod fit;
 mod identification;
 mod joint;
 pub mod linear;
+pub mod machine_noise;
 mod noise;
 mod null_space;
 mod options;

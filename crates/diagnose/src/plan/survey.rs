@@ -3,11 +3,11 @@
 //! `S = CᵀΣ⁻¹C − CᵀΣ⁻¹X (XᵀΣ⁻¹X)⁺ XᵀΣ⁻¹C`, X the columns of the model, C those of the effects [DIAGNOSIS §2: what the model can
 //! imitate scores nothing]. Everything that follows is small linear algebra on S.
 
-use crate::noise::{Noise, Order, Whitener};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use trunnion_effects::{Instance, Unit};
 use trunnion_identify::Experiment;
+use trunnion_identify::machine_noise::{Noise, Order, Whitener};
 
 /// A direction that keeps less than this share of its norm is imitated by others.
 pub(super) const SURVIVAL: f64 = 0.03;

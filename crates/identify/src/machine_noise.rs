@@ -9,15 +9,17 @@
 //! the state (drift x y z, angle of the slow axis) turns readings into independent innovations; its gains do not depend on the
 //! data, so whitening is a linear operator W with W Σ Wᵀ = σ² I, applied to any number of columns in O(rows).
 
-use nalgebra::{DMatrix, Matrix3, Matrix3x4, Matrix4, Matrix4x3, Vector3};
+use crate::Experiment;
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x4, Matrix4, Matrix4x3, Vector3};
 use std::ops::Range;
-use trunnion_identify::Experiment;
 use trunnion_instruments::Projector;
 use trunnion_machine::{Machine, Side, Site};
 use trunnion_units::{AxisLetter, Twist};
 
 /// Travel below which an axis has not been positioned anew, rad.
 const SAME_STATION_RAD: f64 = 1e-7;
+/// Highest harmonic of the repeatable error motions that count as noise.
+const MOTION_HARMONICS: usize = 4;
 
 /// One member of the bank: variances relative to the white noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -167,7 +169,7 @@ fn visit(
 }
 
 /// A joint whose carrier is the bed: a translation there is one in machine axes.
-pub(crate) fn ground_joint(machine: &Machine) -> Site {
+pub fn ground_joint(machine: &Machine) -> Site {
     let first = |side| machine.from_bed(side).first().map(|axis| Site::Joint(axis.letter));
     first(Side::Tool).or(first(Side::Table)).unwrap_or(Site::SpindleBall)
 }
@@ -184,6 +186,69 @@ fn normalise(visits: &mut [Visit], lever: impl Fn(&mut Visit) -> &mut Vector3<f6
     for visit in visits.iter_mut() {
         *lever(visit) *= scale;
     }
+}
+
+/// Random columns of the small repeatable error motions that every rotary axis has: its first harmonics in its six components,
+/// rows as the readings, together of variance 1 per reading; column × row.
+pub fn repeatable_motions(experiment: &Experiment) -> DMatrix<f64> {
+    let mut columns = Vec::new();
+    for axis in experiment.machine().rotary() {
+        let (low, high) = experiment.scene.position_range[axis.letter];
+        if high - low < 1e-6 {
+            continue;
+        }
+        for k in 0..6 {
+            let carrier = unit_columns(experiment, Site::Joint(axis.letter), k);
+            for harmonic in 1..=MOTION_HARMONICS {
+                for phase in [0.0, std::f64::consts::FRAC_PI_2] {
+                    let factor = |letter: AxisLetter, i: usize| {
+                        (harmonic as f64 * experiment.points[i].state.position[letter] - phase).cos()
+                    };
+                    columns.push(modulated(experiment, &carrier, |i| factor(axis.letter, i)));
+                }
+            }
+        }
+    }
+    let mut all = DMatrix::zeros(columns.len(), experiment.rows());
+    let size = (experiment.rows() as f64 / columns.len().max(1) as f64).sqrt();
+    for (j, column) in columns.iter().enumerate() {
+        let norm = column.norm();
+        if norm > 1e-12 {
+            all.row_mut(j).tr_copy_from(&(column * (size / norm)));
+        }
+    }
+    all
+}
+
+/// Reading for a unit of one component (dx dy dz ea eb ec) at a site.
+pub fn unit_columns(experiment: &Experiment, site: Site, component: usize) -> DVector<f64> {
+    let unit = Vector3::ith(component % 3, 1.0);
+    let twist = if component < 3 { Twist::translation(unit) } else { Twist::rotation(unit) };
+    let mut column = DVector::zeros(experiment.rows());
+    for (i, point) in experiment.points.iter().enumerate() {
+        let setup = &experiment.setups[point.state.setup];
+        let seen = Projector::new(experiment.machine(), setup, &point.state.position).column(site, &twist);
+        for (k, row) in experiment.rows_of(i).enumerate() {
+            column[row] = seen[k];
+        }
+    }
+    column
+}
+
+/// A column multiplied by a factor of the point.
+pub fn modulated(
+    experiment: &Experiment,
+    carrier: &DVector<f64>,
+    factor: impl Fn(usize) -> f64,
+) -> DVector<f64> {
+    let mut column = carrier.clone();
+    for i in 0..experiment.points.len() {
+        let value = factor(i);
+        for row in experiment.rows_of(i) {
+            column[row] *= value;
+        }
+    }
+    column
 }
 
 /// The operator W of one noise model.
