@@ -19,32 +19,66 @@ const OVERRUN_DEG: f64 = 10.0;
 /// Fitting the next setup, s.
 const REFIT_S: f64 = 190.0;
 
+/// Where a rotary axis of a grid stands and where it turns round, degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stations {
+    /// The station with the smallest coordinate.
+    pub first_deg: f64,
+    /// From one to the next.
+    pub step_deg: f64,
+    /// How many.
+    pub count: u32,
+    /// The axis overruns this on its way up and down: smallest and largest coordinate of the cycle.
+    pub ends_deg: [f64; 2],
+}
+
+impl Stations {
+    /// The tilting axis of S1.
+    pub const TILTING: Self = Self { first_deg: -90.0, step_deg: 30.0, count: 7, ends_deg: [-90.0, 90.0] };
+    /// The turning axis of S1.
+    pub const TURNING: Self = Self { first_deg: 0.0, step_deg: 30.0, count: 12, ends_deg: [0.0, 330.0] };
+
+    fn upwards(self) -> impl Iterator<Item = f64> + Clone {
+        (0..self.count).map(move |i| self.first_deg + f64::from(i) * self.step_deg)
+    }
+
+    /// Travel since the axis turned round, with its overrun, rad.
+    fn since_reversal_rad(self, at_deg: f64, direction: f64) -> f64 {
+        let [low, high] = self.ends_deg;
+        (OVERRUN_DEG + if direction > 0.0 { at_deg - low } else { high - at_deg }).to_radians()
+    }
+}
+
 /// The S1 grid for every setup, at rest. Rotary axes are the tilting and the turning one of the machine (B and C, or A and C).
 /// Poses the linear axes cannot follow are left out; with both directions 168 points a setup.
 pub fn standard_bc(machine: &Machine, setups: &[SimSetup]) -> Vec<State> {
+    stations_bc(machine, setups, Stations::TILTING, Stations::TURNING)
+}
+
+/// As [`standard_bc`] with other stations of the tilting and of the turning axis.
+pub fn stations_bc(machine: &Machine, setups: &[SimSetup], tilts: Stations, turns: Stations) -> Vec<State> {
     let [tilting, turning] = tilting_and_turning(machine);
     let mut states: Vec<State> = Vec::new();
     let mut time_s = -POINT_S;
     for (setup, placed) in setups.iter().enumerate() {
         let forward: Vec<(f64, f64)> =
-            (-3..=3).flat_map(|b| (0..12).map(move |c| (f64::from(b), f64::from(c)))).collect();
+            tilts.upwards().flat_map(|b_deg| turns.upwards().map(move |c_deg| (b_deg, c_deg))).collect();
         let backward: Vec<_> = forward.iter().rev().copied().collect();
         for (poses, direction) in [(forward, 1.0), (backward, -1.0)] {
             let mut last_tilt = poses[0].0;
-            for &(b, c) in &poses {
-                time_s += POINT_S + if b == last_tilt { 0.0 } else { TILT_S };
-                last_tilt = b;
+            for &(b_deg, c_deg) in &poses {
+                time_s += POINT_S + if b_deg == last_tilt { 0.0 } else { TILT_S };
+                last_tilt = b_deg;
                 let mut position = AxisValues::default();
-                position[tilting] = (30.0 * b).to_radians();
-                position[turning] = (30.0 * c).to_radians();
+                position[tilting] = b_deg.to_radians();
+                position[turning] = c_deg.to_radians();
                 let Some(position) = machine.follow(&position, &placed.ball_in_table_mm) else { continue };
                 let mut state = State { position, time_s: Some(time_s), setup, ..State::default() };
                 state.direction[tilting] = direction;
                 state.direction[turning] = direction;
                 // Every row of C is approached from the same side, with an overrun before its first pose.
-                let overrun_rad = OVERRUN_DEG.to_radians();
-                state.since_reversal[tilting] = overrun_rad + (30.0 * (b - poses[0].0).abs()).to_radians();
-                state.since_reversal[turning] = overrun_rad + (30.0 * (c - poses[0].1).abs()).to_radians();
+                state.since_reversal[tilting] = tilts.since_reversal_rad(b_deg, direction);
+                state.since_reversal[turning] = turns.since_reversal_rad(c_deg, direction);
                 if let Some(before) = states.last() {
                     arrive(&mut state, before);
                 }

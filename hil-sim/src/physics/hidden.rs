@@ -8,6 +8,7 @@ mod backlash;
 mod cable_drag;
 mod coolant_cycle;
 mod dahl_hysteresis;
+mod drift_gravity;
 mod drive_pitch;
 mod encoder_eccentricity;
 mod gravity_sag;
@@ -17,6 +18,7 @@ mod radial_error_motion;
 mod servo_lag;
 mod setup_slip;
 mod size;
+mod soft_step;
 mod squareness;
 mod stiff_stop;
 mod straightness;
@@ -62,12 +64,13 @@ pub struct Kind {
 }
 
 /// The registry.
-pub const KINDS: [&Kind; 20] = [
+pub const KINDS: [&Kind; 22] = [
     &axial_error_motion::KIND,
     &backlash::KIND,
     &cable_drag::KIND,
     &coolant_cycle::KIND,
     &dahl_hysteresis::KIND,
+    &drift_gravity::KIND,
     &drive_pitch::KIND,
     &encoder_eccentricity::KIND,
     &gravity_sag::KIND,
@@ -76,6 +79,7 @@ pub const KINDS: [&Kind; 20] = [
     &radial_error_motion::KIND,
     &servo_lag::KIND,
     &setup_slip::KIND,
+    &soft_step::KIND,
     &squareness::KIND,
     &stiff_stop::KIND,
     &straightness::KIND,
@@ -114,6 +118,8 @@ pub struct Circumstances<'a> {
     pub place: Place,
     /// Setups, measured one after the other.
     pub setups: usize,
+    /// Smallest and largest coordinate of the axis at `place` in the cycle that shows the effect, mm or rad.
+    pub travel: (f64, f64),
     /// Length of the run, s.
     pub run_duration_s: f64,
 }
@@ -247,13 +253,14 @@ impl Hidden {
         if !fits(machine, place) {
             return Err(UnknownHidden::NoSuchAxis { id: choice.id.clone(), machine: machine.name.clone() });
         }
-        let around = Circumstances { machine, place, setups: setups.len(), run_duration_s };
+        let states = size::states(kind, machine, setups, run_duration_s);
+        let travel = travel(place, &states);
+        let around = Circumstances { machine, place, setups: setups.len(), travel, run_duration_s };
         let shape = (kind.draw)(rng, &around);
         let mut hidden = Self { kind, place, amplitude: 1.0, shape };
         // Sized by a small amplitude, so that the exact transforms stay in their linear range.
         hidden.amplitude = size::PROBE_AMPLITUDE;
-        let probed_mm =
-            effect_rms_mm(&hidden, machine, setups, &size::states(kind, machine, setups, run_duration_s));
+        let probed_mm = effect_rms_mm(&hidden, machine, setups, &states);
         if probed_mm < 1e-12 {
             return Err(UnknownHidden::NoEffect { id: choice.id.clone(), machine: machine.name.clone() });
         }
@@ -318,6 +325,15 @@ fn id(kind: &Kind, place: Place) -> String {
         Place::Axis(letter) => format!("{}:{letter}", kind.name),
         Place::Pair(turned, against) => format!("{}:{turned}{against}", kind.name),
     }
+}
+
+/// Smallest and largest coordinate of the axis at a place; zeros where there is none.
+fn travel(place: Place, states: &[State]) -> (f64, f64) {
+    let (Place::Axis(letter) | Place::Pair(letter, _)) = place else { return (0.0, 0.0) };
+    let positions = || states.iter().map(|state| state.position[letter]);
+    let low = positions().fold(f64::INFINITY, f64::min);
+    let high = positions().fold(f64::NEG_INFINITY, f64::max);
+    if low <= high { (low, high) } else { (0.0, 0.0) }
 }
 
 /// Whether the machine has the axes of a place.

@@ -147,3 +147,43 @@ fn a_random_choice_survives_the_fit_of_location_errors_and_settings() {
     seen.dedup();
     assert!(seen.len() >= 6, "{seen:?}");
 }
+
+#[test]
+fn a_bowed_guideway_has_neither_slope_nor_offset_over_the_travel_used() {
+    let machine = table_bc();
+    let states = grid::standard_bc(&machine, &low_and_high());
+    for (letter, seed) in [(AxisLetter::X, 1), (AxisLetter::Y, 2), (AxisLetter::Z, 3)] {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let choice = choice(&format!("straightness:{letter}"));
+        let hidden = Hidden::draw(&choice, &machine, &low_and_high(), RUN_S, &mut rng).unwrap();
+        let positions = || states.iter().map(|state| state.position[letter]);
+        let low_mm = positions().fold(f64::INFINITY, f64::min);
+        let high_mm = positions().fold(f64::NEG_INFINITY, f64::max);
+        let virtual_machine = machine_with(&hidden);
+        let nothing = Truth::perfect("table-bc", &low_and_high(), RUN_S);
+        let straight = VirtualMachine::new(table_bc(), nothing).unwrap();
+        // Evenly over the travel; the other axes stand still, so that readings differ by the deviation alone.
+        let (mut offset, mut slope, mut size) = ([0.0; 3], [0.0; 3], 0.0_f64);
+        let count = 2000;
+        for i in 0..count {
+            let s = 2.0 * (f64::from(i) + 0.5) / f64::from(count) - 1.0;
+            let mut state = State::default();
+            state.position[letter] = low_mm + (s + 1.0) / 2.0 * (high_mm - low_mm);
+            let read = virtual_machine.ideal_reading_mm(0, &state);
+            let nominal = straight.ideal_reading_mm(0, &state);
+            for k in 0..3 {
+                let deviation = read[k] - nominal[k];
+                offset[k] += deviation / f64::from(count);
+                slope[k] += deviation * s * 3.0 / f64::from(count);
+                size = size.max(deviation.abs());
+            }
+        }
+        assert!(size > TYPICAL_RMS_MM, "{letter} {size}");
+        for k in 0..3 {
+            assert!(
+                offset[k].abs() < 1e-4 * size && slope[k].abs() < 1e-4 * size,
+                "{letter} {offset:?} {slope:?}"
+            );
+        }
+    }
+}
