@@ -1,6 +1,8 @@
 //! The plan and its JSON form.
 
-use super::{Desk, HOPELESS_LN, Options, Rivals, Value};
+use super::desk::Desk;
+use super::value::Value;
+use super::{HOPELESS_LN, Options, Rivals};
 use serde_json::{Value as Json, json};
 use std::f64::consts::LN_10;
 use trunnion_effects::{Instance, Need};

@@ -5,7 +5,8 @@
 
 use super::candidates::candidates;
 use super::survey::{Part, Survey, View, finite};
-use super::{Options, PlanError, kind_of, thinned, within_feeds};
+use super::weigh::{kind_of, thinned, within_feeds};
+use super::{Options, PlanError};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 use trunnion_effects::catalogue::BASE;

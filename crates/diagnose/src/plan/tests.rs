@@ -1,9 +1,10 @@
 use super::*;
+use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trunnion_machine::shipped;
-use trunnion_measurement::{Point, Quality, Run};
+use trunnion_measurement::{Cycle, Point, Quality, Run, RunKind};
 
 const WHITE_MM: f64 = 0.3e-3;
 
