@@ -30,7 +30,7 @@ pub struct Noise {
     pub axis: f64,
     /// w: drift.
     pub drift: f64,
-    /// τ: correlation time of the drift, in units of [`Order::time`].
+    /// τ: correlation time of the drift, in units of time of the order of the points.
     pub tau: f64,
 }
 
