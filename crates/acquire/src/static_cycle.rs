@@ -48,6 +48,11 @@ impl StaticRules {
         }
     }
 
+    /// For a cycle whose program waits so long between two rounds, s: that standing still is not its end.
+    pub fn with_wait(self, wait_s: f64) -> Self {
+        Self { end_after_still_s: self.end_after_still_s + wait_s, ..self }
+    }
+
     fn is_near(&self, position: &AxisValues<f64>, pose: &Pose, axes: &[AxisLetter]) -> bool {
         axes.iter().all(|&letter| {
             let off = position[letter] - pose.position[letter];

@@ -2,13 +2,18 @@
 //!
 //! A sample counts while the named axis turns at one of the feeds of the cycle (within a tolerance) and its
 //! acceleration is below the limit; the position in a point is the actual one. Blocks of samples are averaged down to a
-//! target rate; a block never crosses a change of direction or feed, a missing value, or a hole. Pure, like the
-//! static cycle.
+//! target rate; a block never crosses a change of direction or feed, a missing value, or a hole. The passes of the cycle
+//! (setups, feeds, directions, rounds) are followed in their order; what belongs to none is left out and counted. Pure,
+//! like the static cycle.
+
+mod passes;
 
 use crate::align::{Aligned, AlignedSample};
 use crate::nest::NestCalibration;
 use crate::static_cycle::Progress;
 use nalgebra::Vector3;
+use passes::Passes;
+use trunnion_measurement::cycle::Sweep;
 use trunnion_measurement::{Point, Quality};
 use trunnion_units::{AxisLetter, AxisValues};
 
@@ -19,8 +24,8 @@ pub struct SweepRules {
     pub axis: AxisLetter,
     /// First and last angle, rad; samples outside are the run-in and are left out.
     pub from_to_rad: (f64, f64),
-    /// Feeds of the cycle, rad/s.
-    pub feeds_rad_per_s: Vec<f64>,
+    /// The passes of the cycle in order ([`trunnion_measurement::Cycle::sweeps`]).
+    pub passes: Vec<Sweep>,
     /// Largest difference of the velocity from a feed, as a fraction of it.
     pub feed_tolerance: f64,
     /// Largest acceleration that counts as constant feed, rad/s².
@@ -32,13 +37,13 @@ pub struct SweepRules {
 }
 
 impl SweepRules {
-    /// Usual rules for an axis, its span and its feeds.
-    pub fn new(axis: AxisLetter, from_to_rad: (f64, f64), feeds_rad_per_s: Vec<f64>) -> Self {
-        let slowest = feeds_rad_per_s.iter().copied().fold(f64::INFINITY, f64::min);
+    /// Usual rules for an axis, its span and its passes.
+    pub fn new(axis: AxisLetter, from_to_rad: (f64, f64), passes: Vec<Sweep>) -> Self {
+        let slowest = passes.iter().map(|pass| pass.feed_rad_per_s.abs()).fold(f64::INFINITY, f64::min);
         Self {
             axis,
             from_to_rad,
-            feeds_rad_per_s,
+            passes,
             feed_tolerance: 0.05,
             acceleration_limit: if slowest.is_finite() { slowest } else { 1.0 },
             points_per_s: 100.0,
@@ -53,11 +58,9 @@ impl SweepRules {
             (self.from_to_rad.0.min(self.from_to_rad.1), self.from_to_rad.0.max(self.from_to_rad.1));
         let inside = (low..=high).contains(&sample.position[self.axis]);
         let steady = sample.acceleration[self.axis].abs() <= self.acceleration_limit;
-        let feed = self
-            .feeds_rad_per_s
-            .iter()
-            .find(|&&feed| (velocity.abs() - feed).abs() <= self.feed_tolerance * feed)?;
-        (inside && steady).then_some(feed * velocity.signum())
+        let is_at = |feed: &f64| (velocity - feed).abs() <= self.feed_tolerance * feed.abs();
+        let feed = self.passes.iter().map(|pass| pass.feed_rad_per_s).find(is_at)?;
+        (inside && steady).then_some(feed)
     }
 }
 
@@ -66,34 +69,23 @@ impl SweepRules {
 pub struct SweepCycle {
     rules: SweepRules,
     calibration: NestCalibration,
-    setup: usize,
     temperature_degc: Vec<f64>,
     block: Vec<AlignedSample>,
-    block_feed: f64,
-    /// Angle swept at each feed forward and back, rad.
-    swept: Vec<[f64; 2]>,
-    last: Option<(f64, f64, f64)>,
+    block_pass: usize,
+    passes: Passes,
     incomplete: u64,
 }
 
 impl SweepCycle {
-    /// For one setup.
-    pub fn new(
-        rules: SweepRules,
-        calibration: NestCalibration,
-        setup: usize,
-        temperature_channels: usize,
-    ) -> Self {
-        let swept = vec![[0.0; 2]; rules.feeds_rad_per_s.len()];
+    /// At the start of the cycle.
+    pub fn new(rules: SweepRules, calibration: NestCalibration, temperature_channels: usize) -> Self {
         Self {
+            passes: Passes::new(rules.passes.clone(), rules.from_to_rad),
             rules,
             calibration,
-            setup,
             temperature_degc: vec![f64::NAN; temperature_channels],
             block: Vec::new(),
-            block_feed: 0.0,
-            swept,
-            last: None,
+            block_pass: 0,
             incomplete: 0,
         }
     }
@@ -108,17 +100,15 @@ impl SweepCycle {
     /// Takes the next step of the alignment; gives at most one point.
     pub fn push(&mut self, step: &Aligned) -> Option<Point> {
         let Aligned::Sample(sample) = step else { return None };
-        let Some(feed) = self.rules.feed_of(sample) else {
-            self.last = None;
-            return self.finish();
-        };
-        self.count_travel(sample, feed);
+        let place = self.rules.feed_of(sample).map(|feed| (feed, sample.position[self.rules.axis]));
+        let pass = place.and_then(|(feed, angle)| self.passes.take(feed, angle));
+        let Some(pass) = pass else { return self.finish() };
         if sample.channels_mm.iter().any(|mm| mm.is_nan()) {
             self.incomplete += 1;
             return self.finish();
         }
         let joins = self.block.last().is_some_and(|last| {
-            feed == self.block_feed && sample.time_s - last.time_s <= self.rules.sample_gap_s
+            pass == self.block_pass && sample.time_s - last.time_s <= self.rules.sample_gap_s
         });
         let due = self.rules.points_per_s <= 0.0
             || self
@@ -126,7 +116,7 @@ impl SweepCycle {
                 .first()
                 .is_some_and(|first| (sample.time_s - first.time_s) * self.rules.points_per_s >= 1.0 - 1e-6);
         let point = if joins && !due { None } else { self.finish() };
-        self.block_feed = feed;
+        self.block_pass = pass;
         self.block.push(*sample);
         point
     }
@@ -142,27 +132,14 @@ impl SweepCycle {
         self.incomplete
     }
 
-    /// Passes swept, of two for each feed; a pass counts from 98 % of the span.
-    pub fn progress(&self) -> Progress {
-        let span = (self.rules.from_to_rad.1 - self.rules.from_to_rad.0).abs().max(1e-9);
-        let done = self.swept.iter().flatten().filter(|&&angle| angle >= 0.98 * span).count();
-        let left = |(feed, both): (&f64, &[f64; 2])| {
-            both.iter().map(|angle| (span - angle).max(0.0)).sum::<f64>() / feed
-        };
-        let seconds_left = self.rules.feeds_rad_per_s.iter().zip(&self.swept).map(left).sum();
-        Progress { done, total: 2 * self.swept.len(), seconds_left: Some(seconds_left) }
+    /// Samples left out because they belong to no pass of the cycle that was still to come.
+    pub fn unplanned(&self) -> u64 {
+        self.passes.unplanned()
     }
 
-    fn count_travel(&mut self, sample: &AlignedSample, feed: f64) {
-        let angle = sample.position[self.rules.axis];
-        if let Some((last_feed, last_angle, last_s)) = self.last
-            && last_feed == feed
-            && sample.time_s - last_s <= self.rules.sample_gap_s
-            && let Some(index) = self.rules.feeds_rad_per_s.iter().position(|&known| known == feed.abs())
-        {
-            self.swept[index][usize::from(feed < 0.0)] += (angle - last_angle).abs();
-        }
-        self.last = Some((feed, angle, sample.time_s));
+    /// Passes swept.
+    pub fn progress(&self) -> Progress {
+        self.passes.progress()
     }
 
     fn point(&self, block: &[AlignedSample]) -> Point {
@@ -190,7 +167,7 @@ impl SweepCycle {
         point.state.since_reversal = axes(|sample| &sample.since_reversal);
         point.state.time_s = Some(mean(&|sample| sample.time_s));
         point.state.temperature_degc = self.temperature_degc.clone();
-        point.state.setup = self.setup;
+        point.state.setup = self.rules.passes[self.block_pass].setup;
         point.state.deflection_mm = reading;
         point
     }
@@ -231,8 +208,9 @@ mod tests {
     }
 
     fn sweep() -> SweepCycle {
-        let rules = SweepRules::new(AxisLetter::C, (0.0, 2.0), vec![0.5, 1.0]);
-        SweepCycle::new(rules, NestCalibration::orthogonal(), 0, 0)
+        let pass = |feed_rad_per_s| Sweep { setup: 0, feed_rad_per_s };
+        let rules = SweepRules::new(AxisLetter::C, (0.0, 2.0), [0.5, -0.5, 1.0, -1.0].map(pass).to_vec());
+        SweepCycle::new(rules, NestCalibration::orthogonal(), 0)
     }
 
     #[test]

@@ -119,6 +119,15 @@ impl Reader {
         }
     }
 
+    /// Samples of steady turning that became no point, in words; `None` when there were none.
+    fn left_out(&self) -> Option<String> {
+        let Self::Sweep(cycle) = self else { return None };
+        let (incomplete, unplanned) = (cycle.incomplete(), cycle.unplanned());
+        (incomplete + unplanned > 0).then(|| {
+            format!("{incomplete} samples lack a channel, {unplanned} belong to no pass of the cycle")
+        })
+    }
+
     fn progress(&self) -> Progress {
         match self {
             Self::Static(cycle) => cycle.progress(),
@@ -252,15 +261,15 @@ impl Measurement {
                 let poses = plan.cycle.poses(&plan.machine).unwrap_or_default();
                 Reader::Static(Box::new(StaticCycle::new(
                     poses,
-                    StaticRules::new(*settle),
+                    StaticRules::new(*settle).with_wait(plan.cycle.rounds.wait_s),
                     calibrations,
                     axes,
                     temperature_channels.len(),
                 )))
             }
-            Motion::OnTheFly { axis, feeds_rad_per_s, from_to_rad, .. } => {
-                let rules = SweepRules::new(*axis, *from_to_rad, feeds_rad_per_s.clone());
-                Reader::Sweep(Box::new(SweepCycle::new(rules, plan.nest, 0, temperature_channels.len())))
+            Motion::OnTheFly { axis, from_to_rad, .. } => {
+                let rules = SweepRules::new(*axis, *from_to_rad, plan.cycle.sweeps());
+                Reader::Sweep(Box::new(SweepCycle::new(rules, plan.nest, temperature_channels.len())))
             }
         };
         Ok(Self {
@@ -353,6 +362,10 @@ impl Measurement {
         }
         let events = self.reader.finish(reason, self.newest_s);
         self.react(events, recorder, now);
+        if let Some(text) = self.reader.left_out() {
+            let event = Event { time_s: self.newest_s, kind: "samples-left-out".into(), text };
+            record(recorder, Item::Event(event), now);
+        }
         self.ended.get_or_insert(reason);
     }
 

@@ -197,6 +197,19 @@ impl Cycle {
         Some(poses)
     }
 
+    /// The passes of a cycle on the fly in order, over all setups, feeds and rounds; empty for one at rest.
+    pub fn sweeps(&self) -> Vec<Sweep> {
+        let Motion::OnTheFly { feeds_rad_per_s, from_to_rad: (from, to), .. } = &self.motion else {
+            return Vec::new();
+        };
+        let forward = (to - from).signum();
+        let sweep = |leg: Leg| Sweep {
+            setup: leg.setup,
+            feed_rad_per_s: feeds_rad_per_s[leg.feed] * leg.pass * forward,
+        };
+        self.legs().into_iter().map(sweep).collect()
+    }
+
     /// All axes when the rotary axes stand at `rotary`: the linear axes bring the spindle side to the ball, or a ball bar's
     /// length away from it. `None` when the machine cannot follow.
     pub fn position(
@@ -242,6 +255,15 @@ impl Cycle {
         }
         legs
     }
+}
+
+/// One pass of a cycle on the fly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    /// Index of the setup.
+    pub setup: usize,
+    /// Feed of the turning axis, rad/s; negative towards smaller angles.
+    pub feed_rad_per_s: f64,
 }
 
 /// One pass of one setup.
