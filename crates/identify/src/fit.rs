@@ -12,9 +12,10 @@ use crate::passes::passes;
 use crate::robust::without_outliers;
 use crate::settle::{Settled, settle};
 use crate::shape::search_shapes;
+use crate::structured::structured;
 use crate::uncertainty::{covariance, holdout, sums};
 use crate::weights::{Weights, weigh};
-use crate::{Experiment, HoldoutWanted, IdentifyError, Options, Outliers};
+use crate::{Experiment, HoldoutWanted, IdentifyError, Options, Outliers, Uncertainties};
 use nalgebra::{DMatrix, DVector};
 use trunnion_effects::Model;
 use trunnion_machine::Axis;
@@ -78,7 +79,12 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
     let passes = passes(experiment);
     let sums = sums(design, &passes, &fit, used);
     let determined = &fit.gauge.determined;
-    let small = covariance(&fit, &sums, design.weights);
+    let structured = match options.uncertainties {
+        Uncertainties::NoiseParts => structured(design, &passes, &fit, used),
+        Uncertainties::Clusters => None,
+    };
+    let (small, noise_parts) =
+        structured.unwrap_or_else(|| (covariance(&fit, &sums, design.weights), Vec::new()));
     let mut covariance = DMatrix::zeros(joint.width(), joint.width());
     for (a, &i) in determined.iter().enumerate() {
         for (b, &j) in determined.iter().enumerate() {
@@ -119,6 +125,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
             HoldoutWanted::Yes => holdout(&sums),
             HoldoutWanted::No => None,
         },
+        noise_parts,
         noise_by_run,
         rms_mm: (squares / fit.rows_used as f64).sqrt(),
         outliers: outliers(experiment, used, &fit.residual_mm),

@@ -25,7 +25,7 @@ pub struct Identification {
     /// Parameter vector behind `predicted_mm`, inside units, in the order of `parameters`. What has no number in
     /// `parameters` still has an arbitrary (small) one here: never show it.
     pub solution: DVector<f64>,
-    /// Covariance of `solution`, inside units; zero in the rows of parameters without uncertainty.
+    /// Covariance of `solution` under noise as machines make it, inside units; zero in the rows of parameters without uncertainty.
     pub covariance: DMatrix<f64>,
     /// Exact prediction, mm; rows as in [`crate::Experiment`].
     pub predicted_mm: DVector<f64>,
@@ -39,6 +39,9 @@ pub struct Identification {
     pub rms_mm: f64,
     /// Noise of one scalar reading.
     pub noise: Noise,
+    /// Parts of the noise from which the uncertainties follow; empty when they follow from clusters (pass × position of the
+    /// slow axis) of the residual instead.
+    pub noise_parts: Vec<NoisePart>,
     /// Noise of each run and instrument, as the readings were weighted.
     pub noise_by_run: Vec<GroupNoise>,
     /// Root mean square of scalar residuals of parts of the data predicted from the rest, mm; `None` when not asked
@@ -132,6 +135,15 @@ pub struct Noise {
     pub origin: NoiseOrigin,
     /// Degrees of freedom behind it.
     pub degrees_of_freedom: usize,
+}
+
+/// A part of a machine's noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoisePart {
+    /// What it is, in words.
+    pub name: &'static str,
+    /// Standard deviation (rms over the scalar readings; expected, given the residual), mm.
+    pub sigma_mm: f64,
 }
 
 /// Noise of one instrument in one run. A reading counts with 1/(floor² + standard error²).

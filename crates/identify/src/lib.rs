@@ -11,19 +11,22 @@ mod noise;
 mod null_space;
 mod options;
 mod passes;
+mod random_columns;
 mod robust;
 mod settle;
 mod shape;
 mod show;
 mod stream;
+mod structured;
 mod uncertainty;
+mod variances;
 mod weights;
 
 pub use experiment::{Experiment, ExperimentError};
 pub use fit::identify;
 pub use identification::{
-    FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, LeftOut, Noise, NoiseOrigin, Outlier,
-    Status, Unobservable,
+    FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, LeftOut, Noise, NoiseOrigin,
+    NoisePart, Outlier, Status, Unobservable,
 };
-pub use options::{HoldoutWanted, IdentifyError, Options, Outliers};
+pub use options::{HoldoutWanted, IdentifyError, Options, Outliers, Uncertainties};
 pub use stream::{Nominal, blocks_of, reducer};

@@ -37,7 +37,7 @@ pub struct Noise {
 /// Points in the order they were taken, with what the noise needs to know of each.
 #[derive(Clone, Debug)]
 pub struct Order {
-    visits: Vec<Visit>,
+    pub(crate) visits: Vec<Visit>,
     /// Correlation time of drift that the bank assumes.
     pub tau: f64,
     /// The axis that moves least often, if the machine has rotary axes that move.
@@ -46,16 +46,19 @@ pub struct Order {
     pub fast: Option<AxisLetter>,
 }
 
+/// One point, as the noise sees it.
 #[derive(Clone, Debug)]
-struct Visit {
-    point: usize,
-    rows: Range<usize>,
-    since_last: f64,
-    new_run: bool,
+pub(crate) struct Visit {
+    pub point: usize,
+    pub rows: Range<usize>,
+    /// Since the point before of the same run, in units of time of the order; 0 at the start of a run.
+    pub since_last: f64,
+    pub new_run: bool,
     new_station: bool,
-    drift: Matrix3<f64>,
-    slow_lever: Vector3<f64>,
-    fast_lever: Vector3<f64>,
+    /// Reading for a unit of drift along X, Y, Z.
+    pub drift: Matrix3<f64>,
+    pub slow_lever: Vector3<f64>,
+    pub fast_lever: Vector3<f64>,
 }
 
 impl Order {
@@ -218,6 +221,11 @@ pub fn repeatable_motions(experiment: &Experiment) -> DMatrix<f64> {
         }
     }
     all
+}
+
+/// Harmonic of row `j` of [`repeatable_motions`].
+pub(crate) fn motion_harmonic(j: usize) -> usize {
+    j / 2 % MOTION_HARMONICS + 1
 }
 
 /// Reading for a unit of one component (dx dy dz ea eb ec) at a site.

@@ -9,6 +9,8 @@ pub struct Options {
     pub outliers: Outliers,
     /// Whether to predict left-out parts (costs a fit for each).
     pub holdout: HoldoutWanted,
+    /// Where uncertainties come from.
+    pub uncertainties: Uncertainties,
     /// Directions with a singular value below this share of the largest are not seen.
     pub null_tolerance: f64,
 }
@@ -31,16 +33,37 @@ pub enum HoldoutWanted {
     No,
 }
 
+/// Where the uncertainties of the parameters come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Uncertainties {
+    /// From the parts of a machine's noise: white, offsets of passes, positioning, drift, small repeatable motions. Where these
+    /// cannot be told (on the fly, few readings, very long runs), from clusters.
+    NoiseParts,
+    /// From how alike the residuals of a cluster (pass × position of the slow axis) are: quick, and too narrow where
+    /// errors last longer than a cluster.
+    Clusters,
+}
+
 impl Default for Options {
     fn default() -> Self {
-        Self { outliers: Outliers::SetAside, holdout: HoldoutWanted::Yes, null_tolerance: 1e-8 }
+        Self {
+            outliers: Outliers::SetAside,
+            holdout: HoldoutWanted::Yes,
+            uncertainties: Uncertainties::NoiseParts,
+            null_tolerance: 1e-8,
+        }
     }
 }
 
 impl Options {
-    /// For a scan of many models: outliers kept, no hold-out.
+    /// For a scan of many models: outliers kept, no hold-out, uncertainties from clusters.
     pub fn quick() -> Self {
-        Self { outliers: Outliers::Keep, holdout: HoldoutWanted::No, ..Self::default() }
+        Self {
+            outliers: Outliers::Keep,
+            holdout: HoldoutWanted::No,
+            uncertainties: Uncertainties::Clusters,
+            ..Self::default()
+        }
     }
 }
 

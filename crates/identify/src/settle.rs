@@ -31,6 +31,8 @@ pub(crate) struct Settled {
     /// Weighted residual standard deviation of the used rows, mm.
     pub sigma_mm: f64,
     pub rows_used: usize,
+    /// Weight w of each prior of the joint model, which entered as a reading w x = w x₀; 0 for one that did not.
+    pub prior_weights: Vec<f64>,
 }
 
 impl Settled {
@@ -121,6 +123,10 @@ fn settle_within(
         predicted_mm = next;
         iterations += 1;
     }
+    let weight_of = |prior: &Expected| {
+        priors.iter().find(|(other, _)| std::ptr::eq(*other, prior)).map_or(0.0, |(_, weight)| *weight)
+    };
+    let prior_weights = joint.priors.iter().map(weight_of).collect();
     let residual_mm = readings - &predicted_mm;
     let weighted_mm = residual_mm.component_mul(&design.weights.root);
     let unused: f64 = unused_rows(experiment, used).map(|row| weighted_mm[row].powi(2)).sum();
@@ -137,6 +143,7 @@ fn settle_within(
         iterations,
         sigma_mm,
         rows_used,
+        prior_weights,
     })
 }
 

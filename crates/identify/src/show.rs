@@ -1,6 +1,6 @@
 //! An identification for machines (JSON of DESIGN §3.6) and for people (a table).
 
-use crate::identification::{Identification, LeftOut, NoiseOrigin, Status};
+use crate::identification::{Identification, LeftOut, NoiseOrigin, NoisePart, Status};
 use serde_json::{Value, json};
 use std::fmt;
 use trunnion_units::convert::um_from_mm;
@@ -59,6 +59,11 @@ impl Identification {
                 NoiseOrigin::Repeats => "repeats",
                 NoiseOrigin::Residual => "residual",
             },
+            "u_origin": if self.noise_parts.is_empty() { "clusters" } else { "noise-parts" },
+            "noise_parts": self.noise_parts.iter().map(|part| json!({
+                "part": part.name,
+                "um": um_from_mm(part.sigma_mm),
+            })).collect::<Vec<_>>(),
             "noise_by_run": self.noise_by_run.iter().map(|g| json!({
                 "run": g.run,
                 "instrument": g.instrument.name(),
@@ -104,6 +109,16 @@ impl fmt::Display for Identification {
         };
         writeln!(f, "residual rms  {:.3} µm", um_from_mm(self.rms_mm))?;
         writeln!(f, "noise         {:.3} µm ({origin})", um_from_mm(self.noise.sigma_mm))?;
+        match &self.noise_parts[..] {
+            [] => {
+                writeln!(f, "u             from clusters of the residual: pass × position of the slow axis")?
+            }
+            parts => {
+                let sigma = |part: &NoisePart| format!("{} {:.3}", part.name, um_from_mm(part.sigma_mm));
+                let parts: Vec<String> = parts.iter().map(sigma).collect();
+                writeln!(f, "u             from noise of these parts, µm: {}", parts.join(", "))?;
+            }
+        }
         for g in self.noise_by_run.iter().filter(|_| self.noise_by_run.len() > 1) {
             let (rms, floor) = (um_from_mm(g.rms_mm), um_from_mm(g.floor_mm));
             let instrument = g.instrument.name();
