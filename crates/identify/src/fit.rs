@@ -1,7 +1,8 @@
 //! Joint least squares over all effects of a model.
 //!
 //! shapes (grid) → settle (Gauss–Newton to the exact prediction) → outliers set aside, until they stay the same → readings
-//! weighted by the noise of their run and their samples, and settled again → uncertainties, noise, held-out proof.
+//! weighted by the noise of their run and their samples, and settled again → uncertainties under the parts of the machine's noise
+//! (`structured`; else from clusters, `uncertainty`), noise, held-out proof.
 
 use crate::design::Design;
 use crate::identification::{FittedEffect, FittedParameter, Identification, Outlier, Status};

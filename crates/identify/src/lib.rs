@@ -5,6 +5,7 @@ pub mod experiment;
 mod fit;
 mod identification;
 mod joint;
+mod likelihood;
 pub mod linear;
 pub mod machine_noise;
 mod noise;
