@@ -1,11 +1,12 @@
 //! From scans to the answer: candidates in order, what each would do, what it could be mistaken for, the verdict.
 
+use crate::contest::named_item;
 use crate::diagnosis::{
     Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, Verdict,
 };
 use crate::evidence::Score;
 use crate::problem::Problem;
-use crate::search::{Item, Scans, What, columns_of, named_item, refine, scan, scan_named, scan_open, search};
+use crate::search::{Item, View, What, columns_of, search};
 use crate::{Options, words};
 use nalgebra::DMatrix;
 use std::f64::consts::LN_10;
@@ -20,21 +21,15 @@ const MOSTLY: f64 = 0.8;
 
 /// Answers for the model of `problem`.
 pub fn answer(problem: &Problem<'_>, model: &Model, options: &Options) -> Diagnosis {
-    let nothing = DMatrix::zeros(0, problem.experiment.rows());
-    let first = scan(problem, &nothing);
+    let first = View::of(problem, DMatrix::zeros(0, problem.experiment.rows()));
     let rms_mm = first.fit.rms_mm;
-    let not_visible = invisible(problem, &first);
-    let again = Scans { fit: problem.fit(&nothing), named: first.named.clone(), open: first.open };
-    let found = search(problem, again, options.claim_ln, options.look_ahead);
+    let (found, complete) = search(problem, &first, options.claim_ln, options.look_ahead);
     let noise_mm = problem.fit(&columns_of(found.iter(), problem.experiment.rows())).rms_mm.min(rms_mm);
-    let context = Context { problem, options, first: &first, found: &found, rms_mm, noise_mm };
+    let context = Context { problem, options, first: &first, found: &found, complete, rms_mm, noise_mm };
 
     let candidates = context.candidates();
-    let (formula, formula_leads) = context.formula();
-    // A named effect beside a phrase that had to be kept is only believed when it explains most on its own.
-    let named_leads = candidates.first().is_some_and(|best| best.explains_fraction >= MOSTLY);
-    let formula_leads = formula_leads || (formula.is_some() && !named_leads);
-    let verdict = match (candidates.is_empty(), formula_leads) {
+    let formula = context.formula();
+    let verdict = match (candidates.is_empty(), context.formula_leads(&candidates)) {
         (_, true) => Verdict::UnnamedStructure,
         (false, false) => Verdict::MissingEffect,
         (true, false) => Verdict::NoiseFloor,
@@ -55,13 +50,13 @@ pub fn answer(problem: &Problem<'_>, model: &Model, options: &Options) -> Diagno
         set: context.set(),
         formula,
         next_cycle,
-        not_visible,
+        not_visible: invisible(problem, &first),
         out_of_reach: problem.out_of_reach.clone(),
     }
 }
 
 /// Effects that the model imitates in this cycle.
-fn invisible(problem: &Problem<'_>, first: &Scans) -> Vec<String> {
+fn invisible(problem: &Problem<'_>, first: &View) -> Vec<String> {
     let hidden = |(g, score): (usize, &Score)| (score.surviving == 0).then(|| problem.instances[g].id());
     first.named.scores.iter().enumerate().filter_map(hidden).collect()
 }
@@ -69,8 +64,10 @@ fn invisible(problem: &Problem<'_>, first: &Scans) -> Vec<String> {
 struct Context<'a> {
     problem: &'a Problem<'a>,
     options: &'a Options,
-    first: &'a Scans,
+    first: &'a View,
     found: &'a [Item],
+    /// True when nothing worth claiming is left beside what was found.
+    complete: bool,
     rms_mm: f64,
     noise_mm: f64,
 }
@@ -79,84 +76,65 @@ impl Context<'_> {
     /// What the search kept comes first, then whatever else has evidence of its own.
     fn candidates(&self) -> Vec<Candidate> {
         let scores = &self.first.named.scores;
-        let mut kept: Vec<(usize, f64, Item)> = Vec::new();
+        let mut kept: Vec<(usize, Item)> = Vec::new();
         for item in self.found {
             if let What::Named(group) = item.what {
-                kept.push((group, self.weight_together(item), item.clone()));
+                // Against the present model, or with the other kept ones in it where they hide it.
+                let ln_odds = scores[group].ln_odds.max(item.ln_odds);
+                kept.push((group, Item { ln_odds, ..item.clone() }));
             }
         }
-        kept.sort_by(|a, b| b.1.total_cmp(&a.1));
+        kept.sort_by(|a, b| b.1.ln_odds.total_cmp(&a.1.ln_odds));
         let mut rest: Vec<usize> = (0..scores.len())
             .filter(|g| scores[*g].ln_odds > self.options.claim_ln && kept.iter().all(|k| k.0 != *g))
             .collect();
         rest.sort_by(|&a, &b| scores[b].ln_odds.total_cmp(&scores[a].ln_odds));
-        let nothing = DMatrix::zeros(0, self.problem.experiment.rows());
         // Without anything found, single scores above the limit were beaten in the duel or explained by each other.
-        let rest = rest.into_iter().filter(|_| !self.found.is_empty()).map(|g| {
-            let item = named_item(self.problem, g, &scores[g]);
-            let item = refine(self.problem, item, &self.first.fit, &nothing, scores[g].member);
-            (g, scores[g].ln_odds, item)
+        rest.truncate(if self.found.is_empty() {
+            0
+        } else {
+            self.options.candidates.saturating_sub(kept.len())
         });
+        let rest = rest.into_iter().map(|g| (g, named_item(self.problem, self.first, g)));
         let listed: Vec<_> = kept.into_iter().chain(rest).take(self.options.candidates).collect();
-        listed.into_iter().map(|(group, ln_odds, item)| self.candidate(group, ln_odds, &item)).collect()
+        listed.into_iter().map(|(group, item)| self.candidate(group, &item)).collect()
     }
 
     /// Model entries of what the search kept.
     fn set(&self) -> Vec<ModelEffect> {
-        let entry = |item: &Item| match item.what {
-            What::Named(group) => ModelEffect {
-                id: self.problem.instances[group].id(),
-                shape: item.shape.clone(),
-                ..ModelEffect::default()
-            },
-            What::Open(phrase, variant) => {
-                let text = &self.problem.vocabulary.phrases[phrase];
-                let name = format!("{}-{}", text.site.replace(':', "-").to_lowercase(), text.component);
-                ModelEffect {
-                    id: format!("formula:{name}"),
-                    site: Some(text.site.clone()),
-                    component: Some(text.component.into()),
-                    expression: Some(text.expression(variant)),
-                    ..ModelEffect::default()
-                }
-            }
-        };
-        self.found.iter().map(entry).collect()
+        self.found.iter().flat_map(|item| self.entries(item)).collect()
     }
 
-    /// ln odds of a kept effect: against the present model, or with the other kept ones in it where they hide it.
-    fn weight_together(&self, item: &Item) -> f64 {
-        match item.what {
-            What::Named(group) => self.first.named.scores[group].ln_odds.max(item.ln_odds),
-            What::Open(..) => item.ln_odds,
+    fn entries(&self, item: &Item) -> Vec<ModelEffect> {
+        match &item.what {
+            What::Named(group) => vec![ModelEffect {
+                id: self.problem.instances[*group].id(),
+                shape: item.shape.clone(),
+                ..ModelEffect::default()
+            }],
+            What::Open(saying) => self.problem.vocabulary.entries(saying, &item.shape),
         }
     }
 
-    fn candidate(&self, group: usize, ln_odds: f64, item: &Item) -> Candidate {
+    fn candidate(&self, group: usize, item: &Item) -> Candidate {
         let problem = self.problem;
-        let alone = scan_named(problem, &item.columns);
-        let others = alone.named.scores.iter().enumerate().filter(|(g, _)| *g != group);
-        let named_left = others.map(|(_, score)| score.ln_odds).fold(f64::NEG_INFINITY, f64::max);
-        let limit = self.options.claim_ln;
-        let adequate = named_left <= limit
-            && scan_open(problem, &item.columns, &alone.fit, &alone.named)
-                .is_none_or(|(score, _)| score.ln_odds <= limit);
-        let after_mm = alone.fit.rms_mm;
+        let alone = problem.fit(&item.columns);
+        let after_mm = alone.rms_mm;
+        let adequate = self.adequate(item, after_mm);
         let instance = &problem.instances[group];
         let confused = self.confused_with(group, item);
         let rivals: Vec<_> = confused.iter().map(|&g| &problem.instances[g]).collect();
+        let nothing = DMatrix::zeros(0, problem.experiment.rows());
         let numbers = words::Numbers {
             before_um: self.rms_mm * 1e3,
             after_um: after_mm * 1e3,
             noise_um: self.noise_mm * 1e3,
-            holdout_before_um: problem
-                .holdout_rms_mm(&DMatrix::zeros(0, problem.experiment.rows()), &self.first.fit.outlier)
-                * 1e3,
-            holdout_after_um: problem.holdout_rms_mm(&item.columns, &alone.fit.outlier) * 1e3,
+            holdout_before_um: problem.holdout_rms_mm(&nothing, &self.first.fit.outlier) * 1e3,
+            holdout_after_um: problem.holdout_rms_mm(&item.columns, &alone.outlier) * 1e3,
         };
         Candidate {
             effect: instance.id(),
-            evidence: ln_odds / LN_10,
+            evidence: item.ln_odds / LN_10,
             rms_um_after: numbers.after_um,
             holdout_rms_um_after: numbers.holdout_after_um,
             explains_fraction: self.explained(after_mm),
@@ -166,6 +144,19 @@ impl Context<'_> {
             adequate,
             why: words::why(instance, &numbers, adequate),
         }
+    }
+
+    /// Nothing structured remains with this item alone: it is all that was found, or fits as well as all that was found.
+    fn adequate(&self, item: &Item, after_mm: f64) -> bool {
+        let all_found = match self.found {
+            [only] => only.what == item.what,
+            _ => false,
+        };
+        let like_all_found = || {
+            let readings = self.problem.experiment.rows() as f64;
+            readings * (after_mm / self.noise_mm).ln() < CONFUSED_LN
+        };
+        self.complete && !self.found.iter().any(Item::is_open) && (all_found || like_all_found())
     }
 
     /// Share of the mean square above the noise floor.
@@ -187,8 +178,8 @@ impl Context<'_> {
         let problem = self.problem;
         let rows = problem.experiment.rows();
         let others = columns_of(self.found.iter().filter(|other| other.what != item.what), rows);
-        let scans = scan_named(problem, &others);
-        let scores = &scans.named.scores;
+        let view = View::of(problem, others);
+        let (others, scores) = (&view.chosen, &view.named.scores);
         let member = &problem.bank.members[scores[group].member];
         let kept = |g: usize| self.found.iter().any(|other| other.what == What::Named(g));
         let mut confused: Vec<usize> = (0..scores.len())
@@ -198,7 +189,7 @@ impl Context<'_> {
                     return true;
                 }
                 let other = problem.named.part(g, scores[g].part).transpose();
-                let cosines = member.canonical_correlations(&others, &item.columns, &other);
+                let cosines = member.canonical_correlations(others, &item.columns, &other);
                 cosines.len() == item.columns.nrows().min(other.nrows()) && cosines.iter().all(|c| *c > ALIAS)
             })
             .collect();
@@ -209,7 +200,7 @@ impl Context<'_> {
     fn parameters(&self, group: usize, item: &Item) -> Vec<CandidateParameter> {
         let problem = self.problem;
         let instance = &problem.instances[group];
-        let raw = problem.experiment.columns(instance, &item.shape).transpose();
+        let raw = problem.columns(instance, &item.shape);
         let member = &problem.bank.members[self.first.named.scores[group].member];
         let (values, covariance) = member.fit(&self.first.fit.readings, &raw);
         let seen = |j: usize| covariance[(j, j)] > 0.0 && covariance[(j, j)].is_finite();
@@ -235,45 +226,49 @@ impl Context<'_> {
         listed
     }
 
-    /// The best phrase among what the search kept, and whether it leads the named effects.
-    fn formula(&self) -> (Option<FormulaProposal>, bool) {
-        let open = |item: &&Item| matches!(item.what, What::Open(..));
-        let best = |items: &mut dyn Iterator<Item = f64>| items.fold(f64::NEG_INFINITY, f64::max);
-        let Some(item) = self.found.iter().filter(open).max_by(|a, b| a.ln_odds.total_cmp(&b.ln_odds)) else {
-            return (None, false);
-        };
-        let What::Open(mut phrase, mut variant) = item.what else { return (None, false) };
-        let mut columns = item.columns.clone();
-        let mut ln_odds = item.ln_odds;
-        // What was kept may only patch a named effect; offered is what does most on its own.
-        if let Some((score, alone)) =
-            self.first.open.filter(|(score, _)| score.ln_odds > self.options.claim_ln)
-        {
-            let other = self.problem.vocabulary.library.part(alone, score.part).transpose();
-            if self.problem.fit(&other).rms_mm < self.problem.fit(&columns).rms_mm {
-                (phrase, variant, columns, ln_odds) = (alone, score.part, other, score.ln_odds);
-            }
-        }
-        let named = best(&mut self.found.iter().filter(|i| !open(i)).map(|i| i.ln_odds));
-        let leads = item.ln_odds > named;
-        let text = &self.problem.vocabulary.phrases[phrase];
+    /// What was kept without a name, the strongest first; several components of one site are one proposal.
+    fn formula(&self) -> Option<FormulaProposal> {
+        let item = self.strongest(true)?;
+        let What::Open(saying) = &item.what else { return None };
+        let vocabulary = &self.problem.vocabulary;
+        let family = &vocabulary.families[saying.family];
+        let entries = vocabulary.entries(saying, &item.shape);
+        let first = entries.first()?.clone();
         let scores = &self.first.named.scores;
         let resembles = (0..scores.len())
             .filter(|&g| scores[g].ln_odds > self.options.claim_ln)
             .max_by(|&a, &b| scores[a].ln_odds.total_cmp(&scores[b].ln_odds))
             .map(|g| self.problem.instances[g].id());
-        let after_mm = self.problem.fit(&columns).rms_mm;
-        let proposal = FormulaProposal {
-            name: format!("{}-{}", text.site.replace(':', "-").to_lowercase(), text.component),
-            site: text.site.clone(),
-            component: text.component.into(),
-            expression: text.expression(variant),
-            evidence: ln_odds / LN_10,
+        let after_mm = self.problem.fit(&item.columns).rms_mm;
+        let components: Vec<&str> = entries.iter().filter_map(|e| e.component.as_deref()).collect();
+        let site = first.site.unwrap_or_default();
+        let numbers = family.numbers.iter().zip(&item.shape);
+        Some(FormulaProposal {
+            name: first.id.trim_start_matches("formula:").into(),
+            component: first.component.unwrap_or_default(),
+            expression: first.expression.unwrap_or_default(),
+            shape: numbers.map(|(number, value)| (number.name.into(), *value)).collect(),
+            evidence: item.ln_odds / LN_10,
             rms_um_after: after_mm * 1e3,
             explains_fraction: self.explained(after_mm),
-            lives: words::lives(&text.site, text.component, &text.words),
+            lives: words::lives(&site, &components, &family.words),
             resembles,
-        };
-        (Some(proposal), leads)
+            site,
+            entries,
+        })
+    }
+
+    /// True when what has no name explains more than what has one.
+    fn formula_leads(&self, candidates: &[Candidate]) -> bool {
+        let Some(open) = self.strongest(true) else { return false };
+        let named = self.strongest(false).map_or(f64::NEG_INFINITY, |item| item.ln_odds);
+        // A named effect beside a phrase that had to be kept is only believed when it explains most on its own.
+        let explains = candidates.first().map_or(0.0, |best| best.explains_fraction);
+        open.ln_odds > named || explains < MOSTLY
+    }
+
+    fn strongest(&self, open: bool) -> Option<&Item> {
+        let of_sort = self.found.iter().filter(|item| item.is_open() == open);
+        of_sort.max_by(|a, b| a.ln_odds.total_cmp(&b.ln_odds))
     }
 }

@@ -97,6 +97,10 @@ pub struct FormulaProposal {
     pub component: String,
     /// Expression over the state with named parameters.
     pub expression: String,
+    /// Values of the shape numbers in `expression`, by name, inside units.
+    pub shape: Vec<(String, f64)>,
+    /// The whole proposal as entries of a model file, one for each component; the first is the one described above.
+    pub entries: Vec<ModelEffect>,
     /// log₁₀ of the Bayes factor against nothing, after the price of its complexity.
     pub evidence: f64,
     /// Residual after adding it, µm rms.
@@ -173,6 +177,8 @@ fn formula_json(formula: &FormulaProposal) -> Value {
         "site": formula.site,
         "component": formula.component,
         "expression": formula.expression,
+        "shape": formula.shape.iter().map(|(name, value)| json!({ "name": name, "value": value })).collect::<Vec<_>>(),
+        "also": formula.entries.iter().skip(1).map(|entry| entry.id.as_str()).collect::<Vec<_>>(),
         "evidence": formula.evidence,
         "rms_um_after": formula.rms_um_after,
         "explains_fraction": formula.explains_fraction,

@@ -5,10 +5,14 @@
 //! that have no name.
 
 mod answer;
+mod contest;
 mod diagnosis;
 mod evidence;
+mod families;
+mod least_squares;
 pub mod plan;
 mod problem;
+mod refine;
 mod search;
 pub mod views;
 mod vocabulary;

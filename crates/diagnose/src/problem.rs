@@ -2,7 +2,8 @@
 
 use crate::DiagnoseError;
 use crate::evidence::{Bank, Blocks, Entry, Library, stacked};
-use crate::vocabulary::{self, Vocabulary};
+use crate::least_squares::solve;
+use crate::vocabulary::Vocabulary;
 use nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;
 use trunnion_effects::catalogue::BASE;
@@ -12,14 +13,8 @@ use trunnion_identify::machine_noise::{Order, repeatable_motions};
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
 
-/// A point farther out than this many robust standard deviations is set aside.
-const OUTLIER_SIGMA: f64 = 5.0;
-/// Median of the length of a standard normal vector with 1 and with 3 components.
-const MEDIAN_LENGTH: [f64; 2] = [0.6745, 1.5382];
-/// Longer runs of far points are structure, not outliers.
-const LONGEST_OUTLIER_RUN: usize = 2;
-/// A larger share of far points is a heavy tail, not outliers.
-const MOST_OUTLIERS: f64 = 0.06;
+/// What every rotary axis has a little of.
+const NATURAL: [&str; 3] = ["-error-motion:", "encoder-eccentricity:", "drive-pitch:"];
 
 /// Everything a search needs.
 pub struct Problem<'a> {
@@ -40,20 +35,13 @@ pub struct Problem<'a> {
     pub readings: DVector<f64>,
     pub order: Order,
     pub bank: Bank,
-}
-
-/// What a fit of base and chosen columns leaves.
-pub struct Fit {
-    /// Readings with the outliers replaced by their prediction.
-    pub readings: DVector<f64>,
-    /// True for each point set aside.
-    pub outlier: Vec<bool>,
-    /// Root mean square of the residual without outliers, mm.
-    pub rms_mm: f64,
+    /// Root of the weight of each row.
+    root: DVector<f64>,
 }
 
 impl<'a> Problem<'a> {
     pub fn new(experiment: &'a Experiment, model: &Model, without: &[String]) -> Result<Self, DiagnoseError> {
+        let root = DVector::from_element(experiment.rows(), 1.0);
         let (base, readings) = base_columns(experiment, model)?;
         let in_model = |id: &str| BASE.contains(&id) || model.effects.iter().any(|entry| entry.id == id);
         let mut out_of_reach = Vec::new();
@@ -69,7 +57,7 @@ impl<'a> Problem<'a> {
             }
             let parts: Vec<DMatrix<f64>> =
                 grid.grid.iter().map(|shape| finite(experiment.columns(&instance, shape))).collect();
-            let natural = instance.id().contains("-error-motion");
+            let natural = NATURAL.iter().any(|phenomenon| instance.id().contains(phenomenon));
             groups.push(Entry { parts, prior_ln: 0.0, natural });
             instances.push(instance);
             shapes.push(grid);
@@ -80,13 +68,14 @@ impl<'a> Problem<'a> {
         }
         let named = Library::new(experiment.rows(), groups);
         let order = Order::new(experiment);
-        let vocabulary = vocabulary::vocabulary(experiment, &order);
-        let bank = Bank::new(&order, &base, &repeatable_motions(experiment));
+        let vocabulary = Vocabulary::new(experiment, &order, &root);
+        let bare = model.effects.iter().all(|entry| BASE.contains(&entry.id.as_str()));
+        let bank = Bank::new(&order, &base, &repeatable_motions(experiment), bare);
         let parameters = bank.base_rank();
         if experiment.rows() < 2 * parameters {
             return Err(DiagnoseError::TooFewReadings { rows: experiment.rows(), parameters });
         }
-        let members: Vec<usize> = (0..bank.members.len()).collect();
+        let members = bank.all();
         let named_blocks = bank.blocks(&named, &members);
         let open_blocks = members.iter().map(|_| OnceLock::new()).collect();
         Ok(Self {
@@ -102,7 +91,15 @@ impl<'a> Problem<'a> {
             readings,
             order,
             bank,
+            root,
         })
+    }
+
+    /// Columns of an instance, column × row; rows count with their weights.
+    pub fn columns(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
+        let mut columns = finite(self.experiment.columns(instance, shape));
+        columns.column_iter_mut().for_each(|mut column| column.component_mul_assign(&self.root));
+        columns.transpose()
     }
 
     /// Blocks of the named effects under every member.
@@ -119,136 +116,6 @@ impl<'a> Problem<'a> {
         }
         members.iter().map(|&m| self.open_blocks[m].get().expect("formed above")).collect()
     }
-
-    /// Ordinary least squares of base and `chosen` (column × row) with outliers set aside.
-    pub fn fit(&self, chosen: &DMatrix<f64>) -> Fit {
-        let design = stacked(&self.base, chosen);
-        let points = self.experiment.points.len();
-        let mut outlier = vec![false; points];
-        let mut residual = self.readings.clone();
-        for _ in 0..6 {
-            residual = &self.readings - solve(&design, &self.readings, &self.weights(&outlier));
-            let far = self.far_points(&residual);
-            if far == outlier {
-                break;
-            }
-            outlier = far;
-        }
-        let mut readings = self.readings.clone();
-        let (mut sum, mut count) = (0.0, 0);
-        for point in 0..points {
-            for row in self.experiment.rows_of(point) {
-                if outlier[point] {
-                    readings[row] -= residual[row];
-                } else {
-                    sum += residual[row] * residual[row];
-                    count += 1;
-                }
-            }
-        }
-        Fit { readings, outlier, rms_mm: (sum / f64::from(count.max(1))).sqrt() }
-    }
-
-    /// Root mean square of predictions of parts of the data from the rest, mm: whole passes, or stations of the slow axis
-    /// where a setup was measured in one pass only.
-    pub fn holdout_rms_mm(&self, chosen: &DMatrix<f64>, outlier: &[bool]) -> f64 {
-        let design = stacked(&self.base, chosen);
-        let fold_of_point = self.folds();
-        let folds = fold_of_point.iter().max().map_or(0, |last| last + 1);
-        let (mut sum, mut count) = (0.0, 0);
-        for fold in 0..folds {
-            let out: Vec<bool> = (0..outlier.len()).map(|i| outlier[i] || fold_of_point[i] == fold).collect();
-            let residual = &self.readings - solve(&design, &self.readings, &self.weights(&out));
-            for point in (0..outlier.len()).filter(|&i| fold_of_point[i] == fold && !outlier[i]) {
-                for row in self.experiment.rows_of(point) {
-                    sum += residual[row] * residual[row];
-                    count += 1;
-                }
-            }
-        }
-        (sum / f64::from(count.max(1))).sqrt()
-    }
-
-    fn folds(&self) -> Vec<usize> {
-        let axis = self.order.slow.or(self.order.fast);
-        let direction = |i: usize| axis.map_or(0, |l| self.experiment.points[i].state.direction[l] as i64);
-        let mut passes: Vec<(usize, i64)> = Vec::new();
-        let of_point: Vec<usize> = (0..self.experiment.points.len())
-            .map(|i| {
-                let pass = (self.experiment.points[i].state.setup, direction(i));
-                passes.iter().position(|p| *p == pass).unwrap_or_else(|| {
-                    passes.push(pass);
-                    passes.len() - 1
-                })
-            })
-            .collect();
-        let setups = self.experiment.setups.len();
-        let both_ways = (0..setups).all(|s| passes.iter().filter(|p| p.0 == s).count() != 1);
-        if both_ways { of_point } else { self.order.stations().into_iter().map(|s| s % 4).collect() }
-    }
-
-    fn weights(&self, outlier: &[bool]) -> Vec<bool> {
-        let mut used = vec![true; self.experiment.rows()];
-        for (point, _) in outlier.iter().enumerate().filter(|(_, out)| **out) {
-            for row in self.experiment.rows_of(point) {
-                used[row] = false;
-            }
-        }
-        used
-    }
-
-    fn far_points(&self, residual: &DVector<f64>) -> Vec<bool> {
-        let points = self.experiment.points.len();
-        let relative: Vec<f64> = (0..points)
-            .map(|i| {
-                let rows = self.experiment.rows_of(i);
-                residual.rows(rows.start, rows.len()).norm() / MEDIAN_LENGTH[usize::from(rows.len() == 3)]
-            })
-            .collect();
-        let mut sorted = relative.clone();
-        sorted.sort_by(f64::total_cmp);
-        let sigma = sorted[points / 2];
-        let mut far: Vec<bool> = relative.iter().map(|r| *r > OUTLIER_SIGMA * sigma).collect();
-        let sequence: Vec<usize> = self.order.points().collect();
-        let mut k = 0;
-        while k < points {
-            let length = sequence[k..].iter().take_while(|&&i| far[i]).count();
-            if length > LONGEST_OUTLIER_RUN {
-                for &i in &sequence[k..k + length] {
-                    far[i] = false;
-                }
-            }
-            k += length.max(1);
-        }
-        let share = far.iter().filter(|f| **f).count() as f64 / points as f64;
-        if share > MOST_OUTLIERS { vec![false; points] } else { far }
-    }
-}
-
-/// Prediction of least squares on the rows used; directions the design cannot see stay zero.
-pub fn solve(design: &DMatrix<f64>, readings: &DVector<f64>, used: &[bool]) -> DVector<f64> {
-    let mut masked = design.clone();
-    for (row, _) in used.iter().enumerate().filter(|(_, used)| !**used) {
-        masked.column_mut(row).fill(0.0);
-    }
-    let scale: Vec<f64> = masked.row_iter().map(|c| c.norm()).collect();
-    for (j, mut column) in masked.row_iter_mut().enumerate() {
-        column /= scale[j].max(1e-300);
-    }
-    let gram = &masked * masked.transpose();
-    let right = &masked * readings;
-    let eigen = gram.symmetric_eigen();
-    let largest = eigen.eigenvalues.max();
-    let mut along = eigen.eigenvectors.transpose() * right;
-    for (j, value) in along.iter_mut().enumerate() {
-        let eigenvalue = eigen.eigenvalues[j];
-        *value = if eigenvalue > 1e-12 * largest { *value / eigenvalue } else { 0.0 };
-    }
-    let mut values = &eigen.eigenvectors * along;
-    for (j, value) in values.iter_mut().enumerate() {
-        *value /= scale[j].max(1e-300);
-    }
-    design.tr_mul(&values)
 }
 
 /// Columns of the model (column × row) and readings minus nominal prediction and held parameters.

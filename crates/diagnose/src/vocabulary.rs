@@ -1,116 +1,209 @@
-//! The open grammar: shapes without a name that duel with the catalogue.
+//! The open grammar on one experiment: families of factors at every carrier (DIAGNOSIS §4).
 //!
-//! component of a joint or of the ball × factor(state)                                             [DIAGNOSIS §4]
-//! Factors: cos/sin kS · cos/sin mF (S, F the slow and the fast rotary axis) × {1, direction, t, 1 − e^(−t/τ)}, monomials of
-//! X Y Z, steps and waves in time, local bumps, hinges and steps in an angle, hysteresis. Each is written as the text of a
-//! `formula:` effect and evaluated by the formula reader, so that what is found can be added as it stands.
-//! Price: ln(number of groups) + 1 per order.
+//! A carrier is a unit displacement or rotation at a site; a saying multiplies one or more carriers of one site by the factors of a
+//! family at one shape.
 
-use crate::evidence::{Entry, Library};
+use crate::evidence::{Group, Library, parallel};
+use crate::families::{Carriers, Family, families};
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::PI;
-use trunnion_effects::{Instance, ModelEffect};
+use std::ops::Range;
+use trunnion_effects::ModelEffect;
 use trunnion_identify::Experiment;
 use trunnion_identify::machine_noise::{Order, ground_joint, modulated, unit_columns};
 use trunnion_machine::Site;
-use trunnion_units::AxisLetter;
 
 /// Names of the components in formulas.
 const COMPONENTS: [&str; 6] = ["dx", "dy", "dz", "ea", "eb", "ec"];
 /// Carriers that coincide up to a sign beyond this cosine are one.
 const SAME_CARRIER: f64 = 0.9999;
+/// Price of each further component of the same site, ln.
+pub const SIBLING_LN: f64 = 1.5;
 
 /// The grammar on one experiment.
 pub struct Vocabulary {
-    /// Columns of all groups.
+    /// Columns of all groups, one for each phrase.
     pub library: Library,
     /// What each group says.
-    pub phrases: Vec<Phrase>,
+    pub phrases: Vec<Saying>,
+    pub families: Vec<Family>,
+    pub carriers: Vec<Carrier>,
+    /// ln of the number of phrases: what choosing one costs.
+    pub price_ln: f64,
 }
 
-/// One group: a carrier and a family of factors.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Phrase {
-    /// Site as in a formula, e.g. `axis:B`.
-    pub site: String,
-    /// Component as in a formula.
-    pub component: &'static str,
-    /// The factors of each variant: one text for each column.
-    pub variants: Vec<Vec<String>>,
-    /// Where and when it is at work, in words.
-    pub words: String,
-}
-
-impl Phrase {
-    /// The expression of one variant with parameters p1, p2, ….
-    pub fn expression(&self, variant: usize) -> String {
-        let terms = self.variants[variant].iter().enumerate();
-        terms.map(|(i, factor)| format!("p{}*{factor}", i + 1)).collect::<Vec<_>>().join(" + ")
-    }
-}
-
-struct Family {
-    order: usize,
-    variants: Vec<Vec<String>>,
-    words: String,
-    carriers: Carriers,
-    /// Repeatable motion of a rotary axis.
-    natural: bool,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Carriers {
-    All,
-    /// Displacements between tool and table in machine axes.
-    Ground,
-}
-
-struct Carrier {
-    site: Site,
-    component: usize,
+/// A unit motion at a site.
+pub struct Carrier {
+    pub site: Site,
+    pub component: usize,
     column: DVector<f64>,
     is_ground: bool,
 }
 
-/// Builds the grammar for an experiment.
-pub fn vocabulary(experiment: &Experiment, order: &Order) -> Vocabulary {
-    let carriers = carriers(experiment);
-    let (mut groups, mut phrases) = (Vec::new(), Vec::new());
-    for family in families(experiment, order) {
-        let Some(values) =
-            family.variants.iter().map(|v| factor_values(experiment, v)).collect::<Option<Vec<_>>>()
-        else {
-            continue;
+/// Where the columns of the grammar go: the carriers of a bundle side by side at each shape, so that one of them and all of
+/// them are both a range.
+#[derive(Default)]
+struct Layout {
+    groups: Vec<Group>,
+    phrases: Vec<Saying>,
+    /// First column, family, shape, carriers.
+    places: Vec<(usize, usize, usize, Vec<usize>)>,
+    width: usize,
+}
+
+impl Layout {
+    fn add(&mut self, f: usize, family: &Family, carriers: &[Carrier], bundle: Vec<usize>) {
+        let factors = family.factors();
+        let of_shape = bundle.len() * factors;
+        let first = self.width;
+        self.width += of_shape * family.grid.len();
+        let mut group = |of_bundle: Range<usize>| {
+            let parts = (0..family.grid.len()).map(|shape| {
+                let begin = first + shape * of_shape;
+                begin + of_bundle.start * factors..begin + of_bundle.end * factors
+            });
+            let prior_ln = -family.price_ln - SIBLING_LN * (of_bundle.len() - 1) as f64;
+            self.groups.push(Group { parts: parts.collect(), prior_ln, natural: family.natural });
+            self.phrases.push(Saying { family: f, carriers: bundle[of_bundle].to_vec() });
         };
-        for carrier in &carriers {
-            if family.carriers == Carriers::Ground && !carrier.is_ground {
-                continue;
+        for k in 0..bundle.len() {
+            group(k..k + 1);
+        }
+        let turning = bundle.iter().position(|&c| carriers[c].component >= 3).unwrap_or(bundle.len());
+        let together = [0..turning, turning..bundle.len(), 0..bundle.len()];
+        for (i, range) in together.iter().enumerate() {
+            // A force both shifts and twists what it pulls at: every component, each with one number.
+            let all = i == 2;
+            if range.len() > 1 && !together[..i].contains(range) && (!all || factors == 1) {
+                group(range.clone());
             }
-            let part = |factors: &Vec<Vec<f64>>| {
-                let columns: Vec<DVector<f64>> = factors
-                    .iter()
-                    .map(|values| modulated(experiment, &carrier.column, |i| values[i]))
-                    .collect();
-                DMatrix::from_columns(&columns)
-            };
-            groups.push(Entry {
-                parts: values.iter().map(part).collect(),
-                prior_ln: -(family.order as f64),
-                natural: family.natural,
-            });
-            phrases.push(Phrase {
-                site: site_text(carrier.site),
-                component: COMPONENTS[carrier.component],
-                variants: family.variants.clone(),
-                words: family.words.clone(),
-            });
+        }
+        for shape in 0..family.grid.len() {
+            self.places.push((first + shape * of_shape, f, shape, bundle.clone()));
         }
     }
-    let price = (groups.len().max(1) as f64).ln();
-    for group in &mut groups {
-        group.prior_ln -= price;
+}
+
+/// Carriers that go together: those of each site, displacements before rotations.
+fn bundles(carriers: &[Carrier], wanted: Carriers) -> Vec<Vec<usize>> {
+    let mut bundles: Vec<Vec<usize>> = Vec::new();
+    for (c, carrier) in carriers.iter().enumerate() {
+        if wanted == Carriers::Ground && !carrier.is_ground {
+            continue;
+        }
+        let like = |bundle: &&mut Vec<usize>| carriers[bundle[0]].site == carrier.site;
+        match bundles.iter_mut().find(like) {
+            Some(bundle) => bundle.push(c),
+            None => bundles.push(vec![c]),
+        }
     }
-    Vocabulary { library: Library::new(experiment.rows(), groups), phrases }
+    bundles
+}
+
+/// Something said in the grammar.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Saying {
+    pub family: usize,
+    /// Carriers of one site, each with parameters of its own.
+    pub carriers: Vec<usize>,
+}
+
+impl Vocabulary {
+    /// Builds the grammar for an experiment whose rows count with the roots `root` of their weights.
+    pub fn new(experiment: &Experiment, order: &Order, root: &DVector<f64>) -> Self {
+        let carriers = carriers(experiment, root);
+        let families = families(experiment, order);
+        let values = parallel(families.len(), |f| {
+            let family = &families[f];
+            let grid: &[Vec<f64>] = if family.scanned { &family.grid } else { &[] };
+            grid.iter().map(|shape| factors(experiment, family, shape)).collect::<Vec<_>>()
+        });
+        let mut layout = Layout::default();
+        for (f, family) in families.iter().enumerate().filter(|(_, family)| family.scanned) {
+            for bundle in bundles(&carriers, family.carriers) {
+                layout.add(f, family, &carriers, bundle);
+            }
+        }
+        let price_ln = (layout.phrases.len().max(1) as f64).ln();
+        for group in &mut layout.groups {
+            group.prior_ln -= price_ln;
+        }
+        let columns = DMatrix::zeros(layout.width, experiment.rows());
+        let mut library = Library { columns, groups: layout.groups };
+        for (first, family, shape, bundle) in layout.places {
+            let factors = &values[family][shape];
+            for (k, &carrier) in bundle.iter().enumerate() {
+                for (j, of_point) in factors.iter().enumerate() {
+                    let column = carriers[carrier].times(experiment, of_point);
+                    library.put(first + k * factors.len() + j, column.iter());
+                }
+            }
+        }
+        Self { library, phrases: layout.phrases, families, carriers, price_ln }
+    }
+
+    /// Columns of a saying (column × row).
+    pub fn columns(&self, experiment: &Experiment, saying: &Saying, shape: &[f64]) -> DMatrix<f64> {
+        let factors = factors(experiment, &self.families[saying.family], shape);
+        let carriers = saying.carriers.iter().map(|&c| &self.carriers[c]);
+        let columns = carriers.flat_map(|carrier| {
+            factors.iter().map(move |of_point| carrier.times(experiment, of_point).transpose())
+        });
+        DMatrix::from_rows(&columns.collect::<Vec<_>>())
+    }
+
+    /// Families of the same idea, itself first.
+    pub fn kin(&self, family: usize) -> Vec<usize> {
+        let kin = &self.families[family].kin;
+        let others = (0..self.families.len()).filter(|&f| f != family);
+        let same = |f: &usize| {
+            let other = &self.families[*f];
+            other.kin == *kin && (!other.scanned || !other.numbers.is_empty())
+        };
+        [family].into_iter().chain(others.filter(same)).collect()
+    }
+
+    /// Other carriers of the same site.
+    pub fn siblings(&self, carrier: usize) -> Vec<usize> {
+        let site = self.carriers[carrier].site;
+        (0..self.carriers.len()).filter(|&c| c != carrier && self.carriers[c].site == site).collect()
+    }
+
+    /// The saying as entries of a model file, one for each carrier.
+    pub fn entries(&self, saying: &Saying, shape: &[f64]) -> Vec<ModelEffect> {
+        let family = &self.families[saying.family];
+        let entry = |&c: &usize| {
+            let Carrier { site, component, .. } = &self.carriers[c];
+            let site = site_text(*site);
+            let component = COMPONENTS[*component];
+            ModelEffect {
+                id: format!("formula:{}-{component}", site.replace(':', "-").to_lowercase()),
+                site: Some(site),
+                component: Some(component.into()),
+                expression: Some(family.expression.clone()),
+                shape: shape.into(),
+                ..ModelEffect::default()
+            }
+        };
+        saying.carriers.iter().map(entry).collect()
+    }
+}
+
+impl Carrier {
+    fn times(&self, experiment: &Experiment, of_point: &[f64]) -> DVector<f64> {
+        modulated(experiment, &self.column, |i| of_point[i])
+    }
+}
+
+/// Values of the factors of a family at every point: one list for each parameter.
+fn factors(experiment: &Experiment, family: &Family, shape: &[f64]) -> Vec<Vec<f64>> {
+    let count = family.formula.parameters(&experiment.scene).len();
+    let mut values = vec![vec![0.0; experiment.points.len()]; count];
+    for (i, point) in experiment.points.iter().enumerate() {
+        family.formula.motions(&experiment.scene, shape, &point.state, &mut |parameter, _, twist| {
+            values[parameter][i] = twist.translation_mm.x;
+        });
+    }
+    values
 }
 
 /// Site as written in a formula.
@@ -123,7 +216,7 @@ fn site_text(site: Site) -> String {
     }
 }
 
-fn carriers(experiment: &Experiment) -> Vec<Carrier> {
+fn carriers(experiment: &Experiment, root: &DVector<f64>) -> Vec<Carrier> {
     let machine = experiment.machine();
     let mut wanted: Vec<(Site, usize)> = Vec::new();
     for axis in machine.rotary() {
@@ -143,232 +236,8 @@ fn carriers(experiment: &Experiment) -> Vec<Carrier> {
             carriers.push(Carrier { site, component, column, is_ground });
         }
     }
+    for carrier in &mut carriers {
+        carrier.column.component_mul_assign(root);
+    }
     carriers
-}
-
-/// Values of the factors of one variant at every point, through the formula reader; `None` where out of reach.
-fn factor_values(experiment: &Experiment, factors: &[String]) -> Option<Vec<Vec<f64>>> {
-    let machine = experiment.machine();
-    let expression = factors.iter().enumerate().map(|(i, factor)| format!("p{}*{factor}", i + 1));
-    let entry = ModelEffect {
-        id: "formula:factor".into(),
-        site: Some("spindle".into()),
-        component: Some("dx".into()),
-        expression: Some(expression.collect::<Vec<_>>().join(" + ")),
-        ..ModelEffect::default()
-    };
-    let formula = Instance::from_model_effect(&entry, machine)
-        .unwrap_or_else(|error| panic!("the grammar writes formulas that can be read: {error:?}"));
-    if formula.parameters(&experiment.scene).is_empty() {
-        return None;
-    }
-    let mut values = vec![vec![0.0; experiment.points.len()]; factors.len()];
-    for (i, point) in experiment.points.iter().enumerate() {
-        formula.motions(&experiment.scene, &[], &point.state, &mut |parameter, _, twist| {
-            values[parameter][i] = twist.translation_mm.x;
-        });
-    }
-    Some(values)
-}
-
-fn families(experiment: &Experiment, order: &Order) -> Vec<Family> {
-    let mut families = Vec::new();
-    let rotary: Vec<AxisLetter> = [order.slow, order.fast].into_iter().flatten().collect();
-    angles(&rotary, &mut families);
-    for &letter in &rotary {
-        directions(letter, &rotary, experiment, &mut families);
-        places(letter, experiment, &mut families);
-    }
-    linear(experiment, &mut families);
-    if let Some(duration_s) = experiment.scene.duration_s().filter(|d| *d > 0.0) {
-        times(duration_s, &rotary, &mut families);
-    }
-    families
-}
-
-/// `1`, or cos and sin of a harmonic.
-fn waves(letter: Option<AxisLetter>, harmonic: usize) -> Vec<String> {
-    match (letter, harmonic) {
-        (None, _) | (_, 0) => vec!["1".into()],
-        (Some(l), 1) => vec![format!("cos({l})"), format!("sin({l})")],
-        (Some(l), k) => vec![format!("cos({k}*{l})"), format!("sin({k}*{l})")],
-    }
-}
-
-fn products(first: &[String], second: &[String]) -> Vec<String> {
-    let product = |a: &String, b: &String| match (a.as_str(), b.as_str()) {
-        ("1", _) => b.clone(),
-        (_, "1") => a.clone(),
-        _ => format!("{a}*{b}"),
-    };
-    first.iter().flat_map(|a| second.iter().map(move |b| product(a, b))).collect()
-}
-
-fn angles(rotary: &[AxisLetter], families: &mut Vec<Family>) {
-    let (slow, fast) = match rotary {
-        [fast] => (None, Some(*fast)),
-        [slow, fast] => (Some(*slow), Some(*fast)),
-        _ => return,
-    };
-    for k in 0..=(if slow.is_some() { 3 } else { 0 }) {
-        for m in 0..=4 {
-            if k + m == 0 {
-                continue;
-            }
-            let mut words = Vec::new();
-            if let Some(letter) = slow.filter(|_| k > 0) {
-                words.push(format!("{k} per turn of {letter}"));
-            }
-            if let Some(letter) = fast.filter(|_| m > 0) {
-                words.push(format!("{m} per turn of {letter}"));
-            }
-            let variants = vec![products(&waves(slow, k), &waves(fast, m))];
-            families.push(Family {
-                order: k + m,
-                variants,
-                words: words.join(" and "),
-                carriers: Carriers::All,
-                natural: true,
-            });
-        }
-    }
-    if let (Some(slow), Some(fast)) = (slow, fast) {
-        for m in 1..=2 {
-            let variants = vec![products(&[slow.to_string()], &waves(Some(fast), m))];
-            let words = format!("{m} per turn of {fast}, growing with {slow}");
-            families.push(Family { order: m + 1, variants, words, carriers: Carriers::All, natural: false });
-        }
-    }
-}
-
-/// Simple companions of direction and time: nothing, or the first harmonic of one axis.
-fn companions(rotary: &[AxisLetter]) -> Vec<(usize, Vec<String>, String)> {
-    let mut companions = vec![(0, vec!["1".into()], String::new())];
-    for &letter in rotary {
-        companions.push((1, waves(Some(letter), 1), format!(", once per turn of {letter}")));
-    }
-    companions
-}
-
-fn directions(
-    letter: AxisLetter,
-    rotary: &[AxisLetter],
-    experiment: &Experiment,
-    families: &mut Vec<Family>,
-) {
-    for (order, factors, words) in companions(rotary) {
-        let variants = vec![products(&[format!("dir{letter}")], &factors)];
-        let words = format!("changing sign with the direction of {letter}{words}");
-        families.push(Family { order: order + 1, variants, words, carriers: Carriers::All, natural: false });
-    }
-    // Hysteresis: what is left of the last reversal dies out with the travel since.
-    let (low, high) = experiment.scene.position_range[letter];
-    let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
-    let decay = |reach: f64| {
-        vec![format!("dir{letter}*exp(-(dir{letter}*({letter} - {middle:.4}) + {half:.4})/{reach:.4})")]
-    };
-    let variants = [0.15, 0.4, 1.0].map(|share| decay(share * half.max(1e-3))).into();
-    let words = format!("after each reversal of {letter}, fading with its travel");
-    families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
-}
-
-fn linear(experiment: &Experiment, families: &mut Vec<Family>) {
-    let letters: Vec<AxisLetter> =
-        AxisLetter::LINEAR.into_iter().filter(|&l| experiment.machine().axis(l).is_some()).collect();
-    for (i, first) in letters.iter().enumerate() {
-        let dir = vec![vec![format!("dir{first}")]];
-        let words = format!("changing sign with the direction of {first}");
-        families.push(Family { order: 1, variants: dir, words, carriers: Carriers::Ground, natural: false });
-        let line = vec![vec![format!("{first}/100")]];
-        let words = format!("proportional to {first}");
-        families.push(Family { order: 1, variants: line, words, carriers: Carriers::Ground, natural: false });
-        for second in &letters[i..] {
-            let variants = vec![vec![format!("{first}*{second}/10000")]];
-            let words = format!("with {first} times {second}");
-            families.push(Family { order: 2, variants, words, carriers: Carriers::Ground, natural: false });
-        }
-    }
-}
-
-/// Bumps, hinges and steps in one angle.
-fn places(letter: AxisLetter, experiment: &Experiment, families: &mut Vec<Family>) {
-    let (low, high) = experiment.scene.position_range[letter];
-    if high - low < 1e-3 {
-        return;
-    }
-    let full_turn = high - low > 1.6 * PI;
-    let at = |share: f64| low + share * (high - low);
-    let bump = |centre: f64| {
-        if full_turn {
-            vec![format!("exp((cos({letter} - {centre:.4}) - 1)/0.14)")]
-        } else {
-            vec![format!("exp(-(({letter} - {centre:.4})/0.35)^2/2)")]
-        }
-    };
-    let variants = (0..12).map(|i| bump(at(f64::from(i) / 11.0))).collect();
-    let words = format!("near one angle of {letter}");
-    families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
-    let shares: Vec<f64> = (1..8).map(|i| f64::from(i) / 8.0).collect();
-    for (exponent, how) in [("", "in proportion"), ("^2", "with the square")] {
-        let above = |share: &f64| vec![format!("max(0, {letter} - {:.4}){exponent}", at(*share))];
-        let words = format!("above an angle of {letter}, {how}");
-        let variants = shares.iter().map(above).collect();
-        families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
-        let below = |share: &f64| vec![format!("max(0, {:.4} - {letter}){exponent}", at(*share))];
-        let words = format!("below an angle of {letter}, {how}");
-        let variants = shares.iter().map(below).collect();
-        families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
-        if low < -0.2 && high > 0.2 {
-            let reach = high.min(-low);
-            let beyond =
-                |share: &f64| vec![format!("max(0, abs({letter}) - {:.4}){exponent}", share * reach)];
-            let words = format!("on both sides beyond an angle of {letter}, {how}");
-            let variants = shares.iter().map(beyond).collect();
-            families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
-        }
-    }
-    let step = |share: &f64| vec![format!("step({letter} - {:.4})", at(*share))];
-    let words = format!("switching at an angle of {letter}");
-    let variants = shares.iter().map(step).collect();
-    families.push(Family { order: 2, variants, words, carriers: Carriers::All, natural: false });
-}
-
-fn times(duration_s: f64, rotary: &[AxisLetter], families: &mut Vec<Family>) {
-    for (order, factors, words) in companions(rotary) {
-        let line = vec![products(&[format!("(t/{duration_s:.0} - 0.5)")], &factors)];
-        let linear_words = format!("growing with time{words}");
-        families.push(Family {
-            order: order + 1,
-            variants: line,
-            words: linear_words,
-            carriers: Carriers::All,
-            natural: false,
-        });
-        let decays = [0.06, 0.15, 0.4];
-        let warming = |share: &f64| products(&[format!("(1 - exp(-t/{:.1}))", share * duration_s)], &factors);
-        let variants = decays.iter().map(warming).collect();
-        let words = format!("settling with time{words}");
-        families.push(Family { order: order + 2, variants, words, carriers: Carriers::All, natural: false });
-    }
-    let step = |i: i32| vec![format!("step(t - {:.1})", duration_s * f64::from(i) / 13.0)];
-    let words = "switching at one moment".into();
-    families.push(Family {
-        order: 1,
-        variants: (1..13).map(step).collect(),
-        words,
-        carriers: Carriers::All,
-        natural: false,
-    });
-    let wave = |i: i32| {
-        let rate = 2.0 * PI * 1.35_f64.powi(i) * 2.0 / duration_s;
-        vec![format!("cos({rate:.6}*t)"), format!("sin({rate:.6}*t)")]
-    };
-    let words = "coming and going with time".into();
-    families.push(Family {
-        order: 2,
-        variants: (0..7).map(wave).collect(),
-        words,
-        carriers: Carriers::All,
-        natural: false,
-    });
 }

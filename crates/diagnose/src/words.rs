@@ -43,8 +43,8 @@ pub fn separate_by(instance: &Instance, rivals: &[&Instance]) -> String {
 }
 
 /// Where a phrase of the grammar lives.
-pub fn lives(site: &str, component: &str, words: &str) -> String {
-    let what = match component {
+pub fn lives(site: &str, components: &[&str], words: &str) -> String {
+    let what = |component: &&str| match *component {
         "dx" => "displacement along X",
         "dy" => "displacement along Y",
         "dz" => "displacement along Z",
@@ -52,6 +52,7 @@ pub fn lives(site: &str, component: &str, words: &str) -> String {
         "eb" => "rotation about Y",
         _ => "rotation about Z",
     };
+    let what = components.iter().map(what).collect::<Vec<_>>().join(" and ");
     let place = match site.strip_prefix("axis:") {
         Some(axis) => format!("at axis {axis}, in the axes of what carries it"),
         None if site == "ball" => "of the ball or nest on the table, in table axes".into(),
