@@ -67,8 +67,10 @@ pub struct FormulaText {
 pub struct Step {
     /// The model with the effect.
     pub model: Model,
-    /// The new entry, with its ladder row.
+    /// What was added, with the ladder row of all of it.
     pub entry: ModelEffect,
+    /// The new entries of the model, each with its own ladder row: a formula of several components is one entry for each.
+    pub entries: Vec<ModelEffect>,
     /// The fit of the model without it.
     pub before: Identification,
     /// The fit of the new model.
@@ -136,27 +138,35 @@ pub fn diagnose(experiment: &Experiment, model: &Model) -> Result<Diagnosis, Dia
 /// # Errors
 /// When a fit fails or nobody proposed the formula.
 pub fn add(experiment: &Experiment, model: &Model, id: &str, date: &str) -> Result<Step, AnalysisError> {
-    let entry = entry(experiment, model, id, &FormulaText::default())?;
-    put(experiment, model, entry, date)
+    let entries = entries(experiment, model, id, &FormulaText::default())?;
+    put(experiment, model, entries, date)
 }
 
-/// Puts an entry at the end of a model, refits, and measures its ladder row.
+/// Puts entries, one at least, at the end of a model, refits, and measures their ladder rows.
 ///
 /// # Errors
 /// When a fit fails.
 pub fn put(
     experiment: &Experiment,
     model: &Model,
-    entry: ModelEffect,
+    entries: Vec<ModelEffect>,
     date: &str,
 ) -> Result<Step, AnalysisError> {
+    let first = model.effects.len();
     let mut larger = model.clone();
-    larger.effects.push(entry);
     let before = fit(experiment, model)?;
-    let identification = fit(experiment, &larger)?;
-    let last = larger.effects.len() - 1;
-    larger.effects[last].ladder = Some(ladder_row(experiment, &before, &identification, date));
-    Ok(Step { entry: larger.effects[last].clone(), model: larger, before, identification })
+    let mut identification = before.clone();
+    for entry in entries {
+        larger.effects.push(entry);
+        let after = fit(experiment, &larger)?;
+        let last = larger.effects.len() - 1;
+        larger.effects[last].ladder = Some(ladder_row(experiment, &identification, &after, date));
+        identification = after;
+    }
+    let entries = larger.effects[first..].to_vec();
+    let mut entry = entries.first().cloned().unwrap_or_default();
+    entry.ladder = Some(ladder_row(experiment, &before, &identification, date));
+    Ok(Step { entry, entries, model: larger, before, identification })
 }
 
 /// A model without one of its effects. The ladder rows of the effects after it are measured anew, because they said what
@@ -252,24 +262,24 @@ fn moved(before: &Identification, after: &Identification) -> Vec<Moved> {
     moved.into_iter().enumerate().filter(|(at, (_, one))| keep(*at, one)).map(|(_, (_, one))| one).collect()
 }
 
-/// The model entry of an effect as a user names it. What a formula is not told is taken from what the diagnosis proposes
-/// under the same name.
+/// The model entries of an effect as a user names it. What a formula is not told is taken from what the diagnosis proposes
+/// under the same name, with its further components.
 ///
 /// # Errors
 /// When the diagnosis fails or proposes no formula of this name.
-pub fn entry(
+pub fn entries(
     experiment: &Experiment,
     model: &Model,
     id: &str,
     told: &FormulaText,
-) -> Result<ModelEffect, AnalysisError> {
+) -> Result<Vec<ModelEffect>, AnalysisError> {
     let Some(name) = id.strip_prefix("formula:") else {
         if *told != FormulaText::default() {
             return Err(AnalysisError::NoFormula { id: id.into() });
         }
-        return Ok(ModelEffect { id: id.into(), ..ModelEffect::default() });
+        return Ok(vec![ModelEffect { id: id.into(), ..ModelEffect::default() }]);
     };
-    let mut entry = ModelEffect {
+    let entry = ModelEffect {
         id: id.into(),
         site: told.site.clone(),
         component: told.component.clone(),
@@ -278,16 +288,22 @@ pub fn entry(
         ..ModelEffect::default()
     };
     if entry.site.is_some() && entry.component.is_some() && entry.expression.is_some() {
-        return Ok(entry);
+        return Ok(vec![entry]);
     }
     let proposal = diagnose(experiment, model)?.formula;
     match proposal {
-        Some(formula) if formula.name == name => {
-            entry.site.get_or_insert(formula.site);
-            entry.component.get_or_insert(formula.component);
-            entry.expression.get_or_insert(formula.expression);
-            Ok(entry)
-        }
+        Some(formula) if formula.name == name && *told == FormulaText::default() => Ok(formula.entries),
+        Some(formula) if formula.name == name => Ok(vec![ModelEffect {
+            site: entry.site.or(Some(formula.site)),
+            component: entry.component.or(Some(formula.component)),
+            shape: if entry.expression.is_none() && entry.grid.is_empty() {
+                formula.shape.iter().map(|(_, value)| *value).collect()
+            } else {
+                Vec::new()
+            },
+            expression: entry.expression.or(Some(formula.expression)),
+            ..entry
+        }]),
         other => Err(AnalysisError::NoSuchFormula {
             id: id.into(),
             proposed: other.map_or("none now".into(), |formula| format!("formula:{}", formula.name)),

@@ -82,16 +82,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let told = args.formula.told();
     let (step, longer) = match model.effects.iter().position(|entry| entry.id == args.effect) {
         None => {
-            let entry = analysis::entry(&experiment, &model, &args.effect, &told)?;
-            let step = analysis::put(&experiment, &model, entry, &today()?)?;
-            let longer = Model::append(&text, &step.entry)?;
+            let entries = analysis::entries(&experiment, &model, &args.effect, &told)?;
+            let step = analysis::put(&experiment, &model, entries, &today()?)?;
+            let longer =
+                step.entries.iter().try_fold(text.clone(), |text, entry| Model::append(&text, entry))?;
             (step, longer)
         }
         Some(at) => {
             let entry = written_by_hand(args, &model, at, &told)?;
             let mut shorter = model.clone();
             shorter.effects.truncate(at);
-            let step = analysis::put(&experiment, &shorter, entry, &today()?)?;
+            let step = analysis::put(&experiment, &shorter, vec![entry], &today()?)?;
             let longer = Model::with_ladder_row(&text, &args.effect, ladder_row(&step)?)?;
             (step, longer)
         }

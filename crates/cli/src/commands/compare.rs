@@ -60,8 +60,11 @@ fn compare(args: &Args, experiment: &Experiment, model: &Model) -> anyhow::Resul
     if let Some(path) = &args.html {
         if let Some(effect) = best(&diagnosis) {
             // The page shows the best candidate at work.
-            let entry = analysis::entry(experiment, model, &effect, &formula_of(&diagnosis, &effect))?;
-            let step = analysis::put(experiment, model, entry, &today()?)?;
+            let entries = match &diagnosis.formula {
+                Some(formula) if effect.starts_with("formula:") => formula.entries.clone(),
+                _ => analysis::entries(experiment, model, &effect, &FormulaText::default())?,
+            };
+            let step = analysis::put(experiment, model, entries, &today()?)?;
             input.trial = Some(trial_of(experiment, &step)?);
         }
         write(path, &compare_html(&input))?;
@@ -91,8 +94,8 @@ fn try_effect(
     if model.effects.iter().any(|entry| entry.id == effect) {
         bail!("{effect} is in the model already; `trunnion ladder` shows what it did");
     }
-    let entry = analysis::entry(experiment, model, effect, told)?;
-    let step = analysis::put(experiment, model, entry, &today()?)?;
+    let entries = analysis::entries(experiment, model, effect, told)?;
+    let step = analysis::put(experiment, model, entries, &today()?)?;
     let trial = trial_of(experiment, &step)?;
     if let Some(path) = &args.html {
         let input =
@@ -129,19 +132,6 @@ fn best(diagnosis: &Diagnosis) -> Option<String> {
         Verdict::UnnamedStructure => {
             diagnosis.formula.as_ref().map(|formula| format!("formula:{}", formula.name))
         }
-    }
-}
-
-/// The expression the diagnosis found, when `effect` is that formula.
-fn formula_of(diagnosis: &Diagnosis, effect: &str) -> FormulaText {
-    match &diagnosis.formula {
-        Some(formula) if effect.starts_with("formula:") => FormulaText {
-            site: Some(formula.site.clone()),
-            component: Some(formula.component.clone()),
-            expression: Some(formula.expression.clone()),
-            grid: Vec::new(),
-        },
-        _ => FormulaText::default(),
     }
 }
 
