@@ -1,14 +1,16 @@
 //! Trials as files, for methods in other languages: `tests/peers/sparse_methods.py`.
 //!
 //! One folder a trial: `columns.npy` (rows × columns, float32, µm per unit, base model projected out), `readings.npy` (µm, base
-//! model projected out), `trial.json` (effect of each column, the truth, our answer).
+//! model projected out; points that the base model sets aside as outliers read what it predicts), `trial.json` (effect of each
+//! column, the truth, our answer).
 
-use crate::stage::{Stage, stacked};
+use crate::stage::Stage;
 use crate::trial::{Staged, Trial, surviving_rms_mm};
 use anyhow::Context;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::path::Path;
-use trunnion_effects::{Instance, catalogue};
+use trunnion_effects::{Instance, Model, catalogue};
+use trunnion_identify::{Options, identify};
 
 const UM_PER_MM: f64 = 1e3;
 
@@ -18,7 +20,7 @@ pub fn write(folder: &Path, stage: &Stage, staged: &Staged, trial: &Trial) -> an
     let folder = folder.join(name);
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let (columns, effects) = columns(stage, staged);
-    let readings = stage.trial.surviving(&stacked(&staged.readings_mm)) * UM_PER_MM;
+    let readings = readings(stage, staged)? * UM_PER_MM;
     let json = serde_json::json!({
         "format": "trunnion-blind-trial/1",
         "group": trial.case.group.name(),
@@ -39,7 +41,21 @@ pub fn write(folder: &Path, stage: &Stage, staged: &Staged, trial: &Trial) -> an
     write("trial.json", json.to_string().as_bytes())
 }
 
-/// Columns of every effect of the catalogue at every shape of its grid, and the effect of each.
+/// Readings without outliers and without what the base model says of them, mm.
+fn readings(stage: &Stage, staged: &Staged) -> anyhow::Result<DVector<f64>> {
+    let base = Model::base(&stage.machine.name);
+    let fit = identify(&staged.experiment, &base, &Options::default())?;
+    let mut readings = fit.residual_mm;
+    for i in (0..fit.used.len()).filter(|&i| !fit.used[i]) {
+        staged.experiment.rows_of(i).for_each(|row| readings[row] = 0.0);
+    }
+    Ok(stage.trial.surviving(&readings))
+}
+
+/// Columns of which the base model leaves less than this share of the norm are not visible on this grid.
+const VISIBLE: f64 = 0.03;
+
+/// Columns of every effect of the catalogue at every shape of its grid that the grid can see, and the effect of each.
 fn columns(stage: &Stage, staged: &Staged) -> (DMatrix<f64>, Vec<String>) {
     let experiment = &staged.experiment;
     let (mut blocks, mut effects) = (Vec::new(), Vec::new());
@@ -55,7 +71,12 @@ fn columns(stage: &Stage, staged: &Staged) -> (DMatrix<f64>, Vec<String>) {
         }
     }
     let all: Vec<_> = blocks.iter().flat_map(|block| block.column_iter()).collect();
-    (stage.trial.surviving_columns(&DMatrix::from_columns(&all)) * UM_PER_MM, effects)
+    let all = DMatrix::from_columns(&all);
+    let surviving = stage.trial.surviving_columns(&all);
+    let seen: Vec<usize> =
+        (0..all.ncols()).filter(|&j| surviving.column(j).norm() > VISIBLE * all.column(j).norm()).collect();
+    let effects = seen.iter().map(|&j| effects[j].clone()).collect();
+    (surviving.select_columns(&seen) * UM_PER_MM, effects)
 }
 
 /// A matrix in NumPy's file format 1.0, float32, column-major.

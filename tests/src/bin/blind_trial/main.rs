@@ -10,6 +10,8 @@ mod noise;
 mod score;
 mod stage;
 mod table;
+#[cfg(test)]
+mod tests;
 mod trial;
 
 use anyhow::{Context, bail};
@@ -34,6 +36,9 @@ pub struct Args {
     /// Only cases of which the label holds every word, e.g. `single backlash white 0.5`
     #[arg(long, default_value = "", value_name = "TEXT")]
     only: String,
+    /// Stop after so many trials
+    #[arg(long, value_name = "N")]
+    most: Option<usize>,
     /// Write columns, readings, truth and answer of every trial below this folder, for tests/peers/sparse_methods.py
     #[arg(long, value_name = "FOLDER")]
     export: Option<PathBuf>,
@@ -58,7 +63,8 @@ fn main() -> anyhow::Result<()> {
     let stage = Stage::new();
     let visible = cases::visible(&stage);
     let seeds = args.first_seed..args.first_seed + args.seeds;
-    let cases = cases::cases(&visible, seeds, &args.only);
+    let mut cases = cases::cases(&visible, seeds, &args.only);
+    cases.truncate(args.most.unwrap_or(usize::MAX));
     if cases.is_empty() {
         bail!(
             "no case holds \"{}\"; words of labels like \"single backlash:C white 0.5\" are allowed, with {} or {}",

@@ -116,21 +116,20 @@ pub fn with_set(machine: &Machine, set: &[ModelEffect]) -> Model {
     model
 }
 
-/// Whether a set, fitted to what is hidden without noise, removes it on both grids.
+/// Whether a set, fitted to what is hidden without noise, removes it on both grids: with the shape numbers found, or with the best.
 fn says_the_same(stage: &Stage, staged: &Staged, set: &[ModelEffect]) -> bool {
     let free: Vec<ModelEffect> =
         set.iter().map(|entry| ModelEffect { shape: Vec::new(), ..entry.clone() }).collect();
-    let model = with_set(&stage.machine, &free);
     let exact = experiment(&stage.trial.run("noise-free", &stage.trial.ideal_mm(&staged.truth)));
-    let Ok(fit) = identify(&exact, &model, &Options::quick()) else { return false };
-    let here = captured(&stage.trial, &staged.hidden_mm, &predicted_mm(&exact, &model, &fit));
-    let unseen = stage.unseen.hidden_mm(&staged.truth);
-    let there = captured(
-        &stage.unseen,
-        &unseen,
-        &predicted_mm(&unseen_experiment(stage, &exact, &staged.truth), &model, &fit),
-    );
-    here >= EQUIVALENT && there >= EQUIVALENT
+    let unseen = unseen_experiment(stage, &exact, &staged.truth);
+    let unseen_mm = stage.unseen.hidden_mm(&staged.truth);
+    [set, &free].into_iter().any(|set| {
+        let model = with_set(&stage.machine, set);
+        let Ok(fit) = identify(&exact, &model, &Options::quick()) else { return false };
+        let here = captured(&stage.trial, &staged.hidden_mm, &predicted_mm(&exact, &model, &fit));
+        let there = captured(&stage.unseen, &unseen_mm, &predicted_mm(&unseen, &model, &fit));
+        here >= EQUIVALENT && there >= EQUIVALENT
+    })
 }
 
 /// Share of the surviving hidden variance on the unseen cycle that the effects of a fit remove.
