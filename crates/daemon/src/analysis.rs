@@ -249,10 +249,10 @@ fn moved(before: &Identification, after: &Identification) -> Vec<Moved> {
         let same = |p: &&FittedParameter| p.name == parameter.name && p.effect == parameter.effect;
         let Some(now) = after.parameters.iter().find(same) else { continue };
         let values = parameter.screen_value().zip(now.screen_value());
-        if let (Some((before, after)), Some((u, u_now))) = (values, parameter.screen_u().zip(now.screen_u()))
-        {
+        // In units of what is known now: before, u held the missing effect as noise.
+        if let (Some((before, after)), Some(u)) = (values, now.screen_u()) {
             let unit = now.unit.symbol.into();
-            let one = Moved { name: now.name.clone(), before, after, u: u.max(u_now), unit };
+            let one = Moved { name: now.name.clone(), before, after, u, unit };
             moved.push((now.effect == BASE[0], one));
         }
     }

@@ -104,7 +104,7 @@ pub struct Moved {
     pub before: f64,
     /// Value with it.
     pub after: f64,
-    /// Standard uncertainty: the larger of both.
+    /// Standard uncertainty with the effect in the model: without it, what it does counts as noise.
     pub u: f64,
     /// Unit on files and screens, e.g. `um`.
     pub unit: String,
