@@ -6,4 +6,5 @@ pub mod config;
 pub mod live;
 pub mod mqtt;
 pub mod page;
+pub mod recording;
 pub mod service;

@@ -231,7 +231,11 @@ pub fn analyse_recording(
     model: &Model,
     date: &str,
 ) -> Result<(Experiment, Analysis), ServiceError> {
-    let recording = trunnion_record::read_run(path, &|_| Some(machine.clone()))?;
+    let limits = Some(trunnion_measurement::blocks::Limits::default());
+    let recording = crate::recording::read(path, &|_| Some(machine.clone()), limits)?;
+    if let Some(reduction) = &recording.reduction {
+        info!(run = %path.display(), "{}", reduction.summary());
+    }
     let experiment = Experiment::new(std::slice::from_ref(&recording.run))
         .map_err(|source| ServiceError::Experiment { path: path.into(), source })?;
     let analysis = analysis::climb(&experiment, model, date)

@@ -4,7 +4,8 @@
 //! from the machine and the present setups (`candidates`); for each the states it visits, the columns of rivals and model there
 //! together with the present data (same location errors, ball mounted anew), whitened under a few noise models (`survey`),
 //! and from these the expected ln Bayes factor of every two rivals: T-optimality (`separation`). Cycles that tell every pair
-//! apart come first, then those that separate the pairs farthest on average, per minute.
+//! apart come first, then those that tell the first rival from most others, then those that separate the pairs farthest on
+//! average, per minute.
 //! Limits: linear in small errors; the noise stays what it is; nothing is charged for the number of parameters.
 
 mod answer;

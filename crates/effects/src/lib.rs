@@ -21,7 +21,7 @@ pub use effect::{About, Effect, Emit, Example, Parameter, Shapes, Subject, Unit,
 pub use formula::{Formula, FormulaError};
 pub use history::History;
 pub use instance::{Instance, UnknownEffect};
-pub use markdown::catalogue_markdown;
+pub use markdown::{SOURCES, catalogue_markdown};
 pub use model::{LadderRow, Model, ModelEffect, Moved, Prior};
 pub use need::Need;
 pub use path::Path;

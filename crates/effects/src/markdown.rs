@@ -7,6 +7,15 @@ use std::fmt::Write;
 use trunnion_machine::{Side, State, shipped};
 use trunnion_units::AxisValues;
 
+/// What the numbers in an effect's sources stand for.
+pub const SOURCES: [(&str, &str); 5] = [
+    ("S0", "Kenno 2020 (R-test, two heights)"),
+    ("S1", "Oyama (R-test error map)"),
+    ("S2", "Ibaraki & Knapp 2012 (review)"),
+    ("S3", "Hayashi 2021 (hybrid machine)"),
+    ("S4", "Ibaraki (ball bar DBB5)"),
+];
+
 const HEADER: &str = "\
 <!-- Generated: cargo run -p trunnion-effects --example catalogue -->
 
@@ -15,8 +24,8 @@ const HEADER: &str = "\
 Everything that Trunnion can name as the cause of an error. R stands for a rotary axis, L for a linear one, K for any
 axis, LL for a pair of linear axes. Anything else can be written as a `formula:NAME` effect in a model file (at the end).
 
-Sources: S0 Kenno 2020 (R-test, two heights), S1 Oyama (R-test error map), S2 Ibaraki & Knapp 2012 (review), S3 Hayashi 2021
-(hybrid machine), S4 Ibaraki (ball bar DBB5), METHODS (the methods document), ISO standards by number.
+Sources: @SOURCES@, METHODS (formulas collected for this
+project), ISO standards by number.
 
 Each picture shows a typical case as an instrument reads it. Over poses (B and C) and turns it shows what is left of the
 effect after location errors and ball setting have taken their share: the shape to look for in a residual. Circles are
@@ -47,7 +56,8 @@ grid = { start = [0.2, 0.4, 0.6] }
 /// Text of `docs/catalogue.md`. Written with its pictures by `cargo run -p trunnion-effects --example catalogue`;
 /// a test compares them.
 pub fn catalogue_markdown() -> String {
-    let mut text = String::from(HEADER);
+    let sources = SOURCES.map(|(number, source)| format!("{number} {source}")).join(", ");
+    let mut text = HEADER.replace("@SOURCES@", &sources);
     line(&mut text, format_args!("\n| effect | what it is | typical | needs |\n|---|---|---|---|"));
     for effect in REGISTRY {
         let about = &effect.about;

@@ -100,7 +100,7 @@ pub fn ladder_of(model: &Model) -> Vec<LadderRow> {
 }
 
 /// A direction held by fewer than this share of a setup's points is where passes turn round, not a pass of its own.
-const SMALLEST_PASS: f64 = 0.1;
+const SMALLEST_PASS: f64 = 0.2;
 
 /// Directions of the rotary axes of each point, those of turning round replaced by those of the pass around them.
 fn pass_directions(experiment: &Experiment) -> Vec<AxisValues<f64>> {

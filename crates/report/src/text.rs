@@ -7,8 +7,8 @@ pub use ladder::ladder_text;
 use crate::number::{percent, plain, um, um_or_dash, unit_on_screen, value_and_u};
 use crate::views::cuts;
 use crate::words::{
-    beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, headline, trial_verdict,
-    verdict,
+    NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, headline,
+    trial_verdict, verdict,
 };
 use crate::{CompareInput, IdentificationView, Noise, ParameterRow, Trial};
 use std::iter::once;
@@ -215,7 +215,7 @@ fn moved_table(moved: &[Moved]) -> String {
 
 fn places(places: &[Place]) -> String {
     if places.is_empty() {
-        return "  No place stands out of the noise.\n".into();
+        return format!("  {NO_PLACE}\n");
     }
     let line = |(i, place): (usize, &Place)| {
         format!("  {}. {}; {} of the error left\n", i + 1, clean(&place.to_string()), percent(place.share))

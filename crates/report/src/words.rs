@@ -4,7 +4,7 @@ use crate::number::{percent, plain, um, um_or_dash, unit_on_screen};
 use crate::{CompareInput, ParameterRow, Trial};
 use trunnion_diagnose::{Candidate, Diagnosis, FormulaProposal, Verdict};
 use trunnion_effects::catalogue::REGISTRY;
-use trunnion_effects::{About, Moved};
+use trunnion_effects::{About, Moved, SOURCES};
 
 /// A parameter is worth telling when it exceeds this many standard uncertainties.
 const CLEAR_U: f64 = 3.0;
@@ -253,6 +253,9 @@ pub fn trial_verdict(trial: &Trial) -> String {
     format!("{fit}, {out} (noise floor {}). {word}{then}", um_or_dash(trial.noise.rms_um))
 }
 
+/// Said where no place can be blamed: nothing is left, or it is spread over everything.
+pub const NO_PLACE: &str = "No place stands out from the others.";
+
 /// What is missing after a trial.
 fn then_sentence(then: &Diagnosis) -> String {
     match (then.verdict, then.candidates.first()) {
@@ -265,15 +268,29 @@ fn then_sentence(then: &Diagnosis) -> String {
 }
 
 /// Which cause goes with an effect: label and text, for those the catalogue knows.
-pub fn explanation(id: &str) -> Vec<(&'static str, &'static str)> {
+pub fn explanation(id: &str) -> Vec<(&'static str, String)> {
     about(id).map_or(Vec::new(), |about| {
-        vec![
-            ("What it is", about.explanation),
-            ("Likely cause", about.cause),
-            ("Valid", about.validity),
-            ("Source", about.source),
-        ]
+        let source = sources(about.source);
+        let mut said = vec![
+            ("What it is", about.explanation.to_string()),
+            ("Likely cause", about.cause.into()),
+            ("Valid", about.validity.into()),
+        ];
+        if !source.is_empty() {
+            said.push(("Source", source));
+        }
+        said
     })
+}
+
+/// The sources of an effect with their authors instead of the catalogue's numbers; empty where it has none of its own.
+pub fn sources(source: &str) -> String {
+    let public = source.split("; ").filter(|part| !part.starts_with("METHODS"));
+    let named = |part: &str| {
+        let known = SOURCES.iter().find_map(|(number, author)| Some((author, part.strip_prefix(number)?)));
+        known.map_or(part.to_string(), |(author, rest)| format!("{author}{rest}"))
+    };
+    public.map(named).collect::<Vec<_>>().join("; ")
 }
 
 /// The same without the figures and the judgement that the page shows elsewhere.

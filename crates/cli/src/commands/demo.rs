@@ -122,8 +122,8 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         losses.extend(page::losses(&swept.gaps, swept.lost_samples));
         let fit = fit_again(&swept.path, &machine, &analysis.model)?;
         tell(&format!(
-            "Recorded {}; {} points while turning. The model of the static cycle leaves {:.2} um there, \
-             the noise is {:.2} um.\n",
+            "Recorded {}; {} points while turning. The model of the static cycle leaves {:.2} µm there, \
+             the noise is {:.2} µm.\n",
             swept.path.display(),
             fit.points,
             convert::um_from_mm(fit.rms_mm),
@@ -333,7 +333,7 @@ fn story(experiment: &Experiment, analysis: &Analysis) -> String {
         std::iter::once(&analysis.before).chain(analysis.steps.iter().map(|step| &step.identification));
     let steps = analysis.steps.iter().map(Some).chain([None]);
     let mut text = format!(
-        "Base model (location errors and ball setting): {:.2} um rms remain; a reading repeats within {:.2} um.\n",
+        "Base model (location errors and ball setting): {:.2} µm rms remain; a reading repeats within {:.2} µm.\n",
         um(analysis.before.rms_mm),
         noise(&analysis.before),
     );
@@ -346,7 +346,7 @@ fn story(experiment: &Experiment, analysis: &Analysis) -> String {
             text += "What is missing?\n";
             for candidate in diagnosis.candidates.iter().take(3) {
                 text += &format!(
-                    "  {:24} evidence 10^{:<6.0} error would fall to {:.2} um\n",
+                    "  {:24} evidence 10^{:<6.0} error would fall to {:.2} µm\n",
                     candidate.effect, candidate.evidence, candidate.rms_um_after
                 );
             }
@@ -360,11 +360,11 @@ fn story(experiment: &Experiment, analysis: &Analysis) -> String {
             let (effect, row) = row;
             let held_out = row.holdout_before_um.zip(row.holdout_after_um);
             text += &format!(
-                "Added {effect}: error {:.2} -> {:.2} um{}.\n",
+                "Added {effect}: error {:.2} -> {:.2} µm{}.\n",
                 row.error_before_um,
                 row.error_after_um,
                 held_out.map_or(String::new(), |(b, a)| format!(
-                    ", on passes left out of the fit {b:.2} -> {a:.2} um"
+                    ", on passes left out of the fit {b:.2} -> {a:.2} µm"
                 )),
             );
         }
@@ -394,7 +394,8 @@ fn fit_again(
     machine: &trunnion_machine::Machine,
     model: &Model,
 ) -> anyhow::Result<Identification> {
-    let recording = trunnion_record::read_run(path, &|_| Some(machine.clone()))?;
+    let limits = Some(trunnion_measurement::blocks::Limits::default());
+    let recording = trunnion_daemon::recording::read(path, &|_| Some(machine.clone()), limits)?;
     let experiment = Experiment::new(std::slice::from_ref(&recording.run))?;
     // What a turning C cannot show is left out, not guessed.
     let mut reachable = model.clone();
@@ -418,7 +419,7 @@ fn truth_text(machine: &VirtualMachine, analysis: &Analysis, path: &Path) -> Str
     text += "  location error        truth      found          u\n";
     for error in trunnion_hil_sim::truth::minimum_set(machine.machine()) {
         let name = error.name();
-        let (scale, unit) = if error.direction.is_rotary() { (1e6, "urad") } else { (1e3, "um") };
+        let (scale, unit) = if error.direction.is_rotary() { (1e6, "µrad") } else { (1e3, "µm") };
         let fitted = analysis.identification().parameter(&name);
         let value = fitted.and_then(|p| p.screen_value()).map_or("   unseen".into(), |v| format!("{v:9.2}"));
         let u = fitted.and_then(|p| p.screen_u()).map_or(String::new(), |u| format!("{u:9.2}"));

@@ -22,7 +22,7 @@ pub struct Args {
     /// Model file; without it the base model (location errors and ball setting)
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Effects to tell apart, e.g. backlash:C,servo-lag:C; without it those the diagnosis leaves open
+    /// Effects to tell apart, e.g. backlash:C,servo-lag:C; the first counts most; without it those the diagnosis leaves open
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     rivals: Vec<String>,
     /// A cycle to look at before it is measured (format trunnion-cycle/1)

@@ -81,8 +81,12 @@ pub(super) fn answer(
     let apart_before = pairs.iter().filter(|pair| pair.2 >= desk.separated_ln).count();
     let rate = |row: &Considered| (row.gain - gain_before).max(0.0) / row.minutes.max(0.1);
     let complete = |row: &Considered| row.cycle.is_some() && (!separates || row.apart.len() == pairs.len());
+    // What cannot settle all settles first which of the others is not the first rival: the one that leads the diagnosis.
+    let of_leader =
+        |row: &Considered| row.apart.iter().filter(|pair| separates && pair[0] == effects[0]).count();
+    let order = |row: &Considered| (complete(row), of_leader(row));
     considered.sort_by(|a, b| {
-        complete(b).cmp(&complete(a)).then(rate(b).total_cmp(&rate(a))).then(b.gain.total_cmp(&a.gain))
+        order(b).cmp(&order(a)).then(rate(b).total_cmp(&rate(a))).then(b.gain.total_cmp(&a.gain))
     });
     let helps = |row: &Considered| {
         row.cycle.is_some()

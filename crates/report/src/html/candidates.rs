@@ -5,7 +5,7 @@ use crate::CompareInput;
 use crate::markup::{element, escape, table};
 use crate::number::{percent, um, value_and_u};
 use crate::svg::{Bar, bars};
-use crate::words::{about, effect_name};
+use crate::words::{about, effect_name, sources};
 use trunnion_diagnose::{Candidate, Diagnosis, FormulaProposal};
 
 pub fn section(input: &CompareInput) -> String {
@@ -90,7 +90,7 @@ fn candidates_table(candidates: &[Candidate]) -> String {
                 um(c.holdout_rms_um_after),
                 percent(c.explains_fraction),
                 if c.adequate { "yes" } else { "no" }.into(),
-                about(&c.effect).map_or("", |about| about.source).into(),
+                about(&c.effect).map_or(String::new(), |about| sources(about.source)),
             ]
         })
         .collect();

@@ -4,6 +4,7 @@ use super::maps::{self, Grid, Map};
 use crate::CompareInput;
 use crate::markup::{element, escape};
 use crate::number::percent;
+use crate::words::NO_PLACE;
 use trunnion_diagnose::views::Place;
 
 pub fn section(input: &CompareInput) -> String {
@@ -30,7 +31,7 @@ pub fn section(input: &CompareInput) -> String {
 /// The places as a numbered list.
 pub fn list(places: &[Place]) -> String {
     if places.is_empty() {
-        return element("p", "No place stands out of the noise.");
+        return element("p", NO_PLACE);
     }
     let item = |place: &Place| {
         format!(

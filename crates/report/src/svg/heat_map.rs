@@ -8,6 +8,9 @@ const WIDTH: f64 = 360.0;
 const LEFT: f64 = 44.0;
 const TOP: f64 = 20.0;
 const CELL_HEIGHT: f64 = 21.0;
+/// Width of a digit of a label and room between two labels.
+const DIGIT: f64 = 6.2;
+const GAP: f64 = 5.0;
 /// Wider maps leave the numbers out: they would not fit.
 const MOST_NUMBERED: usize = 13;
 
@@ -45,7 +48,8 @@ pub fn heat_map(map: &HeatMap<'_>) -> String {
     }
     body += &frame(map.framed, cell_width);
     let bottom = TOP + map.values_um.len() as f64 * CELL_HEIGHT;
-    let every = columns.div_ceil(12);
+    let longest = map.columns.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+    let every = ((longest as f64 * DIGIT + GAP) / cell_width).ceil().max(1.0) as usize;
     for (j, name) in map.columns.iter().enumerate().step_by(every) {
         body += &text(LEFT + (j as f64 + 0.5) * cell_width, bottom + 12.0, "t mid", name);
     }
