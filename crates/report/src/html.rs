@@ -13,6 +13,7 @@ mod sweeps;
 mod trial;
 
 use crate::markup::{element, escape};
+use crate::number::um;
 use crate::{CompareInput, LadderRow, Trial};
 
 const STYLE: &str = include_str!("html/style.css");
@@ -49,7 +50,20 @@ pub fn ladder_html(machine: &str, rows: &[LadderRow]) -> String {
         true => element("p", "No effect was added to this model yet."),
         false => ladder::section(&input),
     };
-    page(&format!("Trunnion ladder: {machine}"), &format!("<h1>Machine {}</h1>\n{section}", escape(machine)))
+    let head = element("h1", &ladder_verdict(machine, rows));
+    page(&format!("Trunnion ladder: {machine}"), &format!("{head}\n{section}"))
+}
+
+/// What the ladder comes to, in one line.
+fn ladder_verdict(machine: &str, rows: &[LadderRow]) -> String {
+    let Some((first, last)) = rows.first().zip(rows.last()) else { return format!("Machine {machine}") };
+    let effects = if rows.len() == 1 { "one effect".into() } else { format!("{} effects", rows.len()) };
+    let floor = last.noise_um.map_or(String::new(), |noise| format!(" (noise floor {})", um(noise)));
+    format!(
+        "Machine {machine}: {effects} took the error from {} to {}{floor}",
+        um(first.fit_before_um),
+        um(last.fit_after_um)
+    )
 }
 
 fn page(title: &str, sections: &str) -> String {

@@ -143,5 +143,7 @@ fn the_ladder_shows_fit_held_out_noise_and_what_moved() {
     let rung = text.lines().find(|line| line.starts_with("+ backlash:B")).unwrap();
     assert!(rung.contains("######|#####") && rung.contains('o') && rung.contains("0.50 µm"), "{rung}");
     assert!(rung.ends_with("EX0C −3.20 → −1.10 µm, 8 u"), "{rung}");
-    assert!(ladder_html("mill", &ladder_of(&model())).contains("EX0C −3.20 → −1.10 µm, 8 u"));
+    let page = ladder_html("mill", &ladder_of(&model()));
+    assert!(page.contains("EX0C −3.20 → −1.10 µm, 8 u"));
+    assert!(page.contains("<h1>Machine mill: one effect took the error from"), "the verdict first");
 }
