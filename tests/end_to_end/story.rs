@@ -60,7 +60,7 @@ fn compare_says_in_words_where_the_model_fails_and_blames_no_place_for_noise() {
 
     let quiet = tempfile::tempdir().unwrap();
     let run = import("points-nothing-hidden", quiet.path());
-    assert!(trunnion(&["compare", &run]).contains("No place stands out of the noise."));
+    assert!(trunnion(&["compare", &run]).contains("No place stands out from the others."));
 }
 
 #[test]
