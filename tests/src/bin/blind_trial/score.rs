@@ -138,6 +138,11 @@ pub fn captured_unseen(stage: &Stage, staged: &Staged, model: &Model, fit: &Iden
     captured(&stage.unseen, &stage.unseen.hidden_mm(&staged.truth), &predicted_mm(&unseen, model, fit))
 }
 
+/// The same share on the poses of the trial.
+pub fn captured_here(stage: &Stage, staged: &Staged, model: &Model, fit: &Identification) -> f64 {
+    captured(&stage.trial, &staged.hidden_mm, &predicted_mm(&staged.experiment, model, fit))
+}
+
 /// The unseen cycle in the scene of the trial: ranges and times that scale an effect are those it was fitted with.
 fn unseen_experiment(stage: &Stage, trial: &Experiment, truth: &Truth) -> Experiment {
     let mut unseen = experiment(&stage.unseen.run("unseen", &stage.unseen.ideal_mm(truth)));

@@ -292,7 +292,7 @@ pub fn failures(trials: &[Trial]) -> String {
     for trial in trials.iter().filter(|trial| !trial.outcome.is_good(trial.case.group)) {
         let number = |value: Option<f64>| value.map_or("–".into(), |value| format!("{value:.3}"));
         text += &format!(
-            "{} #{}: {} {} [{}] formula {} captured {} ladder {}{}\n",
+            "{} #{}: {} {} [{}] formula {} captured {} (these poses {}) ladder {}{}\n",
             trial.case.label(),
             trial.case.seed,
             trial.outcome.name(),
@@ -300,6 +300,7 @@ pub fn failures(trials: &[Trial]) -> String {
             trial.found.join(", "),
             trial.expression.as_deref().unwrap_or("–"),
             number(trial.captured),
+            number(trial.captured_here),
             number(trial.ladder_end),
             trial.trouble.as_ref().map_or(String::new(), |trouble| format!(" TROUBLE {trouble}")),
         );

@@ -6,10 +6,10 @@ use crate::score::{self, Outcome};
 use crate::stage::{RUN_S, Stage, experiment, rms, stacked};
 use nalgebra::DVector;
 use std::time::Instant;
-use trunnion_diagnose::{Diagnosis, Options, Verdict, diagnose};
+use trunnion_diagnose::{self as diagnose, Diagnosis, Verdict};
 use trunnion_effects::Model;
 use trunnion_hil_sim::Truth;
-use trunnion_identify::{Experiment, HoldoutWanted, identify};
+use trunnion_identify::{Experiment, Options, Outliers, identify};
 
 /// A machine with its secret, and what was read on it.
 pub struct Staged {
@@ -34,6 +34,8 @@ pub struct Trial {
     pub outcome: Outcome,
     /// Share of the surviving hidden variance on the unseen cycle that the found set removes; `None` when nothing was found.
     pub captured: Option<f64>,
+    /// The same on the poses of the trial: high beside a low share unseen, these poses cannot tell the two apart.
+    pub captured_here: Option<f64>,
     /// rms after base and found set over the rms of the same readings without the hidden part after the base model.
     pub ladder_end: Option<f64>,
     /// What went wrong with fitting the found set.
@@ -76,10 +78,10 @@ pub fn run(stage: &Stage, case: &Case) -> (Staged, Trial) {
     let wanted: Vec<String> = case.hidden.iter().map(|id| catalogue_id(id)).collect();
     let base = Model::base(&stage.machine.name);
     let without = if case.group == Group::TakenOut { wanted.clone() } else { Vec::new() };
-    let options = Options { without, ..Options::default() };
+    let options = diagnose::Options { without, ..diagnose::Options::default() };
     let started = Instant::now();
-    let diagnosis =
-        diagnose(&staged.experiment, &base, &options).expect("the base model fits the machine and the grid");
+    let diagnosis = diagnose::diagnose(&staged.experiment, &base, &options)
+        .expect("the base model fits the machine and the grid");
     let seconds = started.elapsed().as_secs_f64();
     let mut trial = Trial {
         case: case.clone(),
@@ -88,6 +90,7 @@ pub fn run(stage: &Stage, case: &Case) -> (Staged, Trial) {
         expression: diagnosis.formula.as_ref().map(|formula| formula.expression.clone()),
         outcome: score::outcome(stage, &staged, case.group, &wanted, &diagnosis),
         captured: None,
+        captured_here: None,
         ladder_end: None,
         trouble: None,
         seconds,
@@ -102,7 +105,8 @@ fn judge_found(stage: &Stage, staged: &Staged, diagnosis: &Diagnosis, trial: &mu
     if diagnosis.set.is_empty() {
         return;
     }
-    let fit_options = trunnion_identify::Options { holdout: HoldoutWanted::No, ..Default::default() };
+    // Values only: how uncertain they are is the business of `coverage`.
+    let fit_options = Options { outliers: Outliers::SetAside, ..Options::quick() };
     let model = score::with_set(&stage.machine, &diagnosis.set);
     let fit = match identify(&staged.experiment, &model, &fit_options) {
         Ok(fit) => fit,
@@ -113,6 +117,7 @@ fn judge_found(stage: &Stage, staged: &Staged, diagnosis: &Diagnosis, trial: &mu
     };
     if !staged.truth.hidden.is_empty() {
         trial.captured = Some(score::captured_unseen(stage, staged, &model, &fit));
+        trial.captured_here = Some(score::captured_here(stage, staged, &model, &fit));
     }
     let innocent = &stacked(&staged.readings_mm) - &staged.hidden_mm;
     let innocent: Vec<[f64; 3]> = innocent.as_slice().chunks_exact(3).map(|r| [r[0], r[1], r[2]]).collect();
