@@ -112,6 +112,9 @@ fn at_one_feed_backlash_and_lag_are_confused_and_the_planned_cycles_name_the_rig
             let mut args = vec!["plan"];
             args.extend(runs.iter().map(String::as_str));
             let plan = json(folder, &[&args[..], &["-o", &next, "--json"]].concat());
+            // The diagnosis said as much already.
+            assert_eq!(diagnosis["next_cycle"]["cycle"]["name"], plan["next"]["name"], "{diagnosis}");
+            assert_eq!(diagnosis["next_cycle"]["suggestion"], plan["answer"], "{diagnosis}");
             let rows = plan["considered"].as_array().unwrap();
             let again = rows.iter().find(|row| row["name"] == "again").unwrap();
             assert!(
@@ -124,6 +127,7 @@ fn at_one_feed_backlash_and_lag_are_confused_and_the_planned_cycles_name_the_rig
         }
         assert_eq!(diagnosis["candidates"][0]["effect"], right, "{diagnosis}");
         assert_eq!(confused(&diagnosis), [right], "after {} runs: {diagnosis}", runs.len());
+        assert!(diagnosis["next_cycle"]["cycle"].is_null(), "nothing is left to separate: {diagnosis}");
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The same path for a live run, a replay, an import and the demo. Pure: the caller writes the files.
 
-use trunnion_diagnose::{DiagnoseError, Diagnosis, Verdict};
+use trunnion_diagnose::{DiagnoseError, Diagnosis, Verdict, plan};
 use trunnion_effects::catalogue::BASE;
 use trunnion_effects::{LadderRow, Model, ModelEffect, Moved};
 use trunnion_identify::{Experiment, FittedParameter, Identification, IdentifyError};
@@ -109,6 +109,17 @@ const MOST_STEPS: usize = 5;
 /// # Errors
 /// When a fit or a diagnosis fails.
 pub fn climb(experiment: &Experiment, model: &Model, date: &str) -> Result<Analysis, AnalysisError> {
+    let mut analysis = ascend(experiment, model, date)?;
+    // What is reported is planned for: the first diagnosis and the last.
+    let steps = analysis.diagnoses.len();
+    if steps > 1 {
+        advise(experiment, model, &mut analysis.diagnoses[0]);
+    }
+    advise(experiment, &analysis.model, &mut analysis.diagnoses[steps - 1]);
+    Ok(analysis)
+}
+
+fn ascend(experiment: &Experiment, model: &Model, date: &str) -> Result<Analysis, AnalysisError> {
     let before = fit(experiment, model)?;
     let mut analysis = Analysis { before, steps: Vec::new(), diagnoses: Vec::new(), model: model.clone() };
     loop {
@@ -131,6 +142,20 @@ pub fn climb(experiment: &Experiment, model: &Model, date: &str) -> Result<Analy
 /// When the model does not fit the runs.
 pub fn diagnose(experiment: &Experiment, model: &Model) -> Result<Diagnosis, DiagnoseError> {
     trunnion_diagnose::diagnose(experiment, model, &trunnion_diagnose::Options::default())
+}
+
+/// Diagnoses, and where candidates are confused plans the cycle that tells them apart.
+///
+/// # Errors
+/// When the model does not fit the runs.
+pub fn diagnose_and_plan(experiment: &Experiment, model: &Model) -> Result<Diagnosis, DiagnoseError> {
+    let mut diagnosis = diagnose(experiment, model)?;
+    advise(experiment, model, &mut diagnosis);
+    Ok(diagnosis)
+}
+
+fn advise(experiment: &Experiment, model: &Model, diagnosis: &mut Diagnosis) {
+    plan::advise(experiment, model, diagnosis, &plan::Options::default());
 }
 
 /// Adds one effect to a model and refits. A `formula:NAME` takes the expression the diagnosis proposes.

@@ -37,7 +37,7 @@ pub fn answer(problem: &Problem<'_>, model: &Model, options: &Options) -> Diagno
     let next_cycle = candidates
         .first()
         .filter(|candidate| !candidate.separate_by.is_empty())
-        .map(|candidate| NextCycle { suggestion: candidate.separate_by.clone() });
+        .map(|candidate| NextCycle::advice(candidate.separate_by.clone()));
     Diagnosis {
         model: model.effects.iter().map(|effect| effect.id.clone()).collect(),
         residual: ResidualSummary {

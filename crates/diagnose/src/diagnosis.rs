@@ -1,5 +1,6 @@
 //! The answer of a diagnosis and its JSON form (DESIGN §3.7).
 
+use crate::plan::PlannedCycle;
 use serde_json::{Value, json};
 use trunnion_effects::ModelEffect;
 
@@ -113,11 +114,20 @@ pub struct FormulaProposal {
     pub resembles: Option<String>,
 }
 
-/// A suggestion what to measure next.
-#[derive(Clone, Debug, PartialEq)]
+/// What to measure next to tell rivals apart.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct NextCycle {
     /// What to do, for a person.
     pub suggestion: String,
+    /// The cycle the planner chose ([`crate::plan::advise`]); `None` before planning, and when no cycle helps.
+    pub cycle: Option<PlannedCycle>,
+}
+
+impl NextCycle {
+    /// Advice of the catalogue; nothing was planned yet.
+    pub(crate) fn advice(suggestion: String) -> Self {
+        Self { suggestion, cycle: None }
+    }
 }
 
 impl Verdict {
@@ -146,9 +156,24 @@ impl Diagnosis {
             "candidates": self.candidates.iter().map(candidate_json).collect::<Vec<_>>(),
             "set": self.set.iter().map(|entry| entry.id.as_str()).collect::<Vec<_>>(),
             "formula": self.formula.as_ref().map(formula_json),
-            "next_cycle": self.next_cycle.as_ref().map(|next| json!({ "suggestion": next.suggestion })),
+            "next_cycle": self.next_cycle.as_ref().map(next_cycle_json),
         })
     }
+}
+
+fn next_cycle_json(next: &NextCycle) -> Value {
+    let cycle = next.cycle.as_ref().map(|cycle| {
+        json!({
+            "name": cycle.name,
+            "what": cycle.what,
+            "minutes": cycle.minutes,
+            "separation_before": cycle.separation_before,
+            "separation": cycle.separation,
+            "separates": cycle.separates,
+            "file": cycle.text,
+        })
+    });
+    json!({ "suggestion": next.suggestion, "cycle": cycle })
 }
 
 fn candidate_json(candidate: &Candidate) -> Value {

@@ -8,6 +8,7 @@
 //! average, per minute.
 //! Limits: linear in small errors; the noise stays what it is; nothing is charged for the number of parameters.
 
+mod advice;
 mod answer;
 mod candidates;
 mod desk;
@@ -20,6 +21,7 @@ mod value;
 mod wanted;
 mod weigh;
 
+pub use advice::{PlannedCycle, advise};
 pub use answer::{Considered, LeftOpen, Plan};
 pub use preview::{Alias, Preview, preview};
 pub use wanted::{Rivals, rivals_named, wanted};

@@ -8,7 +8,7 @@ use crate::number::{percent, plain, um, um_or_dash, unit_on_screen, value_and_u}
 use crate::views::cuts;
 use crate::words::{
     NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, headline,
-    trial_verdict, verdict,
+    planned_words, trial_verdict, verdict,
 };
 use crate::{CompareInput, IdentificationView, Noise, ParameterRow, Trial};
 use std::iter::once;
@@ -145,7 +145,10 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
     };
     let said = diagnosis.candidates.first().map_or("", |best| best.separate_by.as_str());
     if let Some(next) = diagnosis.next_cycle.as_ref().filter(|next| next.suggestion != said) {
-        out += &paragraph(&format!("Measure next: {}", next.suggestion));
+        out += &format!("\n{}", paragraph(&format!("Measure next: {}", next.suggestion)));
+        if let Some(cycle) = &next.cycle {
+            out += &paragraph(&planned_words(cycle));
+        }
     }
     for (words, ids) in
         [("This cycle cannot show", &diagnosis.not_visible), ("Out of reach", &diagnosis.out_of_reach)]

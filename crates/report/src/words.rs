@@ -2,6 +2,7 @@
 
 use crate::number::{percent, plain, um, um_or_dash, unit_on_screen};
 use crate::{CompareInput, ParameterRow, Trial};
+use trunnion_diagnose::plan::PlannedCycle;
 use trunnion_diagnose::{Candidate, Diagnosis, FormulaProposal, Verdict};
 use trunnion_effects::catalogue::REGISTRY;
 use trunnion_effects::{About, Moved, SOURCES};
@@ -300,4 +301,16 @@ pub fn beyond_figures(candidate: &Candidate) -> String {
     let sentences =
         why.split_inclusive(". ").filter(|s| !shown.iter().any(|start| s.trim_start().starts_with(start)));
     sentences.collect::<String>().trim().to_string()
+}
+
+/// What a planned cycle costs and settles.
+pub fn planned_words(cycle: &PlannedCycle) -> String {
+    let pairs: Vec<String> = cycle.separates.iter().map(|[a, b]| format!("{a} from {b}")).collect();
+    format!(
+        "Cycle \"{}\": about {:.0} minutes of machine time with mounting. It tells {}. The command \"trunnion plan\" with the \
+         same recordings and model writes its file.",
+        cycle.name,
+        cycle.minutes,
+        pairs.join(", ")
+    )
 }

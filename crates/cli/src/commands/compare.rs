@@ -55,7 +55,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 fn compare(args: &Args, experiment: &Experiment, model: &Model) -> anyhow::Result<()> {
     let fit = trunnion_identify::identify(experiment, model, &trunnion_identify::Options::default())?;
-    let diagnosis = analysis::diagnose(experiment, model)?;
+    let diagnosis = analysis::diagnose_and_plan(experiment, model)?;
     let mut input = page::compare_input(experiment, &fit, Some(&diagnosis), model, &[]);
     if let Some(path) = &args.html {
         if let Some(effect) = best(&diagnosis) {

@@ -2,9 +2,12 @@
 
 use crate::load::{self, ModelArgs, RunArgs};
 use crate::outcome::{self, Outcome};
+use trunnion_daemon::analysis;
 use trunnion_report::diagnosis_text;
 
 /// Say which physical effect is missing from the model
+///
+/// Where the data do not tell effects apart, it plans the cycle that would; `trunnion plan` writes that cycle's file.
 ///
 /// Example: trunnion diagnose run.mcap --model machine.model.toml
 #[derive(clap::Args)]
@@ -21,7 +24,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let (runs, outcome) = load::runs(&args.runs)?;
     let (experiment, model) = load::experiment(&runs, &args.model)?;
-    let diagnosis = trunnion_diagnose::diagnose(&experiment, &model, &trunnion_diagnose::Options::default())?;
+    let diagnosis = analysis::diagnose_and_plan(&experiment, &model)?;
     if args.json {
         outcome::print_json(&diagnosis.to_json())?;
     } else {

@@ -3,7 +3,7 @@
 use crate::CompareInput;
 use crate::markup::{element, escape};
 use crate::number::{percent, um};
-use crate::words::{beyond_figures, effect_name, evidence_words, formula_leads};
+use crate::words::{beyond_figures, effect_name, evidence_words, formula_leads, planned_words};
 use trunnion_diagnose::{Candidate, Diagnosis};
 
 pub fn section(input: &CompareInput) -> String {
@@ -31,6 +31,9 @@ pub fn section(input: &CompareInput) -> String {
     let next = diagnosis.next_cycle.as_ref().map_or(said, |next| next.suggestion.as_str());
     if !next.is_empty() {
         body += &format!("<p class=\"warn\"><b>Measure next:</b> {}</p>\n", escape(next));
+    }
+    if let Some(cycle) = diagnosis.next_cycle.as_ref().and_then(|next| next.cycle.as_ref()) {
+        body += &element("p", &planned_words(cycle));
     }
     body += &unseen("This cycle cannot show", &diagnosis.not_visible);
     body += &unseen("Out of reach of these runs", &diagnosis.out_of_reach);
