@@ -3,7 +3,7 @@
 //! A phrase wins only when it leads clearly, when no named effect fits as well (the phrase is then a part of it at a lower price), and
 //! when no two named effects together do better.
 
-use crate::evidence::{Score, stacked};
+use crate::evidence::{Score, WHITE, stacked};
 use crate::problem::Problem;
 use crate::refine::{Shaped, refined, stretches};
 use crate::search::{Item, View, What};
@@ -43,7 +43,30 @@ struct Contender {
 pub fn winner(problem: &Problem<'_>, view: &View, taken: &[usize], claim_ln: f64) -> Option<Item> {
     let named = named(problem, view, taken, claim_ln);
     let beat = named.first().map_or(claim_ln, |best| best.item.ln_odds);
-    let phrase = phrase(problem, view, beat).filter(|phrase| phrase.item.ln_odds > claim_ln);
+    let phrase = phrase(problem, view, beat)
+        .filter(|phrase| phrase.item.ln_odds > claim_ln && !is_natural(problem, view, phrase));
+    if std::env::var_os("DBG").is_some() {
+        for c in named.iter().chain(phrase.iter()) {
+            let name = match &c.item.what {
+                What::Named(g) => problem.instances[*g].id(),
+                What::Open(s) => format!(
+                    "{} @ {:?}",
+                    problem.vocabulary.families[s.family].expression,
+                    s.carriers
+                        .iter()
+                        .map(|&k| (
+                            problem.vocabulary.carriers[k].site,
+                            problem.vocabulary.carriers[k].component
+                        ))
+                        .collect::<Vec<_>>()
+                ),
+            };
+            eprintln!(
+                "DBG {taken:?} {name} {:?} ln {:.1} fit {:.1}",
+                c.item.shape, c.item.ln_odds, c.score.fit_ln
+            );
+        }
+    }
     let (best, phrase) = match (named.first(), phrase) {
         (best, None) => return best.map(|best| best.item.clone()),
         (None, Some(phrase)) => return Some(phrase.item),
@@ -57,6 +80,13 @@ pub fn winner(problem: &Problem<'_>, view: &View, taken: &[usize], claim_ln: f64
         return Some(covering.item.clone());
     }
     two_do_better(problem, view, &named, taken, &phrase, claim_ln).or(Some(phrase.item))
+}
+
+/// True where a repeatable motion that is too small to be claimed fits as well as the phrase.
+fn is_natural(problem: &Problem<'_>, view: &View, phrase: &Contender) -> bool {
+    let scores = view.named.scores.iter().zip(&problem.named.groups);
+    let too_small = scores.filter(|(score, group)| group.natural && score.ln_odds == f64::NEG_INFINITY);
+    too_small.into_iter().any(|(score, _)| score.fit_ln > phrase.score.fit_ln - 2.0 * SAME_FIT_LN)
 }
 
 /// Named effects worth claiming, best first, at their best shapes.
@@ -175,7 +205,7 @@ fn finalists(problem: &Problem<'_>, view: &View) -> Vec<(usize, Score)> {
     members.truncate(OPEN_MEMBERS - 1);
     let best_named = view.named.scores.iter().max_by(|a, b| a.ln_odds.total_cmp(&b.ln_odds));
     // Structure makes noise models look correlated; the white one is where it stands out.
-    for extra in best_named.map(|score| score.member).into_iter().chain([0]) {
+    for extra in best_named.map(|score| score.member).into_iter().chain([WHITE]) {
         if !members.contains(&extra) {
             members.push(extra);
         }

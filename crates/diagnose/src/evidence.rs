@@ -18,7 +18,7 @@ mod member;
 mod part;
 
 pub use algebra::{parallel, stacked};
-pub use bank::{Bank, Scan, Score, Situation};
+pub use bank::{Bank, Scan, Score, Situation, WHITE};
 pub use library::{Entry, Group, Library};
 pub use member::Blocks;
 

@@ -5,6 +5,7 @@
 //! that have no name.
 
 mod answer;
+mod columns;
 mod contest;
 mod diagnosis;
 mod evidence;

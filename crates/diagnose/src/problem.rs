@@ -1,6 +1,7 @@
 //! An experiment and a model, laid out for scans: readings, base columns, libraries, noise bank.
 
 use crate::DiagnoseError;
+use crate::columns::credible_columns;
 use crate::evidence::{Bank, Blocks, Entry, Library, stacked};
 use crate::least_squares::solve;
 use crate::vocabulary::Vocabulary;
@@ -15,6 +16,10 @@ use trunnion_machine::Errors;
 
 /// What every rotary axis has a little of.
 const NATURAL: [&str; 3] = ["-error-motion:", "encoder-eccentricity:", "drive-pitch:"];
+
+/// What takes a special circumstance, with its price, ln: a spindle stands still while a ball is measured, and grows only when it ran
+/// just before.
+const UNUSUAL_LN: [(&str, f64); 1] = [("spindle-growth", 3.0)];
 
 /// Everything a search needs.
 pub struct Problem<'a> {
@@ -56,15 +61,16 @@ impl<'a> Problem<'a> {
                 continue;
             }
             let parts: Vec<DMatrix<f64>> =
-                grid.grid.iter().map(|shape| finite(experiment.columns(&instance, shape))).collect();
+                grid.grid.iter().map(|shape| credible_columns(experiment, &instance, shape)).collect();
             let natural = NATURAL.iter().any(|phenomenon| instance.id().contains(phenomenon));
             groups.push(Entry { parts, prior_ln: 0.0, natural });
             instances.push(instance);
             shapes.push(grid);
         }
         let prior = -(groups.len().max(1) as f64).ln();
-        for group in &mut groups {
-            group.prior_ln = prior;
+        for (group, instance) in groups.iter_mut().zip(&instances) {
+            let unusual = UNUSUAL_LN.iter().find(|(id, _)| *id == instance.id());
+            group.prior_ln = prior - unusual.map_or(0.0, |(_, price_ln)| *price_ln);
         }
         let named = Library::new(experiment.rows(), groups);
         let order = Order::new(experiment);
@@ -97,7 +103,7 @@ impl<'a> Problem<'a> {
 
     /// Columns of an instance, column × row; rows count with their weights.
     pub fn columns(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
-        let mut columns = finite(self.experiment.columns(instance, shape));
+        let mut columns = credible_columns(self.experiment, instance, shape);
         columns.column_iter_mut().for_each(|mut column| column.component_mul_assign(&self.root));
         columns.transpose()
     }
@@ -141,7 +147,7 @@ fn base_columns(
             vec![entry.shape.clone()]
         };
         let used = vec![true; experiment.rows()];
-        let parts = grid.iter().map(|shape| finite(experiment.columns(&instance, shape)).transpose());
+        let parts = grid.iter().map(|shape| credible_columns(experiment, &instance, shape).transpose());
         let left = |part: &DMatrix<f64>| (&readings - solve(&stacked(&base, part), &readings, &used)).norm();
         let best = parts.map(|part| (left(&part), part)).min_by(|a, b| a.0.total_cmp(&b.0));
         let Some((_, columns)) = best else { continue };
@@ -158,14 +164,4 @@ fn base_columns(
         base = stacked(&base, &columns.select_rows(&free));
     }
     Ok((base, readings))
-}
-
-/// A column that is not finite everywhere takes no part.
-fn finite(mut columns: DMatrix<f64>) -> DMatrix<f64> {
-    for mut column in columns.column_iter_mut() {
-        if column.iter().any(|x| !x.is_finite()) {
-            column.fill(0.0);
-        }
-    }
-    columns
 }

@@ -19,6 +19,8 @@ pub struct Scene {
     pub time_range_s: Option<(f64, f64)>,
     /// Smallest and largest commanded position of each axis, mm and rad.
     pub position_range: AxisValues<(f64, f64)>,
+    /// Smallest step between two positions of each axis, mm and rad; infinite where it stands at one, zero where it was read in motion.
+    pub position_step: AxisValues<f64>,
     /// Usual time from one point to the next, s; `None` without time or with one point.
     pub time_step_s: Option<f64>,
     /// True when any axis moved while it was read.
@@ -84,6 +86,7 @@ impl Scene {
                 Vec::new()
             },
             position_range: axis_range(|s, l| s.position[l]),
+            position_step: AxisValues::from_fn(|letter| step(states.clone(), letter)),
             on_the_fly: states.clone().any(|s| s.velocity.0.iter().any(|v| *v != 0.0)),
             direction_range: axis_range(|s, l| s.direction[l]),
             speed_range: axis_range(|s, l| s.velocity[l].abs()),
@@ -119,6 +122,12 @@ impl Scene {
     /// True when the axis stands at more than one position.
     pub fn moves(&self, letter: AxisLetter) -> bool {
         differs(self.position_range[letter])
+    }
+
+    /// Cycles in a turn of a rotary axis, or in 2π mm of a linear one, beyond which its positions show fewer cycles instead
+    /// (Nyquist): on a grid of step Δ, N cannot be told from 2π/Δ − N.
+    pub fn most_cycles(&self, letter: AxisLetter) -> f64 {
+        std::f64::consts::PI / self.position_step[letter]
     }
 
     /// True when the axis came from, or moved in, both directions.
@@ -161,6 +170,20 @@ impl Scene {
         (0..self.channels.len()).filter(|&i| differs(self.temperature_range_degc[i])).collect()
     }
 }
+
+/// Smallest step between two positions of an axis at rest; see [`Scene::position_step`].
+fn step<'a>(states: impl Iterator<Item = &'a State> + Clone, letter: AxisLetter) -> f64 {
+    if states.clone().any(|s| s.velocity[letter] != 0.0) {
+        return 0.0;
+    }
+    let mut positions: Vec<f64> = states.map(|s| s.position[letter]).collect();
+    positions.sort_by(f64::total_cmp);
+    let steps = positions.windows(2).map(|pair| pair[1] - pair[0]);
+    steps.filter(|step| *step > SAME_POSITION).fold(f64::INFINITY, f64::min)
+}
+
+/// Positions closer than this were meant to be the same, mm and rad.
+const SAME_POSITION: f64 = 1e-3;
 
 /// Median of the first steps forward in time.
 fn usual_step(times_s: impl Iterator<Item = f64> + Clone) -> Option<f64> {

@@ -12,6 +12,9 @@ use trunnion_identify::machine_noise::Order;
 const NATURAL_SHARE: f64 = 0.25;
 const NATURAL_SHARE_BESIDE: f64 = 0.6;
 
+/// The member without any correlated part; every scan has it.
+pub const WHITE: usize = 0;
+
 /// The bank, ready for scans.
 pub struct Bank {
     /// Its members.
@@ -55,7 +58,7 @@ pub struct Score {
     pub log_likelihood: f64,
     /// The same without the price of its columns: how well it fits.
     pub fit_ln: f64,
-    /// Mean square that it explains in a reading, relative to the noise, repeatable motions not counted as noise.
+    /// Mean square that it explains in a reading, relative to what is left, under white noise.
     pub share: f64,
 }
 
@@ -206,9 +209,9 @@ fn combined(
         log_sum_exp(scored.iter().copied())
     };
     best.ln_odds = log_sum_exp(terms.iter().copied()) - (parts as f64).ln() - nothing + prior_ln;
-    // What is natural is judged without the motions that the noise itself may hold.
-    let bare = of_members.iter().find(|(member, _)| *member == best.member);
-    best.share = bare.map_or(0.0, |(_, of_motion)| of_motion[0][best.part].share);
+    // What is natural is judged by its plain size in the readings: under white noise, without motions that the noise itself may hold.
+    let plain = of_members.iter().find(|(member, _)| *member == WHITE);
+    best.share = plain.map_or(0.0, |(_, of_motion)| of_motion[0][best.part].share);
     if best.surviving == 0 || (natural && best.share < situation.natural_share) {
         best.ln_odds = f64::NEG_INFINITY;
     }

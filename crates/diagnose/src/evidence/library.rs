@@ -3,6 +3,9 @@
 use nalgebra::DMatrix;
 use std::ops::Range;
 
+/// Root mean square below which a column is round-off of nothing.
+const NOTHING: f64 = 1e-9;
+
 /// Columns that compete: groups of alternatives (one per shape), each a few columns; groups may share columns.
 #[derive(Clone, Debug)]
 pub struct Library {
@@ -54,10 +57,11 @@ impl Library {
         library
     }
 
-    /// Puts one column in its place, scaled to norm 1; one that is not finite stays zero.
+    /// Puts one column in its place, scaled to norm 1; one that is not finite or round-off stays zero.
     pub fn put<'a>(&mut self, place: usize, column: impl Iterator<Item = &'a f64> + Clone) {
         let norm = column.clone().map(|x| x * x).sum::<f64>().sqrt();
-        let scale = if norm > 0.0 && norm.is_finite() { 1.0 / norm } else { 0.0 };
+        let least = NOTHING * (self.columns.ncols() as f64).sqrt();
+        let scale = if norm > least && norm.is_finite() { 1.0 / norm } else { 0.0 };
         for (target, value) in self.columns.row_mut(place).iter_mut().zip(column) {
             *target = if scale > 0.0 { value * scale } else { 0.0 };
         }

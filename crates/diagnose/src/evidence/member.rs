@@ -1,5 +1,6 @@
 //! One noise model with the model's columns projected out.
 
+use super::SURVIVAL;
 use super::algebra::{column_scales, orthonormal, surviving_basis};
 use super::library::Library;
 use super::part::{PartScore, Scratch};
@@ -90,12 +91,13 @@ impl Prepared {
         self.basis.ncols()
     }
 
-    /// Whitens and projects vectors held transposed.
-    fn project(&self, vectors: &DMatrix<f64>) -> DMatrix<f64> {
+    /// Whitens and projects vectors held transposed; with their squared norms before projection.
+    fn project(&self, vectors: &DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
         let mut whitened = vectors.clone();
         self.whitener.whiten(&mut whitened);
+        let norm_squared = whitened.row_iter().map(|row| row.norm_squared()).collect();
         let on_basis = &whitened * &self.basis;
-        whitened - on_basis * self.basis.transpose()
+        (whitened - on_basis * self.basis.transpose(), norm_squared)
     }
 
     /// Gram matrices of a library's parts after projection.
@@ -164,22 +166,22 @@ impl Prepared {
         let mut vectors = DMatrix::zeros(1 + chosen.nrows(), y.len());
         vectors.row_mut(0).tr_copy_from(y);
         vectors.rows_mut(1, chosen.nrows()).copy_from(chosen);
-        let mut back = self.project(&vectors);
+        let (mut back, norm_squared) = self.project(&vectors);
         let on_motion = &back * &self.motion;
         let inner = &back * back.transpose();
-        let soft = MOTIONS.map(|rho| self.soft(rho, &inner, &on_motion, y.len()));
+        let soft = MOTIONS.map(|rho| self.soft(rho, &inner, &on_motion, &norm_squared));
         self.whitener.adjoint(&mut back);
         Context { back, soft: soft.into() }
     }
 
-    fn soft(&self, rho: f64, inner: &DMatrix<f64>, on_motion: &DMatrix<f64>, rows: usize) -> Soft {
+    fn soft(&self, rho: f64, inner: &DMatrix<f64>, on_motion: &DMatrix<f64>, norm_squared: &[f64]) -> Soft {
         let weights = self.motion_eigenvalues.map(|d| rho * d / (1.0 + rho * d));
         let mut softened = on_motion.clone();
         for (j, mut column) in softened.column_iter_mut().enumerate() {
             column *= weights[j];
         }
-        let chosen = Chosen::new(&(inner - &softened * on_motion.transpose()));
-        let freedom = rows as f64 - (self.basis.ncols() + chosen.kept.len()) as f64;
+        let chosen = Chosen::new(&(inner - &softened * on_motion.transpose()), norm_squared);
+        let freedom = self.motion.nrows() as f64 - (self.basis.ncols() + chosen.kept.len()) as f64;
         let log_det = self.log_det
             + self.motion_eigenvalues.iter().map(|d| (rho * d).ln_1p()).sum::<f64>()
             + chosen.log_det;
@@ -215,7 +217,7 @@ impl Prepared {
         let mut vectors = DMatrix::zeros(1 + chosen.nrows(), y.len());
         vectors.row_mut(0).tr_copy_from(y);
         vectors.rows_mut(1, chosen.nrows()).copy_from(chosen);
-        let vectors = self.project(&vectors);
+        let (vectors, _) = self.project(&vectors);
         let columns = vectors.rows(1, chosen.nrows());
         let readings = vectors.row(0);
         let scale = column_scales(&columns.into_owned());
@@ -248,9 +250,9 @@ impl Prepared {
         a: &DMatrix<f64>,
         b: &DMatrix<f64>,
     ) -> Vec<f64> {
-        let (model, _) = orthonormal(&self.project(chosen).transpose());
+        let (model, _) = orthonormal(&self.project(chosen).0.transpose());
         let basis = |columns: &DMatrix<f64>| {
-            let projected = self.project(columns).transpose();
+            let projected = self.project(columns).0.transpose();
             let left = &projected - &model * (model.transpose() * &projected);
             surviving_basis(&left, columns)
         };
@@ -274,8 +276,9 @@ struct Chosen {
 }
 
 impl Chosen {
-    /// `inner`: inner products of readings (first) and chosen columns.
-    fn new(inner: &DMatrix<f64>) -> Self {
+    /// `inner`: inner products of readings (first) and chosen columns; `norm_squared`: of the same before projection. What hardly
+    /// survives is imitated by the model and the columns before it.
+    fn new(inner: &DMatrix<f64>, norm_squared: &[f64]) -> Self {
         let count = inner.nrows() - 1;
         let mut kept: Vec<usize> = Vec::new();
         let mut rows: Vec<Vec<f64>> = Vec::new();
@@ -287,7 +290,7 @@ impl Chosen {
                 row.push((inner[(1 + j, 1 + other)] - dot) / rows[i][i]);
             }
             let left = inner[(1 + j, 1 + j)] - row.iter().map(|x| x * x).sum::<f64>();
-            if left > 1e-9 * inner[(1 + j, 1 + j)].max(1e-300) && left > 1e-200 {
+            if left > SURVIVAL * SURVIVAL * norm_squared[1 + j] && left > 1e-200 {
                 log_det += left.ln();
                 row.push(left.sqrt());
                 kept.push(j);

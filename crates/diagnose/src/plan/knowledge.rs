@@ -2,8 +2,9 @@
 
 use super::desk::Desk;
 use super::separation::Known;
-use super::survey::{Survey, typical_size};
+use super::survey::Survey;
 use super::wanted::Rivals;
+use crate::columns::typical_size;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use trunnion_effects::Scene;

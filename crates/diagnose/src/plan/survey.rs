@@ -3,9 +3,10 @@
 //! `S = CᵀΣ⁻¹C − CᵀΣ⁻¹X (XᵀΣ⁻¹X)⁺ XᵀΣ⁻¹C`, X the columns of the model, C those of the effects [DIAGNOSIS §2: what the model can
 //! imitate scores nothing]. Everything that follows is small linear algebra on S.
 
+use crate::columns::credible_columns;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-use trunnion_effects::{Instance, Unit};
+use trunnion_effects::Instance;
 use trunnion_identify::Experiment;
 use trunnion_identify::machine_noise::{Noise, Order, Whitener};
 
@@ -13,9 +14,6 @@ use trunnion_identify::machine_noise::{Noise, Order, Whitener};
 pub(super) const SURVIVAL: f64 = 0.03;
 /// Directions of the model below this share (squared) of the largest are not seen.
 const MODEL_NULL: f64 = 1e-10;
-
-/// Less than this at a thousand times the typical size is nothing, mm rms.
-const NOTHING_MM: f64 = 1e-5;
 
 /// Noise models over which a plan averages: white, re-positioning, drift, and all of them.
 const NOISES: [(f64, f64, f64); 4] = [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (0.0, 0.0, 0.5), (0.4, 0.08, 0.5)];
@@ -30,39 +28,8 @@ pub(super) struct Part<'a> {
 impl Part<'_> {
     /// Its columns; none where the scene cannot have it, zero where it moves nothing at any credible size.
     pub fn columns(&self, experiment: &Experiment) -> DMatrix<f64> {
-        let parameters = self.instance.parameters(&experiment.scene);
-        if parameters.is_empty() {
-            return DMatrix::zeros(experiment.rows(), 0);
-        }
-        let mut columns = finite(experiment.columns(self.instance, &self.shape));
-        let root_rows = (experiment.rows() as f64).sqrt();
-        for (mut column, parameter) in columns.column_iter_mut().zip(&parameters) {
-            let incredible = 1e3 * typical_size(parameter.unit);
-            if column.norm() / root_rows * incredible < NOTHING_MM {
-                column.fill(0.0);
-            }
-        }
-        columns
+        credible_columns(experiment, self.instance, &self.shape)
     }
-}
-
-/// What is usual of a parameter, in inside units; only the order of magnitude matters.
-pub(super) fn typical_size(unit: Unit) -> f64 {
-    let on_screen = match unit.symbol {
-        "um" => 3.0,
-        "urad" => 15.0,
-        "um/m" => 15.0,
-        "um/K" => 1.0,
-        "ms" => 0.3,
-        "um/(m/s2)" => 3.0,
-        "urad/(m/s2)" => 15.0,
-        "urad/(rad/s2)" => 15.0,
-        "um/(rad/s)2" => 3.0,
-        "um/mm" => 0.01,
-        "um/mm2" => 0.001,
-        _ => 0.01,
-    };
-    on_screen / unit.per_inside.abs()
 }
 
 /// The effects' columns under every noise model.

@@ -2,7 +2,7 @@
 //!
 //! e(q) = a cos Nq + b sin Nq, N cycles a turn                   [S4 table 2: "pitch error in transmission mechanism (e.g. worm gear)"]
 //! N: 3…12 (harmonics of the wheel) and, where the machine file gives gear_teeth, the teeth, one beside, and their double.
-//! Limits: on a grid of poses with step Δ, N is the same as 2π/Δ ± N: teeth need on-the-fly data.
+//! Limits: on a grid of poses with step Δ, N is the same as 2π/Δ ± N: only N ≤ π/Δ is tried, teeth need on-the-fly data.
 
 use crate::subjects::{axis_of, every_rotary};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
@@ -30,6 +30,9 @@ pub(crate) static EFFECT: Effect = Effect {
     example: Example { id: "drive-pitch:C", shape: &[12.0], values: &[("cos", 15.0)], view: View::Turn },
 };
 
+/// Cycles a turn below which the encoder or the wheel's run-out is meant.
+const FEWEST: f64 = 3.0;
+
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     match axis_of(&scene.machine, subject) {
         Some(axis) if scene.moves(axis.letter) => {
@@ -43,6 +46,10 @@ fn shapes(scene: &Scene, subject: Subject) -> Shapes {
     let mut cycles: Vec<f64> = (3..=12).map(f64::from).collect();
     if let Some(teeth) = axis_of(&scene.machine, subject).and_then(|axis| axis.facts.gear_teeth) {
         cycles.extend([teeth - 1.0, teeth, teeth + 1.0, 2.0 * teeth].into_iter().filter(|n| *n > 12.0));
+    }
+    if let Some(axis) = axis_of(&scene.machine, subject) {
+        let most = scene.most_cycles(axis.letter) + 1e-6;
+        cycles.retain(|n| *n <= most.max(FEWEST));
     }
     Shapes::one("cycles_per_turn", cycles, false)
 }
