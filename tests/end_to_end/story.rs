@@ -148,10 +148,15 @@ fn a_found_expression_can_be_added_edited_by_hand_and_replaced_by_ones_own() {
     assert!(text.contains(&expression), "{text}");
 
     // An edited expression with parameters of the user's own; the row is measured anew when it was deleted.
-    let edited = text[..text.find("\n[effect.ladder]").unwrap()].replace(
+    // The values of the found expression's own shape numbers go with it.
+    let found: Vec<_> = text[..text.find("\n[effect.ladder]").unwrap()]
+        .lines()
+        .filter(|line| !line.starts_with("shape ="))
+        .collect();
+    let edited = found.join("\n").replace(
         &expression,
         "expression = \"hang*sin(B) + pull*max(0, B - start)^2\" # hoses\ngrid = { start = [0.0, 0.4] }",
-    );
+    ) + "\n";
     std::fs::write(&model, &edited).unwrap();
     let again = json(&["add", &id, &run, "--model", &model, "--json"]);
     let names: Vec<_> =
