@@ -24,7 +24,7 @@ const BATCH: usize = 256;
 const QUEUE: usize = 16;
 
 /// Reads a recording whose machine is shipped with it or found by name in `machine`. With `limits` a run on the fly of more
-/// points than its blocks is reduced. One thread unpacks the file, the other reduces; at most [`QUEUE`] batches wait between
+/// points than its blocks is reduced. One thread unpacks the file, the other reduces; at most `QUEUE` batches wait between
 /// them.
 ///
 /// # Errors
