@@ -3,7 +3,7 @@
 //! A phrase wins only when it leads clearly, when no named effect fits as well (the phrase is then a part of it at a lower price), and
 //! when no two named effects together do better.
 
-use crate::evidence::{Score, WHITE, stacked};
+use crate::evidence::{Natural, Score, WHITE, stacked};
 use crate::problem::Problem;
 use crate::refine::{Shaped, refined, stretches};
 use crate::search::{Item, View, What};
@@ -29,6 +29,8 @@ const NUMBER_LN: f64 = 1.0;
 const CLEAR_LEAD_LN: f64 = 3.0;
 /// A named effect that fits as well as the phrase, up to this, is the plainer explanation of the same shape.
 const SAME_FIT_LN: f64 = 3.0;
+/// Share of a phrase's gain at which a natural motion accounts for it.
+const MOSTLY: f64 = 0.6;
 /// Named effects that are tried as the first of two.
 const FIRST_OF_TWO: usize = 3;
 
@@ -45,28 +47,6 @@ pub fn winner(problem: &Problem<'_>, view: &View, taken: &[usize], claim_ln: f64
     let beat = named.first().map_or(claim_ln, |best| best.item.ln_odds);
     let phrase = phrase(problem, view, beat)
         .filter(|phrase| phrase.item.ln_odds > claim_ln && !is_natural(problem, view, phrase));
-    if std::env::var_os("DBG").is_some() {
-        for c in named.iter().chain(phrase.iter()) {
-            let name = match &c.item.what {
-                What::Named(g) => problem.instances[*g].id(),
-                What::Open(s) => format!(
-                    "{} @ {:?}",
-                    problem.vocabulary.families[s.family].expression,
-                    s.carriers
-                        .iter()
-                        .map(|&k| (
-                            problem.vocabulary.carriers[k].site,
-                            problem.vocabulary.carriers[k].component
-                        ))
-                        .collect::<Vec<_>>()
-                ),
-            };
-            eprintln!(
-                "DBG {taken:?} {name} {:?} ln {:.1} fit {:.1}",
-                c.item.shape, c.item.ln_odds, c.score.fit_ln
-            );
-        }
-    }
     let (best, phrase) = match (named.first(), phrase) {
         (best, None) => return best.map(|best| best.item.clone()),
         (None, Some(phrase)) => return Some(phrase.item),
@@ -82,11 +62,14 @@ pub fn winner(problem: &Problem<'_>, view: &View, taken: &[usize], claim_ln: f64
     two_do_better(problem, view, &named, taken, &phrase, claim_ln).or(Some(phrase.item))
 }
 
-/// True where a repeatable motion that is too small to be claimed fits as well as the phrase.
+/// True where a repeatable motion that is too small to be claimed does most of what the phrase does.
 fn is_natural(problem: &Problem<'_>, view: &View, phrase: &Contender) -> bool {
     let scores = view.named.scores.iter().zip(&problem.named.groups);
-    let too_small = scores.filter(|(score, group)| group.natural && score.ln_odds == f64::NEG_INFINITY);
-    too_small.into_iter().any(|(score, _)| score.fit_ln > phrase.score.fit_ln - 2.0 * SAME_FIT_LN)
+    let too_small =
+        scores.filter(|(score, group)| group.natural != Natural::No && score.ln_odds == f64::NEG_INFINITY);
+    let nothing = view.situation.nothing.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let enough = MOSTLY * (phrase.score.fit_ln - nothing);
+    too_small.into_iter().any(|(score, _)| score.fit_ln - nothing > enough)
 }
 
 /// Named effects worth claiming, best first, at their best shapes.
@@ -231,15 +214,24 @@ fn shaped_kin(
     carriers: &[usize],
     like: &Score,
 ) -> Vec<Contender> {
-    let sayings = problem.vocabulary.kin(family).into_iter();
-    let sayings = sayings.map(|family| Saying { family, carriers: carriers.to_vec() });
-    let mut forms: Vec<Form<'_>> =
-        sayings.filter_map(|saying| Form::new(problem, view, saying, like)).collect();
-    if let Some((_, kin)) = forms.split_first_mut() {
-        kin.sort_by(|a, b| b.start.gain_ln.total_cmp(&a.start.gain_ln));
-    }
-    forms.truncate(1 + SHAPED_KIN);
-    forms.into_iter().map(|form| form.shaped(problem, view)).collect()
+    let saying = |family: usize| Saying { family, carriers: carriers.to_vec() };
+    let own = &problem.vocabulary.families[family];
+    let Some(form) = Form::new(problem, view, saying(family), like, &own.grid) else { return Vec::new() };
+    let parent = form.shaped(problem, view);
+    let numbers: Vec<(&str, f64)> =
+        own.numbers.iter().zip(&parent.item.shape).map(|(number, value)| (number.name, *value)).collect();
+    let mut kin: Vec<Form<'_>> = problem
+        .vocabulary
+        .kin(family)
+        .into_iter()
+        .filter_map(|kin| {
+            let grid = problem.vocabulary.families[kin].grid_at(&numbers);
+            Form::new(problem, view, saying(kin), like, &grid)
+        })
+        .collect();
+    kin.sort_by(|a, b| b.start.gain_ln.total_cmp(&a.start.gain_ln));
+    kin.truncate(SHAPED_KIN);
+    kin.into_iter().map(|form| form.shaped(problem, view)).chain([parent]).collect()
 }
 
 /// A saying on its way to its best shape.
@@ -253,11 +245,16 @@ struct Form<'a> {
 }
 
 impl<'a> Form<'a> {
-    fn new(problem: &Problem<'_>, view: &'a View, saying: Saying, like: &'a Score) -> Option<Self> {
+    fn new(
+        problem: &Problem<'_>,
+        view: &'a View,
+        saying: Saying,
+        like: &'a Score,
+        grid: &[Vec<f64>],
+    ) -> Option<Self> {
         let none = Shaped { shape: Vec::new(), columns: DMatrix::zeros(0, 0), gain_ln: f64::NEG_INFINITY };
         let mut form = Self { view, saying, start: none, like };
-        let family = &problem.vocabulary.families[form.saying.family];
-        for shape in &family.grid {
+        for shape in grid {
             let Some(columns) = form.columns(problem, shape) else { continue };
             let gain_ln = form.gain_ln(problem, &columns);
             if gain_ln > form.start.gain_ln {

@@ -19,7 +19,7 @@ mod part;
 
 pub use algebra::{parallel, stacked};
 pub use bank::{Bank, Scan, Score, Situation, WHITE};
-pub use library::{Entry, Group, Library};
+pub use library::{Entry, Group, Library, Natural};
 pub use member::Blocks;
 
 /// Directions that keep less than this share of their norm are taken as imitated by the model.

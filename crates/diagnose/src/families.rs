@@ -4,6 +4,7 @@
 //! the shape numbers of what does well are then refined, and its kin (the same idea in another form, such as the soft form of a step)
 //! are tried as well.
 
+use crate::evidence::Natural;
 use std::f64::consts::{PI, TAU};
 use trunnion_effects::{Instance, ModelEffect, Scene};
 use trunnion_identify::Experiment;
@@ -41,8 +42,8 @@ pub struct Family {
     pub kin: String,
     /// Where it may act.
     pub carriers: Carriers,
-    /// Repeatable motion of a rotary axis, of which every bearing has some.
-    pub natural: bool,
+    /// Whether it is a repeatable motion of a rotary axis, of which every bearing has some.
+    pub natural: Natural,
     /// False: tried only where its kin does well.
     pub scanned: bool,
 }
@@ -51,6 +52,20 @@ impl Family {
     /// Number of its factors, each with a parameter.
     pub fn factors(&self) -> usize {
         self.columns
+    }
+
+    /// Its grid where numbers of the same name are known already.
+    pub fn grid_at(&self, known: &[(&str, f64)]) -> Vec<Vec<f64>> {
+        let placed = |shape: &Vec<f64>| {
+            let of = |(number, value): (&Number, &f64)| {
+                known.iter().find(|(name, _)| *name == number.name).map_or(*value, |(_, known)| *known)
+            };
+            self.numbers.iter().zip(shape).map(of).collect::<Vec<f64>>()
+        };
+        let mut grid: Vec<Vec<f64>> = self.grid.iter().map(placed).collect();
+        grid.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        grid.dedup();
+        grid
     }
 }
 
@@ -80,7 +95,7 @@ struct Draft {
     order: usize,
     words: String,
     carriers: Carriers,
-    natural: bool,
+    natural: Natural,
     scanned: bool,
 }
 
@@ -94,7 +109,7 @@ impl Draft {
             order,
             words: words.into(),
             carriers: Carriers::All,
-            natural: false,
+            natural: Natural::No,
             scanned: true,
         }
     }
@@ -114,7 +129,7 @@ impl Draft {
     }
 
     fn natural(self) -> Self {
-        Self { natural: true, ..self }
+        Self { natural: Natural::Yes, ..self }
     }
 
     fn only_for_kin(self) -> Self {
@@ -249,12 +264,14 @@ fn directions(letter: AxisLetter, rotary: &[AxisLetter], scene: &Scene, drafts: 
         return;
     }
     let decay = format!("dir{letter}*exp(-(dir{letter}*({letter} - {middle:.4}) + {half:.4})/reach)");
-    let reach =
-        |draft: Draft| draft.with("reach", (0.1 * half, 2.0 * half), &[0.15, 0.4, 1.0].map(|s| s * half));
+    let reach = |draft: Draft, shares: [f64; 3]| {
+        draft.with("reach", (0.1 * half, 2.0 * half), &shares.map(|share| share * half))
+    };
     let words = format!("after each reversal of {letter}, fading with its travel");
-    drafts.push(reach(Draft::new(kin.clone(), 2, vec![decay.clone()], words)));
-    let words = format!("turning over after each reversal of {letter} with its travel");
-    drafts.push(reach(Draft::new(kin, 3, vec![format!("dir{letter}"), decay], words)).only_for_kin());
+    drafts.push(reach(Draft::new(kin.clone(), 2, vec![decay.clone()], words), [0.15, 0.4, 1.0]));
+    let words = format!("turning over with the travel after each reversal of {letter}");
+    let turning = format!("(dir{letter} - 2*{decay})");
+    drafts.push(reach(Draft::new(kin, 2, vec![turning], words), [0.3, 0.7, 1.3]));
 }
 
 /// Bumps and steps in one angle.
@@ -268,13 +285,13 @@ fn places(letter: AxisLetter, scene: &Scene, drafts: &mut Vec<Draft>) {
         (0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect()
     };
     let bump = if full_turn {
-        format!("exp((cos({letter} - at) - 1)/width^2)")
+        format!("exp((cos({letter} - centre) - 1)/width^2)")
     } else {
-        format!("exp(-(({letter} - at)/width)^2/2)")
+        format!("exp(-(({letter} - centre)/width)^2/2)")
     };
     drafts.push(
         Draft::new(format!("place {letter}"), 2, vec![bump], format!("near one angle of {letter}"))
-            .with("at", (low, high), &at(PLACES))
+            .with("centre", (low, high), &at(PLACES))
             .with("width", WIDTHS_RAD, &[WIDTH_RAD]),
     );
     let inside: Vec<f64> = at(9)[1..8].into();
@@ -414,17 +431,27 @@ fn switching(duration_s: f64, scene: &Scene, drafts: &mut Vec<Draft>) {
     ));
     // Faster than two points a period cannot be told from slower.
     let fastest = scene.time_step_s.map_or(PI * 20.0 / duration_s, |step_s| PI / step_s);
-    let rates: Vec<f64> =
-        (0..9).map(|i| 2.0 * TAU * 1.35_f64.powi(i) / duration_s).filter(|rate| *rate < fastest).collect();
-    let (Some(first), Some(last)) = (rates.first().copied(), rates.last().copied()) else { return };
-    let limits = (first / 1.35, (last * 1.35).min(fastest));
-    let columns = vec!["cos(rate*t)".into(), "sin(rate*t)".into()];
-    drafts.push(Draft::new("clock", 2, columns, "coming and going with time").with("rate", limits, &rates));
+    let rate = |cycles: f64| TAU * cycles / duration_s;
+    let rates = |cycles: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+        cycles.map(rate).filter(|rate| *rate < fastest).collect()
+    };
+    let coarse = rates(&mut (0..9).map(|i| 2.0 * 1.35_f64.powi(i)));
+    let fine = rates(&mut (3..26).map(|half_cycles| 0.5 * f64::from(half_cycles)));
+    if coarse.is_empty() || fine.is_empty() {
+        return;
+    }
+    let limits = (rate(1.2), rate(25.0).min(fastest));
+    let wave = || {
+        let columns = vec!["cos(rate*t)".into(), "sin(rate*t)".into()];
+        Draft::new("clock", 2, columns, "coming and going with time")
+    };
+    drafts.push(wave().with("rate", limits, &coarse));
+    drafts.push(wave().ground().with("rate", limits, &fine));
     let phases: Vec<f64> = (0..8).map(|i| TAU * f64::from(i) / 8.0).collect();
     let square = "step(sin(rate*t + phase) - duty)".to_string();
     drafts.push(
         Draft::new("clock", 3, vec![square], "switching on and off at regular times")
-            .with("rate", limits, &rates)
+            .with("rate", limits, &coarse)
             .with("phase", (0.0, TAU), &phases)
             .with("duty", (-0.95, 0.95), &[-0.5, 0.0, 0.5])
             .only_for_kin(),

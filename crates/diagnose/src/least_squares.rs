@@ -59,10 +59,12 @@ impl Problem<'_> {
         let design = stacked(&self.base, chosen);
         let fold_of_point = self.folds();
         let folds = fold_of_point.iter().max().map_or(0, |last| last + 1);
+        let full = &self.readings - solve(&design, &self.readings, &self.weights(outlier));
         let (mut sum, mut count) = (0.0, 0);
         for fold in 0..folds {
             let out: Vec<bool> = (0..outlier.len()).map(|i| outlier[i] || fold_of_point[i] == fold).collect();
-            let residual = &self.readings - solve(&design, &self.readings, &self.weights(&out));
+            // How the fit changes without the fold; what only the fold sees, such as the setting of its own ball, stays.
+            let residual = &full - solve(&design, &full, &self.weights(&out));
             for point in (0..outlier.len()).filter(|&i| fold_of_point[i] == fold && !outlier[i]) {
                 for row in self.experiment.rows_of(point) {
                     sum += residual[row] * residual[row];

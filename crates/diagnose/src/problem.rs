@@ -2,7 +2,7 @@
 
 use crate::DiagnoseError;
 use crate::columns::credible_columns;
-use crate::evidence::{Bank, Blocks, Entry, Library, stacked};
+use crate::evidence::{Bank, Blocks, Entry, Library, Natural, WHITE, stacked};
 use crate::least_squares::solve;
 use crate::vocabulary::Vocabulary;
 use nalgebra::{DMatrix, DVector};
@@ -16,6 +16,9 @@ use trunnion_machine::Errors;
 
 /// What every rotary axis has a little of.
 const NATURAL: [&str; 3] = ["-error-motion:", "encoder-eccentricity:", "drive-pitch:"];
+
+/// Share in the repeatable motions above which an effect looks like one of them.
+const ALIKE: f64 = 0.9;
 
 /// What takes a special circumstance, with its price, ln: a spindle stands still while a ball is measured, and grows only when it ran
 /// just before.
@@ -63,6 +66,7 @@ impl<'a> Problem<'a> {
             let parts: Vec<DMatrix<f64>> =
                 grid.grid.iter().map(|shape| credible_columns(experiment, &instance, shape)).collect();
             let natural = NATURAL.iter().any(|phenomenon| instance.id().contains(phenomenon));
+            let natural = if natural { Natural::Yes } else { Natural::No };
             groups.push(Entry { parts, prior_ln: 0.0, natural });
             instances.push(instance);
             shapes.push(grid);
@@ -72,7 +76,7 @@ impl<'a> Problem<'a> {
             let unusual = UNUSUAL_LN.iter().find(|(id, _)| *id == instance.id());
             group.prior_ln = prior - unusual.map_or(0.0, |(_, price_ln)| *price_ln);
         }
-        let named = Library::new(experiment.rows(), groups);
+        let mut named = Library::new(experiment.rows(), groups);
         let order = Order::new(experiment);
         let vocabulary = Vocabulary::new(experiment, &order, &root);
         let bare = model.effects.iter().all(|entry| BASE.contains(&entry.id.as_str()));
@@ -83,6 +87,14 @@ impl<'a> Problem<'a> {
         }
         let members = bank.all();
         let named_blocks = bank.blocks(&named, &members);
+        let like_motions = bank.members[WHITE].like_motions(&named, &named_blocks[WHITE]);
+        let mut of_part = like_motions.iter();
+        for group in &mut named.groups {
+            let most = of_part.by_ref().take(group.parts.len()).copied().fold(0.0, f64::max);
+            if group.natural == Natural::No && most > ALIKE {
+                group.natural = Natural::Alike;
+            }
+        }
         let open_blocks = members.iter().map(|_| OnceLock::new()).collect();
         Ok(Self {
             experiment,

@@ -151,7 +151,7 @@ impl Vocabulary {
         DMatrix::from_rows(&columns.collect::<Vec<_>>())
     }
 
-    /// Families of the same idea, itself first.
+    /// Other families of the same idea.
     pub fn kin(&self, family: usize) -> Vec<usize> {
         let kin = &self.families[family].kin;
         let others = (0..self.families.len()).filter(|&f| f != family);
@@ -159,7 +159,7 @@ impl Vocabulary {
             let other = &self.families[*f];
             other.kin == *kin && (!other.scanned || !other.numbers.is_empty())
         };
-        [family].into_iter().chain(others.filter(same)).collect()
+        others.filter(same).collect()
     }
 
     /// Other carriers of the same site.

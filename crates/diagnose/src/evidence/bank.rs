@@ -1,7 +1,7 @@
 //! The noise bank, and scores averaged over it.
 
 use super::algebra::{log_sum_exp, parallel};
-use super::library::{Entry, Library};
+use super::library::{Entry, Library, Natural};
 use super::member::{Blocks, Context, Prepared};
 use super::part::PartScore;
 use nalgebra::{DMatrix, DVector};
@@ -31,7 +31,7 @@ pub struct Situation {
     pub nothing: Vec<f64>,
     /// ln Σ of them over the bank.
     total: f64,
-    natural_share: f64,
+    alone: bool,
 }
 
 /// Result of a scan.
@@ -115,8 +115,7 @@ impl Bank {
         let nothing: Vec<f64> = contexts.iter().map(of_member).collect();
         let total = log_sum_exp(nothing.iter().copied());
         let alone = self.bare && chosen.nrows() == 0;
-        let natural_share = if alone { NATURAL_SHARE } else { NATURAL_SHARE_BESIDE };
-        Situation { contexts, nothing, total, natural_share }
+        Situation { contexts, nothing, total, alone }
     }
 
     /// Scores every group of `library` under the members listed.
@@ -149,7 +148,7 @@ impl Bank {
         &self,
         columns: &DMatrix<f64>,
         prior_ln: f64,
-        natural: bool,
+        natural: Natural,
         members: &[usize],
         situation: &Situation,
     ) -> Score {
@@ -168,7 +167,7 @@ impl Bank {
         motion: usize,
         situation: &Situation,
     ) -> f64 {
-        let entry = Entry { parts: vec![columns.transpose()], prior_ln: 0.0, natural: false };
+        let entry = Entry { parts: vec![columns.transpose()], prior_ln: 0.0, natural: Natural::No };
         let library = Library::new(self.rows, vec![entry]);
         let prepared = &self.members[member];
         let scored = prepared.scan(&library, &prepared.blocks(&library), &situation.contexts[member]);
@@ -181,7 +180,7 @@ fn combined(
     situation: &Situation,
     of_members: &[(usize, Vec<&[PartScore]>)],
     prior_ln: f64,
-    natural: bool,
+    natural: Natural,
 ) -> Score {
     let mut best = Score::NONE;
     let mut terms = Vec::new();
@@ -212,7 +211,12 @@ fn combined(
     // What is natural is judged by its plain size in the readings: under white noise, without motions that the noise itself may hold.
     let plain = of_members.iter().find(|(member, _)| *member == WHITE);
     best.share = plain.map_or(0.0, |(_, of_motion)| of_motion[0][best.part].share);
-    if best.surviving == 0 || (natural && best.share < situation.natural_share) {
+    let least = match (natural, situation.alone) {
+        (Natural::No, _) | (Natural::Alike, true) => 0.0,
+        (Natural::Yes, true) => NATURAL_SHARE,
+        (Natural::Yes | Natural::Alike, false) => NATURAL_SHARE_BESIDE,
+    };
+    if best.surviving == 0 || best.share < least {
         best.ln_odds = f64::NEG_INFINITY;
     }
     best

@@ -15,6 +15,17 @@ pub struct Library {
     pub groups: Vec<Group>,
 }
 
+/// Small repeatable motions that every rotary axis has are nothing that is missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Natural {
+    /// Nothing of the kind.
+    No,
+    /// Looks like them in this cycle: beside a larger effect it must exceed them.
+    Alike,
+    /// Is one of them, and must exceed what is natural.
+    Yes,
+}
+
 /// One competitor.
 #[derive(Clone, Debug)]
 pub struct Group {
@@ -22,8 +33,8 @@ pub struct Group {
     pub parts: Vec<Range<usize>>,
     /// ln of its prior odds, not positive.
     pub prior_ln: f64,
-    /// True for repeatable motions of a rotary axis, which must exceed what is natural.
-    pub natural: bool,
+    /// Whether it must exceed what is natural.
+    pub natural: Natural,
 }
 
 /// A group before its columns are stacked.
@@ -33,7 +44,7 @@ pub struct Entry {
     /// See [`Group::prior_ln`].
     pub prior_ln: f64,
     /// See [`Group::natural`].
-    pub natural: bool,
+    pub natural: Natural,
 }
 
 impl Library {

@@ -161,6 +161,25 @@ impl Prepared {
         }
     }
 
+    /// Least share, over the columns of each part, of what survives the model that lies in the repeatable motions.
+    pub fn like_motions(&self, library: &Library, blocks: &Blocks) -> Vec<f64> {
+        let mut first = 0;
+        let of_part = library.parts().map(|part| {
+            let size = part.len();
+            let share = |i: usize| {
+                let survives = blocks.grams[first + i * (size + 1)];
+                if survives <= SURVIVAL * SURVIVAL * blocks.norm_squared[part.start + i] {
+                    return 1.0;
+                }
+                blocks.on_motion.column(part.start + i).norm_squared() / survives
+            };
+            let least = (0..size).map(share).fold(1.0, f64::min);
+            first += size * size;
+            least
+        });
+        of_part.collect()
+    }
+
     /// Readings and chosen columns (column × row) under this member.
     pub fn context(&self, y: &DVector<f64>, chosen: &DMatrix<f64>) -> Context {
         let mut vectors = DMatrix::zeros(1 + chosen.nrows(), y.len());
