@@ -45,7 +45,7 @@ impl Problem<'_> {
                 if outlier[point] {
                     readings[row] -= residual[row];
                 } else {
-                    sum += residual[row] * residual[row];
+                    sum += (residual[row] / self.root[row]).powi(2);
                     count += 1;
                 }
             }
@@ -67,7 +67,7 @@ impl Problem<'_> {
             let residual = &full - solve(&design, &full, &self.weights(&out));
             for point in (0..outlier.len()).filter(|&i| fold_of_point[i] == fold && !outlier[i]) {
                 for row in self.experiment.rows_of(point) {
-                    sum += residual[row] * residual[row];
+                    sum += (residual[row] / self.root[row]).powi(2);
                     count += 1;
                 }
             }

@@ -73,6 +73,31 @@ pub fn diagnose(
     model: &Model,
     options: &Options,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let problem = problem::Problem::new(experiment, model, &options.without)?;
+    let thinned = thinned(experiment);
+    let problem = problem::Problem::new(thinned.as_ref().unwrap_or(experiment), model, &options.without)?;
     Ok(answer::answer(&problem, model, options))
+}
+
+/// Points on the fly that a scan looks at.
+const MOST_POINTS: usize = 700;
+
+/// Every k-th point of what was read on the fly, where there are many: neighbours say the same, and the whole grammar has thousands of
+/// columns. Points at rest all stay.
+fn thinned(experiment: &Experiment) -> Option<Experiment> {
+    let on_the_fly =
+        |i: usize| experiment.kinds[experiment.run_of_point[i]] == trunnion_measurement::RunKind::OnTheFly;
+    let points = experiment.points.len();
+    let many = (0..points).filter(|&i| on_the_fly(i)).count();
+    let step = many.div_ceil(MOST_POINTS);
+    if step < 2 {
+        return None;
+    }
+    let mut seen = 0;
+    let keep: Vec<bool> = (0..points)
+        .map(|i| {
+            seen += usize::from(on_the_fly(i));
+            !on_the_fly(i) || seen % step == 1
+        })
+        .collect();
+    Some(experiment.kept(&keep))
 }

@@ -13,6 +13,7 @@ use trunnion_identify::Experiment;
 use trunnion_identify::machine_noise::{Order, repeatable_motions};
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
+use trunnion_measurement::RunKind;
 
 /// What every rotary axis has a little of.
 const NATURAL: [&str; 3] = ["-error-motion:", "encoder-eccentricity:", "drive-pitch:"];
@@ -39,18 +40,20 @@ pub struct Problem<'a> {
     open_blocks: Vec<OnceLock<Blocks>>,
     /// Base columns, column × row.
     pub base: DMatrix<f64>,
-    /// Readings minus the nominal prediction and what the model holds fixed, mm.
+    /// Readings minus the nominal prediction and what the model holds fixed, mm, weighted.
     pub readings: DVector<f64>,
     pub order: Order,
     pub bank: Bank,
-    /// Root of the weight of each row.
-    root: DVector<f64>,
+    /// Root of the weight of each row: base, readings and every column are multiplied by it.
+    pub root: DVector<f64>,
 }
 
 impl<'a> Problem<'a> {
     pub fn new(experiment: &'a Experiment, model: &Model, without: &[String]) -> Result<Self, DiagnoseError> {
-        let root = DVector::from_element(experiment.rows(), 1.0);
-        let (base, readings) = base_columns(experiment, model)?;
+        let root = roots(experiment, model);
+        let (mut base, mut readings) = base_columns(experiment, model)?;
+        base.row_iter_mut().for_each(|mut row| row.component_mul_assign(&root.transpose()));
+        readings.component_mul_assign(&root);
         let in_model = |id: &str| BASE.contains(&id) || model.effects.iter().any(|entry| entry.id == id);
         let mut out_of_reach = Vec::new();
         let (mut instances, mut shapes, mut groups) = (Vec::new(), Vec::new(), Vec::new());
@@ -63,8 +66,11 @@ impl<'a> Problem<'a> {
                 out_of_reach.push(instance.id());
                 continue;
             }
-            let parts: Vec<DMatrix<f64>> =
-                grid.grid.iter().map(|shape| credible_columns(experiment, &instance, shape)).collect();
+            let parts: Vec<DMatrix<f64>> = grid
+                .grid
+                .iter()
+                .map(|shape| weighted(credible_columns(experiment, &instance, shape), &root))
+                .collect();
             let natural = NATURAL.iter().any(|phenomenon| instance.id().contains(phenomenon));
             let natural = if natural { Natural::Yes } else { Natural::No };
             groups.push(Entry { parts, prior_ln: 0.0, natural });
@@ -77,10 +83,11 @@ impl<'a> Problem<'a> {
             group.prior_ln = prior - unusual.map_or(0.0, |(_, price_ln)| *price_ln);
         }
         let mut named = Library::new(experiment.rows(), groups);
-        let order = Order::new(experiment);
+        let order = Order::new(experiment).weighted(&root);
         let vocabulary = Vocabulary::new(experiment, &order, &root);
         let bare = model.effects.iter().all(|entry| BASE.contains(&entry.id.as_str()));
-        let bank = Bank::new(&order, &base, &repeatable_motions(experiment), bare);
+        let motions = weighted(repeatable_motions(experiment).transpose(), &root).transpose();
+        let bank = Bank::new(&order, &base, &motions, bare);
         let parameters = bank.base_rank();
         if experiment.rows() < 2 * parameters {
             return Err(DiagnoseError::TooFewReadings { rows: experiment.rows(), parameters });
@@ -115,9 +122,7 @@ impl<'a> Problem<'a> {
 
     /// Columns of an instance, column × row; rows count with their weights.
     pub fn columns(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
-        let mut columns = credible_columns(self.experiment, instance, shape);
-        columns.column_iter_mut().for_each(|mut column| column.component_mul_assign(&self.root));
-        columns.transpose()
+        weighted(credible_columns(self.experiment, instance, shape), &self.root).transpose()
     }
 
     /// Blocks of the named effects under every member.
@@ -134,6 +139,24 @@ impl<'a> Problem<'a> {
         }
         members.iter().map(|&m| self.open_blocks[m].get().expect("formed above")).collect()
     }
+}
+
+/// Roots of the weights of the rows: blocks of a stream and runs of several kinds are worth what `identify` finds; points at rest of
+/// one run count alike.
+fn roots(experiment: &Experiment, model: &Model) -> DVector<f64> {
+    let alike = DVector::from_element(experiment.rows(), 1.0);
+    if experiment.kinds.iter().all(|kind| *kind == RunKind::Static) && experiment.runs.len() == 1 {
+        return alike;
+    }
+    let fit = trunnion_identify::identify(experiment, model, &trunnion_identify::Options::quick());
+    // A model that does not settle is judged with all rows alike; `identify` says so itself.
+    fit.map_or(alike, |fit| fit.row_weights)
+}
+
+/// Columns (rows × columns) multiplied by the roots of the weights.
+fn weighted(mut columns: DMatrix<f64>, root: &DVector<f64>) -> DMatrix<f64> {
+    columns.column_iter_mut().for_each(|mut column| column.component_mul_assign(root));
+    columns
 }
 
 /// Columns of the model (column × row) and readings minus nominal prediction and held parameters.

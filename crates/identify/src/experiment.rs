@@ -152,6 +152,23 @@ impl Experiment {
         Ok(experiment)
     }
 
+    /// The same with some of its points only, one flag for each; ranges of the scene stay those of all.
+    #[must_use]
+    pub fn kept(&self, keep: &[bool]) -> Self {
+        let chosen = |i: &usize| keep[*i];
+        let indices: Vec<usize> = (0..self.points.len()).filter(chosen).collect();
+        let mut first_row = vec![0];
+        for &i in &indices {
+            first_row.push(first_row[first_row.len() - 1] + self.rows_of(i).len());
+        }
+        Self {
+            points: indices.iter().map(|&i| self.points[i].clone()).collect(),
+            run_of_point: indices.iter().map(|&i| self.run_of_point[i]).collect(),
+            first_row,
+            ..self.clone()
+        }
+    }
+
     /// What the probes were asked to read, as the base model predicts it. Never the readings themselves: an
     /// effect of the probes would then explain every reading by itself.
     fn predict_deflections(&mut self) {

@@ -127,6 +127,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
             HoldoutWanted::No => None,
         },
         noise_parts,
+        row_weights: design.weights.root.clone(),
         noise_by_run,
         rms_mm: (squares / fit.rows_used as f64).sqrt(),
         outliers: outliers(experiment, used, &fit.residual_mm),

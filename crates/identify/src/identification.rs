@@ -42,6 +42,8 @@ pub struct Identification {
     /// Parts of the noise from which the uncertainties follow; empty when they follow from clusters (pass × position of the
     /// slow axis) of the residual instead.
     pub noise_parts: Vec<NoisePart>,
+    /// Root of the weight of each row in the fit; mean square 1 over the rows used.
+    pub row_weights: DVector<f64>,
     /// Noise of each run and instrument, as the readings were weighted.
     pub noise_by_run: Vec<GroupNoise>,
     /// Root mean square of scalar residuals of parts of the data predicted from the rest, mm; `None` when not asked

@@ -21,6 +21,9 @@ const SAME_STATION_RAD: f64 = 1e-7;
 /// Highest harmonic of the repeatable error motions that count as noise.
 const MOTION_HARMONICS: usize = 4;
 
+/// How much larger the correlated parts may be, beside the white noise, for blocks on the fly.
+const BLOCK_TIMES: f64 = 8.0;
+
 /// One member of the bank: variances relative to the white noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
@@ -44,6 +47,8 @@ pub struct Order {
     pub slow: Option<AxisLetter>,
     /// The rotary axis that moves most often.
     pub fast: Option<AxisLetter>,
+    /// True when points were read on the fly.
+    pub on_the_fly: bool,
 }
 
 /// One point, as the noise sees it.
@@ -80,9 +85,23 @@ impl Order {
         }
         normalise(&mut visits, |visit| &mut visit.slow_lever);
         normalise(&mut visits, |visit| &mut visit.fast_lever);
+        let on_the_fly = experiment.scene.on_the_fly;
         let duration: f64 = visits.iter().filter(|v| !v.new_run).map(|v| v.since_last).sum();
         let runs = visits.iter().filter(|v| v.new_run).count().max(1);
-        Self { visits, tau: (duration / runs as f64 / 4.0).max(1e-9), slow, fast }
+        Self { visits, tau: (duration / runs as f64 / 4.0).max(1e-9), slow, fast, on_the_fly }
+    }
+
+    /// The same for rows multiplied by `root`, the roots of their weights: the white part stays 1, the others follow the rows.
+    #[must_use]
+    pub fn weighted(mut self, root: &DVector<f64>) -> Self {
+        for visit in &mut self.visits {
+            for (k, row) in visit.rows.clone().enumerate() {
+                visit.drift.row_mut(k).scale_mut(root[row]);
+                visit.slow_lever[k] *= root[row];
+                visit.fast_lever[k] *= root[row];
+            }
+        }
+        self
     }
 
     /// Points in the order they were taken.
@@ -104,13 +123,15 @@ impl Order {
     /// The bank over which evidence is averaged.
     pub fn bank(&self) -> Vec<Noise> {
         let seen = |lever: fn(&Visit) -> &Vector3<f64>| self.visits.iter().any(|v| lever(v).norm() > 0.0);
+        // A block of many samples has hardly any white noise: what correlates is larger beside it.
+        let times = if self.on_the_fly { BLOCK_TIMES } else { 1.0 };
         let passes: &[f64] = if seen(|v| &v.slow_lever) { &[0.0, 0.1, 0.4, 1.6] } else { &[0.0] };
         let axes: &[f64] = if seen(|v| &v.fast_lever) { &[0.0, 0.08] } else { &[0.0] };
         let mut bank = Vec::new();
         for &pass in passes {
             for &axis in axes {
                 for drift in [0.0, 0.15, 0.5, 2.0] {
-                    bank.push(Noise { pass, axis, drift, tau: self.tau });
+                    bank.push(Noise { pass: pass * times, axis, drift: drift * times, tau: self.tau });
                 }
             }
         }

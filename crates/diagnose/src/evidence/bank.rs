@@ -12,6 +12,8 @@ use trunnion_identify::machine_noise::Order;
 const NATURAL_SHARE: f64 = 0.25;
 const NATURAL_SHARE_BESIDE: f64 = 0.6;
 
+/// Blocks of many samples see structure far below their floor, which is itself no white noise: less than this share of it is not claimed.
+const NOTICEABLE_SHARE: f64 = 0.25;
 /// The member without any correlated part; every scan has it.
 pub const WHITE: usize = 0;
 
@@ -22,6 +24,7 @@ pub struct Bank {
     rows: usize,
     /// True for the base model: nothing else has been found.
     bare: bool,
+    least_share: f64,
 }
 
 /// Readings and chosen columns under every member.
@@ -32,6 +35,8 @@ pub struct Situation {
     /// ln Σ of them over the bank.
     total: f64,
     alone: bool,
+    /// Share below which nothing is claimed.
+    least_share: f64,
 }
 
 /// Result of a scan.
@@ -90,7 +95,8 @@ impl Bank {
     pub fn new(order: &Order, base: &DMatrix<f64>, motions: &DMatrix<f64>, bare: bool) -> Self {
         let noises = order.bank();
         let members = parallel(noises.len(), |i| Prepared::new(order, noises[i], base, motions));
-        Self { members, rows: base.ncols(), bare }
+        let least_share = if order.on_the_fly { NOTICEABLE_SHARE } else { 0.0 };
+        Self { members, rows: base.ncols(), bare, least_share }
     }
 
     /// Parameters of the base model that can be seen.
@@ -115,7 +121,7 @@ impl Bank {
         let nothing: Vec<f64> = contexts.iter().map(of_member).collect();
         let total = log_sum_exp(nothing.iter().copied());
         let alone = self.bare && chosen.nrows() == 0;
-        Situation { contexts, nothing, total, alone }
+        Situation { contexts, nothing, total, alone, least_share: self.least_share }
     }
 
     /// Scores every group of `library` under the members listed.
@@ -212,7 +218,7 @@ fn combined(
     let plain = of_members.iter().find(|(member, _)| *member == WHITE);
     best.share = plain.map_or(0.0, |(_, of_motion)| of_motion[0][best.part].share);
     let least = match (natural, situation.alone) {
-        (Natural::No, _) | (Natural::Alike, true) => 0.0,
+        (Natural::No, _) | (Natural::Alike, true) => situation.least_share,
         (Natural::Yes, true) => NATURAL_SHARE,
         (Natural::Yes | Natural::Alike, false) => NATURAL_SHARE_BESIDE,
     };

@@ -8,8 +8,9 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use trunnion_identify::machine_noise::{Noise, Order, Whitener};
 
-/// Variances of the repeatable error motions in the bank, relative to the white noise.
+/// Variances of the repeatable error motions in the bank, relative to the white noise of points at rest and of blocks on the fly.
 const MOTIONS: [f64; 3] = [0.0, 0.1, 0.4];
+const MOTIONS_ON_THE_FLY: [f64; 3] = [0.0, 1.0, 10.0];
 /// Columns whitened at a time: they stay in the cache, and the whole library is never held twice.
 const CHUNK: usize = 256;
 /// Repeatable motions weaker than this share of the strongest are none.
@@ -25,6 +26,7 @@ pub struct Prepared {
     motion_eigenvalues: DVector<f64>,
     /// ln det Σ + ln det XᵀΣ⁻¹X.
     log_det: f64,
+    motions: [f64; 3],
 }
 
 /// What a library looks like under one noise model.
@@ -83,7 +85,8 @@ impl Prepared {
         }
         let motion = random * turn;
         let log_det = whitener.log_det + log_det_base;
-        Self { whitener, basis, motion, motion_eigenvalues, log_det }
+        let motions = if order.on_the_fly { MOTIONS_ON_THE_FLY } else { MOTIONS };
+        Self { whitener, basis, motion, motion_eigenvalues, log_det, motions }
     }
 
     /// Parameters of the base model that can be seen.
@@ -188,7 +191,7 @@ impl Prepared {
         let (mut back, norm_squared) = self.project(&vectors);
         let on_motion = &back * &self.motion;
         let inner = &back * back.transpose();
-        let soft = MOTIONS.map(|rho| self.soft(rho, &inner, &on_motion, &norm_squared));
+        let soft = self.motions.map(|rho| self.soft(rho, &inner, &on_motion, &norm_squared));
         self.whitener.adjoint(&mut back);
         Context { back, soft: soft.into() }
     }
