@@ -322,7 +322,7 @@ pub fn entries(
             site: entry.site.or(Some(formula.site)),
             component: entry.component.or(Some(formula.component)),
             shape: if entry.expression.is_none() && entry.grid.is_empty() {
-                formula.shape.iter().map(|(_, value)| *value).collect()
+                formula.shape.iter().map(|number| number.value).collect()
             } else {
                 Vec::new()
             },

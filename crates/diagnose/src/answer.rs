@@ -2,9 +2,11 @@
 
 use crate::contest::named_item;
 use crate::diagnosis::{
-    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, Verdict,
+    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
+    Verdict,
 };
 use crate::evidence::Score;
+use crate::families::Number;
 use crate::problem::Problem;
 use crate::search::{Item, View, What, columns_of, search};
 use crate::{Options, words};
@@ -242,12 +244,16 @@ impl Context<'_> {
         let after_mm = self.problem.fit(&item.columns).rms_mm;
         let components: Vec<&str> = entries.iter().filter_map(|e| e.component.as_deref()).collect();
         let site = first.site.unwrap_or_default();
-        let numbers = family.numbers.iter().zip(&item.shape);
+        let number = |(number, &value): (&Number, &f64)| ShapeNumber {
+            name: number.name.into(),
+            value,
+            unit: number.unit(),
+        };
         Some(FormulaProposal {
             name: first.id.trim_start_matches("formula:").into(),
             component: first.component.unwrap_or_default(),
             expression: first.expression.unwrap_or_default(),
-            shape: numbers.map(|(number, value)| (number.name.into(), *value)).collect(),
+            shape: family.numbers.iter().zip(&item.shape).map(number).collect(),
             evidence: item.ln_odds / LN_10,
             rms_um_after: after_mm * 1e3,
             explains_fraction: self.explained(after_mm),

@@ -98,8 +98,8 @@ pub struct FormulaProposal {
     pub component: String,
     /// Expression over the state with named parameters.
     pub expression: String,
-    /// Values of the shape numbers in `expression`, by name, inside units.
-    pub shape: Vec<(String, f64)>,
+    /// Values of the shape numbers in `expression`.
+    pub shape: Vec<ShapeNumber>,
     /// The whole proposal as entries of a model file, one for each component; the first is the one described above.
     pub entries: Vec<ModelEffect>,
     /// log₁₀ of the Bayes factor against nothing, after the price of its complexity.
@@ -128,6 +128,17 @@ impl NextCycle {
     pub(crate) fn advice(suggestion: String) -> Self {
         Self { suggestion, cycle: None }
     }
+}
+
+/// A shape number of an expression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeNumber {
+    /// Its name in the expression.
+    pub name: String,
+    /// Value in `unit`.
+    pub value: f64,
+    /// `rad`, `s`, `rad/s`, `rad/mm` or `1`.
+    pub unit: &'static str,
 }
 
 impl Verdict {
@@ -202,7 +213,7 @@ fn formula_json(formula: &FormulaProposal) -> Value {
         "site": formula.site,
         "component": formula.component,
         "expression": formula.expression,
-        "shape": formula.shape.iter().map(|(name, value)| json!({ "name": name, "value": value })).collect::<Vec<_>>(),
+        "shape": formula.shape.iter().map(|n| json!({ "name": n.name, "value": n.value, "unit": n.unit })).collect::<Vec<_>>(),
         "also": formula.entries.iter().skip(1).map(|entry| entry.id.as_str()).collect::<Vec<_>>(),
         "evidence": formula.evidence,
         "rms_um_after": formula.rms_um_after,

@@ -77,6 +77,19 @@ pub struct Number {
     pub high: f64,
 }
 
+impl Number {
+    /// Unit of its value.
+    pub fn unit(&self) -> &'static str {
+        match self.name {
+            "tau" | "when" => "s",
+            "rate" => "rad/s",
+            "per_mm" => "rad/mm",
+            "duty" | "power" => "1",
+            _ => "rad",
+        }
+    }
+}
+
 /// Where a family may act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carriers {
@@ -374,10 +387,10 @@ fn linear(experiment: &Experiment, drafts: &mut Vec<Draft>) {
         let travel = high - low;
         if travel > 1.0 {
             let rates: Vec<f64> = (0..6).map(|i| TAU / travel * (1.0 + 0.75 * f64::from(i))).collect();
-            let columns = vec![format!("cos(rate*{first})"), format!("sin(rate*{first})")];
+            let columns = vec![format!("cos(per_mm*{first})"), format!("sin(per_mm*{first})")];
             drafts.push(
                 Draft::new("linear", 2, columns, format!("repeating along {first}"))
-                    .with("rate", (0.7 * TAU / travel, 6.0 * TAU / travel), &rates)
+                    .with("per_mm", (0.7 * TAU / travel, 6.0 * TAU / travel), &rates)
                     .ground(),
             );
         }

@@ -20,7 +20,8 @@ mod vocabulary;
 mod words;
 
 pub use diagnosis::{
-    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, Verdict,
+    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
+    Verdict,
 };
 
 use trunnion_effects::{Model, UnknownEffect};

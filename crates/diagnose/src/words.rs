@@ -44,19 +44,38 @@ pub fn separate_by(instance: &Instance, rivals: &[&Instance]) -> String {
 
 /// Where a phrase of the grammar lives.
 pub fn lives(site: &str, components: &[&str], words: &str) -> String {
-    let what = |component: &&str| match *component {
-        "dx" => "displacement along X",
-        "dy" => "displacement along Y",
-        "dz" => "displacement along Z",
-        "ea" => "rotation about X",
-        "eb" => "rotation about Y",
-        _ => "rotation about Z",
+    let along = |prefix: &str, names: [&str; 3]| {
+        let of_sort = components.iter().filter_map(|component| component.strip_prefix(prefix));
+        let letters: Vec<&str> = of_sort
+            .filter_map(|last| names.iter().position(|n| *n == last).map(|k| ["X", "Y", "Z"][k]))
+            .collect();
+        listed(&letters)
     };
-    let what = components.iter().map(what).collect::<Vec<_>>().join(" and ");
+    let shift = along("d", ["x", "y", "z"]).map(|axes| format!("displacement along {axes}"));
+    let turn = along("e", ["a", "b", "c"]).map(|axes| format!("rotation about {axes}"));
+    let what: Vec<String> = [shift, turn].into_iter().flatten().collect();
     let place = match site.strip_prefix("axis:") {
         Some(axis) => format!("at axis {axis}, in the axes of what carries it"),
         None if site == "ball" => "of the ball or nest on the table, in table axes".into(),
         None => format!("of the {site}"),
     };
-    format!("{what} {place}: {words}")
+    format!("{} {place}: {words}", what.join(" with "))
+}
+
+/// `X`, `X and Y`, `X, Y and Z`; none for nothing.
+fn listed(names: &[&str]) -> Option<String> {
+    let (last, others) = names.split_last()?;
+    Some(if others.is_empty() { (*last).into() } else { format!("{} and {last}", others.join(", ")) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_of_a_sort_are_named_together() {
+        let told = lives("axis:B", &["dx", "dz", "ec"], "near one angle of B");
+        let expected = "displacement along X and Z with rotation about Z at axis B, in the axes of what carries it: near one angle of B";
+        assert_eq!(told, expected);
+    }
 }

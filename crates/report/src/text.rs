@@ -7,8 +7,8 @@ pub use ladder::ladder_text;
 use crate::number::{percent, plain, um, um_or_dash, unit_on_screen, value_and_u};
 use crate::views::cuts;
 use crate::words::{
-    NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, headline,
-    planned_words, trial_verdict, verdict,
+    NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, formula_shape,
+    formula_site, headline, planned_words, trial_verdict, verdict,
 };
 use crate::{CompareInput, IdentificationView, Noise, ParameterRow, Trial};
 use std::iter::once;
@@ -161,8 +161,10 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
 }
 
 fn formula(formula: &FormulaProposal) -> String {
-    format!("\nformula:{} ({} at {})\n", formula.name, formula.component, formula.site)
-        + &format!("  {}\n", clean(&formula.expression))
+    let numbers = formula_shape(formula);
+    let numbers = if numbers.is_empty() { numbers } else { format!("  with {numbers}\n") };
+    format!("\nformula:{} ({})\n", formula.name, formula_site(formula))
+        + &format!("  {}\n{}", clean(&formula.expression), clean(&numbers))
         + &paragraph(&format!(
             "It is a {}; it leaves {} and explains {}. {}.",
             formula.lives,

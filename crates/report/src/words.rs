@@ -1,9 +1,9 @@
 //! What the numbers say, in sentences: shared by page and terminal. Each thing is said once.
 
-use crate::number::{percent, plain, um, um_or_dash, unit_on_screen};
+use crate::number::{degrees, percent, plain, um, um_or_dash, unit_on_screen};
 use crate::{CompareInput, ParameterRow, Trial};
 use trunnion_diagnose::plan::PlannedCycle;
-use trunnion_diagnose::{Candidate, Diagnosis, FormulaProposal, Verdict};
+use trunnion_diagnose::{Candidate, Diagnosis, FormulaProposal, ShapeNumber, Verdict};
 use trunnion_effects::catalogue::REGISTRY;
 use trunnion_effects::{About, Moved, SOURCES};
 
@@ -313,4 +313,20 @@ pub fn planned_words(cycle: &PlannedCycle) -> String {
         cycle.minutes,
         pairs.join(", ")
     )
+}
+
+/// Where a formula acts: `dx, dz at axis:B`.
+pub(crate) fn formula_site(formula: &FormulaProposal) -> String {
+    let components: Vec<&str> = formula.entries.iter().filter_map(|e| e.component.as_deref()).collect();
+    format!("{} at {}", components.join(", "), formula.site)
+}
+
+/// The shape numbers of a formula: `at = 32.0°, width = 12.4°`; empty when it has none.
+pub(crate) fn formula_shape(formula: &FormulaProposal) -> String {
+    let number = |n: &ShapeNumber| match n.unit {
+        "rad" => format!("{} = {}", n.name, degrees(n.value)),
+        "1" => format!("{} = {:.2}", n.name, n.value),
+        unit => format!("{} = {} {unit}", n.name, plain(n.value)),
+    };
+    formula.shape.iter().map(number).collect::<Vec<_>>().join(", ")
 }

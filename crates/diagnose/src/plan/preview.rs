@@ -14,6 +14,7 @@ use trunnion_effects::{Instance, Model};
 use trunnion_identify::Experiment;
 use trunnion_machine::{Machine, State};
 use trunnion_measurement::{Cycle, Point, Quality, Run, RunKind, Setup};
+use trunnion_units::AxisValues;
 
 /// Columns whose canonical correlation exceeds this coincide.
 const ALIAS: f64 = 0.999;
@@ -138,9 +139,12 @@ fn imagined(
     Ok(Experiment::new(&[run])?)
 }
 
-/// The shapes looked at: all counts (teeth, lobes), a few time constants.
+/// The shapes looked at: all counts (teeth, lobes), aliases included, a few time constants.
 fn few_shapes<'a>(instance: &'a Instance, experiment: &Experiment) -> Vec<Part<'a>> {
-    let shapes = instance.shapes(&experiment.scene);
+    // What a fit would not try, because these poses show it as something else, is what has to be told.
+    let mut any_step = experiment.scene.clone();
+    any_step.position_step = AxisValues::default();
+    let shapes = instance.shapes(&any_step);
     let most = if shapes.continuous { FEW_SHAPES } else { shapes.grid.len() };
     let stride = shapes.grid.len().div_ceil(most.max(1)).max(1);
     let kept = shapes.grid.into_iter().skip(stride / 2).step_by(stride);

@@ -5,7 +5,7 @@ use crate::CompareInput;
 use crate::markup::{element, escape, table};
 use crate::number::{percent, um, value_and_u};
 use crate::svg::{Bar, bars};
-use crate::words::{about, effect_name, sources};
+use crate::words::{about, effect_name, formula_shape, formula_site, sources};
 use trunnion_diagnose::{Candidate, Diagnosis, FormulaProposal};
 
 pub fn section(input: &CompareInput) -> String {
@@ -105,12 +105,13 @@ fn candidates_table(candidates: &[Candidate]) -> String {
 }
 
 fn formula_paragraph(formula: &FormulaProposal) -> String {
+    let numbers = formula_shape(formula);
     format!(
-        "<p>The expression that describes it best, ready to add as <code>formula:{}</code> ({} at {}):</p>\n\
-         <p class=\"formula\"><code>{}</code></p>\n",
+        "<p>The expression that describes it best, ready to add as <code>formula:{}</code> ({}):</p>\n\
+         <p class=\"formula\"><code>{}</code></p>\n{}",
         escape(&formula.name),
-        escape(&formula.component),
-        escape(&formula.site),
+        escape(&formula_site(formula)),
         escape(&formula.expression),
+        if numbers.is_empty() { String::new() } else { format!("<p>with {}</p>\n", escape(&numbers)) },
     )
 }
