@@ -249,15 +249,17 @@ impl Context<'_> {
             value,
             unit: number.unit(),
         };
+        let shape: Vec<ShapeNumber> = family.numbers.iter().zip(&item.shape).map(number).collect();
+        let lives = words::lives(&site, &components, &words::placed(&family.words, &shape));
         Some(FormulaProposal {
             name: first.id.trim_start_matches("formula:").into(),
             component: first.component.unwrap_or_default(),
             expression: first.expression.unwrap_or_default(),
-            shape: family.numbers.iter().zip(&item.shape).map(number).collect(),
+            shape,
             evidence: item.ln_odds / LN_10,
             rms_um_after: after_mm * 1e3,
             explains_fraction: self.explained(after_mm),
-            lives: words::lives(&site, &components, &family.words),
+            lives,
             resembles,
             site,
             entries,

@@ -1,5 +1,6 @@
 //! Sentences of a diagnosis.
 
+use crate::diagnosis::ShapeNumber;
 use trunnion_effects::Instance;
 
 /// Errors before and after, µm.
@@ -62,6 +63,15 @@ pub fn lives(site: &str, components: &[&str], words: &str) -> String {
     format!("{} {place}: {words}", what.join(" with "))
 }
 
+/// The words of a family with the angle it turned out to be about: `near 32° of B`.
+pub fn placed(words: &str, shape: &[ShapeNumber]) -> String {
+    let about = |number: &&ShapeNumber| ["at", "centre", "knee"].contains(&number.name.as_str());
+    shape.iter().find(about).map_or(words.into(), |number| {
+        let angle = format!("{:.0}° of", number.value.to_degrees());
+        words.replace("one angle of", &angle).replace("an angle of", &angle)
+    })
+}
+
 /// `X`, `X and Y`, `X, Y and Z`; none for nothing.
 fn listed(names: &[&str]) -> Option<String> {
     let (last, others) = names.split_last()?;
@@ -74,8 +84,9 @@ mod tests {
 
     #[test]
     fn components_of_a_sort_are_named_together() {
-        let told = lives("axis:B", &["dx", "dz", "ec"], "near one angle of B");
-        let expected = "displacement along X and Z with rotation about Z at axis B, in the axes of what carries it: near one angle of B";
+        let centre = ShapeNumber { name: "centre".into(), value: 0.5585, unit: "rad" };
+        let told = lives("axis:B", &["dx", "dz", "ec"], &placed("near one angle of B", &[centre]));
+        let expected = "displacement along X and Z with rotation about Z at axis B, in the axes of what carries it: near 32° of B";
         assert_eq!(told, expected);
     }
 }

@@ -49,10 +49,12 @@ impl CompareInput {
 }
 
 impl Trial {
-    /// The fits without and with `entry`, which carries its ladder row; `then` is the diagnosis of the model with it.
+    /// The fits without and with `entry`, which carries the ladder row of all that was added, `added` entry by entry; `then` is the
+    /// diagnosis of the model with it.
     pub fn new(
         experiment: &Experiment,
         entry: &ModelEffect,
+        added: &[ModelEffect],
         before: &Identification,
         after: &Identification,
         then: Option<Diagnosis>,
@@ -61,17 +63,19 @@ impl Trial {
         let places = |fit: &Identification| worst_places(experiment, &fit.residual_mm, &fit.used);
         let fits = [before, after];
         let view = IdentificationView::from(after);
-        let expression = match (&entry.component, &entry.site, &entry.expression) {
-            (Some(component), Some(site), Some(expression)) => format!("{component} at {site}: {expression}"),
+        let components: Vec<&str> = added.iter().filter_map(|entry| entry.component.as_deref()).collect();
+        let expression = match (&entry.site, &entry.expression) {
+            (Some(site), Some(expression)) => format!("{} at {site}: {expression}", components.join(", ")),
             _ => String::new(),
         };
+        let is_new = |p: &ParameterRow| added.iter().any(|entry| entry.id == p.effect);
         Self {
             effect: entry.id.clone(),
             expression,
             fit_um: fits.map(|fit| um_from_mm(fit.rms_mm)),
             holdout_um: fits.map(|fit| fit.holdout_rms_mm().map(um_from_mm)),
             noise: view.noise,
-            parameters: view.parameters.into_iter().filter(|p| p.effect == entry.id).collect(),
+            parameters: view.parameters.into_iter().filter(is_new).collect(),
             moved: entry.ladder.as_ref().map_or(Vec::new(), |row| row.moved.clone()),
             places: [places(before), if silent { Vec::new() } else { places(after) }],
             points: fits.map(|fit| points_of(experiment, &fit.predicted_mm, &fit.used)),

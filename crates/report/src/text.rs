@@ -162,9 +162,9 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
 
 fn formula(formula: &FormulaProposal) -> String {
     let numbers = formula_shape(formula);
-    let numbers = if numbers.is_empty() { numbers } else { format!("  with {numbers}\n") };
+    let numbers = if numbers.is_empty() { numbers } else { format!("  with {}\n", clean(&numbers)) };
     format!("\nformula:{} ({})\n", formula.name, formula_site(formula))
-        + &format!("  {}\n{}", clean(&formula.expression), clean(&numbers))
+        + &format!("  {}\n{}", clean(&formula.expression), numbers)
         + &paragraph(&format!(
             "It is a {}; it leaves {} and explains {}. {}.",
             formula.lives,

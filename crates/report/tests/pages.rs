@@ -107,7 +107,7 @@ fn every_page_is_well_formed_and_needs_nothing_from_outside() {
     let mut with = Model::base("table-bc");
     with.effects.push(entry.clone());
     let after = identify(&experiment, &with, &Options::default()).unwrap();
-    let trial = Trial::new(&experiment, &entry, &before, &after, None);
+    let trial = Trial::new(&experiment, &entry, std::slice::from_ref(&entry), &before, &after, None);
     for page in [compare_html(&input), trial_html(&input, &trial), ladder_html("mill <1>", &input.ladder)] {
         check_page(&page);
     }

@@ -137,7 +137,7 @@ fn best(diagnosis: &Diagnosis) -> Option<String> {
 
 fn trial_of(experiment: &Experiment, step: &Step) -> anyhow::Result<Trial> {
     let then = analysis::diagnose(experiment, &step.model)?;
-    Ok(Trial::new(experiment, &step.entry, &step.before, &step.identification, Some(then)))
+    Ok(Trial::new(experiment, &step.entry, &step.entries, &step.before, &step.identification, Some(then)))
 }
 
 fn places_json(places: &[Place]) -> Vec<serde_json::Value> {
