@@ -11,6 +11,7 @@ mod diagnosis;
 mod evidence;
 mod families;
 mod least_squares;
+mod phrases;
 pub mod plan;
 mod problem;
 mod refine;
