@@ -68,7 +68,7 @@ pub struct Candidate {
     pub confused_with: Vec<String>,
     /// The measurement that would tell them apart; empty when nothing is confused.
     pub separate_by: String,
-    /// True when nothing structured is left after adding it (and what must be added with it).
+    /// True when nothing structured is left after adding it alone.
     pub adequate: bool,
     /// What it is and what speaks for it, for a person.
     pub why: String,

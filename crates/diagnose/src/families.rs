@@ -165,7 +165,11 @@ pub fn families(experiment: &Experiment, order: &Order) -> Vec<Family> {
 
 fn family(draft: Draft, experiment: &Experiment) -> Option<Family> {
     let terms = draft.columns.iter().enumerate();
-    let expression = terms.map(|(i, factor)| format!("p{}*{factor}", i + 1)).collect::<Vec<_>>().join(" + ");
+    let term = |(i, factor): (usize, &String)| match factor.strip_prefix("1/") {
+        Some(below) => format!("p{}/{below}", i + 1),
+        None => format!("p{}*{factor}", i + 1),
+    };
+    let expression = terms.map(term).collect::<Vec<_>>().join(" + ");
     let entry = ModelEffect {
         id: "formula:factor".into(),
         site: Some("spindle".into()),

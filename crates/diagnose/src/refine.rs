@@ -17,6 +17,12 @@ pub struct Shaped {
     pub gain_ln: f64,
 }
 
+/// A shape with as many digits as a person wants to read, six.
+pub fn readable(shape: &[f64]) -> Vec<f64> {
+    let rounded = |x: &f64| format!("{x:.5e}").parse().unwrap_or(*x);
+    shape.iter().map(rounded).collect()
+}
+
 /// The stretch in which each number is looked for: to its neighbours on the grid, or over `limits` where the grid has one value.
 pub fn stretches(grid: &[Vec<f64>], shape: &[f64], limits: Option<&[(f64, f64)]>) -> Vec<(f64, f64)> {
     let stretch = |k: usize| {
@@ -94,6 +100,11 @@ fn neighbours(grid: impl Iterator<Item = f64> + Clone, value: f64) -> (f64, f64)
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn six_digits_are_kept() {
+        assert_eq!(readable(&[0.557_800_717_8, -1_234_567.8, 0.0]), [0.557_801, -1_234_570.0, 0.0]);
+    }
 
     #[test]
     fn numbers_between_the_grid_points_are_found() {

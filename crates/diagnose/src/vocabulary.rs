@@ -5,6 +5,7 @@
 
 use crate::evidence::{Group, Library, parallel};
 use crate::families::{Carriers, Family, families};
+use crate::refine::readable;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use trunnion_effects::ModelEffect;
@@ -180,7 +181,7 @@ impl Vocabulary {
                 site: Some(site),
                 component: Some(component.into()),
                 expression: Some(family.expression.clone()),
-                shape: shape.into(),
+                shape: readable(shape),
                 ..ModelEffect::default()
             }
         };
