@@ -8,8 +8,9 @@ use nalgebra::{DMatrix, DVector};
 use trunnion_identify::machine_noise::Order;
 
 /// Repeatable motions of a rotary axis are natural up to this share of the noise variance: every bearing, encoder and gear has some.
-/// Half the standard deviation where nothing else is at work; beside a larger effect they are not what is missing.
-const NATURAL_SHARE: f64 = 0.25;
+/// Not quite half the standard deviation where nothing else is at work; beside a larger effect they are not what is missing.
+const NATURAL_SHARE: f64 = 0.2;
+const ALIKE_SHARE: f64 = 0.12;
 const NATURAL_SHARE_BESIDE: f64 = 0.6;
 
 /// Blocks of many samples see structure far below their floor, which is itself no white noise: less than this share of it is not claimed.
@@ -63,7 +64,7 @@ pub struct Score {
     pub log_likelihood: f64,
     /// The same without the price of its columns: how well it fits.
     pub fit_ln: f64,
-    /// Mean square that it explains in a reading, relative to what is left, under white noise.
+    /// Mean square that it explains in a reading, relative to the white part of the noise.
     pub share: f64,
 }
 
@@ -214,11 +215,14 @@ fn combined(
         log_sum_exp(scored.iter().copied())
     };
     best.ln_odds = log_sum_exp(terms.iter().copied()) - (parts as f64).ln() - nothing + prior_ln;
-    // What is natural is judged by its plain size in the readings: under white noise, without motions that the noise itself may hold.
-    let plain = of_members.iter().find(|(member, _)| *member == WHITE);
-    best.share = plain.map_or(0.0, |(_, of_motion)| of_motion[0][best.part].share);
+    // What is natural is judged by its plain size in the readings, against the white part of the likeliest noise.
+    let of = |member: usize| of_members.iter().find(|(m, _)| *m == member).map(|(_, of_motion)| of_motion);
+    if let (Some(plain), Some(likely)) = (of(WHITE), of(best.member)) {
+        best.share = plain[0][best.part].explained / likely[best.motion][best.part].noise.max(1e-300);
+    }
     let least = match (natural, situation.alone) {
-        (Natural::No, _) | (Natural::Alike, true) => situation.least_share,
+        (Natural::No, _) => situation.least_share,
+        (Natural::Alike, true) => ALIKE_SHARE,
         (Natural::Yes, true) => NATURAL_SHARE,
         (Natural::Yes | Natural::Alike, false) => NATURAL_SHARE_BESIDE,
     };

@@ -16,8 +16,10 @@ pub struct PartScore {
     pub surviving: usize,
     /// −½ ν ln(1 − R²).
     pub gain_ln: f64,
-    /// Mean square explained in a reading, relative to the noise.
-    pub share: f64,
+    /// Mean square explained in a whitened reading.
+    pub explained: f64,
+    /// Variance of the white part of the noise beside it.
+    pub noise: f64,
 }
 
 /// Small work space for one group: Gram matrix and right side, both scaled by the raw column norms.
@@ -107,7 +109,8 @@ impl Scratch {
             ln_bf,
             surviving,
             gain_ln: -0.5 * soft.freedom * left.ln(),
-            share: (1.0 - left) / left * soft.freedom / readings,
+            explained: (1.0 - left) * soft.rss / readings,
+            noise: left * soft.rss / soft.freedom,
         }
     }
 }
