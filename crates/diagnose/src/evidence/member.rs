@@ -11,6 +11,8 @@ use trunnion_identify::machine_noise::{Noise, Order, Whitener};
 /// Variances of the repeatable error motions in the bank, relative to the white noise of points at rest and of blocks on the fly.
 const MOTIONS: [f64; 3] = [0.0, 0.1, 0.4];
 const MOTIONS_ON_THE_FLY: [f64; 3] = [0.0, 1.0, 10.0];
+/// Variance of a part of the noise, relative to the white noise, at which its prior has halved.
+const USUAL_VARIANCE: f64 = 0.25;
 /// Columns whitened at a time: they stay in the cache, and the whole library is never held twice.
 const CHUNK: usize = 256;
 /// Repeatable motions weaker than this share of the strongest are none.
@@ -27,6 +29,7 @@ pub struct Prepared {
     /// ln det Σ + ln det XᵀΣ⁻¹X.
     log_det: f64,
     motions: [f64; 3],
+    prior_ln: f64,
 }
 
 /// What a library looks like under one noise model.
@@ -55,7 +58,7 @@ pub struct Soft {
     /// ν.
     pub freedom: f64,
     pub rss: f64,
-    /// ln marginal likelihood of nothing more.
+    /// ln marginal likelihood of nothing more, with the prior of this noise.
     pub nothing: f64,
 }
 
@@ -86,7 +89,11 @@ impl Prepared {
         let motion = random * turn;
         let log_det = whitener.log_det + log_det_base;
         let motions = if order.on_the_fly { MOTIONS_ON_THE_FLY } else { MOTIONS };
-        Self { whitener, basis, motion, motion_eigenvalues, log_det, motions }
+        let prior_ln = [noise.pass, noise.axis, noise.drift]
+            .map(|part| less_likely_ln(part, order.on_the_fly))
+            .iter()
+            .sum();
+        Self { whitener, basis, motion, motion_eigenvalues, log_det, motions, prior_ln }
     }
 
     /// Parameters of the base model that can be seen.
@@ -208,7 +215,8 @@ impl Prepared {
             + self.motion_eigenvalues.iter().map(|d| (rho * d).ln_1p()).sum::<f64>()
             + chosen.log_det;
         let rss = chosen.rss.max(1e-300);
-        let nothing = -0.5 * log_det - 0.5 * freedom * rss.ln();
+        let prior_ln = self.prior_ln + less_likely_ln(rho, self.motions == MOTIONS_ON_THE_FLY);
+        let nothing = prior_ln - 0.5 * log_det - 0.5 * freedom * rss.ln();
         Soft { rho, weights, on_motion: softened, chosen, freedom, rss, nothing }
     }
 
@@ -284,6 +292,12 @@ impl Prepared {
         }
         (a.transpose() * b).singular_values().iter().copied().collect()
     }
+}
+
+/// Half-Cauchy prior on the standard deviation of a part of the noise, beside the white one: small parts are usual, parts larger than
+/// the white noise are not. Blocks on the fly have hardly any white noise.
+fn less_likely_ln(variance: f64, on_the_fly: bool) -> f64 {
+    if on_the_fly { 0.0 } else { -(variance / USUAL_VARIANCE).ln_1p() }
 }
 
 /// Chosen columns folded into the model by a Cholesky factor of their inner products, column by column.
