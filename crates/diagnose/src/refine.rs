@@ -1,9 +1,10 @@
 //! Shape numbers moved from the grid to where the fit is best.
 
 use nalgebra::DMatrix;
+use trunnion_identify::golden_section;
 
-/// Evaluations for one number in one sweep.
-const GOLDEN_STEPS: usize = 9;
+/// Divisions of the stretch of one number in one sweep.
+const GOLDEN_STEPS: usize = 7;
 /// Sweeps over the numbers; each looks at a narrower stretch.
 const SWEEPS: usize = 2;
 /// Share of its stretch that a number keeps for the next sweep.
@@ -65,29 +66,12 @@ pub fn refined(
                 }
                 gain_ln
             };
-            golden(low, high, &mut at);
+            golden_section(low, high, GOLDEN_STEPS, &mut at);
             let half = 0.5 * NARROWER * (high - low);
             *stretch = ((best.shape[k] - half).max(low), (best.shape[k] + half).min(high));
         }
     }
     best
-}
-
-fn golden(mut low: f64, mut high: f64, f: &mut dyn FnMut(f64) -> f64) {
-    let ratio = (5_f64.sqrt() - 1.0) / 2.0;
-    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut at_a, mut at_b) = (f(a), f(b));
-    for _ in 2..GOLDEN_STEPS {
-        if at_a > at_b {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - ratio * (high - low);
-            at_a = f(a);
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + ratio * (high - low);
-            at_b = f(b);
-        }
-    }
 }
 
 /// Grid values on both sides of `value`; itself at an end.

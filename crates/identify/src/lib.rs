@@ -3,6 +3,7 @@
 mod design;
 pub mod experiment;
 mod fit;
+mod golden;
 mod identification;
 mod joint;
 mod likelihood;
@@ -25,6 +26,7 @@ mod weights;
 
 pub use experiment::{Experiment, ExperimentError};
 pub use fit::identify;
+pub use golden::golden_section;
 pub use identification::{
     FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, LeftOut, Noise, NoiseOrigin,
     NoisePart, Outlier, Status, Unobservable,

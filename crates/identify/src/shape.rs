@@ -7,6 +7,7 @@
 //! Limits: long experiments are searched on every k-th point.
 
 use crate::design::Design;
+use crate::golden::golden_section;
 use crate::joint::Joint;
 use crate::linear::Reduced;
 use crate::settle::settle;
@@ -105,7 +106,7 @@ fn best_shape(
                 tried[axis] = value;
                 score(&tried)
             };
-            let value = golden(low, high, &at);
+            let value = golden_section(low, high, GOLDEN_STEPS, &mut |value| at(value));
             let found = at(value);
             if found > reached {
                 (shape[axis], reached) = (value, found);
@@ -198,23 +199,4 @@ fn neighbours(grid: &[Vec<f64>], axis: usize, value: f64) -> (f64, f64) {
         .filter(|g| *g > value)
         .fold(value, |a, b| if a == value { b } else { a.min(b) });
     (below, above)
-}
-
-/// Where `f` is largest between `low` and `high`, taken as unimodal.
-fn golden(mut low: f64, mut high: f64, f: &dyn Fn(f64) -> f64) -> f64 {
-    let ratio = (5_f64.sqrt() - 1.0) / 2.0;
-    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut at_a, mut at_b) = (f(a), f(b));
-    for _ in 0..GOLDEN_STEPS {
-        if at_a > at_b {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - ratio * (high - low);
-            at_a = f(a);
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + ratio * (high - low);
-            at_b = f(b);
-        }
-    }
-    (low + high) / 2.0
 }
