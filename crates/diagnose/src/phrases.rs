@@ -21,6 +21,7 @@ const SHAPED_KIN: usize = 3;
 pub const SHAPE_MAY_ADD_LN: f64 = 12.0;
 /// Price of each shape number that was brought to its best value, ln.
 const NUMBER_LN: f64 = 1.0;
+
 /// The best phrase of the grammar at its best shape; none where none can come near `beat_ln`.
 pub fn phrase(problem: &Problem<'_>, view: &View, beat_ln: f64) -> Option<Contender> {
     let finalists = finalists(problem, view);

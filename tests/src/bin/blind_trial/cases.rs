@@ -27,7 +27,7 @@ pub enum Group {
     Pair,
     /// One effect of the catalogue, which the catalogue under test lacks.
     TakenOut,
-    /// A shape that neither catalogue nor grammar has.
+    /// A shape that is in no catalogue.
     Unnamed,
 }
 

@@ -58,7 +58,19 @@ fn title(group: Group) -> &'static str {
         Group::Single => "One effect of the catalogue",
         Group::Pair => "Two effects of the catalogue",
         Group::TakenOut => "An effect taken out of the catalogue",
-        Group::Unnamed => "A shape that neither catalogue nor grammar has",
+        Group::Unnamed => "A shape that is in no catalogue",
+    }
+}
+
+/// What must be known to read a group's table; empty for most.
+fn remark(group: Group) -> &'static str {
+    match group {
+        Group::Unnamed => {
+            "The grammar has forms of most of these shapes (bumps, steps, stops, loops, duty cycles), and those of Dahl loops and duty \
+             cycles were added by people who knew the simulator's equations: the table says how well such shapes are found by \
+             expression, not how a shape fares that nobody thought of.\n\n"
+        }
+        _ => "",
     }
 }
 
@@ -70,7 +82,7 @@ pub fn document(args: &Args, visible: &Visible, trials: &[Trial], coverage: &[Co
         if of_group.is_empty() {
             continue;
         }
-        text += &format!("\n## {}\n\n{}", title(group), group_table(group, &of_group));
+        text += &format!("\n## {}\n\n{}{}", title(group), remark(group), group_table(group, &of_group));
         if group != Group::Null {
             text += &format!("\n{}", effect_table(group, &of_group));
         }
