@@ -3,6 +3,7 @@
 mod design;
 pub mod experiment;
 mod fit;
+pub mod geometry;
 mod golden;
 mod identification;
 mod joint;
