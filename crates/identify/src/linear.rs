@@ -137,6 +137,9 @@ pub struct LinearFit {
     pub u: DVector<f64>,
     /// Residual standard deviation.
     pub s: f64,
+    /// (AᵀA)⁻¹, zero in the rows of columns that depend on others: times s² the covariance of `x`; times 1 when rows and
+    /// readings were divided by known standard uncertainties.
+    pub cofactor: DMatrix<f64>,
     /// Rank.
     pub rank: usize,
 }
@@ -168,12 +171,17 @@ pub fn least_squares(a: &DMatrix<f64>, b: &DVector<f64>, tolerance: f64) -> Line
     let degrees_of_freedom = a.nrows().saturating_sub(of.len()).max(1);
     let s = (r.norm_squared() / degrees_of_freedom as f64).sqrt();
     let all: Vec<usize> = (0..of.len()).collect();
-    let u_found = reduced.solver(&all).cofactor().diagonal().map(|q| s * q.sqrt());
-    let (mut x, mut u) = (DVector::zeros(a.ncols()), DVector::zeros(a.ncols()));
+    let small = reduced.solver(&all).cofactor();
+    let mut x = DVector::zeros(a.ncols());
+    let mut cofactor = DMatrix::zeros(a.ncols(), a.ncols());
     for (k, &j) in of.iter().enumerate() {
-        (x[j], u[j]) = (z[k] * reduced.scale[k], u_found[k]);
+        x[j] = z[k] * reduced.scale[k];
+        for (l, &i) in of.iter().enumerate() {
+            cofactor[(j, i)] = small[(k, l)];
+        }
     }
-    LinearFit { x, u, s, rank: of.len() }
+    let u = cofactor.diagonal().map(|q| s * q.sqrt());
+    LinearFit { x, u, s, cofactor, rank: of.len() }
 }
 
 fn independent_columns(a: &DMatrix<f64>, tolerance: f64) -> Vec<usize> {
