@@ -10,27 +10,30 @@ use trunnion_machine::{Machine, shipped};
 use trunnion_measurement::Run;
 use trunnion_measurement::blocks::{Limits, Reduction};
 
+/// Most blocks that may be asked for.
+const MOST_BLOCKS: usize = 20_000;
+
 /// Recordings named on a command line.
 #[derive(clap::Args)]
 pub struct RunArgs {
     /// Recordings (.mcap); several are fitted together
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
-    /// A run on the fly with more samples than this is reduced to at most as many blocks
-    #[arg(long, value_name = "N", default_value_t = Limits::default().most_blocks, value_parser = blocks)]
-    pub blocks: usize,
+    /// A run on the fly with more samples than this is reduced to at most as many blocks [default: 2000; 20000 with --method]
+    #[arg(long, value_name = "N", value_parser = blocks)]
+    pub blocks: Option<usize>,
 }
 
 impl RunArgs {
     /// These recordings with the usual number of blocks.
     pub fn of(runs: Vec<PathBuf>) -> Self {
-        Self { runs, blocks: Limits::default().most_blocks }
+        Self { runs, blocks: None }
     }
 }
 
 fn blocks(text: &str) -> Result<usize, String> {
     match text.parse() {
-        Ok(count @ 50..=20_000) => Ok(count),
+        Ok(count @ 50..=MOST_BLOCKS) => Ok(count),
         _ => Err("allowed: 50..=20000".into()),
     }
 }
@@ -75,7 +78,16 @@ pub fn read(path: &Path) -> anyhow::Result<String> {
 /// Reads the recordings; those taken on the fly with more samples than `--blocks` are reduced to blocks while they are read.
 /// Damage is told on standard error and ends in [`Outcome::DataLoss`].
 pub fn runs(args: &RunArgs) -> anyhow::Result<(Vec<Run>, Outcome)> {
-    let limits = Limits { most_blocks: args.blocks, ..Limits::default() };
+    reduced_runs(args, Limits::default().most_blocks)
+}
+
+/// The same for a named method, which looks at single turns of an axis: as fine as blocks can be.
+pub fn runs_for_method(args: &RunArgs) -> anyhow::Result<(Vec<Run>, Outcome)> {
+    reduced_runs(args, MOST_BLOCKS)
+}
+
+fn reduced_runs(args: &RunArgs, usual_blocks: usize) -> anyhow::Result<(Vec<Run>, Outcome)> {
+    let limits = Limits { most_blocks: args.blocks.unwrap_or(usual_blocks), ..Limits::default() };
     let mut outcome = Outcome::Done;
     let mut runs = Vec::new();
     for path in &args.runs {

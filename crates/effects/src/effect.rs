@@ -134,12 +134,24 @@ impl Unit {
     pub const UM_PER_RAD2_S2: Self = Self { symbol: "um/(rad/s)2", per_inside: 1e3 };
     /// ms for s.
     pub const MS: Self = Self { symbol: "ms", per_inside: 1e3 };
+    /// Degrees for rad.
+    pub const DEG: Self = Self { symbol: "deg", per_inside: 180.0 / std::f64::consts::PI };
+    /// mm.
+    pub const MM: Self = Self { symbol: "mm", per_inside: 1.0 };
     /// A plain number.
     pub const ONE: Self = Self { symbol: "1", per_inside: 1.0 };
 
     /// The symbol as people write it, e.g. `µm/(m/s²)`; empty for a plain number.
     pub fn text(&self) -> String {
-        let written = [("um", "µm"), ("urad", "µrad"), ("mm2", "mm²"), ("s2", "s²"), (")2", ")²"), ("1", "")];
+        let written = [
+            ("um", "µm"),
+            ("urad", "µrad"),
+            ("deg", "°"),
+            ("mm2", "mm²"),
+            ("s2", "s²"),
+            (")2", ")²"),
+            ("1", ""),
+        ];
         written.iter().fold(self.symbol.into(), |text: String, (from, to)| text.replace(from, to))
     }
 }

@@ -2,6 +2,7 @@
 
 mod design;
 pub mod experiment;
+pub mod findings;
 mod fit;
 pub mod geometry;
 mod golden;
@@ -10,11 +11,13 @@ mod joint;
 mod likelihood;
 pub mod linear;
 pub mod machine_noise;
+pub mod methods;
 mod noise;
 mod null_space;
 mod options;
 mod passes;
 mod random_columns;
+mod recipe;
 mod robust;
 mod settle;
 mod shape;
@@ -26,6 +29,7 @@ mod variances;
 mod weights;
 
 pub use experiment::{Experiment, ExperimentError};
+pub use findings::Findings;
 pub use fit::identify;
 pub use golden::golden_section;
 pub use identification::{

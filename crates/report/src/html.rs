@@ -1,6 +1,7 @@
 //! The compare report as one self-contained HTML page, told from the verdict down to the tables.
 
 mod candidates;
+mod findings;
 mod ladder;
 mod maps;
 mod parameters;
@@ -15,6 +16,7 @@ mod trial;
 use crate::markup::{element, escape};
 use crate::number::um;
 use crate::{CompareInput, LadderRow, Trial};
+use trunnion_identify::Findings;
 
 const STYLE: &str = include_str!("html/style.css");
 
@@ -41,6 +43,12 @@ pub fn trial_html(input: &CompareInput, trial: &Trial) -> String {
     let title = format!("Trunnion: {} on trial on {}", trial.effect, input.identification.machine);
     let sections = [trial::headline(input, trial), trial::places(trial), trial::all_maps(input, trial)];
     page(&title, &(sections.concat() + &trial::tables(trial)))
+}
+
+/// One page on what a named method found, with its charts.
+pub fn findings_html(findings: &Findings, label: &str) -> String {
+    let title = format!("Trunnion: {} on {}", findings.method, findings.machine);
+    page(&title, &findings::sections(findings, label))
 }
 
 /// The ladder of a model alone.

@@ -3,6 +3,7 @@
 //! Everything takes plain data ([`CompareInput`]) and returns a string; nothing opens a file or asks a clock. Screens
 //! show mm, µm, degrees and µrad; `residual = measured − predicted` everywhere.
 
+mod findings;
 mod from_results;
 mod html;
 mod input;
@@ -14,9 +15,9 @@ mod views;
 mod words;
 
 pub use from_results::{ladder_of, points_of};
-pub use html::{compare_html, ladder_html, trial_html};
+pub use html::{compare_html, findings_html, ladder_html, trial_html};
 pub use input::{
     CompareInput, IdentificationView, LadderRow, Noise, ParameterRow, Place, PointView, SetupView, Trial,
     UnobservableRow,
 };
-pub use text::{compare_text, diagnosis_text, identification_text, ladder_text, trial_text};
+pub use text::{compare_text, diagnosis_text, findings_text, identification_text, ladder_text, trial_text};

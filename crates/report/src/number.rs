@@ -8,7 +8,11 @@ pub fn unit_on_screen(unit: &str) -> String {
     if unit == "1" {
         return String::new();
     }
-    unit.replace("urad", "µrad").replace("um", "µm").replace("degC", "°C").replace("^2", "²")
+    unit.replace("urad", "µrad")
+        .replace("um", "µm")
+        .replace("degC", "°C")
+        .replace("deg", "°")
+        .replace("^2", "²")
 }
 
 /// About three significant digits, a true minus sign, no unit.

@@ -1,7 +1,9 @@
 //! Tables for the terminal: aligned columns, no colours, no line drawing beyond plain bars.
 
+mod findings;
 mod ladder;
 
+pub use findings::findings_text;
 pub use ladder::ladder_text;
 
 use crate::number::{percent, plain, um, um_or_dash, unit_on_screen, value_and_u};

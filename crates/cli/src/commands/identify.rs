@@ -1,24 +1,71 @@
-//! `trunnion identify`: the machine's errors with uncertainties, and what cannot be seen.
+//! `trunnion identify`: the machine's errors with uncertainties, and what cannot be seen; or by a named method of the
+//! literature.
 
 use crate::load::{self, ModelArgs, RunArgs};
 use crate::outcome::{self, Outcome};
-use trunnion_report::identification_text;
+use anyhow::Context;
+use std::path::PathBuf;
+use trunnion_identify::methods::{self, Convention, MethodOptions, REGISTRY};
+use trunnion_report::{findings_html, findings_text, identification_text};
+use trunnion_units::AxisLetter;
 
 /// Identify the machine's errors from recordings
 ///
+/// Without --method all effects of the model are fitted together. With --method a closed recipe of the literature is
+/// applied (docs/methods.md).
+///
 /// Example: trunnion identify run.mcap --model machine.model.toml
+///
+/// Example: trunnion identify c.mcap --method two-height --html two-height.html
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
     runs: RunArgs,
     #[command(flatten)]
     model: ModelArgs,
-    /// Print JSON (format trunnion-identification/1)
+    /// Named method instead of the joint fit
+    #[arg(long, value_name = "NAME", conflicts_with = "model", long_help = method_help())]
+    method: Option<String>,
+    /// Axis that the method judges; by default the one that turns alone
+    #[arg(long, value_name = "LETTER", requires = "method", value_parser = axis)]
+    axis: Option<AxisLetter>,
+    /// Signs of the method's values: right-handed, or source (as its source prints them)
+    #[arg(long, value_name = "NAME", requires = "method", default_value = "right-handed", value_parser = convention)]
+    convention: Convention,
+    /// Page with the method's charts
+    #[arg(long, value_name = "FILE", requires = "method")]
+    html: Option<PathBuf>,
+    /// Print JSON (format trunnion-identification/1, or trunnion-findings/1 with --method)
     #[arg(long)]
     json: bool,
 }
 
+fn method_help() -> String {
+    let lines =
+        REGISTRY.iter().map(|method| format!("  {}: {} [{}]", method.name, method.title, method.source));
+    format!("Named method instead of the joint fit:\n{}", lines.collect::<Vec<_>>().join("\n"))
+}
+
+fn axis(text: &str) -> Result<AxisLetter, String> {
+    let letter = AxisLetter::parse(text).filter(|letter| letter.is_rotary());
+    letter.ok_or_else(|| "allowed: A, B, C".into())
+}
+
+fn convention(text: &str) -> Result<Convention, String> {
+    let named = Convention::NAMES.into_iter().find(|(name, _)| *name == text);
+    named
+        .map(|(_, convention)| convention)
+        .ok_or_else(|| format!("allowed: {}", Convention::NAMES.map(|(name, _)| name).join(", ")))
+}
+
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    match &args.method {
+        Some(name) => by_method(args, name),
+        None => jointly(args),
+    }
+}
+
+fn jointly(args: &Args) -> anyhow::Result<Outcome> {
     let (runs, outcome) = load::runs(&args.runs)?;
     let (experiment, model) = load::experiment(&runs, &args.model)?;
     let identification =
@@ -27,6 +74,22 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         outcome::print_json(&identification.to_json())?;
     } else {
         outcome::print(&identification_text(&(&identification).into()))?;
+    }
+    Ok(outcome)
+}
+
+fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
+    let method = methods::find(name)?;
+    let (runs, outcome) = load::runs_for_method(&args.runs)?;
+    let findings = (method.run)(&runs, &MethodOptions { axis: args.axis, convention: args.convention })?;
+    if let Some(path) = &args.html {
+        std::fs::write(path, findings_html(&findings, &trunnion_daemon::page::label()))
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    if args.json {
+        outcome::print_json(&findings.to_json())?;
+    } else {
+        outcome::print(&findings_text(&findings))?;
     }
     Ok(outcome)
 }

@@ -70,7 +70,7 @@ fn picture(point: &PointView, place: &Place, magnification: f64, (i, j): (usize,
     Displaced {
         commanded: (place.commanded_mm[i], place.commanded_mm[j]),
         measured: shifted(point.measured_mm),
-        predicted: shifted(point.predicted_mm),
+        predicted: Some(shifted(point.predicted_mm)),
     }
 }
 

@@ -14,16 +14,21 @@ const LEAST_HEIGHT: f64 = 150.0;
 pub struct Displaced {
     pub commanded: (f64, f64),
     pub measured: (f64, f64),
-    pub predicted: (f64, f64),
+    /// `None` on a map of measurements alone.
+    pub predicted: Option<(f64, f64)>,
+}
+
+impl Displaced {
+    fn places(&self) -> impl Iterator<Item = (f64, f64)> {
+        [Some(self.commanded), Some(self.measured), self.predicted].into_iter().flatten()
+    }
 }
 
 /// The picture with equal scales; `names` of the axes across and up.
 pub fn displaced(title: &str, caption: &str, names: (&str, &str), points: &[Displaced]) -> String {
-    let finite = |p: &&Displaced| {
-        [p.commanded, p.measured, p.predicted].iter().all(|(a, b)| a.is_finite() && b.is_finite())
-    };
+    let finite = |p: &&Displaced| p.places().all(|(a, b)| a.is_finite() && b.is_finite());
     let points: Vec<_> = points.iter().filter(finite).collect();
-    let places = || points.iter().flat_map(|p| [p.commanded, p.measured, p.predicted]);
+    let places = || points.iter().flat_map(|p| p.places());
     let (left, right) = extent(places().map(|p| p.0)).unwrap_or((-1.0, 1.0));
     let (low, high) = extent(places().map(|p| p.1)).unwrap_or((-1.0, 1.0));
     let mm_per_unit = ((right - left).max(high - low) * 1.1).max(1e-6) / SIDE;
@@ -47,15 +52,17 @@ pub fn displaced(title: &str, caption: &str, names: (&str, &str), points: &[Disp
     }
     for p in points {
         let at = |(a, b): (f64, f64)| (x.at(a), y.at(b));
-        body += &line(at(p.commanded), at(p.predicted), "l3 thin");
-        body += &line(at(p.predicted), at(p.measured), "l2 solid");
+        let expected = p.predicted.unwrap_or(p.commanded);
+        body += &line(at(p.commanded), at(expected), "l3 thin");
+        body += &line(at(expected), at(p.measured), "l2 solid");
         let (cx, cy) = at(p.commanded);
         body += &format!("<circle cx=\"{cx:.1}\" cy=\"{cy:.1}\" r=\"1.8\" class=\"ink\"/>\n");
         let (mx, my) = at(p.measured);
         body += &format!("<circle cx=\"{mx:.1}\" cy=\"{my:.1}\" r=\"3.4\" class=\"open\"/>\n");
-        let (px, py) = at(p.predicted);
-        body += &line((px - 3.0, py - 3.0), (px + 3.0, py + 3.0), "l1");
-        body += &line((px - 3.0, py + 3.0), (px + 3.0, py - 3.0), "l1");
+        if let Some((px, py)) = p.predicted.map(at) {
+            body += &line((px - 3.0, py - 3.0), (px + 3.0, py + 3.0), "l1");
+            body += &line((px - 3.0, py + 3.0), (px + 3.0, py - 3.0), "l1");
+        }
     }
     body += &text(LEFT + SIDE / 2.0, bottom + 28.0, "t mid", &format!("{} (mm)", names.0));
     body += &text(4.0, TOP + height / 2.0, "t", names.1);

@@ -22,6 +22,20 @@ pub enum Mark {
     Line,
     /// A line, dashed orange.
     Dashed,
+    /// A line, dotted grey.
+    Dotted,
+    /// A line, thin black.
+    Thin,
+}
+
+impl Mark {
+    /// The kinds of line, with their class, in the order in which curves take them.
+    pub const LINES: [(Self, &'static str); 4] =
+        [(Self::Line, "l1"), (Self::Dashed, "l2"), (Self::Dotted, "l3"), (Self::Thin, "l4")];
+
+    fn line_class(self) -> Option<&'static str> {
+        Self::LINES.iter().find(|(mark, _)| *mark == self).map(|(_, class)| *class)
+    }
 }
 
 /// One set of points.
@@ -90,10 +104,9 @@ fn axes(x: &Scale, y: &Scale, x_name: &str, y_name: &str) -> String {
 }
 
 fn drawn(mark: Mark, places: &[(f64, f64)]) -> String {
-    match mark {
-        Mark::Line => polyline(places, false, "l1"),
-        Mark::Dashed => polyline(places, false, "l2"),
-        Mark::Dot | Mark::Triangle => places.iter().map(|&(x, y)| symbol(mark, x, y)).collect(),
+    match mark.line_class() {
+        Some(class) => polyline(places, false, class),
+        None => places.iter().map(|&(x, y)| symbol(mark, x, y)).collect(),
     }
 }
 
@@ -104,11 +117,11 @@ fn symbol(mark: Mark, x: f64, y: f64) -> String {
     format!("<path d=\"M{:.1} {:.1}l2.6 4.4h-5.2z\" class=\"m2\"/>\n", x, y - 2.6)
 }
 
-fn key(mark: Mark, x: f64) -> String {
+/// The sample of a mark before its name.
+pub(super) fn key(mark: Mark, x: f64) -> String {
     let x = x + 8.0;
-    match mark {
-        Mark::Line => line((x - 4.0, 9.5), (x + 10.0, 9.5), "l1"),
-        Mark::Dashed => line((x - 4.0, 9.5), (x + 10.0, 9.5), "l2"),
-        Mark::Dot | Mark::Triangle => symbol(mark, x + 5.0, 9.5),
+    match mark.line_class() {
+        Some(class) => line((x - 4.0, 9.5), (x + 10.0, 9.5), class),
+        None => symbol(mark, x + 5.0, 9.5),
     }
 }

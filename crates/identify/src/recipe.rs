@@ -1,0 +1,4 @@
+//! What several named methods share: readings of an axis that turns alone, and their means over angle.
+
+pub(crate) mod stations;
+pub(crate) mod turning;

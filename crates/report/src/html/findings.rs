@@ -1,0 +1,125 @@
+//! What a named method found, as a page.
+
+use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row};
+use crate::markup::{element, escape, table};
+use crate::number::unit_on_screen;
+use crate::svg::{
+    Displaced, Mark, Series, Trace, XyChart, displaced, nice_above, path_chart, polar, xy_chart,
+};
+use trunnion_effects::Unit;
+use trunnion_identify::Findings;
+use trunnion_identify::findings::{AxisName, Chart, Curve, MapPlace, Plot};
+
+pub fn sections(findings: &Findings, label: &str) -> String {
+    let mut html = element("h1", &format!("{} on machine {}", findings.method, findings.machine));
+    let facts = [findings.source, &findings.runs.join(", "), label].map(escape);
+    html += &format!(
+        "\n<p class=\"soft\">Source: {}. Runs: {}. Signs: {}. {}</p>\n",
+        facts[0],
+        facts[1],
+        findings.convention.name(),
+        facts[2]
+    );
+    let rows: Vec<_> = findings.values.iter().map(value_row).collect();
+    html += &table("Values with standard uncertainties", &VALUE_HEADS, &[1, 2], &rows);
+    if !findings.notes.is_empty() {
+        let notes = findings.notes.iter().map(|note| element("li", note));
+        html += &format!("<ul>{}</ul>\n", notes.collect::<String>());
+    }
+    html += &charts(&findings.charts);
+    if !findings.tables.is_empty() {
+        html += "<section><h2>Tables</h2>\n";
+        for found in &findings.tables {
+            let heads = heads(found);
+            let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
+            let rows: Vec<_> = found.rows.iter().map(|row| cells(found, row)).collect();
+            html += &table(&found.caption, &heads, &numeric(found), &rows);
+        }
+        html += "</section>\n";
+    }
+    html
+}
+
+fn charts(charts: &[Chart]) -> String {
+    let mut html = String::new();
+    for group in charts.chunk_by(|a, b| a.group == b.group) {
+        let drawn: String = group.iter().map(figure).collect();
+        html += &format!(
+            "<section><h2>{}</h2>\n<div class=\"plots\">{drawn}</div></section>\n",
+            escape(&group[0].group)
+        );
+    }
+    html
+}
+
+fn figure(chart: &Chart) -> String {
+    let title = &chart.title;
+    match &chart.plot {
+        Plot::Polar { unit, curves } => {
+            let trace = |curve: &Curve| Trace { name: curve.name.clone(), points: scaled(curve, 1.0, *unit) };
+            let traces: Vec<_> = curves.iter().map(trace).collect();
+            polar(title, &traces, limit(traces.iter().map(|t| &t.points)), unit.symbol)
+        }
+        Plot::Xy { x, y, curves } => {
+            let series: Vec<_> = curves
+                .iter()
+                .zip(Mark::LINES)
+                .map(|(curve, (mark, _))| Series {
+                    name: curve.name.clone(),
+                    mark,
+                    points: scaled(curve, x.unit.per_inside, y.unit),
+                })
+                .collect();
+            xy_chart(&XyChart {
+                title,
+                x_name: &axis(x),
+                y_name: &axis(y),
+                y_limit: limit(series.iter().map(|s| &s.points)),
+                series: &series,
+                marks_on_x: &[],
+            })
+        }
+        Plot::Path { unit, names, curves } => {
+            let paths: Vec<_> =
+                curves.iter().map(|c| (c.name.clone(), scaled(c, unit.per_inside, *unit))).collect();
+            let names = names.clone().map(|name| axis(&AxisName { name, unit: *unit }));
+            path_chart(title, [&names[0], &names[1]], &paths)
+        }
+        Plot::PlaneMap { names, magnification, places } => {
+            let places: Vec<_> = places.iter().map(|place| magnified(place, *magnification)).collect();
+            let caption = format!("{title}; deviations {magnification:.0} times as large");
+            displaced(title, &caption, (&names[0], &names[1]), &places)
+        }
+    }
+}
+
+/// The points of a curve, x times a factor, y in its unit.
+fn scaled(curve: &Curve, x_per_inside: f64, y: Unit) -> Vec<(f64, f64)> {
+    curve.points.iter().map(|(a, b)| (a * x_per_inside, b * y.per_inside)).collect()
+}
+
+/// A round number above everything drawn.
+fn limit<'a>(curves: impl Iterator<Item = &'a Vec<(f64, f64)>>) -> f64 {
+    let all = curves.flatten().map(|p| p.1.abs()).filter(|v| v.is_finite());
+    nice_above(all.fold(0.0, f64::max))
+}
+
+/// Name and unit.
+fn axis(axis: &AxisName) -> String {
+    let unit = unit_on_screen(axis.unit.symbol);
+    match (axis.name.is_empty(), unit.is_empty()) {
+        (_, true) => axis.name.clone(),
+        (true, false) => unit,
+        (false, false) => format!("{} ({unit})", axis.name),
+    }
+}
+
+fn magnified(place: &MapPlace, magnification: f64) -> Displaced {
+    let [x, y] = place.commanded_mm;
+    let off = |[dx, dy]: [f64; 2]| (x + dx * magnification, y + dy * magnification);
+    Displaced {
+        commanded: (x, y),
+        measured: off(place.measured_off_mm),
+        predicted: place.simulated_off_mm.map(off),
+    }
+}

@@ -1,0 +1,27 @@
+//! What a named method found, for the terminal.
+
+use super::{clean, columns, paragraph};
+use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row};
+use trunnion_identify::Findings;
+
+/// Values, notes and tables; charts are on the page.
+pub fn findings_text(findings: &Findings) -> String {
+    let mut out =
+        format!("Machine {}, runs: {}\n", clean(&findings.machine), clean(&findings.runs.join(", ")));
+    out += &format!("Method: {} [{}]\n", findings.method, clean(findings.source));
+    out += &format!("Signs: {}\n\n", findings.convention.name());
+    let mut rows = vec![VALUE_HEADS.map(String::from).to_vec()];
+    rows.extend(findings.values.iter().map(value_row));
+    out += &columns(&rows, &[1, 2]);
+    for note in &findings.notes {
+        out += "\n";
+        out += &paragraph(note);
+    }
+    for table in &findings.tables {
+        out += &format!("\n{}\n", clean(&table.caption));
+        let mut rows = vec![heads(table)];
+        rows.extend(table.rows.iter().map(|row| cells(table, row)));
+        out += &columns(&rows, &numeric(table));
+    }
+    out
+}
