@@ -8,8 +8,8 @@ mod outcome;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, check_config, compare, daemon, demo, diagnose, export, identify, import, ladder, plan, remove,
-    replay, simulate,
+    add, check_config, compare, daemon, demo, diagnose, export, identify, import, ladder, nc_program, plan,
+    remove, replay, simulate,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -37,6 +37,7 @@ enum Command {
     Remove(remove::Args),
     Ladder(ladder::Args),
     Plan(plan::Args),
+    NcProgram(nc_program::Args),
     Simulate(simulate::Args),
 }
 
@@ -55,6 +56,7 @@ fn main() -> ExitCode {
         Command::Remove(args) => remove::run(&args),
         Command::Ladder(args) => ladder::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::NcProgram(args) => nc_program::run(&args),
         Command::Simulate(args) => simulate::run(&args),
     };
     match outcome {

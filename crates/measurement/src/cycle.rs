@@ -30,10 +30,12 @@
 //! frame = "machine"                   # keeps its direction in the machine, or "table": turns with it
 //! ```
 
+mod course;
 mod read;
 mod visit;
 mod write;
 
+pub use course::{CourseRules, Step};
 pub use visit::{Pace, VisitError, Visits};
 
 use crate::setup::{InstrumentKind, Setup};
@@ -223,11 +225,19 @@ impl Cycle {
 
     fn target_in_table_mm(&self, machine: &Machine, setup: &Setup, rotary: &AxisValues<f64>) -> Point3<f64> {
         let InstrumentKind::BallBar = setup.instrument else { return setup.ball_in_table_mm };
-        let bar_mm = self.bar.direction.into_inner() * setup.bar_length_mm.unwrap_or_default();
         let machine_from_table = machine.machine_from_table(rotary, &JointErrors::default()).rotation;
+        let bar_mm = self.bar_in_machine(machine, rotary) * setup.bar_length_mm.unwrap_or_default();
+        setup.ball_in_table_mm + machine_from_table.inverse() * bar_mm
+    }
+
+    /// Direction of a ball bar in machine axes.
+    fn bar_in_machine(&self, machine: &Machine, rotary: &AxisValues<f64>) -> Vector3<f64> {
+        let direction = self.bar.direction.into_inner();
         match self.bar.frame {
-            BarFrame::Table => setup.ball_in_table_mm + bar_mm,
-            BarFrame::Machine => setup.ball_in_table_mm + machine_from_table.inverse() * bar_mm,
+            BarFrame::Table => {
+                machine.machine_from_table(rotary, &JointErrors::default()).rotation * direction
+            }
+            BarFrame::Machine => direction,
         }
     }
 

@@ -1,5 +1,7 @@
 //! Reports: one self-contained HTML page with its plots, and tables for the terminal.
 //!
+//! NC programs of cycles ([`nc`]) in the dialects of the controllers.
+//!
 //! Everything takes plain data ([`CompareInput`]) and returns a string; nothing opens a file or asks a clock. Screens
 //! show mm, µm, degrees and µrad; `residual = measured − predicted` everywhere.
 
@@ -8,6 +10,7 @@ mod from_results;
 mod html;
 mod input;
 mod markup;
+pub mod nc;
 mod number;
 mod svg;
 mod text;

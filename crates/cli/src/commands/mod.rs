@@ -10,6 +10,7 @@ pub mod export;
 pub mod identify;
 pub mod import;
 pub mod ladder;
+pub mod nc_program;
 pub mod plan;
 pub mod remove;
 pub mod replay;

@@ -9,7 +9,7 @@ use trunnion_machine::{Machine, State};
 use trunnion_units::{AxisLetter, AxisValues, convert};
 
 /// Overrun of a rotary axis so that it comes from the side of its pass, rad.
-const OVERRUN_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
+pub(super) const OVERRUN_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Distance for differences along the path, rad.
 const NEAR_RAD: f64 = 5e-3;
 /// Curvature of the path that counts, mm or rad per rad².
@@ -106,19 +106,7 @@ impl Cycle {
     /// # Errors
     /// A cycle that the machine cannot run: axes, reach, travel.
     pub fn visits(&self, machine: &Machine, pace: &Pace) -> Result<Visits, VisitError> {
-        let moved: Vec<AxisLetter> = match &self.motion {
-            Motion::Static { grid, .. } => grid.iter().map(|axis| axis.letter).collect(),
-            Motion::OnTheFly { axis, .. } => vec![*axis],
-        };
-        if let Some(&axis) = moved.iter().find(|&&letter| machine.axis(letter).is_none()) {
-            let axes = machine.axes().map(|axis| axis.letter.as_str()).collect::<Vec<_>>().join(", ");
-            return Err(VisitError::NoSuchAxis {
-                cycle: self.name.clone(),
-                axis,
-                machine: machine.name.clone(),
-                axes,
-            });
-        }
+        self.has_its_axes(machine)?;
         let mut tour = Tour { cycle: self, machine, pace, time_s: 0.0, states: Vec::new(), at: None };
         let mut last: Option<Leg> = None;
         let mut mountings = if self.rounds.interleave { self.setups.len() } else { 1 };
@@ -140,6 +128,66 @@ impl Cycle {
         }
         let before_s = if self.rounds.interleave { mountings as f64 * pace.mount_s } else { pace.mount_s };
         Ok(Visits { states: tour.states, duration_s: tour.time_s + before_s })
+    }
+
+    /// # Errors
+    /// An axis of the cycle that the machine has not.
+    pub(super) fn has_its_axes(&self, machine: &Machine) -> Result<(), VisitError> {
+        let moved: Vec<AxisLetter> = match &self.motion {
+            Motion::Static { grid, .. } => grid.iter().map(|axis| axis.letter).collect(),
+            Motion::OnTheFly { axis, .. } => vec![*axis],
+        };
+        if let Some(&axis) = moved.iter().find(|&&letter| machine.axis(letter).is_none()) {
+            let axes = machine.axes().map(|axis| axis.letter.as_str()).collect::<Vec<_>>().join(", ");
+            return Err(VisitError::NoSuchAxis {
+                cycle: self.name.clone(),
+                axis,
+                machine: machine.name.clone(),
+                axes,
+            });
+        }
+        Ok(())
+    }
+
+    /// [`Cycle::position`] with the reason when there is none.
+    pub(super) fn reach(
+        &self,
+        machine: &Machine,
+        setup: usize,
+        rotary: &AxisValues<f64>,
+    ) -> Result<AxisValues<f64>, VisitError> {
+        self.position(machine, setup, rotary).ok_or_else(|| self.cannot_follow(machine, setup))
+    }
+
+    pub(super) fn cannot_follow(&self, machine: &Machine, setup: usize) -> VisitError {
+        VisitError::CannotFollow { machine: machine.name.clone(), setup: self.setups[setup].name.clone() }
+    }
+
+    /// # Errors
+    /// An axis beyond its travel.
+    pub(super) fn within_travel(
+        &self,
+        machine: &Machine,
+        position: &AxisValues<f64>,
+    ) -> Result<(), VisitError> {
+        for axis in machine.axes() {
+            let (low, high) = axis.travel;
+            let here = position[axis.letter];
+            if here < low - 1e-9 || here > high + 1e-9 {
+                let edge = |value: f64| {
+                    let value = if axis.is_rotary() { convert::deg_from_rad(value) } else { value };
+                    (value * 1e3).round() / 1e3
+                };
+                return Err(VisitError::BeyondTravel {
+                    cycle: self.name.clone(),
+                    axis: axis.letter,
+                    position: edge(here),
+                    low: edge(low),
+                    high: edge(high),
+                });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -252,7 +300,7 @@ impl Tour<'_> {
     /// Moves to the next position; the time passes, directions and travels of all axes follow.
     fn arrive(&mut self, leg: &Leg, rotary: &AxisValues<f64>) -> Result<State, VisitError> {
         let position = self.reach(leg, rotary)?;
-        self.within_travel(&position)?;
+        self.cycle.within_travel(self.machine, &position)?;
         let mut state = State { position, setup: leg.setup, ..State::default() };
         if let Some(before) = &self.at {
             let mut longest_s = 0f64;
@@ -272,31 +320,7 @@ impl Tour<'_> {
     }
 
     fn reach(&self, leg: &Leg, rotary: &AxisValues<f64>) -> Result<AxisValues<f64>, VisitError> {
-        self.cycle.position(self.machine, leg.setup, rotary).ok_or_else(|| VisitError::CannotFollow {
-            machine: self.machine.name.clone(),
-            setup: self.cycle.setups[leg.setup].name.clone(),
-        })
-    }
-
-    fn within_travel(&self, position: &AxisValues<f64>) -> Result<(), VisitError> {
-        for axis in self.machine.axes() {
-            let (low, high) = axis.travel;
-            let here = position[axis.letter];
-            if here < low - 1e-9 || here > high + 1e-9 {
-                let edge = |value: f64| {
-                    let value = if axis.is_rotary() { convert::deg_from_rad(value) } else { value };
-                    (value * 1e3).round() / 1e3
-                };
-                return Err(VisitError::BeyondTravel {
-                    cycle: self.cycle.name.clone(),
-                    axis: axis.letter,
-                    position: edge(here),
-                    low: edge(low),
-                    high: edge(high),
-                });
-            }
-        }
-        Ok(())
+        self.cycle.reach(self.machine, leg.setup, rotary)
     }
 
     fn seconds(&self, letter: AxisLetter, travel: f64) -> f64 {

@@ -1,0 +1,121 @@
+//! `trunnion nc-program`: a cycle as a program of the machine's controller.
+
+use crate::load;
+use crate::outcome::{self, Outcome};
+use anyhow::{Context, bail};
+use std::path::PathBuf;
+use trunnion_machine::{Machine, State};
+use trunnion_measurement::Cycle;
+use trunnion_measurement::cycle::{CourseRules, Pace};
+use trunnion_report::nc::{self, Program};
+use trunnion_units::convert;
+
+/// Write a cycle as an NC program
+///
+/// The program moves every axis itself: switch tool-point following (TCP, RTCP, TRAORI, M128) off. Its header says what to
+/// check before the start; it stops where ball, nest or bar have to be mounted.
+///
+/// Example: trunnion nc-program config/cycles/r-test-static.toml --dialect siemens -o r-test.mpf
+#[derive(clap::Args)]
+pub struct Args {
+    /// Cycle file (format trunnion-cycle/1)
+    #[arg(value_name = "CYCLE.TOML")]
+    cycle: PathBuf,
+    /// Controller
+    #[arg(long, value_parser = nc::DIALECTS.map(|dialect| dialect.name))]
+    dialect: String,
+    /// File to write; without it, standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Largest distance of the straight blocks of a sweep from its path, um; longer blocks need more
+    #[arg(long, value_name = "UM", default_value_t = convert::um_from_mm(CourseRules::default().chord_mm))]
+    chord_um: f64,
+    /// Standing still at a pose, s; without it settling and two windows of the cycle
+    #[arg(long, value_name = "S")]
+    dwell_s: Option<f64>,
+    /// Height of the retracted spindle above the highest ball, mm
+    #[arg(long, value_name = "MM", default_value_t = CourseRules::default().clearance_mm)]
+    clearance_mm: f64,
+    /// Decimals of positions in mm and degrees; without it what such controllers usually take
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=9))]
+    decimals: Option<u8>,
+    /// Print JSON (format trunnion-nc-program/1) with the program and the poses it must visit
+    #[arg(long, conflicts_with = "output")]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let rules = rules(args)?;
+    let cycle = Cycle::parse(&args.cycle.display().to_string(), &load::read(&args.cycle)?)?;
+    let machine = load::machine(&cycle.machine)?;
+    let dialect = nc::dialect(&args.dialect).context("the command line allows known dialects only")?;
+    let program = Program::of_cycle(&cycle, &machine, &rules)?;
+    let decimals = args.decimals.map_or(dialect.decimals, usize::from);
+    let text = (dialect.write)(&program, decimals);
+    if args.json {
+        let visits = cycle.visits(&machine, &rules.pace)?;
+        outcome::print_json(&serde_json::json!({
+            "format": "trunnion-nc-program/1",
+            "cycle": cycle.name,
+            "dialect": dialect.name,
+            "minutes": program.duration_s / 60.0,
+            "chord_um": args.chord_um,
+            "visits": visits.states.iter().map(|state| visit(&machine, state)).collect::<Vec<_>>(),
+            "program": text,
+        }))?;
+        return Ok(Outcome::Done);
+    }
+    let Some(path) = &args.output else {
+        outcome::print(&text)?;
+        return Ok(Outcome::Done);
+    };
+    std::fs::write(path, &text).with_context(|| format!("cannot write {}", path.display()))?;
+    let lines = text.lines().count();
+    let minutes = program.duration_s / 60.0;
+    outcome::print(&format!(
+        "{lines} lines, about {minutes:.0} minutes without stops -> {}\n",
+        path.display()
+    ))?;
+    Ok(Outcome::Done)
+}
+
+fn rules(args: &Args) -> anyhow::Result<CourseRules> {
+    for (option, value, low, high) in [
+        ("--chord-um", args.chord_um, 0.01, 1000.0),
+        ("--dwell-s", args.dwell_s.unwrap_or(1.0), 0.01, 3600.0),
+        ("--clearance-mm", args.clearance_mm, 0.0, 10_000.0),
+    ] {
+        if !(low..=high).contains(&value) {
+            bail!("{option} {value} is not possible; allowed: {low}..={high}");
+        }
+    }
+    Ok(CourseRules {
+        pace: Pace::default(),
+        chord_mm: convert::mm_from_um(args.chord_um),
+        dwell_s: args.dwell_s,
+        clearance_mm: args.clearance_mm,
+        ..CourseRules::default()
+    })
+}
+
+/// Positions in mm and degrees, and the speed where the axis is read in motion, degrees/s.
+fn visit(machine: &Machine, state: &State) -> serde_json::Value {
+    let mut value = serde_json::Map::new();
+    for axis in machine.axes() {
+        let letter = axis.letter;
+        let (unit, at, speed) = if letter.is_rotary() {
+            (
+                "deg",
+                convert::deg_from_rad(state.position[letter]),
+                convert::deg_from_rad(state.velocity[letter]),
+            )
+        } else {
+            ("mm", state.position[letter], state.velocity[letter])
+        };
+        value.insert(format!("{}_{unit}", letter.lower()), at.into());
+        if speed != 0.0 {
+            value.insert(format!("v{}_{unit}_per_s", letter.lower()), speed.into());
+        }
+    }
+    value.into()
+}

@@ -1,0 +1,70 @@
+//! Fanuc series 30i/31i/32i and alike.
+//!
+//! G93 inverse time (an option of the control): F is 60 divided by the duration of the block in seconds, in every block.
+//! G04 P in milliseconds. M00 stops; the comment before it is what the program screen shows. G49 ends tool length
+//! compensation and with it tool centre point control (G43.4, G43.5). Comments take capital letters.
+
+use super::Dialect;
+use super::program::{Block, Program, Target};
+use super::words::{Words, fixed, plain, short, wrapped};
+
+/// Number of the program, in the range that users may write (O0001–O7999).
+const PROGRAM_NUMBER: u32 = 7230;
+
+pub(super) static DIALECT: Dialect = Dialect {
+    name: "fanuc",
+    controllers: "Fanuc 30i, 31i, 32i model B with inverse time feed (G93)",
+    source: "Fanuc 30i-B operator's manual B-64484EN: G93 (inverse time feed), G04, G49, M00; increment systems IS-B, IS-C",
+    ending: "nc",
+    decimals: 3,
+    write,
+};
+
+fn write(program: &Program, decimals: usize) -> String {
+    let mut text = format!("%\nO{PROGRAM_NUMBER:04} ({})\n", comment(&program.name));
+    for line in program.header.iter().flat_map(|line| wrapped(&comment(line), 60)) {
+        text += &format!("({line})\n");
+    }
+    text += "G21 G17 G90 G94 G40 G49 G80\nG54 G64\n";
+    let (mut words, mut inverse_time) = (Words::new(decimals), false);
+    for block in &program.blocks {
+        match block {
+            Block::Remark(remark) => text += &lines(remark),
+            Block::Stop(message) => text += &format!("{}M00\n", lines(message)),
+            Block::Dwell { seconds } => text += &format!("G04 P{}\n", fixed(seconds * 1e3, 0)),
+            Block::Feed { to, per_min } => {
+                let line = axis_words(&mut words, to);
+                if !line.is_empty() {
+                    let mode = if inverse_time { "G94 " } else { "" };
+                    text += &format!("{mode}G01{line} F{}\n", short(*per_min, 3));
+                    inverse_time = false;
+                }
+            }
+            Block::Timed { to, seconds } => {
+                let line = axis_words(&mut words, to);
+                if !line.is_empty() {
+                    let mode = if inverse_time { "" } else { "G93 " };
+                    text += &format!("{mode}G01{line} F{}\n", short(60.0 / seconds, 3));
+                    inverse_time = true;
+                }
+            }
+        }
+    }
+    if inverse_time {
+        text += "G94\n";
+    }
+    text + "M30\n%\n"
+}
+
+fn axis_words(words: &mut Words, to: &Target) -> String {
+    words.changed(to).words.iter().map(|(letter, number)| format!(" {letter}{number}")).collect()
+}
+
+fn lines(text: &str) -> String {
+    wrapped(&comment(text), 60).iter().map(|line| format!("({line})\n")).collect()
+}
+
+/// Capital letters; a colon would be read as the letter O of a program number.
+fn comment(text: &str) -> String {
+    plain(text).to_ascii_uppercase().replace([':', '%'], " ")
+}

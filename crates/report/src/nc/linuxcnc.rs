@@ -1,0 +1,58 @@
+//! LinuxCNC, RS274/NGC.
+//!
+//! G93: F is the inverse of the duration of the block in minutes and must stand in every block. G4 P in seconds. `(MSG,…)`
+//! shows a message, M0 stops. G64 P Q0: blending within P of the path, without merging blocks. At most 255 characters a line.
+
+use super::Dialect;
+use super::program::{Block, Program};
+use super::words::{Words, plain, short, wrapped};
+
+pub(super) static DIALECT: Dialect = Dialect {
+    name: "linuxcnc",
+    controllers: "LinuxCNC 2.8 and later",
+    source: "LinuxCNC documentation: G-Code Overview, G-Codes (G4, G61, G64, G93), M-Codes",
+    ending: "ngc",
+    decimals: 6,
+    write,
+};
+
+fn write(program: &Program, decimals: usize) -> String {
+    let mut text = format!("(TRUNNION {})\n", plain(&program.name));
+    for line in program.header.iter().flat_map(|line| wrapped(&plain(line), 100)) {
+        text += &format!("({line})\n");
+    }
+    text += "G21 G17 G90 G94 G40 G49 G80 G54\n";
+    text += &format!("G64 P{} Q0\n", short(program.tolerance_mm, 6));
+    let (mut words, mut inverse_time) = (Words::new(decimals), false);
+    for block in &program.blocks {
+        match block {
+            Block::Remark(remark) => text += &format!("({})\n", plain(remark)),
+            Block::Stop(message) => text += &format!("(MSG,{})\nM0\n", plain(message)),
+            Block::Dwell { seconds } => text += &format!("G4 P{}\n", short(*seconds, 3)),
+            Block::Feed { to, per_min } => {
+                let line = axis_words(&mut words, to);
+                if !line.is_empty() {
+                    let mode = if inverse_time { "G94 " } else { "" };
+                    text += &format!("{mode}G1{line} F{}\n", short(*per_min, 3));
+                    inverse_time = false;
+                }
+            }
+            Block::Timed { to, seconds } => {
+                let line = axis_words(&mut words, to);
+                if !line.is_empty() {
+                    let mode = if inverse_time { "" } else { "G93 " };
+                    text += &format!("{mode}G1{line} F{}\n", short(60.0 / seconds, 6));
+                    inverse_time = true;
+                }
+            }
+        }
+    }
+    if inverse_time {
+        text += "G94\n";
+    }
+    text + "M2\n"
+}
+
+fn axis_words(words: &mut Words, to: &super::program::Target) -> String {
+    words.changed(to).words.iter().map(|(letter, number)| format!(" {letter}{number}")).collect()
+}

@@ -1,0 +1,66 @@
+//! Siemens SINUMERIK 840D sl and SINUMERIK ONE.
+//!
+//! G93: F is the inverse of the duration of the block in minutes, in every block. G4 F in seconds stands in a block of its own
+//! and leaves the feed as it is. MSG("…") shows a text until the next one, M0 stops. TRAFOOF ends five-axis transformation
+//! (TRAORI), D0 tool offsets. G60 and G64: exact stop and continuous path.
+
+use super::Dialect;
+use super::program::{Block, Program, Target};
+use super::words::{Words, plain, short, wrapped};
+
+/// Longest text of a message.
+const MESSAGE: usize = 120;
+
+pub(super) static DIALECT: Dialect = Dialect {
+    name: "siemens",
+    controllers: "SINUMERIK 840D sl, SINUMERIK ONE",
+    source: "SINUMERIK 840D sl Programming Manual Fundamentals: G93, G4, MSG, M0, TRAFOOF, G642 and CTOL",
+    ending: "mpf",
+    decimals: 4,
+    write,
+};
+
+fn write(program: &Program, decimals: usize) -> String {
+    let mut text = format!("; TRUNNION {}\n", plain(&program.name));
+    for line in program.header.iter().flat_map(|line| wrapped(&plain(line), 100)) {
+        text += &format!("; {line}\n");
+    }
+    text += "TRAFOOF\nG710 G17 G90 G94 G40 D0\nG54\n";
+    text += &format!("G642 CTOL={}\n", short(program.tolerance_mm, 4));
+    let (mut words, mut inverse_time) = (Words::new(decimals), false);
+    for block in &program.blocks {
+        match block {
+            Block::Remark(remark) => text += &format!("; {}\n", plain(remark)),
+            Block::Stop(message) => {
+                let lines = wrapped(&plain(message), MESSAGE);
+                let comments: String = lines.iter().skip(1).map(|line| format!("; {line}\n")).collect();
+                text += &format!("MSG(\"{}\")\n{comments}M0\nMSG()\n", lines[0]);
+            }
+            Block::Dwell { seconds } => text += &format!("G4 F{}\n", short(*seconds, 3)),
+            Block::Feed { to, per_min } => {
+                let line = axis_words(&mut words, to);
+                if !line.is_empty() {
+                    let mode = if inverse_time { "G94 " } else { "" };
+                    text += &format!("{mode}G1{line} F{}\n", short(*per_min, 3));
+                    inverse_time = false;
+                }
+            }
+            Block::Timed { to, seconds } => {
+                let line = axis_words(&mut words, to);
+                if !line.is_empty() {
+                    let mode = if inverse_time { "" } else { "G93 " };
+                    text += &format!("{mode}G1{line} F{}\n", short(60.0 / seconds, 4));
+                    inverse_time = true;
+                }
+            }
+        }
+    }
+    if inverse_time {
+        text += "G94\n";
+    }
+    text + "M30\n"
+}
+
+fn axis_words(words: &mut Words, to: &Target) -> String {
+    words.changed(to).words.iter().map(|(letter, number)| format!(" {letter}{number}")).collect()
+}

@@ -1,0 +1,321 @@
+//! NC programs read back by small interpreters that know nothing of the writers.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+#[path = "nc/interpreter.rs"]
+mod interpreter;
+
+use interpreter::{Event, interpret};
+use proptest::prelude::*;
+use trunnion_machine::{Machine, State, shipped};
+use trunnion_measurement::Cycle;
+use trunnion_measurement::cycle::{CourseRules, Motion, Visits};
+use trunnion_report::nc::{Block, DIALECTS, Program};
+use trunnion_units::{AxisLetter, AxisValues, convert};
+
+const STATIC: &str = r#"
+format = "trunnion-cycle/1"
+name = "small-static"
+machine = "table-bc"
+kind = "static"
+passes = ["+", "-"]
+[[setup]]
+name = "low"
+instrument = "r-test"
+ball_in_table_mm = [150.0, 0.0, 60.0]
+[[grid]]
+axis = "B"
+stations_deg = [0, 5]
+[[grid]]
+axis = "C"
+stations_deg = [0, 5]
+[settle]
+window_s = 0.5
+drift_um = 0.5
+noise_um = 2.0
+standstill_um = 2.0
+standstill_deg = 0.001
+timeout_s = 10.0
+"#;
+
+const SWEEP: &str = r#"
+format = "trunnion-cycle/1"
+name = "small-sweep"
+machine = "table-bc"
+kind = "on-the-fly"
+[[setup]]
+name = "low"
+instrument = "ball-bar"
+bar_length_mm = 100
+ball_in_table_mm = [0.0, 0.0, 60.0]
+[sweep]
+axis = "C"
+from_deg = 0
+to_deg = 360
+feeds_deg_per_min = [1800]
+[bar]
+direction = [0, 1, 0]
+"#;
+
+fn machine(cycle: &Cycle) -> Machine {
+    shipped::machine(&cycle.machine).unwrap()
+}
+
+/// Coarse pieces keep the snapshots short.
+fn coarse() -> CourseRules {
+    CourseRules { transfer_chord_mm: 1.0, chord_mm: 0.5, ..CourseRules::default() }
+}
+
+#[test]
+fn the_registry_holds_every_dialect_file_and_nothing_else() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/nc");
+    let machinery = ["compose", "program", "words"];
+    let mut files: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
+        .filter(|stem| !machinery.contains(&stem.as_str()))
+        .collect();
+    files.sort();
+    assert_eq!(files, DIALECTS.map(|dialect| dialect.name));
+    for dialect in DIALECTS {
+        for (what, text) in [("controllers", dialect.controllers), ("source", dialect.source)] {
+            assert!(text.len() > 5, "{} says nothing of its {what}", dialect.name);
+        }
+        assert!((2..=9).contains(&dialect.decimals), "{}", dialect.name);
+    }
+}
+
+#[test]
+fn every_dialect_writes_the_small_cycles_as_before() {
+    for (name, text) in [("static", STATIC), ("sweep", SWEEP)] {
+        let cycle = Cycle::parse("small.toml", text).unwrap();
+        let program = Program::of_cycle(&cycle, &machine(&cycle), &coarse()).unwrap();
+        for dialect in DIALECTS {
+            let written = (dialect.write)(&program, dialect.decimals);
+            let path =
+                format!("{}/tests/nc/{name}.{}.{}", env!("CARGO_MANIFEST_DIR"), dialect.name, dialect.ending);
+            if std::env::var_os("TRUNNION_WRITE_SNAPSHOTS").is_some() {
+                std::fs::write(&path, &written).unwrap();
+            }
+            let expected = std::fs::read_to_string(&path).unwrap_or_default();
+            assert_eq!(
+                written, expected,
+                "{path} differs; look at it, then run with TRUNNION_WRITE_SNAPSHOTS=1"
+            );
+            assert!(written.is_ascii() && written.lines().all(|line| line.len() < 128), "{path}");
+        }
+    }
+}
+
+#[test]
+fn the_shipped_cycles_visit_their_poses_in_every_dialect() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/cycles");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let cycle = Cycle::parse("c.toml", &std::fs::read_to_string(&path).unwrap()).unwrap();
+        check(&cycle, &CourseRules::default());
+        count += 1;
+    }
+    assert!(count >= 7);
+}
+
+#[test]
+fn a_retracted_spindle_beyond_the_travel_is_refused_with_the_axis() {
+    let cycle = Cycle::parse("c.toml", STATIC).unwrap();
+    let rules = CourseRules { clearance_mm: 500.0, ..CourseRules::default() };
+    let error = Program::of_cycle(&cycle, &machine(&cycle), &rules).unwrap_err().to_string();
+    assert!(error.contains("needs Z at 560, its travel is -400..=400"), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_cycle_is_visited_as_expanded(
+        ball in [-180.0..180.0f64, -180.0..180.0, 20.0..150.0],
+        b in prop::collection::vec(-80.0..80.0f64, 1..4),
+        c in prop::collection::vec(-300.0..300.0f64, 1..5),
+        both in any::<bool>(),
+        interleave in any::<bool>(),
+    ) {
+        let second = "[[setup]]\nname = \"high\"\ninstrument = \"r-test\"\nball_in_table_mm = [40, 20, 180]\n[[grid]]\naxis = \"B\"";
+        let text = STATIC
+            .replace("[150.0, 0.0, 60.0]", &format!("{ball:?}"))
+            .replacen("stations_deg = [0, 5]", &format!("stations_deg = {:?}", rising(b)), 1)
+            .replacen("stations_deg = [0, 5]", &format!("stations_deg = {:?}", rising(c)), 1)
+            .replacen("[[grid]]\naxis = \"B\"", second, 1)
+            .replace("[\"+\", \"-\"]", if both { "[\"+\", \"-\"]" } else { "[\"-\"]" })
+            .replace("[settle]", &format!("[rounds]\ncount = 2\nwait_s = 30\ninterleave = {interleave}\n[settle]"));
+        check(&Cycle::parse("c.toml", &text).unwrap(), &CourseRules::default());
+    }
+
+    #[test]
+    fn any_sweep_runs_at_its_feed_along_its_path(
+        ball in [-150.0..150.0f64, -150.0..150.0, 20.0..150.0],
+        axis in prop::sample::select(vec!["B", "C"]),
+        span in 30.0..150.0f64,
+        feed in 300.0..4000.0f64,
+    ) {
+        let text = SWEEP
+            .replace("[0.0, 0.0, 60.0]", &format!("{ball:?}"))
+            .replace("axis = \"C\"", &format!("axis = \"{axis}\""))
+            .replace("from_deg = 0", &format!("from_deg = {}", -span / 2.0))
+            .replace("to_deg = 360", &format!("to_deg = {}", span / 2.0))
+            .replace("1800", &format!("{feed}, 500"));
+        check(&Cycle::parse("c.toml", &text).unwrap(), &CourseRules::default());
+    }
+}
+
+fn rising(mut angles: Vec<f64>) -> Vec<f64> {
+    angles.sort_by(f64::total_cmp);
+    angles.dedup_by(|a, b| (*a - *b).abs() < 1.0);
+    angles
+}
+
+/// The program stays together with its instrument and visits what the cycle expands to, in every dialect.
+fn check(cycle: &Cycle, rules: &CourseRules) {
+    let machine = machine(cycle);
+    let visits = cycle.visits(&machine, &rules.pace).unwrap();
+    let program = Program::of_cycle(cycle, &machine, rules).unwrap();
+    stays_together(&program, cycle, &machine, rules);
+    for dialect in DIALECTS {
+        for decimals in [dialect.decimals, 6] {
+            let events = interpret(dialect.name, &(dialect.write)(&program, decimals));
+            let told =
+                |i: usize| format!("{} as {} with {decimals} decimals, point {i}", cycle.name, dialect.name);
+            match cycle.motion {
+                Motion::Static { .. } => stands(&events, &visits, decimals, &told),
+                Motion::OnTheFly { .. } => passes(&events, &visits, decimals, rules, &told),
+            }
+        }
+    }
+}
+
+/// Between joining and parting, ball and nest never move apart by more than the pieces and the gesture allow.
+fn stays_together(program: &Program, cycle: &Cycle, machine: &Machine, rules: &CourseRules) {
+    let mut from: Option<AxisValues<f64>> = None;
+    let allowed_mm = rules.transfer_chord_mm + rules.stroke_mm + 1e-9;
+    for block in &program.blocks {
+        match block {
+            Block::Timed { to, seconds } => {
+                assert!(*seconds > 0.0);
+                let to = inside(to);
+                if let Some(from) = from {
+                    let middle = AxisValues::from_fn(|letter| 0.5 * (from[letter] + to[letter]));
+                    let off_mm = |setup: usize| {
+                        let nominal = cycle.position(machine, setup, &middle).unwrap();
+                        let off = AxisLetter::LINEAR.map(|letter| (middle[letter] - nominal[letter]).abs());
+                        off.into_iter().fold(0.0, f64::max)
+                    };
+                    let least = (0..cycle.setups.len()).map(off_mm).fold(f64::INFINITY, f64::min);
+                    assert!(least <= allowed_mm, "{} parts by {least} mm at {middle:?}", cycle.name);
+                }
+                from = Some(to);
+            }
+            Block::Feed { .. } => from = None,
+            Block::Remark(_) | Block::Stop(_) | Block::Dwell { .. } => {}
+        }
+    }
+}
+
+fn inside(target: &[(AxisLetter, f64)]) -> AxisValues<f64> {
+    let mut position = AxisValues::default();
+    for &(letter, value) in target {
+        position[letter] = if letter.is_rotary() { convert::rad_from_deg(value) } else { value };
+    }
+    position
+}
+
+/// Every pose at rest: the next dwell of its length stands there, and each axis of the grid came from the side of the pass.
+fn stands(events: &[Event], visits: &Visits, decimals: usize, told: &dyn Fn(usize) -> String) {
+    let mut poses = visits.states.iter().enumerate();
+    let (mut at, mut heading) = (AxisValues::<f64>::default(), AxisValues::<f64>::default());
+    let mut seen = 0;
+    for event in events {
+        match event {
+            Event::Move { to, .. } => {
+                for letter in AxisLetter::ALL {
+                    if to[letter] != at[letter] {
+                        heading[letter] = (to[letter] - at[letter]).signum();
+                    }
+                }
+                at = *to;
+            }
+            // Waits between rounds are longer.
+            Event::Dwell { seconds } if (*seconds - 2.5).abs() < 1e-9 || (*seconds - 1.56).abs() < 1e-9 => {
+                let (i, state) =
+                    poses.next().unwrap_or_else(|| panic!("more dwells than poses: {}", told(seen)));
+                for letter in AxisLetter::ALL {
+                    assert!(off(state, &at, letter) <= rounding(decimals), "{}: {letter} {at:?}", told(i));
+                    // Linear axes follow the ball on the way, not the straight line from pose to pose.
+                    if letter.is_rotary() && state.direction[letter] != 0.0 {
+                        assert_eq!(heading[letter], state.direction[letter], "{}: {letter}", told(i));
+                    }
+                }
+                seen += 1;
+            }
+            Event::Dwell { .. } | Event::Stop(_) => {}
+        }
+    }
+    assert_eq!(seen, visits.states.len(), "{}", told(seen));
+}
+
+/// Every point on the fly lies on a later straight piece, near enough and at its speed.
+fn passes(
+    events: &[Event],
+    visits: &Visits,
+    decimals: usize,
+    rules: &CourseRules,
+    told: &dyn Fn(usize) -> String,
+) {
+    let mut pieces = Vec::new();
+    let mut at = AxisValues::<f64>::default();
+    for event in events {
+        if let Event::Move { to, seconds } = event {
+            pieces.push((at, *to, *seconds));
+            at = *to;
+        }
+    }
+    let mut next = 0;
+    for (i, state) in visits.states.iter().enumerate() {
+        let found = (next..pieces.len()).find(|&k| on_piece(state, &pieces[k], decimals, rules));
+        next = found.unwrap_or_else(|| panic!("{}: {:?} is never passed", told(i), state.position));
+    }
+}
+
+fn on_piece(
+    state: &State,
+    (from, to, seconds): &(AxisValues<f64>, AxisValues<f64>, f64),
+    decimals: usize,
+    rules: &CourseRules,
+) -> bool {
+    let Some(turning) = AxisLetter::ROTARY.into_iter().find(|&letter| state.velocity[letter] != 0.0) else {
+        return false;
+    };
+    let target = convert::deg_from_rad(state.position[turning]);
+    let travel = to[turning] - from[turning];
+    let u = (target - from[turning]) / travel;
+    let speed = convert::rad_from_deg(travel) / seconds;
+    // The rounding of both ends of a short piece is in its speed.
+    let allowed = 0.002 + 2.0 * rounding(decimals) / travel.abs();
+    if !(-0.01..=1.01).contains(&u) || (speed / state.velocity[turning] - 1.0).abs() > allowed {
+        return false;
+    }
+    // A wrong digit of the angle moves the linear axes by their arm.
+    let arm_mm = 300.0;
+    let near_mm = rules.chord_mm + rounding(decimals) * (1.0 + convert::rad_from_deg(arm_mm));
+    let here = AxisValues::from_fn(|letter| from[letter] + (to[letter] - from[letter]) * u);
+    AxisLetter::ALL.into_iter().all(|letter| off(state, &here, letter) <= near_mm.max(rounding(decimals)))
+}
+
+/// Distance from the pose, mm or degrees.
+fn off(state: &State, at: &AxisValues<f64>, letter: AxisLetter) -> f64 {
+    let wanted = state.position[letter];
+    let wanted = if letter.is_rotary() { convert::deg_from_rad(wanted) } else { wanted };
+    (at[letter] - wanted).abs()
+}
+
+fn rounding(decimals: usize) -> f64 {
+    0.5001 * 10f64.powi(-(decimals as i32)) + 1e-9
+}
