@@ -8,6 +8,7 @@ mod chain;
 pub mod disturbance;
 pub mod grid;
 pub mod hidden;
+mod legs;
 pub(crate) mod natural;
 mod sampler;
 

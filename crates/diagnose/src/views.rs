@@ -172,8 +172,8 @@ fn in_frames(
     let state = &experiment.points[point].state;
     let machine = experiment.machine();
     let projector = Projector::new(machine, &experiment.setups[state.setup], &state.position);
-    let ground = ground_joint(machine);
-    let unit = |k: usize| projector.column(ground, &Twist::translation(Vector3::ith(k, 1.0)));
+    let (ground, into_ground) = ground_joint(machine, &state.position);
+    let unit = |k: usize| projector.column(ground, &Twist::translation(into_ground * Vector3::ith(k, 1.0)));
     // The columns are those of a rotation up to the side of the nest; a joint of the table moves the tool the other way.
     let towards_tool = if machine.from_bed(Side::Tool).is_empty() { -1.0 } else { 1.0 };
     let nest_from_machine = Matrix3::from_columns(&[unit(0), unit(1), unit(2)]);

@@ -12,6 +12,7 @@ use trunnion_effects::ModelEffect;
 use trunnion_identify::Experiment;
 use trunnion_identify::machine_noise::{Order, ground_joint, modulated, unit_columns};
 use trunnion_machine::Site;
+use trunnion_units::AxisValues;
 
 /// Names of the components in formulas.
 const COMPONENTS: [&str; 6] = ["dx", "dy", "dz", "ea", "eb", "ec"];
@@ -224,9 +225,10 @@ fn carriers(experiment: &Experiment, root: &DVector<f64>) -> Vec<Carrier> {
         wanted.extend((0..6).map(|k| (Site::Joint(axis.letter), k)));
     }
     wanted.extend((0..3).map(|k| (Site::TableBall, k)));
-    wanted.extend((0..3).map(|k| (ground_joint(machine), k)));
-    let ground: Vec<DVector<f64>> =
-        (0..3).map(|k| unit_columns(experiment, ground_joint(machine), k)).collect();
+    // Machine axes; those of the platform where legs carry it.
+    let (ground, _) = ground_joint(machine, &AxisValues::default());
+    wanted.extend((0..3).map(|k| (ground, k)));
+    let ground: Vec<DVector<f64>> = (0..3).map(|k| unit_columns(experiment, ground, k)).collect();
     let mut carriers: Vec<Carrier> = Vec::new();
     for (site, component) in wanted {
         let column = unit_columns(experiment, site, component);

@@ -15,6 +15,12 @@ pub fn every_linear(machine: &Machine) -> Vec<Subject> {
     AxisLetter::LINEAR.into_iter().filter(|&l| machine.axis(l).is_some()).map(Subject::Axis).collect()
 }
 
+/// One subject for every linear axis that slides on a guideway: legs in parallel have none.
+pub fn every_slide(machine: &Machine) -> Vec<Subject> {
+    let slides = |letter: AxisLetter| machine.axis(letter).is_some() && !machine.is_leg(letter);
+    AxisLetter::LINEAR.into_iter().filter(|&letter| slides(letter)).map(Subject::Axis).collect()
+}
+
 /// One subject for every axis of the machine.
 pub fn every_axis(machine: &Machine) -> Vec<Subject> {
     machine.axes().map(|axis| Subject::Axis(axis.letter)).collect()
@@ -86,9 +92,9 @@ pub(crate) fn gravity_in_carrier(machine: &Machine, axis: &Axis, state: &State) 
         .map_or(gravity_in_machine, |frame| frame.machine_from_carrier.inverse() * gravity_in_machine)
 }
 
-/// A place on the tool side that moves the whole tool branch, in machine axes.
-pub(crate) fn whole_tool_side(machine: &Machine) -> Site {
-    machine.tool.first().map_or(Site::SpindleBall, |axis| Site::Joint(axis.letter))
+/// A place on the tool side that moves the whole tool branch, and its axes from machine axes.
+pub(crate) fn whole_tool_side(machine: &Machine, state: &State) -> (Site, UnitQuaternion<f64>) {
+    machine.whole_tool_side(&state.position)
 }
 
 #[cfg(test)]

@@ -17,11 +17,11 @@ pub use motions::{modulated, repeatable_motions, unit_columns};
 pub use whitener::Whitener;
 
 use crate::Experiment;
-use nalgebra::{DVector, Matrix3, Vector3};
+use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
 use std::ops::Range;
 use trunnion_instruments::Projector;
 use trunnion_machine::{Machine, Side, Site};
-use trunnion_units::{AxisLetter, Twist};
+use trunnion_units::{AxisLetter, AxisValues, Twist};
 
 /// Travel below which an axis has not been positioned anew, rad.
 const SAME_STATION_RAD: f64 = 1e-7;
@@ -182,8 +182,8 @@ fn visit(
         let axis = letter.and_then(|l| machine.axis(l));
         axis.map_or_else(Vector3::zeros, |a| projector.column(Site::Joint(a.letter), &a.positioning_twist()))
     };
-    let ground = ground_joint(machine);
-    let drift = |k: usize| projector.column(ground, &Twist::translation(Vector3::ith(k, 1.0)));
+    let (ground, into_ground) = ground_joint(machine, &state.position);
+    let drift = |k: usize| projector.column(ground, &Twist::translation(into_ground * Vector3::ith(k, 1.0)));
     Visit {
         point,
         rows: experiment.rows_of(point),
@@ -196,10 +196,12 @@ fn visit(
     }
 }
 
-/// A joint whose carrier is the bed: a translation there is one in machine axes.
-pub fn ground_joint(machine: &Machine) -> Site {
-    let first = |side| machine.from_bed(side).first().map(|axis| Site::Joint(axis.letter));
-    first(Side::Tool).or(first(Side::Table)).unwrap_or(Site::SpindleBall)
+/// A site that moves the whole tool side (or, without one, the table), and its axes from machine axes.
+pub fn ground_joint(machine: &Machine, position: &AxisValues<f64>) -> (Site, UnitQuaternion<f64>) {
+    match machine.from_bed(Side::Table).first() {
+        Some(axis) if machine.tool.is_empty() => (Site::Joint(axis.letter), UnitQuaternion::identity()),
+        _ => machine.whole_tool_side(position),
+    }
 }
 
 /// Scales levers to a mean square of 1 per reading.

@@ -1,5 +1,7 @@
 //! The machine file, `format = "trunnion-machine/1"` (DESIGN §3.3).
 
+mod legs;
+
 use crate::{Axis, AxisFacts, Machine};
 use nalgebra::{Point3, Unit, Vector3};
 use trunnion_units::input::{Document, Table};
@@ -32,7 +34,16 @@ fn read(name: &str, document: &Document<'_>) -> Option<Machine> {
         }
     }
     let tables = root.table("axis")?;
-    let axes: Vec<Option<Axis>> = letters.iter().map(|&letter| axis(&tables, letter)).collect();
+    let parallel = root.has("tripod").then(|| legs::legs(&root, &tables, chains[1].as_deref()));
+    let of_legs: Vec<AxisLetter> = match (&parallel, &chains[1]) {
+        (Some(_), Some(tool)) => tool.iter().copied().take(3).collect(),
+        _ => Vec::new(),
+    };
+    let in_series = letters.iter().filter(|letter| !of_legs.contains(letter));
+    let mut axes: Vec<Option<Axis>> = in_series.map(|&letter| axis(&tables, letter)).collect();
+    if let Some(Some((_, legs))) = &parallel {
+        axes.extend(legs.iter().cloned().map(Some));
+    }
     tables.no_other_keys();
     root.no_other_keys();
     format?;
@@ -42,6 +53,10 @@ fn read(name: &str, document: &Document<'_>) -> Option<Machine> {
         name: name.into(),
         table: table?.into_iter().map(find).collect::<Option<_>>()?,
         tool: tool?.into_iter().map(find).collect::<Option<_>>()?,
+        tripod: match parallel {
+            Some(read) => Some(read?.0),
+            None => None,
+        },
     })
 }
 
@@ -67,6 +82,30 @@ fn axis(tables: &Table<'_>, letter: AxisLetter) -> Option<Axis> {
         return None;
     }
     let through_mm = if rotary { table.vector3("through_mm") } else { Some(Vector3::zeros()) };
+    let moves = moves(&table, rotary);
+    table.no_other_keys();
+    let (through_mm, moves) = (through_mm?, moves?);
+    if through_mm.amax() > FARTHEST_MM {
+        table.problem("through_mm", "is out of reach", format!("within ±{FARTHEST_MM} mm"), "");
+    }
+    Some(Axis {
+        letter,
+        direction: Unit::new_normalize(direction?),
+        through_mm: Point3::from(through_mm),
+        sense: moves.sense,
+        travel: moves.travel,
+        facts: moves.facts,
+    })
+}
+
+/// What every axis says of its motion.
+struct Moves {
+    sense: f64,
+    travel: (f64, f64),
+    facts: AxisFacts,
+}
+
+fn moves(table: &Table<'_>, rotary: bool) -> Option<Moves> {
     let sense = table.number("sense", -1.0..=1.0);
     if sense.is_some_and(|s| s.abs() != 1.0) {
         table.problem("sense", "is neither way of turning", "1 or -1", "Run the sign-test cycle if unsure.");
@@ -92,17 +131,5 @@ fn axis(tables: &Table<'_>, letter: AxisLetter) -> Option<Axis> {
         encoder_lines: table.optional_number("encoder_lines", 1.0..=1e7),
         feed_limit,
     };
-    table.no_other_keys();
-    let through_mm = through_mm?;
-    if through_mm.amax() > FARTHEST_MM {
-        table.problem("through_mm", "is out of reach", format!("within ±{FARTHEST_MM} mm"), "");
-    }
-    Some(Axis {
-        letter,
-        direction: Unit::new_normalize(direction?),
-        through_mm: Point3::from(through_mm),
-        sense: sense?,
-        travel: travel?,
-        facts,
-    })
+    Some(Moves { sense: sense?, travel: travel?, facts })
 }

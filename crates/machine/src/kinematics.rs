@@ -4,10 +4,11 @@
 //! from the bed outward [METHODS §2; S1 eq. 6–7; S2 eq. 4]. `o_k` is the point in the axes of the carrying
 //! component about which the error acts: a point of the axis line for a rotary axis; the carriage itself, which travels
 //! with the axis, for a linear one (so that angular errors act with the arms of S2 eq. 1).
+//! Legs in parallel come first: of their twists what acts along the leg is an error of the stroke [S3 eq. 4–6].
 
 use crate::{Axis, Machine, Side};
-use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
-use trunnion_units::{AxisLetter, AxisValues, Twist};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use trunnion_units::{AxisValues, Twist};
 
 /// Error twist at each joint, in the nominal axes of the component that carries it.
 pub type JointErrors = AxisValues<Twist>;
@@ -29,40 +30,28 @@ impl Machine {
         position: &AxisValues<f64>,
         errors: &JointErrors,
     ) -> Isometry3<f64> {
-        self.from_bed(side).into_iter().fold(Isometry3::identity(), |machine_from_carrier, axis| {
+        let in_series = self.from_bed(side).into_iter().filter(|axis| !self.is_leg(axis.letter));
+        in_series.fold(self.platform(side, position, errors), |machine_from_carrier, axis| {
             machine_from_carrier * axis.carrier_from_carried(position[axis.letter], &errors[axis.letter])
         })
     }
 
-    /// Positions of the linear axes that bring the tool point to `ball_in_table_mm` while the rotary
-    /// axes of `position` stay. `None` when the machine cannot reach it with its linear axes.
-    pub fn follow(
+    /// What carries the first axis in series: the bed, or the platform of the legs against its pose at zero.
+    pub(crate) fn platform(
         &self,
+        side: Side,
         position: &AxisValues<f64>,
-        ball_in_table_mm: &Point3<f64>,
-    ) -> Option<AxisValues<f64>> {
-        let mut reached = *position;
-        for letter in AxisLetter::LINEAR {
-            reached[letter] = 0.0;
-        }
-        let gap_mm = |q: &AxisValues<f64>| -> Vector3<f64> {
-            let none = JointErrors::default();
-            let ball_in_machine = self.machine_from_table(q, &none) * ball_in_table_mm;
-            ball_in_machine - self.machine_from_tool(q, &none) * Point3::origin()
+        errors: &JointErrors,
+    ) -> Isometry3<f64> {
+        let Some(tripod) = self.tripod.as_ref().filter(|_| side == Side::Tool) else {
+            return Isometry3::identity();
         };
-        // The gap is affine in the linear coordinates, so one solve is exact.
-        let at_zero = gap_mm(&reached);
-        let mut slope = Matrix3::zeros();
-        for (i, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
-            let mut moved = reached;
-            moved[letter] = 1.0;
-            slope.set_column(i, &(gap_mm(&moved) - at_zero));
+        let mut strokes_mm = *position;
+        for axis in self.tool.iter().filter(|axis| tripod.has(axis.letter)) {
+            let positioning = axis.positioning_twist().translation_mm;
+            strokes_mm[axis.letter] += errors[axis.letter].translation_mm.dot(&positioning);
         }
-        let solution = slope.lu().solve(&-at_zero)?;
-        for (i, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
-            reached[letter] = solution[i];
-        }
-        Some(reached)
+        tripod.displacement(&strokes_mm)
     }
 }
 

@@ -1,4 +1,5 @@
-//! Machines: a chain of joints from the table down to the bed and from the bed up to the tool.
+//! Machines: a chain of joints from the table down to the bed and from the bed up to the tool; three of the tool's may be legs
+//! in parallel ([`tripod`], S3).
 //!
 //! Every joint carries an error twist before its motion, `T_k = D(errors)·Motion(q)` (METHODS §2,
 //! S1 eq. 6–7). [`kinematics`] multiplies the transforms exactly; [`propagation`] gives the same to
@@ -7,18 +8,21 @@
 mod file;
 pub mod kinematics;
 pub mod propagation;
+mod reach;
 pub mod shipped;
 mod site;
 mod state;
+pub mod tripod;
 
 pub use kinematics::JointErrors;
 pub use site::{Errors, Site};
 pub use state::State;
+pub use tripod::{Leg, Tripod};
 
 use nalgebra::{Point3, Unit, Vector3};
 use trunnion_units::{AxisLetter, Twist};
 
-/// A machine as its file describes it (DESIGN §3.3). Serial chains only.
+/// A machine as its file describes it (DESIGN §3.3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
     /// Name of the file without its ending, e.g. `table-bc`.
@@ -27,6 +31,8 @@ pub struct Machine {
     pub table: Vec<Axis>,
     /// Axes that carry the tool, from the bed up to the tool.
     pub tool: Vec<Axis>,
+    /// The legs that the first three axes of `tool` are the strokes of, where they carry a platform in parallel.
+    pub tripod: Option<Tripod>,
 }
 
 /// One axis of a machine.
@@ -34,7 +40,8 @@ pub struct Machine {
 pub struct Axis {
     /// Its letter (ISO 841).
     pub letter: AxisLetter,
-    /// Direction of a right-handed positive turn, or of positive travel, in machine axes at zero.
+    /// Direction of a right-handed positive turn, or of positive travel, in machine axes at zero; of a leg the direction from
+    /// its joint on the base to that on the platform.
     pub direction: Unit<Vector3<f64>>,
     /// A point on the axis line of a rotary axis at zero, in machine coordinates, mm.
     pub through_mm: Point3<f64>,
@@ -93,6 +100,11 @@ impl Machine {
             return Some(Side::Table);
         }
         self.tool.iter().any(|axis| axis.letter == letter).then_some(Side::Tool)
+    }
+
+    /// True for the stroke of a leg: its error moves the platform, and the joints take up all but what acts along it.
+    pub fn is_leg(&self, letter: AxisLetter) -> bool {
+        self.tripod.as_ref().is_some_and(|tripod| tripod.has(letter))
     }
 
     /// The rotary axes, table side from the bed first.

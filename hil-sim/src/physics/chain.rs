@@ -1,8 +1,9 @@
 //! Poses of table and tool with errors, by 4×4 matrices of this crate's own.
 //!
 //! `machine_from_tip = Π T_k`, `T_k = Trans(o)·Dx Dy Dz·Da Db Dc(δ, ω)·Trans(−o)·Motion(q)` from the bed
-//! outward [METHODS §2; S1 eq. 6–7]; o a point of a rotary axis' line, or the travelling carriage of a linear one.
+//! outward [METHODS §2; S1 eq. 6–7], a platform of parallel legs before the joints in series; o a point of a rotary axis' line, or the travelling carriage of a linear one.
 
+use super::legs;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use trunnion_machine::{Axis, Machine, Side};
 use trunnion_units::{AxisLetter, AxisValues, Twist};
@@ -14,8 +15,11 @@ pub fn machine_from_tip(
     position: &AxisValues<f64>,
     errors: &AxisValues<Twist>,
 ) -> Isometry3<f64> {
-    let mut machine_from_tip = Matrix4::identity();
-    for axis in machine.from_bed(side) {
+    let mut machine_from_tip = match side {
+        Side::Tool => legs::platform(machine, position, errors),
+        Side::Table => Matrix4::identity(),
+    };
+    for axis in machine.from_bed(side).into_iter().filter(|axis| !machine.is_leg(axis.letter)) {
         machine_from_tip *= carrier_from_carried(axis, position[axis.letter], &errors[axis.letter]);
     }
     let rotation: Matrix3<f64> = machine_from_tip.fixed_view::<3, 3>(0, 0).into_owned();

@@ -22,11 +22,26 @@ fn a_perfect_machine_reads_zero_everywhere() {
             setup("table nest", NestOn::Table, [150.0, 0.0, 60.0]),
             setup("spindle nest", NestOn::Spindle, [-40.0, 90.0, 160.0]),
         ];
-        let states = grid::standard_bc(&machine, &setups);
+        let states = match machine.tripod {
+            None => grid::standard_bc(&machine, &setups),
+            // The legs follow the ball through part of the grid only.
+            Some(_) => {
+                let stations = |reach_deg: f64, step_deg: f64, count: u32| grid::Stations {
+                    first_deg: -reach_deg,
+                    step_deg,
+                    count,
+                    ends_deg: [-reach_deg, reach_deg],
+                };
+                grid::stations_bc(&machine, &setups, stations(30.0, 10.0, 7), stations(22.0, 4.0, 12))
+            }
+        };
         assert_eq!(states.len(), 336, "{name}");
+        // The legs of both sides are solved by iteration, to 1e-10 mm.
+        let allowed_mm = if machine.tripod.is_some() { 1e-9 } else { 1e-11 };
         let virtual_machine =
             VirtualMachine::new(machine, Truth::perfect(name, &setups, crate::RUN_S)).unwrap();
-        assert!(largest(&simulate_points(&virtual_machine, &states)) < 1e-11, "{name}");
+        let worst_mm = largest(&simulate_points(&virtual_machine, &states));
+        assert!(worst_mm < allowed_mm, "{name}: {worst_mm}");
     }
 }
 

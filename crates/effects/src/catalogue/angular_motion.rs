@@ -4,7 +4,7 @@
 //! They act about the carriage, with the arm to the tool point or the ball. Limits: smooth guideway.
 
 use super::straightness::{legendre_2, scaled};
-use crate::subjects::{axis_of, every_linear};
+use crate::subjects::{axis_of, every_slide};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Site, State};
@@ -25,7 +25,7 @@ pub(crate) static EFFECT: Effect = Effect {
         needs: &[Need::Travel],
         helps: &[Need::TwoHeights],
     },
-    subjects: every_linear,
+    subjects: every_slide,
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,

@@ -43,6 +43,7 @@ fn subjects(machine: &Machine) -> Vec<Subject> {
     [(Y, X), (Z, X), (Z, Y)]
         .into_iter()
         .filter(|&(a, b)| machine.axis(a).is_some() && machine.axis(b).is_some())
+        .filter(|&(a, b)| !machine.is_leg(a) && !machine.is_leg(b))
         .map(|(a, b)| Subject::Pair(a, b))
         .collect()
 }

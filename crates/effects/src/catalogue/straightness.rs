@@ -3,7 +3,7 @@
 //! EYX(x) = a₂ P₂(s) + a₃ P₃(s), s = x scaled to −1…1 over the measured range, P₂, P₃ Legendre        [S2 eq. 1; METHODS §5 (three lobes), §9]
 //! The straight part is squareness. Limits: smooth guideway; the amplitude belongs to the measured range.
 
-use crate::subjects::{across, axis_of, every_linear, linear_name};
+use crate::subjects::{across, axis_of, every_slide, linear_name};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
 use trunnion_units::{AxisLetter, Twist};
@@ -23,7 +23,7 @@ pub(crate) static EFFECT: Effect = Effect {
         needs: &[Need::Travel],
         helps: &[Need::TwoRadii],
     },
-    subjects: every_linear,
+    subjects: every_slide,
     parameters,
     shapes: |_, _| Shapes::none(),
     motions,

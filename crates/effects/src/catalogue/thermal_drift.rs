@@ -66,10 +66,10 @@ pub(super) fn warmed_up(elapsed_s: f64, tau_s: f64) -> f64 {
 
 fn motions(scene: &Scene, _: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
     let (Some(elapsed_s), &[tau1_s, tau2_s]) = (scene.elapsed_s(state), shape) else { return };
-    let site = whole_tool_side(&scene.machine);
+    let (site, into_site) = whole_tool_side(&scene.machine, state);
     for (i, tau_s) in [tau1_s, tau2_s].into_iter().enumerate() {
         for k in 0..3 {
-            let unit = Vector3::ith(k, 1.0);
+            let unit = into_site * Vector3::ith(k, 1.0);
             emit(3 * i + k, site, Twist::translation(unit * warmed_up(elapsed_s, tau_s)));
         }
     }

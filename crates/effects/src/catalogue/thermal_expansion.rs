@@ -55,12 +55,12 @@ fn shapes(scene: &Scene, _: Subject) -> Shapes {
 
 fn motions(scene: &Scene, _: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
     let &[tau_s] = shape else { return };
-    let site = whole_tool_side(&scene.machine);
+    let (site, into_site) = whole_tool_side(&scene.machine, state);
     for (i, channel) in scene.varying_channels().into_iter().enumerate() {
         let Some(felt_degc) = scene.lagged_temperature_degc(channel, tau_s, state) else { continue };
         let change_k = felt_degc - scene.first_temperature_degc[channel];
         for k in 0..3 {
-            emit(3 * i + k, site, Twist::translation(Vector3::ith(k, change_k)));
+            emit(3 * i + k, site, Twist::translation(into_site * Vector3::ith(k, change_k)));
         }
     }
 }

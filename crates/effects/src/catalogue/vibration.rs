@@ -73,9 +73,9 @@ fn shapes(scene: &Scene, _: Subject) -> Shapes {
 fn motions(scene: &Scene, _: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
     let (Some(elapsed_s), &[frequency_hz]) = (scene.elapsed_s(state), shape) else { return };
     let (sin, cos) = (TAU * frequency_hz * elapsed_s).sin_cos();
-    let site = whole_tool_side(&scene.machine);
+    let (site, into_site) = whole_tool_side(&scene.machine, state);
     for k in 0..3 {
-        emit(2 * k, site, Twist::translation(Vector3::ith(k, cos)));
-        emit(2 * k + 1, site, Twist::translation(Vector3::ith(k, sin)));
+        emit(2 * k, site, Twist::translation(into_site * Vector3::ith(k, cos)));
+        emit(2 * k + 1, site, Twist::translation(into_site * Vector3::ith(k, sin)));
     }
 }
