@@ -188,6 +188,21 @@ impl Curve {
     }
 }
 
+impl Plot {
+    /// A map whose largest deviation is drawn at about a quarter of its size, at most 10 000 times as large (S1).
+    pub fn plane_map(names: [String; 2], places: Vec<MapPlace>) -> Self {
+        let largest = |of: fn(&MapPlace) -> [f64; 2]| {
+            let sizes = places.iter().map(|place| of(place)[0].hypot(of(place)[1]));
+            sizes.filter(|size| size.is_finite()).fold(0.0, f64::max)
+        };
+        let wanted = 0.25 * largest(|p| p.commanded_mm) / largest(|p| p.measured_off_mm);
+        let decade = 10_f64.powf(wanted.log10().floor());
+        let round = [5.0, 2.0, 1.0].map(|m| m * decade).into_iter().find(|m| *m <= wanted);
+        let magnification = round.filter(|m| m.is_finite()).unwrap_or(1000.0).clamp(10.0, 10_000.0);
+        Self::PlaneMap { names, magnification, places }
+    }
+}
+
 impl Findings {
     /// The value of this name.
     pub fn value(&self, name: &str) -> Option<&FoundValue> {

@@ -3,6 +3,7 @@
 //! A method takes runs and returns [`Findings`]; it does what its source does, with the source's slips mended (METHODS §8),
 //! so that its figures can be compared with the source and with the joint fit. A test walks the directory and the list.
 
+mod error_map;
 mod two_height;
 
 use crate::{ExperimentError, Findings, IdentifyError};
@@ -10,7 +11,7 @@ use trunnion_measurement::Run;
 use trunnion_units::AxisLetter;
 
 /// Every named method.
-pub static REGISTRY: [&Method; 1] = [&two_height::METHOD];
+pub static REGISTRY: [&Method; 2] = [&two_height::METHOD, &error_map::METHOD];
 
 /// A closed recipe of the literature.
 #[derive(Debug)]

@@ -1,4 +1,6 @@
-//! What several named methods share: readings of an axis that turns alone, and their means over angle.
+//! What several named methods share: readings as displacements, readings of an axis that turns alone, and their means over
+//! angle.
 
+pub(crate) mod relative;
 pub(crate) mod stations;
 pub(crate) mod turning;

@@ -39,13 +39,13 @@ impl Stations {
             angles.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 1e-9).collect();
         steps.sort_by(f64::total_cmp);
         let usual = steps.get(steps.len() / 2).copied().unwrap_or(COARSEST_RAD);
-        let width = (usual * 1.001).clamp(FINEST_RAD, COARSEST_RAD);
+        let width = usual.clamp(FINEST_RAD, COARSEST_RAD);
         let (low, high) = if turn {
             (0.0, TAU)
         } else {
             angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)))
         };
-        let count = ((high - low) / width).floor().max(1.0);
+        let count = ((high - low) / width).round().max(1.0);
         let width = (high - low) / count;
         let angles_rad = (0..count as usize).map(|i| low + width * (i as f64 + 0.5)).collect();
         Self { angles_rad, reach_rad: width / 2.0, turn }

@@ -6,11 +6,11 @@
 //! `u = δ_u + ω_v h`, `v = δ_v − ω_u h`, `w = δ_w`; a ball set off the axis by s turns with it: `R_w(θ) s`.
 //! Limits: R-test readings (three components); the axis lies along a coordinate of its carrier.
 
+use super::relative::tool_against_table_mm;
 use crate::methods::{Method, MethodError, one_machine};
 use nalgebra::{Point3, Vector3};
-use trunnion_instruments::predict;
-use trunnion_machine::{Errors, JointErrors, Machine, Side};
-use trunnion_measurement::{InstrumentKind, NestSide, Point, Run, RunKind, Setup};
+use trunnion_machine::{JointErrors, Machine, Side};
+use trunnion_measurement::{InstrumentKind, Point, Run, RunKind, Setup};
 use trunnion_units::convert::{deg_from_rad, rad_from_deg};
 use trunnion_units::{AxisLetter, AxisValues};
 
@@ -213,13 +213,8 @@ impl<'a> Placed<'a> {
     }
 
     fn turned(&self, setup: &Setup, point: &Point) -> Turned {
-        let (position, none) = (&point.state.position, JointErrors::default());
-        let departure_mm =
-            Vector3::from(point.reading_mm) - predict(self.machine, setup, position, &Errors::default());
-        let tool_against_table = match setup.nest {
-            NestSide::Table => self.machine.machine_from_table(position, &none).rotation * departure_mm,
-            NestSide::Spindle => self.machine.machine_from_tool(position, &none).rotation * -departure_mm,
-        };
+        let position = &point.state.position;
+        let tool_against_table = tool_against_table_mm(self.machine, setup, point);
         let carried = match self.side {
             Side::Table => -tool_against_table,
             Side::Tool => tool_against_table,

@@ -45,7 +45,7 @@ fn charts(charts: &[Chart]) -> String {
     for group in charts.chunk_by(|a, b| a.group == b.group) {
         let drawn: String = group.iter().map(figure).collect();
         html += &format!(
-            "<section><h2>{}</h2>\n<div class=\"plots\">{drawn}</div></section>\n",
+            "<section><h2>{}</h2>\n<div class=\"pairs\">{drawn}</div></section>\n",
             escape(&group[0].group)
         );
     }

@@ -20,7 +20,7 @@ pub(super) fn charts(turning: &Turning, heights: &Heights, signs: &Signs) -> Vec
 
 /// Trajectory of the ball and its displacements, setting included.
 fn measured(turning: &Turning, heights: &Heights) -> Vec<Chart> {
-    let group = "Displacement of the ball as measured, mean of the passes (S0 Fig. 5–10)";
+    let group = "Displacement of the ball as measured, mean of the passes (S0 Fig. 6–10)";
     let [u, v, _] = turning.frame;
     let path = |set: &HeightFit| {
         let mut points: Vec<_> = set.measured_mm.iter().flatten().map(|m| (m.x, m.y)).collect();
@@ -30,7 +30,7 @@ fn measured(turning: &Turning, heights: &Heights) -> Vec<Chart> {
         Curve::new(set.name.clone(), points)
     };
     let mut charts = vec![Chart {
-        group: group.into(),
+        group: "Trajectory of the ball as measured, mean of the passes (S0 Fig. 5, 8)".into(),
         title: format!("Trajectory in {u} and {v}"),
         plot: Plot::Path {
             unit: Unit::UM,
