@@ -2,14 +2,16 @@
 //!
 //! [`physics`] gives its errors (own transforms, own error physics: nothing here is shared with the columns of
 //! a fit), [`truth`] says what is wrong with it and seals that in a file the program never reads, [`motion`]
-//! moves it, [`devices`] speak the real protocols.
+//! moves it, [`compensation`] corrects it as a controller would, [`devices`] speak the real protocols.
 
+pub mod compensation;
 pub mod devices;
 pub mod motion;
 pub mod physics;
 pub mod scenario;
 pub mod truth;
 
+pub use compensation::Compensation;
 pub use physics::hidden::HiddenChoice;
 pub use physics::{Sampler, VirtualMachine};
 pub use truth::{Instrument, NestOn, SimSetup, Truth};

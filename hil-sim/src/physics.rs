@@ -4,7 +4,7 @@
 //! [METHODS §1, S1 eq. 4]. Nest in the spindle: `reading = p_table − p_tool`, machine axes (S0).
 //! Ball bar: `|p_tool − p_table| − L` [METHODS §5]. All exact, the poses from `chain`.
 
-mod chain;
+pub(crate) mod chain;
 pub mod disturbance;
 pub mod grid;
 pub mod hidden;
@@ -15,6 +15,7 @@ mod sampler;
 pub use disturbance::Disturbance;
 pub use sampler::Sampler;
 
+use crate::compensation::{CannotCorrect, Compensation};
 use crate::truth::{Instrument, NestOn, Truth};
 use hidden::Scene;
 use nalgebra::Point3;
@@ -27,6 +28,7 @@ pub struct VirtualMachine {
     machine: Machine,
     truth: Truth,
     natural: Vec<NaturalMotion>,
+    compensation: Option<Compensation>,
 }
 
 /// The truth belongs to another machine.
@@ -47,7 +49,16 @@ impl VirtualMachine {
             return Err(OtherMachine { truth: truth.machine, machine: machine.name });
         }
         let natural = natural::draw(&machine, truth.noise.natural_motion_mm, truth.seed);
-        Ok(Self { machine, truth, natural })
+        Ok(Self { machine, truth, natural, compensation: None })
+    }
+
+    /// The same machine with its controller compensating.
+    ///
+    /// # Errors
+    /// When its axes cannot correct the tool point.
+    pub fn compensated(self, compensation: Compensation) -> Result<Self, CannotCorrect> {
+        compensation.fits(&self.machine)?;
+        Ok(Self { compensation: Some(compensation), ..self })
     }
 
     /// The nominal machine.
@@ -71,7 +82,10 @@ impl VirtualMachine {
     /// The reading with something on top of all the truth says.
     fn disturbed_reading_mm(&self, setup: usize, state: &State, extra: Disturbance) -> [f64; 3] {
         let wrong = self.disturbance(setup, state) + extra;
-        let pose = |side| chain::machine_from_tip(&self.machine, side, &state.position, &wrong.joints);
+        let compensation = self.compensation.as_ref();
+        let corrected = compensation.and_then(|table| table.corrected(&self.machine, &state.position));
+        let position = corrected.unwrap_or(state.position);
+        let pose = |side| chain::machine_from_tip(&self.machine, side, &position, &wrong.joints);
         let (machine_from_table, machine_from_tool) = (pose(Side::Table), pose(Side::Tool));
         let tool_in_machine = machine_from_tool * Point3::origin() + wrong.tool_in_machine_mm;
         let placed = &self.truth.setups[setup];

@@ -8,8 +8,8 @@ mod outcome;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, check_config, compare, daemon, demo, diagnose, export, identify, import, ladder, nc_program, plan,
-    remove, replay, simulate,
+    add, check_config, compare, compensation, daemon, demo, diagnose, export, identify, import, ladder,
+    nc_program, plan, remove, replay, simulate,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -38,6 +38,7 @@ enum Command {
     Ladder(ladder::Args),
     Plan(plan::Args),
     NcProgram(nc_program::Args),
+    Compensation(compensation::Args),
     Simulate(simulate::Args),
 }
 
@@ -57,6 +58,7 @@ fn main() -> ExitCode {
         Command::Ladder(args) => ladder::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::NcProgram(args) => nc_program::run(&args),
+        Command::Compensation(args) => compensation::run(&args),
         Command::Simulate(args) => simulate::run(&args),
     };
     match outcome {

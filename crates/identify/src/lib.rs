@@ -1,5 +1,6 @@
 //! From points to parameters: design matrix, fit, null space, uncertainties.
 
+mod axis_errors;
 mod design;
 pub mod experiment;
 pub mod findings;
@@ -28,6 +29,7 @@ mod uncertainty;
 mod variances;
 mod weights;
 
+pub use axis_errors::{AxisErrors, AxisTable, NotTabulated};
 pub use experiment::{Experiment, ExperimentError};
 pub use findings::Findings;
 pub use fit::identify;

@@ -1,10 +1,11 @@
 //! Reports: one self-contained HTML page with its plots, and tables for the terminal.
 //!
-//! NC programs of cycles ([`nc`]) in the dialects of the controllers.
+//! NC programs of cycles ([`nc`]) and compensation tables ([`compensation`]) in the dialects of the controllers.
 //!
 //! Everything takes plain data ([`CompareInput`]) and returns a string; nothing opens a file or asks a clock. Screens
 //! show mm, µm, degrees and µrad; `residual = measured − predicted` everywhere.
 
+pub mod compensation;
 mod findings;
 mod from_results;
 mod html;

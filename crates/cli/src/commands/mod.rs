@@ -3,6 +3,7 @@
 pub mod add;
 pub mod check_config;
 pub mod compare;
+pub mod compensation;
 pub mod daemon;
 pub mod demo;
 pub mod diagnose;

@@ -5,7 +5,7 @@ use crate::outcome::{self, Outcome};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
-use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth};
+use trunnion_hil_sim::{Compensation, Instrument, NestOn, SimSetup, Truth};
 use trunnion_machine::{Machine, State};
 use trunnion_measurement::cycle::{Motion, Pace};
 use trunnion_measurement::{Cycle, InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
@@ -31,6 +31,9 @@ pub struct Args {
     /// Points a second on the fly
     #[arg(long, value_name = "RATE", default_value_t = Pace::default().points_per_s)]
     points_per_s: f64,
+    /// Compensation file that the simulated controller applies (ISG CSV, Etalon exchange, plain CSV)
+    #[arg(long, value_name = "FILE")]
+    compensation: Option<PathBuf>,
     /// Recording to write
     #[arg(short, long, value_name = "RUN.MCAP")]
     output: PathBuf,
@@ -44,10 +47,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let truth = Truth::parse(&args.truth.display().to_string(), &text)?;
     let machine = load::machine(&truth.machine)?;
     let machine_text = load::machine_text(&truth.machine)?;
-    let simulated = match &args.cycle {
+    let mut simulated = match &args.cycle {
         Some(path) => cycle_run(args, path, &machine, &truth)?,
         None => standard_run(args, &machine, &truth)?,
     };
+    if let Some(path) = &args.compensation {
+        let table = Compensation::parse(&path.display().to_string(), &load::read(path)?)?;
+        simulated.machine = simulated.machine.compensated(table)?;
+    }
     let mut sampler = Sampler::new(&simulated.machine, simulated.noise);
     let points = simulated
         .states

@@ -1,0 +1,103 @@
+//! `trunnion compensation`: what a model says of each axis as tables for the controller.
+
+use crate::load::{self, ModelArgs, RunArgs};
+use crate::outcome::{self, Outcome};
+use anyhow::{Context, bail};
+use std::path::PathBuf;
+use trunnion_identify::{AxisErrors, AxisTable};
+use trunnion_report::compensation::{self, Values};
+use trunnion_units::convert::{um_from_mm, urad_from_rad};
+
+/// Write the axis errors of a model as compensation tables
+///
+/// Location errors and the errors of each axis over its own position. Effects that depend on anything else (direction, time,
+/// temperature, another axis) are not in the tables; the file names them. Without --corrections the values are errors
+/// (actual - nominal): the control must apply the opposite.
+///
+/// Example: trunnion compensation run.mcap --model machine.model.toml --format isg -o machine.csv
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    runs: RunArgs,
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Format of the file
+    #[arg(long, value_parser = compensation::FORMATS.map(|format| format.name))]
+    format: String,
+    /// Write corrections (-error) instead of errors
+    #[arg(long)]
+    corrections: bool,
+    /// File to write; without it, standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Print what is in the file and what is left out as JSON (format trunnion-compensation-summary/1)
+    #[arg(long, requires = "output")]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let format = compensation::format(&args.format).context("the command line allows known formats only")?;
+    let (runs, outcome) = load::runs(&args.runs)?;
+    let (experiment, model) = load::experiment(&runs, &args.model)?;
+    let fit = trunnion_identify::identify(&experiment, &model, &trunnion_identify::Options::default())?;
+    let errors = AxisErrors::new(&experiment, &model, &fit)?;
+    if errors.axes.is_empty() {
+        let why: Vec<String> = errors.left_out.iter().map(|l| format!("{}: {}", l.effect, l.why)).collect();
+        bail!("nothing of the model can be put into tables of axis errors ({})", why.join("; "));
+    }
+    let values = if args.corrections { Values::Corrections } else { Values::Errors };
+    let text = (format.write)(&errors, values);
+    let Some(path) = &args.output else {
+        outcome::print(&text)?;
+        return Ok(outcome);
+    };
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    if args.json {
+        outcome::print_json(&serde_json::json!({
+            "format": "trunnion-compensation-summary/1",
+            "machine": errors.machine,
+            "runs": errors.runs,
+            "values": if args.corrections { "correction" } else { "error" },
+            "holds": errors.effects,
+            "left_out": errors.left_out.iter().map(|l| serde_json::json!({"effect": l.effect, "why": l.why})).collect::<Vec<_>>(),
+            "axes": errors.axes.iter().map(|table| serde_json::json!({
+                "axis": table.axis.as_str(),
+                "rows": table.positions.len(),
+                "whole_turn": table.whole_turn,
+            })).collect::<Vec<_>>(),
+            "written": path.display().to_string(),
+        }))?;
+    } else {
+        outcome::print(&summary(&errors, &path.display().to_string()))?;
+    }
+    Ok(outcome)
+}
+
+fn summary(errors: &AxisErrors, path: &str) -> String {
+    let mut text = format!("{path}: {}\n", errors.effects.join(", "));
+    for table in &errors.axes {
+        text += &format!("  {}  {}\n", table.axis, sizes(table));
+    }
+    for left_out in &errors.left_out {
+        text += &format!("  not in it: {}: {}\n", left_out.effect, left_out.why);
+    }
+    text
+}
+
+fn sizes(table: &AxisTable) -> String {
+    let location = &table.location;
+    let place = format!(
+        "location up to {:.1} µm, {:.1} µrad",
+        um_from_mm(location.translation_mm.amax()),
+        urad_from_rad(location.rotation_rad.amax())
+    );
+    let most = |of: fn(&trunnion_units::Twist) -> f64| table.errors.iter().map(of).fold(0.0, f64::max);
+    match table.positions.len() {
+        0 => place,
+        rows => format!(
+            "{place}; {rows} rows up to {:.1} µm, {:.1} µrad",
+            um_from_mm(most(|twist| twist.translation_mm.amax())),
+            urad_from_rad(most(|twist| twist.rotation_rad.amax()))
+        ),
+    }
+}

@@ -1,0 +1,54 @@
+//! Plain comma-separated values: one number a line, for spreadsheets and other programs.
+//!
+//! `parameter,axis,argument,argument_unit,value,value_unit`: a location error (EX0C, …) has no argument, a component error
+//! (EXC, …) has one line for each position. Lines that begin with `#` are remarks, the first of them names the format.
+
+use super::{Format, Values, argument, components, header, number};
+use trunnion_identify::AxisErrors;
+use trunnion_units::AxisLetter;
+
+pub(super) static FORMAT: Format = Format {
+    name: "csv",
+    readers: "spreadsheets, other programs",
+    source: "this file; symbols of ISO 230-1",
+    ending: "csv",
+    write,
+};
+
+fn write(errors: &AxisErrors, values: Values) -> String {
+    let mut text = String::from("# trunnion-compensation/1\n");
+    for line in header(errors, values) {
+        text += &format!("# {line}\n");
+    }
+    text += "parameter,axis,argument,argument_unit,value,value_unit\n";
+    for table in &errors.axes {
+        let axis = table.axis;
+        let argument_unit = if axis.is_rotary() { "deg" } else { "mm" };
+        for (k, value) in
+            components(&table.location).into_iter().enumerate().filter(|(_, value)| *value != 0.0)
+        {
+            let direction = AxisLetter::ALL[k];
+            text += &format!(
+                "E{direction}0{axis},{axis},,,{},{}\n",
+                number(value * values.sign()),
+                unit(direction)
+            );
+        }
+        for k in 0..6 {
+            let direction = AxisLetter::ALL[k];
+            for (position, twist) in table.positions.iter().zip(&table.errors) {
+                text += &format!(
+                    "E{direction}{axis},{axis},{},{argument_unit},{},{}\n",
+                    argument(axis, *position),
+                    number(components(twist)[k] * values.sign()),
+                    unit(direction)
+                );
+            }
+        }
+    }
+    text
+}
+
+fn unit(direction: AxisLetter) -> &'static str {
+    if direction.is_rotary() { "rad" } else { "mm" }
+}

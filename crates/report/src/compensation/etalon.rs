@@ -1,0 +1,42 @@
+//! Etalon exchange format, variant "Vendor", as far as it is documented by those who read it.
+//!
+//! Like an INI file: a block begins with the name of the parameter in brackets; `VALUE = …` is a constant (position errors
+//! X0B … C0C), `Gridpoints = { argument value … }` a table, one pair a line. `//` begins a remark. mm and rad; arguments mm
+//! and degrees. The format is proprietary and its whole description not public: written here is what the ISG documentation
+//! shows of it, and nothing else.
+
+use super::{Format, Values, argument, components, header, number};
+use trunnion_identify::AxisErrors;
+use trunnion_units::AxisLetter;
+
+pub(super) static FORMAT: Format = Format {
+    name: "etalon",
+    readers: "ISG-kernel CNC, Beckhoff TwinCAT 3 CNC (file_format ETALON_EXCHANGE)",
+    source: "ISG functional description C26 / Beckhoff TF5280 Volumetric Compensation: Etalon Exchange Format, Units of measure",
+    ending: "txt",
+    write,
+};
+
+fn write(errors: &AxisErrors, values: Values) -> String {
+    let mut text: String = header(errors, values).iter().map(|line| format!("// {line}\n")).collect();
+    for table in &errors.axes {
+        for (k, value) in
+            components(&table.location).into_iter().enumerate().filter(|(_, value)| *value != 0.0)
+        {
+            let name = format!("{}0{}", AxisLetter::ALL[k], table.axis);
+            text += &format!("[{name}]\nVALUE = {}\n", number(value * values.sign()));
+        }
+    }
+    for table in errors.axes.iter().filter(|table| !table.positions.is_empty()) {
+        for k in 0..6 {
+            let name = format!("E{}{}", AxisLetter::ALL[k], table.axis);
+            text += &format!("[{name}]\nGridpoints = {{\n");
+            for (position, twist) in table.positions.iter().zip(&table.errors) {
+                let value = components(twist)[k] * values.sign();
+                text += &format!("{} {}\n", argument(table.axis, *position), number(value));
+            }
+            text += &format!("}} // end of {name}\n");
+        }
+    }
+    text
+}

@@ -1,0 +1,107 @@
+//! Volumetric compensation as a controller does it: the axes go elsewhere, so that the tool point is where it should be.
+//!
+//! The controller holds the table e(q) of joint errors and, for a commanded q, looks for linear axes q' with
+//! `table_from_tool(q', e(q'))·0 = table_from_tool(q, 0)·0`, the tool point in table axes. The positions on its screen stay
+//! the commanded ones. Orientation is left as it is. Reading the files and moving the axes share no code with the estimator.
+
+mod read;
+
+use crate::physics::chain::machine_from_tip;
+use nalgebra::{Matrix3, Point3, Vector3};
+use trunnion_machine::{Machine, Side};
+use trunnion_units::{AxisLetter, AxisValues, Twist};
+
+/// Newton steps; errors are small, so that the second changes nothing that could be seen.
+const STEPS: usize = 3;
+/// A table that spans a whole turn this closely goes on periodically, rad.
+const TURN_TOLERANCE: f64 = 1e-6;
+
+/// What the controller believes of its axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compensation {
+    /// Constant joint errors, mm and rad.
+    location: AxisValues<Twist>,
+    /// Joint errors over the position of the joint.
+    tables: Vec<Table>,
+}
+
+/// Component errors of one axis.
+#[derive(Clone, Debug, PartialEq)]
+struct Table {
+    axis: AxisLetter,
+    /// mm or rad, rising.
+    positions: Vec<f64>,
+    /// As many, mm and rad.
+    errors: Vec<Twist>,
+}
+
+/// A machine whose controller cannot correct the tool point.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("machine {machine} cannot correct its tool point in three directions; it needs three linear axes")]
+pub struct CannotCorrect {
+    machine: String,
+}
+
+impl Compensation {
+    /// Joint errors the controller expects at a commanded position.
+    pub fn errors_at(&self, position: &AxisValues<f64>) -> AxisValues<Twist> {
+        let mut errors = self.location;
+        for table in &self.tables {
+            errors[table.axis] += table.at(position[table.axis]);
+        }
+        errors
+    }
+
+    /// Where the axes really go when `position` is commanded; `None` when the linear axes cannot.
+    pub fn corrected(&self, machine: &Machine, position: &AxisValues<f64>) -> Option<AxisValues<f64>> {
+        let none = AxisValues::default();
+        let wanted = tool_in_table(machine, position, &none);
+        let mut corrected = *position;
+        for _ in 0..STEPS {
+            let gap = wanted - tool_in_table(machine, &corrected, &self.errors_at(&corrected));
+            let mut slope = Matrix3::zeros();
+            for (i, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
+                let mut moved = corrected;
+                moved[letter] += 1.0;
+                let travel =
+                    tool_in_table(machine, &moved, &none) - tool_in_table(machine, &corrected, &none);
+                slope.set_column(i, &travel);
+            }
+            let step: Vector3<f64> = slope.try_inverse()? * gap;
+            for (i, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
+                corrected[letter] += step[i];
+            }
+        }
+        Some(corrected)
+    }
+
+    /// # Errors
+    /// When the machine's linear axes cannot move the tool point in all directions.
+    pub(crate) fn fits(&self, machine: &Machine) -> Result<(), CannotCorrect> {
+        match self.corrected(machine, &AxisValues::default()) {
+            Some(_) => Ok(()),
+            None => Err(CannotCorrect { machine: machine.name.clone() }),
+        }
+    }
+}
+
+impl Table {
+    /// Straight lines between the rows; beyond the ends the end values, unless it is a whole turn.
+    fn at(&self, position: f64) -> Twist {
+        let (first, last) = (self.positions[0], self.positions[self.positions.len() - 1]);
+        let turn = std::f64::consts::TAU;
+        let whole = self.axis.is_rotary() && (last - first - turn).abs() < TURN_TOLERANCE;
+        let here = if whole { first + (position - first).rem_euclid(turn) } else { position };
+        let here = here.clamp(first, last);
+        let above = self.positions.partition_point(|row| *row <= here).clamp(1, self.positions.len() - 1);
+        let (low, high) = (self.positions[above - 1], self.positions[above]);
+        let share = (here - low) / (high - low);
+        self.errors[above - 1] * (1.0 - share) + self.errors[above] * share
+    }
+}
+
+fn tool_in_table(machine: &Machine, position: &AxisValues<f64>, errors: &AxisValues<Twist>) -> Point3<f64> {
+    let machine_from_table = machine_from_tip(machine, Side::Table, position, errors);
+    machine_from_table.inverse()
+        * (machine_from_tip(machine, Side::Tool, position, errors) * Point3::origin())
+}
