@@ -1,13 +1,12 @@
 //! The virtual machine: poses with errors, and what an instrument between tool and table reads.
 //!
-//! R-test, nest on the table: `reading = table_from_machine·p_tool − nominal nest + setting`, table axes
-//! [METHODS §1, S1 eq. 4]. Nest in the spindle: `reading = p_table − p_tool`, machine axes (S0).
-//! Ball bar: `|p_tool − p_table| − L` [METHODS §5]. All exact, the poses from `chain`.
+//! All exact, the poses from `chain`, the readings from `instruments`.
 
 pub(crate) mod chain;
 pub mod disturbance;
 pub mod grid;
 pub mod hidden;
+mod instruments;
 mod legs;
 pub(crate) mod natural;
 mod sampler;
@@ -16,9 +15,8 @@ pub use disturbance::Disturbance;
 pub use sampler::Sampler;
 
 use crate::compensation::{CannotCorrect, Compensation};
-use crate::truth::{Instrument, NestOn, Truth};
+use crate::truth::Truth;
 use hidden::Scene;
-use nalgebra::Point3;
 use natural::NaturalMotion;
 use trunnion_machine::{Machine, Side, State};
 
@@ -86,23 +84,14 @@ impl VirtualMachine {
         let corrected = compensation.and_then(|table| table.corrected(&self.machine, &state.position));
         let position = corrected.unwrap_or(state.position);
         let pose = |side| chain::machine_from_tip(&self.machine, side, &position, &wrong.joints);
-        let (machine_from_table, machine_from_tool) = (pose(Side::Table), pose(Side::Tool));
-        let tool_in_machine = machine_from_tool * Point3::origin() + wrong.tool_in_machine_mm;
-        let placed = &self.truth.setups[setup];
-        let setting = placed.setting_mm + wrong.setting_in_table_mm;
-        let nominal_in_table = placed.setup.ball_in_table_mm;
-        let ball_in_machine = machine_from_table * (nominal_in_table + setting) + wrong.table_in_machine_mm;
-        match (placed.setup.instrument, placed.setup.nest) {
-            (Instrument::RTest, NestOn::Table) => {
-                let tool_in_table =
-                    machine_from_table.inverse() * (tool_in_machine - wrong.table_in_machine_mm);
-                (tool_in_table - nominal_in_table + setting).into()
-            }
-            (Instrument::RTest, NestOn::Spindle) => (ball_in_machine - tool_in_machine).into(),
-            (Instrument::BallBar { length_mm }, _) => {
-                [(tool_in_machine - ball_in_machine).norm() - length_mm, 0.0, 0.0]
-            }
-        }
+        let poses = instruments::Poses {
+            machine_from_table: pose(Side::Table),
+            machine_from_tool: pose(Side::Tool),
+            table_in_machine_mm: wrong.table_in_machine_mm,
+            tool_in_machine_mm: wrong.tool_in_machine_mm,
+            setting_in_table_mm: wrong.setting_in_table_mm,
+        };
+        instruments::read_mm(&self.truth.setups[setup], state.target, &poses)
     }
 
     fn disturbance(&self, setup: usize, state: &State) -> Disturbance {

@@ -24,7 +24,7 @@ fn machine() -> Machine {
 
 fn placed(name: &str, z: f64, instrument: Instrument) -> SimSetup {
     let ball_in_table_mm = Point3::new(150.0, 0.0, z);
-    SimSetup { name: name.into(), nest: NestOn::Table, ball_in_table_mm, instrument }
+    SimSetup::new(name, NestOn::Table, ball_in_table_mm, instrument)
 }
 
 fn setup_of(placed: &SimSetup) -> Setup {
@@ -33,7 +33,7 @@ fn setup_of(placed: &SimSetup) -> Setup {
         Instrument::BallBar { length_mm } => (InstrumentKind::BallBar, Some(length_mm)),
     };
     let ball_in_table_mm = placed.ball_in_table_mm;
-    Setup { name: placed.name.clone(), instrument, nest: NestSide::Table, ball_in_table_mm, bar_length_mm }
+    Setup { bar_length_mm, ..Setup::new(&placed.name, instrument, NestSide::Table, ball_in_table_mm) }
 }
 
 /// A run over `states` of the truth's setups `of`, which become setups 0, 1, … of the run.

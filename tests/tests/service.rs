@@ -51,11 +51,8 @@ async fn a_probe_unplugged_for_three_seconds_leaves_a_gap_and_the_cycle_goes_on_
     let setups: Vec<SimSetup> = cycle
         .setups
         .iter()
-        .map(|setup| SimSetup {
-            name: setup.name.clone(),
-            nest: NestOn::Table,
-            ball_in_table_mm: setup.ball_in_table_mm,
-            instrument: Instrument::RTest,
+        .map(|setup| {
+            SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::RTest)
         })
         .collect();
     let pace = Pace { move_s: 0.06, dwell_s: 0.1 };

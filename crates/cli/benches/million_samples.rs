@@ -48,12 +48,7 @@ fn main() {
 fn make(path: &Path) {
     let machine = shipped::machine("table-bc").unwrap();
     let setups: Vec<SimSetup> = [("low", 60.0), ("high", 160.0)]
-        .map(|(name, z)| SimSetup {
-            name: name.into(),
-            nest: NestOn::Table,
-            ball_in_table_mm: Point3::new(150.0, 0.0, z),
-            instrument: Instrument::RTest,
-        })
+        .map(|(name, z)| SimSetup::new(name, NestOn::Table, Point3::new(150.0, 0.0, z), Instrument::RTest))
         .into();
     let hidden = [HiddenChoice { id: "servo-lag:X".into(), sigma: 1.0 }];
     let truth = Truth::draw(&machine, &setups, &hidden, 1200.0, 7).unwrap();
@@ -85,12 +80,8 @@ fn make(path: &Path) {
             }
         }
     }
-    let setups = setups.iter().map(|placed| Setup {
-        name: placed.name.clone(),
-        instrument: InstrumentKind::RTest,
-        nest: NestSide::Table,
-        ball_in_table_mm: placed.ball_in_table_mm,
-        bar_length_mm: None,
+    let setups = setups.iter().map(|placed| {
+        Setup::new(placed.name.clone(), InstrumentKind::RTest, NestSide::Table, placed.ball_in_table_mm)
     });
     let run = Run {
         name: "million-samples".into(),

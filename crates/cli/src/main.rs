@@ -5,6 +5,7 @@
 mod commands;
 mod load;
 mod outcome;
+mod virtual_setup;
 
 use clap::{Parser, Subcommand};
 use commands::{

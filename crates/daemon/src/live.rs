@@ -15,7 +15,7 @@ use trunnion_acquire::{
 };
 use trunnion_machine::Machine;
 use trunnion_measurement::cycle::Motion;
-use trunnion_measurement::{Cycle, Event, Gap, InstrumentKind, Point, Quality, Run, RunKind};
+use trunnion_measurement::{Cycle, Event, Gap, InstrumentKind, Point, Quality, Run};
 use trunnion_record::{Item, RecordSender, Temperature};
 use trunnion_units::{AxisLetter, Clock, HostTime};
 
@@ -52,6 +52,16 @@ pub enum PlanError {
         instrument: &'static str,
         /// Roles needed.
         needed: &'static str,
+    },
+    /// Something the service cannot read from its own devices.
+    #[error(
+        "cycle {cycle} measures with {what}, which is not read live; measure with its own software and bring the points with `trunnion import`"
+    )]
+    NotLive {
+        /// Cycle name.
+        cycle: String,
+        /// What is not read live.
+        what: String,
     },
     /// Two kinds of instrument.
     #[error("cycle {cycle} mixes instruments; measure each instrument in a cycle of its own")]
@@ -172,7 +182,15 @@ pub fn check(plan: &Plan) -> Result<Vec<u16>, PlanError> {
     let (bar, needed) = match kind {
         InstrumentKind::BallBar => (true, "bar"),
         InstrumentKind::RTest => (false, "probe-1, probe-2, probe-3"),
+        other => {
+            let cycle = plan.cycle.name.clone();
+            return Err(PlanError::NotLive { cycle, what: format!("the instrument {}", other.name()) });
+        }
     };
+    if let Motion::Path { .. } = plan.cycle.motion {
+        let cycle = plan.cycle.name.clone();
+        return Err(PlanError::NotLive { cycle, what: "a curve of several axes".into() });
+    }
     let instrument = kind.name();
     plan.cycle
         .poses(&plan.machine)
@@ -257,7 +275,7 @@ impl Measurement {
         let axes: Vec<AxisLetter> = plan.machine.axes().map(|axis| axis.letter).collect();
         let calibrations = vec![plan.nest; plan.cycle.setups.len()];
         let reader = match &plan.cycle.motion {
-            Motion::Static { settle, .. } => {
+            Motion::Static { settle, .. } | Motion::Line { settle, .. } => {
                 let poses = plan.cycle.poses(&plan.machine).unwrap_or_default();
                 Reader::Static(Box::new(StaticCycle::new(
                     poses,
@@ -266,6 +284,10 @@ impl Measurement {
                     axes,
                     temperature_channels.len(),
                 )))
+            }
+            Motion::Path { .. } => {
+                let cycle = plan.cycle.name.clone();
+                return Err(PlanError::NotLive { cycle, what: "a curve of several axes".into() });
             }
             Motion::OnTheFly { axis, from_to_rad, .. } => {
                 let rules = SweepRules::new(*axis, *from_to_rad, plan.cycle.sweeps());
@@ -401,10 +423,7 @@ impl Measurement {
     }
 
     fn into_measured(self, plan: &Plan, name: &str) -> Measured {
-        let kind = match plan.cycle.motion {
-            Motion::Static { .. } => RunKind::Static,
-            Motion::OnTheFly { .. } => RunKind::OnTheFly,
-        };
+        let kind = plan.cycle.run_kind();
         let run = Run {
             name: name.into(),
             machine: plan.machine.clone(),

@@ -15,8 +15,7 @@ use trunnion_acquire::{DeviceStatus, Message, Progress, TimeBase};
 use trunnion_effects::Model;
 use trunnion_identify::{Experiment, ExperimentError};
 use trunnion_machine::Machine;
-use trunnion_measurement::cycle::Motion;
-use trunnion_measurement::{Gap, RunKind};
+use trunnion_measurement::Gap;
 use trunnion_protocol::mtconnect::format_timestamp;
 use trunnion_record::{RecordError, Recorder, RecorderHandle, RunHeader};
 use trunnion_units::Clock;
@@ -204,10 +203,7 @@ pub async fn record_cycle(
 fn header(plan: &Plan, texts: &Texts, name: &str, start: &live::Start, clock: &Arc<dyn Clock>) -> RunHeader {
     RunHeader {
         name: name.into(),
-        kind: match plan.cycle.motion {
-            Motion::Static { .. } => RunKind::Static,
-            Motion::OnTheFly { .. } => RunKind::OnTheFly,
-        },
+        kind: plan.cycle.run_kind(),
         machine_name: plan.machine.name.clone(),
         machine_text: texts.machine.clone(),
         setups: plan.cycle.setups.clone(),

@@ -168,7 +168,7 @@ fn base_columns(
     let mut readings = experiment.readings_mm();
     for (i, point) in experiment.points.iter().enumerate() {
         let setup = &experiment.setups[point.state.setup];
-        let nominal = predict(machine, setup, &point.state.position, &Errors::default());
+        let nominal = predict(machine, setup, &point.state, &Errors::default());
         for (k, row) in experiment.rows_of(i).enumerate() {
             readings[row] -= nominal[k];
         }

@@ -171,7 +171,7 @@ fn in_frames(
         Vector3::new(residual_mm[rows.start], residual_mm[rows.start + 1], residual_mm[rows.start + 2]);
     let state = &experiment.points[point].state;
     let machine = experiment.machine();
-    let projector = Projector::new(machine, &experiment.setups[state.setup], &state.position);
+    let projector = Projector::new(machine, &experiment.setups[state.setup], state);
     let (ground, into_ground) = ground_joint(machine, &state.position);
     let unit = |k: usize| projector.column(ground, &Twist::translation(into_ground * Vector3::ith(k, 1.0)));
     // The columns are those of a rotation up to the side of the nest; a joint of the table moves the tool the other way.

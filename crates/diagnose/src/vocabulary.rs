@@ -215,6 +215,7 @@ fn site_text(site: Site) -> String {
         Site::TableBall => "ball".into(),
         Site::SpindleBall => "spindle".into(),
         Site::Reading => "reading".into(),
+        Site::Instrument(k) => format!("instrument:{k}"),
     }
 }
 

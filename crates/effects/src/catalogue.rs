@@ -1,12 +1,14 @@
 //! One file per physical effect, one line here. A test walks the directory and this list.
 
 mod angular_motion;
+mod artefact_form;
 mod axial_error_motion;
 mod backlash;
 mod ball_form;
 mod ball_setting;
 mod ballscrew_pitch;
 mod clamp_shift;
+mod component_errors;
 mod direction_shift;
 mod drive_pitch;
 mod encoder_eccentricity;
@@ -38,7 +40,7 @@ pub use location_errors::conventional_zeros;
 use crate::Effect;
 
 /// Every effect; the two base effects first.
-pub static REGISTRY: [&Effect; 31] = [
+pub static REGISTRY: [&Effect; 33] = [
     &location_errors::EFFECT,
     &ball_setting::EFFECT,
     &gravity_sag::EFFECT,
@@ -58,6 +60,7 @@ pub static REGISTRY: [&Effect; 31] = [
     &linear_scale::EFFECT,
     &straightness::EFFECT,
     &angular_motion::EFFECT,
+    &component_errors::EFFECT,
     &squareness::EFFECT,
     &ballscrew_pitch::EFFECT,
     &servo_lag::EFFECT,
@@ -69,6 +72,7 @@ pub static REGISTRY: [&Effect; 31] = [
     &probe_nonlinearity::EFFECT,
     &nest_rotation::EFFECT,
     &ball_form::EFFECT,
+    &artefact_form::EFFECT,
     &vibration::EFFECT,
 ];
 

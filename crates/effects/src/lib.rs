@@ -26,5 +26,5 @@ pub use model::{LadderRow, Model, ModelEffect, Moved, Prior};
 pub use need::Need;
 pub use path::Path;
 pub use picture::{Picture, catalogue_pictures};
-pub use scene::{Scene, SceneSetup};
+pub use scene::{PLACES_OF_A_VOLUME, Scene, SceneArtefact, SceneSetting, SceneSetup};
 pub use subjects::{every_axis, every_linear, every_rotary};

@@ -1,11 +1,11 @@
 //! The catalogue as a document for people, `docs/catalogue.md`, with a picture of each effect in `docs/catalogue/`.
 
 use crate::catalogue::{BASE, REGISTRY};
-use crate::{Effect, Instance, Need, Parameter, Scene, SceneSetup, Subject};
+use crate::{Effect, Instance, Need, PLACES_OF_A_VOLUME, Parameter, Scene, SceneSetup, Subject};
 use nalgebra::Point3;
 use std::fmt::Write;
-use trunnion_machine::{Side, State, shipped};
-use trunnion_units::AxisValues;
+use trunnion_machine::{State, shipped};
+use trunnion_units::{AxisLetter, AxisValues};
 
 /// What the numbers in an effect's sources stand for.
 pub const SOURCES: [(&str, &str); 5] = [
@@ -123,14 +123,8 @@ fn parameters(effect: &Effect) -> String {
     let machine = shipped::machine("table-bc").expect("shipped machines parse (tested)");
     let instance =
         Instance::find(effect.example.id, &machine).expect("examples are effects of table-bc (tested)");
-    let setup = SceneSetup {
-        name: "low".into(),
-        components: &["x", "y", "z"],
-        nest: Side::Table,
-        ball_in_table_mm: Point3::new(150.0, 0.0, 60.0),
-        run: 0,
-    };
-    // Two states that differ in everything, so that every effect is within reach.
+    let setup = SceneSetup::r_test("low", Point3::new(150.0, 0.0, 60.0)).with_plate();
+    // States that differ in everything, some with the rotary axes standing, so that every effect is within reach.
     let state = |s: f64| State {
         position: AxisValues::from_fn(|_| s),
         direction: AxisValues::from_fn(|_| 2.0 * s - 1.0),
@@ -141,7 +135,14 @@ fn parameters(effect: &Effect) -> String {
         deflection_mm: nalgebra::Vector3::repeat(s),
         ..State::default()
     };
-    let states = [state(0.0), state(1.0)];
+    let standing = (0..PLACES_OF_A_VOLUME).map(|i| {
+        let mut standing = state(1.0);
+        for letter in AxisLetter::LINEAR {
+            standing.position[letter] = i as f64;
+        }
+        standing
+    });
+    let states: Vec<State> = [state(0.0)].into_iter().chain(standing).collect();
     let scene = Scene::new(machine, vec![setup], vec!["frame".into()], states.iter());
     let text = |p: &Parameter| format!("`{}` {}", p.name, p.unit.text());
     let all: Vec<String> = instance.parameters(&scene).iter().map(text).collect();

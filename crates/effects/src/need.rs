@@ -44,13 +44,17 @@ pub enum Need {
     AnotherLoad,
     /// A return to the first pose, or a wait and a repeat.
     Return,
+    /// Many places of the axis while the rotary axes stand at one pose.
+    Volume,
+    /// An artefact with several targets.
+    Targets,
     /// The ball moved by known steps (nest calibration).
     KnownSteps,
 }
 
 impl Need {
     /// Every need.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::Travel,
         Self::BothDirections,
         Self::OnTheFly,
@@ -69,6 +73,8 @@ impl Need {
         Self::FinerStep,
         Self::AnotherLoad,
         Self::Return,
+        Self::Volume,
+        Self::Targets,
         Self::KnownSteps,
     ];
 
@@ -95,6 +101,8 @@ impl Need {
             Self::FinerStep => "a finer step of the poses, or readings on the fly",
             Self::AnotherLoad => "another load on the table",
             Self::Return => "a return to the first pose, or a wait and a repeat",
+            Self::Volume => "eight places of the axis or more while the rotary axes stand still",
+            Self::Targets => "an artefact with several targets",
             Self::KnownSteps => "known steps of the ball (nest calibration)",
         }
     }
@@ -129,6 +137,11 @@ impl Need {
             Self::TwoHeights => differ(balls().map(|ball| ball.z).collect()),
             Self::TwoRadii => differ(balls().map(|ball| ball.x.hypot(ball.y)).collect()),
             Self::TwoFeeds => of_axis(&|letter| scene.changes_speed(letter)),
+            Self::Volume => of_axis(&|letter| scene.measures_volume(letter)),
+            Self::Targets => scene
+                .setups
+                .iter()
+                .any(|setup| setup.artefact.as_ref().is_some_and(|artefact| artefact.targets.len() > 1)),
             Self::FinerStep | Self::AnotherLoad | Self::Return | Self::KnownSteps => return None,
         })
     }

@@ -1,10 +1,12 @@
 //! What an effect may know of an experiment besides the state: machine, setups, channels, ranges, histories.
 
+use crate::Unit;
 use crate::history::{History, histories};
 use crate::path::{Path, path};
-use nalgebra::{Point3, Vector3};
-use trunnion_machine::{Machine, Side, State};
-use trunnion_units::{AxisLetter, AxisValues};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
+use std::collections::HashMap;
+use trunnion_machine::{Machine, Side, Site, State};
+use trunnion_units::{AxisLetter, AxisValues, Twist};
 
 /// The experiment an effect is placed in. Built from all points of all runs that are fitted together.
 #[derive(Clone, Debug)]
@@ -21,6 +23,8 @@ pub struct Scene {
     pub position_range: AxisValues<(f64, f64)>,
     /// Smallest step between two positions of each axis, mm and rad; infinite where it stands at one, zero where it was read in motion.
     pub position_step: AxisValues<f64>,
+    /// Most different places of each axis while the rotary axes stand at one pose; at most [`PLACES_OF_A_VOLUME`] are counted.
+    pub places_at_one_pose: AxisValues<usize>,
     /// Usual time from one point to the next, s; `None` without time or with one point.
     pub time_step_s: Option<f64>,
     /// True when any axis moved while it was read.
@@ -57,6 +61,83 @@ pub struct SceneSetup {
     pub ball_in_table_mm: Point3<f64>,
     /// Number of the run it belongs to: each run has its own clock.
     pub run: usize,
+    /// Unknowns of the mounting.
+    pub settings: Vec<SceneSetting>,
+    /// What is measured at several places.
+    pub artefact: Option<SceneArtefact>,
+}
+
+/// An unknown that comes with a mounting: place, zero, inner geometry of the instrument.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneSetting {
+    /// Name, unique in the setup.
+    pub name: &'static str,
+    /// Unit on screens.
+    pub unit: Unit,
+    /// Where it acts.
+    pub site: Site,
+    /// What one unit (1 mm, 1 rad) of it does there.
+    pub twist: Twist,
+}
+
+/// What an effect may know of an artefact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneArtefact {
+    /// Name; setups with the same one measure the same thing.
+    pub name: String,
+    /// Names of its targets; `State::target` indexes them.
+    pub targets: Vec<String>,
+    /// Table axes from artefact axes.
+    pub table_from_artefact: UnitQuaternion<f64>,
+}
+
+impl SceneSetup {
+    /// An R-test with the nest on the table and its place as unknowns, in run 0.
+    pub fn r_test(name: &str, ball_in_table_mm: Point3<f64>) -> Self {
+        Self {
+            name: name.into(),
+            components: &["x", "y", "z"],
+            nest: Side::Table,
+            ball_in_table_mm,
+            run: 0,
+            settings: place(),
+            artefact: None,
+        }
+    }
+
+    /// The same on a plate of two targets, for examples.
+    #[must_use]
+    pub fn with_plate(self) -> Self {
+        let artefact = SceneArtefact {
+            name: "plate".into(),
+            targets: vec!["1".into(), "2".into()],
+            table_from_artefact: UnitQuaternion::identity(),
+        };
+        Self { artefact: Some(artefact), ..self }
+    }
+
+    /// A ball bar, likewise.
+    pub fn ball_bar(name: &str, ball_in_table_mm: Point3<f64>) -> Self {
+        let length = SceneSetting {
+            name: "length",
+            unit: Unit::UM,
+            site: Site::Reading,
+            twist: Twist::translation(-Vector3::x()),
+        };
+        let settings = place().into_iter().chain([length]).collect();
+        Self { components: &["r"], settings, ..Self::r_test(name, ball_in_table_mm) }
+    }
+}
+
+/// Place of the table-side ball, table axes.
+fn place() -> Vec<SceneSetting> {
+    let along = |(k, name)| SceneSetting {
+        name,
+        unit: Unit::UM,
+        site: Site::TableBall,
+        twist: Twist::translation(Vector3::ith(k, 1.0)),
+    };
+    ["x", "y", "z"].into_iter().enumerate().map(along).collect()
 }
 
 impl Scene {
@@ -86,6 +167,7 @@ impl Scene {
                 Vec::new()
             },
             position_range: axis_range(|s, l| s.position[l]),
+            places_at_one_pose: places_at_one_pose(states.clone()),
             position_step: AxisValues::from_fn(|letter| step(states.clone(), letter)),
             on_the_fly: states.clone().any(|s| s.velocity.0.iter().any(|v| *v != 0.0)),
             direction_range: axis_range(|s, l| s.direction[l]),
@@ -130,6 +212,11 @@ impl Scene {
         std::f64::consts::PI / self.position_step[letter]
     }
 
+    /// True when a linear axis was measured all along its travel, not only where it follows the rotary axes.
+    pub fn measures_volume(&self, letter: AxisLetter) -> bool {
+        self.moves(letter) && self.places_at_one_pose[letter] >= PLACES_OF_A_VOLUME
+    }
+
     /// True when the axis came from, or moved in, both directions.
     pub fn both_directions(&self, letter: AxisLetter) -> bool {
         self.direction_range[letter].0 < 0.0 && self.direction_range[letter].1 > 0.0
@@ -169,6 +256,25 @@ impl Scene {
     pub fn varying_channels(&self) -> Vec<usize> {
         (0..self.channels.len()).filter(|&i| differs(self.temperature_range_degc[i])).collect()
     }
+}
+
+/// Places of an axis at one pose of the rotary axes that make it measured by itself.
+pub const PLACES_OF_A_VOLUME: usize = 8;
+
+/// See [`Scene::places_at_one_pose`].
+fn places_at_one_pose<'a>(states: impl Iterator<Item = &'a State>) -> AxisValues<usize> {
+    let rounded = |value: f64| (value / SAME_POSITION).round() as i64;
+    let mut at_pose: HashMap<[i64; 3], AxisValues<Vec<i64>>> = HashMap::new();
+    for state in states {
+        let places = at_pose.entry(AxisLetter::ROTARY.map(|l| rounded(state.position[l]))).or_default();
+        for letter in AxisLetter::LINEAR {
+            let (seen, here) = (&mut places[letter], rounded(state.position[letter]));
+            if seen.len() < PLACES_OF_A_VOLUME && !seen.contains(&here) {
+                seen.push(here);
+            }
+        }
+    }
+    AxisValues::from_fn(|letter| at_pose.values().map(|places| places[letter].len()).max().unwrap_or(0))
 }
 
 /// Smallest step between two positions of an axis at rest; see [`Scene::position_step`].

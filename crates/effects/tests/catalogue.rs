@@ -28,12 +28,15 @@ fn rich_states(machine: &Machine) -> Vec<State> {
                 golden
             }
     };
-    (0..60)
+    // From 60 on at one pose of the rotary axes.
+    (0..75)
         .map(|i| {
             let way = if i % 2 == 0 { 1.0 } else { -1.0 };
             let moving = f64::from(u8::from(i % 3 != 0));
             State {
-                position: AxisValues::from_fn(|l| place(i, l)),
+                position: AxisValues::from_fn(
+                    |l| if l.is_rotary() { place(i.min(60), l) } else { place(i, l) },
+                ),
                 direction: AxisValues::from_fn(|l| if (l as usize).is_multiple_of(2) { way } else { -way }),
                 velocity: AxisValues::from_fn(|l| moving * way * (l as usize + 1) as f64 * 0.1),
                 acceleration: AxisValues::from_fn(|l| moving * (i as f64 * 0.7 + l as usize as f64).sin()),
@@ -41,6 +44,7 @@ fn rich_states(machine: &Machine) -> Vec<State> {
                 time_s: Some(i as f64 * 60.0),
                 temperature_degc: vec![20.0 + (i as f64 / 10.0).sin()],
                 setup: 0,
+                target: i % 2,
                 deflection_mm: Vector3::new(0.1, -0.05, 0.02) * (i as f64).cos(),
             }
         })
@@ -48,13 +52,7 @@ fn rich_states(machine: &Machine) -> Vec<State> {
 }
 
 fn scene(machine: &Machine, states: &[State]) -> Scene {
-    let setup = SceneSetup {
-        name: "low".into(),
-        components: &["x", "y", "z"],
-        nest: Side::Table,
-        ball_in_table_mm: Point3::new(150.0, 0.0, 60.0),
-        run: 0,
-    };
+    let setup = SceneSetup::r_test("low", Point3::new(150.0, 0.0, 60.0)).with_plate();
     let channels = states[0].temperature_degc.iter().map(|_| "frame".to_string()).collect();
     Scene::new(machine.clone(), vec![setup], channels, states.iter())
 }
@@ -134,6 +132,7 @@ fn the_catalogue_has_every_id_of_the_design() {
         "probe-nonlinearity",
         "nest-rotation",
         "ball-form",
+        "artefact-form",
         "vibration",
     ]
     .map(String::from)
@@ -141,7 +140,10 @@ fn the_catalogue_has_every_id_of_the_design() {
     expected.extend(of(&["backlash", "reversal-spike", "servo-lag", "inertial-deflection"], &all));
     expected.extend(of(&["direction-shift", "encoder-eccentricity", "drive-pitch", "clamp-shift"], &rotary));
     expected.extend(of(&["radial-error-motion", "axial-error-motion", "tilt-error-motion"], &rotary));
-    expected.extend(of(&["linear-scale", "straightness", "angular-motion", "ballscrew-pitch"], &linear));
+    expected.extend(of(
+        &["linear-scale", "straightness", "angular-motion", "component-errors", "ballscrew-pitch"],
+        &linear,
+    ));
     let machine = shipped::machine("table-bc").unwrap();
     let found: BTreeSet<String> = Instance::all(&machine).iter().map(Instance::id).collect();
     assert_eq!(found, expected);
@@ -275,6 +277,7 @@ fn what_a_scene_cannot_show_is_out_of_reach() {
         seen,
         [
             "angular-motion:X",
+            "artefact-form",
             "axial-error-motion:B",
             "ball-form",
             "ball-setting",

@@ -98,7 +98,7 @@ fn a_vertical_weight_never_moves_the_frame_along_its_axis() {
 }
 
 fn setup(name: &str, ball_in_table_mm: Point3<f64>, run: usize) -> SceneSetup {
-    SceneSetup { name: name.into(), components: &["x", "y", "z"], nest: Side::Table, ball_in_table_mm, run }
+    SceneSetup { run, ..SceneSetup::r_test(name, ball_in_table_mm) }
 }
 
 /// C turns at 360°/min with X and Y following a ball at radius 200 mm.

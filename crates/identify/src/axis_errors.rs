@@ -126,7 +126,9 @@ impl Fitted {
             let part = twist * self.values[parameter];
             match site {
                 Site::Joint(letter) => joints[letter] += part,
-                Site::TableBall | Site::SpindleBall | Site::Reading => elsewhere |= size(&part) > SAME,
+                Site::TableBall | Site::SpindleBall | Site::Reading | Site::Instrument(_) => {
+                    elsewhere |= size(&part) > SAME;
+                }
             }
         });
         (joints, elsewhere)

@@ -5,10 +5,10 @@
 
 use crate::stream::blocks_of;
 use crate::{IdentifyError, Options};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::ops::Range;
-use trunnion_effects::{Instance, Model, Scene, SceneSetup};
-use trunnion_instruments::Projector;
+use trunnion_effects::{Instance, Model, Scene, SceneArtefact, SceneSetting, SceneSetup, Unit};
+use trunnion_instruments::{Projector, Quantity, instrument};
 use trunnion_machine::{Machine, Side};
 use trunnion_measurement::blocks::Limits;
 use trunnion_measurement::{NestSide, Point, Run, RunKind, Setup};
@@ -133,6 +133,12 @@ impl Experiment {
                 },
                 ball_in_table_mm: setup.ball_in_table_mm,
                 run,
+                settings: settings(setup),
+                artefact: setup.artefact.as_ref().map(|artefact| SceneArtefact {
+                    name: artefact.name.clone(),
+                    targets: artefact.targets.iter().map(|target| target.name.clone()).collect(),
+                    table_from_artefact: artefact.table_from_artefact(),
+                }),
             })
             .collect();
         for point in &mut points {
@@ -175,6 +181,9 @@ impl Experiment {
         let base = Model::base(&self.machine().name);
         let Ok(fit) = crate::identify(self, &base, &Options::quick()) else { return };
         for i in 0..self.points.len() {
+            if !self.setups[self.points[i].state.setup].instrument.deflects_probes() {
+                continue;
+            }
             for (k, row) in self.rows_of(i).enumerate() {
                 self.points[i].state.deflection_mm[k] = fit.predicted_mm[row];
             }
@@ -235,6 +244,13 @@ impl Experiment {
         columns
     }
 
+    /// What the instrument of a point sees of a small displacement of the tool against the table, machine axes: rows its
+    /// components, mm per mm; rows it has not are zero.
+    pub fn seen_of_tool(&self, point: usize) -> Matrix3<f64> {
+        let state = &self.points[point].state;
+        Projector::new(self.machine(), &self.setups[state.setup], state).seen()
+    }
+
     /// Rows of `points`.
     pub fn rows_of_points(&self, points: &Range<usize>) -> Range<usize> {
         self.first_row[points.start]..self.first_row[points.end]
@@ -256,7 +272,7 @@ impl Experiment {
         for i in points {
             let rows = self.rows_of(i);
             let state = &self.points[i].state;
-            let projector = Projector::new(self.machine(), &self.setups[state.setup], &state.position);
+            let projector = Projector::new(self.machine(), &self.setups[state.setup], state);
             for (k, (instance, shape)) in effects.iter().enumerate() {
                 instance.motions(&self.scene, shape, state, &mut |parameter, site, twist| {
                     let seen = projector.column(site, &twist);
@@ -267,4 +283,16 @@ impl Experiment {
             }
         }
     }
+}
+
+/// Unknowns of a mounting, as effects see them.
+fn settings(setup: &Setup) -> Vec<SceneSetting> {
+    let unit = |quantity: Quantity| match quantity {
+        Quantity::Length => Unit::UM,
+        Quantity::Angle => Unit::URAD,
+    };
+    (instrument(setup.instrument).settings)(setup)
+        .into_iter()
+        .map(|s| SceneSetting { name: s.name, unit: unit(s.quantity), site: s.site, twist: s.twist })
+        .collect()
 }

@@ -102,7 +102,7 @@ impl Joint {
                 );
             }
             let setup = &experiment.setups[point.state.setup];
-            let reading = predict(experiment.machine(), setup, &point.state.position, &errors);
+            let reading = predict(experiment.machine(), setup, &point.state, &errors);
             for (component, row) in experiment.rows_of(i).enumerate() {
                 predicted[row] = reading[component];
             }

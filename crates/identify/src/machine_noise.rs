@@ -168,7 +168,7 @@ fn visit(
 ) -> Visit {
     let machine = experiment.machine();
     let state = &experiment.points[point].state;
-    let projector = Projector::new(machine, &experiment.setups[state.setup], &state.position);
+    let projector = Projector::new(machine, &experiment.setups[state.setup], state);
     let new_run = previous.is_none_or(|p| key(p).0 != key(point).0);
     let station_changed = |p: usize| {
         let before = &experiment.points[p].state;

@@ -15,7 +15,7 @@ pub fn reducer(machine: &Machine, setups: &[Setup], limits: Limits) -> Reducer<N
     Reducer::new(
         limits,
         Box::new(move |state: &State| {
-            let nominal = |setup: &Setup| predict(&machine, setup, &state.position, &none);
+            let nominal = |setup: &Setup| predict(&machine, setup, state, &none);
             setups.get(state.setup).map_or_else(Vector3::zeros, nominal).into()
         }),
     )

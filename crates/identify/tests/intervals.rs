@@ -37,12 +37,8 @@ const SLOW: Drift = Drift { sigma_mm: 0.25e-3, tau_s: 150.0 };
 /// Two heights, B −60…60° and C 0…300°, there and back: 120 points in ten minutes.
 fn cycle() -> Run {
     let machine = shipped::machine("table-bc").expect("shipped");
-    let setup = |name: &str, z: f64| Setup {
-        name: name.into(),
-        instrument: InstrumentKind::RTest,
-        nest: NestSide::Spindle,
-        ball_in_table_mm: Point3::new(150.0, 0.0, z),
-        bar_length_mm: None,
+    let setup = |name: &str, z: f64| {
+        Setup::new(name, InstrumentKind::RTest, NestSide::Spindle, Point3::new(150.0, 0.0, z))
     };
     let setups = vec![setup("low", 60.0), setup("high", 160.0)];
     let there: Vec<(i32, i32)> = (-2..=2).flat_map(|b| (0..6).map(move |c| (b, c))).collect();

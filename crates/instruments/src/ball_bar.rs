@@ -2,18 +2,26 @@
 //!
 //! Limits: the bar must have a direction, i.e. the balls must be apart at every position.
 
-use crate::{Contact, Instrument};
+use crate::settings::{offset, place};
+use crate::{Contact, Frame, Inner, Instrument, none};
 use nalgebra::Vector3;
 use trunnion_measurement::{InstrumentKind, Setup};
 
-pub(crate) const INSTRUMENT: Instrument = Instrument { kind: InstrumentKind::BallBar, reading, seen };
+pub(crate) const INSTRUMENT: Instrument = Instrument {
+    kind: InstrumentKind::BallBar,
+    settings: |_| place().into_iter().chain([offset("length", -1.0)]).collect(),
+    reading,
+    seen,
+    frame: |_| Frame::Machine,
+    inner: none,
+};
 
-fn reading(setup: &Setup, contact: &Contact) -> Vector3<f64> {
+pub(crate) fn reading(setup: &Setup, contact: &Contact, _: &Inner) -> Vector3<f64> {
     let length_mm = setup.bar_length_mm.unwrap_or(0.0);
     Vector3::new(contact.apart_in_machine_mm().norm() - length_mm, 0.0, 0.0)
 }
 
-fn seen(_: &Setup, contact: &Contact, tool_against_table: &Vector3<f64>) -> Vector3<f64> {
+pub(crate) fn seen(_: &Setup, contact: &Contact, tool_against_table: &Vector3<f64>) -> Vector3<f64> {
     let along_bar = contact.apart_in_machine_mm().try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
     Vector3::new(along_bar.dot(tool_against_table), 0.0, 0.0)
 }

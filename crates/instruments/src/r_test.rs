@@ -4,13 +4,24 @@
 //! nest in the spindle [S0]: ball sits on the table, reading in tool axes (machine axes when no head turns).
 //! Limits: probe directions and gains are calibrated before (S1 §3.2); cosine errors of the probe tips ignored.
 
-use crate::{Contact, Instrument};
+use crate::settings::place;
+use crate::{Contact, Frame, Inner, Instrument, none};
 use nalgebra::Vector3;
 use trunnion_measurement::{InstrumentKind, NestSide, Setup};
 
-pub(crate) const INSTRUMENT: Instrument = Instrument { kind: InstrumentKind::RTest, reading, seen };
+pub(crate) const INSTRUMENT: Instrument = Instrument {
+    kind: InstrumentKind::RTest,
+    settings: |_| place(),
+    reading,
+    seen,
+    frame: |setup| match setup.nest {
+        NestSide::Table => Frame::Table,
+        NestSide::Spindle => Frame::Tool,
+    },
+    inner: none,
+};
 
-fn reading(setup: &Setup, contact: &Contact) -> Vector3<f64> {
+fn reading(setup: &Setup, contact: &Contact, _: &Inner) -> Vector3<f64> {
     seen(setup, contact, &contact.apart_in_machine_mm())
 }
 

@@ -1,20 +1,32 @@
 use super::*;
 use trunnion_machine::shipped;
-use trunnion_measurement::NestSide;
+use trunnion_measurement::{Artefact, NestSide, Target};
+
+/// A setup of this kind with all it needs.
+pub(crate) fn setup_of(kind: InstrumentKind) -> Setup {
+    let target = |name: &str, at: [f64; 3]| Target {
+        name: name.into(),
+        at_mm: Vector3::from(at),
+        normal: kind.has_normals().then(|| Unit::new_normalize(Vector3::new(1.0, -0.4, 0.3))),
+    };
+    let artefact = Artefact {
+        name: "column".into(),
+        turned_rad: Vector3::new(0.3, -0.2, 1.0),
+        targets: vec![target("1", [0.0; 3]), target("2", [30.0, -10.0, 50.0])],
+    };
+    Setup {
+        bar_length_mm: kind.keeps_bar_length().then_some(100.0),
+        ball_in_tool_mm: Point3::new(0.0, 3.0, -40.0),
+        direction: Some(Unit::new_normalize(Vector3::new(1.0, -2.0, 0.5))),
+        arms_mm: Some([150.0, 170.0]),
+        artefact: kind.has_targets().then_some(artefact),
+        ..Setup::new("low", kind, NestSide::Table, Point3::new(150.0, 20.0, 60.0))
+    }
+}
 
 fn setups() -> Vec<Setup> {
-    let base = Setup {
-        name: "low".into(),
-        instrument: InstrumentKind::RTest,
-        nest: NestSide::Table,
-        ball_in_table_mm: Point3::new(150.0, 20.0, 60.0),
-        bar_length_mm: None,
-    };
-    vec![
-        base.clone(),
-        Setup { nest: NestSide::Spindle, ..base.clone() },
-        Setup { instrument: InstrumentKind::BallBar, bar_length_mm: Some(100.0), ..base },
-    ]
+    let spindle = Setup { nest: NestSide::Spindle, ..setup_of(InstrumentKind::RTest) };
+    InstrumentKind::NAMES.into_iter().map(|(_, kind)| setup_of(kind)).chain([spindle]).collect()
 }
 
 #[test]
@@ -35,17 +47,18 @@ fn columns_are_the_derivatives_of_the_exact_prediction() {
             let mut q = AxisValues::default();
             (q[AxisLetter::A], q[AxisLetter::B], q[AxisLetter::C]) = (0.5, -0.8, 2.1);
             let mut q = machine.follow(&q, &setup.ball_in_table_mm).unwrap();
-            if setup.instrument == InstrumentKind::BallBar {
-                q[AxisLetter::X] += 60.0;
-                q[AxisLetter::Z] += 80.0;
-            }
-            let projector = Projector::new(&machine, &setup, &q);
+            // Apart, so that turning axes show as well.
+            q[AxisLetter::X] += 60.0;
+            q[AxisLetter::Z] += 80.0;
+            let state = State { position: q, target: setup.targets() - 1, ..State::default() };
+            let projector = Projector::new(&machine, &setup, &state);
             let sites = [Site::TableBall, Site::SpindleBall, Site::Reading]
                 .into_iter()
+                .chain((0..MOST_INNER).map(Site::Instrument))
                 .chain(AxisLetter::ALL.into_iter().filter(|&l| machine.axis(l).is_some()).map(Site::Joint));
             for site in sites {
                 for k in 0..6 {
-                    if k >= 3 && !matches!(site, Site::Joint(_)) {
+                    if k >= 3 && !matches!(site, Site::Joint(_) | Site::TableBall) {
                         continue;
                     }
                     let mut unit = Twist::default();
@@ -57,7 +70,7 @@ fn columns_are_the_derivatives_of_the_exact_prediction() {
                     let at = |scale: f64| {
                         let mut errors = Errors::default();
                         errors.add(site, unit * scale);
-                        predict(&machine, &setup, &q, &errors)
+                        predict(&machine, &setup, &state, &errors)
                     };
                     let difference = (at(step) - at(-step)) / (2.0 * step);
                     let column = projector.column(site, &unit);
@@ -69,4 +82,43 @@ fn columns_are_the_derivatives_of_the_exact_prediction() {
             }
         }
     }
+}
+
+#[test]
+fn every_setting_of_a_mounting_has_a_name_of_its_own() {
+    for instrument in &REGISTRY {
+        let settings = (instrument.settings)(&setup_of(instrument.kind));
+        let names: std::collections::BTreeSet<&str> = settings.iter().map(|s| s.name).collect();
+        assert_eq!(names.len(), settings.len(), "{}", instrument.kind.name());
+    }
+}
+
+/// Files of instruments against the registry: a forgotten file fails.
+#[test]
+fn every_instrument_file_is_registered() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src");
+    let helpers = ["lib", "settings", "tests"];
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let stem = path.file_stem().unwrap().to_string_lossy().into_owned();
+        if !helpers.contains(&stem.as_str()) {
+            let name = stem.replace('_', "-");
+            assert!(REGISTRY.iter().any(|i| i.kind.name() == name), "{name} is in no registry line");
+        }
+    }
+}
+
+/// Textbook case: arms of 3 and 4 at a right angle reach 5 away.
+#[test]
+fn a_passive_arm_reads_the_angles_of_the_3_4_5_triangle() {
+    let machine = shipped::machine("three-axis").unwrap();
+    let setup = Setup {
+        arms_mm: Some([300.0, 400.0]),
+        ..Setup::new("arm", InstrumentKind::PassiveArm, NestSide::Table, Point3::origin())
+    };
+    let mut state = State::default();
+    state.position[AxisLetter::X] = 500.0;
+    let arcs = predict(&machine, &setup, &state, &Errors::default());
+    assert!((arcs.y / 400.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    assert!((arcs.x / 300.0 + (4.0f64 / 3.0).atan()).abs() < 1e-12);
 }

@@ -15,7 +15,7 @@ mod state;
 pub mod tripod;
 
 pub use kinematics::JointErrors;
-pub use site::{Errors, Site};
+pub use site::{Errors, MOST_INNER, Site};
 pub use state::State;
 pub use tripod::{Leg, Tripod};
 

@@ -22,6 +22,8 @@ pub struct State {
     pub temperature_degc: Vec<f64>,
     /// Index of the setup in the experiment.
     pub setup: usize,
+    /// Index of the target of the setup's artefact; 0 without one.
+    pub target: usize,
     /// Deflection of ball against nest that the probes were asked to read, nest axes, mm; an experiment fills it with
     /// what the base model predicts.
     pub deflection_mm: Vector3<f64>,

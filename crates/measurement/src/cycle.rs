@@ -31,14 +31,17 @@
 //! ```
 
 mod course;
+mod path;
 mod read;
 mod visit;
 mod write;
 
 pub use course::{CourseRules, Step};
+pub use path::{Line, Path};
 pub use visit::{Pace, VisitError, Visits};
 
-use crate::setup::{InstrumentKind, Setup};
+use crate::RunKind;
+use crate::setup::Setup;
 use nalgebra::{Point3, Unit, Vector3};
 use trunnion_machine::{JointErrors, Machine};
 use trunnion_units::input::Document;
@@ -72,6 +75,26 @@ pub enum Motion {
         passes: Vec<f64>,
         /// When a point may be read.
         settle: Settle,
+    },
+    /// A straight line of the tool, read at rest.
+    Line {
+        /// The line.
+        line: Line,
+        /// +1: as written; −1: backwards.
+        passes: Vec<f64>,
+        /// When a point may be read.
+        settle: Settle,
+    },
+    /// A curve of the tool about the table's ball, sampled on the way.
+    Path {
+        /// The curve.
+        path: Path,
+        /// First and last angle on the curve, rad.
+        from_to_rad: (f64, f64),
+        /// Feeds along the curve, mm/s; every feed is run in every pass before the next feed.
+        feeds_mm_per_s: Vec<f64>,
+        /// +1: from first to last angle; −1: back.
+        passes: Vec<f64>,
     },
     /// One rotary axis turning while sampled.
     OnTheFly {
@@ -160,7 +183,9 @@ pub struct Settle {
 pub struct Pose {
     /// Index of the setup.
     pub setup: usize,
-    /// All axes, mm and rad; the linear axes follow the ball.
+    /// Index of the target of its artefact.
+    pub target: usize,
+    /// All axes, mm and rad; the linear axes follow the ball unless the cycle names them.
     pub position: AxisValues<f64>,
     /// Direction of approach of each axis.
     pub direction: AxisValues<f64>,
@@ -180,23 +205,69 @@ impl Cycle {
     /// The poses of a static cycle in order; empty for one on the fly. `None` when the machine cannot
     /// follow the ball.
     pub fn poses(&self, machine: &Machine) -> Option<Vec<Pose>> {
-        let Motion::Static { grid, .. } = &self.motion else { return Some(Vec::new()) };
         let mut poses = Vec::new();
         for leg in self.legs() {
-            let mut stations = grid_positions(grid);
-            if leg.pass < 0.0 {
-                stations.reverse();
-            }
-            for rotary in stations {
-                let position = self.position(machine, leg.setup, &rotary)?;
+            for station in self.stations(leg.setup, leg.pass) {
+                let position = self.stand_at(machine, leg.setup, &station)?;
                 let mut direction = AxisValues::default();
-                for axis in grid {
+                for axis in self.grid() {
                     direction[axis.letter] = leg.pass;
                 }
-                poses.push(Pose { setup: leg.setup, position, direction });
+                poses.push(Pose { setup: leg.setup, target: station.target, position, direction });
             }
         }
         Some(poses)
+    }
+
+    /// How its points come about.
+    pub fn run_kind(&self) -> RunKind {
+        match self.motion {
+            Motion::Static { .. } | Motion::Line { .. } => RunKind::Static,
+            Motion::OnTheFly { .. } | Motion::Path { .. } => RunKind::OnTheFly,
+        }
+    }
+
+    /// When a point may be read; `None` on the fly.
+    pub fn settle(&self) -> Option<&Settle> {
+        match &self.motion {
+            Motion::Static { settle, .. } | Motion::Line { settle, .. } => Some(settle),
+            Motion::OnTheFly { .. } | Motion::Path { .. } => None,
+        }
+    }
+
+    /// The axes of a grid; empty for other cycles.
+    fn grid(&self) -> &[GridAxis] {
+        match &self.motion {
+            Motion::Static { grid, .. } => grid,
+            Motion::Line { .. } | Motion::Path { .. } | Motion::OnTheFly { .. } => &[],
+        }
+    }
+
+    /// Where it stands in one pass of a setup, in order: every target at every place of the grid; none on the fly.
+    fn stations(&self, setup: usize, pass: f64) -> Vec<Station> {
+        let targets = self.setups[setup].targets();
+        let at_target = |asked: AxisValues<f64>| (0..targets).map(move |target| Station { asked, target });
+        let mut stations: Vec<Station> = match &self.motion {
+            Motion::Static { grid, .. } => grid_positions(grid).into_iter().flat_map(at_target).collect(),
+            Motion::Line { line, .. } => line.places().into_iter().flat_map(at_target).collect(),
+            Motion::OnTheFly { .. } | Motion::Path { .. } => Vec::new(),
+        };
+        if pass < 0.0 {
+            stations.reverse();
+        }
+        stations
+    }
+
+    /// All axes at a station: linear axes as asked where the cycle names them, else following the ball.
+    fn stand_at(&self, machine: &Machine, setup: usize, station: &Station) -> Option<AxisValues<f64>> {
+        let names_linear = match &self.motion {
+            Motion::Line { .. } => true,
+            _ => self.grid().iter().any(|axis| !axis.letter.is_rotary()),
+        };
+        if names_linear {
+            return Some(station.asked);
+        }
+        self.follow(machine, setup, station.target, &station.asked)
     }
 
     /// The passes of a cycle on the fly in order, over all setups, feeds and rounds; empty for one at rest.
@@ -220,19 +291,40 @@ impl Cycle {
         setup: usize,
         rotary: &AxisValues<f64>,
     ) -> Option<AxisValues<f64>> {
-        machine.follow(rotary, &self.target_in_table_mm(machine, &self.setups[setup], rotary))
+        self.follow(machine, setup, 0, rotary)
     }
 
-    fn target_in_table_mm(&self, machine: &Machine, setup: &Setup, rotary: &AxisValues<f64>) -> Point3<f64> {
-        let InstrumentKind::BallBar = setup.instrument else { return setup.ball_in_table_mm };
+    fn follow(
+        &self,
+        machine: &Machine,
+        setup: usize,
+        target: usize,
+        rotary: &AxisValues<f64>,
+    ) -> Option<AxisValues<f64>> {
+        let setup = &self.setups[setup];
+        reach(machine, setup, rotary, &self.place_in_table_mm(machine, setup, target, rotary))
+    }
+
+    /// Where the spindle side has to be: at the target, or a bar's length away from it; table axes, mm.
+    fn place_in_table_mm(
+        &self,
+        machine: &Machine,
+        setup: &Setup,
+        target: usize,
+        rotary: &AxisValues<f64>,
+    ) -> Point3<f64> {
+        let target_in_table_mm = setup.target_in_table_mm(target);
+        if !setup.instrument.keeps_bar_length() {
+            return target_in_table_mm;
+        }
         let machine_from_table = machine.machine_from_table(rotary, &JointErrors::default()).rotation;
-        let bar_mm = self.bar_in_machine(machine, rotary) * setup.bar_length_mm.unwrap_or_default();
-        setup.ball_in_table_mm + machine_from_table.inverse() * bar_mm
+        let bar_mm = self.bar_in_machine(machine, setup, rotary) * setup.bar_length_mm.unwrap_or_default();
+        target_in_table_mm + machine_from_table.inverse() * bar_mm
     }
 
-    /// Direction of a ball bar in machine axes.
-    fn bar_in_machine(&self, machine: &Machine, rotary: &AxisValues<f64>) -> Vector3<f64> {
-        let direction = self.bar.direction.into_inner();
+    /// Direction of a ball bar, from the table's ball to the tool's, machine axes.
+    fn bar_in_machine(&self, machine: &Machine, setup: &Setup, rotary: &AxisValues<f64>) -> Vector3<f64> {
+        let direction = setup.direction.unwrap_or(self.bar.direction).into_inner();
         match self.bar.frame {
             BarFrame::Table => {
                 machine.machine_from_table(rotary, &JointErrors::default()).rotation * direction
@@ -244,7 +336,8 @@ impl Cycle {
     /// Passes of all setups, feeds and rounds in order.
     fn legs(&self) -> Vec<Leg> {
         let (passes, feeds) = match &self.motion {
-            Motion::Static { passes, .. } => (passes, 1),
+            Motion::Static { passes, .. } | Motion::Line { passes, .. } => (passes, 1),
+            Motion::Path { passes, feeds_mm_per_s, .. } => (passes, feeds_mm_per_s.len()),
             Motion::OnTheFly { passes, feeds_rad_per_s, .. } => (passes, feeds_rad_per_s.len()),
         };
         let setups = 0..self.setups.len();
@@ -274,6 +367,28 @@ pub struct Sweep {
     pub setup: usize,
     /// Feed of the turning axis, rad/s; negative towards smaller angles.
     pub feed_rad_per_s: f64,
+}
+
+/// One place to stand at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Station {
+    /// What the cycle asks of the axes, mm and rad.
+    asked: AxisValues<f64>,
+    /// Index of the target.
+    target: usize,
+}
+
+/// All axes with the spindle-side ball of `setup` at a place of the table, the rotary axes at `rotary`.
+fn reach(
+    machine: &Machine,
+    setup: &Setup,
+    rotary: &AxisValues<f64>,
+    place_in_table_mm: &Point3<f64>,
+) -> Option<AxisValues<f64>> {
+    let none = JointErrors::default();
+    let table_from_tool = machine.machine_from_table(rotary, &none).rotation.inverse()
+        * machine.machine_from_tool(rotary, &none).rotation;
+    machine.follow(rotary, &(place_in_table_mm - table_from_tool * setup.ball_in_tool_mm.coords))
 }
 
 /// One pass of one setup.

@@ -1,35 +1,10 @@
 //! A setup: one instrument mounted in one way. The `[[setup]]` tables of DESIGN §3.2.
 
-use nalgebra::Point3;
-use trunnion_units::Problems;
+use crate::artefact::{Artefact, read_artefact};
+use crate::kind::{InstrumentKind, ReadingColumn};
+use nalgebra::{Point3, Unit, Vector3};
 use trunnion_units::input::{Document, Table};
-
-/// What measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum InstrumentKind {
-    /// Three displacement probes around a ball: x, y, z of the ball relative to the nest.
-    RTest,
-    /// Ball bar: change of the distance between two balls.
-    BallBar,
-}
-
-impl InstrumentKind {
-    /// Every kind with its name in files.
-    pub const NAMES: [(&'static str, Self); 2] = [("r-test", Self::RTest), ("ball-bar", Self::BallBar)];
-
-    /// Name in files.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, kind)| *kind == self).expect("every kind is listed").0
-    }
-
-    /// Names of the components of one reading.
-    pub fn components(self) -> &'static [&'static str] {
-        match self {
-            Self::RTest => &["x", "y", "z"],
-            Self::BallBar => &["r"],
-        }
-    }
-}
+use trunnion_units::{Problems, convert};
 
 /// Which side the R-test nest (or the fixed end of the bar) rides on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -49,10 +24,62 @@ pub struct Setup {
     pub instrument: InstrumentKind,
     /// Where the nest rides.
     pub nest: NestSide,
-    /// Nominal centre of the table-side ball or nest in table coordinates, mm.
+    /// Nominal centre of the table-side ball or nest in table coordinates, mm; the station of a tracker, the origin of an
+    /// artefact, the foot of a link, the start of a laser line.
     pub ball_in_table_mm: Point3<f64>,
-    /// Nominal length of the ball bar, mm.
+    /// Nominal length of the ball bar, mm; of a tracker its dead path.
     pub bar_length_mm: Option<f64>,
+    /// Nominal centre of the spindle-side ball, nest, reflector or stylus in tool coordinates, mm.
+    pub ball_in_tool_mm: Point3<f64>,
+    /// Direction of a laser line, machine axes; of a ball bar, from the table's ball to the tool's, where it differs from
+    /// the cycle's.
+    pub direction: Option<Unit<Vector3<f64>>>,
+    /// Lengths of the two arms of a passive link, from the table outward, mm.
+    pub arms_mm: Option<[f64; 2]>,
+    /// What is measured at several places.
+    pub artefact: Option<Artefact>,
+}
+
+impl Setup {
+    /// A setup with nothing but its place.
+    pub fn new(
+        name: impl Into<String>,
+        instrument: InstrumentKind,
+        nest: NestSide,
+        ball_in_table_mm: Point3<f64>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            instrument,
+            nest,
+            ball_in_table_mm,
+            bar_length_mm: None,
+            ball_in_tool_mm: Point3::origin(),
+            direction: None,
+            arms_mm: None,
+            artefact: None,
+        }
+    }
+
+    /// Nominal place of what is measured at a target, table axes, mm; without an artefact the place of the setup.
+    pub fn target_in_table_mm(&self, target: usize) -> Point3<f64> {
+        let of_artefact = |artefact: &Artefact| artefact.target_in_table_mm(&self.ball_in_table_mm, target);
+        self.artefact.as_ref().map_or(self.ball_in_table_mm, of_artefact)
+    }
+
+    /// Number of targets, at least one.
+    pub fn targets(&self) -> usize {
+        self.artefact.as_ref().map_or(1, |artefact| artefact.targets.len())
+    }
+
+    /// Size inside (mm) of one unit of component `i` in a points file.
+    pub fn reading_scale(&self, i: usize) -> f64 {
+        match self.instrument.columns()[i] {
+            ReadingColumn::Deviation(_) => convert::mm_from_um(1.0),
+            ReadingColumn::Length(_) => 1.0,
+            ReadingColumn::Angle(_) => convert::rad_from_deg(1.0) * self.arms_mm.map_or(1.0, |arms| arms[i]),
+        }
+    }
 }
 
 /// The parsed `setup.toml` of a points file.
@@ -113,16 +140,36 @@ fn read_setup(table: &Table<'_>) -> Option<Setup> {
         _ => NestSide::Table,
     };
     let ball = table.vector3("ball_in_table_mm");
-    let bar_length_mm = table.optional_number("bar_length_mm", 10.0..=3000.0);
-    if instrument == Some(InstrumentKind::BallBar) && !table.has("bar_length_mm") {
+    let bar_length_mm = table.optional_number("bar_length_mm", 0.0..=20_000.0);
+    if instrument == Some(InstrumentKind::BallBar) && bar_length_mm.is_none_or(|length| length < 10.0) {
         table.problem("bar_length_mm", "is missing", "10..=3000", "A ball bar needs its nominal length.");
+    }
+    let ball_in_tool = table.optional_vector3("ball_in_tool_mm").unwrap_or_else(Vector3::zeros);
+    let direction = table.optional_vector3("direction");
+    let laser_line = matches!(instrument, Some(InstrumentKind::Diagonal | InstrumentKind::StepDiagonal));
+    if laser_line && direction.is_none_or(|along| along.norm() < 1e-6) {
+        let allowed = "the direction of the laser, e.g. [1, 1, 1]";
+        table.problem("direction", "is missing or has no length", allowed, "");
+    }
+    let arms_mm = table.optional_numbers("arms_mm").and_then(|arms| <[f64; 2]>::try_from(arms).ok());
+    if instrument == Some(InstrumentKind::PassiveArm) && arms_mm.is_none_or(|[a, b]| a < 1.0 || b < 1.0) {
+        table.problem("arms_mm", "is missing", "the lengths of both arms, e.g. [250, 250]", "");
+    }
+    let artefact = match table.optional_table("artefact") {
+        Some(table) => Some(read_artefact(&table, instrument)?),
+        None => None,
+    };
+    if artefact.is_none() && instrument.is_some_and(InstrumentKind::has_targets) {
+        let allowed = "[setup.artefact] with a [[setup.artefact.target]] for each place";
+        table.problem("artefact", "is missing", allowed, "");
     }
     table.no_other_keys();
     Some(Setup {
-        name: name?,
-        instrument: instrument?,
-        nest,
-        ball_in_table_mm: Point3::from(ball?),
         bar_length_mm,
+        ball_in_tool_mm: Point3::from(ball_in_tool),
+        direction: direction.filter(|along| along.norm() > 0.0).map(Unit::new_normalize),
+        arms_mm,
+        artefact,
+        ..Setup::new(name?, instrument?, nest, Point3::from(ball?))
     })
 }

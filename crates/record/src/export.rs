@@ -2,7 +2,9 @@
 
 use crate::item::RunHeader;
 use std::fmt::Write;
-use trunnion_measurement::{AxisSample, InstrumentKind, Point, ProbeSample, Quality, Run};
+use trunnion_measurement::{
+    AxisSample, InstrumentKind, Point, ProbeSample, Quality, ReadingColumn, Run, Setup,
+};
 use trunnion_units::{AxisLetter, convert};
 
 /// The good points of a run as `points.csv`; unsettled points and those without a reading are left out.
@@ -11,20 +13,18 @@ pub fn points_csv(run: &Run) -> String {
     let axes: Vec<AxisLetter> =
         AxisLetter::ALL.into_iter().filter(|&letter| run.machine.axis(letter).is_some()).collect();
     let rotary: Vec<AxisLetter> = axes.iter().copied().filter(|letter| letter.is_rotary()).collect();
-    let measures = |kind| run.setups.iter().any(|setup| setup.instrument == kind);
-    let (r_test, ball_bar) = (measures(InstrumentKind::RTest), measures(InstrumentKind::BallBar));
+    let columns = reading_columns(run.setups.iter().map(|setup| setup.instrument));
+    let targets = run.setups.iter().any(|setup| setup.artefact.is_some());
 
     let mut names = vec!["setup".to_string()];
+    names.extend(targets.then(|| "target".into()));
     names.extend(run.has_time().then(|| "time_s".into()));
     names.extend(
         axes.iter()
             .map(|letter| format!("{}_{}", letter.lower(), if letter.is_rotary() { "deg" } else { "mm" })),
     );
     names.extend(rotary.iter().map(|letter| format!("direction_{}", letter.lower())));
-    if r_test {
-        names.extend(["dx_um", "dy_um", "dz_um"].map(String::from));
-    }
-    names.extend(ball_bar.then(|| "dr_um".into()));
+    names.extend(columns.iter().map(|column| column.name().into()));
     names.extend(run.channels.iter().map(|channel| format!("{channel}_degc")));
 
     let mut table = names.join(",") + "\n";
@@ -32,26 +32,39 @@ pub fn points_csv(run: &Run) -> String {
         let state = &point.state;
         let setup = run.setups.get(state.setup);
         let mut cells = vec![setup.map_or_else(String::new, |setup| setup.name.clone())];
+        if targets {
+            let target =
+                |setup: &Setup| Some(setup.artefact.as_ref()?.targets.get(state.target)?.name.clone());
+            cells.push(setup.and_then(target).unwrap_or_default());
+        }
         if run.has_time() {
             cells.push(state.time_s.map_or_else(String::new, |time_s| digits(time_s, 6)));
         }
         cells.extend(axes.iter().map(|&letter| position(point, letter)));
         cells.extend(rotary.iter().map(|&letter| digits(state.direction[letter], 0)));
-        let instrument = setup.map(|setup| setup.instrument);
-        let reading = |kind, i: usize| match instrument {
-            Some(measured) if measured == kind => digits(convert::um_from_mm(point.reading_mm[i]), 4),
-            _ => String::new(),
+        let reading = |column: &ReadingColumn| {
+            let setup = setup?;
+            let i = setup.instrument.columns().iter().position(|own| own == column)?;
+            let decimals = if matches!(column, ReadingColumn::Deviation(_)) { 4 } else { 7 };
+            Some(digits(point.reading_mm[i] / setup.reading_scale(i), decimals))
         };
-        if r_test {
-            cells.extend((0..3).map(|i| reading(InstrumentKind::RTest, i)));
-        }
-        if ball_bar {
-            cells.push(reading(InstrumentKind::BallBar, 0));
-        }
+        cells.extend(columns.iter().map(|column| reading(column).unwrap_or_default()));
         cells.extend(state.temperature_degc.iter().map(|&degc| digits(degc, 4)));
         table += &(cells.join(",") + "\n");
     }
     table
+}
+
+/// The columns that hold the readings of these instruments, each once, in the order of the kinds.
+pub(crate) fn reading_columns(kinds: impl Iterator<Item = InstrumentKind> + Clone) -> Vec<ReadingColumn> {
+    let mut columns: Vec<ReadingColumn> = Vec::new();
+    for (_, kind) in InstrumentKind::NAMES {
+        if kinds.clone().any(|other| other == kind) {
+            columns
+                .extend(kind.columns().iter().filter(|column| !columns.contains(column)).collect::<Vec<_>>());
+        }
+    }
+    columns
 }
 
 /// How many points of the run [`points_csv`] leaves out.

@@ -3,11 +3,12 @@
 //! Columns in any order, units in their names. Every problem of the file is reported at once, with line,
 //! column, what was found and what is allowed.
 
+use crate::export::reading_columns;
 use std::collections::HashSet;
 use trunnion_machine::{Machine, State};
 use trunnion_measurement::direction::fill_directions;
 use trunnion_measurement::setup::parse_setup_file;
-use trunnion_measurement::{InstrumentKind, Point, Quality, Run, RunKind, Setup};
+use trunnion_measurement::{InstrumentKind, Point, Quality, ReadingColumn, Run, RunKind, Setup};
 use trunnion_units::{AxisLetter, Problem, Problems, convert};
 
 /// A file that is wrong everywhere is not listed to its end.
@@ -71,6 +72,9 @@ fn unknown_machine(file: &str, text: &str, name: &str) -> Problem {
     }
 }
 
+/// Names of targets listed in a problem.
+const NAMES_SHOWN: usize = 12;
+
 /// What a column holds.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Column {
@@ -78,8 +82,8 @@ enum Column {
     Time,
     Position(AxisLetter),
     Direction(AxisLetter),
-    Deviation(usize),
-    Length,
+    Target,
+    Reading(ReadingColumn),
     Temperature(String),
 }
 
@@ -132,15 +136,14 @@ fn read_header(
     setups: Option<&[Setup]>,
     machine: Option<&Machine>,
 ) -> Vec<Option<Column>> {
-    let has = |kind| setups.is_none_or(|setups| setups.iter().any(|setup| setup.instrument == kind));
+    let every_kind = InstrumentKind::NAMES.map(|(_, kind)| kind).to_vec();
+    let kinds = setups.map_or(every_kind, |setups| setups.iter().map(|setup| setup.instrument).collect());
     let moves = |letter| machine.is_none_or(|machine| machine.axis(letter).is_some());
     let mut required = vec![Column::Setup];
     required.extend(AxisLetter::ALL.into_iter().filter(|&letter| moves(letter)).map(Column::Position));
-    if has(InstrumentKind::RTest) {
-        required.extend((0..3).map(Column::Deviation));
-    }
-    if has(InstrumentKind::BallBar) {
-        required.push(Column::Length);
+    required.extend(reading_columns(kinds.iter().copied()).into_iter().map(Column::Reading));
+    if setups.is_none_or(|setups| setups.iter().any(|setup| setup.artefact.is_some())) {
+        required.push(Column::Target);
     }
     let mut allowed = required.clone();
     allowed.push(Column::Time);
@@ -185,15 +188,15 @@ fn read_row(
         }
         setup
     });
-    let instrument = setups.zip(setup).map(|(setups, setup)| setups[setup].instrument);
+    let mounted = setups.zip(setup).map(|(setups, setup)| &setups[setup]);
     let mut state = State { setup: setup.unwrap_or(0), ..State::default() };
     let mut reading_mm = [0.0; 3];
     for (column, &(at, cell)) in columns.iter().zip(cells) {
         let Some(column) = column else { continue };
         let foreign = match column {
             Column::Setup => continue,
-            Column::Deviation(_) => instrument.is_some_and(|kind| kind != InstrumentKind::RTest),
-            Column::Length => instrument.is_some_and(|kind| kind != InstrumentKind::BallBar),
+            Column::Reading(column) => mounted.is_some_and(|s| !s.instrument.columns().contains(column)),
+            Column::Target => mounted.is_some_and(|setup| setup.artefact.is_none()),
             _ => false,
         };
         if foreign {
@@ -203,12 +206,16 @@ fn read_row(
             }
             continue;
         }
+        if *column == Column::Target {
+            state.target = read_target(notes, (line, at, cell), mounted);
+            continue;
+        }
         let Some(number) = cell.parse().ok().filter(|number: &f64| number.is_finite()) else {
             notes.add(line, at, &format!("{} = \"{cell}\"", column.name()), "a finite number", "");
             continue;
         };
         match column {
-            Column::Setup => {}
+            Column::Setup | Column::Target => {}
             Column::Time => state.time_s = Some(number),
             Column::Position(letter) if letter.is_rotary() => {
                 state.position[*letter] = convert::rad_from_deg(number);
@@ -220,22 +227,47 @@ fn read_row(
             Column::Direction(_) => {
                 notes.add(line, at, &format!("{} = {cell}", column.name()), "-1, 0, 1", "");
             }
-            Column::Deviation(i) => reading_mm[*i] = convert::mm_from_um(number),
-            Column::Length => reading_mm[0] = convert::mm_from_um(number),
+            Column::Reading(column) => {
+                let own = mounted.map(|setup| (setup, setup.instrument.columns()));
+                let i = own.and_then(|(_, columns)| columns.iter().position(|own| own == column));
+                if let Some((setup, i)) = mounted.zip(i) {
+                    reading_mm[i] = number * setup.reading_scale(i);
+                }
+            }
             Column::Temperature(_) => state.temperature_degc.push(number),
         }
     }
-    state.deflection_mm = reading_mm.into();
+    if mounted.is_some_and(|setup| setup.instrument.deflects_probes()) {
+        state.deflection_mm = reading_mm.into();
+    }
     let point = Point { state, reading_mm, spread_mm: [0.0; 3], samples: 0, quality: Quality::Good };
     (notes.count() == before).then_some(point)
 }
 
+/// Index of the target that a cell names.
+fn read_target(
+    notes: &mut Notes<'_>,
+    (line, at, cell): (usize, usize, &str),
+    mounted: Option<&Setup>,
+) -> usize {
+    let targets = mounted.and_then(|setup| setup.artefact.as_ref()).map(|artefact| &artefact.targets);
+    let target = targets.and_then(|targets| targets.iter().position(|target| target.name == cell));
+    if let (Some(targets), None) = (targets, target) {
+        let names: Vec<&str> = targets.iter().take(NAMES_SHOWN).map(|target| target.name.as_str()).collect();
+        let more = if targets.len() > NAMES_SHOWN { ", …" } else { "" };
+        let advice = "Each target needs a [[setup.artefact.target]] table.";
+        notes.add(line, at, &format!("target \"{cell}\""), &(names.join(", ") + more), advice);
+    }
+    target.unwrap_or(0)
+}
+
 impl Column {
     fn parse(name: &str) -> Option<Self> {
-        let fixed = [Self::Setup, Self::Time, Self::Length].into_iter();
+        let fixed = [Self::Setup, Self::Time, Self::Target].into_iter();
         let axes =
             AxisLetter::ALL.into_iter().flat_map(|letter| [Self::Position(letter), Self::Direction(letter)]);
-        let mut all = fixed.chain(axes).chain((0..3).map(Self::Deviation));
+        let readings = reading_columns(InstrumentKind::NAMES.into_iter().map(|(_, kind)| kind));
+        let mut all = fixed.chain(axes).chain(readings.into_iter().map(Self::Reading));
         let temperature = || name.strip_suffix("_degc").filter(|name| !name.is_empty());
         all.find(|column| column.name() == name)
             .or_else(|| temperature().map(|name| Self::Temperature(name.into())))
@@ -248,8 +280,8 @@ impl Column {
             Self::Position(letter) if letter.is_rotary() => format!("{}_deg", letter.lower()),
             Self::Position(letter) => format!("{}_mm", letter.lower()),
             Self::Direction(letter) => format!("direction_{}", letter.lower()),
-            Self::Deviation(i) => format!("d{}_um", ["x", "y", "z"][*i]),
-            Self::Length => "dr_um".into(),
+            Self::Target => "target".into(),
+            Self::Reading(column) => column.name().into(),
             Self::Temperature(name) => format!("{name}_degc"),
         }
     }

@@ -1,14 +1,14 @@
 //! Items as protobuf messages and back.
 
+mod setup;
+
 use crate::item::{ControllerState, Item, LogLine, RunHeader, Temperature};
 use crate::lossless::{self, Line};
 use crate::schema as pb;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use prost::{DecodeError, Message};
 use trunnion_machine::State;
-use trunnion_measurement::{
-    AxisSample, Event, Gap, InstrumentKind, NestSide, Point, ProbeSample, Quality, RunKind, Setup,
-};
+use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Quality, RunKind, Setup};
 use trunnion_units::{AxisLetter, AxisValues, HostTime, convert};
 
 /// Name of the message of a point.
@@ -153,16 +153,6 @@ pub fn decode(schema: &str, payload: &[u8]) -> Result<Decoded, WireError> {
 
 /// The header as the first message; the texts travel as attachments.
 pub fn encode_header(header: &RunHeader) -> Encoded {
-    let setup = |setup: &Setup| pb::Setup {
-        name: setup.name.clone(),
-        instrument: setup.instrument.name().into(),
-        nest: match setup.nest {
-            NestSide::Table => "table".into(),
-            NestSide::Spindle => "spindle".into(),
-        },
-        ball_in_table_mm: setup.ball_in_table_mm.coords.as_slice().to_vec(),
-        bar_length_mm: setup.bar_length_mm,
-    };
     let message = pb::RunHeader {
         name: header.name.clone(),
         kind: match header.kind {
@@ -170,7 +160,7 @@ pub fn encode_header(header: &RunHeader) -> Encoded {
             RunKind::OnTheFly => "on-the-fly".into(),
         },
         machine: header.machine_name.clone(),
-        setups: header.setups.iter().map(setup).collect(),
+        setups: header.setups.iter().map(setup::encode).collect(),
         temperature_channels: header.temperature_channels.clone(),
         probes: header.probes.clone(),
         software_version: header.software_version.clone(),
@@ -181,28 +171,12 @@ pub fn encode_header(header: &RunHeader) -> Encoded {
 }
 
 fn header_from(message: pb::RunHeader) -> Result<RunHeader, WireError> {
-    let setup = |setup: pb::Setup| -> Option<Setup> {
-        let instrument = InstrumentKind::NAMES.into_iter().find(|(name, _)| *name == setup.instrument)?.1;
-        let nest = match setup.nest.as_str() {
-            "table" => NestSide::Table,
-            "spindle" => NestSide::Spindle,
-            _ => return None,
-        };
-        let ball_in_table_mm = Point3::from(three(&setup.ball_in_table_mm)?);
-        Some(Setup {
-            name: setup.name,
-            instrument,
-            nest,
-            ball_in_table_mm,
-            bar_length_mm: setup.bar_length_mm,
-        })
-    };
     let kind = match message.kind.as_str() {
         "static" => RunKind::Static,
         "on-the-fly" => RunKind::OnTheFly,
         _ => return Err(WireError::Inconsistent("RunHeader")),
     };
-    let setups: Option<Vec<Setup>> = message.setups.into_iter().map(setup).collect();
+    let setups: Option<Vec<Setup>> = message.setups.into_iter().map(setup::decode).collect();
     Ok(RunHeader {
         name: message.name,
         kind,
@@ -320,6 +294,7 @@ pub fn encode_point(index: u64, point: &Point) -> Encoded {
             Quality::Unsettled => "unsettled".into(),
             Quality::NoReading => "no-reading".into(),
         },
+        target: u32::try_from(state.target).unwrap_or(u32::MAX),
     };
     encoded(Topic::Point, state.time_s.unwrap_or(0.0), 1, &message)
 }
@@ -336,6 +311,7 @@ fn point_from(m: pb::Point) -> Result<Point, WireError> {
             time_s: m.time_s,
             temperature_degc: m.temperature_degc.clone(),
             setup: usize::try_from(m.setup).ok()?,
+            target: usize::try_from(m.target).ok()?,
             deflection_mm: Vector3::from(three(&m.deflection_mm)?),
         };
         let quality = match m.quality.as_str() {

@@ -11,7 +11,7 @@ use trunnion_diagnose::{Diagnosis, Verdict};
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_identify::{Experiment, Identification, NoiseOrigin};
 use trunnion_machine::{JointErrors, Machine};
-use trunnion_measurement::{InstrumentKind, NestSide, Point, RunKind, Setup};
+use trunnion_measurement::{Point, RunKind, Setup};
 use trunnion_units::AxisValues;
 use trunnion_units::convert::um_from_mm;
 
@@ -144,6 +144,9 @@ fn pass_directions(experiment: &Experiment) -> Vec<AxisValues<f64>> {
     directions
 }
 
+/// Share below which an instrument does not see a direction.
+const UNSEEN: f64 = 1e-6;
+
 /// Longer runs are drawn by every n-th point.
 const MOST_POINTS: usize = 20_000;
 
@@ -161,7 +164,8 @@ pub fn points_of(experiment: &Experiment, predicted_mm: &DVector<f64>, used: &[b
         for (k, row) in experiment.rows_of(i).enumerate() {
             predicted[k] = predicted_mm.get(row).copied().unwrap_or(f64::NAN);
         }
-        let (in_machine, in_table_plane) = places(experiment.machine(), setup, point);
+        let (in_machine, in_table_plane) =
+            places(experiment.machine(), setup, point, &experiment.seen_of_tool(i));
         PointView {
             setup: point.state.setup,
             position: point.state.position,
@@ -184,20 +188,12 @@ pub fn points_of(experiment: &Experiment, predicted_mm: &DVector<f64>, used: &[b
 }
 
 /// Place of the table-side ball or nest in machine axes and in the axes that carry the turning table.
-fn places(machine: &Machine, setup: &Setup, point: &Point) -> (Place, Place) {
+fn places(machine: &Machine, setup: &Setup, point: &Point, seen: &Matrix3<f64>) -> (Place, Place) {
     let position = &point.state.position;
     let machine_from_table = machine.machine_from_table(position, &JointErrors::default());
-    let machine_from_tool = machine.machine_from_tool(position, &JointErrors::default());
-    let ball_in_machine = machine_from_table * setup.ball_in_table_mm;
-    let shift_from_reading = match (setup.instrument, setup.nest) {
-        (InstrumentKind::RTest, NestSide::Table) => -rotation(&machine_from_table),
-        (InstrumentKind::RTest, NestSide::Spindle) => rotation(&machine_from_tool),
-        (InstrumentKind::BallBar, _) => {
-            let along_bar = machine_from_tool.translation.vector - ball_in_machine.coords;
-            let along_bar = along_bar.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
-            Matrix3::from_columns(&[-along_bar, Vector3::zeros(), Vector3::zeros()])
-        }
-    };
+    let ball_in_machine = machine_from_table * setup.target_in_table_mm(point.state.target);
+    // The table side moves against what the instrument sees of the tool; nothing across what it sees.
+    let shift_from_reading = -seen.pseudo_inverse(UNSEEN).unwrap_or_else(|_| Matrix3::zeros());
     let in_machine = Place { commanded_mm: ball_in_machine.coords, shift_from_reading };
     let turning = machine.table.iter().find(|axis| axis.is_rotary());
     let Some((axis, frame)) =

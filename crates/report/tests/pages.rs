@@ -16,12 +16,8 @@ use trunnion_units::AxisLetter;
 /// Two heights, B every 45°, C every 45° forth and back; the tool reads 2.5 µm further along Z with C going forward, and
 /// as much less with C going back. Where a pass begins, C comes from the other side.
 fn run() -> Run {
-    let setup = |name: &str, z: f64| Setup {
-        name: name.into(),
-        instrument: InstrumentKind::RTest,
-        nest: NestSide::Table,
-        ball_in_table_mm: Point3::new(150.0, 0.0, z),
-        bar_length_mm: None,
+    let setup = |name: &str, z: f64| {
+        Setup::new(name, InstrumentKind::RTest, NestSide::Table, Point3::new(150.0, 0.0, z))
     };
     let machine = shipped::machine("table-bc").unwrap();
     let mut points = Vec::new();

@@ -27,7 +27,8 @@ impl Truth {
         file["run_duration_s"] = value(self.run_duration_s);
         file["location"] = Item::Table(location_table(&self.location));
         file["noise"] = Item::Table(noise_table(&self.noise));
-        file["setup"] = Item::ArrayOfTables(self.setups.iter().map(setup_table).collect());
+        // Other instruments are mounted anew by every cycle.
+        file["setup"] = Item::ArrayOfTables(self.setups.iter().filter_map(setup_table).collect());
         if !self.hidden.is_empty() {
             file["hidden"] =
                 Item::ArrayOfTables(self.hidden.iter().map(hidden_table).collect::<ArrayOfTables>());
@@ -75,7 +76,7 @@ fn noise_table(noise: &Noise) -> toml_edit::Table {
     table
 }
 
-fn setup_table(placed: &PlacedSetup) -> toml_edit::Table {
+fn setup_table(placed: &PlacedSetup) -> Option<toml_edit::Table> {
     let mut table = toml_edit::Table::new();
     table["name"] = value(&placed.setup.name);
     match placed.setup.instrument {
@@ -84,6 +85,7 @@ fn setup_table(placed: &PlacedSetup) -> toml_edit::Table {
             table["instrument"] = value("ball-bar");
             table["length_mm"] = value(length_mm);
         }
+        _ => return None,
     }
     table["nest"] = value(match placed.setup.nest {
         NestOn::Table => "table",
@@ -91,7 +93,7 @@ fn setup_table(placed: &PlacedSetup) -> toml_edit::Table {
     });
     table["ball_in_table_mm"] = value(placed.setup.ball_in_table_mm.iter().copied().collect::<Array>());
     table["setting_um"] = value(placed.setting_mm.iter().map(|&mm| um_from_mm(mm)).collect::<Array>());
-    table
+    Some(table)
 }
 
 fn hidden_table(hidden: &Hidden) -> toml_edit::Table {
@@ -188,9 +190,8 @@ fn read_setup(table: &Table<'_>) -> Option<PlacedSetup> {
     let setting = table.vector3("setting_um");
     table.no_other_keys();
     let nest = if nest? == "spindle" { NestOn::Spindle } else { NestOn::Table };
-    let setup =
-        SimSetup { name: name?, nest, ball_in_table_mm: Point3::from(ball?), instrument: instrument? };
-    Some(PlacedSetup { setup, setting_mm: setting?.map(mm_from_um) })
+    let setup = SimSetup::new(name?, nest, Point3::from(ball?), instrument?);
+    Some(PlacedSetup::new(&setup, setting?.map(mm_from_um)))
 }
 
 fn read_hidden(table: &Table<'_>) -> Option<Hidden> {

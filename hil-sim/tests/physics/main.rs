@@ -21,7 +21,7 @@ fn table_bc() -> Machine {
 }
 
 fn setup(name: &str, nest: NestOn, ball: [f64; 3]) -> SimSetup {
-    SimSetup { name: name.into(), nest, ball_in_table_mm: Point3::from(ball), instrument: Instrument::RTest }
+    SimSetup::new(name, nest, Point3::from(ball), Instrument::RTest)
 }
 
 fn low_and_high() -> Vec<SimSetup> {

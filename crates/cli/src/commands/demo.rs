@@ -5,6 +5,7 @@
 
 use crate::commands::daemon::log_to_stderr;
 use crate::outcome::{self, Outcome};
+use crate::virtual_setup::sim_setup;
 use anyhow::{Context, bail};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -25,11 +26,11 @@ use trunnion_effects::Model;
 use trunnion_hil_sim::devices::{SimulatedCell, World, cell};
 use trunnion_hil_sim::physics::hidden;
 use trunnion_hil_sim::scenario::{self, Pace, Station};
-use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine};
+use trunnion_hil_sim::{HiddenChoice, SimSetup, Truth, VirtualMachine};
 use trunnion_identify::{Experiment, Identification};
 use trunnion_machine::shipped;
+use trunnion_measurement::Cycle;
 use trunnion_measurement::cycle::Motion;
-use trunnion_measurement::{Cycle, Setup};
 use trunnion_report::ladder_text;
 use trunnion_units::{Clock, convert};
 
@@ -180,15 +181,6 @@ fn hidden_choices(args: &Args, machine: &trunnion_machine::Machine) -> anyhow::R
             };
             Ok(vec![HiddenChoice { id: id.clone(), sigma: args.size }])
         }
-    }
-}
-
-fn sim_setup(setup: &Setup) -> SimSetup {
-    SimSetup {
-        name: setup.name.clone(),
-        nest: NestOn::Table,
-        ball_in_table_mm: setup.ball_in_table_mm,
-        instrument: Instrument::RTest,
     }
 }
 

@@ -2,18 +2,19 @@
 
 use crate::load;
 use crate::outcome::{self, Outcome};
+use crate::virtual_setup::sim_setup;
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{Compensation, Instrument, NestOn, SimSetup, Truth};
 use trunnion_machine::{Machine, State};
-use trunnion_measurement::cycle::{Motion, Pace};
+use trunnion_measurement::cycle::Pace;
 use trunnion_measurement::{Cycle, InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
 
 /// Simulate a cycle on a machine whose truth is written in a file
 ///
 /// Without --cycle the machine measures the standard grid of poses with the setups of its truth. With --cycle it runs that
-/// cycle, at rest or on the fly, with R-test or ball bar; setups named and placed as in the truth keep their setting
+/// cycle, at rest or on the fly, with any instrument; setups named and placed as in the truth keep their setting
 /// error, others are mounted anew.
 ///
 /// Example: trunnion simulate truth.toml --cycle config/cycles/r-test-sweep-c.toml -o run.mcap
@@ -68,8 +69,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         })
         .collect();
     let name = args.output.file_stem().context("the output has no name")?.to_string_lossy().into_owned();
-    let setups = simulated.machine.truth().setups.iter().map(|placed| setup_of(&placed.setup)).collect();
-    let run = Run { name, machine, kind: simulated.kind, setups, channels: Vec::new(), points };
+    let (kind, setups) = (simulated.kind, simulated.setups);
+    let run = Run { name, machine, kind, setups, channels: Vec::new(), points };
     let mut header = trunnion_record::RunHeader::of_run(&run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
     header.cycle_text = simulated.cycle_text;
     trunnion_record::write_run(&args.output, &header, &run)
@@ -90,6 +91,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 struct Simulated {
     machine: VirtualMachine,
     kind: RunKind,
+    setups: Vec<Setup>,
     states: Vec<State>,
     duration_s: f64,
     /// Stream of the noise.
@@ -104,6 +106,7 @@ fn standard_run(args: &Args, machine: &Machine, truth: &Truth) -> anyhow::Result
     Ok(Simulated {
         machine: VirtualMachine::new(machine.clone(), truth.mounted(&placed, args.run))?,
         kind: RunKind::Static,
+        setups: truth.setups.iter().map(|placed| setup_of(&placed.setup)).collect(),
         states: grid::compressed(grid::standard_bc(machine, &placed), duration_s),
         duration_s,
         noise: args.run,
@@ -131,10 +134,8 @@ fn cycle_run(args: &Args, path: &Path, machine: &Machine, truth: &Truth) -> anyh
     let setups: Vec<SimSetup> = cycle.setups.iter().map(sim_setup).collect();
     Ok(Simulated {
         machine: VirtualMachine::new(machine.clone(), truth.mounted(&setups, args.run))?,
-        kind: match cycle.motion {
-            Motion::Static { .. } => RunKind::Static,
-            Motion::OnTheFly { .. } => RunKind::OnTheFly,
-        },
+        kind: cycle.run_kind(),
+        setups: cycle.setups.clone(),
         states: visits.states,
         duration_s: visits.duration_s,
         // Another cycle meets other noise, the same cycle the same.
@@ -149,37 +150,15 @@ fn fingerprint(text: &str) -> u64 {
     u64::from(text.bytes().fold(0x811c_9dc5, step))
 }
 
+/// A setup of the truth file, which knows R-tests and ball bars.
 fn setup_of(placed: &SimSetup) -> Setup {
     let (instrument, bar_length_mm) = match placed.instrument {
-        Instrument::RTest => (InstrumentKind::RTest, None),
         Instrument::BallBar { length_mm } => (InstrumentKind::BallBar, Some(length_mm)),
+        _ => (InstrumentKind::RTest, None),
     };
     let nest = match placed.nest {
         NestOn::Table => NestSide::Table,
         NestOn::Spindle => NestSide::Spindle,
     };
-    Setup {
-        name: placed.name.clone(),
-        instrument,
-        nest,
-        ball_in_table_mm: placed.ball_in_table_mm,
-        bar_length_mm,
-    }
-}
-
-fn sim_setup(setup: &Setup) -> SimSetup {
-    SimSetup {
-        name: setup.name.clone(),
-        nest: match setup.nest {
-            NestSide::Table => NestOn::Table,
-            NestSide::Spindle => NestOn::Spindle,
-        },
-        ball_in_table_mm: setup.ball_in_table_mm,
-        instrument: match setup.instrument {
-            InstrumentKind::RTest => Instrument::RTest,
-            InstrumentKind::BallBar => {
-                Instrument::BallBar { length_mm: setup.bar_length_mm.unwrap_or_default() }
-            }
-        },
-    }
+    Setup { bar_length_mm, ..Setup::new(&placed.name, instrument, nest, placed.ball_in_table_mm) }
 }

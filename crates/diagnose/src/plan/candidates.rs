@@ -56,6 +56,7 @@ fn in_all_directions(candidate: Candidate) -> Vec<Candidate> {
             let mut cycle = candidate.cycle.clone();
             cycle.name = format!("{}-bar-{name}", cycle.name);
             cycle.bar = Bar { direction, frame: BarFrame::Machine };
+            cycle.setups.iter_mut().for_each(|setup| setup.direction = None);
             Candidate { cycle, what: format!("{}, bar along {}", candidate.what, name.to_uppercase()) }
         })
         .collect()

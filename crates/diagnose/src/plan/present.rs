@@ -79,8 +79,7 @@ impl Present {
             .iter()
             .map(|state| {
                 let state = State { temperature_degc: temperature_degc.clone(), ..state.clone() };
-                let reading =
-                    predict(&machine, &setups[state.setup], &state.position, &self.errors_at(&state));
+                let reading = predict(&machine, &setups[state.setup], &state, &self.errors_at(&state));
                 Point {
                     state,
                     reading_mm: reading.into(),

@@ -5,7 +5,7 @@
 
 use super::candidates::candidates;
 use super::survey::{Part, Survey, View, finite};
-use super::weigh::{kind_of, thinned, within_feeds};
+use super::weigh::{thinned, within_feeds};
 use super::{Options, PlanError};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
@@ -65,7 +65,7 @@ pub fn preview(machine: &Machine, cycle: &Cycle, options: &Options) -> Result<Pr
     let visits = cycle.visits(machine, &options.pace)?;
     let points = visits.states.len();
     let states = thinned(visits.states, options.most_points);
-    let experiment = imagined(machine, &cycle.setups, &states, kind_of(cycle))?;
+    let experiment = imagined(machine, &cycle.setups, &states, cycle.run_kind())?;
     let scene = &experiment.scene;
     let all: Vec<Instance> = Instance::all(machine)
         .into_iter()
@@ -222,7 +222,7 @@ fn breakers(
             continue;
         }
         let states = thinned(visits.states, options.most_points);
-        let experiment = imagined(machine, &candidate.cycle.setups, &states, kind_of(&candidate.cycle))?;
+        let experiment = imagined(machine, &candidate.cycle.setups, &states, candidate.cycle.run_kind())?;
         let survey = white(&experiment, &chosen);
         let view = &survey.views[0];
         for (pair, known) in pairs.iter().zip(&mut found) {

@@ -7,7 +7,7 @@ use super::knowledge::Knowledge;
 use super::value::Value;
 use super::{HOPELESS_LN, Options, PlanError};
 use trunnion_machine::{Machine, State};
-use trunnion_measurement::cycle::{Motion, Pace};
+use trunnion_measurement::cycle::Pace;
 use trunnion_measurement::{Cycle, RunKind, Setup};
 
 impl Desk<'_> {
@@ -25,7 +25,7 @@ impl Desk<'_> {
             return Ok(None);
         }
         let states = thinned(visits.states, options.most_points);
-        let value = self.after(&cycle.setups, &states, kind_of(cycle), knowledge)?;
+        let value = self.after(&cycle.setups, &states, cycle.run_kind(), knowledge)?;
         Ok(Some(self.row(&candidate.what, Some(cycle), visits.duration_s, value)))
     }
 
@@ -70,13 +70,6 @@ impl Desk<'_> {
             tells: ids(&|i| value.told_ln(i) > HOPELESS_LN),
             cycle: cycle.cloned(),
         }
-    }
-}
-
-pub(super) fn kind_of(cycle: &Cycle) -> RunKind {
-    match cycle.motion {
-        Motion::Static { .. } => RunKind::Static,
-        Motion::OnTheFly { .. } => RunKind::OnTheFly,
     }
 }
 

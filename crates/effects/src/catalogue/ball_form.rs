@@ -178,13 +178,7 @@ mod tests {
     fn a_grade_5_ball_tilted_by_90_degrees_reads_its_0_13_um_of_form() {
         // ISO 3290-1, grade 5: deviation from spherical form 0.13 µm, for an oval ball the difference of pole and equator.
         let machine = shipped::machine("table-bc").unwrap();
-        let setup = SceneSetup {
-            name: "low".into(),
-            components: &["x", "y", "z"],
-            nest: Side::Table,
-            ball_in_table_mm: Point3::new(150.0, 0.0, 60.0),
-            run: 0,
-        };
+        let setup = SceneSetup::r_test("low", Point3::new(150.0, 0.0, 60.0));
         let states = [0.0f64, 90.0].map(|b_deg| {
             let mut state = State::default();
             state.position[AxisLetter::B] = b_deg.to_radians();

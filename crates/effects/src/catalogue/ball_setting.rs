@@ -1,21 +1,22 @@
-//! Setting of the table-side ball or nest: its actual minus nominal place, table axes, one for each setup.
+//! Setting of the table-side ball, nest, station or artefact: its actual minus nominal place, table axes, one for each setup, and
+//! what else a mounting leaves unknown (length of a bar, dead path, turn of an artefact, tilt of a mirror): the instrument says.
 //!
 //! reading change = −R_tableᵀ-projected offset of the table side [S0 §3, S1 eq. 14: "or carry a free offset per set-up"]. The spindle
 //! side is taken as centred by spindle indexing (S1 §3.2). A ball bar has a free length as well.
 //! Limits: constant within a setup.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
-use nalgebra::Vector3;
-use trunnion_machine::{Site, State};
-use trunnion_units::Twist;
+use crate::{
+    About, Effect, Emit, Example, Need, Parameter, Scene, SceneSetting, SceneSetup, Shapes, Subject, View,
+};
+use trunnion_machine::State;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "ball-setting",
     about: About {
         title: "Setting of ball and nest",
         source: "S0 §3; S1 eq. 14",
-        equation: "s = (x, y, z) of the table-side ball or nest in table axes, one for each setup; length of a ball bar",
-        symbols: "s actual minus nominal place, µm; x, y, z in table axes; length of a ball bar, µm",
+        equation: "s = (x, y, z) of the table-side ball, nest, station or artefact in table axes, one for each setup; and what else the instrument leaves unknown",
+        symbols: "s actual minus nominal place, µm; length of a bar, dead path, zero, radius, µm; a, b, c turn of an artefact, tilts of beam and mirror, µrad",
         validity: "Constant within a setup; spindle-side ball centred by spindle indexing (S1 §3.2).",
         typical: "10–200 µm",
         explanation: "The ball does not sit exactly where the setup file says.",
@@ -36,29 +37,18 @@ pub(crate) static EFFECT: Effect = Effect {
     },
 };
 
-fn is_bar(components: &[&str]) -> bool {
-    components.len() == 1
-}
-
 fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {
-    let mut parameters = Vec::new();
-    for setup in &scene.setups {
-        let names: &[&str] =
-            if is_bar(setup.components) { &["x", "y", "z", "length"] } else { &["x", "y", "z"] };
-        parameters.extend(
-            names.iter().map(|name| Parameter::new(format!("ball-setting.{}.{name}", setup.name), Unit::UM)),
-        );
-    }
-    parameters
+    let of_setup = |setup: &SceneSetup| -> Vec<Parameter> {
+        let named =
+            |s: &SceneSetting| Parameter::new(format!("ball-setting.{}.{}", setup.name, s.name), s.unit);
+        setup.settings.iter().map(named).collect()
+    };
+    scene.setups.iter().flat_map(of_setup).collect()
 }
 
 fn motions(scene: &Scene, _: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
-    let width = |i: usize| if is_bar(scene.setups[i].components) { 4 } else { 3 };
-    let first: usize = (0..state.setup).map(width).sum();
-    for k in 0..3 {
-        emit(first + k, Site::TableBall, Twist::translation(Vector3::ith(k, 1.0)));
-    }
-    if width(state.setup) == 4 {
-        emit(first + 3, Site::Reading, Twist::translation(-Vector3::x()));
+    let first: usize = scene.setups[..state.setup].iter().map(|setup| setup.settings.len()).sum();
+    for (k, setting) in scene.setups[state.setup].settings.iter().enumerate() {
+        emit(first + k, setting.site, setting.twist);
     }
 }

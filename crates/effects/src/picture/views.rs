@@ -135,6 +135,7 @@ fn seen(
     instance.motions(scene, shape, state, &mut |i, site, twist| {
         let tool_against_table = match site {
             Site::Reading => return each(i, twist.translation_mm),
+            Site::Instrument(_) => return,
             Site::TableBall => return each(i, -twist.translation_mm),
             Site::SpindleBall => machine_from_tool.rotation * twist.translation_mm,
             Site::Joint(letter) => match scene.machine.joint_frame(letter, &state.position) {
@@ -150,13 +151,7 @@ fn seen(
 }
 
 fn setup(name: &str, ball_in_table_mm: Point3<f64>) -> SceneSetup {
-    SceneSetup {
-        name: name.into(),
-        components: &["x", "y", "z"],
-        nest: Side::Table,
-        ball_in_table_mm,
-        run: 0,
-    }
+    SceneSetup::r_test(name, ball_in_table_mm).with_plate()
 }
 
 /// What is drawn with its numbers, and what it is of.
@@ -258,7 +253,7 @@ fn circles(machine: Machine, example: &Example, feeds_mm_min: &[f64]) -> Drawing
             );
         }
     }
-    let bar = SceneSetup { components: &["r"], ..setup("bar", Point3::origin()) };
+    let bar = SceneSetup::ball_bar("bar", Point3::origin());
     let placed = Placed::new(machine, example, vec![bar], &states);
     let mut traces = Vec::new();
     for (k, feed_mm_min) in feeds_mm_min.iter().enumerate() {

@@ -53,7 +53,7 @@ pub fn unit_columns(experiment: &Experiment, site: Site, component: usize) -> DV
     let mut column = DVector::zeros(experiment.rows());
     for (i, point) in experiment.points.iter().enumerate() {
         let setup = &experiment.setups[point.state.setup];
-        let seen = Projector::new(experiment.machine(), setup, &point.state.position).column(site, &twist);
+        let seen = Projector::new(experiment.machine(), setup, &point.state).column(site, &twist);
         for (k, row) in experiment.rows_of(i).enumerate() {
             column[row] = seen[k];
         }

@@ -148,13 +148,12 @@ mod tests {
 
     fn small_run() -> Experiment {
         let machine = shipped::machine("table-bc").unwrap();
-        let setup = Setup {
-            name: "low".into(),
-            instrument: InstrumentKind::RTest,
-            nest: NestSide::Table,
-            ball_in_table_mm: nalgebra::Point3::new(150.0, 0.0, 60.0),
-            bar_length_mm: None,
-        };
+        let setup = Setup::new(
+            "low",
+            InstrumentKind::RTest,
+            NestSide::Table,
+            nalgebra::Point3::new(150.0, 0.0, 60.0),
+        );
         let mut points = Vec::new();
         for (i, (b, c)) in
             [(0.0, 0.1), (0.0, 0.9), (0.7, 0.9), (0.7, 2.0), (0.7, 3.0), (-0.4, 1.0)].into_iter().enumerate()

@@ -9,7 +9,7 @@ use trunnion_measurement::{NestSide, Point, Setup};
 pub(crate) fn tool_against_table_mm(machine: &Machine, setup: &Setup, point: &Point) -> Vector3<f64> {
     let (position, none) = (&point.state.position, JointErrors::default());
     let departure_mm =
-        Vector3::from(point.reading_mm) - predict(machine, setup, position, &Errors::default());
+        Vector3::from(point.reading_mm) - predict(machine, setup, &point.state, &Errors::default());
     match setup.nest {
         NestSide::Table => machine.machine_from_table(position, &none).rotation * departure_mm,
         NestSide::Spindle => machine.machine_from_tool(position, &none).rotation * -departure_mm,

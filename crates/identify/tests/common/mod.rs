@@ -73,13 +73,7 @@ pub fn table_ac_turning_back() -> Machine {
 pub fn run_ac(name: &str, ball_in_table_mm: Vector3<f64>, rows: &[([f64; 2], [f64; 3])]) -> Run {
     let machine = table_ac_turning_back();
     let ball = Point3::from(ball_in_table_mm);
-    let setup = Setup {
-        name: "ball".into(),
-        instrument: InstrumentKind::RTest,
-        nest: NestSide::Spindle,
-        ball_in_table_mm: ball,
-        bar_length_mm: None,
-    };
+    let setup = Setup::new("ball", InstrumentKind::RTest, NestSide::Spindle, ball);
     let points = rows
         .iter()
         .map(|&([a_deg, c_deg], reading_mm)| {

@@ -203,6 +203,7 @@ impl Cell {
             time_s: self.timed.then_some(self.mean.time),
             temperature_degc: self.temperature_degc.clone(),
             setup: self.setup,
+            target: 0,
             deflection_mm: Vector3::zeros(),
         }
     }

@@ -7,7 +7,7 @@
 
 use super::visit::{OVERRUN_RAD, VisitError};
 use super::{Cycle, Leg, Motion, Pace, grid_positions};
-use crate::setup::InstrumentKind;
+use crate::InstrumentKind;
 use nalgebra::Vector3;
 use trunnion_machine::{JointErrors, Machine};
 use trunnion_units::{AxisLetter, AxisValues};
@@ -137,6 +137,16 @@ impl Cycle {
     /// A cycle that the machine cannot run: axes, reach, travel (overruns and the retracted spindle included).
     pub fn course(&self, machine: &Machine, rules: &CourseRules) -> Result<Vec<Step>, VisitError> {
         self.has_its_axes(machine)?;
+        let no_course = |what| Err(VisitError::NoCourse { cycle: self.name.clone(), what });
+        if let Motion::Line { .. } | Motion::Path { .. } = self.motion {
+            return no_course("it moves along a line or a curve");
+        }
+        if self.grid().iter().any(|axis| !axis.letter.is_rotary()) {
+            return no_course("its grid names linear axes");
+        }
+        if self.setups.iter().any(|setup| setup.artefact.is_some()) {
+            return no_course("it has an artefact with several targets");
+        }
         let mut guide =
             Guide { cycle: self, machine, rules, steps: Vec::new(), joined: None, fitted: Vec::new() };
         let mut last: Option<Leg> = None;
@@ -150,6 +160,7 @@ impl Cycle {
             match &self.motion {
                 Motion::Static { .. } => guide.stand(&leg)?,
                 Motion::OnTheFly { .. } => guide.sweep(&leg)?,
+                Motion::Line { .. } | Motion::Path { .. } => unreachable!("refused above"),
             }
             last = Some(leg);
         }
@@ -262,8 +273,10 @@ impl Guide<'_> {
     /// Strokes along the linear axis in which the instrument sees most: X for an R-test, along the bar for a ball bar.
     fn gesture(&mut self, setup: usize, rotary: &AxisValues<f64>) -> Result<(), VisitError> {
         let seen = match self.cycle.setups[setup].instrument {
-            InstrumentKind::RTest => Vector3::x(),
-            InstrumentKind::BallBar => self.cycle.bar_in_machine(self.machine, rotary),
+            InstrumentKind::BallBar => {
+                self.cycle.bar_in_machine(self.machine, &self.cycle.setups[setup], rotary)
+            }
+            _ => Vector3::x(),
         };
         let shown = |letter: &AxisLetter| {
             self.machine.axis(*letter).map_or(-1.0, |axis| axis.direction.dot(&seen).abs())
@@ -350,7 +363,7 @@ impl Guide<'_> {
         let machine_from_table = self.machine.machine_from_table(&home, &JointErrors::default());
         let target_in_machine = |setup: usize| {
             let setup = &self.cycle.setups[setup];
-            machine_from_table * self.cycle.target_in_table_mm(self.machine, setup, &home)
+            machine_from_table * self.cycle.place_in_table_mm(self.machine, setup, 0, &home)
         };
         let ball_mm = |setup: usize| (machine_from_table * self.cycle.setups[setup].ball_in_table_mm).z;
         let highest_mm = (0..self.cycle.setups.len())

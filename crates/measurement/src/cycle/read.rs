@@ -1,6 +1,7 @@
 //! Reading a cycle file.
 
-use super::{Bar, BarFrame, Cycle, GridAxis, Motion, Rounds, Settle};
+use super::{Bar, BarFrame, Cycle, GridAxis, Line, Motion, Path, Rounds, Settle};
+use crate::Setup;
 use crate::setup::read_setups;
 use nalgebra::Unit;
 use trunnion_units::input::{Document, Table};
@@ -17,7 +18,9 @@ pub(super) fn read(document: &Document<'_>) -> Option<Cycle> {
     let machine = root.string("machine");
     let setups = read_setups(&root);
     let motion = match root.one_of("kind", &["static", "on-the-fly"]).as_deref() {
+        Some("static") if root.has("line") => read_line(&root),
         Some("static") => read_static(&root),
+        Some("on-the-fly") if root.has("circle") || root.has("cone") => read_path(&root, setups.as_deref()),
         Some("on-the-fly") => read_on_the_fly(&root),
         _ => None,
     };
@@ -80,57 +83,115 @@ fn read_static(root: &Table<'_>) -> Option<Motion> {
     }
     let grid: Option<Vec<GridAxis>> = tables.iter().map(read_grid_axis).collect();
     let passes = read_passes(root);
-    let settle = root.table("settle").and_then(|table| {
-        let window_s = table.number("window_s", 0.005..=60.0);
-        let drift = table.number("drift_um", 0.01..=1000.0);
-        let noise = table.number("noise_um", 0.01..=1000.0);
-        let standstill_um = table.number("standstill_um", 0.1..=10_000.0);
-        let standstill_deg = table.number("standstill_deg", 0.00001..=1.0);
-        let timeout_s = table.number("timeout_s", 0.05..=3600.0);
-        table.no_other_keys();
-        Some(Settle {
-            window_s: window_s?,
-            drift_mm: convert::mm_from_um(drift?),
-            noise_mm: convert::mm_from_um(noise?),
-            standstill_mm: convert::mm_from_um(standstill_um?),
-            standstill_rad: convert::rad_from_deg(standstill_deg?),
-            timeout_s: timeout_s?,
-        })
-    });
+    let settle = read_settle(root);
     let grid = grid.filter(|grid| !grid.is_empty())?;
     Some(Motion::Static { grid, passes: passes?, settle: settle? })
 }
 
-fn read_grid_axis(table: &Table<'_>) -> Option<GridAxis> {
-    let letter = read_letter(table, "axis");
-    let stations_deg = if table.has("stations_deg") { read_stations(table) } else { read_steps(table) };
+fn read_settle(root: &Table<'_>) -> Option<Settle> {
+    let table = root.table("settle")?;
+    let window_s = table.number("window_s", 0.005..=60.0);
+    let drift = table.number("drift_um", 0.01..=1000.0);
+    let noise = table.number("noise_um", 0.01..=1000.0);
+    let standstill_um = table.number("standstill_um", 0.1..=10_000.0);
+    let standstill_deg = table.number("standstill_deg", 0.00001..=1.0);
+    let timeout_s = table.number("timeout_s", 0.05..=3600.0);
     table.no_other_keys();
-    let stations = stations_deg?.into_iter().map(convert::rad_from_deg).collect();
-    Some(GridAxis { letter: letter?, stations })
+    Some(Settle {
+        window_s: window_s?,
+        drift_mm: convert::mm_from_um(drift?),
+        noise_mm: convert::mm_from_um(noise?),
+        standstill_mm: convert::mm_from_um(standstill_um?),
+        standstill_rad: convert::rad_from_deg(standstill_deg?),
+        timeout_s: timeout_s?,
+    })
 }
 
-fn read_stations(table: &Table<'_>) -> Option<Vec<f64>> {
-    let stations_deg = table.optional_numbers("stations_deg")?;
-    if stations_deg.is_empty() || stations_deg.iter().any(|deg| deg.abs() > FARTHEST_DEG) {
-        table.problem("stations_deg", "is no list of angles", "one or more numbers in -36000..=36000", "");
-        return None;
-    }
-    Some(stations_deg)
+fn read_line(root: &Table<'_>) -> Option<Motion> {
+    let passes = read_passes(root);
+    let settle = read_settle(root);
+    let table = root.table("line")?;
+    let (from_mm, to_mm) = (table.vector3("from_mm"), table.vector3("to_mm"));
+    let steps = table.number("steps", 1.0..=10_000.0).map(|steps| steps as usize);
+    let in_turn = table.boolean_or("in_turn", false);
+    table.no_other_keys();
+    let line = Line { from_mm: from_mm?, to_mm: to_mm?, steps: steps?, in_turn: in_turn? };
+    Some(Motion::Line { line, passes: passes?, settle: settle? })
 }
 
-fn read_steps(table: &Table<'_>) -> Option<Vec<f64>> {
+fn read_path(root: &Table<'_>, setups: Option<&[Setup]>) -> Option<Motion> {
+    let passes = if root.has("passes") { read_passes(root) } else { Some(vec![1.0, -1.0]) };
+    let key = if root.has("circle") { "circle" } else { "cone" };
+    let table = root.table(key)?;
+    let path = if key == "circle" {
+        let planes = ["XY", "YZ", "ZX", "YX", "ZY", "XZ"];
+        table.one_of("plane", &planes).and_then(|plane| {
+            Some(Path::Circle { plane: [AxisLetter::parse(&plane[..1])?, AxisLetter::parse(&plane[1..])?] })
+        })
+    } else {
+        let half_angle = table.number("half_angle_deg", 0.0..=80.0);
+        let tilt = table.number("tilt_deg", 0.0..=90.0);
+        half_angle.zip(tilt).map(|(half_angle, tilt)| Path::Cone {
+            half_angle_rad: convert::rad_from_deg(half_angle),
+            tilt_rad: convert::rad_from_deg(tilt),
+        })
+    };
     let from = table.number("from_deg", -FARTHEST_DEG..=FARTHEST_DEG);
     let to = table.number("to_deg", -FARTHEST_DEG..=FARTHEST_DEG);
-    let step = table.number("step_deg", 0.001..=360.0);
+    let feeds = read_feeds(&table, "feeds_mm_per_min");
+    table.no_other_keys();
+    if setups.is_some_and(|setups| setups.iter().any(|setup| setup.bar_length_mm.is_none())) {
+        let allowed = "bar_length_mm in every setup: it is the radius of the curve";
+        root.problem(key, "has no radius", allowed, "");
+        return None;
+    }
+    Some(Motion::Path {
+        path: path?,
+        from_to_rad: (convert::rad_from_deg(from?), convert::rad_from_deg(to?)),
+        feeds_mm_per_s: feeds?.into_iter().map(|feed| feed / 60.0).collect(),
+        passes: passes?,
+    })
+}
+
+fn read_feeds(table: &Table<'_>, key: &str) -> Option<Vec<f64>> {
+    let feeds = table.optional_numbers(key);
+    let usable = feeds.filter(|feeds| !feeds.is_empty() && feeds.iter().all(|&feed| feed > 0.0));
+    if usable.is_none() {
+        table.problem(key, "is not a list of feeds", "one or more numbers above 0", "");
+    }
+    usable
+}
+
+fn read_grid_axis(table: &Table<'_>) -> Option<GridAxis> {
+    let letter = AxisLetter::parse(&table.one_of("axis", &AxisLetter::ALL.map(|l| l.as_str()))?)?;
+    // Keys carry the unit of the axis.
+    let unit = if letter.is_rotary() { "deg" } else { "mm" };
+    let list = format!("stations_{unit}");
+    let stations = if table.has(&list) { read_stations(table, &list) } else { read_steps(table, unit) };
+    table.no_other_keys();
+    let inside = |value: f64| if letter.is_rotary() { convert::rad_from_deg(value) } else { value };
+    Some(GridAxis { letter, stations: stations?.into_iter().map(inside).collect() })
+}
+
+fn read_stations(table: &Table<'_>, key: &str) -> Option<Vec<f64>> {
+    let stations = table.optional_numbers(key)?;
+    if stations.is_empty() || stations.iter().any(|station| station.abs() > FARTHEST_DEG) {
+        table.problem(key, "is no list of positions", "one or more numbers in -36000..=36000", "");
+        return None;
+    }
+    Some(stations)
+}
+
+fn read_steps(table: &Table<'_>, unit: &str) -> Option<Vec<f64>> {
+    let (from_key, to_key, step_key) = (format!("from_{unit}"), format!("to_{unit}"), format!("step_{unit}"));
+    let from = table.number(&from_key, -FARTHEST_DEG..=FARTHEST_DEG);
+    let to = table.number(&to_key, -FARTHEST_DEG..=FARTHEST_DEG);
+    let step = table.number(&step_key, 0.001..=1000.0);
     let (from, to, step) = (from?, to?, step?);
     let count = ((to - from) / step + 1e-6).floor();
     if !(0.0..=100_000.0).contains(&count) {
-        table.problem(
-            "step_deg",
-            format!("gives {count} steps"),
-            "0..=100000 steps from from_deg up to to_deg",
-            "",
-        );
+        let allowed = format!("0..=100000 steps from {from_key} up to {to_key}");
+        table.problem(&step_key, format!("gives {count} steps"), allowed, "");
         return None;
     }
     Some((0..=count as usize).map(|i| from + step * i as f64).collect())
@@ -143,10 +204,7 @@ fn read_on_the_fly(root: &Table<'_>) -> Option<Motion> {
     let axis = read_letter(&table, "axis");
     let from = table.number("from_deg", -FARTHEST_DEG..=FARTHEST_DEG);
     let to = table.number("to_deg", -FARTHEST_DEG..=FARTHEST_DEG);
-    let feeds = table.optional_numbers("feeds_deg_per_min");
-    if feeds.as_ref().is_none_or(|feeds| feeds.is_empty() || feeds.iter().any(|&feed| feed <= 0.0)) {
-        table.problem("feeds_deg_per_min", "is not a list of feeds", "one or more numbers above 0", "");
-    }
+    let feeds = read_feeds(&table, "feeds_deg_per_min");
     let mut others = AxisValues::default();
     for letter in AxisLetter::ROTARY {
         let key = format!("{}_deg", letter.lower());

@@ -1,4 +1,5 @@
 use super::*;
+use crate::{Artefact, InstrumentKind, Target};
 use proptest::prelude::*;
 use trunnion_machine::shipped;
 use trunnion_units::convert::rad_from_deg;
@@ -28,7 +29,7 @@ fn a_broken_cycle_names_line_found_and_allowed() {
         let shown = Cycle::parse("c.toml", &text).unwrap_err().to_string();
         assert!(shown.contains(expected), "{shown}");
     };
-    check("step_deg = 30", "step_deg = 0", "step_deg = 0; allowed: 0.001..=360");
+    check("step_deg = 30", "step_deg = 0", "step_deg = 0; allowed: 0.001..=1000");
     check("[settle]", "[rounds]\ncount = 0\n[settle]", "rounds.count = 0; allowed: 1..=1000");
     check("[settle]", "[bar]\ndirection = [0, 0, 0]\n[settle]", "bar.direction has no length");
     check("passes = [\"+\", \"-\"]", "passes = [\"up\"]", "\"+\" (as written) and \"-\" (backwards)");
@@ -121,15 +122,41 @@ prop_compose! {
 }
 
 prop_compose! {
+    fn any_artefact()(
+        places in prop::collection::vec(prop::array::uniform3(-300i32..300), 1..5),
+        turned in prop::array::uniform3(-180i32..180), faces in prop::bool::ANY,
+    ) -> Artefact {
+        let target = |(i, place): (usize, [i32; 3])| Target {
+            name: format!("{i}"),
+            at_mm: Vector3::from(place.map(|v| f64::from(v) * 0.25)),
+            normal: faces.then(|| [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()][i % 3]),
+        };
+        Artefact {
+            name: "plate \"1\"".into(),
+            turned_rad: Vector3::from(turned.map(|deg| rad_from_deg(f64::from(deg)))),
+            targets: places.into_iter().enumerate().map(target).collect(),
+        }
+    }
+}
+
+prop_compose! {
     fn any_setup(name: &'static str)(
-        ball in prop::array::uniform3(-300i32..300), bar in prop::option::of(50u32..500), spindle in prop::bool::ANY,
+        kind in prop::sample::select(InstrumentKind::NAMES.map(|(_, kind)| kind).to_vec()),
+        ball in prop::array::uniform3(-300i32..300), tool in prop::array::uniform3(-30i32..30),
+        bar in 50u32..500, arms in prop::array::uniform2(50u32..500),
+        artefact in any_artefact(), spindle in prop::bool::ANY,
     ) -> Setup {
+        let nest = if spindle { crate::NestSide::Spindle } else { crate::NestSide::Table };
+        let has_normals = artefact.targets[0].normal.is_some();
+        let fits = kind.has_targets() && has_normals == kind.has_normals();
+        let kind = if kind.has_targets() && !fits { InstrumentKind::RTest } else { kind };
         Setup {
-            name: name.into(),
-            instrument: if bar.is_some() { InstrumentKind::BallBar } else { InstrumentKind::RTest },
-            nest: if spindle { crate::NestSide::Spindle } else { crate::NestSide::Table },
-            ball_in_table_mm: Point3::from(ball.map(|v| f64::from(v) * 0.5)),
-            bar_length_mm: bar.map(f64::from),
+            bar_length_mm: Some(f64::from(bar)),
+            ball_in_tool_mm: Point3::from(tool.map(f64::from)),
+            direction: Some(Vector3::y_axis()),
+            arms_mm: Some(arms.map(f64::from)),
+            artefact: fits.then_some(artefact),
+            ..Setup::new(name, kind, nest, Point3::from(ball.map(|v| f64::from(v) * 0.5)))
         }
     }
 }
@@ -155,7 +182,24 @@ fn any_motion() -> impl Strategy<Value = Motion> {
             Motion::OnTheFly { axis: AxisLetter::C, from_to_rad, feeds_rad_per_s, passes, others }
         },
     );
-    prop_oneof![at_rest, sweep]
+    let line = (prop::array::uniform3(-300i32..300), 1usize..50, prop::bool::ANY, passes()).prop_map(
+        move |(from, steps, in_turn, passes)| {
+            let from_mm = Vector3::from(from.map(f64::from));
+            let line = Line { from_mm, to_mm: from_mm * 0.5 + Vector3::repeat(10.0), steps, in_turn };
+            Motion::Line { line, passes, settle }
+        },
+    );
+    let shapes = [
+        Path::Circle { plane: [AxisLetter::Z, AxisLetter::X] },
+        Path::Cone { half_angle_rad: rad_from_deg(15.0), tilt_rad: rad_from_deg(10.0) },
+    ];
+    let curve = (prop::sample::select(shapes.to_vec()), 0i32..720, 1u32..5000, passes()).prop_map(
+        |(path, to, feed, passes)| {
+            let from_to_rad = (0.0, rad_from_deg(f64::from(to)));
+            Motion::Path { path, from_to_rad, feeds_mm_per_s: vec![f64::from(feed) / 60.0], passes }
+        },
+    );
+    prop_oneof![at_rest, sweep, line, curve]
 }
 
 proptest! {
@@ -178,6 +222,20 @@ proptest! {
             Motion::Static { grid, passes, settle } => {
                 let mut all: Vec<f64> = grid.iter().flat_map(|axis| axis.stations.clone()).collect();
                 all.extend(passes.iter().chain(&[settle.drift_mm, settle.standstill_rad, settle.window_s]));
+                all
+            }
+            Motion::Line { line, passes, settle } => {
+                let mut all = vec![line.steps as f64, f64::from(u8::from(line.in_turn)), settle.noise_mm];
+                all.extend(line.from_mm.iter().chain(&line.to_mm).chain(passes));
+                all
+            }
+            Motion::Path { path, from_to_rad, feeds_mm_per_s, passes } => {
+                let shape = match path {
+                    Path::Circle { plane } => plane.map(|letter| letter as usize as f64),
+                    Path::Cone { half_angle_rad, tilt_rad } => [*half_angle_rad, *tilt_rad],
+                };
+                let mut all = vec![from_to_rad.0, from_to_rad.1];
+                all.extend(shape.iter().chain(feeds_mm_per_s).chain(passes));
                 all
             }
             Motion::OnTheFly { from_to_rad, feeds_rad_per_s, passes, others, .. } => {

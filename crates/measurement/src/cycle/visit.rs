@@ -4,12 +4,14 @@
 //! fly: points at a constant rate while the axis turns at its feed, the linear axes following. Moves take the time of the
 //! slowest axis at its feed limit; ramps and look-ahead of the controller are in the allowances of [`Pace`].
 
-use super::{Cycle, Leg, Motion, grid_positions};
+use super::{Cycle, Leg, Motion};
 use trunnion_machine::{Machine, State};
 use trunnion_units::{AxisLetter, AxisValues, convert};
 
 /// Overrun of a rotary axis so that it comes from the side of its pass, rad.
 pub(super) const OVERRUN_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
+/// Overrun of a linear axis likewise, mm.
+const OVERRUN_MM: f64 = 5.0;
 /// Distance for differences along the path, rad.
 const NEAR_RAD: f64 = 5e-3;
 /// Curvature of the path that counts, mm or rad per rad².
@@ -86,6 +88,16 @@ pub enum VisitError {
         /// Largest coordinate, mm or degrees.
         high: f64,
     },
+    /// A cycle that has no NC program.
+    #[error(
+        "cycle {cycle} has no NC program: {what}; programs are written for R-test and ball-bar cycles over rotary axes"
+    )]
+    NoCourse {
+        /// The cycle.
+        cycle: String,
+        /// Why.
+        what: &'static str,
+    },
     /// An axis the machine has not.
     #[error("cycle {cycle} moves axis {axis}, which machine {machine} does not have; its axes: {axes}")]
     NoSuchAxis {
@@ -121,8 +133,8 @@ impl Cycle {
                 }
             }
             match &self.motion {
-                Motion::Static { .. } => tour.stand(&leg)?,
-                Motion::OnTheFly { .. } => tour.sweep(&leg)?,
+                Motion::Static { .. } | Motion::Line { .. } => tour.stand(&leg)?,
+                Motion::OnTheFly { .. } | Motion::Path { .. } => tour.sweep(&leg)?,
             }
             last = Some(leg);
         }
@@ -135,6 +147,8 @@ impl Cycle {
     pub(super) fn has_its_axes(&self, machine: &Machine) -> Result<(), VisitError> {
         let moved: Vec<AxisLetter> = match &self.motion {
             Motion::Static { grid, .. } => grid.iter().map(|axis| axis.letter).collect(),
+            Motion::Line { .. } => AxisLetter::LINEAR.to_vec(),
+            Motion::Path { path, .. } => path.axes(),
             Motion::OnTheFly { axis, .. } => vec![*axis],
         };
         if let Some(&axis) = moved.iter().find(|&&letter| machine.axis(letter).is_none()) {
@@ -191,6 +205,15 @@ impl Cycle {
     }
 }
 
+/// A pass on the fly.
+struct Sweeping {
+    /// The axis that turns at the feed; `None` on a curve.
+    turning: Option<AxisLetter>,
+    from_to_rad: (f64, f64),
+    /// rad/s of the axis or along the curve.
+    feed: f64,
+}
+
 /// The machine on its way.
 struct Tour<'a> {
     cycle: &'a Cycle,
@@ -203,29 +226,29 @@ struct Tour<'a> {
 }
 
 impl Tour<'_> {
-    /// One pass of a grid, read at rest.
+    /// One pass of a grid or a line, read at rest.
     fn stand(&mut self, leg: &Leg) -> Result<(), VisitError> {
-        let Motion::Static { grid, settle, .. } = &self.cycle.motion else { return Ok(()) };
-        let mut stations = grid_positions(grid);
-        if leg.pass < 0.0 {
-            stations.reverse();
-        }
+        let Some(settle) = self.cycle.settle() else { return Ok(()) };
+        let grid = self.cycle.grid();
         let mut row_began = AxisValues::<f64>::default();
         let mut before: Option<AxisValues<f64>> = None;
-        for rotary in stations {
+        for station in self.cycle.stations(leg.setup, leg.pass) {
+            let asked = station.asked;
             for axis in grid {
-                let back =
-                    |last: &AxisValues<f64>| (rotary[axis.letter] - last[axis.letter]) * leg.pass < 0.0;
+                let back = |last: &AxisValues<f64>| (asked[axis.letter] - last[axis.letter]) * leg.pass < 0.0;
                 if before.as_ref().is_none_or(back) {
                     // Back to the beginning of a row, beyond it and forward again.
-                    row_began[axis.letter] = rotary[axis.letter] - leg.pass * OVERRUN_RAD;
-                    self.time_s += self.seconds(axis.letter, 2.0 * OVERRUN_RAD);
+                    let overrun = if axis.letter.is_rotary() { OVERRUN_RAD } else { OVERRUN_MM };
+                    row_began[axis.letter] = asked[axis.letter] - leg.pass * overrun;
+                    self.time_s += self.seconds(axis.letter, 2.0 * overrun);
                 }
             }
-            let mut state = self.arrive(leg, &rotary)?;
+            let position = self.cycle.stand_at(self.machine, leg.setup, &station);
+            let mut state = self.arrive(leg, position)?;
+            state.target = station.target;
             for axis in grid {
                 state.direction[axis.letter] = leg.pass;
-                state.since_reversal[axis.letter] = (rotary[axis.letter] - row_began[axis.letter]).abs();
+                state.since_reversal[axis.letter] = (asked[axis.letter] - row_began[axis.letter]).abs();
             }
             let first = self.states.is_empty();
             // Time runs from the first reading.
@@ -233,29 +256,21 @@ impl Tour<'_> {
             state.time_s = Some(self.time_s);
             self.at = Some(state.clone());
             self.states.push(state);
-            before = Some(rotary);
+            before = Some(asked);
         }
         Ok(())
     }
 
     /// One pass at one feed.
     fn sweep(&mut self, leg: &Leg) -> Result<(), VisitError> {
-        let Motion::OnTheFly { axis, from_to_rad: (from, to), feeds_rad_per_s, others, .. } =
-            &self.cycle.motion
-        else {
+        let Some(Sweeping { turning, from_to_rad: (from, to), feed }) = self.sweeping(leg) else {
             return Ok(());
         };
-        let feed = feeds_rad_per_s[leg.feed];
-        let (first, last) = if leg.pass < 0.0 { (*to, *from) } else { (*from, *to) };
+        let (first, last) = if leg.pass < 0.0 { (to, from) } else { (from, to) };
         let heading = (last - first).signum();
         let run_in = 0.5 * feed * self.pace.ramp_s;
-        let at_angle = |angle: f64| {
-            let mut rotary = *others;
-            rotary[*axis] = angle;
-            rotary
-        };
         let began = first - heading * run_in;
-        let start = self.arrive(leg, &at_angle(began))?;
+        let start = self.arrive(leg, self.on_the_way(leg, began))?;
         if self.states.is_empty() {
             self.time_s = 0.0;
         }
@@ -267,11 +282,13 @@ impl Tour<'_> {
         for i in 0..count {
             let travelled = step_rad * (i as f64 + 0.5);
             let angle = first + heading * travelled;
-            let mut state = self.arrive(leg, &at_angle(angle))?;
-            let follow = |angle: f64| self.reach(leg, &at_angle(angle));
+            let mut state = self.arrive(leg, self.on_the_way(leg, angle))?;
             let around: Vec<AxisValues<f64>> = [-2.0, -1.0, 1.0, 2.0]
                 .iter()
-                .map(|k| follow(angle + k * NEAR_RAD))
+                .map(|k| {
+                    self.on_the_way(leg, angle + k * NEAR_RAD)
+                        .ok_or_else(|| self.cycle.cannot_follow(self.machine, leg.setup))
+                })
                 .collect::<Result<_, _>>()?;
             for letter in AxisLetter::ALL {
                 let [p2, p1, n1, n2] = std::array::from_fn(|k| around[k][letter]);
@@ -282,8 +299,10 @@ impl Tour<'_> {
                 state.velocity[letter] = if slope.abs() < STANDSTILL { 0.0 } else { heading * feed * slope };
                 state.acceleration[letter] = if bend.abs() < BENT { 0.0 } else { bend * feed.powi(2) };
             }
-            state.direction[*axis] = heading;
-            state.since_reversal[*axis] = run_in + travelled;
+            if let Some(axis) = turning {
+                state.direction[axis] = heading;
+                state.since_reversal[axis] = run_in + travelled;
+            }
             self.time_s = begin_s + travelled / feed;
             state.time_s = Some(self.time_s);
             self.at = Some(State {
@@ -297,9 +316,42 @@ impl Tour<'_> {
         Ok(())
     }
 
+    /// What turns in a pass on the fly, and how fast; `None` at rest.
+    fn sweeping(&self, leg: &Leg) -> Option<Sweeping> {
+        match &self.cycle.motion {
+            Motion::Static { .. } | Motion::Line { .. } => None,
+            Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, .. } => Some(Sweeping {
+                turning: Some(*axis),
+                from_to_rad: *from_to_rad,
+                feed: feeds_rad_per_s[leg.feed],
+            }),
+            Motion::Path { from_to_rad, feeds_mm_per_s, .. } => {
+                let radius_mm = self.cycle.setups[leg.setup].bar_length_mm.unwrap_or(1.0).max(1.0);
+                let feed = feeds_mm_per_s[leg.feed] / radius_mm;
+                Some(Sweeping { turning: None, from_to_rad: *from_to_rad, feed })
+            }
+        }
+    }
+
+    /// All axes at an angle of a pass on the fly.
+    fn on_the_way(&self, leg: &Leg, angle: f64) -> Option<AxisValues<f64>> {
+        match &self.cycle.motion {
+            Motion::Static { .. } | Motion::Line { .. } => None,
+            Motion::OnTheFly { axis, others, .. } => {
+                let mut rotary = *others;
+                rotary[*axis] = angle;
+                self.cycle.position(self.machine, leg.setup, &rotary)
+            }
+            Motion::Path { path, .. } => {
+                let near = self.at.as_ref().map_or_else(AxisValues::default, |state| state.position);
+                path.position(self.machine, &self.cycle.setups[leg.setup], angle, &near)
+            }
+        }
+    }
+
     /// Moves to the next position; the time passes, directions and travels of all axes follow.
-    fn arrive(&mut self, leg: &Leg, rotary: &AxisValues<f64>) -> Result<State, VisitError> {
-        let position = self.reach(leg, rotary)?;
+    fn arrive(&mut self, leg: &Leg, position: Option<AxisValues<f64>>) -> Result<State, VisitError> {
+        let position = position.ok_or_else(|| self.cycle.cannot_follow(self.machine, leg.setup))?;
         self.cycle.within_travel(self.machine, &position)?;
         let mut state = State { position, setup: leg.setup, ..State::default() };
         if let Some(before) = &self.at {
@@ -317,10 +369,6 @@ impl Tour<'_> {
             self.time_s += longest_s;
         }
         Ok(state)
-    }
-
-    fn reach(&self, leg: &Leg, rotary: &AxisValues<f64>) -> Result<AxisValues<f64>, VisitError> {
-        self.cycle.reach(self.machine, leg.setup, rotary)
     }
 
     fn seconds(&self, letter: AxisLetter, travel: f64) -> f64 {

@@ -1,7 +1,9 @@
 //! Writing a cycle file that [`Cycle::parse`] reads back the same.
 
-use super::{Bar, BarFrame, Cycle, GridAxis, Motion, Rounds, Settle};
+use super::{Bar, BarFrame, Cycle, GridAxis, Line, Motion, Path, Rounds, Settle};
 use crate::setup::{NestSide, Setup};
+use crate::{RunKind, Target};
+use nalgebra::{Point3, Vector3};
 use std::fmt::Write;
 use trunnion_units::{AxisLetter, AxisValues, convert};
 
@@ -11,11 +13,14 @@ const DECIMALS: i32 = 10;
 impl Cycle {
     /// The cycle file.
     pub fn to_text(&self) -> String {
-        let kind = match self.motion {
-            Motion::Static { .. } => "static",
-            Motion::OnTheFly { .. } => "on-the-fly",
+        let kind = match self.run_kind() {
+            RunKind::Static => "static",
+            RunKind::OnTheFly => "on-the-fly",
         };
-        let (Motion::Static { passes, .. } | Motion::OnTheFly { passes, .. }) = &self.motion;
+        let (Motion::Static { passes, .. }
+        | Motion::Line { passes, .. }
+        | Motion::Path { passes, .. }
+        | Motion::OnTheFly { passes, .. }) = &self.motion;
         let signs: Vec<&str> = passes.iter().map(|&p| if p < 0.0 { "\"-\"" } else { "\"+\"" }).collect();
         let mut text = format!(
             "format = \"trunnion-cycle/1\"\nname = {}\nmachine = {}\nkind = \"{kind}\"\npasses = [{}]\n",
@@ -30,6 +35,10 @@ impl Cycle {
             Motion::Static { grid, settle, .. } => {
                 text.extend(grid.iter().map(grid_text));
                 text += &settle_text(settle);
+            }
+            Motion::Line { line, settle, .. } => text += &(line_text(line) + &settle_text(settle)),
+            Motion::Path { path, from_to_rad, feeds_mm_per_s, .. } => {
+                text += &path_text(path, *from_to_rad, feeds_mm_per_s);
             }
             Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, others, .. } => {
                 text += &sweep_text(*axis, *from_to_rad, feeds_rad_per_s, others);
@@ -65,23 +74,70 @@ fn setup_text(setup: &Setup) -> String {
     if let Some(length_mm) = setup.bar_length_mm {
         text += &format!("bar_length_mm = {length_mm}\n");
     }
-    text
-}
-
-fn grid_text(axis: &GridAxis) -> String {
-    let stations: Vec<f64> = axis.stations.iter().map(|&rad| deg(rad)).collect();
-    let mut text = format!("\n[[grid]]\naxis = \"{}\"\n", axis.letter);
-    match even_step(&stations) {
-        Some(step) => {
-            let (from, to) = (stations[0], stations[stations.len() - 1]);
-            text += &format!("from_deg = {from}\nto_deg = {to}\nstep_deg = {step}\n");
-        }
-        None => text += &format!("stations_deg = [{}]\n", list(&stations)),
+    if setup.ball_in_tool_mm != Point3::origin() {
+        text += &format!("ball_in_tool_mm = {}\n", vector(&setup.ball_in_tool_mm.coords));
+    }
+    if let Some(direction) = setup.direction {
+        text += &format!("direction = {}\n", vector(&direction));
+    }
+    if let Some([first, second]) = setup.arms_mm {
+        text += &format!("arms_mm = [{first}, {second}]\n");
+    }
+    if let Some(artefact) = &setup.artefact {
+        let turned_deg = artefact.turned_rad.map(deg);
+        text += &format!("[setup.artefact]\nname = {}\n", quoted(&artefact.name));
+        text += &format!("turned_deg = {}\n", vector(&turned_deg));
+        text.extend(artefact.targets.iter().map(target_text));
     }
     text
 }
 
-/// The step of stations that `from_deg`, `to_deg` and `step_deg` give exactly.
+fn target_text(target: &Target) -> String {
+    let (name, at) = (quoted(&target.name), vector(&target.at_mm));
+    let normal = target.normal.map_or_else(String::new, |normal| format!("normal = {}\n", vector(&normal)));
+    format!("[[setup.artefact.target]]\nname = {name}\nat_mm = {at}\n{normal}")
+}
+
+fn vector(v: &Vector3<f64>) -> String {
+    format!("[{}, {}, {}]", v.x, v.y, v.z)
+}
+
+fn line_text(line: &Line) -> String {
+    let Line { from_mm, to_mm, steps, in_turn } = line;
+    let (from, to) = (vector(from_mm), vector(to_mm));
+    format!("\n[line]\nfrom_mm = {from}\nto_mm = {to}\nsteps = {steps}\nin_turn = {in_turn}\n")
+}
+
+fn path_text(path: &Path, (from, to): (f64, f64), feeds_mm_per_s: &[f64]) -> String {
+    let shape = match path {
+        Path::Circle { plane: [first, second] } => format!("\n[circle]\nplane = \"{first}{second}\"\n"),
+        Path::Cone { half_angle_rad, tilt_rad } => {
+            let (half_angle, tilt) = (deg(*half_angle_rad), deg(*tilt_rad));
+            format!("\n[cone]\nhalf_angle_deg = {half_angle}\ntilt_deg = {tilt}\n")
+        }
+    };
+    let feeds: Vec<f64> = feeds_mm_per_s.iter().map(|feed| round(feed * 60.0)).collect();
+    let (from, to, feeds) = (deg(from), deg(to), list(&feeds));
+    format!("{shape}from_deg = {from}\nto_deg = {to}\nfeeds_mm_per_min = [{feeds}]\n")
+}
+
+fn grid_text(axis: &GridAxis) -> String {
+    let rotary = axis.letter.is_rotary();
+    let unit = if rotary { "deg" } else { "mm" };
+    let stations: Vec<f64> =
+        axis.stations.iter().map(|&at| if rotary { deg(at) } else { round(at) }).collect();
+    let mut text = format!("\n[[grid]]\naxis = \"{}\"\n", axis.letter);
+    match even_step(&stations) {
+        Some(step) => {
+            let (from, to) = (stations[0], stations[stations.len() - 1]);
+            text += &format!("from_{unit} = {from}\nto_{unit} = {to}\nstep_{unit} = {step}\n");
+        }
+        None => text += &format!("stations_{unit} = [{}]\n", list(&stations)),
+    }
+    text
+}
+
+/// The step of stations that from, to and step give exactly.
 fn even_step(stations: &[f64]) -> Option<f64> {
     let (first, second) = (stations.first()?, stations.get(1)?);
     let step = round(second - first);

@@ -2,7 +2,7 @@
 
 use super::{Hidden, Kind, SeenIn};
 use crate::physics::{VirtualMachine, grid, simulate_points};
-use crate::truth::{Instrument, SimSetup, Truth, minimum_set};
+use crate::truth::{SimSetup, Truth, minimum_set};
 use nalgebra::{DMatrix, DVector, Vector3};
 use trunnion_machine::{Machine, State};
 
@@ -77,11 +77,8 @@ fn base_columns(machine: &Machine, setups: &[SimSetup], states: &[State]) -> DMa
 }
 
 fn readings(machine: &Machine, truth: Truth, states: &[State]) -> DVector<f64> {
-    let components: Vec<usize> = truth
-        .setups
-        .iter()
-        .map(|placed| if placed.setup.instrument == Instrument::RTest { 3 } else { 1 })
-        .collect();
+    let components: Vec<usize> =
+        truth.setups.iter().map(|placed| placed.setup.instrument.components()).collect();
     let machine = VirtualMachine::new(machine.clone(), truth).expect("the truth was made for this machine");
     let points = simulate_points(&machine, states);
     let all = points.iter().zip(states).flat_map(|(point, state)| &point[..components[state.setup]]).copied();

@@ -53,11 +53,8 @@ impl Stage {
 }
 
 fn setups(heights_mm: [f64; 2]) -> Vec<SimSetup> {
-    let place = |(name, z_mm): (&str, f64)| SimSetup {
-        name: name.into(),
-        nest: NestOn::Table,
-        ball_in_table_mm: Point3::new(150.0, 0.0, z_mm),
-        instrument: Instrument::RTest,
+    let place = |(name, z_mm): (&str, f64)| {
+        SimSetup::new(name, NestOn::Table, Point3::new(150.0, 0.0, z_mm), Instrument::RTest)
     };
     ["low", "high"].into_iter().zip(heights_mm).map(place).collect()
 }
@@ -121,12 +118,8 @@ impl Grid {
             samples: 0,
             quality: Quality::Good,
         };
-        let setup = |placed: &SimSetup| Setup {
-            name: placed.name.clone(),
-            instrument: InstrumentKind::RTest,
-            nest: NestSide::Table,
-            ball_in_table_mm: placed.ball_in_table_mm,
-            bar_length_mm: None,
+        let setup = |placed: &SimSetup| {
+            Setup::new(placed.name.clone(), InstrumentKind::RTest, NestSide::Table, placed.ball_in_table_mm)
         };
         Run {
             name: name.into(),

@@ -5,12 +5,8 @@ use trunnion_measurement::{InstrumentKind, NestSide, Point, Quality, Run, RunKin
 
 /// The S1 grid: two heights, both directions of C, B every 30°, C every 30°; readings zero.
 fn grid() -> Experiment {
-    let setup = |name: &str, z: f64| Setup {
-        name: name.into(),
-        instrument: InstrumentKind::RTest,
-        nest: NestSide::Table,
-        ball_in_table_mm: Point3::new(150.0, 0.0, z),
-        bar_length_mm: None,
+    let setup = |name: &str, z: f64| {
+        Setup::new(name, InstrumentKind::RTest, NestSide::Table, Point3::new(150.0, 0.0, z))
     };
     let mut points = Vec::new();
     for index in 0..2 * 2 * 7 * 12_usize {

@@ -75,7 +75,7 @@ fn is_step(run: &Run, point: &Point) -> bool {
 
 /// Commanded place of the ball relative to the nest, nest axes, mm.
 fn commanded_mm(run: &Run, point: &Point) -> Vector3<f64> {
-    predict(&run.machine, &run.setups[point.state.setup], &point.state.position, &Errors::default())
+    predict(&run.machine, &run.setups[point.state.setup], &point.state, &Errors::default())
 }
 
 /// Commanded and read places at the pose of the first step of a setup; `None` without steps.

@@ -1,0 +1,44 @@
+//! Setups of a cycle as the virtual machine mounts them.
+
+use trunnion_hil_sim::{Instrument, NestOn, SimSetup, SimTarget};
+use trunnion_measurement::{Artefact, InstrumentKind, NestSide, Setup};
+
+/// The setup of the virtual machine.
+pub fn sim_setup(setup: &Setup) -> SimSetup {
+    let nest = match setup.nest {
+        NestSide::Table => NestOn::Table,
+        NestSide::Spindle => NestOn::Spindle,
+    };
+    let targets = setup.artefact.as_ref().map_or_else(Vec::new, |artefact| targets(setup, artefact));
+    SimSetup {
+        ball_in_tool_mm: setup.ball_in_tool_mm,
+        targets,
+        ..SimSetup::new(&setup.name, nest, setup.ball_in_table_mm, instrument(setup))
+    }
+}
+
+fn instrument(setup: &Setup) -> Instrument {
+    let line = |mirror| Instrument::Line {
+        direction: setup.direction.map_or([1.0, 0.0, 0.0], |along| along.into_inner().into()).into(),
+        mirror,
+    };
+    match setup.instrument {
+        InstrumentKind::RTest => Instrument::RTest,
+        InstrumentKind::BallBar => Instrument::BallBar { length_mm: setup.bar_length_mm.unwrap_or_default() },
+        InstrumentKind::Tracker | InstrumentKind::LaserBallBar => Instrument::Length,
+        InstrumentKind::PassiveArm => Instrument::Arm { arms_mm: setup.arms_mm.unwrap_or([1.0, 1.0]) },
+        InstrumentKind::Diagonal => line(false),
+        InstrumentKind::StepDiagonal => line(true),
+        InstrumentKind::BallPlate | InstrumentKind::TouchProbe => Instrument::Centre,
+        InstrumentKind::TouchProbeFace => Instrument::Face,
+        InstrumentKind::MachinedSurface => Instrument::Cut,
+    }
+}
+
+fn targets(setup: &Setup, artefact: &Artefact) -> Vec<SimTarget> {
+    let target = |k: usize| SimTarget {
+        in_table_mm: setup.target_in_table_mm(k),
+        normal: artefact.normal_in_table(k).map_or([0.0; 3], |normal| normal.into_inner().into()).into(),
+    };
+    (0..artefact.targets.len()).map(target).collect()
+}

@@ -1,0 +1,110 @@
+//! The six component errors of a linear axis as smooth functions of its position.
+//!
+//! EXX(x) = Σ aₙ Pₙ(s), n = 1…5; EYX, EZX n = 2…5; EAX, EBX, ECX n = 1…5; s = x scaled to −1…1 over the measured range, Pₙ
+//! Legendre        [S2 eq. 1–2, §3.5; 21 error components with the squarenesses of `location-errors` or `squareness`]
+//! A description rather than a cause: it takes the place of `linear-scale`, `straightness` and `angular-motion` of the axis when a
+//! volume is measured. Limits: smooth guideways; periodic errors of a screw need their own effect.
+
+use super::straightness::scaled;
+use crate::subjects::{across, axis_of, every_slide, linear_name};
+use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use nalgebra::Vector3;
+use trunnion_machine::{Axis, Site, State};
+use trunnion_units::{AxisLetter, Twist};
+
+/// Highest order of the polynomials.
+const HIGHEST: usize = 5;
+
+pub(crate) static EFFECT: Effect = Effect {
+    phenomenon: "component-errors",
+    about: About {
+        title: "Component errors of a linear axis over its travel",
+        source: "S2 eq. 1–2, §3.5; ISO 230-1",
+        equation: "EXX = Σ₁⁵ aₙ Pₙ(s), EYX and EZX from n = 2, EAX, EBX, ECX from n = 1; s = −1…1 over the measured range",
+        symbols: "E errors of position, straightness (µm), roll, pitch and yaw (µrad); aₙ amplitudes; Pₙ Legendre polynomials; s coordinate scaled to −1…1",
+        validity: "Smooth guideways over the measured range. Takes the place of linear-scale, straightness and angular-motion of the same axis.",
+        typical: "1–10 µm, 10–30 µrad",
+        explanation: "The carriage leaves its ideal line and turns a little while it travels; told for every position.",
+        cause: "Guideways, scale or screw; the course over the travel tells which.",
+        seen_by: "A measurement of the volume: tracking interferometer, ball plate, diagonals with other tests.",
+        needs: &[Need::Travel, Need::Volume],
+        helps: &[Need::TwoHeights],
+    },
+    subjects: every_slide,
+    parameters,
+    shapes: |_, _| Shapes::none(),
+    motions,
+    example: Example {
+        id: "component-errors:X",
+        shape: &[],
+        values: &[("EXX.P1", 8.0), ("EYX.P2", 4.0), ("ECX.P3", 15.0)],
+        view: View::Circle(&[3000.0]),
+    },
+};
+
+/// Of each component: its symbol, its twist per unit, its unit, its lowest order.
+fn components(axis: &Axis) -> [(String, Twist, Unit, usize); 6] {
+    let across = across(&axis.direction);
+    let [first, second, along] = across.index;
+    let translation = |k: usize, twist: Vector3<f64>, lowest: usize| {
+        (format!("E{}{}", linear_name(k), axis.letter), Twist::translation(twist), Unit::UM, lowest)
+    };
+    let rotation = |k: usize| {
+        let name = format!("E{}{}", AxisLetter::ROTARY[k], axis.letter);
+        (name, Twist::rotation(Vector3::ith(k, 1.0)), Unit::URAD, 1)
+    };
+    [
+        translation(along, axis.positioning_twist().translation_mm, 1),
+        translation(first, across.first, 2),
+        translation(second, across.second, 2),
+        rotation(0),
+        rotation(1),
+        rotation(2),
+    ]
+}
+
+fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
+    let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.measures_volume(axis.letter))
+    else {
+        return Vec::new();
+    };
+    let orders = |(name, _, unit, lowest): (String, Twist, Unit, usize)| {
+        (lowest..=HIGHEST).map(move |n| Parameter::new(format!("{name}.P{n}"), unit))
+    };
+    components(axis).into_iter().flat_map(orders).collect()
+}
+
+fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
+    let Some(axis) = axis_of(&scene.machine, subject) else { return };
+    let legendre = legendre(scaled(scene, axis.letter, state));
+    let mut parameter = 0;
+    for (_, twist, _, lowest) in components(axis) {
+        for value in &legendre[lowest..] {
+            emit(parameter, Site::Joint(axis.letter), twist * *value);
+            parameter += 1;
+        }
+    }
+}
+
+/// P₀ … P₅ by (n + 1) Pₙ₊₁ = (2n + 1) s Pₙ − n Pₙ₋₁.
+fn legendre(s: f64) -> [f64; HIGHEST + 1] {
+    let mut p = [1.0; HIGHEST + 1];
+    p[1] = s;
+    for n in 1..HIGHEST {
+        let order = n as f64;
+        p[n + 1] = ((2.0 * order + 1.0) * s * p[n] - order * p[n - 1]) / (order + 1.0);
+    }
+    p
+}
+
+#[cfg(test)]
+mod tests {
+    /// Abramowitz and Stegun, table 22.9: P₅(x) = (63 x⁵ − 70 x³ + 15 x)/8.
+    #[test]
+    fn legendre_polynomials_are_those_of_the_handbook() {
+        for x in [-1.0, -0.3, 0.0, 0.5, 1.0f64] {
+            let p5 = (63.0 * x.powi(5) - 70.0 * x.powi(3) + 15.0 * x) / 8.0;
+            assert!((super::legendre(x)[5] - p5).abs() < 1e-14);
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Unknowns that come with every mounting of an instrument: where it really sits, its zero, its own geometry.
+
+use nalgebra::Vector3;
+use trunnion_machine::Site;
+use trunnion_units::Twist;
+
+/// One unknown of a mounting.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// Name, unique in the setup, e.g. `x` or `dead-path`.
+    pub name: &'static str,
+    /// What it is.
+    pub quantity: Quantity,
+    /// Where it acts.
+    pub site: Site,
+    /// What one unit (1 mm, 1 rad) of it does there.
+    pub twist: Twist,
+}
+
+/// What a setting is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A length, mm inside.
+    Length,
+    /// An angle, rad inside.
+    Angle,
+}
+
+/// Place of the table side, table axes.
+pub(crate) fn place() -> Vec<Setting> {
+    let at = |(k, name)| Setting {
+        name,
+        quantity: Quantity::Length,
+        site: Site::TableBall,
+        twist: Twist::translation(Vector3::ith(k, 1.0)),
+    };
+    ["x", "y", "z"].into_iter().enumerate().map(at).collect()
+}
+
+/// Place and turn of an artefact about its origin, table axes.
+pub(crate) fn placement() -> Vec<Setting> {
+    let about = |(k, name)| Setting {
+        name,
+        quantity: Quantity::Angle,
+        site: Site::TableBall,
+        twist: Twist::rotation(Vector3::ith(k, 1.0)),
+    };
+    place().into_iter().chain(["a", "b", "c"].into_iter().enumerate().map(about)).collect()
+}
+
+/// An offset of the reading: `sign` mm of reading for each mm of it.
+pub(crate) fn offset(name: &'static str, sign: f64) -> Setting {
+    let twist = Twist::translation(Vector3::x() * sign);
+    Setting { name, quantity: Quantity::Length, site: Site::Reading, twist }
+}
+
+/// Inner unknown `k` of the instrument.
+pub(crate) fn inner(k: usize, name: &'static str, quantity: Quantity) -> Setting {
+    Setting { name, quantity, site: Site::Instrument(k), twist: Twist::translation(Vector3::x()) }
+}

@@ -1,0 +1,123 @@
+//! Lines and curves that the tool travels: body diagonals, circles, the cone-frustum path.
+//!
+//! ```toml
+//! [line]                              # kind = "static", instead of [[grid]]
+//! from_mm = [-200, -200, -200]
+//! to_mm = [200, 200, 200]
+//! steps = 20
+//! in_turn = false                     # true: X, Y and Z step one after the other
+//!
+//! [circle]                            # kind = "on-the-fly", instead of [sweep]; about the table's ball, radius of the bar
+//! plane = "XY"
+//! from_deg = -180
+//! to_deg = 540
+//! feeds_mm_per_min = [1000]
+//!
+//! [cone]                              # the same, five axes at once
+//! half_angle_deg = 15                 # of the cone
+//! tilt_deg = 10                       # of its axis against the table's Z, towards X
+//! from_deg = 0
+//! to_deg = 360
+//! feeds_mm_per_min = [1000]
+//! ```
+
+use super::reach;
+use crate::Setup;
+use nalgebra::{Rotation3, Unit, Vector3};
+use trunnion_machine::{JointErrors, Machine};
+use trunnion_units::{AxisLetter, AxisValues};
+
+/// A straight line of linear axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// First place, X, Y, Z, mm.
+    pub from_mm: Vector3<f64>,
+    /// Last place, mm.
+    pub to_mm: Vector3<f64>,
+    /// Number of steps between them.
+    pub steps: usize,
+    /// True: in every step X, Y and Z move one after the other, with a stop after each [S2 §3.2].
+    pub in_turn: bool,
+}
+
+/// A curve of the tool about the table's ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Path {
+    /// Circle of two linear axes [ISO 230-4].
+    Circle {
+        /// The axes; the angle runs from the first to the second.
+        plane: [AxisLetter; 2],
+    },
+    /// Base circle of a cone whose generatrix the tool axis keeps parallel to [NAS 979; ISO 10791-6 BK4].
+    Cone {
+        /// Angle between the cone's axis and its generatrix, rad.
+        half_angle_rad: f64,
+        /// Tilt of the cone's axis against the table's Z, towards its X, rad.
+        tilt_rad: f64,
+    },
+}
+
+impl Line {
+    /// The places in order.
+    pub(super) fn places(&self) -> Vec<AxisValues<f64>> {
+        let share = |k: usize| k as f64 / self.steps.max(1) as f64;
+        let at = |shares: [f64; 3]| {
+            let mut position = AxisValues::default();
+            for (k, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
+                position[letter] = self.from_mm[k] + (self.to_mm[k] - self.from_mm[k]) * shares[k];
+            }
+            position
+        };
+        let mut places = vec![at([0.0; 3])];
+        for k in 0..self.steps {
+            let (now, next) = (share(k), share(k + 1));
+            if self.in_turn {
+                places.extend([at([next, now, now]), at([next, next, now])]);
+            }
+            places.push(at([next; 3]));
+        }
+        places
+    }
+}
+
+impl Path {
+    /// Axes that it needs.
+    pub(super) fn axes(&self) -> Vec<AxisLetter> {
+        match self {
+            Self::Circle { plane } => plane.to_vec(),
+            Self::Cone { .. } => AxisLetter::LINEAR.to_vec(),
+        }
+    }
+
+    /// All axes at `angle_rad` of the curve. `near`: where the rotary axes stood before. `None` when the machine cannot get
+    /// there.
+    pub(super) fn position(
+        &self,
+        machine: &Machine,
+        setup: &Setup,
+        angle_rad: f64,
+        near: &AxisValues<f64>,
+    ) -> Option<AxisValues<f64>> {
+        let radius_mm = setup.bar_length_mm.unwrap_or_default();
+        let (sin, cos) = angle_rad.sin_cos();
+        match self {
+            Self::Circle { plane } => {
+                let along = |letter: AxisLetter| Vector3::ith(letter as usize, radius_mm);
+                let apart_mm = along(plane[0]) * cos + along(plane[1]) * sin;
+                let rotary = AxisValues::default();
+                let table = machine.machine_from_table(&rotary, &JointErrors::default()).rotation;
+                let place = setup.ball_in_table_mm + table.inverse() * apart_mm;
+                reach(machine, setup, &rotary, &place)
+            }
+            Self::Cone { half_angle_rad, tilt_rad } => {
+                let tilted = Rotation3::from_axis_angle(&Vector3::y_axis(), *tilt_rad);
+                let outward = tilted * Vector3::new(cos, sin, 0.0);
+                let up = tilted * Vector3::z();
+                // From the base upward and inward.
+                let generatrix = up * half_angle_rad.cos() - outward * half_angle_rad.sin();
+                let rotary = machine.orient(&Unit::new_normalize(generatrix), near)?;
+                reach(machine, setup, &rotary, &(setup.ball_in_table_mm + outward * radius_mm))
+            }
+        }
+    }
+}
