@@ -29,8 +29,8 @@ fn placed(name: &str, z: f64, instrument: Instrument) -> SimSetup {
 
 fn setup_of(placed: &SimSetup) -> Setup {
     let (instrument, bar_length_mm) = match placed.instrument {
-        Instrument::RTest => (InstrumentKind::RTest, None),
         Instrument::BallBar { length_mm } => (InstrumentKind::BallBar, Some(length_mm)),
+        _ => (InstrumentKind::RTest, None),
     };
     let ball_in_table_mm = placed.ball_in_table_mm;
     Setup { bar_length_mm, ..Setup::new(&placed.name, instrument, NestSide::Table, ball_in_table_mm) }

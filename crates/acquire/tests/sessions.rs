@@ -372,8 +372,9 @@ async fn a_static_cycle_is_read_live_and_its_replay_gives_the_same_bytes() {
     let to = |c: f64| [Step::Move { target: at(c), duration_s: 0.4 }, Step::Dwell { duration_s: 1.4 }];
     let steps = [Step::Dwell { duration_s: 1.0 }].into_iter().chain(stations.into_iter().flat_map(to));
     let world = world_of(steps.collect());
-    let poses: Vec<Pose> =
-        stations.map(|c| Pose { setup: 0, position: at(c), direction: AxisValues::default() }).to_vec();
+    let poses: Vec<Pose> = stations
+        .map(|c| Pose { setup: 0, target: 0, position: at(c), direction: AxisValues::default() })
+        .to_vec();
     let shop = shop_in(world.clone(), |config| config.can = None).await;
     let probes: String = (1..=3).map(|k| PROBE.replace("probe-1", &format!("probe-{k}"))).collect();
     let mut acquisition = shop.start(&(probes + AGENT), QUEUE_LENGTH);

@@ -72,13 +72,26 @@ impl Setup {
         self.artefact.as_ref().map_or(1, |artefact| artefact.targets.len())
     }
 
-    /// Size inside (mm) of one unit of component `i` in a points file.
-    pub fn reading_scale(&self, i: usize) -> f64 {
+    /// Component `i` of a reading, mm, from the number in its column of a points file.
+    pub fn reading_from_column_mm(&self, i: usize, number: f64) -> f64 {
         match self.instrument.columns()[i] {
-            ReadingColumn::Deviation(_) => convert::mm_from_um(1.0),
-            ReadingColumn::Length(_) => 1.0,
-            ReadingColumn::Angle(_) => convert::rad_from_deg(1.0) * self.arms_mm.map_or(1.0, |arms| arms[i]),
+            ReadingColumn::Deviation(_) => convert::mm_from_um(number),
+            ReadingColumn::Length(_) => number,
+            ReadingColumn::Angle(_) => convert::rad_from_deg(number) * self.arm_mm(i),
         }
+    }
+
+    /// The number in the column of component `i` from a reading, mm.
+    pub fn column_from_reading(&self, i: usize, reading_mm: f64) -> f64 {
+        match self.instrument.columns()[i] {
+            ReadingColumn::Deviation(_) => convert::um_from_mm(reading_mm),
+            ReadingColumn::Length(_) => reading_mm,
+            ReadingColumn::Angle(_) => convert::deg_from_rad(reading_mm / self.arm_mm(i)),
+        }
+    }
+
+    fn arm_mm(&self, i: usize) -> f64 {
+        self.arms_mm.map_or(1.0, |arms| arms[i])
     }
 }
 

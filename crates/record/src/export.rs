@@ -46,7 +46,7 @@ pub fn points_csv(run: &Run) -> String {
             let setup = setup?;
             let i = setup.instrument.columns().iter().position(|own| own == column)?;
             let decimals = if matches!(column, ReadingColumn::Deviation(_)) { 4 } else { 7 };
-            Some(digits(point.reading_mm[i] / setup.reading_scale(i), decimals))
+            Some(digits(setup.column_from_reading(i, point.reading_mm[i]), decimals))
         };
         cells.extend(columns.iter().map(|column| reading(column).unwrap_or_default()));
         cells.extend(state.temperature_degc.iter().map(|&degc| digits(degc, 4)));

@@ -231,7 +231,7 @@ fn read_row(
                 let own = mounted.map(|setup| (setup, setup.instrument.columns()));
                 let i = own.and_then(|(_, columns)| columns.iter().position(|own| own == column));
                 if let Some((setup, i)) = mounted.zip(i) {
-                    reading_mm[i] = number * setup.reading_scale(i);
+                    reading_mm[i] = setup.reading_from_column_mm(i, number);
                 }
             }
             Column::Temperature(_) => state.temperature_degc.push(number),

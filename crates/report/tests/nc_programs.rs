@@ -8,8 +8,8 @@ mod interpreter;
 use interpreter::{Event, interpret};
 use proptest::prelude::*;
 use trunnion_machine::{Machine, State, shipped};
-use trunnion_measurement::Cycle;
-use trunnion_measurement::cycle::{CourseRules, Motion, Visits};
+use trunnion_measurement::cycle::{CourseRules, Visits};
+use trunnion_measurement::{Cycle, RunKind};
 use trunnion_report::nc::{Block, DIALECTS, Program};
 use trunnion_units::{AxisLetter, AxisValues, convert};
 
@@ -184,9 +184,9 @@ fn check(cycle: &Cycle, rules: &CourseRules) {
             let events = interpret(dialect.name, &(dialect.write)(&program, decimals));
             let told =
                 |i: usize| format!("{} as {} with {decimals} decimals, point {i}", cycle.name, dialect.name);
-            match cycle.motion {
-                Motion::Static { .. } => stands(&events, &visits, decimals, &told),
-                Motion::OnTheFly { .. } => passes(&events, &visits, decimals, rules, &told),
+            match cycle.run_kind() {
+                RunKind::Static => stands(&events, &visits, decimals, &told),
+                RunKind::OnTheFly => passes(&events, &visits, decimals, rules, &told),
             }
         }
     }

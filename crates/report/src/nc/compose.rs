@@ -72,6 +72,7 @@ impl Writer<'_> {
                             "Setup {}: put the bar between the balls. Start the recording. Then cycle start.",
                             setup.name
                         ),
+                        _ => format!("Setup {}: start the recording. Then cycle start.", setup.name),
                     }));
                 }
             }
@@ -231,5 +232,6 @@ fn mounting(setup: &Setup) -> String {
             let length_mm = setup.bar_length_mm.unwrap_or_default();
             format!("{name}: ball bar of {length_mm} mm, its ball {place}, the other in the spindle")
         }
+        (kind, _) => format!("{name}: {} {place}", kind.name()),
     }
 }
