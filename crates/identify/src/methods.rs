@@ -4,6 +4,7 @@
 //! so that its figures can be compared with the source and with the joint fit. A test walks the directory and the list.
 
 mod error_map;
+mod rotary_values;
 mod two_height;
 
 use crate::{ExperimentError, Findings, IdentifyError};
@@ -11,7 +12,7 @@ use trunnion_measurement::Run;
 use trunnion_units::AxisLetter;
 
 /// Every named method.
-pub static REGISTRY: [&Method; 2] = [&two_height::METHOD, &error_map::METHOD];
+pub static REGISTRY: [&Method; 3] = [&two_height::METHOD, &error_map::METHOD, &rotary_values::METHOD];
 
 /// A closed recipe of the literature.
 #[derive(Debug)]

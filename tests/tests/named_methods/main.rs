@@ -2,4 +2,5 @@
 
 mod bench;
 mod error_map;
+mod rotary_values;
 mod two_height;

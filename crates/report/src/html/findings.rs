@@ -101,7 +101,13 @@ fn scaled(curve: &Curve, x_per_inside: f64, y: Unit) -> Vec<(f64, f64)> {
 /// A round number above everything drawn.
 fn limit<'a>(curves: impl Iterator<Item = &'a Vec<(f64, f64)>>) -> f64 {
     let all = curves.flatten().map(|p| p.1.abs()).filter(|v| v.is_finite());
-    nice_above(all.fold(0.0, f64::max))
+    let largest = all.fold(0.0, f64::max);
+    let nice = nice_above(largest);
+    [0.6, 0.8]
+        .map(|share| share * nice)
+        .into_iter()
+        .find(|limit| *limit >= largest && largest > 0.0)
+        .unwrap_or(nice)
 }
 
 /// Name and unit.

@@ -3,7 +3,7 @@
 use super::b_errors::BErrors;
 use super::c_errors::CErrors;
 use super::grid::{Cell, Grid};
-use super::values::components;
+use super::values::{components, is_about_itself};
 use crate::findings::{AxisName, Chart, Curve, MapPlace, Plot};
 use nalgebra::Vector3;
 use trunnion_effects::Unit;
@@ -19,17 +19,31 @@ pub(super) fn charts(grid: &Grid<'_>, b_errors: &BErrors, c_errors: &CErrors) ->
     for tilt in [Some(upright), steepest].into_iter().flatten() {
         charts.extend(over_turning(grid, c_errors, tilt));
     }
-    for tilt in [Some(upright), steepest].into_iter().flatten() {
-        charts.extend(places(grid, b_errors, tilt));
-    }
+    let tilts = [Some(upright), steepest].into_iter().flatten();
+    charts.extend(alike(tilts.flat_map(|tilt| places(grid, b_errors, tilt)).collect()));
     charts
+}
+
+/// Maps with the same magnification, so that they can be compared.
+fn alike(mut maps: Vec<Chart>) -> Vec<Chart> {
+    let of = |chart: &Chart| match &chart.plot {
+        Plot::PlaneMap { magnification, .. } => Some(*magnification),
+        _ => None,
+    };
+    let least = maps.iter().filter_map(of).fold(f64::INFINITY, f64::min);
+    for map in &mut maps {
+        if let Plot::PlaneMap { magnification, .. } = &mut map.plot {
+            *magnification = least;
+        }
+    }
+    maps
 }
 
 fn over_tilting(grid: &Grid<'_>, b_errors: &BErrors) -> [Chart; 2] {
     let over =
         |of: fn(&Twist) -> f64| grid.tilts_rad.iter().copied().zip(b_errors.at_tilt.iter().map(of)).collect();
     let group = format!("Errors of {} over {} (S1 Fig. 6)", grid.tilting, grid.tilting);
-    sorted(&group, grid.tilting, "", |of| Some(over(of)))
+    sorted(&group, grid.tilting, "", |_| true, |of| Some(over(of)))
 }
 
 fn over_turning(grid: &Grid<'_>, c_errors: &CErrors, tilt: usize) -> [Chart; 2] {
@@ -39,7 +53,7 @@ fn over_turning(grid: &Grid<'_>, c_errors: &CErrors, tilt: usize) -> [Chart; 2] 
         let points = grid.turns_rad.iter().zip(&c_errors.at[tilt]);
         Some(points.filter_map(|(&turn, twist)| Some((turn, of(twist.as_ref()?)))).collect())
     };
-    sorted(&group, grid.turning, &format!(" at {at}"), over)
+    sorted(&group, grid.turning, &format!(" at {at}"), |name| !is_about_itself(name), over)
 }
 
 /// One chart of the rotations and one of the translations of an axis.
@@ -47,10 +61,11 @@ fn sorted(
     group: &str,
     axis: AxisLetter,
     at: &str,
+    shown: impl Fn(&str) -> bool,
     points: impl Fn(fn(&Twist) -> f64) -> Option<Vec<(f64, f64)>>,
 ) -> [Chart; 2] {
     [(Unit::URAD, "Rotations"), (Unit::UM, "Translations")].map(|(unit, title)| {
-        let of_unit = components(axis).into_iter().filter(|(_, u, _)| *u == unit);
+        let of_unit = components(axis).into_iter().filter(|(name, u, _)| *u == unit && shown(name));
         let curves = of_unit.filter_map(|(name, _, of)| Some(Curve::new(name, points(of)?))).collect();
         Chart {
             group: group.into(),

@@ -95,7 +95,7 @@ fn variations(
 }
 
 /// `ECC`, which is taken as zero.
-fn is_about_itself(symbol: &str) -> bool {
+pub(super) fn is_about_itself(symbol: &str) -> bool {
     symbol.chars().nth(1) == symbol.chars().nth(2)
 }
 
