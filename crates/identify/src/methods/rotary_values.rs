@@ -1,12 +1,13 @@
 //! Error motion values of a rotary axis: radial, axial, tilt; total, synchronous, asynchronous.
 //!
-//! Definitions [ISO 230-7:2015 (Axes of rotation) clause 3, as it words them for polar plots], for the signal s_p(θ) of turn p:
+//! Definitions [restated from ISO 230-7:2015, Axes of rotation, clause 3], for the signal s_p(θ) of turn p:
 //! - least-squares centre: `s̄ + a cos θ + b sin θ` fitted to all turns of one direction and taken off; what remains is d_p(θ).
 //!   The once-a-turn part is the eccentricity of the artefact and is no radial or tilt error motion; of the axial motion it is the
 //!   fundamental, which is given beside;
 //! - *total* error motion value: difference of the radii of the two circles about that centre that just hold all turns,
 //!   `max d − min d`;
-//! - *synchronous* value: the same of the mean contour, `max d̄ − min d̄`, d̄(θ) the mean over the turns;
+//! - *synchronous* value: the same of what recurs in every turn (whole multiples of the frequency of rotation), the mean contour:
+//!   `max d̄ − min d̄`, d̄(θ) the mean over the turns;
 //! - *asynchronous* value: the largest width of the plot along a radius, `max_θ (max_p d − min_p d)`.
 //!
 //! Sensitive directions of the radial motion: fixed along u and v (X and Y for C), and rotating with the axis,
