@@ -1,7 +1,7 @@
 //! What a controller has to do to run a cycle, step by step: the neutral form of an NC program.
 //!
-//! Ball and nest (or the bar) are brought together and taken apart with the rotary axes at zero, the spindle coming from
-//! straight above. In between they stay together: whatever the rotary axes do, the linear axes follow along short straight
+//! Ball and nest (or the bar) are brought together and taken apart with the rotary axes at or near zero, the spindle coming
+//! from straight above. In between they stay together: whatever the rotary axes do, the linear axes follow along short straight
 //! pieces, because the controller's own tool-point following is off. A pose is approached as [`Cycle::visits`] says, from
 //! the side of its pass with an overrun; a sweep runs in and out by half the feed times the ramp.
 
@@ -9,7 +9,7 @@ use super::visit::{OVERRUN_RAD, VisitError};
 use super::{Cycle, Leg, Motion, Pace, grid_positions};
 use crate::InstrumentKind;
 use nalgebra::Vector3;
-use trunnion_machine::{JointErrors, Machine};
+use trunnion_machine::{Axis, JointErrors, Machine, State};
 use trunnion_units::{AxisLetter, AxisValues};
 
 /// Shortest standing still before a sweep, s: it tells the passes of a recording apart.
@@ -20,6 +20,10 @@ const STROKE_S: f64 = 0.2;
 const FIRST_PIECES: usize = 16;
 /// Most pieces of one path.
 const MOST_PIECES: usize = 1_000_000;
+/// Farther than this from every pose, no one takes a stand for a pose, rad.
+const FREE_RAD: f64 = 2.5 / 180.0 * std::f64::consts::PI;
+/// Places looked at for standing free of the poses.
+const MOST_PLACES: u32 = 36;
 /// Travel that counts as motion, mm or rad.
 const STANDSTILL: f64 = 1e-9;
 
@@ -147,8 +151,9 @@ impl Cycle {
         if self.setups.iter().any(|setup| setup.artefact.is_some()) {
             return no_course("it has an artefact with several targets");
         }
+        let home = self.home(machine, &rules.pace)?;
         let mut guide =
-            Guide { cycle: self, machine, rules, steps: Vec::new(), joined: None, fitted: Vec::new() };
+            Guide { cycle: self, machine, rules, home, steps: Vec::new(), joined: None, fitted: Vec::new() };
         let mut last: Option<Leg> = None;
         for leg in self.legs() {
             guide.change_to(leg.setup)?;
@@ -167,6 +172,39 @@ impl Cycle {
         guide.part()?;
         Ok(guide.steps)
     }
+
+    /// Where ball and nest come together: rotary axes at zero, or as near as their travel allows. Who watches the axes would
+    /// take standing there for a pose of the cycle, so an upright axis is turned until no pose is near.
+    fn home(&self, machine: &Machine, pace: &Pace) -> Result<AxisValues<f64>, VisitError> {
+        let rotary = machine.rotary();
+        let mut zero = AxisValues::default();
+        for axis in &rotary {
+            zero[axis.letter] = 0f64.clamp(axis.travel.0, axis.travel.1);
+        }
+        let upright = |axis: &&&Axis| axis.direction.z.abs();
+        let turned = rotary.iter().max_by(|a, b| upright(a).total_cmp(&upright(b)));
+        let Some(turned) = turned else { return Ok(zero) };
+        let poses = self.visits(machine, pace)?.states;
+        let free = |home: &AxisValues<f64>| {
+            let near = |state: &State| {
+                let off = |axis: &&Axis| whole_turns_off(state.position[axis.letter] - home[axis.letter]);
+                state.velocity == AxisValues::default()
+                    && rotary.iter().all(|axis| off(axis).abs() < FREE_RAD)
+            };
+            !poses.iter().any(near)
+        };
+        let places = (0..MOST_PLACES).map(|k| {
+            let mut home = zero;
+            home[turned.letter] = (zero[turned.letter] + FREE_RAD * f64::from(k)).min(turned.travel.1);
+            home
+        });
+        Ok(places.into_iter().find(free).unwrap_or(zero))
+    }
+}
+
+/// Less the whole turns.
+fn whole_turns_off(angle_rad: f64) -> f64 {
+    angle_rad - (angle_rad / std::f64::consts::TAU).round() * std::f64::consts::TAU
 }
 
 /// Lays out a course.
@@ -174,6 +212,8 @@ struct Guide<'a> {
     cycle: &'a Cycle,
     machine: &'a Machine,
     rules: &'a CourseRules,
+    /// Where the rotary axes stand while ball and nest come together and part.
+    home: AxisValues<f64>,
     steps: Vec<Step>,
     /// The setup whose ball and nest are together, and where the rotary axes stand.
     joined: Option<(usize, AxisValues<f64>)>,
@@ -187,7 +227,7 @@ impl Guide<'_> {
             return Ok(());
         }
         self.part()?;
-        let home = self.home();
+        let home = self.home;
         self.steps.push(Step::Above { at: self.above(setup)? });
         let bar = self.cycle.setups[setup].instrument == InstrumentKind::BallBar;
         let new = !self.fitted.contains(&setup);
@@ -209,7 +249,7 @@ impl Guide<'_> {
     /// Back to the zero of the rotary axes and up.
     fn part(&mut self) -> Result<(), VisitError> {
         let Some((setup, _)) = self.joined else { return Ok(()) };
-        let home = self.home();
+        let home = self.home;
         self.transfer(&home)?;
         if let Motion::OnTheFly { .. } = self.cycle.motion {
             self.gesture(setup, &home)?;
@@ -359,7 +399,7 @@ impl Guide<'_> {
 
     /// The spindle above a setup, at the same height above all of them.
     fn above(&self, setup: usize) -> Result<AxisValues<f64>, VisitError> {
-        let home = self.home();
+        let home = self.home;
         let machine_from_table = self.machine.machine_from_table(&home, &JointErrors::default());
         let target_in_machine = |setup: usize| {
             let setup = &self.cycle.setups[setup];
@@ -378,15 +418,6 @@ impl Guide<'_> {
             .ok_or_else(|| self.cycle.cannot_follow(self.machine, setup))?;
         self.cycle.within_travel(self.machine, &at)?;
         Ok(at)
-    }
-
-    /// Rotary axes at zero, or as near as their travel allows.
-    fn home(&self) -> AxisValues<f64> {
-        let mut home = AxisValues::default();
-        for axis in self.machine.rotary() {
-            home[axis.letter] = 0f64.clamp(axis.travel.0, axis.travel.1);
-        }
-        home
     }
 
     fn position(&self, setup: usize, rotary: &AxisValues<f64>) -> Result<AxisValues<f64>, VisitError> {
