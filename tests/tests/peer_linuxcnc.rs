@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 use trunnion_machine::{State, shipped};
 use trunnion_measurement::Cycle;
-use trunnion_measurement::cycle::{CourseRules, Motion};
+use trunnion_measurement::cycle::CourseRules;
 use trunnion_report::nc::{Program, dialect};
 use trunnion_tests::workspace_root;
 use trunnion_units::{AxisLetter, AxisValues, convert};
@@ -63,11 +63,9 @@ fn check(cycle: &Cycle) -> (usize, usize) {
     let canon: Vec<Canon> = canonical(&printed);
     assert!(matches!(canon.last(), Some(Canon::End)), "{} does not end", cycle.name);
     let states = cycle.visits(&machine, &rules.pace).unwrap().states;
-    match &cycle.motion {
-        Motion::Static { settle, .. } => {
-            stands(&canon, &states, rules.pace.settle_s + 2.0 * settle.window_s, &cycle.name);
-        }
-        Motion::OnTheFly { .. } => passes(&canon, &states, rules.chord_mm, &cycle.name),
+    match cycle.settle() {
+        Some(settle) => stands(&canon, &states, rules.pace.settle_s + 2.0 * settle.window_s, &cycle.name),
+        None => passes(&canon, &states, rules.chord_mm, &cycle.name),
     }
     (states.len(), canon.iter().filter(|command| matches!(command, Canon::Stop)).count())
 }

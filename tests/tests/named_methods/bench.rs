@@ -102,10 +102,5 @@ fn sim_setup(setup: &Setup) -> SimSetup {
         NestSide::Table => NestOn::Table,
         NestSide::Spindle => NestOn::Spindle,
     };
-    SimSetup {
-        name: setup.name.clone(),
-        nest,
-        ball_in_table_mm: setup.ball_in_table_mm,
-        instrument: Instrument::RTest,
-    }
+    SimSetup::new(setup.name.clone(), nest, setup.ball_in_table_mm, Instrument::RTest)
 }
