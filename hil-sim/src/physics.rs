@@ -19,6 +19,7 @@ use crate::truth::Truth;
 use hidden::Scene;
 use natural::NaturalMotion;
 use trunnion_machine::{Machine, Side, State};
+use trunnion_units::AxisValues;
 
 /// A machine with a truth.
 #[derive(Clone, Debug)]
@@ -67,6 +68,22 @@ impl VirtualMachine {
     /// What is wrong with it.
     pub fn truth(&self) -> &Truth {
         &self.truth
+    }
+
+    /// What the axes' own encoders read at a state: commanded positions with the following errors that are hidden in the machine.
+    pub fn encoder_positions(&self, state: &State) -> AxisValues<f64> {
+        let mut actual = state.position;
+        for hidden in self.truth.hidden.iter().filter(|hidden| hidden.kind.at_encoder) {
+            let scene = Scene { machine: &self.machine, place: hidden.place, setup: state.setup, state };
+            let wrong = hidden.at(&scene);
+            for axis in self.machine.axes() {
+                let twist = wrong.joints[axis.letter];
+                let along = axis.direction.into_inner() * axis.sense;
+                let moved = if axis.is_rotary() { twist.rotation_rad } else { twist.translation_mm };
+                actual[axis.letter] += moved.dot(&along);
+            }
+        }
+        actual
     }
 
     /// What the instrument of a setup would read without noise, mm: x y z, or the bar's change of length and two zeros.

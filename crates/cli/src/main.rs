@@ -9,8 +9,8 @@ mod virtual_setup;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, check_config, compare, compensation, daemon, demo, diagnose, export, identify, import, ladder,
-    nc_program, plan, remove, replay, simulate,
+    add, attribute, check_config, compare, compensation, daemon, demo, diagnose, export, identify, import,
+    ladder, nc_program, plan, remove, replay, simulate,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -35,6 +35,7 @@ enum Command {
     Compare(compare::Args),
     Diagnose(diagnose::Args),
     Add(add::Args),
+    Attribute(attribute::Args),
     Remove(remove::Args),
     Ladder(ladder::Args),
     Plan(plan::Args),
@@ -55,6 +56,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Add(args) => add::run(&args),
+        Command::Attribute(args) => attribute::run(&args),
         Command::Remove(args) => remove::run(&args),
         Command::Ladder(args) => ladder::run(&args),
         Command::Plan(args) => plan::run(&args),

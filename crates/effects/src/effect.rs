@@ -138,6 +138,8 @@ impl Unit {
     pub const DEG: Self = Self { symbol: "deg", per_inside: 180.0 / std::f64::consts::PI };
     /// mm.
     pub const MM: Self = Self { symbol: "mm", per_inside: 1.0 };
+    /// Seconds.
+    pub const S: Self = Self { symbol: "s", per_inside: 1.0 };
     /// A plain number.
     pub const ONE: Self = Self { symbol: "1", per_inside: 1.0 };
 

@@ -1,5 +1,6 @@
 //! From points to parameters: design matrix, fit, null space, uncertainties.
 
+pub mod attribution;
 mod axis_errors;
 mod design;
 pub mod experiment;

@@ -26,4 +26,4 @@ pub use handle::{RecordSender, RecorderHandle, RecorderStatus};
 pub use item::{ControllerState, Item, LogLine, RunHeader, Temperature};
 pub use reader::{Damage, OnPoint, Recording, RunStart, read_run, visit, visit_points};
 pub use schema::FILE_DESCRIPTOR_SET;
-pub use writer::{Finished, Recorder, write_run};
+pub use writer::{Finished, Recorder, write_run, write_run_with_axes};

@@ -317,6 +317,19 @@ impl Recorder {
 /// # Errors
 /// As [`Recorder::create`] and [`Recorder::finish`]; also when writing fails in between.
 pub fn write_run(path: &Path, header: &RunHeader, run: &Run) -> Result<FinishedFile, RecordError> {
+    write_run_with_axes(path, header, run, &[])
+}
+
+/// The same with the positions of the axes, in order of time.
+///
+/// # Errors
+/// As [`write_run`].
+pub fn write_run_with_axes(
+    path: &Path,
+    header: &RunHeader,
+    run: &Run,
+    axes: &[AxisSample],
+) -> Result<FinishedFile, RecordError> {
     let dir = match path.parent() {
         Some(dir) if !dir.as_os_str().is_empty() => dir,
         _ => Path::new("."),
@@ -325,6 +338,9 @@ pub fn write_run(path: &Path, header: &RunHeader, run: &Run) -> Result<FinishedF
     let mut recorder = Recorder::create(dir, &name, header)?;
     for point in &run.points {
         recorder.append(Item::Point(point.clone()), header.host_start);
+    }
+    if !axes.is_empty() {
+        recorder.append(Item::Axes(axes.to_vec()), header.host_start);
     }
     if let Some(why) = recorder.failing() {
         let source = std::io::Error::other(why.to_string());

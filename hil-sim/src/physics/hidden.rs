@@ -15,6 +15,7 @@ mod gravity_sag;
 mod linear_scale;
 mod local_bump;
 mod radial_error_motion;
+mod reversal_spike;
 mod servo_lag;
 mod setup_slip;
 mod size;
@@ -55,6 +56,8 @@ pub struct Kind {
     pub places: &'static [Place],
     /// In which cycle it shows.
     pub seen_in: SeenIn,
+    /// Whether the axis' own encoder sees it: it is a following error, not one between encoder and tool.
+    pub at_encoder: bool,
     /// Whether the program's catalogue promises an effect of this id (DESIGN §3.1).
     pub catalogued: bool,
     /// Names of the shape's numbers, units in the name.
@@ -64,7 +67,7 @@ pub struct Kind {
 }
 
 /// The registry.
-pub const KINDS: [&Kind; 22] = [
+pub const KINDS: [&Kind; 23] = [
     &axial_error_motion::KIND,
     &backlash::KIND,
     &cable_drag::KIND,
@@ -77,6 +80,7 @@ pub const KINDS: [&Kind; 22] = [
     &linear_scale::KIND,
     &local_bump::KIND,
     &radial_error_motion::KIND,
+    &reversal_spike::KIND,
     &servo_lag::KIND,
     &setup_slip::KIND,
     &soft_step::KIND,

@@ -1,6 +1,7 @@
 //! One file per command.
 
 pub mod add;
+pub mod attribute;
 pub mod check_config;
 pub mod compare;
 pub mod compensation;

@@ -9,13 +9,16 @@ use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{Compensation, Instrument, NestOn, SimSetup, Truth};
 use trunnion_machine::{Machine, State};
 use trunnion_measurement::cycle::Pace;
-use trunnion_measurement::{Cycle, InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
+use trunnion_measurement::{
+    AxisSample, Cycle, InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup,
+};
 
 /// Simulate a cycle on a machine whose truth is written in a file
 ///
 /// Without --cycle the machine measures the standard grid of poses with the setups of its truth. With --cycle it runs that
 /// cycle, at rest or on the fly, with any instrument; setups named and placed as in the truth keep their setting
-/// error, others are mounted anew.
+/// error, others are mounted anew. A run on the fly also holds what the axes' own encoders read: lag and reversal spikes, no
+/// geometric errors.
 ///
 /// Example: trunnion simulate truth.toml --cycle config/cycles/r-test-sweep-c.toml -o run.mcap
 #[derive(clap::Args)]
@@ -56,6 +59,13 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         let table = Compensation::parse(&path.display().to_string(), &load::read(path)?)?;
         simulated.machine = simulated.machine.compensated(table)?;
     }
+    // While axes move, their own encoders are recorded as well.
+    let axes: Vec<AxisSample> = match simulated.kind {
+        RunKind::Static => Vec::new(),
+        RunKind::OnTheFly => {
+            simulated.states.iter().filter_map(|state| encoders(&simulated.machine, state)).collect()
+        }
+    };
     let mut sampler = Sampler::new(&simulated.machine, simulated.noise);
     let points = simulated
         .states
@@ -73,7 +83,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let run = Run { name, machine, kind, setups, channels: Vec::new(), points };
     let mut header = trunnion_record::RunHeader::of_run(&run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
     header.cycle_text = simulated.cycle_text;
-    trunnion_record::write_run(&args.output, &header, &run)
+    trunnion_record::write_run_with_axes(&args.output, &header, &run, &axes)
         .with_context(|| format!("cannot write {}", args.output.display()))?;
     if args.json {
         outcome::print_json(&serde_json::json!({
@@ -86,6 +96,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         outcome::print(&format!("{} points -> {}\n", run.points.len(), args.output.display()))?;
     }
     Ok(Outcome::Done)
+}
+
+fn encoders(machine: &VirtualMachine, state: &State) -> Option<AxisSample> {
+    Some(AxisSample { time_s: state.time_s?, position: machine.encoder_positions(state) })
 }
 
 struct Simulated {

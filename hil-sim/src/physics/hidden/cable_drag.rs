@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "pull, mm per rad beyond the angle",
     places: &[A, B],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: false,
     shape: &["side", "from_rad", "softness_rad", "pull_x", "pull_y", "pull_z", "turn_rad_per_mm"],
     draw,

@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "lift between off and on, mm",
     places: &[Place::Machine],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: false,
     shape: &["period_s", "duty", "phase_s"],
     draw,

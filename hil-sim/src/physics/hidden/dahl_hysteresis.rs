@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "width of the loop, rad",
     places: &[A, B, C],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: false,
     shape: &["travel_rad"],
     draw,

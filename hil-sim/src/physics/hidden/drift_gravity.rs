@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "drop at 90° when warm, mm",
     places: &[A, B],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: false,
     shape: &["warming_s", "sign", "turn_rad_per_mm"],
     draw,

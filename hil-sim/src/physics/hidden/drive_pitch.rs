@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "positioning error of the slow wave, rad",
     places: &[A, B, C],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: true,
     shape: &["lobes", "lobes_phase_rad", "teeth", "teeth_ratio", "teeth_phase_rad"],
     draw,

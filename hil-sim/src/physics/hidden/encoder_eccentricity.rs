@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "positioning error of the first wave, rad",
     places: &[A, B, C],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: true,
     shape: &["phase_1_rad", "ratio_2", "phase_2_rad"],
     draw,

@@ -14,6 +14,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "compliance times weight, mm",
     places: &[A, B],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: true,
     shape: &["across", "along", "upright", "across_upright", "windup_rad_per_mm", "windup_phase_rad"],
     draw,

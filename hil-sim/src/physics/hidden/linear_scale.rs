@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "relative error of scale",
     places: &[X, Y, Z],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: true,
     shape: &["sign"],
     draw,

@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "lift, mm",
     places: &[C],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: false,
     shape: &["at_rad", "width_rad", "tilt_rad_per_mm"],
     draw,

@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "displacement, mm",
     places: &[A, B, C],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: true,
     shape: &["lobes", "u_cos", "u_sin", "v_cos", "v_sin"],
     draw,

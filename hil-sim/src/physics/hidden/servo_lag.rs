@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "1/Kv in excess of the other axes, s",
     places: &[C, X, Y, Z],
     seen_in: SeenIn::OnTheFly,
+    at_encoder: true,
     catalogued: true,
     shape: &["sign"],
     draw,

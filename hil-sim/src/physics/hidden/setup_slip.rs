@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "step, mm",
     places: &[Place::Machine],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: true,
     shape: &["setup", "at_s", "x", "y", "z"],
     draw,

@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "displacement from one seat to the other, mm",
     places: &[A, B],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: false,
     shape: &["at_rad", "softness_rad", "across_rad", "tilt_rad_per_mm"],
     draw,

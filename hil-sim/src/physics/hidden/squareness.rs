@@ -15,6 +15,7 @@ pub(super) const KIND: Kind = Kind {
         Place::Pair(AxisLetter::Z, AxisLetter::X),
     ],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: true,
     shape: &["sign"],
     draw,

@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "push, mm per rad beyond the angle",
     places: &[A, B],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: false,
     shape: &["from_rad", "sign", "windup_rad_per_mm"],
     draw,

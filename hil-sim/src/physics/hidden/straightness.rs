@@ -12,6 +12,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "deviation at the ends of the travel, mm",
     places: &[X, Y, Z],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: true,
     shape: &["middle_mm", "half_length_mm", "u_bow", "u_s", "v_bow", "v_s"],
     draw,

@@ -12,6 +12,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "delay, s",
     places: &[Place::Machine],
     seen_in: SeenIn::OnTheFly,
+    at_encoder: true,
     catalogued: true,
     shape: &["sign"],
     draw,

@@ -11,6 +11,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "final displacement of the fast part, mm",
     places: &[Place::Machine],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: true,
     shape: &["fast_s", "slow_s", "fast_x", "fast_y", "fast_z", "slow_x", "slow_y", "slow_z"],
     draw,

@@ -14,6 +14,7 @@ pub(super) const KIND: Kind = Kind {
     amplitude: "turn of the table at 90° of tilt, rad",
     places: &[C],
     seen_in: SeenIn::StaticGrid,
+    at_encoder: false,
     catalogued: true,
     shape: &["phase_rad", "tilt_ratio"],
     draw,
