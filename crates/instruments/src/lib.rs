@@ -74,6 +74,9 @@ fn none(_: &Setup, _: &Contact, _: usize) -> Vector3<f64> {
     Vector3::zeros()
 }
 
+/// Ends nearer than this are together, mm.
+const TOGETHER_MM: f64 = 2e-3;
+
 /// Where both ends of the instrument are.
 pub(crate) struct Contact {
     pub machine_from_table: Isometry3<f64>,
@@ -187,11 +190,13 @@ impl<'a> Projector<'a> {
     }
 
     /// The point at which a joint of `side` displaces one end against the other, machine axes, mm: that end itself, or, when
-    /// the reading is in the axes that the joint turns, the other one.
+    /// the reading is in the axes that the joint turns, the other one. Ends that are together but for the rounding of the
+    /// commanded positions count as one: else that rounding would show directions that no reading can see.
     fn point(&self, side: Frame) -> Point3<f64> {
         let at_table = self.contact.machine_from_table * self.contact.table_ball_in_table_mm;
         let at_tool = self.contact.machine_from_tool * self.contact.spindle_ball_in_tool_mm;
-        let turns_the_axes = (self.instrument.frame)(self.setup) == side;
+        let apart = (at_tool - at_table).norm() > TOGETHER_MM;
+        let turns_the_axes = apart && (self.instrument.frame)(self.setup) == side;
         if (side == Frame::Table) != turns_the_axes { at_table } else { at_tool }
     }
 }
