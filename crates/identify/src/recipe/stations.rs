@@ -43,7 +43,10 @@ impl Stations {
         let (low, high) = if turn {
             (0.0, TAU)
         } else {
-            angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)))
+            let ends =
+                angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
+            // Readings in the middle of their stations, not at the edges.
+            (ends.0 - width / 2.0, ends.1 + width / 2.0)
         };
         let count = ((high - low) / width).round().max(1.0);
         let width = (high - low) / count;
