@@ -41,12 +41,8 @@ pub fn model() -> Model {
 /// B −90…90° and C 0…330° step 30°, nest on the table, two balls in turn; `rounds` times over, every reading zero.
 pub fn experiment(rounds: usize) -> Experiment {
     let machine = shipped::machine("table-bc").expect("shipped");
-    let setup = |name: &str, x: f64, z: f64| Setup {
-        name: name.into(),
-        instrument: InstrumentKind::RTest,
-        nest: NestSide::Table,
-        ball_in_table_mm: Point3::new(x, 0.0, z),
-        bar_length_mm: None,
+    let setup = |name: &str, x: f64, z: f64| {
+        Setup::new(name, InstrumentKind::RTest, NestSide::Table, Point3::new(x, 0.0, z))
     };
     let setups = vec![setup("low", 150.0, 60.0), setup("high", 90.0, 200.0)];
     let poses: Vec<(i32, i32)> = (-3..=3).flat_map(|b| (0..12).map(move |c| (b, c))).collect();
@@ -126,7 +122,7 @@ pub fn exact_readings(experiment: &Experiment, solution: &DVector<f64>) -> DVect
             first += instance.parameters(&experiment.scene).len();
         }
         let setup = &experiment.setups[point.state.setup];
-        let reading = predict(experiment.machine(), setup, &point.state.position, &errors);
+        let reading = predict(experiment.machine(), setup, &point.state, &errors);
         for (component, row) in experiment.rows_of(i).enumerate() {
             readings[row] = reading[component];
         }
