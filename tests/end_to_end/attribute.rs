@@ -105,6 +105,34 @@ fn the_axis_with_the_hidden_following_error_is_named_with_its_size() {
     check("reversal-spike:Y", "0.010", "decay = 0.5", "Y", 10.0, 1);
 }
 
+/// A circle of X and Y as ISO 230-4 has it: each axis sticks for 8 µm where it turns round.
+#[test]
+fn a_reversal_spike_on_a_circle_is_given_to_its_axis() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let cycle = dir.path().join("cycle.toml");
+    let text = "format = \"trunnion-cycle/1\"\nname = \"xy-circle\"\nmachine = \"table-bc\"\nkind = \"on-the-fly\"\n\
+                [[setup]]\nname = \"low\"\ninstrument = \"ball-bar\"\nbar_length_mm = 100\nball_in_table_mm = [0, 0, 60]\n\
+                [circle]\nplane = \"XY\"\nfrom_deg = -180\nto_deg = 540\nfeeds_mm_per_min = [1000]\n";
+    std::fs::write(&cycle, text).expect("a writable folder");
+    let replace = [
+        ("MACHINE", "table-bc"),
+        (
+            "instrument = \"r-test\"\nnest = \"table\"",
+            "instrument = \"ball-bar\"\nlength_mm = 100.0\nnest = \"table\"",
+        ),
+        ("BALL", "0.0, 0.0, 60.0"),
+        ("ID", "reversal-spike:X"),
+        ("AMPLITUDE", "0.008"),
+        ("SHAPE", "decay = 1.0"),
+    ];
+    let found = attribute(&simulate(dir.path(), cycle.to_str().expect("a path"), &replace), &[]);
+    let peaks = peaks(&found);
+    assert!(found["notes"][0].as_str().expect("a note").contains("angle on the curve"), "{found}");
+    assert_eq!(peaks[0].0, "X", "{peaks:?}");
+    assert!((peaks[0].1 / 8.0 - 1.0).abs() < 0.05, "{peaks:?}");
+    assert!(peaks.iter().skip(1).all(|(_, peak_um)| *peak_um < 0.3), "{peaks:?}");
+}
+
 /// What no encoder sees is in no share: lost motion behind the encoder.
 #[test]
 fn backlash_behind_the_encoder_is_in_no_share() {

@@ -37,6 +37,10 @@ fn linuxcnc_runs_every_shipped_cycle_through_its_poses() {
     for entry in std::fs::read_dir(workspace_root().join("config/cycles")).unwrap() {
         let path = entry.unwrap().path();
         let cycle = Cycle::parse("c.toml", &std::fs::read_to_string(&path).unwrap()).unwrap();
+        if shipped::machine(&cycle.machine).is_some_and(|machine| machine.tripod.is_some()) {
+            // No program moves legs one by one.
+            continue;
+        }
         let (points, stops) = check(&cycle);
         println!("{}: {points} points visited, {stops} stops", cycle.name);
         tested += 1;

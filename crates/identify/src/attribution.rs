@@ -37,12 +37,12 @@ pub struct Motion<'a> {
 /// Where the ideal motion comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ideal {
-    /// The cycle: the turning axis at a constant feed, the others as it commands them.
+    /// The cycle: the turning axis, or the way along its curve, at a constant feed, the others as it commands them.
     Cycle {
         /// Name of the cycle.
         name: String,
-        /// The axis that turns.
-        turning: AxisLetter,
+        /// The axis that turns; `None` along a curve.
+        turning: Option<AxisLetter>,
     },
     /// A smooth path through the measured positions of each axis.
     Smooth {
@@ -64,7 +64,7 @@ pub struct Attribution {
     pub ideal: Ideal,
     /// Times of the samples judged, s.
     pub time_s: Vec<f64>,
-    /// Ideal position of the turning axis at these times, rad; empty without a cycle.
+    /// Ideal position of the turning axis, or ideal angle on the curve, at these times, rad; empty without a cycle.
     pub angle_rad: Vec<f64>,
     /// First and last sample of every pass.
     pub passes: Vec<Range<usize>>,

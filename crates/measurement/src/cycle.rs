@@ -270,17 +270,51 @@ impl Cycle {
         self.follow(machine, setup, station.target, &station.asked)
     }
 
-    /// The passes of a cycle on the fly in order, over all setups, feeds and rounds; empty for one at rest.
+    /// The passes of a cycle on the fly in order, over all setups, feeds and rounds; empty for one at rest. Along a curve the
+    /// feed is that of the angle on it.
     pub fn sweeps(&self) -> Vec<Sweep> {
-        let Motion::OnTheFly { feeds_rad_per_s, from_to_rad: (from, to), .. } = &self.motion else {
-            return Vec::new();
+        let of = |(from, to): (f64, f64), feed: &dyn Fn(&Leg) -> f64| -> Vec<Sweep> {
+            let forward = (to - from).signum();
+            let sweep =
+                |leg: Leg| Sweep { setup: leg.setup, feed_rad_per_s: feed(&leg) * leg.pass * forward };
+            self.legs().into_iter().map(sweep).collect()
         };
-        let forward = (to - from).signum();
-        let sweep = |leg: Leg| Sweep {
-            setup: leg.setup,
-            feed_rad_per_s: feeds_rad_per_s[leg.feed] * leg.pass * forward,
+        match &self.motion {
+            Motion::Static { .. } | Motion::Line { .. } => Vec::new(),
+            Motion::OnTheFly { feeds_rad_per_s, from_to_rad, .. } => {
+                of(*from_to_rad, &|leg| feeds_rad_per_s[leg.feed])
+            }
+            Motion::Path { feeds_mm_per_s, from_to_rad, .. } => {
+                of(*from_to_rad, &|leg| feeds_mm_per_s[leg.feed] / path::radius_mm(&self.setups[leg.setup]))
+            }
+        }
+    }
+
+    /// All axes at an angle of the curve that a cycle follows; `near`: where the rotary axes stood before. `None` when the
+    /// cycle follows no curve or the machine cannot get there.
+    pub fn curve_position(
+        &self,
+        machine: &Machine,
+        setup: usize,
+        angle_rad: f64,
+        near: &AxisValues<f64>,
+    ) -> Option<AxisValues<f64>> {
+        match &self.motion {
+            Motion::Path { path, .. } => path.position(machine, &self.setups[setup], angle_rad, near),
+            Motion::Static { .. } | Motion::Line { .. } | Motion::OnTheFly { .. } => None,
+        }
+    }
+
+    /// Angle on the curve that a cycle follows, −π…π, nearest to a place of the tool point in table axes, mm. `None` when it
+    /// follows none.
+    pub fn curve_angle_rad(&self, machine: &Machine, place_in_table_mm: &Point3<f64>) -> Option<f64> {
+        let Motion::Path { path, .. } = &self.motion else { return None };
+        let off = |setup: &&Setup| {
+            let apart = (place_in_table_mm - setup.ball_in_table_mm).norm();
+            (apart - path::radius_mm(setup)).abs()
         };
-        self.legs().into_iter().map(sweep).collect()
+        let setup = self.setups.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        Some(path.angle_rad(machine, setup, place_in_table_mm))
     }
 
     /// All axes when the rotary axes stand at `rotary`: the linear axes bring the spindle side to the ball, or a ball bar's

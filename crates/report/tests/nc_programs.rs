@@ -114,8 +114,11 @@ fn the_shipped_cycles_visit_their_poses_in_every_dialect() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let cycle = Cycle::parse("c.toml", &std::fs::read_to_string(&path).unwrap()).unwrap();
-        check(&cycle, &CourseRules::default());
-        count += 1;
+        // Controllers of machines with legs take no strokes; the command refuses.
+        if machine(&cycle).tripod.is_none() {
+            check(&cycle, &CourseRules::default());
+            count += 1;
+        }
     }
     assert!(count >= 7);
 }

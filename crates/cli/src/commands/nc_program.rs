@@ -48,6 +48,13 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let rules = rules(args)?;
     let cycle = Cycle::parse(&args.cycle.display().to_string(), &load::read(&args.cycle)?)?;
     let machine = load::machine(&cycle.machine)?;
+    if machine.tripod.is_some() {
+        bail!(
+            "machine {} has legs in parallel: its controller takes places of the tool, not strokes of legs; \
+             program the places of the cycle's balls with the machine's own transformation",
+            machine.name
+        );
+    }
     let dialect = nc::dialect(&args.dialect).context("the command line allows known dialects only")?;
     let program = Program::of_cycle(&cycle, &machine, &rules)?;
     let decimals = args.decimals.map_or(dialect.decimals, usize::from);

@@ -1,11 +1,14 @@
 //! The ideal motion: from the cycle, or a smooth path.
 //!
-//! A cycle on the fly turns one axis at a constant feed while the linear axes follow the ball. Each pass is found in the measured
-//! positions; a straight line through the turning axis over time is its ideal motion, and the cycle says where all others
-//! should be then. What all axes have in common, a delay of the time stamps, is in that line and in nobody's share.
+//! A cycle on the fly turns one axis at a constant feed while the linear axes follow the ball, or follows a curve at a constant
+//! feed. Each pass is found in the measured positions; a straight line through the angle over time is its ideal motion, and the
+//! cycle says where all axes should be then. What all axes have in common, a delay of the time stamps, is in that line and in
+//! nobody's share.
 
 use super::{AttributionError, Ideal, Motion, smooth};
+use std::f64::consts::{PI, TAU};
 use std::ops::{Range, RangeInclusive};
+use trunnion_machine::Machine;
 use trunnion_measurement::cycle::{self, Sweep};
 use trunnion_measurement::{AxisSample, Cycle};
 use trunnion_units::{AxisLetter, AxisValues};
@@ -42,39 +45,39 @@ pub(super) fn find(motion: &Motion<'_>) -> Result<Found, AttributionError> {
 
 /// The ideal motion by the cycle, or in words why the recording does not show it.
 fn of_cycle(motion: &Motion<'_>, cycle: &Cycle) -> Result<Result<Found, String>, AttributionError> {
-    let cycle::Motion::OnTheFly { axis, from_to_rad: (from, to), feeds_rad_per_s, others, .. } =
-        &cycle.motion
-    else {
+    let sweeps = cycle.sweeps();
+    let Some(lead) = lead(motion, cycle) else {
         return Ok(Err(format!("cycle {} reads at rest", cycle.name)));
     };
-    let slowest = feeds_rad_per_s.iter().copied().fold(f64::INFINITY, f64::min);
-    let passes = passes(motion.samples, *axis, (from.min(*to), from.max(*to)), MOVING * slowest);
-    let sweeps = cycle.sweeps();
+    let slowest = sweeps.iter().map(|sweep| sweep.feed_rad_per_s.abs()).fold(f64::INFINITY, f64::min);
+    let passes = passes(motion.samples, &lead, MOVING * slowest);
     if passes.len() != sweeps.len() {
         return Ok(Err(format!(
-            "cycle {} has {} passes, the positions of {axis} show {}",
+            "cycle {} has {} passes, the positions show {}",
             cycle.name,
             sweeps.len(),
             passes.len()
         )));
     }
     let mut found = Found {
-        ideal: Ideal::Cycle { name: cycle.name.clone(), turning: *axis },
+        ideal: Ideal::Cycle { name: cycle.name.clone(), turning: lead.turning },
         samples: Vec::new(),
         positions: Vec::new(),
         angle_rad: Vec::new(),
         passes: Vec::new(),
     };
     for (pass, sweep) in passes.into_iter().zip(&sweeps) {
-        let line = line(&motion.samples[pass.clone()], *axis);
+        let line = line(&motion.samples[pass.clone()], &lead.angle_rad[pass.clone()]);
         let ratio = line.feed / sweep.feed_rad_per_s;
         if !(OVERRIDE.recip()..=OVERRIDE).contains(&ratio) {
-            return Ok(Err(format!("the passes of {axis} are not those of cycle {}", cycle.name)));
+            return Ok(Err(format!("the passes are not those of cycle {}", cycle.name)));
         }
         let first = found.samples.len();
         for i in pass {
             let angle = line.at(motion.samples[i].time_s);
-            found.positions.push(commanded(motion, cycle, sweep, others, (*axis, angle))?);
+            let near = &motion.samples[i].position;
+            let commanded = commanded(motion.machine, cycle, sweep, angle, near);
+            found.positions.push(commanded.ok_or_else(|| cannot_follow(motion, cycle, sweep))?);
             found.samples.push(i);
             found.angle_rad.push(angle);
         }
@@ -83,36 +86,70 @@ fn of_cycle(motion: &Motion<'_>, cycle: &Cycle) -> Result<Result<Found, String>,
     Ok(Ok(found))
 }
 
-fn commanded(
-    motion: &Motion<'_>,
-    cycle: &Cycle,
-    sweep: &Sweep,
-    others: &AxisValues<f64>,
-    (axis, angle): (AxisLetter, f64),
-) -> Result<AxisValues<f64>, AttributionError> {
-    let mut rotary = *others;
-    rotary[axis] = angle;
-    cycle.position(motion.machine, sweep.setup, &rotary).ok_or_else(|| AttributionError::Cycle {
-        run: motion.run.into(),
-        source: cycle::VisitError::CannotFollow {
-            machine: motion.machine.name.clone(),
-            setup: cycle.setups[sweep.setup].name.clone(),
-        },
-    })
+/// What leads the motion of a cycle on the fly: an axis that turns, or the angle on a curve.
+struct Lead {
+    turning: Option<AxisLetter>,
+    /// At every sample, rad, without jumps.
+    angle_rad: Vec<f64>,
+    /// Angles of the pass: smallest and largest; of a curve only their difference counts.
+    range_rad: (f64, f64),
 }
 
-/// Runs of samples in which the axis goes through (most of) the range in one direction.
-fn passes(
-    samples: &[AxisSample],
-    axis: AxisLetter,
-    (low, high): (f64, f64),
-    slowest: f64,
-) -> Vec<Range<usize>> {
+/// `None` for a cycle at rest.
+fn lead(motion: &Motion<'_>, cycle: &Cycle) -> Option<Lead> {
+    let ordered = |(from, to): (f64, f64)| (from.min(to), from.max(to));
+    match &cycle.motion {
+        cycle::Motion::Static { .. } | cycle::Motion::Line { .. } => None,
+        cycle::Motion::OnTheFly { axis, from_to_rad, .. } => Some(Lead {
+            turning: Some(*axis),
+            angle_rad: motion.samples.iter().map(|sample| sample.position[*axis]).collect(),
+            range_rad: ordered(*from_to_rad),
+        }),
+        cycle::Motion::Path { from_to_rad, .. } => {
+            let mut last = 0.0;
+            let mut angle_rad = Vec::with_capacity(motion.samples.len());
+            for sample in motion.samples {
+                let (place, _) = motion.machine.tool_in_table(&sample.position);
+                let angle = cycle.curve_angle_rad(motion.machine, &place)?;
+                last += (angle - last + PI).rem_euclid(TAU) - PI;
+                angle_rad.push(last);
+            }
+            Some(Lead { turning: None, angle_rad, range_rad: ordered(*from_to_rad) })
+        }
+    }
+}
+
+fn commanded(
+    machine: &Machine,
+    cycle: &Cycle,
+    sweep: &Sweep,
+    angle: f64,
+    near: &AxisValues<f64>,
+) -> Option<AxisValues<f64>> {
+    let cycle::Motion::OnTheFly { axis, others, .. } = &cycle.motion else {
+        return cycle.curve_position(machine, sweep.setup, angle, near);
+    };
+    let mut rotary = *others;
+    rotary[*axis] = angle;
+    cycle.position(machine, sweep.setup, &rotary)
+}
+
+fn cannot_follow(motion: &Motion<'_>, cycle: &Cycle, sweep: &Sweep) -> AttributionError {
+    let source = cycle::VisitError::CannotFollow {
+        machine: motion.machine.name.clone(),
+        setup: cycle.setups[sweep.setup].name.clone(),
+    };
+    AttributionError::Cycle { run: motion.run.into(), source }
+}
+
+/// Runs of samples in which the lead goes through (most of) its range in one direction.
+fn passes(samples: &[AxisSample], lead: &Lead, slowest: f64) -> Vec<Range<usize>> {
+    let (low, high) = lead.range_rad;
+    let angle = &lead.angle_rad;
+    let inside = |i: usize| lead.turning.is_none() || (low..=high).contains(&angle[i]);
     let heading = |i: usize| -> f64 {
-        let (before, after) = (&samples[i], &samples[i + 1]);
-        let inside = |sample: &AxisSample| (low..=high).contains(&sample.position[axis]);
-        let speed = (after.position[axis] - before.position[axis]) / (after.time_s - before.time_s);
-        if inside(before) && inside(after) && speed.abs() > slowest { speed.signum() } else { 0.0 }
+        let speed = (angle[i + 1] - angle[i]) / (samples[i + 1].time_s - samples[i].time_s);
+        if inside(i) && inside(i + 1) && speed.abs() > slowest { speed.signum() } else { 0.0 }
     };
     let headings: Vec<f64> = (0..samples.len() - 1).map(heading).collect();
     let mut passes = Vec::new();
@@ -120,7 +157,7 @@ fn passes(
     for steps in headings.chunk_by(|a, b| a == b) {
         let range = first..first + steps.len() + 1;
         first += steps.len();
-        let span = samples[range.end - 1].position[axis] - samples[range.start].position[axis];
+        let span = angle[range.end - 1] - angle[range.start];
         if steps[0] != 0.0 && span.abs() > COVERED * (high - low) {
             passes.push(range);
         }
@@ -140,15 +177,15 @@ impl Line {
     }
 }
 
-/// Least-squares line of one axis over time.
-fn line(samples: &[AxisSample], axis: AxisLetter) -> Line {
+/// Least-squares line of the lead over time.
+fn line(samples: &[AxisSample], angle_rad: &[f64]) -> Line {
     let count = samples.len() as f64;
     let middle_s = samples.iter().map(|sample| sample.time_s).sum::<f64>() / count;
-    let middle = samples.iter().map(|sample| sample.position[axis]).sum::<f64>() / count;
-    let about = |sample: &AxisSample| (sample.time_s - middle_s, sample.position[axis] - middle);
+    let middle = angle_rad.iter().sum::<f64>() / count;
     let (mut products, mut squares) = (0.0, 0.0);
-    for (time_s, position) in samples.iter().map(about) {
-        products += time_s * position;
+    for (sample, angle) in samples.iter().zip(angle_rad) {
+        let time_s = sample.time_s - middle_s;
+        products += time_s * (angle - middle);
         squares += time_s * time_s;
     }
     Line { middle_s, middle, feed: products / squares }

@@ -6,6 +6,7 @@ use crate::findings::{AxisName, Cell, Chart, Column, Curve, FoundTable, FoundVal
 use crate::methods::Convention;
 use nalgebra::Vector3;
 use trunnion_effects::Unit;
+use trunnion_units::AxisLetter;
 
 /// Axes drawn besides the sum.
 const DRAWN: usize = 3;
@@ -83,8 +84,9 @@ impl Attribution {
             charts.push(self.chart(group, "Orientation of the tool", x_name, y, &of));
         };
         if let Ideal::Cycle { turning, .. } = &self.ideal {
-            let x_name = AxisName { name: turning.to_string(), unit: Unit::DEG };
-            all(&format!("Shares over {turning}"), &x_name, &self.angle_rad);
+            let lead = lead(*turning);
+            let x_name = AxisName { name: lead.clone(), unit: Unit::DEG };
+            all(&format!("Shares over {lead}"), &x_name, &self.angle_rad);
         }
         all("Shares over time", &by_time, &self.time_s);
         let own = |share: &Share| Chart {
@@ -141,8 +143,9 @@ impl Attribution {
     fn notes(&self) -> Vec<String> {
         let ideal = match &self.ideal {
             Ideal::Cycle { name, turning } => format!(
-                "Ideal motion: cycle {name}, {turning} at the constant feed of each pass, all others where the cycle commands \
-                 them then. A delay common to all axes is in no share."
+                "Ideal motion: cycle {name}, {} at the constant feed of each pass, all others where the cycle commands \
+                 them then. A delay common to all axes is in no share.",
+                lead(*turning)
             ),
             Ideal::Smooth { knot_s, why } => {
                 let reason = if why.is_empty() { String::new() } else { format!(" ({why})") };
@@ -162,6 +165,11 @@ impl Attribution {
             format!("The shares add up to all together within {:.3} µm.", self.beyond_sum_mm * 1e3),
         ]
     }
+}
+
+/// What leads the motion of a cycle.
+fn lead(turning: Option<AxisLetter>) -> String {
+    turning.map_or_else(|| "angle on the curve".into(), |axis| axis.to_string())
 }
 
 /// False for a chart in which everything is zero.

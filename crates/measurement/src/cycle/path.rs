@@ -23,7 +23,7 @@
 
 use super::reach;
 use crate::Setup;
-use nalgebra::{Rotation3, Unit, Vector3};
+use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use trunnion_machine::{JointErrors, Machine};
 use trunnion_units::{AxisLetter, AxisValues};
 
@@ -57,6 +57,11 @@ pub enum Path {
     },
 }
 
+/// Radius of the curves of a setup: the length of its bar, mm.
+pub(super) fn radius_mm(setup: &Setup) -> f64 {
+    setup.bar_length_mm.unwrap_or(1.0).max(1.0)
+}
+
 impl Line {
     /// The places in order.
     pub(super) fn places(&self) -> Vec<AxisValues<f64>> {
@@ -87,6 +92,22 @@ impl Path {
             Self::Circle { plane } => plane.to_vec(),
             Self::Cone { .. } => AxisLetter::LINEAR.to_vec(),
         }
+    }
+
+    /// Angle on the curve nearest to a place of the tool point in table axes, −π…π.
+    pub(super) fn angle_rad(&self, machine: &Machine, setup: &Setup, place_in_table_mm: &Point3<f64>) -> f64 {
+        let [right, up] = match self {
+            Self::Circle { plane } => {
+                let table = machine.machine_from_table(&AxisValues::default(), &JointErrors::default());
+                plane.map(|letter| table.rotation.inverse() * Vector3::ith(letter as usize, 1.0))
+            }
+            Self::Cone { tilt_rad, .. } => {
+                let tilted = Rotation3::from_axis_angle(&Vector3::y_axis(), *tilt_rad);
+                [tilted * Vector3::x(), tilted * Vector3::y()]
+            }
+        };
+        let apart = place_in_table_mm - setup.ball_in_table_mm;
+        apart.dot(&up).atan2(apart.dot(&right))
     }
 
     /// All axes at `angle_rad` of the curve. `near`: where the rotary axes stood before. `None` when the machine cannot get

@@ -4,6 +4,7 @@
 //! fly: points at a constant rate while the axis turns at its feed, the linear axes following. Moves take the time of the
 //! slowest axis at its feed limit; ramps and look-ahead of the controller are in the allowances of [`Pace`].
 
+use super::path::radius_mm;
 use super::{Cycle, Leg, Motion};
 use trunnion_machine::{Machine, State};
 use trunnion_units::{AxisLetter, AxisValues, convert};
@@ -326,8 +327,7 @@ impl Tour<'_> {
                 feed: feeds_rad_per_s[leg.feed],
             }),
             Motion::Path { from_to_rad, feeds_mm_per_s, .. } => {
-                let radius_mm = self.cycle.setups[leg.setup].bar_length_mm.unwrap_or(1.0).max(1.0);
-                let feed = feeds_mm_per_s[leg.feed] / radius_mm;
+                let feed = feeds_mm_per_s[leg.feed] / radius_mm(&self.cycle.setups[leg.setup]);
                 Some(Sweeping { turning: None, from_to_rad: *from_to_rad, feed })
             }
         }
