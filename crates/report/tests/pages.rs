@@ -4,11 +4,12 @@
 
 use nalgebra::Point3;
 use trunnion_effects::{LadderRow, Model, ModelEffect, Moved};
+use trunnion_identify::methods::{self, MethodOptions};
 use trunnion_identify::{Experiment, Options, identify};
 use trunnion_machine::{State, shipped};
 use trunnion_measurement::{InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
 use trunnion_report::{
-    CompareInput, Trial, compare_html, compare_text, ladder_html, ladder_of, ladder_text, trial_html,
+    CompareInput, Trial, compare_html, compare_text, findings_html, findings_text, ladder_html, ladder_of, ladder_text, trial_html,
     trial_text,
 };
 use trunnion_units::AxisLetter;
@@ -109,6 +110,20 @@ fn every_page_is_well_formed_and_needs_nothing_from_outside() {
     }
     let text = trial_text(&trial);
     assert!(text.contains("held-out after") && text.contains("Where the model fails most, after"), "{text}");
+}
+
+#[test]
+fn the_page_of_a_named_method_shows_values_charts_and_tables() {
+    let method = methods::find("error-map").unwrap();
+    let findings = (method.run)(&[run()], &MethodOptions::default()).unwrap();
+    let page = findings_html(&findings, "Trunnion <test>");
+    check_page(&page);
+    let order = ["<h1>", "Values with", "Errors of B over B", "Places of the nest", "<h2>Tables", "Location errors by"];
+    let places: Vec<_> = order.iter().map(|heading| page.find(heading).unwrap()).collect();
+    assert!(places.is_sorted(), "{places:?}");
+    assert_eq!(page.matches("<svg").count(), findings.charts.len());
+    let text = findings_text(&findings);
+    assert!(text.contains("error-map") && text.contains("EX0B") && text.contains("−90.0"), "{text}");
 }
 
 #[test]

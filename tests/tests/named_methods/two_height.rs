@@ -2,7 +2,7 @@
 
 use crate::bench::{Set, by_method, curve, cycle, cycle_text, measure, noise, truth, value};
 use trunnion_identify::Findings;
-use trunnion_identify::methods::Convention;
+use trunnion_identify::methods::{self, Convention, MethodOptions};
 use trunnion_measurement::Cycle;
 
 const UM: f64 = 1e-3;
@@ -203,6 +203,23 @@ fn uncertainties_cover_the_errors() {
     // Median of t² with 3 degrees of freedom (and nearly 6 here, two heights): 0.51–0.59.
     let median = squares[squares.len() / 2];
     assert!((0.25..1.1).contains(&median), "median of squares {median}");
+}
+
+#[test]
+fn two_recordings_of_one_height_each_tell_the_same() {
+    let cycle = cycle(&cycle_text("two-height-c"));
+    let both = measure(&truth("table-bc", 3, &cycle, &[], &format!("{LOCATION}{}", noise(0.1, 0.5))), &cycle);
+    let apart = [0, 1].map(|setup| {
+        let mut run = both.clone();
+        run.points.retain(|point| point.state.setup == setup);
+        run
+    });
+    let method = methods::find("two-height").expect("registered");
+    let [together, apart] = [std::slice::from_ref(&both), &apart[..]]
+        .map(|runs| (method.run)(runs, &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}")));
+    for name in ["EX0C", "EY0C", "EA0C", "EB0C", "EXC range"] {
+        near(value(&together, name), value(&apart, name), 1e-12, name);
+    }
 }
 
 #[test]

@@ -184,6 +184,11 @@ fn notes(turning: &Turning, heights: &Heights) -> Vec<String> {
             "{axis} did not go around: slow error motions and the setting are told apart less well than over a whole turn."
         ));
     }
+    if heights.sets.iter().all(|set| set.repeated) {
+        notes.push(
+            "Uncertainties hold what changes from pass to pass; a slow drift from one height to the next is not in them.".into(),
+        );
+    }
     if heights.sets.iter().any(|set| !set.repeated) {
         notes.push(
             "A height has a single pass: its uncertainties come from the residual, which holds the error motions too; \

@@ -1,0 +1,146 @@
+//! Named methods through the binary: simulate or import, identify by method, text, JSON, page.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// A machine with known errors of C, as a truth file.
+const TRUTH: &str = r#"format = "trunnion-truth/1"
+machine = "table-bc"
+seed = "7"
+run_duration_s = 600.0
+
+[location]
+EX0C_um = 2.4
+EY0C_um = -10.0
+EA0C_urad = -16.6
+EB0B_urad = 19.2
+
+[noise]
+white_um = 0.2
+pass_offset_um = 0.1
+drift_um = 0.1
+drift_time_s = 600.0
+repeatability_urad = 0.0
+natural_motion_um = 0.0
+outlier_share = 0.0
+outlier_um = 0.0
+
+[[setup]]
+name = "low"
+instrument = "r-test"
+nest = "spindle"
+ball_in_table_mm = [0.0, 0.0, 66.7]
+setting_um = [12.0, -7.0, 3.0]
+
+[[hidden]]
+id = "radial-error-motion:C"
+amplitude = 1e-3
+shape = { lobes = 3.0, u_cos = 1.0, u_sin = 0.0, v_cos = 0.0, v_sin = 1.0 }
+"#;
+
+fn trunnion(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap()
+}
+
+/// Expects exit 0, gives standard output.
+fn done(args: &[&str]) -> String {
+    let output = trunnion(args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn root(path: &str) -> String {
+    format!("{}/../../{path}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Simulates a shipped cycle on the machine above.
+fn simulate(folder: &Path, cycle: &str) -> String {
+    let (truth, run) = (folder.join("truth.toml"), folder.join(format!("{cycle}.mcap")));
+    std::fs::write(&truth, TRUTH).unwrap();
+    let cycle = root(&format!("config/cycles/{cycle}.toml"));
+    done(&["simulate", truth.to_str().unwrap(), "--cycle", &cycle, "-o", run.to_str().unwrap()]);
+    run.display().to_string()
+}
+
+/// The findings of a method; its page must be a page with pictures.
+fn findings(folder: &Path, run: &str, method: &str, more: &[&str]) -> Value {
+    let page = folder.join(format!("{method}.html")).display().to_string();
+    let mut args = vec!["identify", run, "--method", method, "--html", &page, "--json"];
+    args.extend(more);
+    let found: Value = serde_json::from_str(&done(&args)).unwrap();
+    assert_eq!((&found["format"], &found["method"]), (&"trunnion-findings/1".into(), &method.into()));
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(
+        page.matches("<svg").count() >= 6 && !page.contains("http://") && !page.contains("NaN"),
+        "{method}"
+    );
+    found
+}
+
+fn value(findings: &Value, name: &str) -> f64 {
+    let values = findings["values"].as_array().unwrap();
+    let found = values.iter().find(|v| v["name"] == name).unwrap_or_else(|| panic!("no value {name}"));
+    found["value"].as_f64().unwrap()
+}
+
+fn near(found: f64, expected: f64, within: f64) {
+    assert!((found - expected).abs() <= within, "{found} is not {expected}");
+}
+
+#[test]
+fn two_heights_give_location_errors_and_error_motions_from_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = simulate(folder.path(), "two-height-c");
+    let found = findings(folder.path(), &run, "two-height", &[]);
+    near(value(&found, "EX0C"), 2.4, 0.5);
+    near(value(&found, "EY0C"), -10.0, 0.5);
+    near(value(&found, "EA0C"), -16.6, 4.0);
+    near(value(&found, "EB0C"), 19.2, 4.0);
+    near(value(&found, "setting.low.x"), 12.0, 0.2);
+    assert!(done(&["identify", &run, "--method", "two-height"]).contains("EB0C"));
+    // S0's signs, the axis by name.
+    let source = findings(folder.path(), &run, "two-height", &["--convention", "source", "--axis", "C"]);
+    assert_eq!(source["convention"], "source");
+    near(value(&source, "EA0C"), 16.6, 4.0);
+}
+
+#[test]
+fn values_of_iso_230_7_from_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = simulate(folder.path(), "rotary-values-c");
+    let found = findings(folder.path(), &run, "rotary-values", &[]);
+    near(value(&found, "low.radial-x.synchronous"), 2.0, 0.7);
+    assert!(value(&found, "low.radial-x.total") > value(&found, "low.radial-x.synchronous"));
+}
+
+#[test]
+fn an_error_map_from_imported_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("points.mcap").display().to_string();
+    let data = root("tests/data/points-gravity");
+    done(&["import", &format!("{data}/points.csv"), "--setup", &format!("{data}/setup.toml"), "-o", &run]);
+    let found = findings(folder.path(), &run, "error-map", &[]);
+    assert!(value(&found, "left by map of tilting axis") < 0.4);
+    assert!(value(&found, "EZB variation") > 2.0);
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_with_what_can() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = simulate(folder.path(), "r-test-sweep-b");
+    let check = |args: &[&str], code: i32, words: &[&str]| {
+        let output = trunnion(&[&["identify", &run], args].concat());
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{error}");
+        assert!(words.iter().all(|word| error.contains(word)), "{error}");
+    };
+    check(&["--method", "two-hight"], 1, &["two-hight", "two-height", "error-map", "rotary-values"]);
+    check(&["--method", "two-height"], 1, &["X, Z", "axis line", "two-height-c.toml"]);
+    check(&["--method", "error-map"], 1, &["on the fly", "two nest positions"]);
+    check(&["--method", "two-height", "--axis", "X"], 2, &["A, B, C"]);
+    check(&["--method", "two-height", "--convention", "left"], 2, &["right-handed", "source"]);
+    check(&["--convention", "source"], 2, &["--method"]);
+}
