@@ -114,3 +114,12 @@ fn linear_steps_calibrate_the_nest() {
         assert!((number(&row[2]) - number(&plain_row[2])).abs() > 0.05, "the skew must matter: {row:?}");
     }
 }
+
+#[test]
+fn a_ball_beside_the_nest_is_refused() {
+    let mut run = points_run("points-nothing-hidden");
+    run.points[7].state.position.0[0] += 12.0;
+    let method = methods::find("error-map").expect("registered");
+    let error = (method.run)(&[run], &MethodOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("12.0 mm beside the nest") && error.contains("linear axes"), "{error}");
+}

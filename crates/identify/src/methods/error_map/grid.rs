@@ -1,5 +1,6 @@
 //! Readings at rest gathered on the grid of both axes, repeats averaged.
 
+use super::nest_calibration::commanded_mm;
 use crate::methods::{Method, MethodError, one_machine};
 use crate::recipe::relative::tool_against_table_mm;
 use crate::recipe::stations::Stations;
@@ -11,6 +12,8 @@ use trunnion_units::{AxisLetter, Twist};
 
 /// Fewest poses of the turning axis at one angle of the tilting axis.
 const LEAST_TURNS: usize = 3;
+/// A ball commanded further than this from the nest was not read there, mm.
+const BESIDE_MM: f64 = 5.0;
 /// Nest positions nearer in height than this give no tilt, mm.
 const APART_MM: f64 = 10.0;
 
@@ -75,8 +78,15 @@ impl<'a> Grid<'a> {
                     left_out.push(format!("setup {name}: read by a {}", setup.instrument.name()));
                     continue;
                 }
-                let of_setup = run.good_points().filter(|p| p.state.setup == s);
-                readings.extend(of_setup.map(|point| (name.clone(), setup, point)));
+                let of_setup = || run.good_points().filter(|p| p.state.setup == s);
+                let off_mm = of_setup().map(|p| commanded_mm(run, p).norm()).fold(0.0, f64::max);
+                if off_mm > BESIDE_MM {
+                    let found =
+                        format!("in setup {name} the ball is commanded up to {off_mm:.1} mm beside the nest");
+                    return Err(method
+                        .lacks(found, "Check the positions of the linear axes and the place of the nest."));
+                }
+                readings.extend(of_setup().map(|point| (name.clone(), setup, point)));
             }
         }
         let angles =

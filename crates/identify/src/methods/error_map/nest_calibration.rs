@@ -14,8 +14,8 @@ use trunnion_machine::Errors;
 use trunnion_measurement::{InstrumentKind, Point, Quality, Run};
 use trunnion_units::AxisLetter;
 
-/// A ball commanded further than this from the nest is a calibration step, mm.
-const STEP_MM: f64 = 0.02;
+/// A ball commanded so far from the nest is a calibration step, mm; further out no probe reaches.
+const STEP_MM: std::ops::RangeInclusive<f64> = 0.02..=5.0;
 /// Fewest readings of a calibration.
 const LEAST_READINGS: usize = 4;
 
@@ -70,11 +70,11 @@ pub(super) fn apply(runs: &[Run]) -> (Calibration, Vec<Run>) {
 /// True when the ball was commanded off the nest.
 fn is_step(run: &Run, point: &Point) -> bool {
     let setup = &run.setups[point.state.setup];
-    setup.instrument == InstrumentKind::RTest && commanded_mm(run, point).norm() > STEP_MM
+    setup.instrument == InstrumentKind::RTest && STEP_MM.contains(&commanded_mm(run, point).norm())
 }
 
 /// Commanded place of the ball relative to the nest, nest axes, mm.
-fn commanded_mm(run: &Run, point: &Point) -> Vector3<f64> {
+pub(super) fn commanded_mm(run: &Run, point: &Point) -> Vector3<f64> {
     predict(&run.machine, &run.setups[point.state.setup], &point.state, &Errors::default())
 }
 
