@@ -12,7 +12,9 @@
 //! errors: at B = 0 the EB0C found here contains EB0B.
 
 mod charts;
+mod circle;
 mod fit;
+mod line;
 mod values;
 
 use super::{Method, MethodError, MethodOptions};

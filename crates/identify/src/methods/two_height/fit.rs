@@ -1,10 +1,11 @@
-//! The least squares of the two-height method.
+//! What the readings of each height, and all heights together, say of the axis.
 
-use crate::linear::least_squares;
+use super::circle::Circle;
+use super::line::{Line, Weights};
 use crate::methods::{Method, MethodError};
 use crate::recipe::stations::Stations;
 use crate::recipe::turning::{Turned, Turning, TurningSet};
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 
 /// Heights nearer than this count as one, mm.
 const APART_MM: f64 = 5.0;
@@ -51,22 +52,6 @@ pub(super) struct HeightFit {
     pub u_motion_mm: Option<Vector3<f64>>,
     /// Angles of these.
     pub angles_rad: Vec<f64>,
-}
-
-/// `c + R(θ) s`, mm.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Circle {
-    pub centre_mm: Vector2<f64>,
-    pub setting_mm: Vector2<f64>,
-}
-
-/// A straight line `at_zero + slope·h` with standard uncertainties.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
-    pub at_zero: f64,
-    pub slope: f64,
-    pub u_at_zero: f64,
-    pub u_slope: f64,
 }
 
 impl Heights {
@@ -204,45 +189,6 @@ impl HeightFit {
     }
 }
 
-impl Circle {
-    /// Least squares over u and v together; `None` for too few readings. The second are standard uncertainties by the residual.
-    pub fn through(readings: &[Turned]) -> Option<(Self, Self)> {
-        if readings.len() < 4 {
-            return None;
-        }
-        let (mut a, mut b) = (DMatrix::zeros(2 * readings.len(), 4), DVector::zeros(2 * readings.len()));
-        for (i, reading) in readings.iter().enumerate() {
-            let (sin, cos) = reading.turned_rad.sin_cos();
-            for (k, row) in [[1.0, 0.0, cos, -sin], [0.0, 1.0, sin, cos]].into_iter().enumerate() {
-                a.row_mut(2 * i + k).copy_from_slice(&row);
-                b[2 * i + k] = reading.moved_mm[k];
-            }
-        }
-        let fit = least_squares(&a, &b, 1e-9);
-        let circle = |x: &DVector<f64>| Self {
-            centre_mm: Vector2::new(x[0], x[1]),
-            setting_mm: Vector2::new(x[2], x[3]),
-        };
-        (fit.rank == 4).then(|| (circle(&fit.x), circle(&fit.u)))
-    }
-
-    /// `c + R(θ) s`.
-    fn at(&self, turned_rad: f64) -> Vector2<f64> {
-        let (sin, cos) = turned_rad.sin_cos();
-        self.centre_mm + Matrix2::new(cos, -sin, sin, cos) * self.setting_mm
-    }
-
-    fn scatter_of_mean(passes: &[(f64, Self)]) -> Self {
-        let scatter = |of: fn(&Self) -> Vector2<f64>| {
-            let count = passes.len() as f64;
-            let mean = passes.iter().map(|(_, circle)| of(circle)).sum::<Vector2<f64>>() / count;
-            let squares = passes.iter().map(|(_, c)| (of(c) - mean).map(|d| d * d)).sum::<Vector2<f64>>();
-            squares.map(|square| (square / (count - 1.0) / count).sqrt())
-        };
-        Self { centre_mm: scatter(|c| c.centre_mm), setting_mm: scatter(|c| c.setting_mm) }
-    }
-}
-
 /// Readings of one station, pass by pass.
 #[derive(Clone, Debug, Default)]
 struct PerPass {
@@ -282,33 +228,6 @@ impl PerPass {
             used += 1.0;
         }
         (freedom > 0.0).then(|| squares.map(|square: f64| (square / freedom / (passes / used)).sqrt()))
-    }
-}
-
-/// Weights that turn values at the heights into a straight line.
-struct Weights {
-    slope: Vec<f64>,
-    at_zero: Vec<f64>,
-}
-
-impl Weights {
-    fn of(heights_mm: &[f64]) -> Self {
-        let middle = mean(heights_mm.iter().copied());
-        let spread: f64 = heights_mm.iter().map(|h| (h - middle).powi(2)).sum();
-        let slope: Vec<f64> = heights_mm.iter().map(|h| (h - middle) / spread).collect();
-        let at_zero = slope.iter().map(|w| 1.0 / heights_mm.len() as f64 - w * middle).collect();
-        Self { slope, at_zero }
-    }
-
-    fn line(&self, values: &[f64], u: &[f64]) -> Line {
-        let sum = |weights: &[f64]| weights.iter().zip(values).map(|(w, v)| w * v).sum();
-        let root = |weights: &[f64]| weights.iter().zip(u).map(|(w, u)| (w * u).powi(2)).sum::<f64>().sqrt();
-        Line {
-            at_zero: sum(&self.at_zero),
-            slope: sum(&self.slope),
-            u_at_zero: root(&self.at_zero),
-            u_slope: root(&self.slope),
-        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the two-height method reports.
 
 use super::charts::charts;
+use super::circle::Circle;
 use super::fit::{HeightFit, Heights};
 use super::{METHOD, Turning};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
@@ -145,7 +146,7 @@ fn passes(turning: &Turning, heights: &Heights) -> FoundTable {
     );
     let mut rows = Vec::new();
     for set in &heights.sets {
-        let row = |name: String, circle: &super::fit::Circle| {
+        let row = |name: String, circle: &Circle| {
             let mut row = vec![Cell::Text(set.name.clone()), Cell::Number(set.height_mm), Cell::Text(name)];
             row.extend(
                 [circle.centre_mm, circle.setting_mm].iter().flat_map(|v| [v.x, v.y]).map(Cell::Number),

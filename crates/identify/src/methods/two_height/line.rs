@@ -1,0 +1,39 @@
+//! Values at the heights of the ball as a straight line over the height.
+
+/// A straight line `at_zero + slope·h` with standard uncertainties.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub at_zero: f64,
+    pub slope: f64,
+    pub u_at_zero: f64,
+    pub u_slope: f64,
+}
+
+/// Weights that turn values at the heights into a straight line.
+pub(super) struct Weights {
+    slope: Vec<f64>,
+    at_zero: Vec<f64>,
+}
+
+impl Weights {
+    /// For these heights.
+    pub fn of(heights_mm: &[f64]) -> Self {
+        let middle = heights_mm.iter().sum::<f64>() / heights_mm.len() as f64;
+        let spread: f64 = heights_mm.iter().map(|h| (h - middle).powi(2)).sum();
+        let slope: Vec<f64> = heights_mm.iter().map(|h| (h - middle) / spread).collect();
+        let at_zero = slope.iter().map(|w| 1.0 / heights_mm.len() as f64 - w * middle).collect();
+        Self { slope, at_zero }
+    }
+
+    /// The line through values at the heights, with their standard uncertainties.
+    pub fn line(&self, values: &[f64], u: &[f64]) -> Line {
+        let sum = |weights: &[f64]| weights.iter().zip(values).map(|(w, v)| w * v).sum();
+        let root = |weights: &[f64]| weights.iter().zip(u).map(|(w, u)| (w * u).powi(2)).sum::<f64>().sqrt();
+        Line {
+            at_zero: sum(&self.at_zero),
+            slope: sum(&self.slope),
+            u_at_zero: root(&self.at_zero),
+            u_slope: root(&self.slope),
+        }
+    }
+}
