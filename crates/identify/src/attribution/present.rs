@@ -121,11 +121,12 @@ impl Attribution {
         Chart { group: group.into(), title: title.into(), plot: Plot::Xy { x: x.clone(), y, curves } }
     }
 
-    /// Lowest and highest value of each bin of a pass, so that no spike is lost.
+    /// Lowest and highest value of each bin of a pass, so that no spike is lost; no number between passes.
     fn drawn(&self, x: &[f64], y: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
         let bins = (BINS / self.passes.len()).max(20);
-        let mut points = Vec::new();
+        let mut drawn = Vec::new();
         for pass in &self.passes {
+            let mut points = Vec::new();
             let size = pass.len().div_ceil(bins).max(1);
             for start in pass.clone().step_by(size) {
                 let bin = start..(start + size).min(pass.end);
@@ -136,8 +137,12 @@ impl Attribution {
                     points.push(low.max(high));
                 }
             }
+            if !drawn.is_empty() {
+                drawn.push((x[pass.start], f64::NAN));
+            }
+            drawn.extend(points.into_iter().map(|i| (x[i], y(i))));
         }
-        points.into_iter().map(|i| (x[i], y(i))).collect()
+        drawn
     }
 
     fn notes(&self) -> Vec<String> {
@@ -175,7 +180,9 @@ fn lead(turning: Option<AxisLetter>) -> String {
 /// False for a chart in which everything is zero.
 fn shows_something(chart: &Chart) -> bool {
     match &chart.plot {
-        Plot::Xy { curves, .. } => curves.iter().any(|curve| curve.points.iter().any(|point| point.1 != 0.0)),
+        Plot::Xy { curves, .. } => {
+            curves.iter().any(|curve| curve.points.iter().any(|point| point.1.abs() > 0.0))
+        }
         Plot::Polar { .. } | Plot::Path { .. } | Plot::PlaneMap { .. } => true,
     }
 }

@@ -69,13 +69,12 @@ pub fn xy_chart(chart: &XyChart<'_>) -> String {
     }
     let mut key_x = LEFT;
     for series in chart.series {
-        let places: Vec<_> = series
-            .points
-            .iter()
-            .filter(|p| p.0.is_finite() && p.1.is_finite())
-            .map(|p| (x.at(p.0), y.at(p.1.clamp(-chart.y_limit, chart.y_limit))))
-            .collect();
-        body += &drawn(series.mark, &places);
+        // A line ends where a value is no number, and begins anew after it.
+        for stretch in series.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
+            let places: Vec<_> =
+                stretch.iter().map(|p| (x.at(p.0), y.at(p.1.clamp(-chart.y_limit, chart.y_limit)))).collect();
+            body += &drawn(series.mark, &places);
+        }
         body += &key(series.mark, key_x);
         body += &text(key_x + 22.0, 13.0, "t", &series.name);
         key_x += 34.0 + 5.6 * series.name.chars().count() as f64;
