@@ -2,34 +2,25 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+#[path = "../../crates/report/tests/nc/interpreter.rs"]
+#[expect(dead_code, reason = "LinuxCNC interprets here")]
+mod interpreter;
+#[path = "../../crates/report/tests/nc/visited.rs"]
+mod visited;
+
+use interpreter::Event;
 use std::path::Path;
 use std::process::Command;
-use trunnion_machine::{State, shipped};
+use trunnion_machine::shipped;
 use trunnion_measurement::Cycle;
 use trunnion_measurement::cycle::CourseRules;
 use trunnion_report::nc::{Program, dialect};
 use trunnion_tests::workspace_root;
-use trunnion_units::{AxisLetter, AxisValues, convert};
+use trunnion_units::{AxisLetter, AxisValues};
+use visited::visited;
 
 /// The interpreter prints positions to four decimals of a millimetre or degree.
-const PRINTED: f64 = 0.51e-4;
-/// Farthest place from a rotary axis, mm.
-const ARM_MM: f64 = 300.0;
-
-/// A canonical command that moves or waits; positions in mm and degrees.
-#[derive(Debug)]
-enum Canon {
-    /// Straight to a position at a feed, mm or degrees/min.
-    Feed {
-        to: AxisValues<f64>,
-        per_min: f64,
-    },
-    Dwell {
-        seconds: f64,
-    },
-    Stop,
-    End,
-}
+const PRINTED_DECIMALS: usize = 4;
 
 #[test]
 fn linuxcnc_runs_every_shipped_cycle_through_its_poses() {
@@ -64,14 +55,10 @@ fn check(cycle: &Cycle) -> (usize, usize) {
     let folder = tempfile::tempdir().unwrap();
     let (done, printed, told) = interpret(folder.path(), &(linuxcnc.write)(&program, linuxcnc.decimals));
     assert!(done, "{}: {told}", cycle.name);
-    let canon: Vec<Canon> = canonical(&printed);
-    assert!(matches!(canon.last(), Some(Canon::End)), "{} does not end", cycle.name);
-    let states = cycle.visits(&machine, &rules.pace).unwrap().states;
-    match cycle.settle() {
-        Some(settle) => stands(&canon, &states, rules.pace.settle_s + 2.0 * settle.window_s, &cycle.name),
-        None => passes(&canon, &states, rules.chord_mm, &cycle.name),
-    }
-    (states.len(), canon.iter().filter(|command| matches!(command, Canon::Stop)).count())
+    let events = canonical(&printed);
+    visited(&events, cycle, &machine, &rules, PRINTED_DECIMALS, &|i| format!("{}, point {i}", cycle.name));
+    let points = cycle.visits(&machine, &rules.pace).unwrap().states.len();
+    (points, events.iter().filter(|event| matches!(event, Event::Stop(_))).count())
 }
 
 /// Runs the stand-alone interpreter with a tool of no length and an empty parameter file: success, canonical commands, errors.
@@ -104,9 +91,10 @@ fn parameters() -> String {
     numbers.into_iter().map(line).collect()
 }
 
-fn canonical(printed: &str) -> Vec<Canon> {
-    let mut per_min = 0.0;
-    let mut commands = Vec::new();
+/// What moves or waits in the canonical commands; positions in mm and degrees.
+fn canonical(printed: &str) -> Vec<Event> {
+    let (mut per_min, mut at) = (0.0, AxisValues::<f64>::default());
+    let (mut events, mut ended) = (Vec::new(), false);
     for line in printed.lines() {
         // "   34 N..... STRAIGHT_FEED(0.0000, …)"
         let Some((name, rest)) = line.split_once("N..... ").and_then(|(_, command)| command.split_once('('))
@@ -119,65 +107,20 @@ fn canonical(printed: &str) -> Vec<Canon> {
         match name {
             "SET_FEED_RATE" => per_min = numbers()[0],
             "STRAIGHT_FEED" => {
-                let at = numbers();
-                commands.push(Canon::Feed { to: AxisValues::from_fn(|letter| at[letter as usize]), per_min });
+                let place = numbers();
+                let to = AxisValues::from_fn(|letter| place[letter as usize]);
+                events.push(Event::Move { to, seconds: seconds(&at, &to, per_min) });
+                at = to;
             }
             "STRAIGHT_TRAVERSE" | "ARC_FEED" => panic!("our programs have no such motion: {line}"),
-            "DWELL" => commands.push(Canon::Dwell { seconds: numbers()[0] }),
-            "PROGRAM_STOP" => commands.push(Canon::Stop),
-            "PROGRAM_END" => commands.push(Canon::End),
+            "DWELL" => events.push(Event::Dwell { seconds: numbers()[0] }),
+            "PROGRAM_STOP" => events.push(Event::Stop(String::new())),
+            "PROGRAM_END" => ended = true,
             _ => {}
         }
     }
-    commands
-}
-
-fn stands(canon: &[Canon], states: &[State], dwell_s: f64, name: &str) {
-    let mut at = AxisValues::<f64>::default();
-    let mut poses = states.iter().enumerate();
-    for command in canon {
-        match command {
-            Canon::Feed { to, .. } => at = *to,
-            Canon::Dwell { seconds } if (seconds - dwell_s).abs() < 1e-3 => {
-                let (i, state) = poses.next().unwrap_or_else(|| panic!("{name}: more dwells than poses"));
-                for letter in AxisLetter::ALL {
-                    let off = (at[letter] - edge(state, letter)).abs();
-                    assert!(off <= PRINTED, "{name}, pose {i}: {letter} is {off} off");
-                }
-            }
-            Canon::Dwell { .. } | Canon::Stop | Canon::End => {}
-        }
-    }
-    assert_eq!(poses.next(), None, "{name}: a pose without dwell");
-}
-
-fn passes(canon: &[Canon], states: &[State], chord_mm: f64, name: &str) {
-    let mut at = AxisValues::<f64>::default();
-    let mut pieces = Vec::new();
-    for command in canon {
-        if let Canon::Feed { to, per_min } = command {
-            pieces.push((at, *to, seconds(&at, to, *per_min)));
-            at = *to;
-        }
-    }
-    let mut next = 0;
-    for (i, state) in states.iter().enumerate() {
-        let turning = AxisLetter::ROTARY.into_iter().find(|&letter| state.velocity[letter] != 0.0).unwrap();
-        let found = (next..pieces.len()).find(|&k| {
-            let (from, to, seconds) = &pieces[k];
-            let travel = to[turning] - from[turning];
-            let u = (edge(state, turning) - from[turning]) / travel;
-            let speed = convert::rad_from_deg(travel) / seconds / state.velocity[turning];
-            let near_mm = chord_mm + PRINTED * (1.0 + convert::rad_from_deg(ARM_MM));
-            let off = |letter: AxisLetter| {
-                (from[letter] + (to[letter] - from[letter]) * u - edge(state, letter)).abs()
-            };
-            (-0.01..=1.01).contains(&u)
-                && (speed - 1.0).abs() <= 0.002 + 4.0 * PRINTED / travel.abs()
-                && AxisLetter::ALL.into_iter().all(|letter| off(letter) <= near_mm)
-        });
-        next = found.unwrap_or_else(|| panic!("{name}: point {i} is never passed: {:?}", state.position));
-    }
+    assert!(ended, "the program does not end");
+    events
 }
 
 /// Canonical feed is along the path of the linear axes, or of the rotary ones when those alone move.
@@ -185,10 +128,4 @@ fn seconds(from: &AxisValues<f64>, to: &AxisValues<f64>, per_min: f64) -> f64 {
     let way = |letters: [AxisLetter; 3]| letters.map(|l| to[l] - from[l]).into_iter().fold(0.0, f64::hypot);
     let linear = way(AxisLetter::LINEAR);
     60.0 * if linear > 0.0 { linear } else { way(AxisLetter::ROTARY) } / per_min
-}
-
-/// Position in mm or degrees.
-fn edge(state: &State, letter: AxisLetter) -> f64 {
-    let position = state.position[letter];
-    if letter.is_rotary() { convert::deg_from_rad(position) } else { position }
 }

@@ -260,14 +260,19 @@ impl Cycle {
 
     /// All axes at a station: linear axes as asked where the cycle names them, else following the ball.
     fn stand_at(&self, machine: &Machine, setup: usize, station: &Station) -> Option<AxisValues<f64>> {
-        let names_linear = match &self.motion {
-            Motion::Line { .. } => true,
-            _ => self.grid().iter().any(|axis| !axis.letter.is_rotary()),
-        };
-        if names_linear {
+        if self.names_linear() {
             return Some(station.asked);
         }
         self.follow(machine, setup, station.target, &station.asked)
+    }
+
+    /// True when the cycle says where the linear axes stand; else they follow the ball.
+    fn names_linear(&self) -> bool {
+        match &self.motion {
+            Motion::Line { .. } => true,
+            Motion::Static { grid, .. } => grid.iter().any(|axis| !axis.letter.is_rotary()),
+            Motion::OnTheFly { .. } | Motion::Path { .. } => false,
+        }
     }
 
     /// The passes of a cycle on the fly in order, over all setups, feeds and rounds; empty for one at rest. Along a curve the

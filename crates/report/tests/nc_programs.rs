@@ -4,14 +4,17 @@
 
 #[path = "nc/interpreter.rs"]
 mod interpreter;
+#[path = "nc/visited.rs"]
+mod visited;
 
-use interpreter::{Event, interpret};
+use interpreter::interpret;
 use proptest::prelude::*;
-use trunnion_machine::{Machine, State, shipped};
-use trunnion_measurement::cycle::{CourseRules, Visits};
-use trunnion_measurement::{Cycle, RunKind};
+use trunnion_machine::{JointErrors, Machine, shipped};
+use trunnion_measurement::cycle::CourseRules;
+use trunnion_measurement::{Cycle, InstrumentKind, Setup};
 use trunnion_report::nc::{Block, DIALECTS, Program};
 use trunnion_units::{AxisLetter, AxisValues, convert};
+use visited::visited;
 
 const STATIC: &str = r#"
 format = "trunnion-cycle/1"
@@ -124,6 +127,44 @@ fn the_shipped_cycles_visit_their_poses_in_every_dialect() {
 }
 
 #[test]
+fn circles_cones_diagonals_and_grids_of_linear_axes_are_visited_too() {
+    let circle = SWEEP
+        .replace("[sweep]\naxis = \"C\"", "[circle]\nplane = \"ZX\"")
+        .replace("feeds_deg_per_min = [1800]", "feeds_mm_per_min = [1000, 3000]")
+        .replace("[0.0, 0.0, 60.0]", "[40.0, -30.0, 160.0]")
+        .replace("from_deg = 0", "from_deg = -45")
+        .replace("to_deg = 360", "to_deg = 135")
+        .replace("\n[bar]\ndirection = [0, 1, 0]", "");
+    let cone = SWEEP
+        .replace("[sweep]\naxis = \"C\"", "[cone]\nhalf_angle_deg = 15\ntilt_deg = 30")
+        .replace("feeds_deg_per_min = [1800]", "feeds_mm_per_min = [1000]")
+        .replace("\n[bar]\ndirection = [0, 1, 0]", "");
+    let grids = &STATIC[STATIC.find("[[grid]]").unwrap()..STATIC.find("[settle]").unwrap()];
+    let setup = "instrument = \"r-test\"\nball_in_table_mm = [150.0, 0.0, 60.0]";
+    let line = "[line]\nfrom_mm = [-200, -200, -200]\nto_mm = [200, 200, 200]\nsteps = 5\nin_turn = true\n";
+    let diagonal = STATIC.replace(grids, line).replace(
+        setup,
+        "instrument = \"step-diagonal\"\ndirection = [1, 1, 1]\nball_in_table_mm = [200, 200, 200]",
+    );
+    let axis = |letter: &str| format!("[[grid]]\naxis = \"{letter}\"\nstations_mm = [-100, 0, 150]\n");
+    let volume = STATIC
+        .replace(grids, &["X", "Y", "Z"].map(axis).concat())
+        .replace(setup, "instrument = \"tracker\"\nball_in_table_mm = [300.0, 300.0, 0.0]");
+    for (name, text) in [("circle", circle), ("cone", cone), ("diagonal", diagonal), ("volume", volume)] {
+        let cycle = Cycle::parse(name, &text).unwrap_or_else(|problems| panic!("{name}: {problems}\n{text}"));
+        check(&cycle, &CourseRules::default());
+    }
+}
+
+#[test]
+fn what_touches_is_left_to_the_probing_cycles_of_the_controller() {
+    let text = STATIC.replace("r-test", "touch-probe");
+    let cycle = Cycle::parse("c.toml", &text).unwrap();
+    let error = Program::of_cycle(&cycle, &machine(&cycle), &CourseRules::default()).unwrap_err().to_string();
+    assert!(error.contains("use the probing cycles of the controller"), "{error}");
+}
+
+#[test]
 fn a_retracted_spindle_beyond_the_travel_is_refused_with_the_axis() {
     let cycle = Cycle::parse("c.toml", STATIC).unwrap();
     let rules = CourseRules { clearance_mm: 500.0, ..CourseRules::default() };
@@ -179,7 +220,6 @@ fn rising(mut angles: Vec<f64>) -> Vec<f64> {
 /// The program stays together with its instrument and visits what the cycle expands to, in every dialect.
 fn check(cycle: &Cycle, rules: &CourseRules) {
     let machine = machine(cycle);
-    let visits = cycle.visits(&machine, &rules.pace).unwrap();
     let program = Program::of_cycle(cycle, &machine, rules).unwrap();
     stays_together(&program, cycle, &machine, rules);
     for dialect in DIALECTS {
@@ -187,15 +227,13 @@ fn check(cycle: &Cycle, rules: &CourseRules) {
             let events = interpret(dialect.name, &(dialect.write)(&program, decimals));
             let told =
                 |i: usize| format!("{} as {} with {decimals} decimals, point {i}", cycle.name, dialect.name);
-            match cycle.run_kind() {
-                RunKind::Static => stands(&events, &visits, decimals, &told),
-                RunKind::OnTheFly => passes(&events, &visits, decimals, rules, &told),
-            }
+            visited(&events, cycle, &machine, rules, decimals, &told);
         }
     }
 }
 
-/// Between joining and parting, ball and nest never move apart by more than the pieces and the gesture allow.
+/// Between joining and parting, ball and nest (or a bar's balls and its length) never part by more than the pieces and the
+/// gesture allow. Where the cycle names the linear axes nothing is joined.
 fn stays_together(program: &Program, cycle: &Cycle, machine: &Machine, rules: &CourseRules) {
     let mut from: Option<AxisValues<f64>> = None;
     let allowed_mm = rules.transfer_chord_mm + rules.stroke_mm + 1e-9;
@@ -206,12 +244,8 @@ fn stays_together(program: &Program, cycle: &Cycle, machine: &Machine, rules: &C
                 let to = inside(to);
                 if let Some(from) = from {
                     let middle = AxisValues::from_fn(|letter| 0.5 * (from[letter] + to[letter]));
-                    let off_mm = |setup: usize| {
-                        let nominal = cycle.position(machine, setup, &middle).unwrap();
-                        let off = AxisLetter::LINEAR.map(|letter| (middle[letter] - nominal[letter]).abs());
-                        off.into_iter().fold(0.0, f64::max)
-                    };
-                    let least = (0..cycle.setups.len()).map(off_mm).fold(f64::INFINITY, f64::min);
+                    let off_mm = |setup: &Setup| parted_mm(machine, setup, &middle);
+                    let least = cycle.setups.iter().map(off_mm).fold(f64::INFINITY, f64::min);
                     assert!(least <= allowed_mm, "{} parts by {least} mm at {middle:?}", cycle.name);
                 }
                 from = Some(to);
@@ -222,103 +256,22 @@ fn stays_together(program: &Program, cycle: &Cycle, machine: &Machine, rules: &C
     }
 }
 
+/// How far what is joined has parted, mm.
+fn parted_mm(machine: &Machine, setup: &Setup, at: &AxisValues<f64>) -> f64 {
+    let none = JointErrors::default();
+    let ball = machine.machine_from_table(at, &none) * setup.ball_in_table_mm;
+    let apart_mm = (machine.machine_from_tool(at, &none) * setup.ball_in_tool_mm - ball).norm();
+    match setup.instrument {
+        InstrumentKind::RTest => apart_mm,
+        InstrumentKind::BallBar => (apart_mm - setup.bar_length_mm.unwrap()).abs(),
+        _ => 0.0,
+    }
+}
+
 fn inside(target: &[(AxisLetter, f64)]) -> AxisValues<f64> {
     let mut position = AxisValues::default();
     for &(letter, value) in target {
         position[letter] = if letter.is_rotary() { convert::rad_from_deg(value) } else { value };
     }
     position
-}
-
-/// Every pose at rest: the next dwell of its length stands there, and each axis of the grid came from the side of the pass.
-fn stands(events: &[Event], visits: &Visits, decimals: usize, told: &dyn Fn(usize) -> String) {
-    let mut poses = visits.states.iter().enumerate();
-    let (mut at, mut heading) = (AxisValues::<f64>::default(), AxisValues::<f64>::default());
-    let mut seen = 0;
-    for event in events {
-        match event {
-            Event::Move { to, .. } => {
-                for letter in AxisLetter::ALL {
-                    if to[letter] != at[letter] {
-                        heading[letter] = (to[letter] - at[letter]).signum();
-                    }
-                }
-                at = *to;
-            }
-            // Waits between rounds are longer.
-            Event::Dwell { seconds } if (*seconds - 2.5).abs() < 1e-9 || (*seconds - 1.56).abs() < 1e-9 => {
-                let (i, state) =
-                    poses.next().unwrap_or_else(|| panic!("more dwells than poses: {}", told(seen)));
-                for letter in AxisLetter::ALL {
-                    assert!(off(state, &at, letter) <= rounding(decimals), "{}: {letter} {at:?}", told(i));
-                    // Linear axes follow the ball on the way, not the straight line from pose to pose.
-                    if letter.is_rotary() && state.direction[letter] != 0.0 {
-                        assert_eq!(heading[letter], state.direction[letter], "{}: {letter}", told(i));
-                    }
-                }
-                seen += 1;
-            }
-            Event::Dwell { .. } | Event::Stop(_) => {}
-        }
-    }
-    assert_eq!(seen, visits.states.len(), "{}", told(seen));
-}
-
-/// Every point on the fly lies on a later straight piece, near enough and at its speed.
-fn passes(
-    events: &[Event],
-    visits: &Visits,
-    decimals: usize,
-    rules: &CourseRules,
-    told: &dyn Fn(usize) -> String,
-) {
-    let mut pieces = Vec::new();
-    let mut at = AxisValues::<f64>::default();
-    for event in events {
-        if let Event::Move { to, seconds } = event {
-            pieces.push((at, *to, *seconds));
-            at = *to;
-        }
-    }
-    let mut next = 0;
-    for (i, state) in visits.states.iter().enumerate() {
-        let found = (next..pieces.len()).find(|&k| on_piece(state, &pieces[k], decimals, rules));
-        next = found.unwrap_or_else(|| panic!("{}: {:?} is never passed", told(i), state.position));
-    }
-}
-
-fn on_piece(
-    state: &State,
-    (from, to, seconds): &(AxisValues<f64>, AxisValues<f64>, f64),
-    decimals: usize,
-    rules: &CourseRules,
-) -> bool {
-    let Some(turning) = AxisLetter::ROTARY.into_iter().find(|&letter| state.velocity[letter] != 0.0) else {
-        return false;
-    };
-    let target = convert::deg_from_rad(state.position[turning]);
-    let travel = to[turning] - from[turning];
-    let u = (target - from[turning]) / travel;
-    let speed = convert::rad_from_deg(travel) / seconds;
-    // The rounding of both ends of a short piece is in its speed.
-    let allowed = 0.002 + 2.0 * rounding(decimals) / travel.abs();
-    if !(-0.01..=1.01).contains(&u) || (speed / state.velocity[turning] - 1.0).abs() > allowed {
-        return false;
-    }
-    // A wrong digit of the angle moves the linear axes by their arm.
-    let arm_mm = 300.0;
-    let near_mm = rules.chord_mm + rounding(decimals) * (1.0 + convert::rad_from_deg(arm_mm));
-    let here = AxisValues::from_fn(|letter| from[letter] + (to[letter] - from[letter]) * u);
-    AxisLetter::ALL.into_iter().all(|letter| off(state, &here, letter) <= near_mm.max(rounding(decimals)))
-}
-
-/// Distance from the pose, mm or degrees.
-fn off(state: &State, at: &AxisValues<f64>, letter: AxisLetter) -> f64 {
-    let wanted = state.position[letter];
-    let wanted = if letter.is_rotary() { convert::deg_from_rad(wanted) } else { wanted };
-    (at[letter] - wanted).abs()
-}
-
-fn rounding(decimals: usize) -> f64 {
-    0.5001 * 10f64.powi(-(decimals as i32)) + 1e-9
 }

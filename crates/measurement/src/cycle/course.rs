@@ -1,14 +1,15 @@
 //! What a controller has to do to run a cycle, step by step: the neutral form of an NC program.
 //!
-//! Ball and nest (or the bar) are brought together and taken apart with the rotary axes at or near zero, the spindle coming
-//! from straight above. In between they stay together: whatever the rotary axes do, the linear axes follow along short straight
-//! pieces, because the controller's own tool-point following is off. A pose is approached as [`Cycle::visits`] says, from
+//! An R-test's ball and nest (or the bar) are brought together and taken apart with the rotary axes at or near zero, the spindle coming
+//! from straight above; on a curve where it begins. In between they stay together: whatever the rotary axes do, the linear axes follow along short straight
+//! pieces, because the controller's own tool-point following is off. Where the cycle names the linear axes (lines, grids of X,
+//! Y, Z under an interferometer) the way is straight. A pose is approached as [`Cycle::visits`] says, from
 //! the side of its pass with an overrun; a sweep runs in and out by half the feed times the ramp.
 
-use super::visit::{OVERRUN_RAD, VisitError};
-use super::{Cycle, Leg, Motion, Pace, grid_positions};
-use crate::InstrumentKind;
-use nalgebra::Vector3;
+use super::visit::{OVERRUN_MM, OVERRUN_RAD, Sweeping, VisitError};
+use super::{Cycle, Leg, Motion, Pace};
+use crate::{InstrumentKind, RunKind};
+use nalgebra::{Point3, Vector3};
 use trunnion_machine::{Axis, JointErrors, Machine, State};
 use trunnion_units::{AxisLetter, AxisValues};
 
@@ -32,7 +33,7 @@ const STANDSTILL: f64 = 1e-9;
 pub struct CourseRules {
     /// Run-in, settling and the feed limits of axes whose machine file gives none.
     pub pace: Pace,
-    /// Largest distance of the straight pieces of a sweep from its path, any linear axis, mm.
+    /// Largest distance of the tool point from its path over the table in the straight pieces of a sweep, mm.
     pub chord_mm: f64,
     /// The same on the way from pose to pose, mm.
     pub transfer_chord_mm: f64,
@@ -123,9 +124,9 @@ pub enum Step {
     },
     /// At the feed of the cycle through pieces of equal duration.
     Sweep {
-        /// The axis at its feed.
-        axis: AxisLetter,
-        /// Signed feed of that axis, rad/s.
+        /// The axis at its feed; `None` along a curve.
+        turning: Option<AxisLetter>,
+        /// Signed feed, rad/s of that axis or of the angle along the curve.
         feed: f64,
         /// Duration of every piece, s.
         piece_s: f64,
@@ -138,34 +139,31 @@ impl Cycle {
     /// The steps of the cycle in order.
     ///
     /// # Errors
-    /// A cycle that the machine cannot run: axes, reach, travel (overruns and the retracted spindle included).
+    /// A cycle that the machine cannot run: axes, reach, travel (overruns and the retracted spindle included); one that
+    /// touches surfaces.
     pub fn course(&self, machine: &Machine, rules: &CourseRules) -> Result<Vec<Step>, VisitError> {
         self.has_its_axes(machine)?;
-        let no_course = |what| Err(VisitError::NoCourse { cycle: self.name.clone(), what });
-        if let Motion::Line { .. } | Motion::Path { .. } = self.motion {
-            return no_course("it moves along a line or a curve");
+        let touches = |kind: InstrumentKind| kind.has_targets() || kind == InstrumentKind::TouchProbe;
+        if self.setups.iter().any(|setup| touches(setup.instrument) || setup.artefact.is_some()) {
+            let what = "it touches surfaces or balls; use the probing cycles of the controller";
+            return Err(VisitError::NoCourse { cycle: self.name.clone(), what });
         }
-        if self.grid().iter().any(|axis| !axis.letter.is_rotary()) {
-            return no_course("its grid names linear axes");
-        }
-        if self.setups.iter().any(|setup| setup.artefact.is_some()) {
-            return no_course("it has an artefact with several targets");
-        }
-        let home = self.home(machine, &rules.pace)?;
+        let poses = self.visits(machine, &rules.pace)?.states;
+        let home = self.home(machine, &poses);
+        let (steps, fitted) = (Vec::new(), Vec::new());
         let mut guide =
-            Guide { cycle: self, machine, rules, home, steps: Vec::new(), joined: None, fitted: Vec::new() };
+            Guide { cycle: self, machine, rules, home, height_mm: 0.0, steps, joined: None, fitted };
+        guide.height_mm = guide.height_mm(&poses)?;
         let mut last: Option<Leg> = None;
         for leg in self.legs() {
-            guide.change_to(leg.setup)?;
+            guide.change_to(&leg)?;
             if last.is_some_and(|last| last.round != leg.round) && self.rounds.wait_s > 0.0 {
-                guide
-                    .steps
-                    .push(Step::Wait { seconds: self.rounds.wait_s, reason: "rest between two rounds" });
+                let seconds = self.rounds.wait_s;
+                guide.steps.push(Step::Wait { seconds, reason: "rest between two rounds" });
             }
-            match &self.motion {
-                Motion::Static { .. } => guide.stand(&leg)?,
-                Motion::OnTheFly { .. } => guide.sweep(&leg)?,
-                Motion::Line { .. } | Motion::Path { .. } => unreachable!("refused above"),
+            match self.run_kind() {
+                RunKind::Static => guide.stand(&leg)?,
+                RunKind::OnTheFly => guide.sweep(&leg)?,
             }
             last = Some(leg);
         }
@@ -175,7 +173,7 @@ impl Cycle {
 
     /// Where ball and nest come together: rotary axes at zero, or as near as their travel allows. Who watches the axes would
     /// take standing there for a pose of the cycle, so an upright axis is turned until no pose is near.
-    fn home(&self, machine: &Machine, pace: &Pace) -> Result<AxisValues<f64>, VisitError> {
+    fn home(&self, machine: &Machine, poses: &[State]) -> AxisValues<f64> {
         let rotary = machine.rotary();
         let mut zero = AxisValues::default();
         for axis in &rotary {
@@ -183,8 +181,7 @@ impl Cycle {
         }
         let upright = |axis: &&&Axis| axis.direction.z.abs();
         let turned = rotary.iter().max_by(|a, b| upright(a).total_cmp(&upright(b)));
-        let Some(turned) = turned else { return Ok(zero) };
-        let poses = self.visits(machine, pace)?.states;
+        let Some(turned) = turned else { return zero };
         let free = |home: &AxisValues<f64>| {
             let near = |state: &State| {
                 let off = |axis: &&Axis| whole_turns_off(state.position[axis.letter] - home[axis.letter]);
@@ -198,13 +195,52 @@ impl Cycle {
             home[turned.letter] = (zero[turned.letter] + FREE_RAD * f64::from(k)).min(turned.travel.1);
             home
         });
-        Ok(places.into_iter().find(free).unwrap_or(zero))
+        places.into_iter().find(free).unwrap_or(zero)
     }
 }
 
 /// Less the whole turns.
 fn whole_turns_off(angle_rad: f64) -> f64 {
     angle_rad - (angle_rad / std::f64::consts::TAU).round() * std::f64::consts::TAU
+}
+
+/// Where the cycle is on its way: what the positions of all axes follow from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place {
+    /// Rotary axes, and the linear ones where the cycle names them, mm and rad; not used on a curve.
+    asked: AxisValues<f64>,
+    /// Angle on a curve, rad.
+    angle_rad: f64,
+}
+
+impl Place {
+    fn asked(asked: AxisValues<f64>) -> Self {
+        Self { asked, angle_rad: 0.0 }
+    }
+
+    fn between(&self, to: &Self, u: f64) -> Self {
+        let asked = &self.asked;
+        Self {
+            asked: AxisValues::from_fn(|letter| asked[letter] + (to.asked[letter] - asked[letter]) * u),
+            angle_rad: self.angle_rad + (to.angle_rad - self.angle_rad) * u,
+        }
+    }
+
+    fn is(&self, other: &Self) -> bool {
+        (self.angle_rad - other.angle_rad).abs() < STANDSTILL
+            && AxisLetter::ALL
+                .into_iter()
+                .all(|letter| (self.asked[letter] - other.asked[letter]).abs() < STANDSTILL)
+    }
+}
+
+/// Ball and nest together.
+#[derive(Clone, Copy, Debug)]
+struct Joined {
+    setup: usize,
+    place: Place,
+    /// All axes there.
+    at: AxisValues<f64>,
 }
 
 /// Lays out a course.
@@ -214,21 +250,23 @@ struct Guide<'a> {
     rules: &'a CourseRules,
     /// Where the rotary axes stand while ball and nest come together and part.
     home: AxisValues<f64>,
+    /// Of the free spindle, machine Z, mm.
+    height_mm: f64,
     steps: Vec<Step>,
-    /// The setup whose ball and nest are together, and where the rotary axes stand.
-    joined: Option<(usize, AxisValues<f64>)>,
+    joined: Option<Joined>,
     /// Setups that have been mounted and stay so.
     fitted: Vec<usize>,
 }
 
 impl Guide<'_> {
-    fn change_to(&mut self, setup: usize) -> Result<(), VisitError> {
-        if self.joined.is_some_and(|(joined, _)| joined == setup) {
+    fn change_to(&mut self, leg: &Leg) -> Result<(), VisitError> {
+        let setup = leg.setup;
+        if self.joined.is_some_and(|joined| joined.setup == setup) {
             return Ok(());
         }
         self.part()?;
-        let home = self.home;
-        self.steps.push(Step::Above { at: self.above(setup)? });
+        let (place, at) = self.start(leg)?;
+        self.steps.push(Step::Above { at: self.above(setup, &at)? });
         let bar = self.cycle.setups[setup].instrument == InstrumentKind::BallBar;
         let new = !self.fitted.contains(&setup);
         if new {
@@ -237,85 +275,105 @@ impl Guide<'_> {
             self.fitted.clone_from(&setups);
             self.steps.push(Step::Fit { setups });
         }
-        let at = self.position(setup, &home)?;
         self.steps.push(Step::Join { setup, at, attended: bar || new });
-        self.joined = Some((setup, home));
-        if let Motion::OnTheFly { .. } = self.cycle.motion {
-            self.gesture(setup, &home)?;
-        }
+        self.joined = Some(Joined { setup, place, at });
+        self.gesture();
         Ok(())
     }
 
-    /// Back to the zero of the rotary axes and up.
+    /// Back to where they came together, unless the way is the cycle's own, and up.
     fn part(&mut self) -> Result<(), VisitError> {
-        let Some((setup, _)) = self.joined else { return Ok(()) };
-        let home = self.home;
-        self.transfer(&home)?;
-        if let Motion::OnTheFly { .. } = self.cycle.motion {
-            self.gesture(setup, &home)?;
+        let Some(joined) = self.joined else { return Ok(()) };
+        let own_way = self.cycle.names_linear() || matches!(self.cycle.motion, Motion::Path { .. });
+        if !own_way {
+            self.transfer(&Place::asked(self.home))?;
         }
-        self.steps.push(Step::Part { setup, to: self.above(setup)? });
+        self.gesture();
+        let at = self.joined.map_or(joined.at, |joined| joined.at);
+        self.steps.push(Step::Part { setup: joined.setup, to: self.above(joined.setup, &at)? });
         self.joined = None;
         Ok(())
     }
 
-    /// One pass of a grid, read at rest.
+    /// Where a setup's ball and nest come together before a pass.
+    fn start(&self, leg: &Leg) -> Result<(Place, AxisValues<f64>), VisitError> {
+        let place = match &self.cycle.motion {
+            Motion::Path { .. } => self.ends(leg).map_or(Place::asked(self.home), |(began, _)| began),
+            _ if self.cycle.names_linear() => {
+                let first = self.cycle.stations(leg.setup, leg.pass).first().map(|station| station.asked);
+                Place::asked(first.unwrap_or_default())
+            }
+            _ => Place::asked(self.home),
+        };
+        let at = self.axes_at(leg.setup, &place, &AxisValues::default())?;
+        Ok((place, at))
+    }
+
+    /// One pass of a grid or a line, read at rest.
     fn stand(&mut self, leg: &Leg) -> Result<(), VisitError> {
-        let Motion::Static { grid, settle, .. } = &self.cycle.motion else { return Ok(()) };
+        let Some(settle) = self.cycle.settle() else { return Ok(()) };
         let seconds = self.rules.dwell_s.unwrap_or(self.rules.pace.settle_s + 2.0 * settle.window_s);
-        let mut stations = grid_positions(grid);
-        if leg.pass < 0.0 {
-            stations.reverse();
-        }
         let mut before: Option<AxisValues<f64>> = None;
-        for rotary in stations {
-            let mut beyond = rotary;
-            for axis in grid {
+        for station in self.cycle.stations(leg.setup, leg.pass) {
+            let mut beyond = station.asked;
+            for axis in self.cycle.grid() {
                 let letter = axis.letter;
-                if before.is_none_or(|last| (rotary[letter] - last[letter]) * leg.pass < 0.0) {
-                    beyond[letter] -= leg.pass * OVERRUN_RAD;
+                if before.is_none_or(|last| (station.asked[letter] - last[letter]) * leg.pass < 0.0) {
+                    let overrun = if letter.is_rotary() { OVERRUN_RAD } else { OVERRUN_MM };
+                    beyond[letter] -= leg.pass * overrun;
                 }
             }
-            self.transfer(&beyond)?;
-            self.transfer(&rotary)?;
+            self.transfer(&Place::asked(beyond))?;
+            self.transfer(&Place::asked(station.asked))?;
             self.steps.push(Step::Stand { seconds });
-            before = Some(rotary);
+            before = Some(station.asked);
         }
         Ok(())
     }
 
     /// One pass at one feed.
     fn sweep(&mut self, leg: &Leg) -> Result<(), VisitError> {
-        let Motion::OnTheFly { axis, from_to_rad: (from, to), feeds_rad_per_s, others, .. } =
-            &self.cycle.motion
-        else {
-            return Ok(());
-        };
-        let speed = feeds_rad_per_s[leg.feed];
-        let (first, last) = if leg.pass < 0.0 { (*to, *from) } else { (*from, *to) };
-        let heading = (last - first).signum();
-        let run_in = 0.5 * speed * self.rules.pace.ramp_s;
-        let at_angle = |angle: f64| {
-            let mut rotary = *others;
-            rotary[*axis] = angle;
-            rotary
-        };
-        let (began, ends) = (at_angle(first - heading * run_in), at_angle(last + heading * run_in));
+        let Some((began, ends)) = self.ends(leg) else { return Ok(()) };
+        let Some(Sweeping { turning, feed, .. }) = self.cycle.sweeping(leg) else { return Ok(()) };
         self.transfer(&began)?;
         self.steps.push(Step::Wait { seconds: PAUSE_S, reason: "standing still before a pass" });
-        let path = self.pieces(leg.setup, &began, &ends, self.rules.chord_mm)?;
-        let piece_s = (ends[*axis] - began[*axis]).abs() / speed / path.len() as f64;
-        self.steps.push(Step::Sweep { axis: *axis, feed: heading * speed, piece_s, ends: path });
-        self.joined = Some((leg.setup, ends));
+        let near = self.joined.map_or_else(AxisValues::default, |joined| joined.at);
+        let path = self.pieces(leg.setup, (&began, &ends), &near, self.rules.chord_mm)?;
+        let travel =
+            turning.map_or(ends.angle_rad - began.angle_rad, |axis| ends.asked[axis] - began.asked[axis]);
+        let piece_s = travel.abs() / feed / path.len() as f64;
+        let at = path.last().copied().unwrap_or(near);
+        self.steps.push(Step::Sweep { turning, feed: feed * travel.signum(), piece_s, ends: path });
+        self.joined = Some(Joined { setup: leg.setup, place: ends, at });
         Ok(())
     }
 
-    /// Strokes along the linear axis in which the instrument sees most: X for an R-test, along the bar for a ball bar.
-    fn gesture(&mut self, setup: usize, rotary: &AxisValues<f64>) -> Result<(), VisitError> {
-        let seen = match self.cycle.setups[setup].instrument {
-            InstrumentKind::BallBar => {
-                self.cycle.bar_in_machine(self.machine, &self.cycle.setups[setup], rotary)
+    /// Where a pass on the fly begins and ends, run-in and run-out included; `None` at rest.
+    fn ends(&self, leg: &Leg) -> Option<(Place, Place)> {
+        let Sweeping { from_to_rad: (from, to), feed, .. } = self.cycle.sweeping(leg)?;
+        let (first, last) = if leg.pass < 0.0 { (to, from) } else { (from, to) };
+        let run_in = 0.5 * feed * self.rules.pace.ramp_s * (last - first).signum();
+        let at = |angle_rad: f64| match &self.cycle.motion {
+            Motion::OnTheFly { axis, others, .. } => {
+                let mut asked = *others;
+                asked[*axis] = angle_rad;
+                Place::asked(asked)
             }
+            _ => Place { asked: AxisValues::default(), angle_rad },
+        };
+        Some((at(first - run_in), at(last + run_in)))
+    }
+
+    /// On the fly only: strokes along the linear axis in which the instrument sees most, X for an R-test, along the bar for a
+    /// ball bar.
+    fn gesture(&mut self) {
+        let Some(Joined { setup, at, .. }) =
+            self.joined.filter(|_| self.cycle.run_kind() == RunKind::OnTheFly)
+        else {
+            return;
+        };
+        let seen = match self.cycle.setups[setup].instrument {
+            InstrumentKind::BallBar => self.tip_in_machine(setup, &at) - self.ball_in_machine(setup, &at),
             _ => Vector3::x(),
         };
         let shown = |letter: &AxisLetter| {
@@ -325,61 +383,64 @@ impl Guide<'_> {
             .into_iter()
             .reduce(|best, letter| if shown(&letter) > shown(&best) { letter } else { best })
             .unwrap_or(AxisLetter::X);
-        let here = self.position(setup, rotary)?;
-        let mut there = here;
+        let mut there = at;
         there[axis] += self.rules.stroke_mm;
-        let pieces = (0..self.rules.strokes).flat_map(|_| [(there, STROKE_S), (here, STROKE_S)]).collect();
+        let pieces = (0..self.rules.strokes).flat_map(|_| [(there, STROKE_S), (at, STROKE_S)]).collect();
         self.steps.push(Step::Wait { seconds: PAUSE_S, reason: "standing still before the gesture" });
         self.steps.push(Step::Gesture { axis, pieces });
         self.steps.push(Step::Wait { seconds: PAUSE_S, reason: "standing still after the gesture" });
-        Ok(())
     }
 
-    /// From where the rotary axes stand to `rotary`, joined.
-    fn transfer(&mut self, rotary: &AxisValues<f64>) -> Result<(), VisitError> {
-        let Some((setup, from)) = self.joined else { return Ok(()) };
-        if AxisLetter::ALL.into_iter().all(|letter| (rotary[letter] - from[letter]).abs() < STANDSTILL) {
+    /// To another place, joined.
+    fn transfer(&mut self, to: &Place) -> Result<(), VisitError> {
+        let Some(Joined { setup, place, mut at }) = self.joined.filter(|joined| !joined.place.is(to)) else {
             return Ok(());
-        }
-        let ends = self.pieces(setup, &from, rotary, self.rules.transfer_chord_mm)?;
-        let mut at = self.position(setup, &from)?;
+        };
         let mut pieces = Vec::new();
-        for end in ends {
+        for end in self.pieces(setup, (&place, to), &at, self.rules.transfer_chord_mm)? {
             pieces.push((end, self.seconds(&at, &end)));
             at = end;
         }
         self.steps.push(Step::Transfer { pieces });
-        self.joined = Some((setup, *rotary));
+        self.joined = Some(Joined { setup, place: *to, at });
         Ok(())
     }
 
-    /// Ends of equal pieces of the rotary way whose linear axes stay within `chord_mm` of the true path.
+    /// Ends of equal pieces of the way between two places whose tool point stays within `chord_mm` of the true path over the
+    /// table. `near`: where the axes stand.
     fn pieces(
         &self,
         setup: usize,
-        from: &AxisValues<f64>,
-        to: &AxisValues<f64>,
+        (from, to): (&Place, &Place),
+        near: &AxisValues<f64>,
         chord_mm: f64,
     ) -> Result<Vec<AxisValues<f64>>, VisitError> {
-        let along = |u: f64| AxisValues::from_fn(|letter| from[letter] + (to[letter] - from[letter]) * u);
-        let at = |k: f64, count: usize| self.position(setup, &along(k / count as f64));
-        let sagitta_mm = |count: usize| -> Result<f64, VisitError> {
-            let mut most = 0f64;
-            for k in (0..count).map(|k| k as f64) {
-                let (begins, middle, ends) = (at(k, count)?, at(k + 0.5, count)?, at(k + 1.0, count)?);
-                for letter in AxisLetter::LINEAR {
-                    most = most.max((middle[letter] - 0.5 * (begins[letter] + ends[letter])).abs());
-                }
+        // Positions at the halves of `count` pieces, each near the one before.
+        let halves = |count: usize| -> Result<Vec<AxisValues<f64>>, VisitError> {
+            let mut halves = vec![self.axes_at(setup, from, near)?];
+            for k in 1..=2 * count {
+                let place = from.between(to, k as f64 / (2 * count) as f64);
+                halves.push(self.axes_at(setup, &place, &halves[k - 1])?);
             }
-            Ok(most)
+            Ok(halves)
+        };
+        let sagitta_mm = |halves: &[AxisValues<f64>]| {
+            let of_piece = |k: usize| {
+                let (begins, ends) = (&halves[k], &halves[k + 2]);
+                let straight = AxisValues::from_fn(|letter| 0.5 * (begins[letter] + ends[letter]));
+                (self.tip_in_table(setup, &straight) - self.tip_in_table(setup, &halves[k + 1])).norm()
+            };
+            (0..halves.len() - 2).step_by(2).map(of_piece).fold(0.0, f64::max)
         };
         // The sagitta falls with the square of the count.
-        let needed = FIRST_PIECES as f64 * (sagitta_mm(FIRST_PIECES)? / chord_mm).sqrt();
+        let needed = FIRST_PIECES as f64 * (sagitta_mm(&halves(FIRST_PIECES)?) / chord_mm).sqrt();
         let mut count = (needed.ceil().max(1.0) as usize).min(MOST_PIECES);
-        while count < MOST_PIECES && sagitta_mm(count)? > chord_mm {
+        let mut found = halves(count)?;
+        while count < MOST_PIECES && sagitta_mm(&found) > chord_mm {
             count += count / 100 + 1;
+            found = halves(count)?;
         }
-        let ends: Vec<_> = (1..=count).map(|k| at(k as f64, count)).collect::<Result<_, _>>()?;
+        let ends: Vec<_> = found.into_iter().skip(2).step_by(2).collect();
         for end in &ends {
             self.cycle.within_travel(self.machine, end)?;
         }
@@ -397,30 +458,65 @@ impl Guide<'_> {
         AxisLetter::ALL.into_iter().map(of_axis).fold(0.0, f64::max)
     }
 
-    /// The spindle above a setup, at the same height above all of them.
-    fn above(&self, setup: usize) -> Result<AxisValues<f64>, VisitError> {
-        let home = self.home;
-        let machine_from_table = self.machine.machine_from_table(&home, &JointErrors::default());
-        let target_in_machine = |setup: usize| {
-            let setup = &self.cycle.setups[setup];
-            machine_from_table * self.cycle.place_in_table_mm(self.machine, setup, 0, &home)
-        };
-        let ball_mm = |setup: usize| (machine_from_table * self.cycle.setups[setup].ball_in_table_mm).z;
-        let highest_mm = (0..self.cycle.setups.len())
-            .map(|setup| target_in_machine(setup).z.max(ball_mm(setup)))
-            .fold(f64::NEG_INFINITY, f64::max);
-        let mut place = target_in_machine(setup);
-        place.z = highest_mm + self.rules.clearance_mm;
-        let place_in_table = machine_from_table.inverse() * place;
-        let at = self
-            .machine
-            .follow(&home, &place_in_table)
-            .ok_or_else(|| self.cycle.cannot_follow(self.machine, setup))?;
-        self.cycle.within_travel(self.machine, &at)?;
-        Ok(at)
+    /// The free spindle: above all balls and all places where it comes down; where the cycle names the linear axes, as high as
+    /// it ever gets.
+    fn height_mm(&self, poses: &[State]) -> Result<f64, VisitError> {
+        if self.cycle.names_linear() {
+            let height_mm = |state: &State| self.tip_in_machine(state.setup, &state.position).z;
+            return Ok(poses.iter().map(height_mm).fold(f64::NEG_INFINITY, f64::max));
+        }
+        let mut highest_mm = f64::NEG_INFINITY;
+        for leg in self.cycle.legs() {
+            let (_, at) = self.start(&leg)?;
+            let (tip, ball) = (self.tip_in_machine(leg.setup, &at), self.ball_in_machine(leg.setup, &at));
+            highest_mm = highest_mm.max(tip.z).max(ball.z);
+        }
+        Ok(highest_mm + self.rules.clearance_mm)
     }
 
-    fn position(&self, setup: usize, rotary: &AxisValues<f64>) -> Result<AxisValues<f64>, VisitError> {
-        self.cycle.reach(self.machine, setup, rotary)
+    /// Straight above a place, at the height of the free spindle or where it is when that is higher.
+    fn above(&self, setup: usize, at: &AxisValues<f64>) -> Result<AxisValues<f64>, VisitError> {
+        let none = JointErrors::default();
+        let mut place = self.machine.machine_from_tool(at, &none) * Point3::origin();
+        place.z += (self.height_mm - self.tip_in_machine(setup, at).z).max(0.0);
+        let place_in_table = self.machine.machine_from_table(at, &none).inverse() * place;
+        let above = self
+            .machine
+            .follow(at, &place_in_table)
+            .ok_or_else(|| self.cycle.cannot_follow(self.machine, setup))?;
+        self.cycle.within_travel(self.machine, &above)?;
+        Ok(above)
+    }
+
+    /// All axes at a place. `near`: where they stood before.
+    fn axes_at(
+        &self,
+        setup: usize,
+        place: &Place,
+        near: &AxisValues<f64>,
+    ) -> Result<AxisValues<f64>, VisitError> {
+        let found = match &self.cycle.motion {
+            Motion::Path { .. } => self.cycle.on_the_way(self.machine, setup, place.angle_rad, near),
+            _ if self.cycle.names_linear() => Some(place.asked),
+            _ => self.cycle.position(self.machine, setup, &place.asked),
+        };
+        found.ok_or_else(|| self.cycle.cannot_follow(self.machine, setup))
+    }
+
+    /// Centre of what the spindle carries, machine axes, mm.
+    fn tip_in_machine(&self, setup: usize, at: &AxisValues<f64>) -> Point3<f64> {
+        self.machine.machine_from_tool(at, &JointErrors::default()) * self.cycle.setups[setup].ball_in_tool_mm
+    }
+
+    /// The same in table axes, mm.
+    fn tip_in_table(&self, setup: usize, at: &AxisValues<f64>) -> Point3<f64> {
+        self.machine.machine_from_table(at, &JointErrors::default()).inverse()
+            * self.tip_in_machine(setup, at)
+    }
+
+    /// Centre of what the table carries, machine axes, mm.
+    fn ball_in_machine(&self, setup: usize, at: &AxisValues<f64>) -> Point3<f64> {
+        self.machine.machine_from_table(at, &JointErrors::default())
+            * self.cycle.setups[setup].ball_in_table_mm
     }
 }

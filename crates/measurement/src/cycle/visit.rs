@@ -12,7 +12,7 @@ use trunnion_units::{AxisLetter, AxisValues, convert};
 /// Overrun of a rotary axis so that it comes from the side of its pass, rad.
 pub(super) const OVERRUN_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Overrun of a linear axis likewise, mm.
-const OVERRUN_MM: f64 = 5.0;
+pub(super) const OVERRUN_MM: f64 = 5.0;
 /// Distance for differences along the path, rad.
 const NEAR_RAD: f64 = 5e-3;
 /// Curvature of the path that counts, mm or rad per rad².
@@ -164,16 +164,6 @@ impl Cycle {
         Ok(())
     }
 
-    /// [`Cycle::position`] with the reason when there is none.
-    pub(super) fn reach(
-        &self,
-        machine: &Machine,
-        setup: usize,
-        rotary: &AxisValues<f64>,
-    ) -> Result<AxisValues<f64>, VisitError> {
-        self.position(machine, setup, rotary).ok_or_else(|| self.cannot_follow(machine, setup))
-    }
-
     pub(super) fn cannot_follow(&self, machine: &Machine, setup: usize) -> VisitError {
         VisitError::CannotFollow { machine: machine.name.clone(), setup: self.setups[setup].name.clone() }
     }
@@ -204,15 +194,50 @@ impl Cycle {
         }
         Ok(())
     }
+
+    /// What turns in a pass on the fly, and how fast; `None` at rest.
+    pub(super) fn sweeping(&self, leg: &Leg) -> Option<Sweeping> {
+        match &self.motion {
+            Motion::Static { .. } | Motion::Line { .. } => None,
+            Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, .. } => Some(Sweeping {
+                turning: Some(*axis),
+                from_to_rad: *from_to_rad,
+                feed: feeds_rad_per_s[leg.feed],
+            }),
+            Motion::Path { from_to_rad, feeds_mm_per_s, .. } => {
+                let feed = feeds_mm_per_s[leg.feed] / radius_mm(&self.setups[leg.setup]);
+                Some(Sweeping { turning: None, from_to_rad: *from_to_rad, feed })
+            }
+        }
+    }
+
+    /// All axes at an angle of a pass on the fly. `near`: where the axes stood before.
+    pub(super) fn on_the_way(
+        &self,
+        machine: &Machine,
+        setup: usize,
+        angle: f64,
+        near: &AxisValues<f64>,
+    ) -> Option<AxisValues<f64>> {
+        match &self.motion {
+            Motion::Static { .. } | Motion::Line { .. } => None,
+            Motion::OnTheFly { axis, others, .. } => {
+                let mut rotary = *others;
+                rotary[*axis] = angle;
+                self.position(machine, setup, &rotary)
+            }
+            Motion::Path { path, .. } => path.position(machine, &self.setups[setup], angle, near),
+        }
+    }
 }
 
 /// A pass on the fly.
-struct Sweeping {
+pub(super) struct Sweeping {
     /// The axis that turns at the feed; `None` on a curve.
-    turning: Option<AxisLetter>,
-    from_to_rad: (f64, f64),
+    pub turning: Option<AxisLetter>,
+    pub from_to_rad: (f64, f64),
     /// rad/s of the axis or along the curve.
-    feed: f64,
+    pub feed: f64,
 }
 
 /// The machine on its way.
@@ -264,7 +289,7 @@ impl Tour<'_> {
 
     /// One pass at one feed.
     fn sweep(&mut self, leg: &Leg) -> Result<(), VisitError> {
-        let Some(Sweeping { turning, from_to_rad: (from, to), feed }) = self.sweeping(leg) else {
+        let Some(Sweeping { turning, from_to_rad: (from, to), feed }) = self.cycle.sweeping(leg) else {
             return Ok(());
         };
         let (first, last) = if leg.pass < 0.0 { (to, from) } else { (from, to) };
@@ -317,36 +342,9 @@ impl Tour<'_> {
         Ok(())
     }
 
-    /// What turns in a pass on the fly, and how fast; `None` at rest.
-    fn sweeping(&self, leg: &Leg) -> Option<Sweeping> {
-        match &self.cycle.motion {
-            Motion::Static { .. } | Motion::Line { .. } => None,
-            Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, .. } => Some(Sweeping {
-                turning: Some(*axis),
-                from_to_rad: *from_to_rad,
-                feed: feeds_rad_per_s[leg.feed],
-            }),
-            Motion::Path { from_to_rad, feeds_mm_per_s, .. } => {
-                let feed = feeds_mm_per_s[leg.feed] / radius_mm(&self.cycle.setups[leg.setup]);
-                Some(Sweeping { turning: None, from_to_rad: *from_to_rad, feed })
-            }
-        }
-    }
-
-    /// All axes at an angle of a pass on the fly.
     fn on_the_way(&self, leg: &Leg, angle: f64) -> Option<AxisValues<f64>> {
-        match &self.cycle.motion {
-            Motion::Static { .. } | Motion::Line { .. } => None,
-            Motion::OnTheFly { axis, others, .. } => {
-                let mut rotary = *others;
-                rotary[*axis] = angle;
-                self.cycle.position(self.machine, leg.setup, &rotary)
-            }
-            Motion::Path { path, .. } => {
-                let near = self.at.as_ref().map_or_else(AxisValues::default, |state| state.position);
-                path.position(self.machine, &self.cycle.setups[leg.setup], angle, &near)
-            }
-        }
+        let near = self.at.as_ref().map_or_else(AxisValues::default, |state| state.position);
+        self.cycle.on_the_way(self.machine, leg.setup, angle, &near)
     }
 
     /// Moves to the next position; the time passes, directions and travels of all axes follow.

@@ -1,9 +1,10 @@
 //! From the steps of a cycle to the blocks of a program, with a header that says what has to be right before the start.
 
 use super::program::{Block, Program, Target};
+use nalgebra::Point3;
 use trunnion_machine::{Axis, Machine, Side};
-use trunnion_measurement::cycle::{CourseRules, Motion, Step, VisitError};
-use trunnion_measurement::{Cycle, InstrumentKind, NestSide, Setup};
+use trunnion_measurement::cycle::{CourseRules, Step, VisitError};
+use trunnion_measurement::{Cycle, InstrumentKind, NestSide, RunKind, Setup};
 use trunnion_units::{AxisLetter, AxisValues, convert};
 
 /// Feed of the free spindle, mm/min.
@@ -96,10 +97,11 @@ impl Writer<'_> {
                 self.blocks.push(Block::Remark(format!("sync gesture of axis {axis}")));
                 pieces.iter().for_each(|(end, seconds)| self.timed(end, *seconds));
             }
-            Step::Sweep { axis, feed, piece_s, ends } => {
+            Step::Sweep { turning, feed, piece_s, ends } => {
                 let deg_per_min = convert::deg_from_rad(*feed) * 60.0;
+                let what = turning.map_or("pass along the curve".into(), |axis| format!("pass of {axis}"));
                 self.blocks.push(Block::Remark(format!(
-                    "pass of {axis} at {deg_per_min:+.0} deg/min, {:.1} s with run-in and run-out",
+                    "{what} at {deg_per_min:+.0} deg/min, {:.1} s with run-in and run-out",
                     piece_s * ends.len() as f64
                 )));
                 self.shortest_s = Some(self.shortest_s.map_or(*piece_s, |shortest| shortest.min(*piece_s)));
@@ -169,9 +171,9 @@ fn header(cycle: &Cycle, machine: &Machine, rules: &CourseRules, program: &Progr
     for setup in &cycle.setups {
         lines.push(format!("Setup {}.", mounting(setup)));
     }
-    if let Motion::OnTheFly { .. } = cycle.motion {
+    if cycle.run_kind() == RunKind::OnTheFly {
         lines.push(format!(
-            "On the fly: straight blocks at most {} um off the path of the linear axes; shortest block {:.1} ms. \
+            "On the fly: straight blocks at most {} um off the path of the tool point; shortest block {:.1} ms. \
              Recording begins and ends with {} strokes of {} mm there and back (sync gesture).",
             convert::um_from_mm(rules.chord_mm),
             program.shortest_block_s.unwrap_or_default() * 1e3,
@@ -180,7 +182,13 @@ fn header(cycle: &Cycle, machine: &Machine, rules: &CourseRules, program: &Progr
         ));
     }
     lines.push("Check before the start:".into());
-    lines.push("1. Tool length and all tool offsets are zero: the programmed point is the centre of ball or nest in the spindle, on the spindle line.".into());
+    let offset = cycle.setups.iter().any(|setup| setup.ball_in_tool_mm != Point3::origin());
+    let programmed = match offset {
+        false => "the centre of ball or nest in the spindle, on the spindle line",
+        true => "the tool point of the machine file; ball or nest stands off it as the setups say",
+    };
+    lines
+        .push(format!("1. Tool length and all tool offsets are zero: the programmed point is {programmed}."));
     let centre = machine.rotary().last().map_or("the origin of the machine file".to_string(), |axis| {
         let [x, y, z] = axis.through_mm.coords.into();
         format!(
@@ -219,7 +227,12 @@ fn sense(machine: &Machine, axis: &Axis) -> String {
 
 fn mounting(setup: &Setup) -> String {
     let [x, y, z] = setup.ball_in_table_mm.coords.into();
-    let place = format!("at X{x} Y{y} Z{z} of the table");
+    let [dx, dy, dz]: [f64; 3] = setup.ball_in_tool_mm.coords.into();
+    let off = match setup.ball_in_tool_mm == Point3::origin() {
+        true => String::new(),
+        false => format!(" (in the spindle at X{dx} Y{dy} Z{dz} of the tool point)"),
+    };
+    let place = format!("at X{x} Y{y} Z{z} of the table{off}");
     let name = &setup.name;
     match (setup.instrument, setup.nest) {
         (InstrumentKind::RTest, NestSide::Table) => {

@@ -2,7 +2,7 @@
 1 ; TRUNNION small-sweep
 2 ; Measuring cycle small-sweep, machine table-bc. About 2 minutes without stops.
 3 ; Setup low: ball bar of 100 mm, its ball at X0 Y0 Z60 of the table, the other in the spindle.
-4 ; On the fly: straight blocks at most 500 um off the path of the linear axes, shortest block 12500.0
+4 ; On the fly: straight blocks at most 500 um off the path of the tool point, shortest block 12500.0
 5 ; ms. Recording begins and ends with 3 strokes of 0.2 mm there and back [sync gesture].
 6 ; Check before the start:
 7 ; 1. Tool length and all tool offsets are zero: the programmed point is the centre of ball or nest in
