@@ -206,7 +206,7 @@ proptest! {
             .replace("axis = \"C\"", &format!("axis = \"{axis}\""))
             .replace("from_deg = 0", &format!("from_deg = {}", -span / 2.0))
             .replace("to_deg = 360", &format!("to_deg = {}", span / 2.0))
-            .replace("1800", &format!("{feed}, 500"));
+            .replace("[1800]", &format!("[{feed}, 500]"));
         check(&Cycle::parse("c.toml", &text).unwrap(), &CourseRules::default());
     }
 }

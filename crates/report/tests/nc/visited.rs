@@ -149,5 +149,5 @@ fn off(state: &State, at: &AxisValues<f64>, letter: AxisLetter) -> f64 {
 }
 
 fn rounding(decimals: usize) -> f64 {
-    0.5001 * 10f64.powi(-(decimals as i32)) + 1e-9
+    0.51 * 10f64.powi(-(decimals as i32)) + 1e-9
 }
