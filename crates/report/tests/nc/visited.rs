@@ -4,7 +4,7 @@ use crate::interpreter::Event;
 use nalgebra::Point3;
 use trunnion_machine::{JointErrors, Machine, State};
 use trunnion_measurement::Cycle;
-use trunnion_measurement::cycle::{CourseRules, Visits};
+use trunnion_measurement::cycle::{CourseRules, Motion, Visits};
 use trunnion_units::{AxisLetter, AxisValues, convert};
 
 /// A wrong digit of an angle moves the linear axes by their arm; the longest, mm.
@@ -24,7 +24,7 @@ pub fn visited(
         let dwell_s = rules.pace.settle_s + 2.0 * settle.window_s;
         return stands(events, &visits, dwell_s, decimals, told);
     }
-    let on_piece = |state: &State, piece: &Piece| match cycle.sweeps().is_empty() {
+    let on_piece = |state: &State, piece: &Piece| match matches!(cycle.motion, Motion::Path { .. }) {
         false => on_sweep(state, piece, decimals, rules),
         true => on_curve(state, piece, decimals, rules, machine),
     };
