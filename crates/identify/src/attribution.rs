@@ -3,7 +3,7 @@
 //! `share_k(t) = f(q(t)) − f(q(t) with q_k ideal)`, q the positions that the axes' own encoders measured, f the exact pose of
 //! the tool against the table: what disappears when the measured motion of axis k alone is replaced by its ideal motion.
 //! Deviations of the tool point and rotations of the tool are in machine axes.
-//! The ideal motion comes from the cycle where there is one ([`from_cycle`](ideal)), else it is a smooth path through the measured
+//! The ideal motion comes from the cycle where there is one (`ideal::from_cycle`), else it is a smooth path through the measured
 //! positions of each axis (S3: "an approximated curve").
 //! Limits: an encoder sees what its own axis does: lag, reversal spikes, cyclic speed. Errors between encoders and tool
 //! (geometry, backlash behind an encoder, bending) are in no share.
