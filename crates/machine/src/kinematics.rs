@@ -7,8 +7,8 @@
 //! Legs in parallel come first: of their twists what acts along the leg is an error of the stroke [S3 eq. 4–6].
 
 use crate::{Axis, Machine, Side};
-use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
-use trunnion_units::{AxisLetter, AxisValues, Twist};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use trunnion_units::{AxisValues, Twist};
 
 /// Error twist at each joint, in the nominal axes of the component that carries it.
 pub type JointErrors = AxisValues<Twist>;
@@ -52,74 +52,6 @@ impl Machine {
             strokes_mm[axis.letter] += errors[axis.letter].translation_mm.dot(&positioning);
         }
         tripod.displacement(&strokes_mm)
-    }
-}
-
-/// Newton steps of [`Machine::orient`], step for its differences (rad), and what counts as reached (rad).
-const MOST_STEPS: usize = 50;
-const STEP_RAD: f64 = 1e-6;
-const REACHED_RAD: f64 = 1e-12;
-/// Turns added to the rotary axes for further starts, rad.
-const STARTS_RAD: [f64; 5] = [0.4, 1.5, -0.4, 2.9, -1.5];
-/// Largest turn in one step, rad.
-const LARGEST_TURN_RAD: f64 = 0.5;
-
-impl Machine {
-    /// Positions of the rotary axes at which the tool axis (the tool's Z) points along `direction_in_table`, nearest to
-    /// those of `near`: Newton on the two tilts, least turn where one axis has no say. `None` when the machine cannot.
-    pub fn orient(
-        &self,
-        direction_in_table: &Unit<Vector3<f64>>,
-        near: &AxisValues<f64>,
-    ) -> Option<AxisValues<f64>> {
-        // Where an axis has no say (a pole), Newton does not start: other starts follow.
-        let turned = |k: usize| {
-            let mut start = *near;
-            for (i, letter) in AxisLetter::ROTARY.into_iter().enumerate() {
-                start[letter] += STARTS_RAD[(k + i) % STARTS_RAD.len()] * f64::from(u8::from(k > 0));
-            }
-            start
-        };
-        (0..=STARTS_RAD.len()).find_map(|k| self.orient_from(direction_in_table, &turned(k)))
-    }
-
-    fn orient_from(
-        &self,
-        direction_in_table: &Unit<Vector3<f64>>,
-        start: &AxisValues<f64>,
-    ) -> Option<AxisValues<f64>> {
-        let letters: Vec<AxisLetter> = self.rotary().iter().map(|axis| axis.letter).collect();
-        let mut rotary = AxisValues::from_fn(
-            |letter: AxisLetter| {
-                if letters.contains(&letter) { start[letter] } else { 0.0 }
-            },
-        );
-        let apart = |q: &AxisValues<f64>| {
-            let none = JointErrors::default();
-            let tool_in_machine = self.machine_from_tool(q, &none).rotation * Vector3::z();
-            let wanted = self.machine_from_table(q, &none).rotation * direction_in_table.into_inner();
-            wanted - tool_in_machine
-        };
-        for _ in 0..MOST_STEPS {
-            let gap = apart(&rotary);
-            if gap.norm() < REACHED_RAD {
-                return Some(rotary);
-            }
-            let mut slope = nalgebra::DMatrix::zeros(3, letters.len());
-            for (k, &letter) in letters.iter().enumerate() {
-                let (mut more, mut less) = (rotary, rotary);
-                more[letter] += STEP_RAD;
-                less[letter] -= STEP_RAD;
-                slope.set_column(k, &((apart(&more) - apart(&less)) / (2.0 * STEP_RAD)));
-            }
-            let turn = slope.svd(true, true).solve(&-gap, 1e-9).ok()?;
-            let most = turn.amax();
-            let shrink = if most > LARGEST_TURN_RAD { LARGEST_TURN_RAD / most } else { 1.0 };
-            for (k, &letter) in letters.iter().enumerate() {
-                rotary[letter] += turn[k] * shrink;
-            }
-        }
-        (apart(&rotary).norm() < 1e-9).then_some(rotary)
     }
 }
 

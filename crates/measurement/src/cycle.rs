@@ -247,9 +247,20 @@ impl Cycle {
     fn stations(&self, setup: usize, pass: f64) -> Vec<Station> {
         let targets = self.setups[setup].targets();
         let at_target = |asked: AxisValues<f64>| (0..targets).map(move |target| Station { asked, target });
+        let own = &self.setups[setup];
+        let along = own.direction.unwrap_or_else(Vector3::x_axis);
+        // With the rotary axes at zero the linear coordinates are those of the place.
+        let on_line = |beyond_mm: Vector3<f64>| {
+            let mut asked = AxisValues::default();
+            let place_mm = own.ball_in_table_mm + beyond_mm - own.ball_in_tool_mm;
+            for (k, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
+                asked[letter] = place_mm[k];
+            }
+            Station { asked, target: 0 }
+        };
         let mut stations: Vec<Station> = match &self.motion {
             Motion::Static { grid, .. } => grid_positions(grid).into_iter().flat_map(at_target).collect(),
-            Motion::Line { line, .. } => line.places().into_iter().flat_map(at_target).collect(),
+            Motion::Line { line, .. } => line.places_mm(&along).into_iter().map(on_line).collect(),
             Motion::OnTheFly { .. } | Motion::Path { .. } => Vec::new(),
         };
         if pass < 0.0 {

@@ -141,10 +141,10 @@ fn circles_cones_diagonals_and_grids_of_linear_axes_are_visited_too() {
         .replace("\n[bar]\ndirection = [0, 1, 0]", "");
     let grids = &STATIC[STATIC.find("[[grid]]").unwrap()..STATIC.find("[settle]").unwrap()];
     let setup = "instrument = \"r-test\"\nball_in_table_mm = [150.0, 0.0, 60.0]";
-    let line = "[line]\nfrom_mm = [-200, -200, -200]\nto_mm = [200, 200, 200]\nsteps = 5\nin_turn = true\n";
+    let line = "[line]\nlength_mm = 600\nsteps = 5\nin_turn = true\n";
     let diagonal = STATIC.replace(grids, line).replace(
         setup,
-        "instrument = \"step-diagonal\"\ndirection = [1, 1, 1]\nball_in_table_mm = [200, 200, 200]",
+        "instrument = \"step-diagonal\"\ndirection = [1, 1, 1]\nball_in_table_mm = [-200, -200, -200]",
     );
     let axis = |letter: &str| format!("[[grid]]\naxis = \"{letter}\"\nstations_mm = [-100, 0, 150]\n");
     let volume = STATIC

@@ -1,9 +1,8 @@
 //! Lines and curves that the tool travels: body diagonals, circles, the cone-frustum path.
 //!
 //! ```toml
-//! [line]                              # kind = "static", instead of [[grid]]
-//! from_mm = [-200, -200, -200]
-//! to_mm = [200, 200, 200]
+//! [line]                              # kind = "static", instead of [[grid]]; from the ball of each setup along its direction
+//! length_mm = 600
 //! steps = 20
 //! in_turn = false                     # true: X, Y and Z step one after the other
 //!
@@ -27,13 +26,11 @@ use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use trunnion_machine::{JointErrors, Machine};
 use trunnion_units::{AxisLetter, AxisValues};
 
-/// A straight line of linear axes.
-#[derive(Clone, Debug, PartialEq)]
+/// A straight line from the place of each setup along its direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// First place, X, Y, Z, mm.
-    pub from_mm: Vector3<f64>,
-    /// Last place, mm.
-    pub to_mm: Vector3<f64>,
+    /// Length, mm.
+    pub length_mm: f64,
     /// Number of steps between them.
     pub steps: usize,
     /// True: in every step X, Y and Z move one after the other, with a stop after each [S2 §3.2].
@@ -63,23 +60,19 @@ pub(super) fn radius_mm(setup: &Setup) -> f64 {
 }
 
 impl Line {
-    /// The places in order.
-    pub(super) fn places(&self) -> Vec<AxisValues<f64>> {
-        let share = |k: usize| k as f64 / self.steps.max(1) as f64;
-        let at = |shares: [f64; 3]| {
-            let mut position = AxisValues::default();
-            for (k, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
-                position[letter] = self.from_mm[k] + (self.to_mm[k] - self.from_mm[k]) * shares[k];
-            }
-            position
+    /// The places of the spindle-side ball in order, machine axes from the first one, mm.
+    pub(super) fn places_mm(&self, direction: &Unit<Vector3<f64>>) -> Vec<Vector3<f64>> {
+        let whole = direction.into_inner() * self.length_mm;
+        let at = |[x, y, z]: [usize; 3]| {
+            let share = |k: usize| k as f64 / self.steps.max(1) as f64;
+            whole.component_mul(&Vector3::new(share(x), share(y), share(z)))
         };
-        let mut places = vec![at([0.0; 3])];
+        let mut places = vec![at([0; 3])];
         for k in 0..self.steps {
-            let (now, next) = (share(k), share(k + 1));
             if self.in_turn {
-                places.extend([at([next, now, now]), at([next, next, now])]);
+                places.extend([at([k + 1, k, k]), at([k + 1, k + 1, k])]);
             }
-            places.push(at([next; 3]));
+            places.push(at([k + 1; 3]));
         }
         places
     }
@@ -136,9 +129,29 @@ impl Path {
                 let up = tilted * Vector3::z();
                 // From the base upward and inward.
                 let generatrix = up * half_angle_rad.cos() - outward * half_angle_rad.sin();
-                let rotary = machine.orient(&Unit::new_normalize(generatrix), near)?;
-                reach(machine, setup, &rotary, &(setup.ball_in_table_mm + outward * radius_mm))
+                let place = setup.ball_in_table_mm + outward * radius_mm;
+                let posed = pointing(machine, near, &place, &Unit::new_normalize(generatrix))?;
+                reach(machine, setup, &posed, &place)
             }
         }
     }
+}
+
+/// Turns added to the rotary axes, rad: where one has no say (a pole), the way there has no beginning.
+const STARTS_RAD: [f64; 5] = [0.0, 0.4, 1.5, -0.4, 2.9];
+
+/// All axes with the tool point at `place` and the tool's axis along `direction`, table axes.
+fn pointing(
+    machine: &Machine,
+    near: &AxisValues<f64>,
+    place_in_table_mm: &Point3<f64>,
+    direction: &Unit<Vector3<f64>>,
+) -> Option<AxisValues<f64>> {
+    (0..STARTS_RAD.len()).find_map(|k| {
+        let mut start = *near;
+        for (i, axis) in machine.rotary().iter().enumerate() {
+            start[axis.letter] += if k == 0 { 0.0 } else { STARTS_RAD[(k + i) % STARTS_RAD.len()] };
+        }
+        machine.reach(&start, place_in_table_mm, direction)
+    })
 }

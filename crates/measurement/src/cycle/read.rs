@@ -18,8 +18,8 @@ pub(super) fn read(document: &Document<'_>) -> Option<Cycle> {
     let machine = root.string("machine");
     let setups = read_setups(&root);
     let motion = match root.one_of("kind", &["static", "on-the-fly"]).as_deref() {
-        Some("static") if root.has("line") => read_line(&root),
-        Some("static") => read_static(&root),
+        Some("static") if root.has("line") => read_line(&root, setups.as_deref()),
+        Some("static") => read_static(&root, setups.as_deref()),
         Some("on-the-fly") if root.has("circle") || root.has("cone") => read_path(&root, setups.as_deref()),
         Some("on-the-fly") => read_on_the_fly(&root),
         _ => None,
@@ -76,15 +76,17 @@ fn read_passes(root: &Table<'_>) -> Option<Vec<f64>> {
     signs
 }
 
-fn read_static(root: &Table<'_>) -> Option<Motion> {
+fn read_static(root: &Table<'_>, setups: Option<&[Setup]>) -> Option<Motion> {
     let tables = root.tables("grid");
-    if tables.is_empty() {
+    // An artefact is measured where it stands.
+    let needs_grid = setups.is_none_or(|setups| setups.iter().any(|setup| setup.artefact.is_none()));
+    if tables.is_empty() && needs_grid {
         root.problem("grid", "has no entry", "one [[grid]] for each indexed axis, the slowest first", "");
     }
     let grid: Option<Vec<GridAxis>> = tables.iter().map(read_grid_axis).collect();
     let passes = read_passes(root);
     let settle = read_settle(root);
-    let grid = grid.filter(|grid| !grid.is_empty())?;
+    let grid = grid.filter(|grid| !grid.is_empty() || !needs_grid)?;
     Some(Motion::Static { grid, passes: passes?, settle: settle? })
 }
 
@@ -107,15 +109,19 @@ fn read_settle(root: &Table<'_>) -> Option<Settle> {
     })
 }
 
-fn read_line(root: &Table<'_>) -> Option<Motion> {
+fn read_line(root: &Table<'_>, setups: Option<&[Setup]>) -> Option<Motion> {
     let passes = read_passes(root);
     let settle = read_settle(root);
     let table = root.table("line")?;
-    let (from_mm, to_mm) = (table.vector3("from_mm"), table.vector3("to_mm"));
+    let length_mm = table.number("length_mm", 1.0..=20_000.0);
     let steps = table.number("steps", 1.0..=10_000.0).map(|steps| steps as usize);
     let in_turn = table.boolean_or("in_turn", false);
     table.no_other_keys();
-    let line = Line { from_mm: from_mm?, to_mm: to_mm?, steps: steps?, in_turn: in_turn? };
+    if setups.is_some_and(|setups| setups.iter().any(|setup| setup.direction.is_none())) {
+        root.problem("line", "has no direction", "direction in every setup, e.g. [1, 1, 1]", "");
+        return None;
+    }
+    let line = Line { length_mm: length_mm?, steps: steps?, in_turn: in_turn? };
     Some(Motion::Line { line, passes: passes?, settle: settle? })
 }
 

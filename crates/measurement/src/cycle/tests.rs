@@ -182,10 +182,9 @@ fn any_motion() -> impl Strategy<Value = Motion> {
             Motion::OnTheFly { axis: AxisLetter::C, from_to_rad, feeds_rad_per_s, passes, others }
         },
     );
-    let line = (prop::array::uniform3(-300i32..300), 1usize..50, prop::bool::ANY, passes()).prop_map(
-        move |(from, steps, in_turn, passes)| {
-            let from_mm = Vector3::from(from.map(f64::from));
-            let line = Line { from_mm, to_mm: from_mm * 0.5 + Vector3::repeat(10.0), steps, in_turn };
+    let line = (1u32..2000, 1usize..50, prop::bool::ANY, passes()).prop_map(
+        move |(length, steps, in_turn, passes)| {
+            let line = Line { length_mm: f64::from(length), steps, in_turn };
             Motion::Line { line, passes, settle }
         },
     );
@@ -225,8 +224,9 @@ proptest! {
                 all
             }
             Motion::Line { line, passes, settle } => {
-                let mut all = vec![line.steps as f64, f64::from(u8::from(line.in_turn)), settle.noise_mm];
-                all.extend(line.from_mm.iter().chain(&line.to_mm).chain(passes));
+                let in_turn = f64::from(u8::from(line.in_turn));
+                let mut all = vec![line.steps as f64, line.length_mm, in_turn, settle.noise_mm];
+                all.extend(passes);
                 all
             }
             Motion::Path { path, from_to_rad, feeds_mm_per_s, passes } => {

@@ -103,9 +103,8 @@ fn vector(v: &Vector3<f64>) -> String {
 }
 
 fn line_text(line: &Line) -> String {
-    let Line { from_mm, to_mm, steps, in_turn } = line;
-    let (from, to) = (vector(from_mm), vector(to_mm));
-    format!("\n[line]\nfrom_mm = {from}\nto_mm = {to}\nsteps = {steps}\nin_turn = {in_turn}\n")
+    let Line { length_mm, steps, in_turn } = line;
+    format!("\n[line]\nlength_mm = {length_mm}\nsteps = {steps}\nin_turn = {in_turn}\n")
 }
 
 fn path_text(path: &Path, (from, to): (f64, f64), feeds_mm_per_s: &[f64]) -> String {
