@@ -149,11 +149,14 @@ fn parameter(joint: &Joint, fit: &Settled, covariance: &DMatrix<f64>, j: usize) 
         .gauge
         .directions
         .iter()
-        .filter(|direction| direction.conventional && direction.terms[1..].iter().any(|(k, _)| *k == j))
+        .filter(|direction| direction.conventional && !direction.standing)
+        .filter(|direction| direction.terms[1..].iter().any(|(k, _)| *k == j))
         .map(|direction| name(direction.terms[0].0))
         .collect();
+    let of_standing = fit.gauge.directions.iter().any(|d| d.standing && d.terms[0].0 == j);
     let note = match status {
         Status::Held => "held by the model".into(),
+        Status::ZeroByConvention if of_standing => "its axis stands still in these runs".into(),
         Status::ZeroByConvention => "zero by convention: cannot be told from others".into(),
         Status::Unobservable => "cannot be seen".into(),
         Status::Identified if stands_for.is_empty() => String::new(),

@@ -9,10 +9,14 @@
 use crate::identification::{Status, Unobservable};
 use crate::linear::Reduced;
 use nalgebra::DMatrix;
-use trunnion_effects::Parameter;
+use trunnion_effects::{Parameter, Unit};
 
 /// A direction whose uncertainty moves the readings by more than this (rms, mm) has no physical meaning.
 const MEANINGLESS_MM: f64 = 1.0;
+/// A parameter that moves the readings less than this (rms, mm for each mm, or for each rad) is not seen: what is left of its
+/// column is rounding and the mean of blocks.
+const FAINTEST_PER_MM: f64 = 1e-6;
+const FAINTEST_PER_RAD_MM: f64 = 1e-4;
 /// Share of a direction (scaled columns) above which a parameter takes part, for exact and for weak directions.
 const TAKES_PART: f64 = 1e-6;
 const TAKES_PART_WEAKLY: f64 = 1e-3;
@@ -35,6 +39,8 @@ pub(crate) struct Direction {
     pub terms: Vec<(usize, f64)>,
     /// True when the pivot is zero by convention.
     pub conventional: bool,
+    /// True when that is because its axis stands still in these runs.
+    pub standing: bool,
     /// True when the direction is not exactly null, only too weak.
     pub weak: bool,
 }
@@ -45,43 +51,77 @@ pub(crate) struct Limits {
     pub tolerance: f64,
     /// Singular value (scaled columns, mm) below which the uncertainty is beyond meaning; 0 when noise is not known yet.
     pub weakest: f64,
+    /// Number of rows.
+    pub rows: usize,
 }
 
 impl Limits {
+    /// Limits before anything is known of the noise.
+    pub fn of_rounding(tolerance: f64, rows: usize) -> Self {
+        Self { tolerance, weakest: 0.0, rows }
+    }
+
     /// Limits once the residual standard deviation is known.
     pub fn with_noise(tolerance: f64, sigma_mm: f64, rows: usize) -> Self {
-        Self { tolerance, weakest: sigma_mm / (MEANINGLESS_MM * (rows as f64).sqrt()) }
+        Self { tolerance, weakest: sigma_mm / (MEANINGLESS_MM * (rows as f64).sqrt()), rows }
     }
+
+    /// True when a parameter moves the readings by less than means anything (rms, mm for each mm or rad).
+    fn faint(&self, reduced: &Reduced, parameters: &[Parameter], j: usize) -> bool {
+        let faintest = match parameters[j].unit {
+            Unit::UM => FAINTEST_PER_MM,
+            Unit::URAD => FAINTEST_PER_RAD_MM,
+            _ => 0.0,
+        };
+        // The scale is a power of two near the inverse norm of the column.
+        reduced.scale[j].recip() < faintest * (self.rows as f64).sqrt()
+    }
+}
+
+/// A parameter that by convention is zero when it cannot be told from others.
+pub(crate) struct Zero {
+    /// Name of the parameter.
+    pub name: String,
+    /// True when its axis stands still in these runs, so that its line shows nowhere.
+    pub standing: bool,
 }
 
 pub(crate) fn gauge(
     reduced: &Reduced,
     free: &[usize],
     parameters: &[Parameter],
-    conventional_zeros: &[String],
+    zeros: &[Zero],
     limits: &Limits,
 ) -> Gauge {
     let mut status = vec![Status::Held; parameters.len()];
-    for &j in free {
+    let mut directions = Vec::new();
+    let (faint, free): (Vec<usize>, Vec<usize>) =
+        free.iter().partition(|&&j| limits.faint(reduced, parameters, j));
+    for j in faint {
+        status[j] = Status::Unobservable;
+        let terms = vec![(j, 1.0)];
+        directions.push(Direction { terms, conventional: false, standing: false, weak: false });
+    }
+    for &j in &free {
         status[j] = Status::Identified;
     }
     if free.is_empty() {
-        return Gauge { determined: vec![], status, directions: vec![], rank: 0 };
+        return Gauge { determined: vec![], status, directions, rank: 0 };
     }
-    let (sigma, v) = reduced.singular(free);
+    let (sigma, v) = reduced.singular(&free);
     let null_below = limits.tolerance.max(reduced.floor) * sigma[0];
     let null: Vec<usize> =
         (0..sigma.len()).filter(|&i| sigma[i] <= null_below || sigma[i] < limits.weakest).collect();
     let weak = null.iter().any(|&i| sigma[i] > null_below);
     let takes_part = if weak { TAKES_PART_WEAKLY } else { TAKES_PART };
-    let preferred: Vec<usize> = conventional_zeros
+    let (preferred, standing): (Vec<usize>, Vec<bool>) = zeros
         .iter()
-        .filter_map(|name| free.iter().position(|&j| parameters[j].name == *name))
-        .collect();
+        .filter_map(|zero| Some((free.iter().position(|&j| parameters[j].name == zero.name)?, zero.standing)))
+        .unzip();
     let rows = echelon(v.select_columns(&null).transpose(), &preferred, takes_part);
-    let mut directions = Vec::new();
     for (pivot, row) in rows {
-        let conventional = preferred.contains(&pivot);
+        let convention = preferred.iter().position(|&zero| zero == pivot);
+        let conventional = convention.is_some();
         status[free[pivot]] = if conventional { Status::ZeroByConvention } else { Status::Unobservable };
         let mut others: Vec<usize> =
             (0..row.len()).filter(|&k| k != pivot && row[k].abs() > takes_part).collect();
@@ -93,7 +133,8 @@ pub(crate) fn gauge(
         others.insert(0, pivot);
         let scale = |k: usize| reduced.scale[free[k]];
         let terms = others.iter().map(|&k| (free[k], row[k] * scale(k) / scale(pivot))).collect();
-        directions.push(Direction { terms, conventional, weak });
+        let standing = convention.is_some_and(|k| standing[k]);
+        directions.push(Direction { terms, conventional, standing, weak });
     }
     let pivots: Vec<usize> = directions.iter().map(|direction| direction.terms[0].0).collect();
     let determined = free.iter().copied().filter(|j| !pivots.contains(j)).collect();
@@ -155,6 +196,11 @@ pub(crate) fn describe(direction: &Direction, parameters: &[Parameter], status: 
             format!("move{s} no reading")
         }
     };
+    if direction.standing {
+        let axis = pivot.chars().last().unwrap_or_default();
+        let why = format!("cannot be seen: axis {axis} stands still in these runs; taken as 0");
+        return Unobservable { direction: pivot, terms, why };
+    }
     let why = if others.is_empty() {
         format!("cannot be seen: {pivot} {} of these runs", how("s"))
     } else if !direction.conventional {

@@ -6,10 +6,11 @@
 use crate::design::{Design, unused_rows};
 use crate::joint::Expected;
 use crate::linear::{Reduced, Solver};
-use crate::null_space::{Gauge, Limits, gauge};
+use crate::null_space::{Gauge, Limits, Zero, gauge};
 use crate::{IdentifyError, Options};
 use nalgebra::DVector;
 use trunnion_effects::catalogue::conventional_zeros;
+use trunnion_units::AxisLetter;
 
 /// The fit stands when no prediction moves by more than this, mm.
 const SETTLED_MM: f64 = 1e-9;
@@ -47,7 +48,8 @@ pub(crate) fn settle(
     options: &Options,
 ) -> Result<Settled, IdentifyError> {
     let mut reduced = design.reduce(used)?;
-    let mut limits = Limits { tolerance: options.null_tolerance, weakest: 0.0 };
+    let rows = design.experiment.rows();
+    let mut limits = Limits::of_rounding(options.null_tolerance, rows);
     let first = settle_within(design, &reduced, &[], used, &limits)?;
     if design.joint.free().is_empty() {
         return Ok(first);
@@ -73,7 +75,15 @@ pub(crate) fn settle(
 }
 
 fn named_gauge(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Gauge {
-    let zeros = conventional_zeros(design.experiment.machine());
+    let scene = &design.experiment.scene;
+    // The line of an axis that stands still is a matter of the mounting.
+    let standing =
+        scene.machine.rotary().into_iter().filter(|axis| !scene.moves(axis.letter)).flat_map(|axis| {
+            AxisLetter::ALL
+                .map(|direction| Zero { name: format!("E{direction}0{}", axis.letter), standing: true })
+        });
+    let minimum = conventional_zeros(&scene.machine).into_iter().map(|name| Zero { name, standing: false });
+    let zeros: Vec<Zero> = standing.chain(minimum).collect();
     gauge(reduced, &design.joint.free(), &design.joint.parameters, &zeros, limits)
 }
 

@@ -2,14 +2,14 @@
 //!
 //! Limits: the bar must have a direction, i.e. the balls must be apart at every position.
 
-use crate::settings::{offset, place};
+use crate::settings::{known, offset, place};
 use crate::{Contact, Frame, Inner, Instrument, none};
 use nalgebra::Vector3;
 use trunnion_measurement::{InstrumentKind, Setup};
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::BallBar,
-    settings: |_| place().into_iter().chain([offset("length", -1.0)]).collect(),
+    settings: |setup| known(setup, place(), offset("length", -1.0)),
     reading,
     seen,
     frame: |_| Frame::Machine,

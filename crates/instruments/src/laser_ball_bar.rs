@@ -5,13 +5,13 @@
 //! Limits: ideal balls, a straight bar.
 
 use crate::ball_bar::{reading, seen};
-use crate::settings::{offset, place};
+use crate::settings::{known, offset, place};
 use crate::{Frame, Instrument, none};
 use trunnion_measurement::InstrumentKind;
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::LaserBallBar,
-    settings: |_| place().into_iter().chain([offset("zero", -1.0)]).collect(),
+    settings: |setup| known(setup, place(), offset("zero", -1.0)),
     reading,
     seen,
     frame: |_| Frame::Machine,

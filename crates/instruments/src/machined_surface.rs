@@ -4,14 +4,14 @@
 //! is at the pose of cutting. The alignment of the workpiece on the measuring machine has six unknowns.
 //! Limits: no deflection by cutting forces; the surface is what the last cut left.
 
-use crate::settings::{offset, placement};
+use crate::settings::{known, offset, placement};
 use crate::{Contact, Frame, Inner, Instrument, none};
 use nalgebra::Vector3;
 use trunnion_measurement::{InstrumentKind, Setup};
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::MachinedSurface,
-    settings: |_| placement().into_iter().chain([offset("tool-radius", -1.0)]).collect(),
+    settings: |setup| known(setup, placement(), offset("tool-radius", -1.0)),
     reading,
     seen,
     frame: |_| Frame::Table,

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 use trunnion_machine::Site;
+use trunnion_measurement::Setup;
 use trunnion_units::Twist;
 
 /// One unknown of a mounting.
@@ -57,4 +58,12 @@ pub(crate) fn offset(name: &'static str, sign: f64) -> Setting {
 /// Inner unknown `k` of the instrument.
 pub(crate) fn inner(k: usize, name: &'static str, quantity: Quantity) -> Setting {
     Setting { name, quantity, site: Site::Instrument(k), twist: Twist::translation(Vector3::x()) }
+}
+
+/// `others` and, unless it is calibrated, `zero`.
+pub(crate) fn known(setup: &Setup, mut others: Vec<Setting>, zero: Setting) -> Vec<Setting> {
+    if !setup.calibrated {
+        others.push(zero);
+    }
+    others
 }

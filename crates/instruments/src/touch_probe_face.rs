@@ -4,14 +4,14 @@
 //! it should be. The column's place and direction (six unknowns) are part of every mounting.
 //! Limits: plane faces, small tilts: a face is met at its nominal point.
 
-use crate::settings::{offset, placement};
+use crate::settings::{known, offset, placement};
 use crate::{Contact, Frame, Inner, Instrument, none};
 use nalgebra::Vector3;
 use trunnion_measurement::{InstrumentKind, Setup};
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::TouchProbeFace,
-    settings: |_| placement().into_iter().chain([offset("radius", 1.0)]).collect(),
+    settings: |setup| known(setup, placement(), offset("radius", 1.0)),
     reading,
     seen,
     frame: |_| Frame::Table,

@@ -36,6 +36,9 @@ pub struct Setup {
     pub direction: Option<Unit<Vector3<f64>>>,
     /// Lengths of the two arms of a passive link, from the table outward, mm.
     pub arms_mm: Option<[f64; 2]>,
+    /// True when the length of a bar (the zero of a laser ball bar, the radius of a stylus or tool) is calibrated: known, not
+    /// an unknown of the mounting.
+    pub calibrated: bool,
     /// What is measured at several places.
     pub artefact: Option<Artefact>,
 }
@@ -57,6 +60,7 @@ impl Setup {
             ball_in_tool_mm: Point3::origin(),
             direction: None,
             arms_mm: None,
+            calibrated: false,
             artefact: None,
         }
     }
@@ -168,6 +172,7 @@ fn read_setup(table: &Table<'_>) -> Option<Setup> {
     if instrument == Some(InstrumentKind::PassiveArm) && arms_mm.is_none_or(|[a, b]| a < 1.0 || b < 1.0) {
         table.problem("arms_mm", "is missing", "the lengths of both arms, e.g. [250, 250]", "");
     }
+    let calibrated = table.boolean_or("calibrated", false);
     let artefact = match table.optional_table("artefact") {
         Some(table) => Some(read_artefact(&table, instrument)?),
         None => None,
@@ -182,6 +187,7 @@ fn read_setup(table: &Table<'_>) -> Option<Setup> {
         ball_in_tool_mm: Point3::from(ball_in_tool),
         direction: direction.filter(|along| along.norm() > 0.0).map(Unit::new_normalize),
         arms_mm,
+        calibrated: calibrated?,
         artefact,
         ..Setup::new(name?, instrument?, nest, Point3::from(ball?))
     })

@@ -144,7 +144,7 @@ prop_compose! {
         kind in prop::sample::select(InstrumentKind::NAMES.map(|(_, kind)| kind).to_vec()),
         ball in prop::array::uniform3(-300i32..300), tool in prop::array::uniform3(-30i32..30),
         bar in 50u32..500, arms in prop::array::uniform2(50u32..500),
-        artefact in any_artefact(), spindle in prop::bool::ANY,
+        artefact in any_artefact(), calibrated in prop::bool::ANY, spindle in prop::bool::ANY,
     ) -> Setup {
         let nest = if spindle { crate::NestSide::Spindle } else { crate::NestSide::Table };
         let has_normals = artefact.targets[0].normal.is_some();
@@ -155,6 +155,7 @@ prop_compose! {
             ball_in_tool_mm: Point3::from(tool.map(f64::from)),
             direction: Some(Vector3::y_axis()),
             arms_mm: Some(arms.map(f64::from)),
+            calibrated,
             artefact: fits.then_some(artefact),
             ..Setup::new(name, kind, nest, Point3::from(ball.map(|v| f64::from(v) * 0.5)))
         }

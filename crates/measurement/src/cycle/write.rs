@@ -83,6 +83,9 @@ fn setup_text(setup: &Setup) -> String {
     if let Some([first, second]) = setup.arms_mm {
         text += &format!("arms_mm = [{first}, {second}]\n");
     }
+    if setup.calibrated {
+        text += "calibrated = true\n";
+    }
     if let Some(artefact) = &setup.artefact {
         let turned_deg = artefact.turned_rad.map(deg);
         text += &format!("[setup.artefact]\nname = {}\n", quoted(&artefact.name));

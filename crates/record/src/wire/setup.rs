@@ -18,6 +18,7 @@ pub(super) fn encode(setup: &Setup) -> pb::Setup {
         ball_in_tool_mm: setup.ball_in_tool_mm.coords.as_slice().to_vec(),
         direction: setup.direction.map_or_else(Vec::new, |along| along.as_slice().to_vec()),
         arms_mm: setup.arms_mm.map_or_else(Vec::new, Vec::from),
+        calibrated: setup.calibrated,
         artefact: setup.artefact.as_ref().map(|artefact| pb::Artefact {
             name: artefact.name.clone(),
             turned_rad: artefact.turned_rad.as_slice().to_vec(),
@@ -63,6 +64,7 @@ pub(super) fn decode(setup: pb::Setup) -> Option<Setup> {
         ball_in_tool_mm: Point3::from(ball_in_tool),
         direction: direction(&setup.direction)?,
         arms_mm,
+        calibrated: setup.calibrated,
         artefact,
         ..Setup::new(setup.name, instrument, nest, Point3::from(three(&setup.ball_in_table_mm)?))
     })
