@@ -23,7 +23,7 @@ pub struct Scene {
     pub position_range: AxisValues<(f64, f64)>,
     /// Smallest step between two positions of each axis, mm and rad; infinite where it stands at one, zero where it was read in motion.
     pub position_step: AxisValues<f64>,
-    /// Most different places of each axis while the rotary axes stand at one pose; at most [`PLACES_OF_A_VOLUME`] are counted.
+    /// Most different places of each axis while the rotary axes stand at one pose; at most [`MOST_PLACES`] are counted.
     pub places_at_one_pose: AxisValues<usize>,
     /// Usual time from one point to the next, s; `None` without time or with one point.
     pub time_step_s: Option<f64>,
@@ -259,7 +259,10 @@ impl Scene {
 }
 
 /// Places of an axis at one pose of the rotary axes that make it measured by itself.
-pub const PLACES_OF_A_VOLUME: usize = 8;
+pub const PLACES_OF_A_VOLUME: usize = 5;
+
+/// Places beyond this many are not counted.
+pub const MOST_PLACES: usize = 6;
 
 /// See [`Scene::places_at_one_pose`].
 fn places_at_one_pose<'a>(states: impl Iterator<Item = &'a State>) -> AxisValues<usize> {
@@ -269,7 +272,7 @@ fn places_at_one_pose<'a>(states: impl Iterator<Item = &'a State>) -> AxisValues
         let places = at_pose.entry(AxisLetter::ROTARY.map(|l| rounded(state.position[l]))).or_default();
         for letter in AxisLetter::LINEAR {
             let (seen, here) = (&mut places[letter], rounded(state.position[letter]));
-            if seen.len() < PLACES_OF_A_VOLUME && !seen.contains(&here) {
+            if seen.len() < MOST_PLACES && !seen.contains(&here) {
                 seen.push(here);
             }
         }

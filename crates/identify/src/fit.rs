@@ -4,6 +4,7 @@
 //! weighted by the noise of their run and their samples, and settled again → uncertainties under the parts of the machine's noise
 //! (`structured`; else from clusters, `uncertainty`), noise, held-out proof.
 
+use crate::combinations::{Named, seen_together};
 use crate::design::Design;
 use crate::identification::{FittedEffect, FittedParameter, Identification, Outlier, Status};
 use crate::joint::Joint;
@@ -18,7 +19,7 @@ use crate::uncertainty::{covariance, holdout, sums};
 use crate::weights::{Weights, weigh};
 use crate::{Experiment, HoldoutWanted, IdentifyError, Options, Outliers, Uncertainties};
 use nalgebra::{DMatrix, DVector};
-use trunnion_effects::Model;
+use trunnion_effects::{Model, Parameter};
 use trunnion_machine::Axis;
 use trunnion_units::convert;
 
@@ -92,12 +93,15 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
             covariance[(i, j)] = small[(a, b)];
         }
     }
-    let unobservable: Vec<_> = fit
-        .gauge
-        .directions
-        .iter()
-        .map(|direction| describe(direction, &joint.parameters, &fit.gauge.status))
+    let names = names(joint);
+    let without_number: Vec<usize> = (0..joint.width())
+        .filter(|&j| fit.gauge.status[j] == Status::Unobservable)
+        .filter(|&j| joint.effects[joint.effect_of[j]].id != "ball-setting")
         .collect();
+    let seen_together =
+        seen_together(&fit.gauge.directions, &without_number, &names, &fit.solution, &covariance);
+    let unobservable: Vec<_> =
+        fit.gauge.directions.iter().map(|direction| describe(direction, &names, &fit.gauge.status)).collect();
     let parameters = (0..joint.width()).map(|j| parameter(joint, &fit, &covariance, j)).collect();
     let degrees_of_freedom = fit.degrees_of_freedom();
     let used_rows = (0..used.len()).filter(|&i| used[i]).flat_map(|i| experiment.rows_of(i));
@@ -120,6 +124,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
         points: experiment.points.len(),
         parameters,
         unobservable,
+        seen_together,
         covariance,
         noise: noise(experiment, &passes, &fit.residual_mm, used, of_residual),
         holdout: match options.holdout {
@@ -140,6 +145,20 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
         predicted_mm: fit.predicted_mm,
         residual_mm: fit.residual_mm,
     }
+}
+
+/// What parameters are called in sentences: by their effect where several effects have one of that name.
+fn names(joint: &Joint) -> Vec<Named> {
+    let alike = |name: &str| joint.parameters.iter().filter(|other| other.name == name).count();
+    let named = |(j, parameter): (usize, &Parameter)| Named {
+        name: match alike(&parameter.name) {
+            1 => parameter.name.clone(),
+            _ => format!("{}.{}", joint.effects[joint.effect_of[j]].id, parameter.name),
+        },
+        unit: parameter.unit.symbol,
+        per_inside: parameter.unit.per_inside,
+    };
+    joint.parameters.iter().enumerate().map(named).collect()
 }
 
 fn parameter(joint: &Joint, fit: &Settled, covariance: &DMatrix<f64>, j: usize) -> FittedParameter {

@@ -3,6 +3,7 @@
 //! Inside units throughout (mm, rad, s, K); [`FittedParameter::screen_value`] and the JSON of DESIGN §3.6 convert.
 //! `residual = measured − predicted`.
 
+use crate::combinations::Combination;
 use nalgebra::{DMatrix, DVector};
 use trunnion_effects::Unit;
 use trunnion_measurement::InstrumentKind;
@@ -22,6 +23,8 @@ pub struct Identification {
     pub parameters: Vec<FittedParameter>,
     /// Directions in parameter space that this run cannot see.
     pub unobservable: Vec<Unobservable>,
+    /// Combinations of machine errors that are seen although none of them alone is.
+    pub seen_together: Vec<Combination>,
     /// Parameter vector behind `predicted_mm`, inside units, in the order of `parameters`. What has no number in
     /// `parameters` still has an arbitrary (small) one here: never show it.
     pub solution: DVector<f64>,

@@ -2,6 +2,7 @@
 
 pub mod attribution;
 mod axis_errors;
+mod combinations;
 mod design;
 pub mod experiment;
 pub mod findings;
@@ -31,6 +32,7 @@ mod variances;
 mod weights;
 
 pub use axis_errors::{AxisErrors, AxisTable, NotTabulated};
+pub use combinations::Combination;
 pub use experiment::{Experiment, ExperimentError};
 pub use findings::Findings;
 pub use fit::identify;

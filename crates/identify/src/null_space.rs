@@ -6,6 +6,7 @@
 //! involved ones. Every pivot is held at zero, which leaves independent columns. A conventional pivot lets the
 //! others of its direction stand for it; any other pivot leaves its whole direction without numbers.
 
+use crate::combinations::Named;
 use crate::identification::{Status, Unobservable};
 use crate::linear::Reduced;
 use nalgebra::DMatrix;
@@ -56,12 +57,7 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// Limits before anything is known of the noise.
-    pub fn of_rounding(tolerance: f64, rows: usize) -> Self {
-        Self { tolerance, weakest: 0.0, rows }
-    }
-
-    /// Limits once the residual standard deviation is known.
+    /// Limits for a residual standard deviation; 0 when nothing is known of it.
     pub fn with_noise(tolerance: f64, sigma_mm: f64, rows: usize) -> Self {
         Self { tolerance, weakest: sigma_mm / (MEANINGLESS_MM * (rows as f64).sqrt()), rows }
     }
@@ -142,7 +138,11 @@ pub(crate) fn gauge(
 }
 
 /// Reduced row echelon form; pivots from `preferred` while they take part, then the largest entries.
-fn echelon(mut rows: DMatrix<f64>, preferred: &[usize], takes_part: f64) -> Vec<(usize, Vec<f64>)> {
+pub(crate) fn echelon(
+    mut rows: DMatrix<f64>,
+    preferred: &[usize],
+    takes_part: f64,
+) -> Vec<(usize, Vec<f64>)> {
     let mut pivots = Vec::new();
     let mut preferred = preferred.iter();
     while pivots.len() < rows.nrows() {
@@ -176,18 +176,17 @@ fn echelon(mut rows: DMatrix<f64>, preferred: &[usize], takes_part: f64) -> Vec<
 }
 
 /// The direction in words.
-pub(crate) fn describe(direction: &Direction, parameters: &[Parameter], status: &[Status]) -> Unobservable {
+pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]) -> Unobservable {
     let pivot = direction.terms[0].0;
-    let screen = |&(j, x): &(usize, f64)| {
-        (parameters[j].name.clone(), x * parameters[j].unit.per_inside / parameters[pivot].unit.per_inside)
-    };
+    let screen =
+        |&(j, x): &(usize, f64)| (names[j].name.clone(), x * names[j].per_inside / names[pivot].per_inside);
     let terms: Vec<(String, f64)> = direction.terms.iter().map(screen).collect();
     let pivot = terms[0].0.clone();
     let others: Vec<&str> = terms[1..].iter().map(|(name, _)| name.as_str()).collect();
     let without: Vec<&str> = direction.terms[1..]
         .iter()
         .filter(|(j, _)| status[*j] == Status::Unobservable)
-        .map(|(j, _)| parameters[*j].name.as_str())
+        .map(|(j, _)| names[*j].name.as_str())
         .collect();
     let how = |s: &str| {
         if direction.weak {
@@ -225,7 +224,7 @@ pub(crate) fn describe(direction: &Direction, parameters: &[Parameter], status: 
 }
 
 /// `EX0A - 0.5 EX0C`.
-fn spell(terms: &[(String, f64)]) -> String {
+pub(crate) fn spell(terms: &[(String, f64)]) -> String {
     let mut text = String::new();
     for (k, (name, coefficient)) in terms.iter().enumerate() {
         let sign = match (k, *coefficient < 0.0) {

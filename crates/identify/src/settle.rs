@@ -10,11 +10,14 @@ use crate::null_space::{Gauge, Limits, Zero, gauge};
 use crate::{IdentifyError, Options};
 use nalgebra::DVector;
 use trunnion_effects::catalogue::conventional_zeros;
+use trunnion_measurement::RunKind;
 use trunnion_units::AxisLetter;
 
 /// The fit stands when no prediction moves by more than this, mm.
 const SETTLED_MM: f64 = 1e-9;
 const MOST_STEPS: usize = 40;
+/// Blocks on the fly are never known better than this, mm.
+const FINEST_BLOCK_MM: f64 = 1e-4;
 /// Noise is never taken below this against a prior, mm.
 const FINEST_MM: f64 = 1e-6;
 
@@ -49,7 +52,10 @@ pub(crate) fn settle(
 ) -> Result<Settled, IdentifyError> {
     let mut reduced = design.reduce(used)?;
     let rows = design.experiment.rows();
-    let mut limits = Limits::of_rounding(options.null_tolerance, rows);
+    // The mean of a block lies a little off the path: what is null stays null only to that.
+    let on_the_fly = design.experiment.kinds.contains(&RunKind::OnTheFly);
+    let least_mm = if on_the_fly { FINEST_BLOCK_MM } else { 0.0 };
+    let mut limits = Limits::with_noise(options.null_tolerance, least_mm, rows);
     let first = settle_within(design, &reduced, &[], used, &limits)?;
     if design.joint.free().is_empty() {
         return Ok(first);

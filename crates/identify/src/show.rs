@@ -78,6 +78,12 @@ impl Identification {
             "degrees_of_freedom": self.degrees_of_freedom,
             "parameters": parameters,
             "unobservable": unobservable,
+            "seen_together": self.seen_together.iter().map(|c| json!({
+                "combination": c.text,
+                "value": c.value,
+                "unit": c.unit,
+                "u": c.u,
+            })).collect::<Vec<_>>(),
         })
     }
 }
@@ -149,6 +155,9 @@ impl fmt::Display for Identification {
                 "set aside: point {} of {}, setup {}, {}: {size:.1} µm",
                 o.point, o.run, o.setup, o.pose
             )?;
+        }
+        for c in &self.seen_together {
+            writeln!(f, "together: {} = {:.3} ± {:.3} {}", c.text, c.value, c.u, screen_unit(c.unit))?;
         }
         if !self.unobservable.is_empty() {
             writeln!(f, "cannot be seen:")?;

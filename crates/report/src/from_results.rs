@@ -239,7 +239,15 @@ impl From<&Identification> for IdentificationView {
             direction: row.direction.clone(),
             why: row.why.clone(),
         };
+        let together = |c: &trunnion_identify::Combination| ParameterRow {
+            name: c.text.clone(),
+            value: Some(c.value),
+            u: Some(c.u),
+            unit: c.unit.into(),
+            ..ParameterRow::default()
+        };
         Self {
+            seen_together: fit.seen_together.iter().map(together).collect(),
             machine: fit.machine.clone(),
             runs: fit.runs.clone(),
             effects: fit.effects.iter().map(|effect| effect.id.clone()).collect(),

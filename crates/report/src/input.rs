@@ -81,6 +81,8 @@ pub struct IdentificationView {
     pub parameters: Vec<ParameterRow>,
     /// What cannot be told apart.
     pub unobservable: Vec<UnobservableRow>,
+    /// What is seen in combination only: the combination as a parameter.
+    pub seen_together: Vec<ParameterRow>,
 }
 
 /// What would remain if nothing were missing.

@@ -38,6 +38,13 @@ pub fn identification_text(view: &IdentificationView) -> String {
     );
     out += "\n";
     out += &parameters(&view.parameters);
+    if !view.seen_together.is_empty() {
+        out += "\nSeen only together\n";
+        for row in &view.seen_together {
+            let (value, u) = value_and_u(row.value, row.u, &row.unit);
+            out += &format!("  {} = {value} (u {u})\n", clean(&row.name));
+        }
+    }
     if !view.unobservable.is_empty() {
         out += "\nWhat these readings cannot tell apart\n";
         for row in &view.unobservable {

@@ -6,14 +6,19 @@
 //! volume is measured. Limits: smooth guideways; periodic errors of a screw need their own effect.
 
 use super::straightness::scaled;
+use crate::scene::MOST_PLACES;
 use crate::subjects::{across, axis_of, every_slide, linear_name};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use trunnion_machine::{Axis, Site, State};
 use trunnion_units::{AxisLetter, Twist};
 
-/// Highest order of the polynomials.
-const HIGHEST: usize = 5;
+/// Highest order of the polynomials; n places carry order n − 1 at most.
+const HIGHEST: usize = MOST_PLACES - 1;
+
+fn highest(scene: &Scene, letter: AxisLetter) -> usize {
+    HIGHEST.min(scene.places_at_one_pose[letter].saturating_sub(1))
+}
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "component-errors",
@@ -24,7 +29,7 @@ pub(crate) static EFFECT: Effect = Effect {
         symbols: "E errors of position, straightness (µm), roll, pitch and yaw (µrad); aₙ amplitudes; Pₙ Legendre polynomials; s coordinate scaled to −1…1",
         validity: "Smooth guideways over the measured range. Takes the place of linear-scale, straightness and angular-motion of the same axis.",
         typical: "1–10 µm, 10–30 µrad",
-        explanation: "The carriage leaves its ideal line and turns a little while it travels; told for every position.",
+        explanation: "The carriage leaves its ideal line and turns a little while it travels; told for every position. Fewer than six places carry fewer orders.",
         cause: "Guideways, scale or screw; the course over the travel tells which.",
         seen_by: "A measurement of the volume: tracking interferometer, ball plate, diagonals with other tests.",
         needs: &[Need::Travel, Need::Volume],
@@ -68,8 +73,9 @@ fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     else {
         return Vec::new();
     };
+    let highest = highest(scene, axis.letter);
     let orders = |(name, _, unit, lowest): (String, Twist, Unit, usize)| {
-        (lowest..=HIGHEST).map(move |n| Parameter::new(format!("{name}.P{n}"), unit))
+        (lowest..=highest).map(move |n| Parameter::new(format!("{name}.P{n}"), unit))
     };
     components(axis).into_iter().flat_map(orders).collect()
 }
@@ -79,7 +85,7 @@ fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit
     let legendre = legendre(scaled(scene, axis.letter, state));
     let mut parameter = 0;
     for (_, twist, _, lowest) in components(axis) {
-        for value in &legendre[lowest..] {
+        for value in &legendre[lowest..=highest(scene, axis.letter)] {
             emit(parameter, Site::Joint(axis.letter), twist * *value);
             parameter += 1;
         }

@@ -1,8 +1,14 @@
 //! Parameters of the model with their uncertainty, and what cannot be told apart.
 
 use crate::CompareInput;
+use crate::input::ParameterRow;
 use crate::markup::{element, escape, table};
 use crate::number::value_and_u;
+
+fn cells(p: &ParameterRow) -> Vec<String> {
+    let (value, u) = value_and_u(p.value, p.u, &p.unit);
+    vec![p.name.clone(), value, u, p.note.clone()]
+}
 
 pub fn section(input: &CompareInput) -> String {
     let fit = &input.identification;
@@ -10,20 +16,17 @@ pub fn section(input: &CompareInput) -> String {
     effects.dedup();
     let mut body = String::new();
     for effect in effects {
-        let rows: Vec<_> = fit
-            .parameters
-            .iter()
-            .filter(|p| p.effect == effect)
-            .map(|p| {
-                let (value, u) = value_and_u(p.value, p.u, &p.unit);
-                vec![p.name.clone(), value, u, p.note.clone()]
-            })
-            .collect();
+        let rows: Vec<_> = fit.parameters.iter().filter(|p| p.effect == effect).map(cells).collect();
         let head = ["parameter", "value", "standard uncertainty", "remark"];
         body += &table(&crate::words::effect_name(effect), &head, &[1, 2], &rows);
     }
     if body.is_empty() {
         body = element("p", "The model has no parameters.");
+    }
+    if !fit.seen_together.is_empty() {
+        let rows: Vec<Vec<String>> = fit.seen_together.iter().map(cells).collect();
+        let head = ["seen only together", "value", "standard uncertainty", "remark"];
+        body += &table("Combinations", &head, &[1, 2], &rows);
     }
     if !fit.unobservable.is_empty() {
         let rows: String = fit
