@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use trunnion_effects::catalogue::{BASE, REGISTRY};
 use trunnion_effects::{Instance, Need, Scene, SceneSetup};
-use trunnion_machine::{Machine, Side, Site, State, shipped};
+use trunnion_machine::{Machine, Site, State, shipped};
 use trunnion_units::{AxisLetter, AxisValues, Twist};
 
 const DIRECTORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/catalogue");

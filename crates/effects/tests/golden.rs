@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use std::slice::from_ref;
 use trunnion_effects::{Instance, Scene, SceneSetup};
-use trunnion_machine::{Machine, Side, Site, State, shipped};
+use trunnion_machine::{Machine, Site, State, shipped};
 use trunnion_units::{AxisLetter, AxisValues, Twist};
 
 fn table_bc() -> Machine {

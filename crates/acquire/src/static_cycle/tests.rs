@@ -74,7 +74,7 @@ fn poses(stations: &[f64]) -> Vec<Pose> {
         let (mut position, mut direction) = (AxisValues::default(), AxisValues::default());
         position[C] = c_rad;
         direction[C] = 1.0;
-        Pose { setup: 0, position, direction }
+        Pose { setup: 0, target: 0, position, direction }
     };
     stations.iter().map(pose).collect()
 }
