@@ -23,8 +23,16 @@ impl Identification {
                 })
             })
             .collect();
-        let unobservable: Vec<Value> =
-            self.unobservable.iter().map(|d| json!({"direction": d.direction, "why": d.why})).collect();
+        let unobservable: Vec<Value> = self
+            .unobservable
+            .iter()
+            .map(|d| {
+                let term =
+                    |(name, coefficient): &(String, f64)| json!({"name": name, "coefficient": coefficient});
+                let terms: Vec<Value> = d.terms.iter().map(term).collect();
+                json!({"direction": d.direction, "why": d.why, "terms": terms})
+            })
+            .collect();
         let shapes: Vec<Value> = self
             .effects
             .iter()
