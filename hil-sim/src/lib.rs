@@ -14,4 +14,4 @@ pub mod truth;
 pub use compensation::Compensation;
 pub use physics::hidden::HiddenChoice;
 pub use physics::{Sampler, VirtualMachine};
-pub use truth::{Instrument, NestOn, SimSetup, SimTarget, Truth};
+pub use truth::{Instrument, NestOn, SimForm, SimSetup, SimTarget, Truth};

@@ -9,7 +9,7 @@ mod mounting;
 pub use draw::{LocationError, minimum_set};
 
 use crate::physics::hidden::Hidden;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 use trunnion_machine::JointErrors;
 
 /// What is wrong with one machine during one run.
@@ -44,6 +44,8 @@ pub struct SimSetup {
     pub instrument: Instrument,
     /// Nominal centre of what the spindle carries, tool axes, mm.
     pub ball_in_tool_mm: Point3<f64>,
+    /// The artefact when nobody calibrated it: its balls are off their nominal places.
+    pub uncalibrated: Option<SimForm>,
     /// Places of an artefact, whose origin is at `ball_in_table_mm`; empty: that point itself.
     pub targets: Vec<SimTarget>,
 }
@@ -57,8 +59,18 @@ impl SimSetup {
         instrument: Instrument,
     ) -> Self {
         let ball_in_tool_mm = Point3::origin();
-        Self { name: name.into(), nest, ball_in_table_mm, instrument, ball_in_tool_mm, targets: Vec::new() }
+        let (targets, uncalibrated) = (Vec::new(), None);
+        Self { name: name.into(), nest, ball_in_table_mm, instrument, ball_in_tool_mm, uncalibrated, targets }
     }
+}
+
+/// An uncalibrated artefact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimForm {
+    /// Its name: the same artefact has the same form in every setup.
+    pub name: String,
+    /// How it stands.
+    pub table_from_artefact: UnitQuaternion<f64>,
 }
 
 /// One place of an artefact.
@@ -131,6 +143,8 @@ pub struct PlacedSetup {
     pub setting_mm: Vector3<f64>,
     /// What else is off about the mounting.
     pub own: Own,
+    /// Actual minus nominal place of each target in the artefact, table axes, mm; empty when calibrated.
+    pub form_mm: Vec<Vector3<f64>>,
 }
 
 /// What is off about an instrument and its mounting besides its place.
@@ -153,7 +167,7 @@ pub struct Own {
 impl PlacedSetup {
     /// A setup that is off its place only.
     pub fn new(setup: &SimSetup, setting_mm: Vector3<f64>) -> Self {
-        Self { setup: setup.clone(), setting_mm, own: Own::default() }
+        Self { setup: setup.clone(), setting_mm, own: Own::default(), form_mm: Vec::new() }
     }
 }
 

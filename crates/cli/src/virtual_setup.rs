@@ -1,6 +1,6 @@
 //! Setups of a cycle as the virtual machine mounts them.
 
-use trunnion_hil_sim::{Instrument, NestOn, SimSetup, SimTarget};
+use trunnion_hil_sim::{Instrument, NestOn, SimForm, SimSetup, SimTarget};
 use trunnion_measurement::{Artefact, InstrumentKind, NestSide, Setup};
 
 /// The setup of the virtual machine.
@@ -10,9 +10,13 @@ pub fn sim_setup(setup: &Setup) -> SimSetup {
         NestSide::Spindle => NestOn::Spindle,
     };
     let targets = setup.artefact.as_ref().map_or_else(Vec::new, |artefact| targets(setup, artefact));
+    let plate = setup.instrument == InstrumentKind::BallPlate;
     SimSetup {
         ball_in_tool_mm: setup.ball_in_tool_mm,
         targets,
+        uncalibrated: setup.artefact.as_ref().filter(|_| !setup.calibrated && plate).map(|artefact| {
+            SimForm { name: artefact.name.clone(), table_from_artefact: artefact.table_from_artefact() }
+        }),
         ..SimSetup::new(&setup.name, nest, setup.ball_in_table_mm, instrument(setup))
     }
 }

@@ -36,8 +36,8 @@ pub struct Setup {
     pub direction: Option<Unit<Vector3<f64>>>,
     /// Lengths of the two arms of a passive link, from the table outward, mm.
     pub arms_mm: Option<[f64; 2]>,
-    /// True when the length of a bar (the zero of a laser ball bar, the radius of a stylus or tool) is calibrated: known, not
-    /// an unknown of the mounting.
+    /// True when the length of a bar (the zero of a laser ball bar, the radius of a stylus or tool, the form of an artefact) is
+    /// calibrated: known, not an unknown.
     pub calibrated: bool,
     /// What is measured at several places.
     pub artefact: Option<Artefact>,

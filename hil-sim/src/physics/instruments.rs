@@ -26,8 +26,9 @@ pub(super) fn read_mm(placed: &PlacedSetup, target: usize, poses: &Poses) -> [f6
     let setting = placed.setting_mm + poses.setting_in_table_mm;
     let origin = setup.ball_in_table_mm;
     let turn = Rotation3::from_scaled_axis(placed.own.turn_rad);
+    let form = placed.form_mm.get(target).copied().unwrap_or_default();
     let target = setup.targets.get(target);
-    let place = target.map_or(origin, |target| origin + turn * (target.in_table_mm - origin));
+    let place = target.map_or(origin, |target| origin + turn * (target.in_table_mm + form - origin));
     let in_table = place + setting;
     let in_machine = poses.machine_from_table * in_table + poses.table_in_machine_mm;
     let apart = tool_in_machine - in_machine;

@@ -21,10 +21,27 @@ impl Truth {
             own(setup).cloned().unwrap_or_else(|| {
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
                 rng.set_stream(SETTING_STREAM + (run << 8) + i as u64);
-                mounted_by_hand(setup, &mut rng)
+                PlacedSetup { form_mm: self.form_mm(setup), ..mounted_by_hand(setup, &mut rng) }
             })
         };
         Self { setups: setups.iter().enumerate().map(place).collect(), ..self.clone() }
+    }
+}
+
+/// Streams of the truth's seed for forms of artefacts.
+const FORM_STREAM: u64 = 0x666f_726d_0000;
+/// How far a ball of an uncalibrated artefact is off its nominal place, mm.
+const FORM_MM: f64 = 10e-3;
+
+impl Truth {
+    /// Where the targets of an uncalibrated artefact really are: the same for every setup that it is in.
+    fn form_mm(&self, setup: &SimSetup) -> Vec<Vector3<f64>> {
+        let Some(form) = &setup.uncalibrated else { return Vec::new() };
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let named = form.name.bytes().fold(0u64, |sum, byte| (sum * 31 + u64::from(byte)) % 65_521);
+        rng.set_stream(FORM_STREAM + named);
+        let one = |_| form.table_from_artefact * (normal_vector(&mut rng) * FORM_MM);
+        setup.targets.iter().map(one).collect()
     }
 }
 
