@@ -3,6 +3,7 @@
 //! A method takes runs and returns [`Findings`]; it does what its source does, with the source's slips mended (METHODS §8),
 //! so that its figures can be compared with the source and with the joint fit. A test walks the directory and the list.
 
+mod ball_bar;
 mod error_map;
 mod rotary_values;
 mod two_height;
@@ -12,7 +13,8 @@ use trunnion_measurement::Run;
 use trunnion_units::AxisLetter;
 
 /// Every named method.
-pub static REGISTRY: [&Method; 3] = [&two_height::METHOD, &error_map::METHOD, &rotary_values::METHOD];
+pub static REGISTRY: [&Method; 4] =
+    [&two_height::METHOD, &error_map::METHOD, &rotary_values::METHOD, &ball_bar::METHOD];
 
 /// A closed recipe of the literature.
 #[derive(Debug)]

@@ -14,7 +14,6 @@
 mod charts;
 mod circle;
 mod fit;
-mod line;
 mod values;
 
 use super::{Method, MethodError, MethodOptions};

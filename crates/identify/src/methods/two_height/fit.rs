@@ -1,8 +1,8 @@
 //! What the readings of each height, and all heights together, say of the axis.
 
 use super::circle::Circle;
-use super::line::{Line, Weights};
 use crate::methods::{Method, MethodError};
+use crate::recipe::over_height::{Line, Weights};
 use crate::recipe::stations::Stations;
 use crate::recipe::turning::{Turned, Turning, TurningSet};
 use nalgebra::{Vector2, Vector3};

@@ -2,7 +2,7 @@
 
 /// A straight line `at_zero + slope·h` with standard uncertainties.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(crate) struct Line {
     pub at_zero: f64,
     pub slope: f64,
     pub u_at_zero: f64,
@@ -10,7 +10,7 @@ pub(super) struct Line {
 }
 
 /// Weights that turn values at the heights into a straight line.
-pub(super) struct Weights {
+pub(crate) struct Weights {
     slope: Vec<f64>,
     at_zero: Vec<f64>,
 }
