@@ -18,6 +18,9 @@ use trunnion_measurement::RunKind;
 /// What every rotary axis has a little of.
 const NATURAL: [&str; 3] = ["-error-motion:", "encoder-eccentricity:", "drive-pitch:"];
 
+/// What describes an axis by many numbers and names no cause: for a person to choose, never a candidate.
+const DESCRIPTIONS: [&str; 1] = ["component-errors:"];
+
 /// Share in the repeatable motions above which an effect looks like one of them.
 const ALIKE: f64 = 0.9;
 
@@ -58,7 +61,8 @@ impl<'a> Problem<'a> {
         let mut out_of_reach = Vec::new();
         let (mut instances, mut shapes, mut groups) = (Vec::new(), Vec::new(), Vec::new());
         for instance in Instance::all(experiment.machine()) {
-            if in_model(&instance.id()) || without.contains(&instance.id()) {
+            let describes = DESCRIPTIONS.iter().any(|phenomenon| instance.id().starts_with(phenomenon));
+            if describes || in_model(&instance.id()) || without.contains(&instance.id()) {
                 continue;
             }
             let grid = instance.shapes(&experiment.scene);

@@ -19,9 +19,16 @@ pub fn why(instance: &Instance, numbers: &Numbers, adequate: bool) -> String {
         sentences.push(about.explanation.to_string());
         sentences.push(format!("Likely cause: {}", about.cause));
     }
+    let (before, after) = (numbers.holdout_before_um, numbers.holdout_after_um);
+    // Where every part has unknowns of its own (a station each), nothing can be left out.
+    let left_out = if before.is_finite() && after.is_finite() {
+        format!("on data left out of the fit from {before:.2} to {after:.2} µm; ")
+    } else {
+        String::new()
+    };
     sentences.push(format!(
-        "With it the error falls from {:.2} to {:.2} µm (on data left out of the fit from {:.2} to {:.2} µm; noise floor {:.2} µm).",
-        numbers.before_um, numbers.after_um, numbers.holdout_before_um, numbers.holdout_after_um, numbers.noise_um
+        "With it the error falls from {:.2} to {:.2} µm ({left_out}noise floor {:.2} µm).",
+        numbers.before_um, numbers.after_um, numbers.noise_um
     ));
     sentences.push(if adequate {
         "Nothing structured remains.".into()

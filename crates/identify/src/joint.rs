@@ -48,7 +48,9 @@ impl Joint {
             let placed = place(experiment, entry)?;
             let parameters = placed.instance.parameters(&experiment.scene);
             if parameters.is_empty() {
-                return Err(IdentifyError::OutOfReach { effect: entry.id.clone() });
+                let why = placed.instance.out_of_reach(&experiment.scene);
+                let why = why.unwrap_or_else(|| "has no parameter here".into());
+                return Err(IdentifyError::OutOfReach { effect: entry.id.clone(), why });
             }
             for (name, prior) in &entry.prior {
                 let j = index(entry, &parameters, name)?;

@@ -75,12 +75,14 @@ pub enum IdentifyError {
     UnknownEffect(#[from] UnknownEffect),
     /// The runs cannot show an effect of the model.
     #[error(
-        "effect {effect} is out of reach of these runs (no time stamps, no motion, or no such channel); \
+        "effect {effect} is out of reach of these runs: it {why}; \
          remove it from the model or add a run that shows it"
     )]
     OutOfReach {
         /// Effect id.
         effect: String,
+        /// What the runs lack, e.g. `needs time stamps`.
+        why: String,
     },
     /// An effect is listed twice.
     #[error("the model lists effect {effect} twice; keep one")]

@@ -62,6 +62,23 @@ pub struct Soft {
     pub nothing: f64,
 }
 
+/// Orthonormal directions of random columns and their strengths; none when no rotary axis moves.
+fn principal(random: DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    if random.ncols() == 0 {
+        return (random, DVector::zeros(0));
+    }
+    let eigen = (random.transpose() * &random).symmetric_eigen();
+    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max).max(1e-9);
+    let strong = |&j: &usize| eigen.eigenvalues[j] > WEAKEST_MOTION * largest;
+    let keep: Vec<usize> = (0..eigen.eigenvalues.len()).filter(strong).collect();
+    let mut turn = eigen.eigenvectors.select_columns(&keep);
+    let eigenvalues = DVector::from_fn(keep.len(), |k, _| eigen.eigenvalues[keep[k]]);
+    for (mut column, eigenvalue) in turn.column_iter_mut().zip(eigenvalues.iter()) {
+        column /= eigenvalue.sqrt();
+    }
+    (random * turn, eigenvalues)
+}
+
 impl Prepared {
     /// Whitens and projects the base columns (column × row); `motions` are the random columns.
     pub fn new(order: &Order, noise: Noise, base: &DMatrix<f64>, motions: &DMatrix<f64>) -> Self {
@@ -77,16 +94,7 @@ impl Prepared {
         whitener.whiten(&mut random);
         let mut random = random.transpose();
         random -= &basis * (basis.transpose() * &random);
-        let eigen = (random.transpose() * &random).symmetric_eigen();
-        let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max).max(1e-9);
-        let strong = |&j: &usize| eigen.eigenvalues[j] > WEAKEST_MOTION * largest;
-        let keep: Vec<usize> = (0..eigen.eigenvalues.len()).filter(strong).collect();
-        let mut turn = eigen.eigenvectors.select_columns(&keep);
-        let motion_eigenvalues = DVector::from_fn(keep.len(), |k, _| eigen.eigenvalues[keep[k]]);
-        for (mut column, eigenvalue) in turn.column_iter_mut().zip(motion_eigenvalues.iter()) {
-            column /= eigenvalue.sqrt();
-        }
-        let motion = random * turn;
+        let (motion, motion_eigenvalues) = principal(random);
         let log_det = whitener.log_det + log_det_base;
         let motions = if order.on_the_fly { MOTIONS_ON_THE_FLY } else { MOTIONS };
         let prior_ln = [noise.pass, noise.axis, noise.drift]
