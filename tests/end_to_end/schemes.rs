@@ -439,3 +439,15 @@ fn every_scheme_finds_what_was_put_in_and_names_what_it_cannot_see() {
     };
     assert_eq!(words(table), words(&rows), "docs/schemes.md: run this test with TRUNNION_WRITE_DOCS=1");
 }
+
+/// Stations a millimetre off their places bend the prediction by more than the noise: no excuse to claim an effect.
+#[test]
+fn a_volume_that_the_model_describes_shows_nothing_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (truth, cycle) = (config("truths", "table-bc-linear"), config("cycles", "tracker"));
+    trunnion(folder.path(), &["simulate", &truth, "--cycle", &cycle, "-o", "t.mcap"]);
+    let model = config("models", "volume-bc");
+    let text = trunnion(folder.path(), &["diagnose", "t.mcap", "--model", &model, "--json"]);
+    let answer: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(answer["verdict"], "noise-floor", "{text}");
+}

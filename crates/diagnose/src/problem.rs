@@ -9,8 +9,8 @@ use nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;
 use trunnion_effects::catalogue::BASE;
 use trunnion_effects::{Instance, Model, Shapes};
-use trunnion_identify::Experiment;
 use trunnion_identify::machine_noise::{Order, repeatable_motions};
+use trunnion_identify::{Experiment, Identification, Options, identify};
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
 use trunnion_measurement::RunKind;
@@ -20,6 +20,9 @@ const NATURAL: [&str; 3] = ["-error-motion:", "encoder-eccentricity:", "drive-pi
 
 /// What describes an axis by many numbers and names no cause: for a person to choose, never a candidate.
 const DESCRIPTIONS: [&str; 1] = ["component-errors:"];
+
+/// Second-order part of a prediction that counts, mm.
+const LEAST_BEND_MM: f64 = 0.05e-3;
 
 /// Share in the repeatable motions above which an effect looks like one of them.
 const ALIKE: f64 = 0.9;
@@ -53,8 +56,10 @@ pub struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     pub fn new(experiment: &'a Experiment, model: &Model, without: &[String]) -> Result<Self, DiagnoseError> {
-        let root = roots(experiment, model);
-        let (mut base, mut readings) = base_columns(experiment, model)?;
+        // A model that does not settle is judged with all rows alike, by its columns alone; `identify` says so itself.
+        let fit = identify(experiment, model, &Options::quick()).ok();
+        let root = roots(experiment, fit.as_ref());
+        let (mut base, mut readings) = base_columns(experiment, model, fit.as_ref())?;
         base.row_iter_mut().for_each(|mut row| row.component_mul_assign(&root.transpose()));
         readings.component_mul_assign(&root);
         let in_model = |id: &str| BASE.contains(&id) || model.effects.iter().any(|entry| entry.id == id);
@@ -147,14 +152,12 @@ impl<'a> Problem<'a> {
 
 /// Roots of the weights of the rows: blocks of a stream and runs of several kinds are worth what `identify` finds; points at rest of
 /// one run count alike.
-fn roots(experiment: &Experiment, model: &Model) -> DVector<f64> {
+fn roots(experiment: &Experiment, fit: Option<&Identification>) -> DVector<f64> {
     let alike = DVector::from_element(experiment.rows(), 1.0);
     if experiment.kinds.iter().all(|kind| *kind == RunKind::Static) && experiment.runs.len() == 1 {
         return alike;
     }
-    let fit = trunnion_identify::identify(experiment, model, &trunnion_identify::Options::quick());
-    // A model that does not settle is judged with all rows alike; `identify` says so itself.
-    fit.map_or(alike, |fit| fit.row_weights)
+    fit.map_or(alike, |fit| fit.row_weights.clone())
 }
 
 /// Columns (rows × columns) multiplied by the roots of the weights.
@@ -163,10 +166,30 @@ fn weighted(mut columns: DMatrix<f64>, root: &DVector<f64>) -> DMatrix<f64> {
     columns
 }
 
-/// Columns of the model (column × row) and readings minus nominal prediction and held parameters.
+/// What the exact prediction of the fitted model has beyond its columns, mm: stations and artefacts are a millimetre off
+/// their places, and the square of that over their distance shows. `None` when it is too little to count.
+fn nonlinear_mm(
+    experiment: &Experiment,
+    model: &Model,
+    fit: &Identification,
+    nominal_mm: &DVector<f64>,
+) -> Option<DVector<f64>> {
+    let mut beyond_mm = &fit.predicted_mm - nominal_mm;
+    let mut first = 0;
+    for (entry, effect) in model.effects.iter().zip(&fit.effects) {
+        let instance = Instance::from_model_effect(entry, experiment.machine()).ok()?;
+        let columns = experiment.columns(&instance, &effect.shape);
+        beyond_mm -= &columns * fit.solution.rows(first, columns.ncols());
+        first += columns.ncols();
+    }
+    (beyond_mm.amax() > LEAST_BEND_MM).then_some(beyond_mm)
+}
+
+/// Columns of the model (column × row) and readings minus nominal prediction, its second-order part and held parameters.
 fn base_columns(
     experiment: &Experiment,
     model: &Model,
+    fit: Option<&Identification>,
 ) -> Result<(DMatrix<f64>, DVector<f64>), DiagnoseError> {
     let machine = experiment.machine();
     let mut readings = experiment.readings_mm();
@@ -176,6 +199,10 @@ fn base_columns(
         for (k, row) in experiment.rows_of(i).enumerate() {
             readings[row] -= nominal[k];
         }
+    }
+    let nominal_mm = experiment.readings_mm() - &readings;
+    if let Some(bent_mm) = fit.and_then(|fit| nonlinear_mm(experiment, model, fit, &nominal_mm)) {
+        readings -= bent_mm;
     }
     let mut base = DMatrix::zeros(0, experiment.rows());
     for entry in &model.effects {
