@@ -10,7 +10,7 @@ mod virtual_setup;
 use clap::{Parser, Subcommand};
 use commands::{
     add, attribute, check_config, compare, compensation, daemon, demo, diagnose, export, identify, import,
-    ladder, nc_program, plan, remove, replay, simulate,
+    ladder, nc_program, plan, remove, replay, simulate, volumetric,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -42,6 +42,7 @@ enum Command {
     NcProgram(nc_program::Args),
     Compensation(compensation::Args),
     Simulate(simulate::Args),
+    Volumetric(volumetric::Args),
 }
 
 fn main() -> ExitCode {
@@ -63,6 +64,7 @@ fn main() -> ExitCode {
         Command::NcProgram(args) => nc_program::run(&args),
         Command::Compensation(args) => compensation::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Volumetric(args) => volumetric::run(&args),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

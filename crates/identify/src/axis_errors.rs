@@ -168,7 +168,7 @@ impl Fitted {
 }
 
 /// A state at rest with the axes where `position` says.
-fn state_at(scene: &Scene, position: impl Fn(AxisLetter) -> f64) -> State {
+pub(crate) fn state_at(scene: &Scene, position: impl Fn(AxisLetter) -> f64) -> State {
     State {
         position: AxisValues::from_fn(position),
         time_s: scene.time_range_s.map(|(first, _)| first),
@@ -186,7 +186,7 @@ fn along(scene: &Scene, letter: AxisLetter, probe: usize) -> f64 {
 }
 
 /// The state with one thing changed, and what that is.
-fn changed_states(scene: &Scene, here: &State) -> Vec<(String, State)> {
+pub(crate) fn changed_states(scene: &Scene, here: &State) -> Vec<(String, State)> {
     let mut all = Vec::new();
     for letter in scene.machine.axes().map(|axis| axis.letter) {
         let mut of_axis = |what: &str, change: &dyn Fn(&mut State)| {
@@ -274,11 +274,11 @@ fn rows(from: f64, to: f64, letter: AxisLetter, error: &dyn Fn(f64) -> Twist) ->
     }
 }
 
-fn differ(a: &Twist, b: &Twist) -> bool {
+pub(crate) fn differ(a: &Twist, b: &Twist) -> bool {
     size(&(*a + *b * -1.0)) > SAME
 }
 
 /// Largest component, mm or rad.
-fn size(twist: &Twist) -> f64 {
+pub(crate) fn size(twist: &Twist) -> f64 {
     twist.translation_mm.amax().max(twist.rotation_rad.amax())
 }

@@ -112,6 +112,8 @@ pub struct Unobservable {
     pub direction: String,
     /// Names and coefficients (screen units) of the direction.
     pub terms: Vec<(String, f64)>,
+    /// The same by index in [`Identification::parameters`], inside units.
+    pub inside: Vec<(usize, f64)>,
     /// Why, and what the numbers given mean.
     pub why: String,
 }

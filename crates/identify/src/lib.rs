@@ -16,6 +16,7 @@ pub mod linear;
 pub mod machine_noise;
 pub mod methods;
 mod noise;
+pub mod notation;
 mod null_space;
 mod options;
 mod passes;
@@ -29,6 +30,7 @@ mod stream;
 mod structured;
 mod uncertainty;
 mod variances;
+pub mod volumetric;
 mod weights;
 
 pub use axis_errors::{AxisErrors, AxisTable, NotTabulated};

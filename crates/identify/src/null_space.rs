@@ -181,6 +181,7 @@ pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]
     let screen =
         |&(j, x): &(usize, f64)| (names[j].name.clone(), x * names[j].per_inside / names[pivot].per_inside);
     let terms: Vec<(String, f64)> = direction.terms.iter().map(screen).collect();
+    let inside = direction.terms.clone();
     let pivot = terms[0].0.clone();
     let others: Vec<&str> = terms[1..].iter().map(|(name, _)| name.as_str()).collect();
     let without: Vec<&str> = direction.terms[1..]
@@ -198,7 +199,7 @@ pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]
     if direction.standing {
         let axis = pivot.chars().last().unwrap_or_default();
         let why = format!("cannot be seen: axis {axis} stands still in these runs; taken as 0");
-        return Unobservable { direction: pivot, terms, why };
+        return Unobservable { direction: pivot, terms, inside, why };
     }
     let why = if others.is_empty() {
         format!("cannot be seen: {pivot} {} of these runs", how("s"))
@@ -220,7 +221,7 @@ pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]
             "{pivot} cannot be told apart from {others} in these runs; by convention {pivot} = 0{meaning}"
         )
     };
-    Unobservable { direction: spell(&terms), terms, why }
+    Unobservable { direction: spell(&terms), terms, inside, why }
 }
 
 /// `EX0A - 0.5 EX0C`.

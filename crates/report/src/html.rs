@@ -12,11 +12,13 @@ mod summary;
 mod sure;
 mod sweeps;
 mod trial;
+mod volumetric;
 
 use crate::markup::{element, escape};
 use crate::number::um;
 use crate::{CompareInput, LadderRow, Trial};
 use trunnion_identify::Findings;
+use trunnion_identify::volumetric::VolumetricMap;
 
 const STYLE: &str = include_str!("html/style.css");
 
@@ -49,6 +51,14 @@ pub fn trial_html(input: &CompareInput, trial: &Trial) -> String {
 pub fn findings_html(findings: &Findings, label: &str) -> String {
     let title = format!("Trunnion: {} on {}", findings.method, findings.machine);
     page(&title, &findings::sections(findings, label))
+}
+
+/// One page on the volumetric accuracy that a model says, with the distorted volume in three views; `volume` in words.
+pub fn volumetric_html(map: &VolumetricMap, volume: &str, label: &str) -> String {
+    page(
+        &format!("Trunnion: volumetric accuracy of {}", map.machine),
+        &volumetric::sections(map, volume, label),
+    )
 }
 
 /// The ladder of a model alone.

@@ -16,12 +16,17 @@ mod number;
 mod svg;
 mod text;
 mod views;
+mod volumetric;
 mod words;
 
 pub use from_results::{ladder_of, points_of};
-pub use html::{compare_html, findings_html, ladder_html, trial_html};
+pub use html::{compare_html, findings_html, ladder_html, trial_html, volumetric_html};
 pub use input::{
     CompareInput, IdentificationView, LadderRow, Noise, ParameterRow, Place, PointView, SetupView, Trial,
     UnobservableRow,
 };
-pub use text::{compare_text, diagnosis_text, findings_text, identification_text, ladder_text, trial_text};
+pub use text::{
+    compare_text, diagnosis_text, findings_text, identification_text, ladder_text, location_text, trial_text,
+    volumetric_text,
+};
+pub use volumetric::error_map_csv;

@@ -95,7 +95,7 @@ pub fn signed(value: f64, decimals: usize) -> String {
     if is_zero { text[1..].into() } else { minus(text) }
 }
 
-fn minus(text: String) -> String {
+pub fn minus(text: String) -> String {
     text.replace('-', "−")
 }
 

@@ -5,6 +5,7 @@
 mod bars;
 mod displaced;
 mod heat_map;
+mod lattice;
 mod path_chart;
 mod polar;
 mod scale;
@@ -13,6 +14,7 @@ mod xy_chart;
 pub use bars::{Bar, bars};
 pub use displaced::{Displaced, displaced};
 pub use heat_map::{HeatMap, heat_map, legend};
+pub use lattice::{Lattice, lattice};
 pub use path_chart::path_chart;
 pub use polar::{Trace, polar};
 pub use scale::nice_above;

@@ -2,9 +2,11 @@
 
 mod findings;
 mod ladder;
+mod volumetric;
 
 pub use findings::findings_text;
 pub use ladder::ladder_text;
+pub use volumetric::{location_text, volumetric_text};
 
 use crate::number::{percent, plain, um, um_or_dash, unit_on_screen, value_and_u};
 use crate::views::cuts;

@@ -6,7 +6,8 @@ use crate::outcome::{self, Outcome};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion_identify::methods::{self, Convention, MethodOptions, REGISTRY};
-use trunnion_report::{findings_html, findings_text, identification_text};
+use trunnion_identify::notation::{Layout, LocationError, Notation};
+use trunnion_report::{findings_html, findings_text, identification_text, location_text};
 use trunnion_units::AxisLetter;
 
 /// Identify the machine's errors from recordings
@@ -26,6 +27,9 @@ pub struct Args {
     /// Named method instead of the joint fit
     #[arg(long, value_name = "NAME", conflicts_with = "model", long_help = method_help())]
     method: Option<String>,
+    /// Location errors in a notation as well: absolute (lines in the machine, ISO 230-1) or relative (against the carrying axis)
+    #[arg(long, value_name = "NAME", conflicts_with = "method", value_parser = notation)]
+    notation: Option<Notation>,
     /// Axis that the method judges; by default the one that turns alone
     #[arg(long, value_name = "LETTER", requires = "method", value_parser = axis)]
     axis: Option<AxisLetter>,
@@ -58,6 +62,13 @@ fn convention(text: &str) -> Result<Convention, String> {
         .ok_or_else(|| format!("allowed: {}", Convention::NAMES.map(|(name, _)| name).join(", ")))
 }
 
+fn notation(text: &str) -> Result<Notation, String> {
+    let named = Notation::NAMES.into_iter().find(|(name, _)| *name == text);
+    named
+        .map(|(_, notation)| notation)
+        .ok_or_else(|| format!("allowed: {}", Notation::NAMES.map(|(name, _)| name).join(", ")))
+}
+
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     match &args.method {
         Some(name) => by_method(args, name),
@@ -70,12 +81,39 @@ fn jointly(args: &Args) -> anyhow::Result<Outcome> {
     let (experiment, model) = load::experiment(&runs, &args.model)?;
     let identification =
         trunnion_identify::identify(&experiment, &model, &trunnion_identify::Options::default())?;
+    let located = args
+        .notation
+        .map(|notation| (notation, Layout::new(experiment.machine()).of_fit(&identification, notation)));
     if args.json {
-        outcome::print_json(&identification.to_json())?;
+        let mut json = identification.to_json();
+        if let Some((notation, errors)) = &located {
+            json["location_errors"] = location_json(*notation, errors);
+        }
+        outcome::print_json(&json)?;
     } else {
-        outcome::print(&identification_text(&(&identification).into()))?;
+        let mut text = identification_text(&(&identification).into());
+        if let Some((notation, errors)) = &located {
+            text += &location_text(errors, *notation);
+        }
+        outcome::print(&text)?;
     }
     Ok(outcome)
+}
+
+fn location_json(notation: Notation, errors: &[LocationError]) -> serde_json::Value {
+    let values = errors.iter().map(|error| {
+        let unit = error.unit();
+        serde_json::json!({
+            "symbol": error.symbol,
+            "axis": error.component.axis.as_str(),
+            "against": match notation { Notation::Relative => error.component.against.as_str(), Notation::Absolute => "machine" },
+            "value": error.value.map(|x| x * unit.per_inside),
+            "u": error.u.map(|x| x * unit.per_inside),
+            "unit": unit.symbol,
+            "without_number": error.without_number,
+        })
+    });
+    serde_json::json!({"notation": notation.name(), "values": values.collect::<Vec<_>>()})
 }
 
 fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {

@@ -17,3 +17,4 @@ pub mod plan;
 pub mod remove;
 pub mod replay;
 pub mod simulate;
+pub mod volumetric;
