@@ -23,7 +23,7 @@ use crate::{Experiment, Identification, IdentifyError, NotTabulated};
 use columns::Columns;
 use nalgebra::{DMatrix, DVector, Point3, RowDVector, Vector3};
 use trunnion_effects::Model;
-use trunnion_units::{AxisValues, Twist};
+use trunnion_units::{AxisLetter, AxisValues, Twist};
 
 /// A null direction counts when it moves the map by more than this share of its largest part.
 const MOVES: f64 = 1e-2;
@@ -56,11 +56,20 @@ pub struct VolumetricMap {
     pub longest: Extreme,
     /// Directions that the runs do not see and that would move the map, with the parameters of axes in them: with any the figures
     /// are lower bounds.
-    pub unseen: Vec<String>,
+    pub unseen: Vec<Unseen>,
     /// Axes of the volume that stood still in the runs: what they do is in no figure.
-    pub stood_still: Vec<trunnion_units::AxisLetter>,
+    pub stood_still: Vec<AxisLetter>,
     /// Effects that are not in the map, or only partly, and why.
     pub left_out: Vec<NotTabulated>,
+}
+
+/// A direction in parameter space that the runs do not see and that moves the map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unseen {
+    /// Parameters of axes in it, e.g. `ECZ.P1`.
+    pub direction: String,
+    /// Components of the deviation that it moves.
+    pub moves: Vec<AxisLetter>,
 }
 
 /// The deviation at one place.
@@ -178,31 +187,39 @@ fn extremes(count: usize, value: impl Fn(usize) -> f64) -> (usize, usize) {
 }
 
 /// The null directions that move the map, by the parameters of axes in them.
-fn unseen(fit: &Identification, columns: &Columns, map: &DMatrix<f64>) -> Vec<String> {
-    let moves = |terms: &[(usize, f64)]| {
-        let largest = |column: &DVector<f64>, rotation: bool| {
-            let of_kind = |(i, _): &(usize, &f64)| (i % 6 >= 3) == rotation;
-            column.iter().enumerate().filter(of_kind).fold(0.0, |most: f64, (_, v)| most.max(v.abs()))
+fn unseen(fit: &Identification, columns: &Columns, map: &DMatrix<f64>) -> Vec<Unseen> {
+    // Terms: column of the map, place in the direction.
+    let moves = |terms: &[(usize, f64)]| -> Vec<AxisLetter> {
+        let largest = |column: &DVector<f64>, components: std::ops::Range<usize>| {
+            let of_them = |(i, _): &(usize, &f64)| components.contains(&(i % 6));
+            column.iter().enumerate().filter(of_them).fold(0.0, |most: f64, (_, v)| most.max(v.abs()))
         };
         let whole = terms.iter().fold(DVector::zeros(map.nrows()), |sum, &(k, c)| sum + map.column(k) * c);
-        [false, true].into_iter().any(|rotation| {
-            let parts = terms.iter().map(|&(k, c)| largest(&(columns.by_parameter.column(k) * c), rotation));
-            let part = parts.fold(0.0, f64::max);
-            part > 0.0 && largest(&whole, rotation) > MOVES * part
-        })
+        let part = |components: std::ops::Range<usize>| {
+            let parts = terms
+                .iter()
+                .map(|&(k, c)| largest(&(columns.by_parameter.column(k) * c), components.clone()));
+            parts.fold(0.0, f64::max)
+        };
+        let (shift_mm, turn_rad) = (part(0..3), part(3..6));
+        let moved = |letter: &AxisLetter| {
+            let part = if letter.is_rotary() { turn_rad } else { shift_mm };
+            let component = *letter as usize;
+            part > 0.0 && largest(&whole, component..component + 1) > MOVES * part
+        };
+        AxisLetter::ALL.into_iter().filter(moved).collect()
     };
     fit.unobservable
         .iter()
         .filter_map(|direction| {
-            let at = |j: usize| columns.parameters.iter().position(|&k| k == j);
+            let column = |j: usize| columns.parameters.iter().position(|&k| k == j);
             let of_axes: Vec<usize> =
-                (0..direction.inside.len()).filter(|&i| at(direction.inside[i].0).is_some()).collect();
-            let terms: Vec<(usize, f64)> = of_axes
-                .iter()
-                .filter_map(|&i| Some((at(direction.inside[i].0)?, direction.inside[i].1)))
-                .collect();
+                (0..direction.inside.len()).filter(|&i| column(direction.inside[i].0).is_some()).collect();
+            let term = |&i: &usize| Some((column(direction.inside[i].0)?, direction.inside[i].1));
+            let terms: Vec<(usize, f64)> = of_axes.iter().filter_map(term).collect();
             let names: Vec<(String, f64)> = of_axes.iter().map(|&i| direction.terms[i].clone()).collect();
-            (!terms.is_empty() && moves(&terms)).then(|| spell(&names))
+            let moves = moves(&terms);
+            (!moves.is_empty()).then(|| Unseen { direction: spell(&names), moves })
         })
         .collect()
 }

@@ -2,7 +2,7 @@
 
 use crate::number::{MISSING, minus, um, value_and_u};
 use trunnion_identify::notation::LocationError;
-use trunnion_identify::volumetric::{Datum, Extreme, VolumetricMap};
+use trunnion_identify::volumetric::{Datum, Extreme, Unseen, VolumetricMap};
 use trunnion_units::AxisLetter;
 use trunnion_units::convert::{deg_from_rad, um_from_mm, urad_from_rad};
 
@@ -52,8 +52,15 @@ pub fn notes(map: &VolumetricMap) -> Vec<String> {
         Datum::Model => "Deviation of tool against table in the axes of the table, in the coordinate system that the zeros of the model's parameters define.".to_owned(),
     }];
     if map.lower_bound() {
-        let mut lacks: Vec<String> =
-            map.unseen.iter().map(|direction| format!("{direction} (not seen, taken as zero)")).collect();
+        let moved = |unseen: &Unseen| unseen.moves.iter().map(|letter| letter.as_str()).collect::<Vec<_>>();
+        let alike = map.unseen.chunk_by(|a, b| a.moves == b.moves);
+        let mut lacks: Vec<String> = alike
+            .map(|group| {
+                let directions: Vec<&str> = group.iter().map(|unseen| unseen.direction.as_str()).collect();
+                let moves = group.first().map(moved).unwrap_or_default().join(", ");
+                format!("{} (not seen, taken as zero; would change {moves})", directions.join(", "))
+            })
+            .collect();
         lacks.extend(
             map.stood_still
                 .iter()
@@ -124,6 +131,8 @@ pub fn verdict(map: &VolumetricMap) -> String {
         .zip(&map.ranges)
         .max_by(|a, b| a.1.value.total_cmp(&b.1.value))
         .map_or((AxisLetter::X, map.ranges[0]), |(letter, range)| (letter, *range));
-    let bound = if map.lower_bound() { "at least " } else { "" };
+    let lacking =
+        !map.stood_still.is_empty() || map.unseen.iter().any(|unseen| unseen.moves.contains(&letter));
+    let bound = if lacking { "at least " } else { "" };
     format!("Volumetric accuracy of {}: {bound}{} in {letter}", map.machine, um(um_from_mm(range.value)))
 }

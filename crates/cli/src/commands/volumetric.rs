@@ -122,7 +122,10 @@ fn json(map: &VolumetricMap, axes: &[AxisLetter]) -> serde_json::Value {
         "datum": match map.datum { Datum::BestFit => "fit", Datum::Model => "model" },
         "values": values,
         "lower_bound": map.lower_bound(),
-        "unseen": map.unseen,
+        "unseen": map.unseen.iter().map(|u| serde_json::json!({
+            "direction": u.direction,
+            "moves": u.moves.iter().map(|letter| letter.as_str()).collect::<Vec<_>>(),
+        })).collect::<Vec<_>>(),
         "stood_still": map.stood_still.iter().map(|letter| letter.as_str()).collect::<Vec<_>>(),
         "left_out": map.left_out.iter().map(|l| serde_json::json!({"effect": l.effect, "why": l.why})).collect::<Vec<_>>(),
     })
