@@ -127,6 +127,80 @@ fn an_error_map_from_imported_points() {
     assert!(value(&found, "EZB variation") > 2.0);
 }
 
+/// Simulates a cycle on a machine: a shipped truth, hidden errors added.
+fn simulate_on(folder: &Path, truth: &str, hidden: &str, cycle: &str) -> String {
+    let shipped = std::fs::read_to_string(root(&format!("config/truths/{truth}.toml"))).unwrap();
+    let honest = shipped.split("[[hidden]]").next().unwrap();
+    let (truth, run) = (folder.join("hidden.toml"), folder.join(format!("{cycle}.mcap")));
+    std::fs::write(&truth, format!("{honest}\n{hidden}")).unwrap();
+    let cycle = root(&format!("config/cycles/{cycle}.toml"));
+    done(&["simulate", truth.to_str().unwrap(), "--cycle", &cycle, "-o", run.to_str().unwrap()]);
+    run.display().to_string()
+}
+
+#[test]
+fn a_ball_bar_gives_the_axes_of_c_and_b_from_two_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let c = simulate_on(folder.path(), "table-bc-y", "", "s4-c");
+    let b = simulate_on(folder.path(), "table-bc-y", "", "s4-b");
+    let found = findings(folder.path(), &c, "ball-bar", &[&b]);
+    // Of the truth: C carries the errors of B, which stands at zero.
+    for (name, put_in, within) in [
+        ("EX0C", 8.0 - 12.0, 0.2),
+        ("EY0C", 9.0, 0.2),
+        ("EA0C", 25.0 + 40.0, 1.5),
+        ("EB0C", -30.0, 1.5),
+        ("EX0B", 8.0, 0.2),
+        ("EZ0B", -6.0, 0.2),
+        ("EA0B", 25.0, 1.5),
+        ("EC0B", 18.0, 1.5),
+    ] {
+        near(value(&found, name), put_in, within);
+    }
+    let cone = simulate_on(folder.path(), "table-bc", "", "bk4-cone");
+    let page = folder.path().join("cone.html").display().to_string();
+    let text = done(&["identify", &cone, "--method", "ball-bar", "--html", &page]);
+    assert!(text.contains("path cone circularity"), "{text}");
+    assert!(std::fs::read_to_string(page).unwrap().contains("Radial error over the path"));
+}
+
+#[test]
+fn circles_name_the_errors_put_in_and_leave_what_the_list_lacks() {
+    let hidden = |id: &str, amplitude: f64, shape: &str| {
+        format!("[[hidden]]\nid = \"{id}\"\namplitude = {amplitude:e}\nshape = {{ {shape} }}\n\n")
+    };
+    let listed = hidden("squareness:XY", 3e-5, "sign = 1.0")
+        + &hidden("linear-scale:X", 2e-5, "sign = 1.0")
+        + &hidden("backlash:X", 4e-3, "sign = -1.0")
+        + &hidden("servo-lag:Y", 3e-4, "sign = 1.0")
+        + &hidden("reversal-spike:Y", 6e-3, "decay = 3.0");
+    let folder = tempfile::tempdir().unwrap();
+    let run = simulate_on(folder.path(), "three-axis", &listed, "circle-xy");
+    let found = {
+        let text = done(&["identify", &run, "--method", "circular", "--json"]);
+        serde_json::from_str::<Value>(&text).unwrap()
+    };
+    near(value(&found, "XY EC0Y"), 30.0, 1.5);
+    near(value(&found, "XY scale X−Y"), 20.0, 2.5);
+    near(value(&found, "XY backlash X"), 4.0, 0.4);
+    near(value(&found, "XY servo X−Y"), -0.3, 0.04);
+    near(value(&found, "XY reversal spike Y"), 6.0, 0.5);
+    assert!(value(&found, "XY unexplained beyond noise") < 0.12);
+    // An S-shaped guide is on no list.
+    let bent = hidden(
+        "straightness:X",
+        5e-3,
+        "middle_mm = 0.0, half_length_mm = 150.0, u_bow = 0.0, u_s = 1.0, v_bow = 0.0, v_s = 0.0",
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let run = simulate_on(folder.path(), "three-axis", &(listed + &bent), "circle-xy");
+    let found: Value =
+        serde_json::from_str(&done(&["identify", &run, "--method", "circular", "--json"])).unwrap();
+    assert!(value(&found, "XY unexplained beyond noise") > 0.8);
+    assert!(value(&found, "XY unexplained share") > 0.1);
+    assert!(done(&["identify", &run, "--method", "circular"]).contains("something is not on the list"));
+}
+
 #[test]
 fn what_cannot_be_done_is_refused_with_what_can() {
     let folder = tempfile::tempdir().unwrap();

@@ -4,6 +4,7 @@
 //! so that its figures can be compared with the source and with the joint fit. A test walks the directory and the list.
 
 mod ball_bar;
+mod circular;
 mod error_map;
 mod rotary_values;
 mod two_height;
@@ -13,8 +14,8 @@ use trunnion_measurement::Run;
 use trunnion_units::AxisLetter;
 
 /// Every named method.
-pub static REGISTRY: [&Method; 4] =
-    [&two_height::METHOD, &error_map::METHOD, &rotary_values::METHOD, &ball_bar::METHOD];
+pub static REGISTRY: [&Method; 5] =
+    [&two_height::METHOD, &error_map::METHOD, &rotary_values::METHOD, &ball_bar::METHOD, &circular::METHOD];
 
 /// A closed recipe of the literature.
 #[derive(Debug)]

@@ -1,0 +1,40 @@
+//! Pictures of the circular method: the trace magnified, what the list explains of it, and what is left.
+
+use super::fit::{Contour, Fitted};
+use crate::findings::{AxisName, Chart, Curve, Plot};
+use trunnion_effects::Unit;
+
+pub(super) fn charts(fit: &Fitted<'_>) -> Vec<Chart> {
+    let [a, b] = fit.trace.plane;
+    let group = format!("Circle in {} ({a} to the right at 0°, {b} at 90°)", fit.trace.name);
+    let curves = |k: usize, around: bool| -> Vec<Curve> {
+        let drawn = |contour: &Contour| if around { closed(contour) } else { contour.clone() };
+        fit.contours.iter().map(|(way, contours)| Curve::new(name(*way), drawn(&contours[k]))).collect()
+    };
+    let mut charts = Vec::new();
+    for (k, title) in
+        ["Measured, centred", "Explained by the list", "Left unexplained"].into_iter().enumerate()
+    {
+        let plot = Plot::Polar { unit: Unit::UM, curves: curves(k, true) };
+        charts.push(Chart { group: group.clone(), title: title.into(), plot });
+        if k != 1 {
+            let plot = Plot::Xy {
+                x: AxisName { name: "angle".into(), unit: Unit::DEG },
+                y: AxisName { name: String::new(), unit: Unit::UM },
+                curves: curves(k, false),
+            };
+            charts.push(Chart { group: group.clone(), title: title.into(), plot });
+        }
+    }
+    charts
+}
+
+fn name(way: f64) -> &'static str {
+    if way < 0.0 { "− (clockwise)" } else { "+" }
+}
+
+/// The first point once more.
+fn closed(contour: &Contour) -> Contour {
+    let first = contour.first().map(|(angle, value)| (angle + std::f64::consts::TAU, *value));
+    contour.iter().copied().chain(first).collect()
+}
