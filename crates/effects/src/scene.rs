@@ -23,7 +23,7 @@ pub struct Scene {
     pub position_range: AxisValues<(f64, f64)>,
     /// Smallest step between two positions of each axis, mm and rad; infinite where it stands at one, zero where it was read in motion.
     pub position_step: AxisValues<f64>,
-    /// Most different places of each axis while the rotary axes stand at one pose; at most [`MOST_PLACES`] are counted.
+    /// Most different places of each axis while the rotary axes stand at one pose; at most six are counted.
     pub places_at_one_pose: AxisValues<usize>,
     /// Usual time from one point to the next, s; `None` without time or with one point.
     pub time_step_s: Option<f64>,
