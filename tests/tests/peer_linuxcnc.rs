@@ -32,6 +32,9 @@ fn linuxcnc_runs_every_shipped_cycle_through_its_poses() {
             // No program moves legs one by one.
             continue;
         }
+        if cycle.touches() {
+            continue;
+        }
         let (points, stops) = check(&cycle);
         println!("{}: {points} points visited, {stops} stops", cycle.name);
         tested += 1;

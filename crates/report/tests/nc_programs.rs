@@ -120,12 +120,7 @@ fn the_shipped_cycles_visit_their_poses_in_every_dialect() {
         // Controllers of machines with legs take no strokes; the command refuses.
         let legs = machine(&cycle).tripod.is_some();
         // What touches belongs to the probing cycles of the controller (tested below).
-        let touches = cycle.setups.iter().any(|setup| {
-            use trunnion_measurement::InstrumentKind as Kind;
-            let kind = setup.instrument;
-            kind.has_targets() || matches!(kind, Kind::TouchProbe)
-        });
-        if !legs && !touches {
+        if !legs && !cycle.touches() {
             check(&cycle, &CourseRules::default());
             count += 1;
         }

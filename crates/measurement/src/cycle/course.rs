@@ -128,6 +128,12 @@ pub enum Step {
 }
 
 impl Cycle {
+    /// True when it touches surfaces or balls: that is left to the probing cycles of the controller.
+    pub fn touches(&self) -> bool {
+        let touching = |kind: InstrumentKind| kind.has_targets() || kind == InstrumentKind::TouchProbe;
+        self.setups.iter().any(|setup| touching(setup.instrument) || setup.artefact.is_some())
+    }
+
     /// The steps of the cycle in order.
     ///
     /// # Errors
@@ -135,8 +141,7 @@ impl Cycle {
     /// touches surfaces.
     pub fn course(&self, machine: &Machine, rules: &CourseRules) -> Result<Vec<Step>, VisitError> {
         self.has_its_axes(machine)?;
-        let touches = |kind: InstrumentKind| kind.has_targets() || kind == InstrumentKind::TouchProbe;
-        if self.setups.iter().any(|setup| touches(setup.instrument) || setup.artefact.is_some()) {
+        if self.touches() {
             let what = "it touches surfaces or balls; use the probing cycles of the controller";
             return Err(VisitError::NoCourse { cycle: self.name.clone(), what });
         }
