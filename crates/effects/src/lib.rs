@@ -9,6 +9,7 @@ mod effect;
 pub mod formula;
 mod history;
 mod instance;
+mod legendre;
 mod markdown;
 pub mod model;
 mod need;

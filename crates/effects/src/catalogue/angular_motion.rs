@@ -3,7 +3,8 @@
 //! EAX(x) = a₁ s + a₂ P₂(s) and likewise EBX, ECX, s = x scaled to −1…1 over the measured range      [S2 eq. 1–2; S4 table 2]
 //! They act about the carriage, with the arm to the tool point or the ball. Limits: smooth guideway.
 
-use super::straightness::{legendre_2, scaled};
+use super::straightness::scaled;
+use crate::legendre::legendre;
 use crate::subjects::{axis_of, every_slide};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
@@ -50,8 +51,9 @@ fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
 fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
     let Some(axis) = axis_of(&scene.machine, subject) else { return };
     let s = scaled(scene, axis.letter, state);
+    let [_, p1, p2] = legendre(s);
     for k in 0..3 {
-        emit(2 * k, Site::Joint(axis.letter), Twist::rotation(Vector3::ith(k, s)));
-        emit(2 * k + 1, Site::Joint(axis.letter), Twist::rotation(Vector3::ith(k, legendre_2(s))));
+        emit(2 * k, Site::Joint(axis.letter), Twist::rotation(Vector3::ith(k, p1)));
+        emit(2 * k + 1, Site::Joint(axis.letter), Twist::rotation(Vector3::ith(k, p2)));
     }
 }

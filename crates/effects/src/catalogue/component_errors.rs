@@ -6,6 +6,7 @@
 //! volume is measured. Limits: smooth guideways; periodic errors of a screw need their own effect.
 
 use super::straightness::scaled;
+use crate::legendre::legendre;
 use crate::scene::MOST_PLACES;
 use crate::subjects::{across, axis_of, every_slide, linear_name};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
@@ -82,35 +83,12 @@ fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
 
 fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
     let Some(axis) = axis_of(&scene.machine, subject) else { return };
-    let legendre = legendre(scaled(scene, axis.letter, state));
+    let legendre: [f64; HIGHEST + 1] = legendre(scaled(scene, axis.letter, state));
     let mut parameter = 0;
     for (_, twist, _, lowest) in components(axis) {
         for value in &legendre[lowest..=highest(scene, axis.letter)] {
             emit(parameter, Site::Joint(axis.letter), twist * *value);
             parameter += 1;
-        }
-    }
-}
-
-/// P₀ … P₅ by (n + 1) Pₙ₊₁ = (2n + 1) s Pₙ − n Pₙ₋₁.
-fn legendre(s: f64) -> [f64; HIGHEST + 1] {
-    let mut p = [1.0; HIGHEST + 1];
-    p[1] = s;
-    for n in 1..HIGHEST {
-        let order = n as f64;
-        p[n + 1] = ((2.0 * order + 1.0) * s * p[n] - order * p[n - 1]) / (order + 1.0);
-    }
-    p
-}
-
-#[cfg(test)]
-mod tests {
-    /// Abramowitz and Stegun, table 22.9: P₅(x) = (63 x⁵ − 70 x³ + 15 x)/8.
-    #[test]
-    fn legendre_polynomials_are_those_of_the_handbook() {
-        for x in [-1.0, -0.3, 0.0, 0.5, 1.0f64] {
-            let p5 = (63.0 * x.powi(5) - 70.0 * x.powi(3) + 15.0 * x) / 8.0;
-            assert!((super::legendre(x)[5] - p5).abs() < 1e-14);
         }
     }
 }

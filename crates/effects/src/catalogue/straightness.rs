@@ -3,6 +3,7 @@
 //! EYX(x) = a₂ P₂(s) + a₃ P₃(s), s = x scaled to −1…1 over the measured range, P₂, P₃ Legendre        [S2 eq. 1; METHODS §5 (three lobes), §9]
 //! The straight part is squareness. Limits: smooth guideway; the amplitude belongs to the measured range.
 
+use crate::legendre::legendre;
 use crate::subjects::{across, axis_of, every_slide, linear_name};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use trunnion_machine::{Site, State};
@@ -41,14 +42,6 @@ pub(super) fn scaled(scene: &Scene, letter: AxisLetter, state: &State) -> f64 {
     if high > low { (2.0 * state.position[letter] - low - high) / (high - low) } else { 0.0 }
 }
 
-pub(super) fn legendre_2(s: f64) -> f64 {
-    (3.0 * s * s - 1.0) / 2.0
-}
-
-fn legendre_3(s: f64) -> f64 {
-    (5.0 * s * s * s - 3.0 * s) / 2.0
-}
-
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.moves(axis.letter)) else {
         return Vec::new();
@@ -63,8 +56,9 @@ fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
 fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
     let Some(axis) = axis_of(&scene.machine, subject) else { return };
     let (s, across) = (scaled(scene, axis.letter, state), across(&axis.direction));
+    let [_, _, p2, p3] = legendre(s);
     for (k, e) in [across.first, across.second].into_iter().enumerate() {
-        emit(2 * k, Site::Joint(axis.letter), Twist::translation(e * legendre_2(s)));
-        emit(2 * k + 1, Site::Joint(axis.letter), Twist::translation(e * legendre_3(s)));
+        emit(2 * k, Site::Joint(axis.letter), Twist::translation(e * p2));
+        emit(2 * k + 1, Site::Joint(axis.letter), Twist::translation(e * p3));
     }
 }

@@ -8,6 +8,7 @@
 
 use super::relative::tool_against_table_mm;
 use crate::methods::{Method, MethodError, one_machine};
+use crate::recipe::{Mounted, mounted};
 use nalgebra::{Point3, Vector3};
 use trunnion_machine::{JointErrors, Machine, Side};
 use trunnion_measurement::{InstrumentKind, Point, Run, RunKind, Setup};
@@ -80,21 +81,13 @@ impl Turning {
             return Err(method.lacks(found, format!("Choose --axis {}.", rotary.join(" or "))));
         }
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
-        for (i, run) in runs.iter().enumerate() {
-            for (s, setup) in run.setups.iter().enumerate() {
-                let points: Vec<&Point> = run.good_points().filter(|p| p.state.setup == s).collect();
-                if points.is_empty() {
-                    continue;
+        for Mounted { name, run, setup, points } in mounted(runs) {
+            match alone(setup, &points) {
+                Ok(letter) if asked.is_none_or(|asked| asked == letter) => {
+                    found.push((letter, name, run, setup, points));
                 }
-                let name =
-                    if runs.len() > 1 { format!("{}.{}", i + 1, setup.name) } else { setup.name.clone() };
-                match alone(setup, &points) {
-                    Ok(letter) if asked.is_none_or(|asked| asked == letter) => {
-                        found.push((letter, name, run, setup, points));
-                    }
-                    Ok(letter) => left_out.push(format!("setup {name}: axis {letter} turns there")),
-                    Err(why) => left_out.push(format!("setup {name}: {why}")),
-                }
+                Ok(letter) => left_out.push(format!("setup {name}: axis {letter} turns there")),
+                Err(why) => left_out.push(format!("setup {name}: {why}")),
             }
         }
         let Some(&(axis, ..)) = found.first() else {

@@ -5,8 +5,8 @@
 //! compensation and with it tool centre point control (G43.4, G43.5). Comments take capital letters.
 
 use super::Dialect;
-use super::program::{Block, Program, Target};
-use super::words::{Words, fixed, plain, short, wrapped};
+use super::program::{Block, Program};
+use super::words::{Moves, fixed, plain, wrapped};
 
 /// Number of the program, in the range that users may write (O0001–O7999).
 const PROGRAM_NUMBER: u32 = 7230;
@@ -26,38 +26,18 @@ fn write(program: &Program, decimals: usize) -> String {
         text += &format!("({line})\n");
     }
     text += "G21 G17 G90 G94 G40 G49 G80\nG54 G64\n";
-    let (mut words, mut inverse_time) = (Words::new(decimals), false);
+    let mut moves = Moves::new(decimals, "G01", 3);
     for block in &program.blocks {
         match block {
             Block::Remark(remark) => text += &lines(remark),
             Block::Stop(message) => text += &format!("{}M00\n", lines(message)),
             Block::Dwell { seconds } => text += &format!("G04 P{}\n", fixed(seconds * 1e3, 0)),
-            Block::Feed { to, per_min } => {
-                let line = axis_words(&mut words, to);
-                if !line.is_empty() {
-                    let mode = if inverse_time { "G94 " } else { "" };
-                    text += &format!("{mode}G01{line} F{}\n", short(*per_min, 3));
-                    inverse_time = false;
-                }
-            }
-            Block::Timed { to, seconds } => {
-                let line = axis_words(&mut words, to);
-                if !line.is_empty() {
-                    let mode = if inverse_time { "" } else { "G93 " };
-                    text += &format!("{mode}G01{line} F{}\n", short(60.0 / seconds, 3));
-                    inverse_time = true;
-                }
-            }
+            Block::Feed { to, per_min } => text += &moves.feed(to, *per_min),
+            Block::Timed { to, seconds } => text += &moves.timed(to, *seconds),
         }
     }
-    if inverse_time {
-        text += "G94\n";
-    }
+    text += moves.end();
     text + "M30\n%\n"
-}
-
-fn axis_words(words: &mut Words, to: &Target) -> String {
-    words.changed(to).words.iter().map(|(letter, number)| format!(" {letter}{number}")).collect()
 }
 
 fn lines(text: &str) -> String {

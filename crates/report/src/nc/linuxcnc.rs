@@ -5,7 +5,7 @@
 
 use super::Dialect;
 use super::program::{Block, Program};
-use super::words::{Words, plain, short, wrapped};
+use super::words::{Moves, plain, short, wrapped};
 
 pub(super) static DIALECT: Dialect = Dialect {
     name: "linuxcnc",
@@ -23,36 +23,16 @@ fn write(program: &Program, decimals: usize) -> String {
     }
     text += "G21 G17 G90 G94 G40 G49 G80 G54\n";
     text += &format!("G64 P{} Q0\n", short(program.tolerance_mm, 6));
-    let (mut words, mut inverse_time) = (Words::new(decimals), false);
+    let mut moves = Moves::new(decimals, "G1", 6);
     for block in &program.blocks {
         match block {
             Block::Remark(remark) => text += &format!("({})\n", plain(remark)),
             Block::Stop(message) => text += &format!("(MSG,{})\nM0\n", plain(message)),
             Block::Dwell { seconds } => text += &format!("G4 P{}\n", short(*seconds, 3)),
-            Block::Feed { to, per_min } => {
-                let line = axis_words(&mut words, to);
-                if !line.is_empty() {
-                    let mode = if inverse_time { "G94 " } else { "" };
-                    text += &format!("{mode}G1{line} F{}\n", short(*per_min, 3));
-                    inverse_time = false;
-                }
-            }
-            Block::Timed { to, seconds } => {
-                let line = axis_words(&mut words, to);
-                if !line.is_empty() {
-                    let mode = if inverse_time { "" } else { "G93 " };
-                    text += &format!("{mode}G1{line} F{}\n", short(60.0 / seconds, 6));
-                    inverse_time = true;
-                }
-            }
+            Block::Feed { to, per_min } => text += &moves.feed(to, *per_min),
+            Block::Timed { to, seconds } => text += &moves.timed(to, *seconds),
         }
     }
-    if inverse_time {
-        text += "G94\n";
-    }
+    text += moves.end();
     text + "M2\n"
-}
-
-fn axis_words(words: &mut Words, to: &super::program::Target) -> String {
-    words.changed(to).words.iter().map(|(letter, number)| format!(" {letter}{number}")).collect()
 }

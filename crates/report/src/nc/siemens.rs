@@ -5,8 +5,8 @@
 //! (TRAORI), D0 tool offsets. G60 and G64: exact stop and continuous path.
 
 use super::Dialect;
-use super::program::{Block, Program, Target};
-use super::words::{Words, plain, short, wrapped};
+use super::program::{Block, Program};
+use super::words::{Moves, plain, short, wrapped};
 
 /// Longest text of a message.
 const MESSAGE: usize = 120;
@@ -27,7 +27,7 @@ fn write(program: &Program, decimals: usize) -> String {
     }
     text += "TRAFOOF\nG710 G17 G90 G94 G40 D0\nG54\n";
     text += &format!("G642 CTOL={}\n", short(program.tolerance_mm, 4));
-    let (mut words, mut inverse_time) = (Words::new(decimals), false);
+    let mut moves = Moves::new(decimals, "G1", 4);
     for block in &program.blocks {
         match block {
             Block::Remark(remark) => text += &format!("; {}\n", plain(remark)),
@@ -37,30 +37,10 @@ fn write(program: &Program, decimals: usize) -> String {
                 text += &format!("MSG(\"{}\")\n{comments}M0\nMSG()\n", lines[0]);
             }
             Block::Dwell { seconds } => text += &format!("G4 F{}\n", short(*seconds, 3)),
-            Block::Feed { to, per_min } => {
-                let line = axis_words(&mut words, to);
-                if !line.is_empty() {
-                    let mode = if inverse_time { "G94 " } else { "" };
-                    text += &format!("{mode}G1{line} F{}\n", short(*per_min, 3));
-                    inverse_time = false;
-                }
-            }
-            Block::Timed { to, seconds } => {
-                let line = axis_words(&mut words, to);
-                if !line.is_empty() {
-                    let mode = if inverse_time { "" } else { "G93 " };
-                    text += &format!("{mode}G1{line} F{}\n", short(60.0 / seconds, 4));
-                    inverse_time = true;
-                }
-            }
+            Block::Feed { to, per_min } => text += &moves.feed(to, *per_min),
+            Block::Timed { to, seconds } => text += &moves.timed(to, *seconds),
         }
     }
-    if inverse_time {
-        text += "G94\n";
-    }
+    text += moves.end();
     text + "M30\n"
-}
-
-fn axis_words(words: &mut Words, to: &Target) -> String {
-    words.changed(to).words.iter().map(|(letter, number)| format!(" {letter}{number}")).collect()
 }

@@ -42,6 +42,50 @@ impl Words {
     }
 }
 
+/// Straight moves of controllers with inverse time: G94 and G93 are written when the mode changes, F in every block.
+pub(super) struct Moves {
+    words: Words,
+    /// G01 or G1.
+    straight: &'static str,
+    /// Decimals of F in 1/min.
+    inverse_decimals: usize,
+    inverse_time: bool,
+}
+
+impl Moves {
+    pub(super) fn new(decimals: usize, straight: &'static str, inverse_decimals: usize) -> Self {
+        Self { words: Words::new(decimals), straight, inverse_decimals, inverse_time: false }
+    }
+
+    /// To `to` at a feed; nothing when it is there.
+    pub(super) fn feed(&mut self, to: &Target, per_min: f64) -> String {
+        let feed = short(per_min, 3);
+        self.block(to, &feed, false, "G94 ")
+    }
+
+    /// To `to` in so many seconds; nothing when it is there.
+    pub(super) fn timed(&mut self, to: &Target, seconds: f64) -> String {
+        let inverse = short(60.0 / seconds, self.inverse_decimals);
+        self.block(to, &inverse, true, "G93 ")
+    }
+
+    /// Back to feed per minute, where the mode is another.
+    pub(super) fn end(&self) -> &'static str {
+        if self.inverse_time { "G94\n" } else { "" }
+    }
+
+    fn block(&mut self, to: &Target, f: &str, inverse_time: bool, mode: &str) -> String {
+        let word = |(letter, number): &(AxisLetter, String)| format!(" {letter}{number}");
+        let axes: String = self.words.changed(to).words.iter().map(word).collect();
+        if axes.is_empty() {
+            return axes;
+        }
+        let mode = if self.inverse_time == inverse_time { "" } else { mode };
+        self.inverse_time = inverse_time;
+        format!("{mode}{}{axes} F{f}\n", self.straight)
+    }
+}
+
 /// A number with this many decimals, never "-0".
 pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");

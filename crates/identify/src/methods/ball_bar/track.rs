@@ -2,6 +2,7 @@
 
 use crate::geometry;
 use crate::methods::{Method, MethodError};
+use crate::recipe::{Mounted, mounted};
 use nalgebra::{Point3, Vector2, Vector3};
 use trunnion_instruments::predict;
 use trunnion_machine::{Errors, JointErrors, Machine, Side};
@@ -94,27 +95,17 @@ impl Tracks {
     /// No setup that the method can use.
     pub fn of(method: &Method, runs: &[Run], asked: Option<AxisLetter>) -> Result<Self, MethodError> {
         let mut tracks = Self { all: Vec::new(), left_out: Vec::new() };
-        for (i, run) in runs.iter().enumerate() {
-            for (s, setup) in run.setups.iter().enumerate() {
-                let points: Vec<&Point> = run.good_points().filter(|p| p.state.setup == s).collect();
-                if points.is_empty() {
-                    continue;
-                }
-                let name =
-                    if runs.len() > 1 { format!("{}.{}", i + 1, setup.name) } else { setup.name.clone() };
-                match Seen::of(&run.machine, setup, &points)
-                    .and_then(|seen| seen.track(&name, run.kind == RunKind::OnTheFly))
+        for Mounted { name, run, setup, points } in mounted(runs) {
+            match Seen::of(&run.machine, setup, &points)
+                .and_then(|seen| seen.track(&name, run.kind == RunKind::OnTheFly))
+            {
+                Ok(track)
+                    if asked.is_none_or(|asked| track.kind.axis().is_some_and(|a| a.letter == asked)) =>
                 {
-                    Ok(track)
-                        if asked.is_none_or(|asked| track.kind.axis().is_some_and(|a| a.letter == asked)) =>
-                    {
-                        tracks.all.push(track);
-                    }
-                    Ok(_) => {
-                        tracks.left_out.push(format!("setup {name}: another axis than the one asked for"))
-                    }
-                    Err(why) => tracks.left_out.push(format!("setup {name}: {why}")),
+                    tracks.all.push(track);
                 }
+                Ok(_) => tracks.left_out.push(format!("setup {name}: another axis than the one asked for")),
+                Err(why) => tracks.left_out.push(format!("setup {name}: {why}")),
             }
         }
         if tracks.all.is_empty() {

@@ -1,6 +1,7 @@
 //! Circles among the readings: bar in a coordinate plane, two linear axes moving, nothing else.
 
 use crate::methods::{Method, MethodError};
+use crate::recipe::{Mounted, mounted};
 use nalgebra::Vector3;
 use trunnion_instruments::predict;
 use trunnion_machine::{Errors, JointErrors, Machine};
@@ -65,23 +66,15 @@ impl Traces {
     /// No circle.
     pub fn of(method: &Method, runs: &[Run]) -> Result<Self, MethodError> {
         let mut traces = Self { all: Vec::new(), left_out: Vec::new() };
-        for (i, run) in runs.iter().enumerate() {
-            for (s, setup) in run.setups.iter().enumerate() {
-                let points: Vec<&Point> = run.good_points().filter(|p| p.state.setup == s).collect();
-                if points.is_empty() {
-                    continue;
+        for Mounted { name, run, setup, points } in mounted(runs) {
+            match circle(&run.machine, setup, &points) {
+                Ok(trace) => {
+                    let on_the_fly = run.kind == RunKind::OnTheFly;
+                    let taken = traces.all.iter().any(|other| other.plane == trace.plane);
+                    let name = if taken { format!("{} {name}", trace.name) } else { trace.name };
+                    traces.all.push(Trace { name, on_the_fly, ..trace });
                 }
-                let name =
-                    if runs.len() > 1 { format!("{}.{}", i + 1, setup.name) } else { setup.name.clone() };
-                match circle(&run.machine, setup, &points) {
-                    Ok(trace) => {
-                        let on_the_fly = run.kind == RunKind::OnTheFly;
-                        let taken = traces.all.iter().any(|other| other.plane == trace.plane);
-                        let name = if taken { format!("{} {name}", trace.name) } else { trace.name };
-                        traces.all.push(Trace { name, on_the_fly, ..trace });
-                    }
-                    Err(why) => traces.left_out.push(format!("setup {name}: {why}")),
-                }
+                Err(why) => traces.left_out.push(format!("setup {name}: {why}")),
             }
         }
         if traces.all.is_empty() {
