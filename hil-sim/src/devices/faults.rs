@@ -23,19 +23,57 @@ pub enum Fault {
         /// How long, s.
         duration_s: f64,
     },
-    /// The agent is restarted: connections dropped, new `instanceId`, sequence numbers from 1.
+    /// The agent or server is restarted: connections dropped, new identity of the instance, sequence numbers from 1.
     AgentRestart,
+    /// Another device takes the place of this one: it answers alike, but says it is another.
+    WrongIdentity,
+    /// The device goes on sending the value it had.
+    StuckValue {
+        /// How long, s.
+        duration_s: f64,
+    },
+    /// What is measured lies outside the range of the device, which says so in the way of its kind.
+    OutOfRange {
+        /// How long, s.
+        duration_s: f64,
+    },
+    /// The count of measurements jumps: measurements were made that nobody sent.
+    CounterJump {
+        /// By how many.
+        by: u32,
+    },
+    /// The clock of the device is set anew.
+    ClockJump {
+        /// By how much, s; negative sets it back.
+        by_s: f64,
+    },
+    /// The CAN controller of the adapter goes bus-off: nothing is sent or received until it is restarted.
+    BusOff {
+        /// How long, s.
+        duration_s: f64,
+    },
 }
 
 impl Fault {
     /// True when its duration, if it has one, is a time.
     pub(super) fn is_possible(&self) -> bool {
         match self {
-            Fault::Silence { duration_s } | Fault::Unplug { duration_s } => {
-                duration_s.is_finite() && *duration_s >= 0.0
-            }
-            Fault::GarbleBytes { .. } | Fault::AgentRestart => true,
+            Fault::Silence { duration_s }
+            | Fault::Unplug { duration_s }
+            | Fault::StuckValue { duration_s }
+            | Fault::OutOfRange { duration_s }
+            | Fault::BusOff { duration_s } => duration_s.is_finite() && *duration_s >= 0.0,
+            Fault::ClockJump { by_s } => by_s.is_finite(),
+            Fault::GarbleBytes { .. }
+            | Fault::AgentRestart
+            | Fault::WrongIdentity
+            | Fault::CounterJump { .. } => true,
         }
+    }
+
+    /// True for what happens on the line, whatever device hangs on it.
+    pub(super) fn is_of_the_line(&self) -> bool {
+        matches!(self, Fault::GarbleBytes { .. } | Fault::Silence { .. } | Fault::Unplug { .. })
     }
 }
 

@@ -98,7 +98,7 @@ pub async fn spawn(
     faults: &[ScheduledFault],
 ) -> Result<Handle, DeviceError> {
     config.check()?;
-    if let Some(bad) = faults.iter().find(|scheduled| !scheduled.fault.is_possible()) {
+    if let Some(bad) = faults.iter().find(|scheduled| !can_have(&scheduled.fault)) {
         return Err(DeviceError::Fault { device: "MTConnect agent", fault: bad.fault });
     }
     let failed = |source| DeviceError::Listen { address: config.listen, source };
@@ -111,7 +111,11 @@ pub async fn spawn(
     let floor = Floor { world, config, origin, address, stop: stop.clone() };
     let task = tokio::spawn(floor.run(listener, faults));
     let url = Address::Url(format!("http://{address}"));
-    Ok(Handle::new(url, (commands, Fault::is_possible), lost_bytes, stop, task))
+    Ok(Handle::new(url, (commands, can_have), lost_bytes, stop, task))
+}
+
+fn can_have(fault: &Fault) -> bool {
+    fault.is_possible() && (fault.is_of_the_line() || *fault == Fault::AgentRestart)
 }
 
 /// What outlives a restart of the agent.
@@ -191,6 +195,7 @@ impl Floor {
                         Fault::Silence { duration_s } => controller.lose_link(self.origin.now_s() + duration_s),
                         Fault::Unplug { duration_s } => return End::Unplugged { duration_s },
                         Fault::AgentRestart => return End::Restart,
+                        _ => {} // not among those it can have
                     }
                 }
                 () = tokio::time::sleep_until(self.origin.instant_of(controller.due_s())) => {

@@ -42,7 +42,7 @@ impl Link {
         })
     }
 
-    /// `AgentRestart` does not reach a serial line.
+    /// What happens on the line; the device suffers the rest.
     pub fn suffer(&mut self, fault: Fault, now_s: f64) {
         match fault {
             Fault::GarbleBytes { count } => self.garble_left += count,
@@ -54,7 +54,7 @@ impl Link {
                 self.pty = None;
                 self.unread = None;
             }
-            Fault::AgentRestart => {}
+            _ => {}
         }
     }
 

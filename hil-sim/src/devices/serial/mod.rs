@@ -23,17 +23,26 @@ pub trait SerialDevice: Send + 'static {
     fn send_due(&mut self, now_s: f64) -> Vec<u8>;
     /// The cable is back; what was powered over it starts anew.
     fn plugged_in(&mut self);
+    /// True for the faults of its own that this kind of device can have, besides those of the line.
+    fn has(_fault: &Fault) -> bool
+    where
+        Self: Sized,
+    {
+        false
+    }
+    /// A fault of its own begins.
+    fn suffer(&mut self, _fault: Fault, _now_s: f64) {}
 }
 
 /// Starts a device on a pseudo-terminal that `port` will link to. Must be called within a tokio runtime.
-pub fn spawn(
+pub fn spawn<D: SerialDevice>(
     name: &'static str,
-    device: impl SerialDevice,
+    device: D,
     port: &Path,
     origin: TimeOrigin,
     scheduled: &[ScheduledFault],
 ) -> Result<Handle, DeviceError> {
-    if let Some(bad) = scheduled.iter().find(|scheduled| !can_have(&scheduled.fault)) {
+    if let Some(bad) = scheduled.iter().find(|scheduled| !can_have::<D>(&scheduled.fault)) {
         return Err(DeviceError::Fault { device: name, fault: bad.fault });
     }
     let lost_bytes = Arc::new(AtomicU64::new(0));
@@ -43,11 +52,11 @@ pub fn spawn(
     let faults = FaultSource::new(origin, scheduled, commanded);
     let stop = CancellationToken::new();
     let task = tokio::spawn(run(name, device, link, origin, faults, stop.clone()));
-    Ok(Handle::new(Address::Port(port.to_owned()), (commands, can_have), lost_bytes, stop, task))
+    Ok(Handle::new(Address::Port(port.to_owned()), (commands, can_have::<D>), lost_bytes, stop, task))
 }
 
-fn can_have(fault: &Fault) -> bool {
-    fault.is_possible() && *fault != Fault::AgentRestart
+fn can_have<D: SerialDevice>(fault: &Fault) -> bool {
+    fault.is_possible() && (fault.is_of_the_line() || D::has(fault))
 }
 
 async fn run(
@@ -71,7 +80,11 @@ async fn run(
             () = stop.cancelled() => return,
             fault = faults.next() => {
                 tracing::info!(device = name, ?fault, "fault");
-                link.suffer(fault, origin.now_s());
+                let now_s = origin.now_s();
+                link.suffer(fault, now_s);
+                if !fault.is_of_the_line() {
+                    device.suffer(fault, now_s);
+                }
             }
             () = at(replug_s) => match link.replug() {
                 Ok(()) => device.plugged_in(),
