@@ -5,11 +5,12 @@
 //! [`Message`]s through one bounded queue. The pure half turns readings into points and is shared with replay:
 //! [`timebase`] (device clocks to run time), [`align`] (probes and axes to common instants), [`static_cycle`] and
 //! [`sweep_cycle`] (points), [`nest`] (probe calibration). Nothing in the pure half asks a clock, so a recording
-//! gives the same points as the live run.
+//! gives the same points as the live run. [`cycle_bounds`] tells from the readings when a cycle begins and ends.
 
 pub mod align;
 pub mod clock;
 pub mod config;
+pub mod cycle_bounds;
 pub mod drivers;
 pub mod message;
 pub mod nest;
@@ -22,6 +23,7 @@ pub mod transport;
 pub use align::{AlignLimits, Aligned, AlignedSample, Aligner, AxisState};
 pub use clock::ClockLine;
 pub use config::{Channel, DeviceConfig, Role, parse_devices, read_devices};
+pub use cycle_bounds::{Bound, CycleBounds, StartRule};
 pub use message::{
     AxisReading, ControllerReading, Counters, Execution, LogLine, Message, ProbeReading, Reading, SourceGap,
     TemperatureReading,

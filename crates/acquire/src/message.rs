@@ -79,6 +79,8 @@ pub struct ControllerReading {
     pub program: String,
     /// Block or line text, empty when unknown.
     pub block: String,
+    /// The signal named in the configuration; `None` when there is none or its state is unknown.
+    pub signal: Option<bool>,
     /// Stamp of the source, ns on its own clock.
     pub stamp_ns: i64,
     /// When the bytes were read.

@@ -3,7 +3,7 @@
 use crate::mqtt::MqttConfig;
 use nalgebra::{Matrix3, Vector3};
 use std::path::{Path, PathBuf};
-use trunnion_acquire::{DeviceConfig, NestCalibration, read_devices};
+use trunnion_acquire::{DeviceConfig, NestCalibration, StartRule, read_devices};
 use trunnion_units::Problems;
 use trunnion_units::input::{Document, Table};
 
@@ -23,6 +23,8 @@ pub struct Config {
     pub recordings: PathBuf,
     /// Probe directions of the R-test.
     pub nest: NestCalibration,
+    /// What begins a cycle.
+    pub cycle_start: StartRule,
     /// Devices.
     pub devices: Vec<DeviceConfig>,
     /// Broker, if any.
@@ -55,6 +57,7 @@ fn read(document: &Document<'_>, folder: &Path, text: &str) -> Option<Config> {
     let model = root.optional_string("model").map(|path| folder.join(path));
     let recordings = root.string("recordings").map(|path| folder.join(path));
     let nest = root.table("nest").and_then(|table| read_nest(&table));
+    let cycle_start = StartRule::read(&root);
     let devices = read_devices(&root);
     let mqtt =
         root.optional_table("mqtt").map(|table| read_mqtt(&table, name.as_deref().unwrap_or("machine")));
@@ -70,6 +73,7 @@ fn read(document: &Document<'_>, folder: &Path, text: &str) -> Option<Config> {
         model,
         recordings: recordings?,
         nest: nest?,
+        cycle_start: cycle_start?,
         devices: devices?,
         mqtt,
         text: text.into(),

@@ -10,8 +10,8 @@ use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::config::{Channel, instrument_channels};
 use trunnion_acquire::{
-    AlignLimits, Aligned, Aligner, CycleEvent, EndReason, Execution, Message, NestCalibration, Progress,
-    Reading, StaticCycle, StaticRules, SweepCycle, SweepRules, TimeBase, Timed,
+    AlignLimits, Aligned, Aligner, Bound, CycleBounds, CycleEvent, EndReason, Message, NestCalibration,
+    Progress, StaticCycle, StaticRules, SweepCycle, SweepRules, TimeBase, Timed,
 };
 use trunnion_machine::Machine;
 use trunnion_measurement::cycle::Motion;
@@ -85,8 +85,10 @@ pub struct Measured {
 /// A cycle that has begun.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
-    /// When the controller was seen to run its program.
+    /// When its beginning was seen.
     pub at: HostTime,
+    /// By what.
+    pub why: String,
     /// Temperature channels that had told a value by then; later ones take no part in the run.
     pub temperature_channels: Vec<String>,
 }
@@ -165,7 +167,6 @@ struct Measurement {
     gaps: Vec<Gap>,
     temperature_channels: Vec<String>,
     controller_ended_s: Option<f64>,
-    was_active: bool,
     newest_s: f64,
     ended: Option<EndReason>,
 }
@@ -198,12 +199,14 @@ pub fn check(plan: &Plan) -> Result<Vec<u16>, PlanError> {
     instrument_channels(&plan.channels, bar).ok_or(PlanError::NoChannels { instrument, needed })
 }
 
-/// Waits until the controller runs a program. `None` when cancelled or when all devices are gone.
+/// Waits until a cycle begins, by the rule of `bounds`. `None` when cancelled or when all devices are gone.
 pub async fn wait_for_start(
     messages: &mut mpsc::Receiver<Message>,
     timebase: &mut TimeBase,
+    bounds: &mut CycleBounds,
     cancel: &CancellationToken,
 ) -> Option<Start> {
+    bounds.ended_otherwise();
     let mut temperature_channels: Vec<String> = Vec::new();
     loop {
         let message = tokio::select! {
@@ -216,10 +219,8 @@ pub async fn wait_for_start(
         {
             temperature_channels.push(name);
         }
-        if let Reading::Controller(controller) = &message.reading
-            && controller.execution == Execution::Active
-        {
-            return Some(Start { at: controller.arrival, temperature_channels });
+        if let Some(Bound::Begins { at, why }) = bounds.take(&message.reading) {
+            return Some(Start { at, why, temperature_channels });
         }
     }
 }
@@ -235,6 +236,7 @@ pub async fn measure(
     start: &Start,
     messages: &mut mpsc::Receiver<Message>,
     timebase: &mut TimeBase,
+    bounds: &mut CycleBounds,
     recorder: &RecordSender,
     clock: &Arc<dyn Clock>,
     cancel: &CancellationToken,
@@ -242,6 +244,8 @@ pub async fn measure(
 ) -> Result<Measured, PlanError> {
     let mut measurement = Measurement::new(plan, &start.temperature_channels)?;
     let start_s = timebase.seconds(start.at);
+    let begun = Event { time_s: 0.0, kind: "cycle-start".into(), text: start.why.clone() };
+    record(recorder, Item::Event(begun), clock.now());
     let mut last_progress = 0;
     while measurement.ended.is_none() {
         let message = tokio::select! {
@@ -259,6 +263,9 @@ pub async fn measure(
             measurement.finish(EndReason::Stopped, recorder, clock.now());
             break;
         };
+        if let Some(Bound::Ends { at, why }) = bounds.take(&message.reading) {
+            measurement.told_end(timebase.seconds(at) - start_s, why, recorder, clock.now());
+        }
         measurement.take(&message, start_s, timebase, recorder, clock.now());
         let now = measurement.reader.progress();
         if now.done != last_progress {
@@ -302,7 +309,6 @@ impl Measurement {
             gaps: Vec::new(),
             temperature_channels: temperature_channels.to_vec(),
             controller_ended_s: None,
-            was_active: false,
             newest_s: 0.0,
             ended: None,
         })
@@ -316,16 +322,6 @@ impl Measurement {
         recorder: &RecordSender,
         now: HostTime,
     ) {
-        if let Reading::Controller(controller) = &message.reading {
-            let at_s = timebase.seconds(controller.arrival) - start_s;
-            match controller.execution {
-                Execution::Active => self.was_active = true,
-                Execution::Ready | Execution::Ended if self.was_active => {
-                    self.controller_ended_s = Some(at_s)
-                }
-                Execution::Ready | Execution::Ended | Execution::Held | Execution::Unknown => {}
-            }
-        }
         let Some(timed) = timebase.translate(message) else { return };
         let aligned = match timed {
             Timed::Probe(mut sample) => {
@@ -372,6 +368,12 @@ impl Measurement {
         if self.controller_ended_s.is_some_and(|ended_s| self.newest_s > ended_s + AFTERMATH_S) {
             self.finish(EndReason::ControllerEnded, recorder, now);
         }
+    }
+
+    /// The controller, or a long stand, shows the end; samples under way are still taken.
+    fn told_end(&mut self, time_s: f64, why: String, recorder: &RecordSender, now: HostTime) {
+        record(recorder, Item::Event(Event { time_s, kind: "end-seen".into(), text: why }), now);
+        self.controller_ended_s = Some(time_s);
     }
 
     fn finish(&mut self, reason: EndReason, recorder: &RecordSender, now: HostTime) {

@@ -11,7 +11,7 @@ use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
-use trunnion_acquire::{DeviceStatus, Message, Progress, TimeBase};
+use trunnion_acquire::{CycleBounds, DeviceStatus, Message, Progress, TimeBase};
 use trunnion_effects::Model;
 use trunnion_identify::{Experiment, ExperimentError};
 use trunnion_machine::Machine;
@@ -117,8 +117,11 @@ pub async fn serve(
         tokio::spawn(publish_status(names, acquisition.states.clone(), board.clone(), cancel.clone()));
     let mut timebase = TimeBase::new(clock.now());
     tell_systemd(&[sd_notify::NotifyState::Ready]);
-    info!(machine = config.name, cycle = plan.cycle.name, "waiting for the controller to start the cycle");
-    while let Some(start) = live::wait_for_start(&mut acquisition.messages, &mut timebase, &cancel).await {
+    let mut bounds = CycleBounds::new(config.cycle_start.clone());
+    info!(machine = config.name, cycle = plan.cycle.name, "waiting for {}", config.cycle_start.about());
+    while let Some(start) =
+        live::wait_for_start(&mut acquisition.messages, &mut timebase, &mut bounds, &cancel).await
+    {
         let name = format!("{}-{}", plan.cycle.name, file_stamp(clock.wall_ns()));
         board.set("cycle", &json!({ "state": "measuring", "run": name }));
         let mut progress = |now: Progress| {
@@ -136,6 +139,7 @@ pub async fn serve(
             start,
             &mut acquisition.messages,
             &mut timebase,
+            &mut bounds,
             &clock,
             &cancel,
             &mut progress,
@@ -173,6 +177,7 @@ pub async fn record_cycle(
     start: live::Start,
     messages: &mut mpsc::Receiver<Message>,
     timebase: &mut TimeBase,
+    bounds: &mut CycleBounds,
     clock: &Arc<dyn Clock>,
     cancel: &CancellationToken,
     progress: &mut (dyn FnMut(Progress) + Send),
@@ -183,7 +188,7 @@ pub async fn record_cycle(
         RecorderHandle::spawn(recorder, RECORDER_QUEUE, clock.clone()).map_err(ServiceError::Thread)?;
     let sender = handle.sender();
     let measured =
-        live::measure(plan, name, &start, messages, timebase, &sender, clock, cancel, progress).await;
+        live::measure(plan, name, &start, messages, timebase, bounds, &sender, clock, cancel, progress).await;
     drop(sender);
     let finished = tokio::task::spawn_blocking(move || handle.finish())
         .await

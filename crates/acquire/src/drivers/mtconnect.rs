@@ -1,7 +1,8 @@
 //! Controllers behind an MTConnect agent. Keys: `url`, `device` (name, where the agent has several), `interval_ms` (10),
-//! and a table `axes` that names the data item of an axis (`axes = { C = "Cpos" }`, id or name) where it cannot be
-//! found by itself: `Position` of a `Linear` or `Angle` of a `Rotary` component, `ACTUAL`, machine coordinates, whose
-//! component is named after the axis (`C`, `C1`).
+//! `signal` (id or name of a data item that begins and ends cycles, see `cycle_bounds`), and a table `axes` that names
+//! the data item of an axis (`axes = { C = "Cpos" }`, id or name) where it cannot be found by itself: `Position` of a
+//! `Linear` or `Angle` of a `Rotary` component, `ACTUAL`, machine coordinates, whose component is named after the axis
+//! (`C`, `C1`).
 //!
 //! The session asks `/probe`, `/current`, then streams `/sample` from the next sequence number. A changed `instanceId` ends
 //! it (`Restarted`). When the agent no longer has what we ask for (`OUT_OF_RANGE`) it goes on from `/current` and records
@@ -40,6 +41,7 @@ struct MtConnect {
     device: Option<String>,
     interval_ms: u32,
     axes: AxisValues<Option<String>>,
+    signal: Option<String>,
 }
 
 fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
@@ -51,12 +53,13 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     });
     let device = table.optional_string("device");
     let interval_ms = table.optional_number("interval_ms", 0.0..=1000.0).unwrap_or(10.0) as u32;
+    let signal = table.optional_string("signal");
     let mut axes = AxisValues::default();
     if let Some(named) = table.optional_table("axes") {
         axes = AxisValues::from_fn(|letter| named.optional_string(letter.as_str()));
         named.no_other_keys();
     }
-    Some(Arc::new(MtConnect { url: url?, base: base?, device, interval_ms, axes }))
+    Some(Arc::new(MtConnect { url: url?, base: base?, device, interval_ms, axes, signal }))
 }
 
 impl Device for MtConnect {
@@ -134,7 +137,8 @@ impl MtConnect {
             let expected = self.device.clone().unwrap_or_else(|| "a device".into());
             wrong(format!("an agent with {}", names.join(", ")), expected)
         })?;
-        Items::find(device, &self.axes).map_err(|missing| wrong(format!("device {}", device.name), missing))
+        Items::find(device, &self.axes, self.signal.as_deref())
+            .map_err(|missing| wrong(format!("device {}", device.name), missing))
     }
 
     /// Takes the present values; gives the sequence number to go on from.

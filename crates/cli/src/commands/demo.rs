@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::config::channels;
-use trunnion_acquire::{Progress, TimeBase};
+use trunnion_acquire::{CycleBounds, Progress, TimeBase};
 use trunnion_daemon::analysis::Analysis;
 use trunnion_daemon::clock::SystemClock;
 use trunnion_daemon::config::Config;
@@ -227,7 +227,8 @@ async fn measure(
         trunnion_acquire::supervisor::QUEUE_LENGTH,
     );
     let mut timebase = TimeBase::new(clock.now());
-    let start = live::wait_for_start(&mut acquisition.messages, &mut timebase, &cancel);
+    let mut bounds = CycleBounds::default();
+    let start = live::wait_for_start(&mut acquisition.messages, &mut timebase, &mut bounds, &cancel);
     let start = tokio::time::timeout(Duration::from_secs(20), start)
         .await
         .context("the simulated controller did not start its program within 20 s")?
@@ -242,6 +243,7 @@ async fn measure(
         start,
         &mut acquisition.messages,
         &mut timebase,
+        &mut bounds,
         &clock,
         &cancel,
         &mut |progress| bar.show(progress),

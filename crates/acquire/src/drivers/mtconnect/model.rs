@@ -15,20 +15,26 @@ pub(super) struct Items {
     execution: Option<String>,
     program: Option<String>,
     block: Option<String>,
+    signal: Option<String>,
     temperatures: BTreeMap<String, String>,
 }
 
 impl Items {
     /// Finds them; where `named` names a data item by id or name, that one. Else what is missing.
-    pub(super) fn find(device: &Device, named: &AxisValues<Option<String>>) -> Result<Self, String> {
+    pub(super) fn find(
+        device: &Device,
+        named: &AxisValues<Option<String>>,
+        signal: Option<&str>,
+    ) -> Result<Self, String> {
         let items = &device.data_items;
+        let by_name = |wanted: &str| {
+            items.iter().find(|item| item.id == wanted || item.name.as_deref() == Some(wanted))
+        };
         let mut axes = AxisValues::default();
         for letter in AxisLetter::ALL {
             axes[letter] = match &named[letter] {
                 Some(name) => {
-                    let is_it = |item: &&DataItem| item.id == *name || item.name.as_ref() == Some(name);
-                    let item = items.iter().find(is_it);
-                    Some(item.ok_or(format!("a data item {name} for axis {letter}"))?.id.clone())
+                    Some(by_name(name).ok_or(format!("a data item {name} for axis {letter}"))?.id.clone())
                 }
                 None => {
                     items.iter().filter(|item| is_position(item, letter)).map(|item| item.id.clone()).next()
@@ -38,6 +44,10 @@ impl Items {
         if axes.0.iter().all(Option::is_none) {
             return Err("actual positions of axes named X, Y, Z, A, B or C (or name them in `axes`)".into());
         }
+        let signal = match signal {
+            Some(name) => Some(by_name(name).ok_or(format!("a data item {name} for the signal"))?.id.clone()),
+            None => None,
+        };
         let first = |kind: &str| items.iter().find(|item| item.kind == kind).map(|item| item.id.clone());
         let temperatures = items
             .iter()
@@ -49,6 +59,7 @@ impl Items {
             execution: first("EXECUTION"),
             program: first("PROGRAM"),
             block: first("BLOCK").or_else(|| first("LINE")).or_else(|| first("LINE_NUMBER")),
+            signal,
             temperatures,
         })
     }
@@ -80,6 +91,7 @@ pub(super) struct Model {
     last_axes: Option<(i64, HostTime)>,
     sequence: u64,
     controller: (Execution, String, String),
+    signal: Option<bool>,
     /// Since when an axis has no value.
     absent_since: Option<HostTime>,
     ended_absence: Option<(HostTime, HostTime)>,
@@ -94,6 +106,7 @@ impl Model {
             last_axes: None,
             sequence: 0,
             controller: Default::default(),
+            signal: None,
             absent_since: None,
             ended_absence: None,
         }
@@ -152,7 +165,8 @@ impl Model {
         }
         if let Some(stamp_ns) = controller_stamp {
             let (execution, program, block) = self.controller.clone();
-            let reading = ControllerReading { execution, program, block, stamp_ns, arrival };
+            let signal = self.signal;
+            let reading = ControllerReading { execution, program, block, signal, stamp_ns, arrival };
             readings.push(Reading::Controller(reading));
         }
         readings
@@ -187,6 +201,8 @@ impl Model {
             *program = text;
         } else if id == self.items.block.as_ref() {
             *block = text;
+        } else if id == self.items.signal.as_ref() {
+            self.signal = (!text.is_empty()).then(|| is_on(&text));
         } else {
             return false;
         }
@@ -234,6 +250,14 @@ fn number(value: &ObservedValue) -> Option<f64> {
         ObservedValue::Number(number) => Some(*number),
         ObservedValue::Unavailable | ObservedValue::Text(_) => None,
     }
+}
+
+/// Words for a signal that is on, in the vocabularies of the standard (`ON`, `ACTIVE`, `CLOSED`) and of adapters.
+fn is_on(text: &str) -> bool {
+    text.parse::<f64>().map_or_else(
+        |_| ["ON", "ACTIVE", "CLOSED", "TRUE", "YES", "HIGH"].contains(&text.to_uppercase().as_str()),
+        |number| number != 0.0,
+    )
 }
 
 fn execution_of(text: &str) -> Execution {
