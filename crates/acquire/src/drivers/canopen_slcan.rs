@@ -1,30 +1,21 @@
-//! CANopen probes (CiA 404) and encoders (CiA 406) behind an slcan adapter.
-//! Keys: `port`, `baud` (115200), `bitrate` in bit/s (1000000), `sync_ms` (5), and `nodes`, each with `id`, `role`, and
-//! optionally `serial` (1018h:04), which must then match.
-//!
-//! The session opens the adapter, reads every node's description over SDO (the decoder is built from it), starts the
-//! nodes, sends SYNC at the configured period, and supervises values and heartbeats. All channels read with one SYNC
-//! share its moment as their device clock: µs from the start of the session to when the SYNC was written.
+//! CANopen probes, encoders and temperature modules behind an slcan adapter on a serial port.
+//! Keys: `port`, `baud` (115200), `bitrate` in bit/s (1000000), and those of every CANopen network (`super::canopen`).
 //!
 //! Which SYNC a value belongs to: an adapter acknowledges each frame it takes, in the order of its stream, so the
 //! last acknowledged SYNC is the one, however late the bytes arrive. With an adapter that acknowledges nothing it is
-//! the last one written.
+//! the last one written. The moment of a SYNC is when it was written to the port.
 
-mod bus;
-mod nodes;
+mod adapter;
 
+use super::canopen::Network;
 use super::{Device, Driver, Session};
 use crate::config::Role;
 use crate::message::Counters;
 use crate::supervisor::{Link, SessionEnd};
-use bus::Bus;
-use nodes::Nodes;
+use adapter::OpenAdapter;
+use std::convert::Infallible;
 use std::sync::Arc;
-use std::time::Duration;
-use tokio::time::{Instant, MissedTickBehavior, interval};
-use trunnion_protocol::canopen::network::sync_frame;
-use trunnion_protocol::canopen::{NmtCommand, NodeId};
-use trunnion_protocol::slcan::{AdapterMessage, Bitrate};
+use trunnion_protocol::slcan::Bitrate;
 use trunnion_units::input::Table;
 
 /// Registry entry.
@@ -40,15 +31,7 @@ struct CanopenSlcan {
     port: String,
     baud: u32,
     bitrate: Bitrate,
-    sync_period: Duration,
-    nodes: Vec<NodeConfig>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct NodeConfig {
-    id: NodeId,
-    role: Role,
-    serial: Option<u32>,
+    network: Network,
 }
 
 fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
@@ -60,33 +43,14 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
         let allowed = Bitrate::ALL.map(|known| known.bits_per_s().to_string()).join(", ");
         table.problem("bitrate", format!("= {bitrate}"), allowed, "");
     }
-    let sync_ms = table.optional_number("sync_ms", 1.0..=1000.0).unwrap_or(5.0);
-    let tables = table.tables("nodes");
-    let mut nodes: Vec<NodeConfig> = Vec::new();
-    for node in &tables {
-        let id = node.number("id", 1.0..=127.0).and_then(|id| NodeId::new(id as u8).ok());
-        let role = Role::read(node);
-        let serial = node.optional_number("serial", 0.0..=f64::from(u32::MAX)).map(|serial| serial as u32);
-        node.no_other_keys();
-        let (Some(id), Some(role)) = (id, role) else { continue };
-        if nodes.iter().any(|other| other.id == id) {
-            node.problem("id", format!("= {} appears twice", id.get()), "each node once", "");
-        }
-        nodes.push(NodeConfig { id, role, serial });
-    }
-    if tables.is_empty() {
-        table.problem("nodes", "has no entry", "[{ id = 1, role = \"probe-1\" }, …]", "");
-    }
-    let complete = !nodes.is_empty() && nodes.len() == tables.len();
-    let sync_period = Duration::from_secs_f64(sync_ms / 1e3);
-    let (port, bitrate) = (port?, known?);
-    complete
-        .then(|| Arc::new(CanopenSlcan { port, baud: baud as u32, bitrate, sync_period, nodes }) as Arc<_>)
+    let network = Network::read(table);
+    let device = CanopenSlcan { port: port?, baud: baud as u32, bitrate: known?, network: network? };
+    Some(Arc::new(device))
 }
 
 impl Device for CanopenSlcan {
     fn channels(&self) -> Vec<(String, Role)> {
-        self.nodes.iter().map(|node| (format!("node-{}", node.id.get()), node.role)).collect()
+        self.network.channels()
     }
 
     fn address(&self) -> &str {
@@ -107,60 +71,8 @@ impl Device for CanopenSlcan {
 }
 
 impl CanopenSlcan {
-    async fn run(
-        &self,
-        link: &mut Link,
-        counters: &mut Counters,
-    ) -> Result<std::convert::Infallible, SessionEnd> {
-        let mut bus = Bus::open(&self.port, self.baud, self.bitrate, link).await?;
-        // Silence first: a node left running would talk into the transfers.
-        bus.send(NmtCommand::EnterPreOperational.frame(None)).await?;
-        let mut descriptions = Vec::new();
-        for node in &self.nodes {
-            let description = bus.describe(node.id).await?;
-            nodes::check(node, &description)?;
-            descriptions.push(description);
-        }
-        let names: Vec<String> = descriptions.iter().map(nodes::identity).collect();
-        link.identified(names.join("; "));
-        let mut nodes = Nodes::new(&self.nodes, descriptions, link.first_channel, link.now());
-        bus.send(NmtCommand::Start.frame(None)).await?;
-        bus.wait_accepted().await?; // from here on every acknowledgement is that of a SYNC
-        let mut ticker = interval(self.sync_period);
-        ticker.set_missed_tick_behavior(MissedTickBehavior::Skip);
-        let mut checked = Instant::now();
-        loop {
-            // The SYNC goes out first when both are ready. Both futures are cancel safe.
-            let messages = tokio::select! {
-                biased;
-                _ = ticker.tick() => {
-                    nodes.sync_written(link.now());
-                    bus.send(sync_frame(None)).await?;
-                    Vec::new()
-                }
-                messages = bus.receive(link.silence) => messages?,
-            };
-            let arrival = link.now();
-            for message in messages {
-                match message {
-                    AdapterMessage::Accepted => nodes.sync_accepted(),
-                    AdapterMessage::Frame { frame, .. } => nodes.take(&frame, arrival, link, counters)?,
-                    AdapterMessage::Refused => {
-                        counters.damaged += 1;
-                        nodes.sync_accepted(); // it answers a SYNC all the same
-                    }
-                    AdapterMessage::Done
-                    | AdapterMessage::Status(_)
-                    | AdapterMessage::Version(_)
-                    | AdapterMessage::SerialNumber(_) => {}
-                }
-            }
-            if checked.elapsed() >= link.silence / 8 {
-                checked = Instant::now();
-                nodes.check_silence(arrival, link.silence)?;
-                counters.dropped_bytes = bus.dropped_bytes();
-                link.counters(*counters, arrival);
-            }
-        }
+    async fn run(&self, link: &mut Link, counters: &mut Counters) -> Result<Infallible, SessionEnd> {
+        let mut adapter = OpenAdapter::open(&self.port, self.baud, self.bitrate, link).await?;
+        self.network.measure(&mut adapter, link, counters).await
     }
 }

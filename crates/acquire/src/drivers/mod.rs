@@ -3,7 +3,9 @@
 //! A session opens, identifies the device, reads, and ends with a reason. It never retries: that is the
 //! supervisor's work. Dropping a session at any await is safe; the port is closed with it.
 
+mod canopen;
 pub mod canopen_slcan;
+pub mod canopen_socketcan;
 pub mod mtconnect;
 pub mod optoncdt;
 
@@ -41,7 +43,8 @@ pub struct Driver {
 }
 
 /// Every driver.
-pub const DRIVERS: [&Driver; 3] = [&canopen_slcan::DRIVER, &mtconnect::DRIVER, &optoncdt::DRIVER];
+pub const DRIVERS: [&Driver; 4] =
+    [&canopen_slcan::DRIVER, &canopen_socketcan::DRIVER, &mtconnect::DRIVER, &optoncdt::DRIVER];
 
 #[cfg(test)]
 mod tests {

@@ -99,6 +99,11 @@ impl Link {
         }
     }
 
+    /// The clocks of the host.
+    pub fn clock(&self) -> &dyn Clock {
+        &*self.clock
+    }
+
     /// The present moment.
     pub fn now(&self) -> HostTime {
         self.clock.now()

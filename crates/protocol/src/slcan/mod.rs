@@ -190,6 +190,31 @@ impl AdapterMessage {
     }
 }
 
+/// The flags of `F` (CAN232 manual, command F): bit 0 receive queue full, 1 transmit queue full, 2 error warning, 3
+/// data overrun, 5 error passive, 6 arbitration lost, 7 bus error. Bus-off has none of its own: the controller is
+/// then error passive and takes no more frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StatusFlags(pub u8);
+
+impl StatusFlags {
+    /// Error warning, error passive, bus error and a full transmit queue: bus-off.
+    pub const BUS_OFF: Self = Self(0b1010_0110);
+
+    /// What is wrong with the bus, in words.
+    pub fn bus_trouble(self) -> Option<String> {
+        let named =
+            [(1, "transmit queue full"), (2, "error warning"), (5, "error passive"), (7, "bus error")];
+        let set: Vec<&str> =
+            named.into_iter().filter(|(bit, _)| self.0 >> bit & 1 != 0).map(|(_, name)| name).collect();
+        (!set.is_empty()).then(|| format!("{} (status {:02X}h)", set.join(", "), self.0))
+    }
+
+    /// Bit 3 or 0: frames from the bus were lost.
+    pub fn has_lost_frames(self) -> bool {
+        self.0 & 0b1001 != 0
+    }
+}
+
 /// What could not be decoded so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Losses {

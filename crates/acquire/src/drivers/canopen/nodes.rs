@@ -5,7 +5,7 @@ use crate::config::Role;
 use crate::message::{Counters, ProbeReading, Reading, TemperatureReading};
 use crate::supervisor::{Link, SessionEnd};
 use std::time::Duration;
-use trunnion_protocol::can::CanFrame;
+use trunnion_protocol::can::{CanFrame, CanId};
 use trunnion_protocol::canopen::cia404::Quantity;
 use trunnion_protocol::canopen::node::Scaling;
 use trunnion_protocol::canopen::{
@@ -17,6 +17,8 @@ use trunnion_units::HostTime;
 const TICK_S: f64 = 1e-6;
 /// After so many SYNCs without one acknowledgement the adapter gives none.
 const SYNCS_WITHOUT_ACK: u64 = 10;
+/// A SYNC that did not come back after this time will not.
+const ECHO_LIMIT: Duration = Duration::from_millis(100);
 /// SYNCs whose moments are kept.
 const SYNCS_KEPT: usize = 256;
 
@@ -59,6 +61,8 @@ pub(super) struct Nodes {
     syncs: Vec<HostTime>,
     written: u64,
     accepted: u64,
+    /// The moments are those of the frames on the bus, not of our writing them.
+    stamped: bool,
 }
 
 struct Node {
@@ -69,6 +73,8 @@ struct Node {
     by_sync: bool,
     /// Last SYNC index or count, with its arrival.
     last: Option<(u64, HostTime)>,
+    /// TPDO that brought it.
+    last_id: Option<CanId>,
     last_value: HostTime,
     heartbeat: Option<HostTime>,
     longest_heartbeat: Duration,
@@ -87,12 +93,13 @@ impl Nodes {
             by_sync: has_synchronous_value(&description),
             description,
             last: None,
+            last_id: None,
             last_value: began,
             heartbeat: None,
             longest_heartbeat: Duration::ZERO,
         };
         let nodes = configs.iter().zip(descriptions).enumerate().map(node).collect();
-        Self { nodes, began, syncs: vec![began; SYNCS_KEPT], written: 0, accepted: 0 }
+        Self { nodes, began, syncs: vec![began; SYNCS_KEPT], written: 0, accepted: 0, stamped: false }
     }
 
     pub(super) fn sync_written(&mut self, at: HostTime) {
@@ -100,9 +107,25 @@ impl Nodes {
         self.syncs[self.written as usize % SYNCS_KEPT] = at;
     }
 
-    pub(super) fn sync_accepted(&mut self) {
-        // The start command may be acknowledged late; more than was written cannot be.
+    /// True when fewer than `most` SYNCs are under way. One whose answer stays out is given up.
+    pub(super) fn may_sync(&mut self, most: u64, now: HostTime) -> bool {
+        if self.written - self.accepted < most {
+            return true;
+        }
+        let given_up = now - self.syncs[self.written as usize % SYNCS_KEPT] > ECHO_LIMIT;
+        if given_up {
+            self.accepted = self.written;
+        }
+        given_up
+    }
+
+    /// The oldest SYNC under way was sent, at a moment the transport may know better than we.
+    pub(super) fn sync_accepted(&mut self, at: Option<HostTime>) {
         self.accepted = (self.accepted + 1).min(self.written);
+        if let Some(at) = at {
+            self.syncs[self.accepted as usize % SYNCS_KEPT] = at;
+            self.stamped = true;
+        }
     }
 
     /// Index of the SYNC that values arriving now belong to.
@@ -119,12 +142,18 @@ impl Nodes {
         link: &mut Link,
         counters: &mut Counters,
     ) -> Result<(), SessionEnd> {
-        let sync = self.sync_now();
-        let sync_at = self.syncs[sync as usize % SYNCS_KEPT];
         if let Some(message) = Message::from_frame(frame) {
             self.supervise(message, arrival, link)?;
         }
-        let began = self.began;
+        let mut sync = self.sync_now();
+        if sync < self.written && self.nodes.iter().any(|node| node.has_answered(sync, frame)) {
+            // A node answers each SYNC once: the acknowledgement of the next one was lost.
+            self.sync_accepted(None);
+            counters.resyncs += 1;
+            sync = self.sync_now();
+        }
+        let sync_at = self.syncs[sync as usize % SYNCS_KEPT];
+        let (began, stamped) = (self.began, self.stamped);
         for node in &mut self.nodes {
             let Some(readings) = node.description.decode(frame) else { continue };
             let readings = readings.map_err(|error| SessionEnd::Restarted(error.source.to_string()))?;
@@ -137,8 +166,10 @@ impl Nodes {
                 None => (node.last.map_or(1, |(count, _)| count + 1), arrival),
             };
             node.count_loss(sequence, every, arrival, link, counters);
+            node.last_id = Some(frame.id());
             let ticks = (moment.0 - began.0).max(0).cast_unsigned() / 1000;
-            node.publish(&readings, sequence, ticks, arrival, link, counters);
+            let known = if stamped { moment } else { arrival };
+            node.publish(&readings, sequence, ticks, known, link, counters);
         }
         Ok(())
     }
@@ -201,6 +232,12 @@ fn has_synchronous_value(description: &NodeDescription) -> bool {
 }
 
 impl Node {
+    /// True when this frame answers a SYNC and the node has answered this one already.
+    fn has_answered(&self, sync: u64, frame: &CanFrame) -> bool {
+        let same = self.last.is_some_and(|(last, _)| last == sync) && self.last_id == Some(frame.id());
+        same && self.every_sync(frame).is_some()
+    }
+
     /// Values come after every so many SYNCs; none when they are not bound to SYNC.
     fn every_sync(&self, frame: &CanFrame) -> Option<u64> {
         let tpdo = self.description.tpdos.iter().find(|tpdo| tpdo.communication.can_id() == frame.id())?;

@@ -1,0 +1,125 @@
+//! What a CANopen session needs of whatever carries its frames, and how it reads a node's description over it.
+
+use crate::supervisor::{Link, SessionEnd};
+use std::error::Error;
+use std::future::Future;
+use std::time::Duration;
+use tokio::time::Instant;
+use trunnion_protocol::can::CanFrame;
+use trunnion_protocol::canopen::{NodeDescription, NodeId, NodeStartup, StartupProgress};
+use trunnion_units::HostTime;
+
+/// Longest wait for one SDO answer.
+const SDO_LIMIT: Duration = Duration::from_millis(500);
+
+/// What happened on the bus, in the order in which it happened.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::drivers) enum BusEvent {
+    /// A frame of a node.
+    Frame {
+        /// The frame.
+        frame: CanFrame,
+        /// When it reached the host, as well as the transport knows.
+        at: HostTime,
+    },
+    /// The oldest SYNC under way was sent.
+    SyncSent {
+        /// When it was on the bus; `None` when the transport only knows that it was sent.
+        at: Option<HostTime>,
+    },
+    /// The transport did not take the oldest SYNC under way.
+    SyncRefused,
+    /// For the log of the run.
+    Remark {
+        /// True when a person should look at it.
+        warning: bool,
+        /// What the transport has to say.
+        text: String,
+    },
+}
+
+/// A way to send and receive frames. Its errors end the session.
+pub(in crate::drivers) trait Bus: Send {
+    /// SYNCs that may be sent without knowing that the first of them was on the bus. 1 where each comes back with the
+    /// stamp of its moment, which must not be given to another.
+    const SYNCS_UNDER_WAY: u64;
+
+    /// Hands over a frame.
+    fn send(&mut self, frame: CanFrame) -> impl Future<Output = Result<(), SessionEnd>> + Send;
+    /// Hands over a SYNC, which [`BusEvent::SyncSent`] answers.
+    fn send_sync(&mut self) -> impl Future<Output = Result<(), SessionEnd>> + Send;
+    /// What happened; empty after `limit`. Cancel safe.
+    fn receive(
+        &mut self,
+        limit: Duration,
+        link: &Link,
+    ) -> impl Future<Output = Result<Vec<BusEvent>, SessionEnd>> + Send;
+    /// Called about once a second: asks the transport how the bus is doing.
+    fn tend(&mut self) -> impl Future<Output = Result<(), SessionEnd>> + Send;
+    /// What is wrong with the bus as far as the transport knows, and what to do about it.
+    fn fault(&self) -> Option<String>;
+    /// Bytes that belonged to no message.
+    fn dropped_bytes(&self) -> u64;
+}
+
+/// A silence, with the fault of the bus that explains it.
+pub(super) fn explain(end: SessionEnd, bus: &impl Bus) -> SessionEnd {
+    match (end, bus.fault()) {
+        (SessionEnd::Silent { who, .. }, Some(fault)) => SessionEnd::Disconnected(format!("{who}; {fault}")),
+        (end, _) => end,
+    }
+}
+
+/// Reads what the node says about itself.
+pub(super) async fn describe(
+    bus: &mut impl Bus,
+    node: NodeId,
+    link: &mut Link,
+) -> Result<NodeDescription, SessionEnd> {
+    let (mut startup, request) = NodeStartup::new(node);
+    bus.send(request).await?;
+    let mut deadline = Instant::now() + SDO_LIMIT;
+    loop {
+        let left = deadline.saturating_duration_since(Instant::now());
+        let events = bus.receive(left, link).await?;
+        if left.is_zero() && events.is_empty() {
+            let who = format!(
+                "CANopen node {} does not answer for {}; check its supply, its number and the bit rate",
+                node.get(),
+                startup.reading()
+            );
+            bus.send(startup.give_up()).await?;
+            bus.tend().await?;
+            bus.receive(SDO_LIMIT, link).await?;
+            return Err(explain(SessionEnd::Silent { who, waited: SDO_LIMIT }, bus));
+        }
+        for event in events {
+            let frame = match event {
+                BusEvent::Frame { frame, .. } => frame,
+                BusEvent::Remark { warning, text } => {
+                    link.log(warning, text);
+                    continue;
+                }
+                BusEvent::SyncSent { .. } | BusEvent::SyncRefused => continue,
+            };
+            match startup.on_frame(&frame) {
+                StartupProgress::NotMine => {}
+                StartupProgress::Send(next) => {
+                    bus.send(next).await?;
+                    deadline = Instant::now() + SDO_LIMIT;
+                }
+                StartupProgress::Done(description) => return Ok(*description),
+                StartupProgress::Failed { error, abort } => {
+                    if let Some(abort) = abort {
+                        bus.send(abort).await?;
+                    }
+                    let cause = error.source().map_or(String::new(), |cause| format!(": {cause}"));
+                    return Err(SessionEnd::Protocol {
+                        doing: "reading a node's description",
+                        fault: format!("{error}{cause}"),
+                    });
+                }
+            }
+        }
+    }
+}

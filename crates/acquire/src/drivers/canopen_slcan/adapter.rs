@@ -1,0 +1,195 @@
+//! A CAN bus behind an slcan adapter.
+
+use crate::drivers::canopen::{Bus, BusEvent};
+use crate::supervisor::{Link, SessionEnd};
+use crate::transport::serial::{self, Port};
+use std::collections::VecDeque;
+use std::time::Duration;
+use tokio::time::Instant;
+use trunnion_protocol::can::CanFrame;
+use trunnion_protocol::canopen::network::sync_frame;
+use trunnion_protocol::slcan::{AdapterMessage, Bitrate, HostCommand, HostDecoder, StatusFlags};
+use trunnion_units::HostTime;
+
+/// Adapters answer within some ms; USB adds 16.
+const ADAPTER_LIMIT: Duration = Duration::from_millis(300);
+/// Commands whose answers are waited for; an adapter that answers nothing fills the list.
+const MOST_UNDER_WAY: usize = 512;
+
+/// An open adapter.
+pub(super) struct OpenAdapter {
+    port: Port,
+    decoder: HostDecoder,
+    buffer: Box<[u8; 8192]>,
+    /// Commands not yet answered, oldest first.
+    under_way: VecDeque<UnderWay>,
+    acknowledges: bool,
+    /// False once the adapter has refused to tell its status.
+    tells_status: bool,
+    status: StatusFlags,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum UnderWay {
+    Frame,
+    Sync,
+    Status,
+}
+
+impl OpenAdapter {
+    /// Closes (it may be open from before), sets the bit rate, opens.
+    pub(super) async fn open(
+        name: &str,
+        baud: u32,
+        bitrate: Bitrate,
+        link: &mut Link,
+    ) -> Result<Self, SessionEnd> {
+        let (port, remark) = serial::open(name, baud)?;
+        if let Some(remark) = remark {
+            link.log(true, remark);
+        }
+        let mut adapter = Self {
+            port,
+            decoder: HostDecoder::default(),
+            buffer: Box::new([0; 8192]),
+            under_way: VecDeque::new(),
+            acknowledges: false,
+            tells_status: true,
+            status: StatusFlags::default(),
+        };
+        // Two empty lines end whatever is in the adapter's buffer; the answers up to here mean nothing.
+        let (empty, close) = (HostCommand::Empty.encode(), HostCommand::Close.encode());
+        adapter.port.write(&[empty.clone(), empty, close].concat()).await?;
+        while adapter.port.read(adapter.buffer.as_mut_slice(), Duration::from_millis(50)).await?.is_some() {}
+        let version = adapter.command(HostCommand::Version).await?;
+        adapter.command(HostCommand::SetBitrate(bitrate)).await?;
+        let opened = adapter.command(HostCommand::Open).await?;
+        if version.is_none() && opened.is_none() {
+            let who = format!(
+                "{name} does not answer as an slcan adapter; check that it is one, and its baud rate ({baud})"
+            );
+            return Err(SessionEnd::Silent { who, waited: 3 * ADAPTER_LIMIT });
+        }
+        if opened == Some(AdapterMessage::Refused) {
+            link.log(true, "the adapter refused to open, it may be open already; going on".into());
+        }
+        Ok(adapter)
+    }
+
+    /// The adapter's answer; none when it keeps quiet, as some do.
+    async fn command(&mut self, command: HostCommand) -> Result<Option<AdapterMessage>, SessionEnd> {
+        self.port.write(&command.encode()).await?;
+        let deadline = Instant::now() + ADAPTER_LIMIT;
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            let messages = self.messages(left).await?;
+            if messages.is_empty() && Instant::now() >= deadline {
+                return Ok(None);
+            }
+            let answer =
+                messages.into_iter().find(|message| !matches!(message, AdapterMessage::Frame { .. }));
+            if answer.is_some() {
+                return Ok(answer);
+            }
+        }
+    }
+
+    async fn messages(&mut self, limit: Duration) -> Result<Vec<AdapterMessage>, SessionEnd> {
+        let count = self.port.read(self.buffer.as_mut_slice(), limit).await?;
+        Ok(count.map_or_else(Vec::new, |count| self.decoder.push(&self.buffer[..count])))
+    }
+
+    async fn ask(&mut self, command: HostCommand, kind: UnderWay) -> Result<(), SessionEnd> {
+        if self.under_way.len() == MOST_UNDER_WAY {
+            self.under_way.pop_front();
+        }
+        self.under_way.push_back(kind);
+        self.port.write(&command.encode()).await
+    }
+
+    fn event(&mut self, message: AdapterMessage, at: HostTime) -> Option<BusEvent> {
+        match message {
+            AdapterMessage::Frame { frame, .. } => Some(BusEvent::Frame { frame, at }),
+            AdapterMessage::Accepted => {
+                self.acknowledges = true;
+                (self.under_way.pop_front() == Some(UnderWay::Sync))
+                    .then_some(BusEvent::SyncSent { at: None })
+            }
+            AdapterMessage::Refused => self.refused(),
+            AdapterMessage::Status(flags) => self.told_status(StatusFlags(flags)),
+            AdapterMessage::Done | AdapterMessage::Version(_) | AdapterMessage::SerialNumber(_) => None,
+        }
+    }
+
+    fn refused(&mut self) -> Option<BusEvent> {
+        // An adapter that acknowledges nothing can only mean the one command that has an answer.
+        let meant = if !self.acknowledges && self.under_way.contains(&UnderWay::Status) {
+            Some(UnderWay::Status)
+        } else {
+            self.under_way.pop_front()
+        };
+        match meant? {
+            UnderWay::Frame => None,
+            UnderWay::Sync => Some(BusEvent::SyncRefused),
+            UnderWay::Status => {
+                self.tells_status = false;
+                None
+            }
+        }
+    }
+
+    fn told_status(&mut self, status: StatusFlags) -> Option<BusEvent> {
+        // What was asked before and is not answered yet never will be.
+        if let Some(index) = self.under_way.iter().position(|kind| *kind == UnderWay::Status) {
+            self.under_way.drain(..=index);
+        }
+        if status.has_lost_frames() {
+            let text = "the adapter lost frames of the bus; use a faster port, or send fewer SYNCs".into();
+            return Some(BusEvent::Remark { warning: true, text });
+        }
+        let before = std::mem::replace(&mut self.status, status);
+        (before.bus_trouble() != status.bus_trouble()).then(|| match self.fault() {
+            Some(text) => BusEvent::Remark { warning: true, text },
+            None => BusEvent::Remark { warning: false, text: "the bus is free of errors again".into() },
+        })
+    }
+}
+
+impl Bus for OpenAdapter {
+    const SYNCS_UNDER_WAY: u64 = u64::MAX;
+
+    async fn send(&mut self, frame: CanFrame) -> Result<(), SessionEnd> {
+        self.ask(HostCommand::Transmit(frame), UnderWay::Frame).await
+    }
+
+    async fn send_sync(&mut self) -> Result<(), SessionEnd> {
+        self.ask(HostCommand::Transmit(sync_frame(None)), UnderWay::Sync).await
+    }
+
+    async fn receive(&mut self, limit: Duration, link: &Link) -> Result<Vec<BusEvent>, SessionEnd> {
+        let messages = self.messages(limit).await?;
+        let at = link.now();
+        Ok(messages.into_iter().filter_map(|message| self.event(message, at)).collect())
+    }
+
+    async fn tend(&mut self) -> Result<(), SessionEnd> {
+        if self.tells_status && !self.under_way.contains(&UnderWay::Status) {
+            self.ask(HostCommand::Status, UnderWay::Status).await?;
+        }
+        Ok(())
+    }
+
+    fn fault(&self) -> Option<String> {
+        self.status.bus_trouble().map(|trouble| {
+            format!(
+                "the adapter on {} reports {trouble}: check cable, both 120 Ω terminators, the bit rate, and that \
+                 a node is switched on",
+                self.port.name()
+            )
+        })
+    }
+
+    fn dropped_bytes(&self) -> u64 {
+        self.decoder.losses().dropped_bytes
+    }
+}

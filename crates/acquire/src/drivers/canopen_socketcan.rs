@@ -1,0 +1,78 @@
+//! CANopen probes, encoders and temperature modules on a CAN interface of the Linux kernel (SocketCAN).
+//! Keys: `interface` ("can0"), and those of every CANopen network (`super::canopen`). The bit rate belongs to the
+//! interface: `ip link set can0 up type can bitrate 1000000 restart-ms 100`.
+//!
+//! The kernel stamps every frame when it arrives, and our own SYNC when it has been on the bus: its moment is that
+//! stamp, not when we wrote it. One SYNC is under way at a time, so that each has its own stamp.
+
+mod interface;
+mod socket;
+mod stamps;
+
+use super::canopen::Network;
+use super::{Device, Driver, Session};
+use crate::config::Role;
+use crate::message::Counters;
+use crate::supervisor::{Link, SessionEnd};
+use socket::OpenInterface;
+use std::convert::Infallible;
+use std::sync::Arc;
+use trunnion_units::input::Table;
+
+/// Registry entry.
+pub const DRIVER: Driver = Driver {
+    name: "canopen-socketcan",
+    about: "CANopen probes and encoders (CiA 404, 406) on a CAN interface of the kernel",
+    default_silence_ms: 500.0,
+    read,
+};
+
+/// Longest name of a network interface (IFNAMSIZ − 1).
+const LONGEST_NAME: usize = 15;
+
+#[derive(Debug)]
+struct CanopenSocketcan {
+    interface: String,
+    network: Network,
+}
+
+fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
+    let interface = table.string("interface");
+    if let Some(name) = &interface
+        && (name.is_empty() || name.len() > LONGEST_NAME || name.contains(['/', ' ']))
+    {
+        let allowed = "the name of a CAN interface, \"can0\" for example";
+        table.problem("interface", format!("= \"{name}\""), allowed, "");
+    }
+    let network = Network::read(table);
+    Some(Arc::new(CanopenSocketcan { interface: interface?, network: network? }))
+}
+
+impl Device for CanopenSocketcan {
+    fn channels(&self) -> Vec<(String, Role)> {
+        self.network.channels()
+    }
+
+    fn address(&self) -> &str {
+        &self.interface
+    }
+
+    fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a> {
+        Box::pin(async move {
+            let mut counters = Counters::default();
+            let end = match self.run(link, &mut counters).await {
+                Ok(never) => match never {},
+                Err(end) => end,
+            };
+            link.final_counters(counters);
+            end
+        })
+    }
+}
+
+impl CanopenSocketcan {
+    async fn run(&self, link: &mut Link, counters: &mut Counters) -> Result<Infallible, SessionEnd> {
+        let mut interface = OpenInterface::open(&self.interface)?;
+        self.network.measure(&mut interface, link, counters).await
+    }
+}
