@@ -195,7 +195,7 @@ fn the_reversal_of_s3_is_given_to_axis_2() {
             };
             position[Y] += 0.010 * pulse(8.0, 0.3);
             position[A] += 0.003 / 280.0 * pulse(7.5, 0.2);
-            AxisSample { time_s, position }
+            AxisSample { time_s, position, ..AxisSample::default() }
         })
         .collect();
     let dir = tempfile::tempdir().expect("a folder");

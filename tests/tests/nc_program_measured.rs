@@ -58,11 +58,10 @@ fn run(cycle: &Cycle, machine: &Machine, dialect: usize) -> Vec<Aligned> {
             if to != at {
                 stopped_s = time_s;
             }
-            out.extend(aligner.push_axes(&AxisSample { time_s, position }));
+            out.extend(aligner.push_axes(&AxisSample { time_s, position, ..AxisSample::default() }));
             let value_mm = TAIL_MM * (-(time_s - stopped_s) / TAIL_S).exp();
             for channel in 0..3 {
-                let sample =
-                    ProbeSample { channel, time_s, device_ticks: u64::from(ticks), raw: 0, value_mm };
+                let sample = ProbeSample { channel, time_s, value_mm, ..ProbeSample::default() };
                 out.extend(aligner.push_probe(&sample));
             }
             ticks += 1;

@@ -7,6 +7,10 @@
 //! Valid while the drift is constant over the window, and the window holds some undelayed arrivals. Before
 //! [`SLOPE_AFTER_NS`] the nominal tick is trusted; a drift beyond [`MAX_DRIFT`] is not believed.
 
+mod track;
+
+pub use track::{ClockTrack, Jump};
+
 use trunnion_units::HostTime;
 
 /// Drifts beyond this are jitter, not quartz.
@@ -70,6 +74,16 @@ impl ClockLine {
         }
         self.block.push(Point { x, excess });
         self.window.push(Point { x, excess });
+    }
+
+    /// How long after `line` the least delayed arrival of the window came, ns; `None` before the first arrival.
+    pub fn least_lateness_ns(&self, line: &Translation) -> Option<f64> {
+        let (origin_ticks, origin) = self.first?;
+        let late = |point: &Point| {
+            let ticks = origin_ticks.wrapping_add_signed((point.x / self.tick_ns).round() as i64);
+            point.x + point.excess + (origin.0 - line.to_host(ticks).0) as f64
+        };
+        self.window.points.iter().map(late).reduce(f64::min)
     }
 
     /// The line now; `None` before the first arrival.

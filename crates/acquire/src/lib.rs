@@ -14,6 +14,7 @@ pub mod cycle_bounds;
 pub mod drivers;
 pub mod message;
 pub mod nest;
+pub mod retime;
 pub mod static_cycle;
 pub mod supervisor;
 pub mod sweep_cycle;
@@ -21,7 +22,7 @@ pub mod timebase;
 pub mod transport;
 
 pub use align::{AlignLimits, Aligned, AlignedSample, Aligner, AxisState};
-pub use clock::ClockLine;
+pub use clock::{ClockLine, ClockTrack, Jump};
 pub use config::{Channel, DeviceConfig, Role, parse_devices, read_devices};
 pub use cycle_bounds::{Bound, CycleBounds, StartRule};
 pub use message::{
@@ -29,6 +30,7 @@ pub use message::{
     TemperatureReading,
 };
 pub use nest::NestCalibration;
+pub use retime::{Retiming, Stream, Survey};
 pub use static_cycle::{CycleEvent, EndReason, Progress, StaticCycle, StaticRules};
 pub use supervisor::{Acquisition, DeviceState, DeviceStatus, SessionEnd, start};
 pub use sweep_cycle::{SweepCycle, SweepRules};

@@ -3,10 +3,10 @@
 //! One [`ClockLine`] for each connection of each device. The time of a device's samples never goes back, even when
 //! a new arrival lowers its line. Readings taken before the run began have negative times.
 
-use crate::clock::{ClockLine, WINDOW_S};
+use crate::clock::{ClockTrack, Jump, WINDOW_S};
 use crate::message::{AxisReading, Message, ProbeReading, Reading};
 use std::collections::HashMap;
-use trunnion_measurement::{AxisSample, Event, Gap, ProbeSample};
+use trunnion_measurement::{AxisSample, Event, Gap, ProbeSample, Stamp};
 use trunnion_units::HostTime;
 
 /// Axis stamps are in ns.
@@ -39,24 +39,49 @@ pub enum Timed {
 pub struct TimeBase {
     origin: HostTime,
     lines: HashMap<u16, DeviceLine>,
+    jumps: Vec<(u16, Jump)>,
 }
 
 #[derive(Clone, Debug)]
 struct DeviceLine {
     epoch: u32,
-    line: ClockLine,
-    last: Option<(u64, f64)>,
+    clock: ClockTrack,
+    last: Option<(u64, HostTime)>,
 }
 
 impl TimeBase {
     /// `origin` is time zero of the run.
     pub fn new(origin: HostTime) -> Self {
-        Self { origin, lines: HashMap::new() }
+        Self { origin, lines: HashMap::new(), jumps: Vec::new() }
+    }
+
+    /// A run begins at `origin`; what is known of the clocks stays.
+    pub fn begin_run(&mut self, origin: HostTime) {
+        self.origin = origin;
     }
 
     /// Run time of a host time, s.
     pub fn seconds(&self, at: HostTime) -> f64 {
         at.seconds_since(self.origin)
+    }
+
+    /// Clocks that were set anew since this was asked last: index of the device, and the time between as a gap of `source`.
+    pub fn take_jumps(&mut self) -> Vec<(u16, Jump)> {
+        std::mem::take(&mut self.jumps)
+    }
+
+    /// The time around a jump as a gap in the words of a recording.
+    pub fn jump_gap(&self, source: &str, jump: &Jump) -> Gap {
+        Gap {
+            source: source.into(),
+            from_s: self.seconds(jump.from),
+            to_s: self.seconds(jump.to),
+            lost_samples: None,
+            reason: format!(
+                "its clock was set by {:+.3} s; times of readings between are uncertain by that much",
+                jump.by_s
+            ),
+        }
     }
 
     /// The message in run time; `None` for counters, which have none.
@@ -93,7 +118,7 @@ impl TimeBase {
 
     /// Estimated drift of a device's clock; `None` before its first reading.
     pub fn drift(&self, device: u16) -> Option<f64> {
-        Some(self.lines.get(&device)?.line.translation()?.drift)
+        Some(self.lines.get(&device)?.clock.translation()?.drift)
     }
 
     fn probe(&mut self, device: u16, epoch: u32, reading: &ProbeReading) -> ProbeSample {
@@ -101,7 +126,7 @@ impl TimeBase {
         ProbeSample {
             channel: reading.channel,
             time_s: self.time(device, epoch, reading.tick_s, ticks, Some(reading.arrival)),
-            device_ticks: ticks,
+            stamp: self.stamp(epoch, reading.tick_s, ticks, reading.arrival),
             raw: reading.raw,
             value_mm: reading.value_mm,
         }
@@ -111,29 +136,39 @@ impl TimeBase {
         let ticks = reading.stamp_ns.cast_unsigned();
         // The stamp of held positions comes from the host's clock and says nothing about the controller's.
         let arrival = Some(reading.arrival).filter(|_| !reading.held);
-        let time_s = self.time(device, epoch, AXIS_TICK_S, ticks, arrival);
-        AxisSample { time_s, position: reading.position }
+        AxisSample {
+            time_s: self.time(device, epoch, AXIS_TICK_S, ticks, arrival),
+            stamp: self.stamp(epoch, AXIS_TICK_S, ticks, reading.arrival),
+            held: reading.held,
+            skew_s: reading.skew_ns as f64 * 1e-9,
+            position: reading.position,
+        }
+    }
+
+    fn stamp(&self, epoch: u32, tick_s: f64, ticks: u64, arrival: HostTime) -> Stamp {
+        Stamp { epoch, ticks, tick_s, arrival_s: self.seconds(arrival) }
     }
 
     /// Run time of a tick; an arrival improves the line first.
     fn time(&mut self, device: u16, epoch: u32, tick_s: f64, ticks: u64, arrival: Option<HostTime>) -> f64 {
-        let origin = self.origin;
         let known = self.lines.remove(&device).filter(|known| known.epoch == epoch);
-        let mut known =
-            known.unwrap_or_else(|| DeviceLine { epoch, line: ClockLine::new(tick_s, WINDOW_S), last: None });
-        if let Some(arrival) = arrival {
-            known.line.push(ticks, arrival);
+        let mut known = known.unwrap_or_else(|| DeviceLine {
+            epoch,
+            clock: ClockTrack::new(tick_s, WINDOW_S),
+            last: None,
+        });
+        if let Some(jump) = arrival.and_then(|arrival| known.clock.push(ticks, arrival)) {
+            self.jumps.push((device, jump));
         }
-        let host = known.line.to_host(ticks).or(arrival).unwrap_or(origin);
-        let by_line = host.seconds_since(origin);
-        let time_s = match known.last {
-            Some((last_ticks, last_s)) if last_ticks == ticks => last_s,
-            Some((_, last_s)) => by_line.max(last_s),
+        let by_line = known.clock.to_host(ticks).or(arrival).unwrap_or(self.origin);
+        let at = match known.last {
+            Some((last_ticks, last)) if last_ticks == ticks => last,
+            Some((_, last)) => by_line.max(last),
             None => by_line,
         };
-        known.last = Some((ticks, time_s));
+        known.last = Some((ticks, at));
         self.lines.insert(device, known);
-        time_s
+        self.seconds(at)
     }
 }
 

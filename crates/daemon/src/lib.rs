@@ -3,8 +3,10 @@
 pub mod analysis;
 pub mod clock;
 pub mod config;
+pub mod forming;
 pub mod live;
 pub mod mqtt;
 pub mod page;
+pub mod plan;
 pub mod recording;
 pub mod service;

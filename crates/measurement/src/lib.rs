@@ -12,11 +12,12 @@ mod point;
 mod run;
 mod sample;
 pub mod setup;
+pub mod time_quality;
 
 pub use artefact::{Artefact, Target};
 pub use cycle::Cycle;
 pub use kind::{InstrumentKind, ReadingColumn};
 pub use point::{Point, Quality};
 pub use run::{Run, RunKind};
-pub use sample::{AxisSample, Event, Gap, ProbeSample};
+pub use sample::{AxisSample, Event, Gap, ProbeSample, Stamp};
 pub use setup::{NestSide, Setup};

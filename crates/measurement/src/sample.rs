@@ -2,15 +2,35 @@
 
 use trunnion_units::AxisValues;
 
-/// One reading of one displacement channel.
+/// When a sample was taken, as it came: nothing here is corrected, so that clocks can be fitted again later.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stamp {
+    /// Which connection it came by: device clocks start anew with each.
+    pub epoch: u32,
+    /// Device clock, ticks as counted (unwrapped).
+    pub ticks: u64,
+    /// Nominal length of a tick, s.
+    pub tick_s: f64,
+    /// When its bytes were read, s since the run began; NaN when nobody knows.
+    pub arrival_s: f64,
+}
+
+impl Default for Stamp {
+    /// Nothing known.
+    fn default() -> Self {
+        Self { epoch: 0, ticks: 0, tick_s: 0.0, arrival_s: f64::NAN }
+    }
+}
+
+/// One reading of one displacement channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProbeSample {
     /// Channel: index of the device in the configuration.
     pub channel: u16,
     /// Corrected acquisition time, s since the run began.
     pub time_s: f64,
-    /// Device clock, ticks as counted (unwrapped).
-    pub device_ticks: u64,
+    /// Device clock and arrival.
+    pub stamp: Stamp,
     /// Raw count as sent by the device.
     pub raw: i64,
     /// Displacement, mm; NaN when the device reported an error.
@@ -18,10 +38,16 @@ pub struct ProbeSample {
 }
 
 /// Axis positions with one time stamp.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisSample {
     /// Corrected acquisition time, s since the run began.
     pub time_s: f64,
+    /// The controller's clock and arrival.
+    pub stamp: Stamp,
+    /// True when the controller said only that nothing has changed; the stamp is then the host's and tells nothing of its clock.
+    pub held: bool,
+    /// Largest difference between the stamps of the axes, s; 0 with a common stamp.
+    pub skew_s: f64,
     /// Positions, mm and rad.
     pub position: AxisValues<f64>,
 }

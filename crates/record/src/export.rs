@@ -80,7 +80,7 @@ pub fn probe_samples_csv(header: &RunHeader, samples: &[ProbeSample]) -> String 
         let name = header.probes.get(usize::from(sample.channel)).filter(|name| !name.is_empty());
         let name = name.cloned().unwrap_or_else(|| sample.channel.to_string());
         let value = sample.value_mm.is_finite().then(|| digits(convert::um_from_mm(sample.value_mm), 4));
-        let (time, ticks, raw) = (digits(sample.time_s, 9), sample.device_ticks, sample.raw);
+        let (time, ticks, raw) = (digits(sample.time_s, 9), sample.stamp.ticks, sample.raw);
         writeln!(table, "{time},{name},{ticks},{raw},{}", value.unwrap_or_default())
             .expect("writing to a string cannot fail");
     }

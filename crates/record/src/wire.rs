@@ -8,7 +8,7 @@ use crate::schema as pb;
 use nalgebra::Vector3;
 use prost::{DecodeError, Message};
 use trunnion_machine::State;
-use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Quality, RunKind, Setup};
+use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Quality, RunKind, Setup, Stamp};
 use trunnion_units::{AxisLetter, AxisValues, HostTime, convert};
 
 /// Name of the message of a point.
@@ -193,7 +193,28 @@ fn header_from(message: pb::RunHeader) -> Result<RunHeader, WireError> {
     })
 }
 
-/// One batch of one probe channel. `samples` is not empty.
+/// Samples of one clock can share a batch.
+pub fn same_clock(a: &Stamp, b: &Stamp) -> bool {
+    a.epoch == b.epoch && a.tick_s == b.tick_s && a.arrival_s.is_nan() == b.arrival_s.is_nan()
+}
+
+/// Arrivals as differences in ns; empty when they are not known.
+fn encode_arrivals<'s>(stamps: impl Iterator<Item = &'s Stamp> + Clone) -> Vec<i64> {
+    if stamps.clone().any(|stamp| stamp.arrival_s.is_nan()) {
+        return Vec::new();
+    }
+    lossless::deltas(stamps.map(|stamp| (stamp.arrival_s * 1e9).round() as i64))
+}
+
+/// Undoes [`encode_arrivals`]; `None` when the lists do not belong together.
+fn decode_arrivals(deltas: &[i64], len: usize) -> Option<Vec<f64>> {
+    match deltas.len() {
+        0 => Some(vec![f64::NAN; len]),
+        found => (found == len).then(|| lossless::sums(deltas).map(|ns| ns as f64 * 1e-9).collect()),
+    }
+}
+
+/// One batch of one probe channel on one clock. `samples` is not empty.
 pub fn encode_probes(channel: u16, samples: &[ProbeSample]) -> Encoded {
     let raw: Vec<i64> = samples.iter().map(|sample| sample.raw).collect();
     let values: Vec<f64> = samples.iter().map(|sample| sample.value_mm).collect();
@@ -204,12 +225,15 @@ pub fn encode_probes(channel: u16, samples: &[ProbeSample]) -> Encoded {
         channel: u32::from(channel),
         time_ns_delta,
         time_ulps,
-        device_ticks_delta: lossless::deltas(samples.iter().map(|sample| sample.device_ticks as i64)),
+        device_ticks_delta: lossless::deltas(samples.iter().map(|sample| sample.stamp.ticks as i64)),
         raw_delta: lossless::deltas(raw.into_iter()),
         value_offset_mm: line.offset,
         value_gain_mm: line.gain,
         value_ulps: line.ulps,
         value_mm: line.exact,
+        arrival_ns_delta: encode_arrivals(samples.iter().map(|sample| &sample.stamp)),
+        epoch: samples[0].stamp.epoch,
+        tick_s: samples[0].stamp.tick_s,
     };
     encoded(Topic::Probe(channel), times[0], samples.len(), &message)
 }
@@ -230,17 +254,22 @@ fn probes_from(message: pb::ProbeBatch) -> Result<Vec<ProbeSample>, WireError> {
     if times.len() != raw.len() || ticks.len() != raw.len() {
         return Err(wrong());
     }
+    let arrivals = decode_arrivals(&message.arrival_ns_delta, raw.len()).ok_or_else(wrong)?;
+    let (epoch, tick_s) = (message.epoch, message.tick_s);
     let sample = |i: usize| ProbeSample {
         channel,
         time_s: times[i],
-        device_ticks: ticks[i] as u64,
+        stamp: Stamp { epoch, ticks: ticks[i] as u64, tick_s, arrival_s: arrivals[i] },
         raw: raw[i],
         value_mm: values[i],
     };
     Ok((0..raw.len()).map(sample).collect())
 }
 
-/// One batch of axis positions. `samples` is not empty.
+/// Stamps of axis positions are in ns.
+const AXIS_TICK_S: f64 = 1e-9;
+
+/// One batch of axis positions on one clock. `samples` is not empty.
 pub fn encode_axes(samples: &[AxisSample]) -> Encoded {
     let times: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
     let (time_ns_delta, time_ulps) = lossless::encode_times(&times);
@@ -257,6 +286,23 @@ pub fn encode_axes(samples: &[AxisSample]) -> Encoded {
         a_rad: positions(AxisLetter::A),
         b_rad: positions(AxisLetter::B),
         c_rad: positions(AxisLetter::C),
+        stamp_ns_delta: if samples.iter().any(|sample| sample.stamp.ticks != 0) {
+            lossless::deltas(samples.iter().map(|sample| sample.stamp.ticks as i64))
+        } else {
+            Vec::new()
+        },
+        arrival_ns_delta: encode_arrivals(samples.iter().map(|sample| &sample.stamp)),
+        epoch: samples[0].stamp.epoch,
+        held: if samples.iter().any(|sample| sample.held) {
+            samples.iter().map(|sample| sample.held).collect()
+        } else {
+            Vec::new()
+        },
+        skew_ns_delta: if samples.iter().any(|sample| sample.skew_s != 0.0) {
+            lossless::deltas(samples.iter().map(|sample| (sample.skew_s * 1e9).round() as i64))
+        } else {
+            Vec::new()
+        },
     };
     encoded(Topic::Axes, times[0], samples.len(), &message)
 }
@@ -268,8 +314,27 @@ fn axes_from(m: pb::AxisBatch) -> Result<Vec<AxisSample>, WireError> {
     if lists.0.iter().any(|list| !list.is_empty() && list.len() != times.len()) {
         return Err(wrong());
     }
-    let position = |i: usize| AxisValues::from_fn(|letter| lists[letter].get(i).copied().unwrap_or(0.0));
-    Ok(times.iter().enumerate().map(|(i, &time_s)| AxisSample { time_s, position: position(i) }).collect())
+    let fits = |len: usize| len == 0 || len == times.len();
+    if !(fits(m.stamp_ns_delta.len()) && fits(m.held.len()) && fits(m.skew_ns_delta.len())) {
+        return Err(wrong());
+    }
+    let arrivals = decode_arrivals(&m.arrival_ns_delta, times.len()).ok_or_else(wrong)?;
+    let stamps: Vec<i64> = lossless::sums(&m.stamp_ns_delta).collect();
+    let skews: Vec<i64> = lossless::sums(&m.skew_ns_delta).collect();
+    let tick_s = if stamps.is_empty() { 0.0 } else { AXIS_TICK_S };
+    let sample = |i: usize| AxisSample {
+        time_s: times[i],
+        stamp: Stamp {
+            epoch: m.epoch,
+            ticks: stamps.get(i).map_or(0, |&stamp| stamp as u64),
+            tick_s,
+            arrival_s: arrivals[i],
+        },
+        held: m.held.get(i).copied().unwrap_or(false),
+        skew_s: skews.get(i).map_or(0.0, |&skew| skew as f64 * 1e-9),
+        position: AxisValues::from_fn(|letter| lists[letter].get(i).copied().unwrap_or(0.0)),
+    };
+    Ok((0..times.len()).map(sample).collect())
 }
 
 /// A point with its place in the order of the run.

@@ -105,7 +105,7 @@ impl Recorder {
                 for sample in samples {
                     self.plot_probe(&sample, arrival);
                     if let Some(full) = self.probes.push(sample.channel, sample, arrival) {
-                        self.write(wire::encode_probes(sample.channel, &full), arrival);
+                        self.write_probes(sample.channel, &full, arrival);
                     }
                 }
             }
@@ -113,7 +113,7 @@ impl Recorder {
                 for sample in samples {
                     self.plot_axes(&sample, arrival);
                     if let Some(full) = self.axes.push((), sample, arrival) {
-                        self.write(wire::encode_axes(&full), arrival);
+                        self.write_axes(&full, arrival);
                     }
                 }
             }
@@ -134,10 +134,10 @@ impl Recorder {
     pub fn flush_aged(&mut self, now: HostTime) {
         let aged = |arrival: HostTime| now - arrival >= BATCH_AGE;
         for (channel, batch) in self.probes.take(aged) {
-            self.write(wire::encode_probes(channel, &batch), now);
+            self.write_probes(channel, &batch, now);
         }
         for ((), batch) in self.axes.take(aged) {
-            self.write(wire::encode_axes(&batch), now);
+            self.write_axes(&batch, now);
         }
     }
 
@@ -170,10 +170,10 @@ impl Recorder {
     /// When a file cannot be written or does not read back; its journal is then kept for recovery.
     pub fn finish(mut self, now: HostTime) -> Result<Finished, RecordError> {
         for (channel, batch) in self.probes.take(|_| true) {
-            self.write(wire::encode_probes(channel, &batch), now);
+            self.write_probes(channel, &batch, now);
         }
         for ((), batch) in self.axes.take(|_| true) {
-            self.write(wire::encode_axes(&batch), now);
+            self.write_axes(&batch, now);
         }
         if self.journal.is_none() {
             self.retry_at = now;
@@ -186,6 +186,18 @@ impl Recorder {
             self.lost_samples + self.ring.iter().map(|(message, _)| message.samples).sum::<u64>();
         let files = self.journals.iter().map(|path| finish_journal(path, None)).collect::<Result<_, _>>()?;
         Ok(Finished { files, lost_samples })
+    }
+
+    fn write_probes(&mut self, channel: u16, batch: &[ProbeSample], arrival: HostTime) {
+        for part in batch.chunk_by(|a, b| wire::same_clock(&a.stamp, &b.stamp)) {
+            self.write(wire::encode_probes(channel, part), arrival);
+        }
+    }
+
+    fn write_axes(&mut self, batch: &[AxisSample], arrival: HostTime) {
+        for part in batch.chunk_by(|a, b| wire::same_clock(&a.stamp, &b.stamp)) {
+            self.write(wire::encode_axes(part), arrival);
+        }
     }
 
     fn write(&mut self, message: Encoded, arrival: HostTime) {
@@ -441,7 +453,7 @@ mod tests {
             // values that no line through the counts shortens, so that the ring overflows
             let value_mm = (raw as f64).sin();
             let time_s = raw as f64 * 1e-5;
-            let sample = ProbeSample { channel: 0, time_s, device_ticks: 0, raw, value_mm };
+            let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
             recorder.append(Item::Probes(vec![sample]), HostTime(raw * 10_000));
             failed |= recorder.failing().is_some_and(|why| why.contains("cannot write"));
             if raw == samples - 150_000 {

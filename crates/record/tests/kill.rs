@@ -51,8 +51,7 @@ fn record_a_counter_until_killed(folder: &Path) -> ! {
     for raw in 0.. {
         let now = clock.now();
         let time_s = now.seconds_since(HostTime(0));
-        let sample =
-            ProbeSample { channel: 0, time_s, device_ticks: raw as u64, raw, value_mm: raw as f64 * 1e-3 };
+        let sample = ProbeSample { time_s, raw, value_mm: raw as f64 * 1e-3, ..ProbeSample::default() };
         if handle.try_send(Item::Probes(vec![sample]), now) {
             writeln!(out, "accepted {raw}").unwrap();
         }

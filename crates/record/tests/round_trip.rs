@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 use std::time::Duration;
 use trunnion_machine::{Machine, State, shipped};
-use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Quality, Run, RunKind};
+use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Quality, Run, RunKind, Stamp};
 use trunnion_record::{
     ControllerState, Item, LogLine, Recorder, RunHeader, Temperature, points_csv, read_run, visit, write_run,
 };
@@ -87,14 +87,28 @@ fn everything_recorded_is_read_back_bit_for_bit_in_order_of_time() {
         let raw = 130_000 + rng.random_range(-30_i64..30);
         let channel = (i % 3) as u16;
         let value_mm = if i == 999 { f64::NAN } else { (raw as f64 * 1.02 / 65520.0 - 0.01) * 2.0 };
-        let sample =
-            ProbeSample { channel, time_s, device_ticks: u64::from(i) * 31 + 4_000_000_000, raw, value_mm };
+        // Two connections: the device's clock starts anew.
+        let stamp = Stamp {
+            epoch: 1 + i / 7000,
+            ticks: u64::from(i) * 31 + 4_000_000_000,
+            tick_s: 1e-6,
+            arrival_s: arrival.seconds_since(START),
+        };
+        let sample = ProbeSample { channel, time_s, stamp, raw, value_mm };
         probes.push(sample);
         recorder.append(Item::Probes(vec![sample]), arrival);
         if i % 8 == 0 {
             let mut position = AxisValues::default();
             position.0[5] = f64::from(i) * 1e-4;
-            axes.push(AxisSample { time_s, position });
+            let stamp =
+                Stamp { tick_s: 1e-9, ticks: u64::from(i) * 250_000 + 1_700_000_000_000_000_000, ..stamp };
+            axes.push(AxisSample {
+                time_s,
+                stamp,
+                held: i % 24 == 0,
+                skew_s: f64::from(i % 5) * 1e-3,
+                position,
+            });
             recorder.append(Item::Axes(vec![axes[axes.len() - 1]]), arrival);
         }
         if i % 500 == 0 {
@@ -226,7 +240,12 @@ fn a_probe_sample_takes_under_fifteen_bytes_in_the_journal_and_under_eight_when_
             let sample = ProbeSample {
                 channel,
                 time_s: (f64::from(i) * 250_013.7).round() * 1e-9,
-                device_ticks: u64::from(i) * 2500,
+                stamp: Stamp {
+                    epoch: 1,
+                    ticks: u64::from(i) * 2500,
+                    tick_s: 1e-7,
+                    arrival_s: arrival.seconds_since(START),
+                },
                 raw,
                 value_mm: (raw as f64 * 1.02 / 65520.0 - 0.01) * 2.0,
             };

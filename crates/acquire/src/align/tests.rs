@@ -7,11 +7,11 @@ fn axes(time_s: f64, values: &[(AxisLetter, f64)]) -> AxisSample {
     for &(letter, value) in values {
         position[letter] = value;
     }
-    AxisSample { time_s, position }
+    AxisSample { time_s, position, ..AxisSample::default() }
 }
 
 fn probe(channel: u16, time_s: f64, value_mm: f64) -> ProbeSample {
-    ProbeSample { channel, time_s, device_ticks: 0, raw: 0, value_mm }
+    ProbeSample { channel, time_s, value_mm, ..ProbeSample::default() }
 }
 
 enum Input {

@@ -43,7 +43,11 @@ impl Shop<'_> {
                     let mut position = AxisValues::default();
                     position[C] = c + 1e-6 * (rng.random::<f64>() - 0.5);
                     position[X] = 1e-4 * (rng.random::<f64>() - 0.5);
-                    out.extend(aligner.push_axes(&AxisSample { time_s: t, position }));
+                    out.extend(aligner.push_axes(&AxisSample {
+                        time_s: t,
+                        position,
+                        ..AxisSample::default()
+                    }));
                 }
                 let values = (self.reading)(t, f64::from(step) * 1e-3 - 0.4, c);
                 for (channel, value) in (0u16..).zip(values) {
@@ -54,9 +58,8 @@ impl Shop<'_> {
                         out.extend(aligner.push_probe(&ProbeSample {
                             channel,
                             time_s,
-                            device_ticks: u64::from(ms),
-                            raw: 0,
                             value_mm,
+                            ..ProbeSample::default()
                         }));
                     }
                 }

@@ -99,7 +99,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 fn encoders(machine: &VirtualMachine, state: &State) -> Option<AxisSample> {
-    Some(AxisSample { time_s: state.time_s?, position: machine.encoder_positions(state) })
+    Some(AxisSample {
+        time_s: state.time_s?,
+        position: machine.encoder_positions(state),
+        ..AxisSample::default()
+    })
 }
 
 struct Simulated {
