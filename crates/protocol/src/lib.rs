@@ -10,6 +10,7 @@
 
 pub mod can;
 pub mod canopen;
+pub mod linuxcncrsh;
 pub mod mtconnect;
 pub mod optoncdt;
 pub mod slcan;

@@ -18,6 +18,8 @@ pub enum Address {
     Port(PathBuf),
     /// Base URL of the agent, without a slash at the end.
     Url(String),
+    /// Host and port of a server on TCP.
+    Tcp(std::net::SocketAddr),
 }
 
 impl fmt::Display for Address {
@@ -25,6 +27,7 @@ impl fmt::Display for Address {
         match self {
             Address::Port(path) => path.display().fmt(f),
             Address::Url(url) => url.fmt(f),
+            Address::Tcp(address) => address.fmt(f),
         }
     }
 }
@@ -41,7 +44,7 @@ pub enum DeviceError {
         source: io::Error,
     },
     /// The address cannot be listened on.
-    #[error("the agent cannot listen on {address}")]
+    #[error("cannot listen on {address}")]
     Listen {
         /// The address.
         address: std::net::SocketAddr,
@@ -118,14 +121,14 @@ impl Handle {
     pub fn port(&self) -> Option<&Path> {
         match &self.address {
             Address::Port(path) => Some(path),
-            Address::Url(_) => None,
+            Address::Url(_) | Address::Tcp(_) => None,
         }
     }
 
     /// The base URL of an agent.
     pub fn url(&self) -> Option<&str> {
         match &self.address {
-            Address::Port(_) => None,
+            Address::Port(_) | Address::Tcp(_) => None,
             Address::Url(url) => Some(url),
         }
     }

@@ -10,6 +10,7 @@ pub mod cell;
 mod clock;
 mod faults;
 mod handle;
+pub mod linuxcncrsh;
 pub mod mtconnect;
 pub mod optoncdt;
 pub mod serial;

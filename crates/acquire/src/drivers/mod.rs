@@ -6,6 +6,7 @@
 mod canopen;
 pub mod canopen_slcan;
 pub mod canopen_socketcan;
+pub mod linuxcnc;
 pub mod mtconnect;
 pub mod optoncdt;
 
@@ -43,8 +44,13 @@ pub struct Driver {
 }
 
 /// Every driver.
-pub const DRIVERS: [&Driver; 4] =
-    [&canopen_slcan::DRIVER, &canopen_socketcan::DRIVER, &mtconnect::DRIVER, &optoncdt::DRIVER];
+pub const DRIVERS: [&Driver; 5] = [
+    &canopen_slcan::DRIVER,
+    &canopen_socketcan::DRIVER,
+    &linuxcnc::DRIVER,
+    &mtconnect::DRIVER,
+    &optoncdt::DRIVER,
+];
 
 #[cfg(test)]
 mod tests {

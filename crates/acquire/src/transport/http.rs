@@ -1,19 +1,16 @@
 //! HTTP/1.1 GET over plain TCP, whole answers and streams, with limits on connecting, on each read, and on size.
 
+use super::tcp::{self, CONNECT_LIMIT};
 use crate::supervisor::SessionEnd;
 use http_body_util::{BodyExt, Empty};
 use hyper::body::{Bytes, Incoming};
 use hyper::{Request, StatusCode, Uri, header};
 use hyper_util::rt::TokioIo;
 use std::error::Error;
-use std::io::ErrorKind;
 use std::time::Duration;
-use tokio::net::TcpStream;
 use tokio::task::JoinHandle;
 use tokio::time::timeout;
 
-/// Connecting, and the head of an answer, must not take longer.
-const CONNECT_LIMIT: Duration = Duration::from_secs(3);
 /// A whole document is smaller.
 const MAX_BODY_BYTES: usize = 64 * 1024 * 1024;
 
@@ -51,16 +48,9 @@ pub fn parse_base(url: &str) -> Result<Uri, String> {
 /// `Absent` when nobody listens, `Silent` when the answer stays out, `Disconnected`.
 pub async fn get(base: &Uri, path: &str) -> Result<Answer, SessionEnd> {
     let host = base.host().unwrap_or_default();
-    let address = (host.trim_matches(['[', ']']), base.port_u16().unwrap_or(80));
+    let port = base.port_u16().unwrap_or(80);
     let silent = |waited| SessionEnd::Silent { who: format!("{base}"), waited };
-    let stream = match timeout(CONNECT_LIMIT, TcpStream::connect(address)).await {
-        Err(_) => return Err(silent(CONNECT_LIMIT)),
-        Ok(Err(error)) if error.kind() == ErrorKind::PermissionDenied => {
-            return Err(SessionEnd::Refused { address: base.to_string(), why: error.to_string() });
-        }
-        Ok(Err(error)) => return Err(SessionEnd::Absent(format!("{base} ({error})"))),
-        Ok(Ok(stream)) => stream,
-    };
+    let stream = tcp::connect(host.trim_matches(['[', ']']), port, &base.to_string()).await?;
     let lost = |error: hyper::Error| SessionEnd::Disconnected(format!("{base}: {}", chain(&error)));
     let (mut sender, connection) =
         hyper::client::conn::http1::handshake(TokioIo::new(stream)).await.map_err(lost)?;

@@ -1,4 +1,5 @@
-//! Byte transports: serial ports and HTTP. Every wait has a limit; a failure is a [`crate::SessionEnd`].
+//! Byte transports: serial ports, TCP and HTTP. Every wait has a limit; a failure is a [`crate::SessionEnd`].
 
 pub mod http;
 pub mod serial;
+pub mod tcp;

@@ -1,0 +1,141 @@
+//! One request at a time: two small requests in a row would wait for each other in the network's buffers (40 ms).
+
+use crate::supervisor::{Link, SessionEnd};
+use crate::transport::tcp;
+use std::collections::VecDeque;
+use std::time::Duration;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio::time::timeout;
+use trunnion_protocol::linuxcncrsh::{Item, Lines, Reply, Request, parse_reply, write_request};
+use trunnion_units::HostTime;
+
+/// An answer with the times around it.
+pub(super) struct Answered {
+    pub(super) reply: Reply,
+    /// When it was asked for.
+    pub(super) asked: HostTime,
+    /// When it was there.
+    pub(super) arrival: HostTime,
+}
+
+impl Answered {
+    /// Half-way between request and answer.
+    pub(super) fn middle(&self) -> HostTime {
+        self.asked + (self.arrival - self.asked) / 2
+    }
+}
+
+/// A connection.
+pub(super) struct Exchange {
+    stream: TcpStream,
+    address: String,
+    lines: Lines,
+    waiting: VecDeque<String>,
+    silence: Duration,
+}
+
+impl Exchange {
+    pub(super) async fn open(
+        host: &str,
+        port: u16,
+        address: &str,
+        silence: Duration,
+    ) -> Result<Self, SessionEnd> {
+        let stream = tcp::connect(host, port, address).await?;
+        let (lines, waiting) = (Lines::default(), VecDeque::new());
+        Ok(Self { stream, address: address.into(), lines, waiting, silence })
+    }
+
+    /// Name and version of the server. Afterwards it no longer repeats what it is asked.
+    pub(super) async fn hello(
+        &mut self,
+        password: &str,
+        link: &Link,
+    ) -> Result<(String, String), SessionEnd> {
+        let answered = self.ask(&Request::Hello { password: password.into() }, link).await?;
+        let (server, version) = match answered.reply {
+            Reply::Hello { server, version } => (server, version),
+            Reply::HelloRefused => {
+                let why =
+                    "the connection password is wrong; give `password` as after -w of linuxcncrsh".into();
+                return Err(SessionEnd::Refused { address: self.address.clone(), why });
+            }
+            other => return Err(protocol(format!("hello was answered by {other:?}"))),
+        };
+        // `set` has no answer of its own.
+        self.send(&Request::EchoOff).await?;
+        match self.get(Item::Echo, link).await?.reply {
+            Reply::Echo(false) => Ok((server, version)),
+            other => Err(protocol(format!("set echo off was answered by {other:?}"))),
+        }
+    }
+
+    /// Asks for a value.
+    pub(super) async fn get(&mut self, item: Item, link: &Link) -> Result<Answered, SessionEnd> {
+        self.ask(&Request::Get(item), link).await
+    }
+
+    /// Bytes that belonged to no line.
+    pub(super) fn dropped_bytes(&self) -> u64 {
+        self.lines.dropped_bytes()
+    }
+
+    async fn ask(&mut self, request: &Request, link: &Link) -> Result<Answered, SessionEnd> {
+        let asked = link.now();
+        self.send(request).await?;
+        loop {
+            let line = self.line().await?;
+            match parse_reply(&line) {
+                Ok(None) => {}
+                Ok(Some(reply)) => return Ok(Answered { reply, asked, arrival: link.now() }),
+                Err(error) if matches!(request, Request::Hello { .. }) && line.is_ascii() => {
+                    return Err(SessionEnd::WrongDevice {
+                        found: format!("something that says \"{}\"", error.line),
+                        expected: "linuxcncrsh; give the port after -p of linuxcncrsh".into(),
+                    });
+                }
+                // The answers no longer belong to their questions: begin anew.
+                Err(error) => return Err(protocol(error.to_string())),
+            }
+        }
+    }
+
+    async fn send(&mut self, request: &Request) -> Result<(), SessionEnd> {
+        let line = write_request(request);
+        match timeout(self.silence, self.stream.write_all(line.as_bytes())).await {
+            Err(_) => Err(self.silent()),
+            Ok(Err(error)) => Err(self.lost(&error.to_string())),
+            Ok(Ok(())) => Ok(()),
+        }
+    }
+
+    async fn line(&mut self) -> Result<String, SessionEnd> {
+        // Garbage that never ends a line must not keep us here for ever.
+        let deadline = tokio::time::Instant::now() + self.silence;
+        let mut bytes = [0; 2048];
+        loop {
+            if let Some(line) = self.waiting.pop_front() {
+                return Ok(line);
+            }
+            match tokio::time::timeout_at(deadline, self.stream.read(&mut bytes)).await {
+                Err(_) => return Err(self.silent()),
+                Ok(Err(error)) => return Err(self.lost(&error.to_string())),
+                Ok(Ok(0)) => return Err(self.lost("LinuxCNC closed the connection")),
+                Ok(Ok(count)) => self.waiting.extend(self.lines.push(&bytes[..count])),
+            }
+        }
+    }
+
+    fn silent(&self) -> SessionEnd {
+        SessionEnd::Silent { who: format!("{} does not answer", self.address), waited: self.silence }
+    }
+
+    fn lost(&self, why: &str) -> SessionEnd {
+        SessionEnd::Disconnected(format!("{}: {why}", self.address))
+    }
+}
+
+fn protocol(fault: String) -> SessionEnd {
+    SessionEnd::Protocol { doing: "asking LinuxCNC", fault }
+}

@@ -1,0 +1,189 @@
+//! Controllers that are asked over the network: positions with true stamps, and what each fault leads to.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use tokio::time::timeout;
+use tokio_util::sync::CancellationToken;
+use trunnion_acquire::supervisor::QUEUE_LENGTH;
+use trunnion_acquire::{
+    Acquisition, DeviceState, DeviceStatus, Execution, Reading, SourceGap, parse_devices, start,
+};
+use trunnion_hil_sim::devices::linuxcncrsh::{self, ServerConfig};
+use trunnion_hil_sim::devices::{Fault, Handle, SimulatedCell, TimeOrigin, World, orthogonal_nest};
+use trunnion_hil_sim::motion::{Follow, Program, Step, Trajectory};
+use trunnion_units::AxisLetter::{B, C, X};
+use trunnion_units::{AxisValues, Clock, HostTime};
+
+/// Longest wait for anything; the build machine may be busy.
+const LIMIT: Duration = Duration::from_secs(30);
+
+struct SinceStart(Instant);
+
+impl Clock for SinceStart {
+    fn now(&self) -> HostTime {
+        HostTime(self.0.elapsed().as_nanos() as i64)
+    }
+
+    fn wall_ns(&self) -> i64 {
+        0
+    }
+}
+
+/// C stands for half a second, then turns at 1 rad/s for longer than any test lasts.
+fn world() -> Arc<SimulatedCell> {
+    let follow = Follow::new(|axes| *axes);
+    let sweep = Step::Sweep { axis: C, from: 0.0, to: 600.0, feed: 1.0, ramp_s: 0.2, follow };
+    let mut from = AxisValues::default();
+    (from[X], from[B]) = (100.0, 0.25);
+    let program = Program { start: from, steps: vec![Step::Dwell { duration_s: 0.5 }, sweep] };
+    Arc::new(SimulatedCell {
+        trajectory: Trajectory::compile(&program).unwrap(),
+        program: "/home/cnc/sweep c.ngc".into(),
+        setup: 0,
+        deflection_mm: Box::new(|_| [0.0; 3]),
+        bar_mm: Box::new(|_| 0.0),
+        temperature_degc: Box::new(|_| 21.0),
+        probe_directions: orthogonal_nest(),
+        noise_mm: 0.0,
+        seed: 3,
+    })
+}
+
+struct Bench {
+    world: Arc<SimulatedCell>,
+    server: Handle,
+    acquisition: Acquisition,
+}
+
+/// Host time 0 is time 0 of the cell.
+async fn bench(config: ServerConfig, keys: &str) -> Bench {
+    let (world, origin) = (world(), Instant::now());
+    let server = linuxcncrsh::spawn(world.clone(), config, TimeOrigin(origin.into()), &[]).await.unwrap();
+    let port = server.address().to_string().rsplit_once(':').unwrap().1.to_owned();
+    let text = format!(
+        "[[device]]\nname = \"cnc\"\ndriver = \"linuxcnc\"\nhost = \"127.0.0.1\"\nport = {port}\n{keys}"
+    );
+    let devices = parse_devices("t.toml", &text).unwrap();
+    let clock = Arc::new(SinceStart(origin));
+    let acquisition = start(devices, clock, CancellationToken::new(), QUEUE_LENGTH);
+    Bench { world, server, acquisition }
+}
+
+const JOINTS: &str = "joints = \"XYZBC\"\nsilence_ms = 300\n";
+
+impl Bench {
+    /// The first reading of interest.
+    async fn find<T>(&mut self, pick: impl Fn(&Reading) -> Option<T>) -> T {
+        let search = async {
+            loop {
+                let message = self.acquisition.messages.recv().await.expect("the acquisition runs");
+                if let Some(found) = pick(&message.reading) {
+                    return found;
+                }
+            }
+        };
+        timeout(LIMIT, search).await.expect("it comes in time")
+    }
+
+    async fn status(&mut self, fits: impl Fn(&DeviceStatus) -> bool) -> DeviceStatus {
+        let state = &mut self.acquisition.states[0];
+        timeout(LIMIT, state.wait_for(|status| fits(status))).await.expect("in time").unwrap().clone()
+    }
+
+    async fn gap(&mut self) -> SourceGap {
+        let gap = |reading: &Reading| match reading {
+            Reading::Gap(gap) => Some(gap.clone()),
+            _ => None,
+        };
+        self.find(gap).await
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn positions_of_linuxcnc_bear_the_time_at_which_they_appeared() {
+    let cycle_s = 0.01;
+    let mut bench = bench(ServerConfig { cycle_s, ..Default::default() }, JOINTS).await;
+    let identity = bench.status(|status| !status.identity.is_empty()).await.identity;
+    assert_eq!(identity, "linuxcncrsh EMCNETSVR 1.1, joints X Y Z B C");
+    let controller = bench
+        .find(|reading| match reading {
+            Reading::Controller(controller) => Some(controller.clone()),
+            _ => None,
+        })
+        .await;
+    assert_eq!(controller.execution, Execution::Active);
+    assert_eq!(controller.program, "/home/cnc/sweep c.ngc");
+    // The farthest of 200 positions while C turns at 1 rad/s from where it was at the stamp.
+    let (mut seen, mut farthest_rad) = (0, 0.0_f64);
+    while seen < 200 {
+        let axes =
+            bench.find(|reading| if let Reading::Axes(axes) = reading { Some(*axes) } else { None }).await;
+        let t_s = axes.stamp_ns as f64 / 1e9;
+        if t_s < 1.0 {
+            continue;
+        }
+        assert!((axes.position[X] - 100.0).abs() < 1e-5 && (axes.position[B] - 0.25).abs() < 1e-5);
+        assert!(axes.present[C] && !axes.present[trunnion_units::AxisLetter::A]);
+        // A busy machine may hold a request up; then the middle of the two requests lies that far off.
+        let held_up_s = (axes.arrival.0 - axes.stamp_ns) as f64 / 1e9;
+        let off_rad = (bench.world.axes(t_s)[C] - axes.position[C]).abs();
+        assert!(off_rad <= cycle_s + 2.0 * held_up_s + 0.004, "{off_rad} rad, {held_up_s} s");
+        farthest_rad = farthest_rad.max(off_rad);
+        seen += 1;
+    }
+    println!("farthest {:.1} ms", farthest_rad * 1e3);
+    bench.acquisition.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn each_fault_of_linuxcnc_is_told_recorded_and_recovered_from() {
+    let cases = [
+        (Fault::Silence { duration_s: 1.0 }, DeviceState::Silent, "does not answer"),
+        (Fault::Unplug { duration_s: 1.0 }, DeviceState::Absent, "127.0.0.1"),
+        (Fault::AgentRestart, DeviceState::Failed, "closed the connection"),
+        (Fault::GarbleBytes { count: 60 }, DeviceState::Failed, "asking LinuxCNC"),
+    ];
+    for (fault, expected, words) in cases {
+        let mut bench = bench(ServerConfig::default(), JOINTS).await;
+        bench.find(|reading| matches!(reading, Reading::Axes(_)).then_some(())).await;
+        bench.server.inject(fault).unwrap();
+        // Garbage can also end a line too late to be an answer in time.
+        let ended = |status: &DeviceStatus| {
+            status.state == expected
+                || (expected == DeviceState::Failed && status.state == DeviceState::Silent)
+        };
+        bench.status(ended).await;
+        let gap = bench.gap().await;
+        assert!(gap.to > gap.from && gap.source == "cnc", "{fault:?}: {gap:?}");
+        let status = bench.status(|status| status.state == DeviceState::Streaming).await;
+        let end = status.last_end.unwrap().to_string();
+        assert!(end.contains(words) || end.contains("does not answer"), "{fault:?}: {end}");
+        bench.acquisition.stop().await;
+        bench.server.shutdown().await;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn another_linuxcnc_a_wrong_password_and_another_program_are_refused_with_what_to_do() {
+    let mut bench1 = bench(ServerConfig::default(), JOINTS).await;
+    bench1.find(|reading| matches!(reading, Reading::Axes(_)).then_some(())).await;
+    bench1.server.inject(Fault::WrongIdentity).unwrap();
+    let status = bench1.status(|status| status.state == DeviceState::WrongDevice).await;
+    let end = status.last_end.unwrap().to_string();
+    assert!(
+        end.contains("joint 3 is in MM") && end.contains("axis B") && end.contains("COORDINATES"),
+        "{end}"
+    );
+
+    let mut bench2 = bench(ServerConfig { password: "SECRET".into(), ..Default::default() }, JOINTS).await;
+    let status = bench2.status(|status| status.state == DeviceState::Refused).await;
+    assert!(status.last_end.unwrap().to_string().contains("-w of linuxcncrsh"));
+
+    let keys = "joints = \"XYZBC\"\nserver = \"MILL-2\"\n";
+    let mut bench3 = bench(ServerConfig::default(), keys).await;
+    let status = bench3.status(|status| status.state == DeviceState::WrongDevice).await;
+    let end = status.last_end.unwrap().to_string();
+    assert!(end.contains("EMCNETSVR") && end.contains("MILL-2"), "{end}");
+}
