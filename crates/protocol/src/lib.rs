@@ -8,8 +8,11 @@
 //! - a byte stream decodes the same however it is split;
 //! - nothing is dropped in silence: garbage, lost synchronisation and damaged messages are counted.
 
+pub mod ascii;
 pub mod can;
 pub mod canopen;
+pub mod keyence;
+pub mod lines;
 pub mod linuxcncrsh;
 pub mod mtconnect;
 pub mod optoncdt;

@@ -225,7 +225,7 @@ impl Layout {
 }
 
 /// Turns a counter that wraps into one that does not: `Unwrap::new(18)` for the counter, `Unwrap::new(32)` for the
-/// time stamp. The count only goes forward, so a pause must be shorter than one turn (18 bits at 4 kHz: 65 s).
+/// time stamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unwrap {
     bits: u32,
@@ -238,16 +238,31 @@ impl Unwrap {
         Self { bits: bits.clamp(1, 32), last: None }
     }
 
-    /// The next count; the first one is given back as it is.
+    /// The next count of a counter that only goes forward; the first one is given back as it is. A pause must be
+    /// shorter than one turn (18 bits at 4 kHz: 65 s).
     pub fn push(&mut self, raw: u32) -> u64 {
-        let mask = (1u64 << self.bits) - 1;
-        let raw = u64::from(raw) & mask;
-        let count = match self.last {
-            None => raw,
-            Some(last) => last + (raw.wrapping_sub(last) & mask),
-        };
+        let (mask, raw) = self.masked(raw);
+        let count = self.last.map_or(raw, |last| last + (raw.wrapping_sub(last) & mask));
         self.last = Some(count);
         count
+    }
+
+    /// The count nearest to the last one, forward or back: for a device that may be set anew. A pause must be
+    /// shorter than half a turn (18 bits at 4 kHz: 33 s).
+    pub fn push_nearest(&mut self, raw: u32) -> u64 {
+        let (mask, raw) = self.masked(raw);
+        let count = self.last.map_or(raw, |last| {
+            let forward = raw.wrapping_sub(last) & mask;
+            let back = mask + 1 - forward;
+            if back < forward && back <= last { last - back } else { last + forward }
+        });
+        self.last = Some(count);
+        count
+    }
+
+    fn masked(self, raw: u32) -> (u64, u64) {
+        let mask = (1u64 << self.bits) - 1;
+        (mask, u64::from(raw) & mask)
     }
 }
 
@@ -304,6 +319,16 @@ mod tests {
         let mut unwrap = Unwrap::new(18);
         let counts: Vec<u64> = [262_142, 262_143, 0, 1].into_iter().map(|raw| unwrap.push(raw)).collect();
         assert_eq!(counts, [262_142, 262_143, 262_144, 262_145]);
+    }
+
+    #[test]
+    fn a_counter_that_was_set_back_goes_back() {
+        let mut unwrap = Unwrap::new(18);
+        let counts: Vec<u64> =
+            [262_143, 1, 262_140, 10].into_iter().map(|raw| unwrap.push_nearest(raw)).collect();
+        assert_eq!(counts, [262_143, 262_145, 262_140, 262_154]);
+        let counts: Vec<u64> = [5, 262_143].into_iter().map(|raw| unwrap.push_nearest(raw)).collect();
+        assert_eq!(counts, [262_149, 262_143]);
     }
 
     proptest! {
