@@ -5,15 +5,18 @@
 //! stamps it with its own [`DeviceClock`], and can be given [`Fault`]s. What a device does with bytes and instants is
 //! plain code without I/O; [`serial`] and [`mtconnect`] run it in real time.
 
+pub mod ascii;
 pub mod canopen;
 pub mod cell;
 mod clock;
 mod faults;
 mod handle;
+pub mod keyence;
 pub mod linuxcncrsh;
 pub mod mtconnect;
 pub mod optoncdt;
 pub mod serial;
+mod value_faults;
 mod world;
 
 pub use clock::{DeviceClock, TimeOrigin};

@@ -5,9 +5,10 @@
 //! Source of the formats: [`trunnion_protocol::optoncdt`].
 
 use super::clock::{DeviceClock, TimeOrigin};
-use super::faults::ScheduledFault;
+use super::faults::{Fault, ScheduledFault};
 use super::handle::{DeviceError, Handle};
 use super::serial::{self, SerialDevice};
+use super::value_faults::ValueFaults;
 use super::world::World;
 use std::path::Path;
 use std::sync::Arc;
@@ -110,6 +111,9 @@ struct Probe {
     epoch_counter: u64,
     next_sample: u64,
     due_s: f64,
+    faults: ValueFaults,
+    /// By how much the clock was set, s.
+    clock_jump_s: f64,
 }
 
 impl Probe {
@@ -124,6 +128,8 @@ impl Probe {
             epoch_counter: 0,
             next_sample: 0,
             due_s: config.batch_s,
+            faults: ValueFaults::default(),
+            clock_jump_s: 0.0,
             config,
         }
     }
@@ -148,9 +154,11 @@ impl Probe {
     fn measurement(&self, sample: u64) -> Measurement {
         let device_s = self.sample_device_s(sample);
         let t_s = self.config.clock.cell_s(device_s);
-        let reading_mm = self.world.probe_readings_mm(t_s)[self.config.channel];
-        let distance_mm = 0.5 * self.config.range_mm + reading_mm;
-        let ticks = (device_s / TIMESTAMP_TICK_S).round() as i64 as u64;
+        let reading_mm = self.world.probe_readings_mm(self.faults.seen_s(t_s))[self.config.channel];
+        let in_range_mm = 0.5 * self.config.range_mm + reading_mm;
+        // The sensor's own words for a target behind its range.
+        let distance_mm = if self.faults.is_out(t_s) { f64::INFINITY } else { in_range_mm };
+        let ticks = ((device_s + self.clock_jump_s) / TIMESTAMP_TICK_S).round() as i64 as u64;
         Measurement {
             distance: Some(raw_distance(distance_mm, self.config.range_mm)),
             counter: Some((self.epoch_counter + sample) as u32),
@@ -165,8 +173,11 @@ impl Probe {
         match (command.name.as_str(), parameters.as_slice()) {
             ("GETINFO", []) => {
                 let ProbeConfig { model, serial, range_mm, .. } = &self.config;
-                let (name, serial) = (model.clone(), serial.clone());
-                SensorInfo { name, serial, range_mm: *range_mm, version: "001.010".into() }.reply()
+                let (name, serial, range_mm) = match self.faults.wrong_identity {
+                    false => (model.clone(), serial.clone(), *range_mm),
+                    true => ("ILD1420-50".into(), "15030002".into(), 50.0),
+                };
+                SensorInfo { name, serial, range_mm, version: "001.010".into() }.reply()
             }
             ("GETOUTINFO_RS422", []) => setting(command, &self.names().join(" ")),
             ("OUTADD_RS422", []) => setting(command, &self.additional.join(" ")),
@@ -244,6 +255,23 @@ impl SerialDevice for Probe {
 
     /// The probe has its own supply; only the converter was away.
     fn plugged_in(&mut self) {}
+
+    fn has(fault: &Fault) -> bool {
+        ValueFaults::are(fault) || matches!(fault, Fault::CounterJump { .. } | Fault::ClockJump { .. })
+    }
+
+    fn suffer(&mut self, fault: Fault, now_s: f64) {
+        match fault {
+            Fault::CounterJump { by } => self.epoch_counter += u64::from(by),
+            Fault::ClockJump { by_s } => self.clock_jump_s += by_s,
+            // The other sensor has just been switched on and streams only when told to.
+            Fault::WrongIdentity => {
+                self.faults.suffer(fault, now_s);
+                self.streaming = false;
+            }
+            _ => self.faults.suffer(fault, now_s),
+        }
+    }
 }
 
 /// The sensor's names of the outputs it can add, in the order it sends them whatever the order asked for.

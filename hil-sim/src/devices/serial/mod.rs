@@ -1,7 +1,10 @@
 //! Runs a serial device in real time on a pseudo-terminal, and gives it its faults.
 
 mod link;
+mod outbox;
 mod pty;
+
+pub use outbox::Outbox;
 
 use super::clock::TimeOrigin;
 use super::faults::{Fault, FaultSource, ScheduledFault};
