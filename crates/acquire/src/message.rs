@@ -47,7 +47,7 @@ pub struct ProbeReading {
     pub raw: i64,
     /// Displacement, mm; NaN when the device reports an error, whose code is then `raw`.
     pub value_mm: f64,
-    /// When the bytes were read.
+    /// When the bytes were read; where the host itself stamps the reading, that stamp.
     pub arrival: HostTime,
 }
 

@@ -5,6 +5,7 @@
 //! connections into recorded gaps.
 
 mod link;
+mod vigil;
 
 pub use link::{Link, Outlet};
 
@@ -101,6 +102,8 @@ pub enum DeviceState {
     Connecting,
     /// Readings arrive.
     Streaming,
+    /// Readings arrive, but the number of a channel does not change any more; they carry no value until it does.
+    Stuck,
     /// It was there and stopped sending.
     Silent,
     /// The connection was lost or failed; the next attempt waits.
@@ -172,7 +175,9 @@ pub fn start(
         let first_channel =
             all_channels.iter().position(|channel| channel.device == device).unwrap_or(0) as u16;
         let outlet = Outlet::new(device, config.name.clone(), sender.clone());
-        let link = Link::new(first_channel, config.silence, clock.clone(), outlet, status);
+        let names = all_channels.iter().filter(|channel| channel.device == device);
+        let names = names.map(|channel| channel.name.clone()).collect();
+        let link = Link::new(first_channel, names, config.silence, clock.clone(), outlet, status);
         tasks.spawn(supervise(config, link, cancel.clone()));
     }
     Acquisition { messages, states, tasks, cancel }

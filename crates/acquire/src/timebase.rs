@@ -1,6 +1,6 @@
 //! Run time: every reading on its device clock becomes a sample in seconds since the run began.
 //!
-//! One [`ClockLine`] for each connection of each device. The time of a device's samples never goes back, even when
+//! One [`crate::clock::ClockTrack`] for each connection of each device. The time of a device's samples never goes back, even when
 //! a new arrival lowers its line. Readings taken before the run began have negative times.
 
 use crate::clock::{ClockTrack, Jump, WINDOW_S};

@@ -3,9 +3,11 @@
 //! A session opens, identifies the device, reads, and ends with a reason. It never retries: that is the
 //! supervisor's work. Dropping a session at any await is safe; the port is closed with it.
 
+pub mod ascii;
 mod canopen;
 pub mod canopen_slcan;
 pub mod canopen_socketcan;
+pub mod keyence_dl_rs1a;
 pub mod linuxcnc;
 pub mod mtconnect;
 pub mod optoncdt;
@@ -44,9 +46,11 @@ pub struct Driver {
 }
 
 /// Every driver.
-pub const DRIVERS: [&Driver; 5] = [
+pub const DRIVERS: [&Driver; 7] = [
+    &ascii::DRIVER,
     &canopen_slcan::DRIVER,
     &canopen_socketcan::DRIVER,
+    &keyence_dl_rs1a::DRIVER,
     &linuxcnc::DRIVER,
     &mtconnect::DRIVER,
     &optoncdt::DRIVER,

@@ -169,8 +169,8 @@ impl Connection {
             let left = deadline.saturating_duration_since(tokio::time::Instant::now());
             let Some(count) = self.port.read(&mut buffer, left).await? else {
                 self.decoder.give_up_reply();
-                let who = format!("{} does not answer {}", self.port.name(), command.text());
-                return Err(SessionEnd::Silent { who, waited: REPLY_LIMIT });
+                let senseless = self.decoder.counts().dropped_bytes;
+                return Err(self.port.no_answer(&command.text(), senseless, REPLY_LIMIT));
             };
             let mut reply = None;
             for event in self.decoder.push(&buffer[..count]) {
@@ -269,18 +269,26 @@ impl Sensor {
             });
         };
         self.blocks += 1;
-        let sequence = values.counter.map_or(self.blocks, |raw| self.counter.push(raw));
+        let sequence = values.counter.map_or(self.blocks, |raw| self.counter.push_nearest(raw));
         let (device_ticks, tick_s) = match values.timestamp_ticks {
-            Some(raw) => (self.timestamp.push(raw), TIMESTAMP_TICK_S),
+            Some(raw) => (self.timestamp.push_nearest(raw), TIMESTAMP_TICK_S),
             None => (sequence, self.period_s),
         };
-        let value_mm = distance_mm(distance, self.range_mm).unwrap_or(f64::NAN);
+        let value_mm = distance_mm(distance, self.range_mm).unwrap_or_else(|error| {
+            link.explain(i64::from(distance.get()), || error.to_string());
+            f64::NAN
+        });
         if let Some((last, at)) = self.last
             && sequence > last + 1
         {
             let lost = sequence - last - 1;
             counters.lost_readings += lost;
             link.gap(at, arrival, Some(lost), "values lost on the line (counter jumped)".into());
+        }
+        if let Some((last, at)) = self.last
+            && sequence < last
+        {
+            link.gap(at, arrival, None, "the sensor began to count anew: it was restarted or reset".into());
         }
         self.last = Some((sequence, arrival));
         counters.readings += 1;

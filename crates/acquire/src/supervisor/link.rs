@@ -1,7 +1,9 @@
 //! What the supervisor lends to a session: where readings go, whose clock is asked, and the status it publishes.
 
+use super::vigil::{Finding, Vigil};
 use super::{DeviceState, DeviceStatus, SessionEnd};
 use crate::message::{Counters, LogLine, Message, Reading, SourceGap};
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::mpsc::error::TrySendError;
@@ -59,6 +61,9 @@ impl Outlet {
     }
 }
 
+/// Codes a device can have in place of a value; more are not kept.
+const MOST_MEANINGS: usize = 256;
+
 /// The session's link to the rest of the program.
 pub struct Link {
     /// Index of the device's first channel in the list of all channels.
@@ -74,12 +79,17 @@ pub struct Link {
     /// Reason of a gap still open: the connection was lost after `last_reading`.
     gap_reason: Option<String>,
     counted: Option<(HostTime, Counters)>,
+    channel_names: Vec<String>,
+    vigil: Vigil,
+    /// What the numbers mean that stand in place of a value.
+    meanings: HashMap<i64, String>,
 }
 
 impl Link {
-    /// For one device; the supervisor keeps it through all sessions.
+    /// For one device; the supervisor keeps it through all sessions. `channel_names` begin with `first_channel`.
     pub fn new(
         first_channel: u16,
+        channel_names: Vec<String>,
         silence: Duration,
         clock: Arc<dyn Clock>,
         outlet: Outlet,
@@ -96,6 +106,21 @@ impl Link {
             last_reading: None,
             gap_reason: None,
             counted: None,
+            channel_names,
+            vigil: Vigil::default(),
+            meanings: HashMap::new(),
+        }
+    }
+
+    /// Name of the device.
+    pub fn name(&self) -> &str {
+        &self.outlet.name
+    }
+
+    /// Says what a number means that stands in place of a value; told when the first such reading comes.
+    pub fn explain(&mut self, code: i64, meaning: impl FnOnce() -> String) {
+        if self.meanings.len() < MOST_MEANINGS {
+            self.meanings.entry(code).or_insert_with(meaning);
         }
     }
 
@@ -125,7 +150,62 @@ impl Link {
             self.gap(from, at, None, reason);
         }
         self.last_reading = Some(at);
+        let mut reading = reading;
+        if let Reading::Probe(probe) = &mut reading
+            && let Some(finding) = self.vigil.see(probe, at)
+        {
+            let channel = probe.channel;
+            self.tell(channel, finding);
+        }
         self.send(reading);
+    }
+
+    /// Logs and records what the values of a channel say about its device.
+    fn tell(&mut self, channel: u16, finding: Finding) {
+        let index = usize::from(channel.saturating_sub(self.first_channel));
+        let source = self.channel_names.get(index).unwrap_or(&self.outlet.name).clone();
+        let meaning = |raw: i64| {
+            self.meanings.get(&raw).cloned().unwrap_or_else(|| format!("the device sends {raw} in its place"))
+        };
+        let gap = match finding {
+            Finding::NoValue { raw } => {
+                let text = format!("{source} has no value: {}", meaning(raw));
+                return self.log(true, text);
+            }
+            Finding::Stuck { raw, since } => {
+                let seconds = (self.now() - since).as_secs_f64();
+                self.log(
+                    true,
+                    format!(
+                        "{source} is stuck: it has sent {raw} for {seconds:.1} s although it trembled before; check \
+                         that the probe moves freely and that its display is not held"
+                    ),
+                );
+                self.status.send_modify(|status| status.state = DeviceState::Stuck);
+                return;
+            }
+            Finding::ValueAgain { from, to, readings, raw } => SourceGap {
+                source,
+                from,
+                to,
+                lost_readings: Some(readings),
+                reason: format!("no value: {}", meaning(raw)),
+            },
+            Finding::Unstuck { from, to, readings, raw } => {
+                let reason = format!("stuck at {raw}");
+                SourceGap { source, from, to, lost_readings: Some(readings), reason }
+            }
+        };
+        self.send(Reading::Gap(gap));
+        if self.healthy && !self.vigil.is_stuck() {
+            self.status.send_if_modified(|status| {
+                let was_stuck = status.state == DeviceState::Stuck;
+                if was_stuck {
+                    status.state = DeviceState::Streaming;
+                }
+                was_stuck
+            });
+        }
     }
 
     /// Records that readings are missing although the connection stands.
@@ -192,6 +272,10 @@ impl Link {
     }
 
     pub(super) fn ended(&mut self, end: &SessionEnd) {
+        let now = self.now();
+        for (channel, finding) in self.vigil.end(now) {
+            self.tell(channel, finding);
+        }
         if *end == SessionEnd::Cancelled {
             if let (Some(reason), Some(from)) = (self.gap_reason.take(), self.last_reading) {
                 self.gap(from, self.now(), None, reason);

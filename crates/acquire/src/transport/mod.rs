@@ -1,5 +1,7 @@
 //! Byte transports: serial ports, TCP and HTTP. Every wait has a limit; a failure is a [`crate::SessionEnd`].
 
+pub mod asked;
 pub mod http;
 pub mod serial;
 pub mod tcp;
+pub mod trouble;

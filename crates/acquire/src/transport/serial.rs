@@ -1,65 +1,129 @@
-//! Serial ports, 8N1, opened exclusively.
+//! Serial ports, opened exclusively.
 //!
 //! A port that hung up reads zero bytes for ever (Linux) or EIO (pty): both are a disconnection. A pseudo-terminal
 //! takes only some line speeds and needs none: where a speed is refused the port is opened at 115 200 baud and the
-//! refusal is told.
+//! refusal is told. A pseudo-terminal is always 8N1, so a 7-bit format must not rely on the port to take the parity
+//! bit away.
 
 use crate::supervisor::SessionEnd;
-use std::io::ErrorKind;
+use crate::transport::trouble;
+use std::fmt;
 use std::path::Path;
 use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::time::timeout;
-use tokio_serial::{SerialPortBuilderExt, SerialStream};
+use tokio_serial::{DataBits, Parity, SerialPortBuilderExt, SerialStream, StopBits};
+use trunnion_units::input::Table;
 
 /// A write that takes longer means a stuck adapter.
 const WRITE_LIMIT: Duration = Duration::from_secs(1);
 /// A line speed every port takes.
 const PLAIN_BAUD: u32 = 115_200;
 
+/// How bits make bytes on the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Framing {
+    /// Seven bits of data instead of eight.
+    pub seven_bits: bool,
+    /// Parity bit: none, even or odd.
+    pub parity: LineParity,
+    /// Two stop bits instead of one.
+    pub two_stop_bits: bool,
+}
+
+/// Parity of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineParity {
+    /// `N`
+    None,
+    /// `E`
+    Even,
+    /// `O`
+    Odd,
+}
+
+impl Framing {
+    /// 8N1, as nearly everything.
+    pub const PLAIN: Self = Self { seven_bits: false, parity: LineParity::None, two_stop_bits: false };
+    /// 7E2, as length gauges.
+    pub const SEVEN_EVEN_TWO: Self = Self { seven_bits: true, parity: LineParity::Even, two_stop_bits: true };
+
+    /// Every framing with its usual name.
+    pub const NAMES: [(&'static str, Self); 8] = {
+        const fn of(seven_bits: bool, parity: LineParity, two_stop_bits: bool) -> Framing {
+            Framing { seven_bits, parity, two_stop_bits }
+        }
+        [
+            ("8N1", of(false, LineParity::None, false)),
+            ("8N2", of(false, LineParity::None, true)),
+            ("8E1", of(false, LineParity::Even, false)),
+            ("8O1", of(false, LineParity::Odd, false)),
+            ("7E1", of(true, LineParity::Even, false)),
+            ("7O1", of(true, LineParity::Odd, false)),
+            ("7E2", of(true, LineParity::Even, true)),
+            ("7O2", of(true, LineParity::Odd, true)),
+        ]
+    };
+
+    /// Reads the key `framing`, if present.
+    pub fn read(table: &Table<'_>) -> Option<Self> {
+        let text = table.optional_one_of("framing", &Self::NAMES.map(|(name, _)| name))?;
+        Self::NAMES.iter().find(|(name, _)| *name == text).map(|(_, framing)| *framing)
+    }
+}
+
+impl fmt::Display for Framing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = Self::NAMES.iter().find(|(_, framing)| framing == self).map_or("8N1", |(name, _)| name);
+        f.write_str(name)
+    }
+}
+
 /// An open port.
 pub struct Port {
     stream: SerialStream,
     name: String,
+    baud: u32,
+}
+
+/// Opens a port at 8N1; the text tells a line speed that was refused.
+///
+/// # Errors
+/// `Absent` or `Refused`.
+pub fn open(name: &str, baud: u32) -> Result<(Port, Option<String>), SessionEnd> {
+    open_framed(name, baud, Framing::PLAIN)
 }
 
 /// Opens a port; the text tells a line speed that was refused.
 ///
 /// # Errors
 /// `Absent` or `Refused`.
-pub fn open(name: &str, baud: u32) -> Result<(Port, Option<String>), SessionEnd> {
+pub fn open_framed(name: &str, baud: u32, framing: Framing) -> Result<(Port, Option<String>), SessionEnd> {
     if !Path::new(name).exists() {
         return Err(SessionEnd::Absent(name.into()));
     }
-    let (stream, remark) = match open_at(name, baud) {
+    let (stream, remark) = match open_at(name, baud, framing) {
         Ok(stream) => (stream, None),
-        Err(first) => match open_at(name, PLAIN_BAUD) {
+        Err(first) => match open_at(name, PLAIN_BAUD, framing) {
             Ok(stream) => {
                 (stream, Some(format!("{name} takes no {baud} baud ({first}); opened at {PLAIN_BAUD}")))
             }
-            Err(_) => return Err(refusal(name, &first)),
+            Err(_) => return Err(trouble::refusal(name, &first)),
         },
     };
-    Ok((Port { stream, name: name.into() }, remark))
+    Ok((Port { stream, name: name.into(), baud }, remark))
 }
 
-fn open_at(name: &str, baud: u32) -> tokio_serial::Result<SerialStream> {
-    tokio_serial::new(name, baud).open_native_async()
-}
-
-fn refusal(name: &str, error: &tokio_serial::Error) -> SessionEnd {
-    let gone = matches!(error.kind, tokio_serial::ErrorKind::Io(ErrorKind::NotFound));
-    if gone || !Path::new(name).exists() {
-        return SessionEnd::Absent(name.into());
-    }
-    let advice = match error.kind {
-        tokio_serial::ErrorKind::Io(ErrorKind::PermissionDenied) => {
-            "; join the group that owns the port (dialout)"
-        }
-        tokio_serial::ErrorKind::NoDevice => "; another program may be using it",
-        _ => "",
-    };
-    SessionEnd::Refused { address: name.into(), why: format!("{error}{advice}") }
+fn open_at(name: &str, baud: u32, framing: Framing) -> tokio_serial::Result<SerialStream> {
+    tokio_serial::new(name, baud)
+        .data_bits(if framing.seven_bits { DataBits::Seven } else { DataBits::Eight })
+        .parity(match framing.parity {
+            LineParity::None => Parity::None,
+            LineParity::Even => Parity::Even,
+            LineParity::Odd => Parity::Odd,
+        })
+        .stop_bits(if framing.two_stop_bits { StopBits::Two } else { StopBits::One })
+        .open_native_async()
 }
 
 impl Port {
@@ -87,5 +151,19 @@ impl Port {
             Ok(Ok(())) => Ok(()),
             Ok(Err(error)) => Err(SessionEnd::Disconnected(format!("writing to {}: {error}", self.name))),
         }
+    }
+
+    /// The end of a session in which nothing right came back: silence, or bytes that mean nothing at this speed.
+    pub fn no_answer(&self, asked: &str, senseless_bytes: u64, waited: Duration) -> SessionEnd {
+        let (name, baud) = (&self.name, self.baud);
+        let remedy = if senseless_bytes == 0 {
+            "check that it is switched on, its cable, and that this is its port".into()
+        } else {
+            format!(
+                "{senseless_bytes} bytes came that make no sense at {baud} baud: make `baud` that of the device; \
+                 `trunnion devices --port {name}` tries others"
+            )
+        };
+        SessionEnd::Silent { who: format!("{name} does not answer {asked}; {remedy}"), waited }
     }
 }

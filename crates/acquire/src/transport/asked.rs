@@ -1,0 +1,61 @@
+//! Devices that speak only when they are asked: one request, one answer, and the moments of both.
+
+use crate::supervisor::{Link, SessionEnd};
+use crate::transport::serial::Port;
+use std::time::Duration;
+use tokio::time::Instant;
+use trunnion_units::HostTime;
+
+/// A device that talks without being asked is not waited for to fall silent.
+const MOST_STALE_READS: usize = 16;
+
+/// What became of a request.
+#[derive(Debug)]
+pub struct Exchange<T> {
+    /// When the request had been handed to the port.
+    pub sent: HostTime,
+    /// When the first byte of the answer was there; that of `arrival` when nothing came.
+    pub begun: HostTime,
+    /// When the answer was whole, or was given up.
+    pub arrival: HostTime,
+    /// The answer; `None` when none came in time.
+    pub answer: Option<T>,
+}
+
+impl<T> Exchange<T> {
+    /// The middle between request and beginning of the answer: what was read, was read between the two.
+    pub fn middle(&self) -> HostTime {
+        HostTime(self.sent.0 + (self.begun.0 - self.sent.0) / 2)
+    }
+}
+
+/// Sends a request and waits for its answer. `decode` takes bytes as they come and gives the answer when it is
+/// whole; what was still on its way from before the request goes through it too, and is not taken for the answer.
+/// Not cancel safe: a request may have been sent.
+pub async fn exchange<T>(
+    port: &mut Port,
+    link: &Link,
+    request: &[u8],
+    limit: Duration,
+    mut decode: impl FnMut(&[u8]) -> Option<T>,
+) -> Result<Exchange<T>, SessionEnd> {
+    let mut buffer = [0; 1024];
+    for _ in 0..MOST_STALE_READS {
+        let Some(count) = port.read(&mut buffer, Duration::ZERO).await? else { break };
+        decode(&buffer[..count]);
+    }
+    port.write(request).await?;
+    let sent = link.now();
+    let deadline = Instant::now() + limit;
+    let mut begun = None;
+    loop {
+        let left = deadline.saturating_duration_since(Instant::now());
+        let count = port.read(&mut buffer, left).await?;
+        let arrival = link.now();
+        let begun = *begun.get_or_insert(arrival);
+        let answer = count.and_then(|count| decode(&buffer[..count]));
+        if answer.is_some() || Instant::now() >= deadline {
+            return Ok(Exchange { sent, begun, arrival, answer });
+        }
+    }
+}
