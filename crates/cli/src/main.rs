@@ -9,8 +9,8 @@ mod virtual_setup;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, attribute, check_config, compare, compensation, daemon, demo, diagnose, export, identify, import,
-    ladder, nc_program, plan, remove, replay, simulate, volumetric,
+    add, attribute, check_config, compare, compensation, daemon, demo, devices, diagnose, export, identify,
+    import, ladder, nc_program, plan, remove, replay, simulate, volumetric,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -27,6 +27,7 @@ struct Cli {
 enum Command {
     Demo(demo::Args),
     Daemon(daemon::Args),
+    Devices(devices::Args),
     CheckConfig(check_config::Args),
     Import(import::Args),
     Export(export::Args),
@@ -49,6 +50,7 @@ fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Demo(args) => demo::run(&args),
         Command::Daemon(args) => daemon::run(&args),
+        Command::Devices(args) => devices::run(&args),
         Command::CheckConfig(args) => check_config::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Export(args) => export::run(&args),

@@ -9,6 +9,7 @@
 //! between the request and the beginning of the answer, those that talk on their own with the arrival
 //! (`stamp` = "request", "between", "arrival"). A temperature carries the arrival.
 
+mod probe;
 mod settings;
 
 use super::{Device, Driver, Session};
@@ -30,6 +31,7 @@ pub const DRIVER: Driver = Driver {
     about: "Indicators that say a value as a line: Heidenhain, Magnescale, Mahr, Mitutoyo, Sylvac, TESA, custom",
     default_silence_ms: 3000.0,
     read: settings::read,
+    probe: Some(probe::PROBE),
 };
 
 /// The slowest of them takes 50 ms to begin and 30 ms to say it.

@@ -6,6 +6,7 @@
 //! the last one written. The moment of a SYNC is when it was written to the port.
 
 mod adapter;
+mod probe;
 
 use super::canopen::Network;
 use super::{Device, Driver, Session};
@@ -24,6 +25,7 @@ pub const DRIVER: Driver = Driver {
     about: "CANopen probes and encoders (CiA 404, 406) on a serial CAN adapter",
     default_silence_ms: 500.0,
     read,
+    probe: Some(probe::PROBE),
 };
 
 #[derive(Debug)]

@@ -13,6 +13,7 @@ use super::canopen::Network;
 use super::{Device, Driver, Session};
 use crate::config::Role;
 use crate::message::Counters;
+use crate::probe::{Answer, Found, Medium, Probe, Probing};
 use crate::supervisor::{Link, SessionEnd};
 use socket::OpenInterface;
 use std::convert::Infallible;
@@ -25,7 +26,24 @@ pub const DRIVER: Driver = Driver {
     about: "CANopen probes and encoders (CiA 404, 406) on a CAN interface of the kernel",
     default_silence_ms: 500.0,
     read,
+    probe: Some(Probe {
+        medium: Medium::Can,
+        asks: "nothing; the state of the interface is read",
+        run: look,
+    }),
 };
+
+fn look(name: &str) -> Probing<'_> {
+    Box::pin(async move {
+        match interface::check(name) {
+            Err(end) => Answer::Trouble(end),
+            Ok(()) => Answer::Found(Found {
+                identity: "CAN interface, up; put the node ids of the probes into `nodes`".into(),
+                keys: vec![format!("interface = \"{name}\""), "nodes = [{ id = 1, role = {role} }]".into()],
+            }),
+        }
+    })
+}
 
 /// Longest name of a network interface (IFNAMSIZ − 1).
 const LONGEST_NAME: usize = 15;

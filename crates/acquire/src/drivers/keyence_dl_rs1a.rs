@@ -10,6 +10,8 @@
 //! A number outside the range of its amplifier is a state: the reading carries the number and no value, and the error
 //! state of the amplifier is asked once and told.
 
+mod probe;
+
 use super::{Device, Driver, Session};
 use crate::config::Role;
 use crate::message::{Counters, ProbeReading, Reading};
@@ -32,6 +34,7 @@ pub const DRIVER: Driver = Driver {
     about: "Keyence GT2-70, GT-70A or IG gauges behind a DL-RS1A box, ASCII over RS-232",
     default_silence_ms: 1000.0,
     read,
+    probe: Some(probe::PROBE),
 };
 
 /// The reply of 15 heads takes 160 ms at 9600 baud.

@@ -29,6 +29,7 @@ pub const DRIVER: Driver = Driver {
     about: "LinuxCNC through linuxcncrsh (TCP)",
     default_silence_ms: 1000.0,
     read,
+    probe: None,
 };
 
 /// The same answer for so long means that the axes stand, s.

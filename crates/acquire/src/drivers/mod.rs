@@ -13,6 +13,7 @@ pub mod mtconnect;
 pub mod optoncdt;
 
 use crate::config::Role;
+use crate::probe::Probe;
 use crate::supervisor::{Link, SessionEnd};
 use std::fmt::Debug;
 use std::future::Future;
@@ -43,6 +44,8 @@ pub struct Driver {
     pub default_silence_ms: f64,
     /// Reads the driver's keys, noting problems.
     pub read: fn(&Table<'_>) -> Option<Arc<dyn Device>>,
+    /// How `trunnion devices` finds one; `None` when nothing harmless can be asked.
+    pub probe: Option<Probe>,
 }
 
 /// Every driver.

@@ -9,6 +9,7 @@
 //! a gap. An agent sends changes only: while it says that nothing changed, held positions are sent.
 
 mod model;
+mod probe;
 
 use super::{Device, Driver, Session};
 use crate::config::Role;
@@ -29,6 +30,7 @@ pub const DRIVER: Driver = Driver {
     about: "machine controllers behind an MTConnect agent (HTTP)",
     default_silence_ms: 2000.0,
     read,
+    probe: Some(probe::PROBE),
 };
 
 /// How often the agent tells that nothing changed, ms.

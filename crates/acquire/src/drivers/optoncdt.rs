@@ -3,6 +3,8 @@
 //! The session stops the output, asks `GETINFO` (model and range must be those configured), sets the rate, adds
 //! counter and time stamp, asks for the order of the values, and starts the output.
 
+mod probe;
+
 use super::{Device, Driver, Session};
 use crate::config::Role;
 use crate::message::{Counters, ProbeReading, Reading};
@@ -23,6 +25,7 @@ pub const DRIVER: Driver = Driver {
     about: "Micro-Epsilon optoNCDT 1320/1420 laser sensor, RS422 binary stream",
     default_silence_ms: 250.0,
     read,
+    probe: Some(probe::PROBE),
 };
 
 /// The sensor answers within some ms.
@@ -105,6 +108,10 @@ struct Connection {
     counters: Counters,
 }
 
+fn is_of_the_family(info: &SensorInfo) -> bool {
+    ["ILD132", "ILD142"].iter().any(|family| info.name.to_ascii_uppercase().starts_with(family))
+}
+
 impl Connection {
     async fn run(
         &mut self,
@@ -127,9 +134,7 @@ impl Connection {
         let info =
             SensorInfo::parse(&reply).map_err(|error| wrong(format!("{:?} ({error})", reply.lines)))?;
         let found = format!("{} serial {} range {} mm", info.name, info.serial, info.range_mm);
-        let family =
-            ["ILD132", "ILD142"].iter().any(|family| info.name.to_ascii_uppercase().starts_with(family));
-        if !family || (info.range_mm - config.range_mm).abs() > RANGE_SLACK_MM {
+        if !is_of_the_family(&info) || (info.range_mm - config.range_mm).abs() > RANGE_SLACK_MM {
             return Err(wrong(found));
         }
         link.identified(found);

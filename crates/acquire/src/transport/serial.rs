@@ -86,7 +86,7 @@ pub struct Port {
     baud: u32,
 }
 
-/// Opens a port at 8N1; the text tells a line speed that was refused.
+/// Opens a port at 8N1; the text tells a line speed that was refused, or an adapter that is slow.
 ///
 /// # Errors
 /// `Absent` or `Refused`.
@@ -94,7 +94,7 @@ pub fn open(name: &str, baud: u32) -> Result<(Port, Option<String>), SessionEnd>
     open_framed(name, baud, Framing::PLAIN)
 }
 
-/// Opens a port; the text tells a line speed that was refused.
+/// Opens a port; the text tells a line speed that was refused, or an adapter that is slow.
 ///
 /// # Errors
 /// `Absent` or `Refused`.
@@ -111,6 +111,7 @@ pub fn open_framed(name: &str, baud: u32, framing: Framing) -> Result<(Port, Opt
             Err(_) => return Err(trouble::refusal(name, &first)),
         },
     };
+    let remark = remark.or_else(|| trouble::slow_adapter(name));
     Ok((Port { stream, name: name.into(), baud }, remark))
 }
 

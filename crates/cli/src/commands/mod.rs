@@ -7,6 +7,7 @@ pub mod compare;
 pub mod compensation;
 pub mod daemon;
 pub mod demo;
+pub mod devices;
 pub mod diagnose;
 pub mod export;
 pub mod identify;

@@ -53,10 +53,8 @@ pub(super) fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     if custom && !table.has("baud") {
         table.problem("baud", "is missing", "a number", "The preset \"custom\" knows no line speed.");
     }
-    let framing = Framing::read(table).or_else(|| {
-        let usual = known.map_or("8N1", |preset| preset.framing);
-        Framing::NAMES.iter().find(|(name, _)| *name == usual).map(|(_, framing)| *framing)
-    });
+    let framing =
+        Framing::read(table).or_else(|| Some(framing_named(known.map_or("8N1", |preset| preset.framing))));
     let poll_ms = table.optional_number("poll_ms", 1.0..=60_000.0);
     let unit = read_unit(table, role).or(known.map(|preset| preset.unit));
     let stamp = table.optional_one_of("stamp", &STAMPS.map(|(name, _)| name));
@@ -95,6 +93,11 @@ pub(super) fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
         format,
         unconfirmed: known.map_or("", |preset| preset.unconfirmed),
     }))
+}
+
+/// The framing of a preset.
+pub(super) fn framing_named(usual: &str) -> Framing {
+    Framing::NAMES.iter().find(|(name, _)| *name == usual).map_or(Framing::PLAIN, |(_, framing)| *framing)
 }
 
 /// The key `unit`, which must fit the role.

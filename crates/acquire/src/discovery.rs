@@ -1,0 +1,243 @@
+//! `trunnion devices`: which ports and interfaces there are, and what answers on them.
+
+use crate::config::Role;
+use crate::drivers::DRIVERS;
+use crate::probe::{Answer, Found, Medium};
+use crate::supervisor::SessionEnd;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tokio_serial::SerialPortType;
+
+/// Where the system keeps names of serial ports that stay when others are plugged in, the best first.
+const LASTING_NAMES: [&str; 2] = ["/dev/serial/by-id", "/dev/serial/by-path"];
+/// `ARPHRD_CAN`, the type of a CAN interface.
+const TYPE_CAN: &str = "280";
+
+/// A place where a device may be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// What kind of address it is.
+    pub medium: Medium,
+    /// The address for the configuration: a name that lasts, where there is one.
+    pub address: String,
+    /// The address of the moment, `/dev/ttyUSB0`.
+    pub device: String,
+    /// What the system knows of it.
+    pub about: String,
+}
+
+impl Place {
+    /// A port, interface or host named by the user.
+    pub fn named(medium: Medium, address: &str) -> Self {
+        let device = fs::canonicalize(address).ok().and_then(|path| path.to_str().map(str::to_owned));
+        let device = device.unwrap_or_else(|| address.to_owned());
+        Self { medium, address: address.to_owned(), device, about: String::new() }
+    }
+}
+
+/// What answers at a place.
+#[derive(Debug)]
+pub struct Look {
+    /// The place.
+    pub place: Place,
+    /// The driver whose questions were answered, and the answer.
+    pub found: Option<(&'static str, Found)>,
+    /// What is wrong, with what to do.
+    pub trouble: Option<String>,
+    /// What was asked, in words.
+    pub asked: Vec<&'static str>,
+}
+
+/// Every serial port and CAN interface of this computer.
+pub fn places() -> Result<Vec<Place>, tokio_serial::Error> {
+    let mut lasting = BTreeMap::new();
+    for folder in LASTING_NAMES.iter().rev() {
+        lasting.extend(links(Path::new(folder)));
+    }
+    let mut places: Vec<Place> = tokio_serial::available_ports()?
+        .into_iter()
+        .map(|port| {
+            let about = match port.port_type {
+                SerialPortType::UsbPort(usb) => {
+                    [usb.manufacturer, usb.product].into_iter().flatten().collect::<Vec<_>>().join(" ")
+                }
+                SerialPortType::PciPort => "built in".into(),
+                SerialPortType::BluetoothPort => "Bluetooth".into(),
+                SerialPortType::Unknown => String::new(),
+            };
+            let address = lasting.get(&port.port_name).cloned().unwrap_or_else(|| port.port_name.clone());
+            Place { medium: Medium::Serial, address, device: port.port_name, about }
+        })
+        .collect();
+    places.sort_by(|a, b| a.device.cmp(&b.device));
+    places.extend(can_interfaces(Path::new("/sys/class/net")));
+    Ok(places)
+}
+
+/// Devices by the links of a folder that point at them.
+fn links(folder: &Path) -> Vec<(String, String)> {
+    let text = |path: PathBuf| path.to_str().map(str::to_owned);
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut links: Vec<(String, String)> = entries
+        .filter_map(|entry| Some((text(fs::canonicalize(entry.path()).ok()?)?, text(entry.path())?)))
+        .collect();
+    links.sort();
+    links
+}
+
+fn can_interfaces(folder: &Path) -> Vec<Place> {
+    let is_can = |entry: &fs::DirEntry| {
+        fs::read_to_string(entry.path().join("type")).is_ok_and(|kind| kind.trim() == TYPE_CAN)
+    };
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> =
+        entries.filter(is_can).filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.sort();
+    let place = |name: String| Place {
+        medium: Medium::Can,
+        address: name.clone(),
+        device: name,
+        about: "CAN interface".into(),
+    };
+    names.into_iter().map(place).collect()
+}
+
+/// Asks what answers at a place, one driver after the other until one is sure; `only` names a single driver.
+pub async fn look(place: Place, only: Option<&str>) -> Look {
+    let mut look = Look { place, found: None, trouble: None, asked: Vec::new() };
+    let mut senseless = 0;
+    for driver in DRIVERS.iter().filter(|driver| only.is_none_or(|only| only == driver.name)) {
+        let Some(probe) = driver.probe.filter(|probe| probe.medium == look.place.medium) else { continue };
+        look.asked.push(probe.asks);
+        match (probe.run)(&look.place.address).await {
+            Answer::Found(found) => {
+                look.found = Some((driver.name, found));
+                return look;
+            }
+            Answer::Senseless { bytes } => senseless += bytes,
+            Answer::Nothing => {}
+            Answer::Trouble(end) => {
+                let final_word = matches!(
+                    end,
+                    SessionEnd::Absent(_) | SessionEnd::Refused { .. } | SessionEnd::WrongDevice { .. }
+                );
+                look.trouble = Some(end.to_string());
+                if final_word {
+                    return look;
+                }
+            }
+        }
+    }
+    if look.trouble.is_none() {
+        look.trouble = Some(silence(&look, senseless));
+    }
+    look
+}
+
+fn silence(look: &Look, senseless_bytes: u64) -> String {
+    match (look.place.medium, senseless_bytes) {
+        _ if look.asked.is_empty() => "no driver asks anything here".into(),
+        (Medium::Serial, 0) => {
+            "nothing answers: is the device switched on, is it RS-232 or RS-422 as the adapter, are \
+                                transmit and receive crossed where they must be?"
+                .into()
+        }
+        (Medium::Serial, bytes) => format!(
+            "{bytes} bytes came that make no sense at any line speed asked: set the device to one of them, or it is a \
+             device without a driver (the driver \"ascii\" with preset = \"custom\" reads lines of text)"
+        ),
+        (Medium::Can | Medium::Network, _) => "nothing answers".into(),
+    }
+}
+
+/// Gives out roles, each once, as a configuration wants them.
+#[derive(Debug, Default)]
+pub struct Roles {
+    given: usize,
+    tables: usize,
+}
+
+impl Roles {
+    /// The `[[device]]` lines of what was found, ready to paste. When there are no roles left, they are comments.
+    pub fn table(&mut self, driver: &str, found: &Found) -> String {
+        let names = Role::NAMES.map(|(name, _)| name);
+        let guessable = names.len() - 1; // a temperature is nothing to guess
+        let wanted: usize = found.keys.iter().map(|key| key.matches("{role}").count()).sum();
+        let enough = self.given + wanted <= guessable;
+        let mut roles = (self.given..).map(|index| names[index % guessable]);
+        let name = if wanted == 1 {
+            names[self.given % guessable].into()
+        } else {
+            format!("{driver}-{}", self.tables + 1)
+        };
+        let mut lines =
+            vec!["[[device]]".into(), format!("name = \"{name}\""), format!("driver = \"{driver}\"")];
+        for key in &found.keys {
+            let mut pieces = key.split("{role}");
+            let mut line = pieces.next().unwrap_or_default().to_owned();
+            for piece in pieces {
+                line += &format!("\"{}\"{piece}", roles.next().unwrap_or(names[0]));
+            }
+            lines.push(line);
+        }
+        self.tables += 1;
+        if enough {
+            self.given += wanted;
+            return lines.join("\n") + "\n";
+        }
+        let comments: Vec<String> = lines.iter().map(|line| format!("# {line}\n")).collect();
+        format!("# All roles are given away; choose the one that is meant.\n{}", comments.concat())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::parse_devices;
+
+    fn found(keys: &[&str]) -> Found {
+        Found { identity: "x".into(), keys: keys.iter().map(|key| (*key).to_owned()).collect() }
+    }
+
+    #[test]
+    fn lines_to_paste_are_a_configuration_in_which_every_role_is_there_once() {
+        let mut roles = Roles::default();
+        let probe = |port: &str| found(&[&format!("port = \"{port}\""), "role = {role}", "range_mm = 2"]);
+        let heads = found(&[
+            "port = \"/dev/b\"",
+            "heads = [{ head = 1, role = {role} }, { head = 2, role = {role} }, { head = 3, role = {role} }]",
+        ]);
+        let text = roles.table("optoncdt", &probe("/dev/a"))
+            + &roles.table("keyence-dl-rs1a", &heads)
+            + &roles.table("optoncdt", &probe("/dev/c"));
+        let devices = parse_devices("pasted", &text).unwrap();
+        assert_eq!(devices.len(), 2, "the last one is a comment:\n{text}");
+        assert!(
+            text.contains("# All roles are given away") && text.contains("name = \"keyence-dl-rs1a-2\""),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn lasting_names_and_can_interfaces_are_found_where_the_system_keeps_them() {
+        let root = tempfile::tempdir().unwrap();
+        let make = |path: &str, text: &str| {
+            let path = root.path().join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        };
+        make("ttyUSB0", "");
+        make("net/can0/type", "280\n");
+        make("net/eth0/type", "1\n");
+        fs::create_dir_all(root.path().join("by-id")).unwrap();
+        std::os::unix::fs::symlink("../ttyUSB0", root.path().join("by-id/usb-FTDI_1-if00")).unwrap();
+        let links = links(&root.path().join("by-id"));
+        assert!(
+            links[0].0.ends_with("/ttyUSB0") && links[0].1.ends_with("by-id/usb-FTDI_1-if00"),
+            "{links:?}"
+        );
+        let interfaces = can_interfaces(&root.path().join("net"));
+        assert_eq!(interfaces.iter().map(|place| place.address.as_str()).collect::<Vec<_>>(), ["can0"]);
+    }
+}

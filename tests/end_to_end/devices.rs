@@ -1,0 +1,133 @@
+//! `trunnion devices` through the binary, against virtual devices on pseudo-terminals.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+use std::sync::Arc;
+use std::time::Instant;
+use trunnion_acquire::parse_devices;
+use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
+use trunnion_hil_sim::devices::canopen::BusConfig;
+use trunnion_hil_sim::devices::{
+    CycleState, DeviceClock, Fault, TimeOrigin, World, ascii, canopen, keyence, optoncdt,
+};
+use trunnion_protocol::ascii::Preset;
+use trunnion_units::AxisValues;
+
+struct Still;
+
+impl World for Still {
+    fn axes(&self, _t_s: f64) -> AxisValues<f64> {
+        AxisValues::default()
+    }
+
+    fn probe_readings_mm(&self, _t_s: f64) -> [f64; 3] {
+        [0.1, 0.2, 0.3]
+    }
+
+    fn bar_reading_mm(&self, _t_s: f64) -> f64 {
+        0.4
+    }
+
+    fn temperature_degc(&self, _t_s: f64) -> f64 {
+        21.0
+    }
+
+    fn cycle(&self, _t_s: f64) -> CycleState {
+        CycleState { program: "O1".into(), block: 1, running: false }
+    }
+}
+
+fn trunnion(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap()
+}
+
+fn places(folder: &Path, names: &[&str]) -> Vec<Value> {
+    let ports: Vec<String> =
+        names.iter().map(|name| folder.join(name).to_str().unwrap().to_owned()).collect();
+    let mut args = vec!["devices", "--json"];
+    args.extend(ports.iter().flat_map(|port| ["--port", port]));
+    let output = trunnion(&args);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["format"], "trunnion-devices/1");
+    json["places"].as_array().unwrap().clone()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_answers_is_named_and_its_lines_are_a_configuration_that_reads() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (world, origin): (Arc<dyn World>, _) = (Arc::new(Still), TimeOrigin(Instant::now().into()));
+    let clock = DeviceClock::steady(1.0, 10.0);
+    let probe = optoncdt::ProbeConfig { streams_at_start: true, ..optoncdt::ProbeConfig::new(0, clock) };
+    let _probe = optoncdt::spawn(world.clone(), probe, &at("probe"), origin, &[]).unwrap();
+    let gauges = keyence::BoxConfig { amplifiers: 2, ..keyence::BoxConfig::three_gauges() };
+    let _box = keyence::spawn(world.clone(), gauges, &at("box"), origin, &[]).unwrap();
+    let bus = BusConfig::ball_bar(clock);
+    let _bus = canopen::spawn(world.clone(), &bus, &at("can"), origin, &[]).unwrap();
+    let mut indicators = Vec::new();
+    for name in ["heidenhain-nd28x", "mahr-c1202", "mitutoyo-id-h", "mitutoyo-usb", "sylvac", "tesa"] {
+        let config = IndicatorConfig::new(Sees::Bar, *Preset::named(name).unwrap());
+        indicators.push(ascii::spawn(world.clone(), config, &at(name), origin, &[]).unwrap());
+    }
+
+    let check = |place: &Value, driver: &str, identity: &str| {
+        assert_eq!(place["driver"], driver, "{place:#}");
+        assert!(place["identity"].as_str().unwrap().contains(identity), "{place:#}");
+    };
+    let found = places(folder.path(), &["probe", "box", "can"]);
+    check(&found[0], "optoncdt", "ILD1420-2 serial 21050001 range 2 mm");
+    check(&found[1], "keyence-dl-rs1a", "2 amplifiers GT2-70");
+    check(&found[2], "canopen-slcan", "slcan CAN adapter, version 1013");
+    let names = ["heidenhain-nd28x", "mahr-c1202", "mitutoyo-id-h", "mitutoyo-usb", "sylvac", "tesa"];
+    for (place, name) in places(folder.path(), &names).iter().zip(names) {
+        check(place, "ascii", Preset::named(name).unwrap().about);
+        assert!(place["config"].as_str().unwrap().contains(&format!("preset = \"{name}\"")), "{place:#}");
+    }
+
+    let pasted: String = found[..2].iter().map(|place| place["config"].as_str().unwrap()).collect();
+    assert_eq!(parse_devices("pasted", &pasted).unwrap().len(), 2);
+    let file = folder.path().join("devices.toml");
+    std::fs::write(&file, &pasted).unwrap();
+    let output = trunnion(&["devices", "--config", file.to_str().unwrap()]);
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{shown}");
+    for words in ["probe-1 = 1.1000 mm", "keyence-dl-rs1a-2.head-2 = 0.2000 mm", "Streaming"] {
+        assert!(shown.contains(words), "{words:?} is missing in:\n{shown}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn every_trouble_says_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (world, origin): (Arc<dyn World>, _) = (Arc::new(Still), TimeOrigin(Instant::now().into()));
+    let spawn = |name: &str| {
+        let config = keyence::BoxConfig::three_gauges();
+        keyence::spawn(world.clone(), config, &at(name), origin, &[]).unwrap()
+    };
+    let (garbled, silent, used) = (spawn("garbled"), spawn("silent"), spawn("used"));
+    garbled.inject(Fault::GarbleBytes { count: 1_000_000 }).unwrap();
+    silent.inject(Fault::Silence { duration_s: 1000.0 }).unwrap();
+    let hold = std::fs::OpenOptions::new().read(true).write(true).open(at("used")).unwrap();
+    hold.lock().unwrap();
+    std::fs::write(at("file"), "").unwrap();
+
+    let found = places(folder.path(), &["garbled", "silent", "used", "gone", "file"]);
+    let check = |place: &Value, words: &[&str]| {
+        let trouble = place["trouble"].as_str().unwrap();
+        assert!(words.iter().all(|word| trouble.contains(word)), "{words:?} in {trouble}");
+    };
+    check(&found[0], &["bytes came that make no sense at any line speed asked"]);
+    check(&found[1], &["nothing answers", "switched on"]);
+    check(&found[2], &["uses it; close that program"]);
+    check(&found[3], &["is not there", "plug it in"]);
+    check(&found[4], &["cannot open", "is it a serial port?"]);
+    assert!(
+        found[1]["asked"].as_array().unwrap().iter().any(|asked| asked.as_str().unwrap().contains("GETINFO"))
+    );
+    drop(used);
+}
