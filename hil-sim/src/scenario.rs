@@ -13,6 +13,11 @@ const SAMPLE_NOISE_MM: f64 = 0.2e-3;
 const MARGIN_S: f64 = 0.4;
 /// Ramps of a sweep, s.
 const RAMP_S: f64 = 0.4;
+/// The gesture before and after a sweep cycle: strokes of X there and back, as the program writer of the product puts them.
+const STROKE_MM: f64 = 0.2;
+const STROKE_S: f64 = 0.2;
+const STROKES: usize = 3;
+const GESTURE_PAUSE_S: f64 = 1.0;
 
 /// One pose of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +85,8 @@ pub fn static_cycle(
     Ok(cell(machine, program, Trajectory::compile(&start)?, setup_of_step))
 }
 
-/// One rotary axis turns forward and back at each feed while the linear axes follow the ball of setup 0.
+/// One rotary axis turns forward and back at each feed while the linear axes follow the ball of setup 0; strokes of X before and
+/// after.
 ///
 /// # Errors
 /// Feeds or angles no machine can keep.
@@ -98,15 +104,27 @@ pub fn sweep_cycle(
     rotary[axis] = from;
     let ball = machine.truth().setups[0].setup.ball_in_table_mm;
     let start = machine.machine().follow(&rotary, &ball).unwrap_or(rotary);
-    let mut steps = vec![Step::Dwell { duration_s: MARGIN_S }];
+    let mut steps = gesture(&start);
     for &feed in feeds_rad_per_s {
         for (from, to) in [(from, to), (to, from)] {
             steps.push(Step::Sweep { axis, from, to, feed, ramp_s: RAMP_S, follow: follow.clone() });
             steps.push(Step::Dwell { duration_s: MARGIN_S });
         }
     }
+    // The passes end where they began.
+    steps.extend(gesture(&start));
     let setup_of_step = vec![0; steps.len()];
     Ok(cell(machine, program, Trajectory::compile(&Program { start, steps })?, setup_of_step))
+}
+
+/// Strokes of X about where the machine stands.
+fn gesture(stand: &AxisValues<f64>) -> Vec<Step> {
+    let mut there = *stand;
+    there[AxisLetter::X] += STROKE_MM;
+    let pause = || Step::Dwell { duration_s: GESTURE_PAUSE_S };
+    let strokes =
+        (0..STROKES).flat_map(|_| [there, *stand]).map(|target| Step::Move { target, duration_s: STROKE_S });
+    std::iter::once(pause()).chain(strokes).chain([pause()]).collect()
 }
 
 fn follow(nominal: &Machine, machine: &VirtualMachine, setup: usize) -> Follow {

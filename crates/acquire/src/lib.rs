@@ -13,6 +13,7 @@ pub mod config;
 pub mod cycle_bounds;
 pub mod discovery;
 pub mod drivers;
+pub mod gesture;
 pub mod message;
 pub mod nest;
 pub mod probe;
@@ -27,6 +28,7 @@ pub use align::{AlignLimits, Aligned, AlignedSample, Aligner, AxisState};
 pub use clock::{ClockLine, ClockTrack, Jump};
 pub use config::{Channel, DeviceConfig, Role, parse_devices, read_devices};
 pub use cycle_bounds::{Bound, CycleBounds, StartRule};
+pub use gesture::GestureFinder;
 pub use message::{
     AxisReading, ControllerReading, Counters, Execution, LogLine, Message, ProbeReading, Reading, SourceGap,
     TemperatureReading,

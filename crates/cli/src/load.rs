@@ -3,12 +3,13 @@
 use crate::outcome::Outcome;
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
-use trunnion_daemon::recording;
+use trunnion_daemon::recording::{self, Recording};
 use trunnion_effects::Model;
 use trunnion_identify::Experiment;
 use trunnion_machine::{Machine, shipped};
 use trunnion_measurement::Run;
-use trunnion_measurement::blocks::{Limits, Reduction};
+use trunnion_measurement::blocks::Limits;
+use trunnion_measurement::time_quality::TimeQuality;
 
 /// Most blocks that may be asked for.
 const MOST_BLOCKS: usize = 20_000;
@@ -75,42 +76,52 @@ pub fn read(path: &Path) -> anyhow::Result<String> {
     std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
 }
 
+/// Recordings as read.
+pub struct Loaded {
+    /// Their points, or blocks of them.
+    pub runs: Vec<Run>,
+    /// Whether something of them is lost.
+    pub outcome: Outcome,
+    /// How well those with stamps are known in time.
+    pub timing: Vec<TimeQuality>,
+}
+
 /// Reads the recordings; those taken on the fly with more samples than `--blocks` are reduced to blocks while they are read.
 /// Damage is told on standard error and ends in [`Outcome::DataLoss`].
-pub fn runs(args: &RunArgs) -> anyhow::Result<(Vec<Run>, Outcome)> {
+pub fn runs(args: &RunArgs) -> anyhow::Result<Loaded> {
     reduced_runs(args, Limits::default().most_blocks)
 }
 
 /// The same for a named method, which looks at single turns of an axis: as fine as blocks can be.
-pub fn runs_for_method(args: &RunArgs) -> anyhow::Result<(Vec<Run>, Outcome)> {
+pub fn runs_for_method(args: &RunArgs) -> anyhow::Result<Loaded> {
     reduced_runs(args, MOST_BLOCKS)
 }
 
-fn reduced_runs(args: &RunArgs, usual_blocks: usize) -> anyhow::Result<(Vec<Run>, Outcome)> {
+fn reduced_runs(args: &RunArgs, usual_blocks: usize) -> anyhow::Result<Loaded> {
     let limits = Limits { most_blocks: args.blocks.unwrap_or(usual_blocks), ..Limits::default() };
-    let mut outcome = Outcome::Done;
-    let mut runs = Vec::new();
+    let mut loaded = Loaded { runs: Vec::new(), outcome: Outcome::Done, timing: Vec::new() };
     for path in &args.runs {
-        let (run, reduction, one) = read_one(path, Some(limits))?;
-        if let Some(reduction) = reduction {
+        let (recording, outcome) = read_one(path, Some(limits))?;
+        if let Some(reduction) = &recording.reduction {
             eprintln!("trunnion: {}: {}", path.display(), reduction.summary());
         }
-        runs.push(run);
-        if one == Outcome::DataLoss {
-            outcome = one;
+        loaded.runs.push(recording.run);
+        loaded.timing.extend(recording.timing);
+        if outcome == Outcome::DataLoss {
+            loaded.outcome = outcome;
         }
     }
-    Ok((runs, outcome))
+    Ok(loaded)
 }
 
-/// Reads one recording with every point as recorded.
+/// Reads one recording with every point.
 pub fn run(path: &Path) -> anyhow::Result<(Run, Outcome)> {
-    let (run, _, outcome) = read_one(path, None)?;
-    Ok((run, outcome))
+    let (recording, outcome) = read_one(path, None)?;
+    Ok((recording.run, outcome))
 }
 
 /// Reads one recording and tells its damage.
-fn read_one(path: &Path, limits: Option<Limits>) -> anyhow::Result<(Run, Option<Reduction>, Outcome)> {
+fn read_one(path: &Path, limits: Option<Limits>) -> anyhow::Result<(Recording, Outcome)> {
     if path.extension().is_some_and(|ending| ending == "csv") {
         bail!(
             "{} is a points file; import it first: trunnion import {0} --setup setup.toml -o run.mcap",
@@ -124,7 +135,7 @@ fn read_one(path: &Path, limits: Option<Limits>) -> anyhow::Result<(Run, Option<
         eprintln!("trunnion: {}: {damage}", path.display());
         outcome = Outcome::DataLoss;
     }
-    Ok((recording.run, recording.reduction, outcome))
+    Ok((recording, outcome))
 }
 
 /// The experiment of the runs and the model to judge it by.

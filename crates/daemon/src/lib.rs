@@ -10,3 +10,4 @@ pub mod page;
 pub mod plan;
 pub mod recording;
 pub mod service;
+pub mod timing;

@@ -5,16 +5,23 @@ use trunnion_diagnose::Diagnosis;
 use trunnion_effects::Model;
 use trunnion_identify::{Experiment, Identification};
 use trunnion_measurement::Gap;
+use trunnion_measurement::time_quality::TimeQuality;
 use trunnion_report::{CompareInput, LadderRow, compare_html};
 
 /// The page after a whole analysis: the base model's diagnosis, the ladder, the final fit.
-pub fn compare_page(experiment: &Experiment, analysis: &Analysis, losses: &[String]) -> String {
+pub fn compare_page(
+    experiment: &Experiment,
+    analysis: &Analysis,
+    losses: &[String],
+    timing: &[TimeQuality],
+) -> String {
     compare_html(&compare_input(
         experiment,
         analysis.identification(),
         Some(analysis.diagnosis()),
         &analysis.model,
         losses,
+        timing,
     ))
 }
 
@@ -25,11 +32,13 @@ pub fn compare_input(
     diagnosis: Option<&Diagnosis>,
     model: &Model,
     losses: &[String],
+    timing: &[TimeQuality],
 ) -> CompareInput {
     CompareInput {
         label: label(),
         ladder: ladder(model),
         losses: losses.to_vec(),
+        timing: timing.to_vec(),
         ..CompareInput::new(experiment, identification, diagnosis.cloned())
     }
 }

@@ -16,6 +16,7 @@ use trunnion_effects::Model;
 use trunnion_identify::{Experiment, ExperimentError};
 use trunnion_machine::Machine;
 use trunnion_measurement::Gap;
+use trunnion_measurement::time_quality::TimeQuality;
 use trunnion_protocol::mtconnect::format_timestamp;
 use trunnion_record::{RecordError, Recorder, RecorderHandle, RunHeader};
 use trunnion_units::Clock;
@@ -231,7 +232,7 @@ pub fn analyse_recording(
     machine: &Machine,
     model: &Model,
     date: &str,
-) -> Result<(Experiment, Analysis), ServiceError> {
+) -> Result<(Experiment, Analysis, Option<TimeQuality>), ServiceError> {
     let limits = Some(trunnion_measurement::blocks::Limits::default());
     let recording = crate::recording::read(path, &|_| Some(machine.clone()), limits)?;
     if let Some(reduction) = &recording.reduction {
@@ -241,7 +242,7 @@ pub fn analyse_recording(
         .map_err(|source| ServiceError::Experiment { path: path.into(), source })?;
     let analysis = analysis::climb(&experiment, model, date)
         .map_err(|source| ServiceError::Analysis { path: path.into(), source: Box::new(source) })?;
-    Ok((experiment, analysis))
+    Ok((experiment, analysis, recording.timing))
 }
 
 async fn report_cycle(
@@ -254,19 +255,22 @@ async fn report_cycle(
     let (path, model, date) = (recorded.path.clone(), model.clone(), day(clock.wall_ns()));
     let losses = crate::page::losses(&recorded.gaps, recorded.lost_samples);
     let analysed = tokio::task::spawn_blocking(move || {
-        let (experiment, analysis) = analyse_recording(&path, &machine, &model, &date)?;
-        let html = crate::page::compare_page(&experiment, &analysis, &losses);
+        let (experiment, analysis, timing) = analyse_recording(&path, &machine, &model, &date)?;
+        let html = crate::page::compare_page(&experiment, &analysis, &losses, timing.as_slice());
         write(&path.with_extension("html"), &html)?;
         write(
             &path.with_extension("identification.json"),
             &format!("{:#}\n", analysis.identification().to_json()),
         )?;
         write(&path.with_extension("diagnosis.json"), &format!("{:#}\n", analysis.diagnoses[0].to_json()))?;
-        Ok::<_, ServiceError>((path, analysis))
+        Ok::<_, ServiceError>((path, analysis, timing))
     })
     .await
     .map_err(|_| ServiceError::Broken("analysis"))??;
-    let (path, analysis) = analysed;
+    let (path, analysis, timing) = analysed;
+    if let Some(timing) = timing {
+        board.set("quality", &trunnion_report::time_quality_json(&timing));
+    }
     let added: Vec<&str> = analysis.steps.iter().map(|step| step.entry.id.as_str()).collect();
     info!(run = %path.display(), verdict = analysis.diagnoses[0].verdict.as_str(), ?added, "analysed");
     board.set(

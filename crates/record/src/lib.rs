@@ -24,6 +24,8 @@ pub use error::RecordError;
 pub use finish::{FinishedFile, recover_orphans};
 pub use handle::{RecordSender, RecorderHandle, RecorderStatus};
 pub use item::{ControllerState, Item, LogLine, RunHeader, Temperature};
-pub use reader::{Damage, OnPoint, Recording, RunStart, read_run, visit, visit_points};
+pub use reader::{
+    Damage, OnPoint, Recording, RunStart, read_header, read_run, visit, visit_points, visit_samples,
+};
 pub use schema::FILE_DESCRIPTOR_SET;
 pub use writer::{Finished, Recorder, write_run, write_run_with_axes};

@@ -5,7 +5,7 @@ use crate::error::RecordError;
 use crate::finish::FINISHED_METADATA;
 use crate::item::{ControllerState, Item, LogLine, RunHeader, Temperature};
 use crate::journal::{CONFIG_TEXT, CYCLE_TEXT, MACHINE_TEXT};
-use crate::wire::{Decoded, POINT_SCHEMA, decode};
+use crate::wire::{Decoded, POINT_SCHEMA, SAMPLE_SCHEMAS, decode};
 use std::collections::HashMap;
 use std::fmt;
 use std::fs::File;
@@ -69,7 +69,7 @@ pub fn read_run(
     let (mut controller_states, mut events) = (Vec::new(), Vec::new());
     let (mut gaps, mut log) = (Vec::new(), Vec::new());
     let mut points: Vec<(u64, Point)> = Vec::new();
-    let (header, damage) = visit_indexed(path, &mut |index, item| {
+    let (header, damage) = visit_indexed(path, &|_| true, &mut |index, item| {
         match item {
             Item::Probes(samples) => probe_samples.extend(samples),
             Item::Axes(samples) => axis_samples.extend(samples),
@@ -109,6 +109,18 @@ pub struct RunStart {
 }
 
 impl RunStart {
+    /// From a header and its machine, which `machine_by_name` is asked for when the recording holds none.
+    ///
+    /// # Errors
+    /// When the machine is unknown.
+    pub fn new(
+        path: &Path,
+        header: RunHeader,
+        machine_by_name: &dyn Fn(&str) -> Option<Machine>,
+    ) -> Result<Self, RecordError> {
+        Ok(Self { machine: machine_of(path, &header, machine_by_name)?, header })
+    }
+
     /// The run with these points.
     pub fn run(&self, points: Vec<Point>) -> Run {
         Run {
@@ -186,15 +198,36 @@ pub fn visit(
     path: &Path,
     on_item: &mut dyn FnMut(Item) -> bool,
 ) -> Result<(RunHeader, Option<Damage>), RecordError> {
-    visit_indexed(path, &mut |_, item| on_item(item))
+    visit_indexed(path, &|_| true, &mut |_, item| on_item(item))
+}
+
+/// What was known before the first sample.
+///
+/// # Errors
+/// When the file cannot be opened or has no header.
+pub fn read_header(path: &Path) -> Result<RunHeader, RecordError> {
+    // Texts and header come before everything else.
+    Ok(visit(path, &mut |_| false)?.0)
+}
+
+/// As [`visit`], but hands over only what devices delivered: samples, temperatures and gaps. Points are passed over unread.
+///
+/// # Errors
+/// As [`visit`].
+pub fn visit_samples(
+    path: &Path,
+    on_item: &mut dyn FnMut(Item) -> bool,
+) -> Result<(RunHeader, Option<Damage>), RecordError> {
+    visit_indexed(path, &|schema| SAMPLE_SCHEMAS.contains(&schema), &mut |_, item| on_item(item))
 }
 
 fn visit_indexed(
     path: &Path,
+    wanted: &dyn Fn(&str) -> bool,
     on_item: &mut dyn FnMut(u64, Item) -> bool,
 ) -> Result<(RunHeader, Option<Damage>), RecordError> {
     let mut waiting: Vec<(u64, u64, Item)> = Vec::new();
-    let (header, damage) = walk_items(path, &|_| true, &mut |_, _, sorted, log_time, index, item| {
+    let (header, damage) = walk_items(path, wanted, &mut |_, _, sorted, log_time, index, item| {
         if sorted {
             return on_item(index, item);
         }

@@ -13,6 +13,9 @@ use trunnion_units::{AxisLetter, AxisValues, HostTime, convert};
 
 /// Name of the message of a point.
 pub const POINT_SCHEMA: &str = "trunnion.Point";
+/// Names of the messages of what devices deliver.
+pub const SAMPLE_SCHEMAS: [&str; 4] =
+    ["trunnion.ProbeBatch", "trunnion.AxisBatch", "trunnion.Temperature", "trunnion.Gap"];
 
 /// What a message is about; each has its MCAP topic and schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

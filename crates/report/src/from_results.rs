@@ -16,7 +16,7 @@ use trunnion_units::AxisValues;
 use trunnion_units::convert::um_from_mm;
 
 impl CompareInput {
-    /// The report of one fit. Label, ladder and losses are the caller's to fill in.
+    /// The report of one fit. Label, ladder, losses and timing are the caller's to fill in.
     pub fn new(experiment: &Experiment, fit: &Identification, diagnosis: Option<Diagnosis>) -> Self {
         let mut identification = IdentificationView::from(fit);
         if let Some(noise_um) = diagnosis.as_ref().map(|d| d.residual.noise_um).filter(|um| *um > 0.0) {
@@ -44,6 +44,7 @@ impl CompareInput {
             diagnosis,
             trial: None,
             losses: Vec::new(),
+            timing: Vec::new(),
         }
     }
 }

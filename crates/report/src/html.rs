@@ -11,6 +11,7 @@ mod positions;
 mod summary;
 mod sure;
 mod sweeps;
+mod timing;
 mod trial;
 mod volumetric;
 
@@ -36,6 +37,7 @@ pub fn compare_html(input: &CompareInput) -> String {
         positions::section(input),
         parameters::section(input),
         losses(input),
+        timing::section(&input.timing),
     ];
     page(&format!("Trunnion report: {}", input.identification.machine), &sections.concat())
 }

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use trunnion_diagnose::Diagnosis;
 use trunnion_diagnose::views::Place as WorstPlace;
 use trunnion_effects::Moved;
+use trunnion_measurement::time_quality::TimeQuality;
 use trunnion_units::AxisValues;
 
 /// Everything the compare report shows. Empty lists and `None` leave their section out or say what is missing.
@@ -31,6 +32,8 @@ pub struct CompareInput {
     pub trial: Option<Trial>,
     /// What is missing from the recording, one sentence each (gaps, damaged parts, points never settled).
     pub losses: Vec<String>,
+    /// How well each run is known in time.
+    pub timing: Vec<TimeQuality>,
 }
 
 /// An effect put into the model for a trial: the fits without and with it.

@@ -15,6 +15,7 @@ pub mod nc;
 mod number;
 mod svg;
 mod text;
+mod time_quality;
 mod views;
 mod volumetric;
 mod words;
@@ -26,7 +27,8 @@ pub use input::{
     UnobservableRow,
 };
 pub use text::{
-    compare_text, diagnosis_text, findings_text, identification_text, ladder_text, location_text, trial_text,
-    volumetric_text,
+    compare_text, diagnosis_text, findings_text, identification_text, ladder_text, location_text,
+    timing_text, trial_text, volumetric_text,
 };
+pub use time_quality::{duration, time_quality_json};
 pub use volumetric::error_map_csv;

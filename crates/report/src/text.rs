@@ -2,10 +2,12 @@
 
 mod findings;
 mod ladder;
+mod timing;
 mod volumetric;
 
 pub use findings::findings_text;
 pub use ladder::ladder_text;
+pub use timing::timing_text;
 pub use volumetric::{location_text, volumetric_text};
 
 use crate::number::{percent, plain, um, um_or_dash, unit_on_screen, value_and_u};
@@ -78,6 +80,7 @@ pub fn compare_text(input: &CompareInput) -> String {
     for loss in &input.losses {
         out += &format!("\nData loss: {}\n", clean(loss));
     }
+    out += &timing_text(&input.timing);
     out
 }
 

@@ -8,11 +8,11 @@ use super::{ClockLine, Translation};
 use trunnion_units::HostTime;
 
 /// Neither a queue nor a timer makes this much of a steady difference, ns.
-const JUMP_NS: i64 = 50_000_000;
+const JUMP_NS: i64 = 100_000_000;
 /// A line younger than this still settles: its first arrivals may all have waited in a queue, ns.
 const SETTLED_NS: i64 = 2_000_000_000;
 /// Late for so long and so often is a clock that was set back, ns.
-const STREAK_NS: i64 = 1_000_000_000;
+const STREAK_NS: i64 = 3_000_000_000;
 const STREAK_READINGS: u32 = 10;
 
 /// A clock was set anew.
@@ -141,7 +141,7 @@ mod tests {
             let (jumps, error) = run(jump_ms, |_| 0);
             assert_eq!(jumps.len(), 1, "{jump_ms}");
             assert!((jumps[0].by_s - jump_ms as f64 * 1e-3).abs() < 1e-6, "{jumps:?}");
-            assert!(jumps[0].to.seconds_since(jumps[0].from) < 1.1);
+            assert!(jumps[0].to.seconds_since(jumps[0].from) < 3.1);
             assert!(error.abs() < 1e-6, "{error}");
         }
     }
@@ -151,7 +151,7 @@ mod tests {
         // Nothing is read for 1.5 s, then all of it at once.
         let (jumps, error) = run(0, |k| if (6000..7500).contains(&k) { 7500 - k } else { 0 });
         assert!(jumps.is_empty() && error.abs() < 1e-6);
-        let (jumps, _) = run(30, |_| 0);
+        let (jumps, _) = run(60, |_| 0);
         assert!(jumps.is_empty(), "below what a queue can do");
     }
 }

@@ -71,7 +71,7 @@ fn grid(text: &str) -> Result<(String, Vec<f64>), String> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let (runs, outcome) = load::runs(&args.runs)?;
+    let load::Loaded { runs, outcome, .. } = load::runs(&args.runs)?;
     let experiment = Experiment::new(&runs)?;
     let text = if args.model.exists() {
         load::read(&args.model)?

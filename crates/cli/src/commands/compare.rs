@@ -11,7 +11,10 @@ use trunnion_diagnose::views::Place;
 use trunnion_diagnose::{Diagnosis, Verdict};
 use trunnion_effects::Model;
 use trunnion_identify::Experiment;
-use trunnion_report::{CompareInput, Trial, compare_html, compare_text, trial_html, trial_text};
+use trunnion_measurement::time_quality::TimeQuality;
+use trunnion_report::{
+    CompareInput, Trial, compare_html, compare_text, time_quality_json, trial_html, trial_text,
+};
 
 /// Show where the model fails: tables, and a page with plots
 ///
@@ -38,7 +41,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let (runs, outcome) = load::runs(&args.runs)?;
+    let load::Loaded { runs, outcome, timing } = load::runs(&args.runs)?;
     let (experiment, model) = load::experiment(&runs, &args.model)?;
     let told = args.formula.told();
     match &args.trial {
@@ -48,15 +51,20 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
                 "--site, --component, --expression and --grid describe a formula to try: add --try formula:NAME"
             )
         }
-        None => compare(args, &experiment, &model)?,
+        None => compare(args, &experiment, &model, &timing)?,
     }
     Ok(outcome)
 }
 
-fn compare(args: &Args, experiment: &Experiment, model: &Model) -> anyhow::Result<()> {
+fn compare(
+    args: &Args,
+    experiment: &Experiment,
+    model: &Model,
+    timing: &[TimeQuality],
+) -> anyhow::Result<()> {
     let fit = trunnion_identify::identify(experiment, model, &trunnion_identify::Options::default())?;
     let diagnosis = analysis::diagnose_and_plan(experiment, model)?;
-    let mut input = page::compare_input(experiment, &fit, Some(&diagnosis), model, &[]);
+    let mut input = page::compare_input(experiment, &fit, Some(&diagnosis), model, &[], timing);
     if let Some(path) = &args.html {
         if let Some(effect) = best(&diagnosis) {
             // The page shows the best candidate at work.
@@ -72,6 +80,7 @@ fn compare(args: &Args, experiment: &Experiment, model: &Model) -> anyhow::Resul
     if args.json {
         outcome::print_json(&serde_json::json!({
             "format": "trunnion-comparison/1",
+            "time_quality": timing.iter().map(time_quality_json).collect::<Vec<_>>(),
             "places": places_json(&input.places),
             "identification": fit.to_json(),
             "diagnosis": diagnosis.to_json(),

@@ -37,7 +37,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = compensation::format(&args.format).context("the command line allows known formats only")?;
-    let (runs, outcome) = load::runs(&args.runs)?;
+    let load::Loaded { runs, outcome, .. } = load::runs(&args.runs)?;
     let (experiment, model) = load::experiment(&runs, &args.model)?;
     let fit = trunnion_identify::identify(&experiment, &model, &trunnion_identify::Options::default())?;
     let errors = AxisErrors::new(&experiment, &model, &fit)?;

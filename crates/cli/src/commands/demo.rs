@@ -31,6 +31,7 @@ use trunnion_identify::{Experiment, Identification};
 use trunnion_machine::shipped;
 use trunnion_measurement::Cycle;
 use trunnion_measurement::cycle::Motion;
+use trunnion_measurement::time_quality::TimeQuality;
 use trunnion_report::ladder_text;
 use trunnion_units::{Clock, convert};
 
@@ -106,13 +107,14 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     let date = service::day(SystemClock::start().wall_ns());
     let base = Model::base(&machine.name);
     let (path, machine_for_analysis) = (recorded.path.clone(), machine.clone());
-    let (experiment, analysis) = tokio::task::spawn_blocking(move || {
+    let (experiment, analysis, static_timing) = tokio::task::spawn_blocking(move || {
         service::analyse_recording(&path, &machine_for_analysis, &base, &date)
     })
     .await??;
     tell(&story(&experiment, &analysis))?;
 
     let mut losses = page::losses(&recorded.gaps, recorded.lost_samples);
+    let mut timing: Vec<TimeQuality> = static_timing.into_iter().collect();
     let on_the_fly = if args.static_only {
         None
     } else {
@@ -121,7 +123,8 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         let world = sweep_world(virtual_machine.clone(), &sweep_cycle)?;
         let swept = measure(args, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c").await?;
         losses.extend(page::losses(&swept.gaps, swept.lost_samples));
-        let fit = fit_again(&swept.path, &machine, &analysis.model)?;
+        let (fit, sweep_timing) = fit_again(&swept.path, &machine, &analysis.model)?;
+        timing.extend(sweep_timing);
         tell(&format!(
             "Recorded {}; {} points while turning. The model of the static cycle leaves {:.2} µm there, \
              the noise is {:.2} µm.\n",
@@ -137,7 +140,7 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         tell(&format!("Data loss: {loss}\n"))?;
     }
     let report = args.output.join("report.html");
-    write(&report, &page::compare_page(&experiment, &analysis, &losses))?;
+    write(&report, &page::compare_page(&experiment, &analysis, &losses, &timing))?;
     let model_path = args.output.join("model.toml");
     write(&model_path, &analysis.model.to_text())?;
     tell(&format!("\nReport: {}\nModel:  {}\n", report.display(), model_path.display()))?;
@@ -387,7 +390,7 @@ fn fit_again(
     path: &Path,
     machine: &trunnion_machine::Machine,
     model: &Model,
-) -> anyhow::Result<Identification> {
+) -> anyhow::Result<(Identification, Option<TimeQuality>)> {
     let limits = Some(trunnion_measurement::blocks::Limits::default());
     let recording = trunnion_daemon::recording::read(path, &|_| Some(machine.clone()), limits)?;
     let experiment = Experiment::new(std::slice::from_ref(&recording.run))?;
@@ -397,7 +400,8 @@ fn fit_again(
         trunnion_effects::Instance::from_model_effect(entry, machine)
             .is_ok_and(|instance| !instance.parameters(&experiment.scene).is_empty())
     });
-    Ok(trunnion_identify::identify(&experiment, &reachable, &trunnion_identify::Options::default())?)
+    let options = trunnion_identify::Options::default();
+    Ok((trunnion_identify::identify(&experiment, &reachable, &options)?, recording.timing))
 }
 
 fn truth_text(machine: &VirtualMachine, analysis: &Analysis, path: &Path) -> String {

@@ -22,7 +22,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let (runs, outcome) = load::runs(&args.runs)?;
+    let load::Loaded { runs, outcome, .. } = load::runs(&args.runs)?;
     let (experiment, model) = load::experiment(&runs, &args.model)?;
     let diagnosis = analysis::diagnose_and_plan(&experiment, &model)?;
     if args.json {

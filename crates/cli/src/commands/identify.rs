@@ -7,7 +7,9 @@ use anyhow::Context;
 use std::path::PathBuf;
 use trunnion_identify::methods::{self, Convention, MethodOptions, REGISTRY};
 use trunnion_identify::notation::{Layout, LocationError, Notation};
-use trunnion_report::{findings_html, findings_text, identification_text, location_text};
+use trunnion_report::{
+    findings_html, findings_text, identification_text, location_text, time_quality_json, timing_text,
+};
 use trunnion_units::AxisLetter;
 
 /// Identify the machine's errors from recordings
@@ -77,7 +79,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 fn jointly(args: &Args) -> anyhow::Result<Outcome> {
-    let (runs, outcome) = load::runs(&args.runs)?;
+    let load::Loaded { runs, outcome, timing } = load::runs(&args.runs)?;
     let (experiment, model) = load::experiment(&runs, &args.model)?;
     let identification =
         trunnion_identify::identify(&experiment, &model, &trunnion_identify::Options::default())?;
@@ -89,12 +91,16 @@ fn jointly(args: &Args) -> anyhow::Result<Outcome> {
         if let Some((notation, errors)) = &located {
             json["location_errors"] = location_json(*notation, errors);
         }
+        if !timing.is_empty() {
+            json["time_quality"] = timing.iter().map(time_quality_json).collect();
+        }
         outcome::print_json(&json)?;
     } else {
         let mut text = identification_text(&(&identification).into());
         if let Some((notation, errors)) = &located {
             text += &location_text(errors, *notation);
         }
+        text += &timing_text(&timing);
         outcome::print(&text)?;
     }
     Ok(outcome)
@@ -118,7 +124,7 @@ fn location_json(notation: Notation, errors: &[LocationError]) -> serde_json::Va
 
 fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
     let method = methods::find(name)?;
-    let (runs, outcome) = load::runs_for_method(&args.runs)?;
+    let load::Loaded { runs, outcome, .. } = load::runs_for_method(&args.runs)?;
     let findings = (method.run)(&runs, &MethodOptions { axis: args.axis, convention: args.convention })?;
     if let Some(path) = &args.html {
         std::fs::write(path, findings_html(&findings, &trunnion_daemon::page::label()))

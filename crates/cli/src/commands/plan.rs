@@ -56,7 +56,7 @@ fn look_at(path: &Path, json: bool) -> anyhow::Result<Outcome> {
 }
 
 fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
-    let (runs, outcome) = load::runs(&load::RunArgs::of(args.runs.clone()))?;
+    let load::Loaded { runs, outcome, .. } = load::runs(&load::RunArgs::of(args.runs.clone()))?;
     let (experiment, model) = load::experiment(&runs, &load::ModelArgs { model: args.model.clone() })?;
     let rivals = if args.rivals.is_empty() {
         let options = trunnion_diagnose::Options::default();

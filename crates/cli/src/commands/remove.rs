@@ -29,7 +29,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let text = load::read(&args.model)?;
     let model = Model::parse(&args.model.display().to_string(), &text)?;
-    let (runs, outcome) = load::runs(&args.runs)?;
+    let load::Loaded { runs, outcome, .. } = load::runs(&args.runs)?;
     let experiment = Experiment::new(&runs)?;
     let smaller = analysis::remove(&experiment, &model, &args.effect, &today()?)?;
     let mut shorter = Model::without(&text, &args.effect)?;

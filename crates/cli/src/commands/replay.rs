@@ -23,7 +23,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let (runs, outcome) = load::runs(&load::RunArgs::of(vec![args.run.clone()]))?;
+    let load::Loaded { runs, outcome, .. } = load::runs(&load::RunArgs::of(vec![args.run.clone()]))?;
     let model = load::experiment(&runs, &args.model)?.1;
     let analysis = analysis::climb(&Experiment::new(&runs)?, &model, "")?;
     let identification = format!("{:#}\n", analysis.identification().to_json());

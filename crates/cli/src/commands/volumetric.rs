@@ -64,7 +64,7 @@ fn datum(text: &str) -> Result<Datum, String> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let (runs, outcome) = load::runs(&args.runs)?;
+    let load::Loaded { runs, outcome, .. } = load::runs(&args.runs)?;
     let (experiment, model) = load::experiment(&runs, &args.model)?;
     let volume = Volume::parse(&args.volume, usize::from(args.steps), &experiment.scene)?;
     let volume = Volume { point_in_tool_mm: args.tool_point.0, ..volume };

@@ -1,0 +1,252 @@
+//! How well a recording is known in time: clocks fitted over the whole run, delays from its sync gestures, gaps and losses.
+
+use crate::plan::Plan;
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use std::path::Path;
+use trunnion_acquire::{GestureFinder, Retiming, Stream, Survey};
+use trunnion_measurement::time_quality::{Gesture, StreamTiming, TimeQuality};
+use trunnion_measurement::{AxisSample, Gap, NestSide, ProbeSample, RunKind};
+use trunnion_record::{Item, RecordError, RunHeader, visit_samples};
+use trunnion_units::{AxisLetter, AxisValues};
+
+/// Gaps that were over by then were before the run, s.
+const BEGIN_S: f64 = 0.05;
+/// Delays at the start and at the end differ when they do by so many standard uncertainties.
+const DIFFERS: f64 = 5.0;
+/// Share of the stroke by which a probe may miss what the nest calibration expects of it.
+const GAIN_SLACK: f64 = 0.25;
+
+/// What the stamps of a recording tell.
+pub struct Timing {
+    /// For the report.
+    pub quality: TimeQuality,
+    retiming: Retiming,
+    /// Delay of each channel against the axes, s.
+    delays_s: BTreeMap<u16, f64>,
+    usual_delay_s: f64,
+}
+
+impl Timing {
+    /// The sample at the time it was taken, by the lines of the whole run and the delay of its channel.
+    pub fn probe(&self, mut sample: ProbeSample) -> ProbeSample {
+        if let Some(time_s) = self.retiming.time_s(Stream::Probe(sample.channel), &sample.stamp) {
+            let delay_s = self.delays_s.get(&sample.channel).copied().unwrap_or(self.usual_delay_s);
+            sample.time_s = time_s - delay_s;
+        }
+        sample
+    }
+
+    /// The positions at the time the controller took them.
+    pub fn axes(&self, mut sample: AxisSample) -> AxisSample {
+        if let Some(time_s) = self.retiming.time_s(Stream::Axes, &sample.stamp) {
+            sample.time_s = time_s;
+        }
+        sample
+    }
+}
+
+/// Reads the stamps of a recording; `None` when it holds none (an import, a simulation, a recording of an older version).
+/// `plan` tells what the probes should have seen of a gesture.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, RecordError> {
+    let mut survey = Survey::default();
+    let mut finder = GestureFinder::default();
+    let (mut gestures, mut gaps, mut stamped) = (Vec::new(), Vec::new(), false);
+    let mut at_gesture = AxisValues::default();
+    let (header, _) = visit_samples(path, &mut |item| {
+        match item {
+            Item::Probes(samples) => {
+                for sample in samples {
+                    stamped |= !sample.stamp.arrival_s.is_nan();
+                    survey.probe(&sample);
+                    finder.probe(&sample);
+                }
+            }
+            Item::Axes(samples) => {
+                for sample in samples {
+                    stamped |= !sample.stamp.arrival_s.is_nan();
+                    survey.axes(&sample);
+                    if let Some(gesture) = finder.axes(&sample) {
+                        at_gesture = sample.position;
+                        gestures.push(gesture);
+                    }
+                }
+            }
+            Item::Gap(gap) if gap.to_s > BEGIN_S => gaps.push(gap),
+            _ => {}
+        }
+        true
+    })?;
+    if !stamped {
+        return Ok(None);
+    }
+    let (retiming, mut streams) = survey.finish();
+    let mut notes = Vec::new();
+    let delays = delays(&gestures);
+    for (stream, timing) in &mut streams {
+        timing.name = name(*stream, &header);
+        timing.delay_s = match stream {
+            Stream::Probe(channel) => delays.get(channel).map(|delay| (delay.delay_s, delay.u_s)),
+            Stream::Axes => None,
+        };
+    }
+    share_out(&gaps, &mut streams);
+    for channel in delays.iter().filter(|(_, delay)| delay.differs).map(|(channel, _)| *channel) {
+        notes.push(format!(
+            "{}: the delay against the axes is not the same in all sync gestures; its uncertainty says by how much.",
+            name(Stream::Probe(channel), &header)
+        ));
+    }
+    if header.kind == RunKind::OnTheFly && delays.is_empty() {
+        notes.push(
+            "No sync gesture was seen: what readings come later than the axes by is not taken out. Let `trunnion nc-program` write \
+             the program; it begins and ends with one."
+                .into(),
+        );
+    }
+    if let (Some(plan), Some(gesture)) = (plan, gestures.last()) {
+        notes.extend(unexpected_gains(plan, gesture, &at_gesture, &header));
+    }
+    let known: Vec<f64> = delays.values().map(|delay| delay.delay_s).collect();
+    let usual_delay_s = known.iter().sum::<f64>() / (known.len() as f64).max(1.0);
+    let quality =
+        TimeQuality { run: header.name.clone(), streams: streams.into_values().collect(), gestures, notes };
+    let delays_s = delays.into_iter().map(|(channel, delay)| (channel, delay.delay_s)).collect();
+    Ok(Some(Timing { quality, retiming, delays_s, usual_delay_s }))
+}
+
+fn name(stream: Stream, header: &RunHeader) -> String {
+    match stream {
+        Stream::Axes => "controller".into(),
+        Stream::Probe(channel) => {
+            header.probes.get(usize::from(channel)).cloned().unwrap_or_else(|| format!("channel {channel}"))
+        }
+    }
+}
+
+/// Delay of one channel over all gestures.
+struct Delay {
+    delay_s: f64,
+    u_s: f64,
+    differs: bool,
+}
+
+/// Weighted means; where the gestures differ by more than they should, the uncertainty holds that too (Birge).
+fn delays(gestures: &[Gesture]) -> BTreeMap<u16, Delay> {
+    let mut seen: BTreeMap<u16, Vec<(f64, f64)>> = BTreeMap::new();
+    for delay in gestures.iter().flat_map(|gesture| &gesture.seen) {
+        seen.entry(delay.channel).or_default().push((delay.delay_s, delay.u_s));
+    }
+    let combine = |(channel, all): (u16, Vec<(f64, f64)>)| {
+        let weight: f64 = all.iter().map(|(_, u)| u.powi(-2)).sum();
+        let delay_s = all.iter().map(|(delay, u)| delay * u.powi(-2)).sum::<f64>() / weight;
+        let chi_square: f64 = all.iter().map(|(delay, u)| ((delay - delay_s) / u).powi(2)).sum();
+        let birge = (chi_square / (all.len() as f64 - 1.0).max(1.0)).max(1.0).sqrt();
+        (channel, Delay { delay_s, u_s: birge / weight.sqrt(), differs: birge > DIFFERS })
+    };
+    seen.into_iter().map(combine).collect()
+}
+
+/// Gaps to the streams they are gaps of; those of no probe are the controller's.
+fn share_out(gaps: &[Gap], streams: &mut BTreeMap<Stream, StreamTiming>) {
+    for gap in gaps {
+        let is_of = |timing: &StreamTiming| {
+            timing.name == gap.source
+                || timing.name.strip_prefix(&gap.source).is_some_and(|rest| rest.starts_with('.'))
+        };
+        let mut owners: Vec<&mut StreamTiming> =
+            streams.values_mut().filter(|timing| is_of(timing)).collect();
+        if owners.is_empty() {
+            owners = streams.get_mut(&Stream::Axes).into_iter().collect();
+        }
+        for owner in owners {
+            owner.gaps.0 += 1;
+            owner.gaps.1 += (gap.to_s - gap.from_s).max(0.0);
+            owner.lost += gap.lost_samples.unwrap_or(0);
+        }
+    }
+}
+
+/// Probes whose reading moved otherwise than the nest calibration and the machine file say: reversed, or in each other's place.
+fn unexpected_gains(
+    plan: &Plan,
+    gesture: &Gesture,
+    position: &AxisValues<f64>,
+    header: &RunHeader,
+) -> Vec<String> {
+    let Ok(channels) = crate::plan::check(plan) else { return Vec::new() };
+    let Some(probes_from_nest) = plan.nest.nest_from_probes.try_inverse().filter(|_| channels.len() == 3)
+    else {
+        return Vec::new();
+    };
+    let expected = probes_from_nest * nest_motion(plan, gesture.axis, position);
+    let unexpected = |(k, channel): (usize, &u16)| {
+        let seen = gesture.seen.iter().find(|seen| seen.channel == *channel)?;
+        ((seen.gain - expected[k]).abs() > GAIN_SLACK).then(|| {
+            format!(
+                "{}: moved by {:+.2} of the stroke of {} where machine file and nest calibration expect {:+.2}; look for a probe \
+                 that is reversed or in another's place, and check [nest] in the configuration.",
+                name(Stream::Probe(*channel), header),
+                seen.gain,
+                gesture.axis,
+                expected[k]
+            )
+        })
+    };
+    channels.iter().enumerate().filter_map(unexpected).collect()
+}
+
+/// Change of the reading in nest axes by a motion of one axis, mm/mm.
+fn nest_motion(plan: &Plan, axis: AxisLetter, position: &AxisValues<f64>) -> Vector3<f64> {
+    let mut moved = *position;
+    moved[axis] += 1.0;
+    let none = trunnion_machine::JointErrors::default();
+    let in_table = plan.machine.tool_in_table(&moved).0 - plan.machine.tool_in_table(position).0;
+    match plan.cycle.setups[0].nest {
+        NestSide::Table => in_table,
+        NestSide::Spindle => {
+            let tool_from_table = plan.machine.machine_from_tool(position, &none).inverse()
+                * plan.machine.machine_from_table(position, &none);
+            tool_from_table.rotation * -in_table
+        }
+    }
+}
+
+/// The plan of a recording that carries its machine, cycle and configuration; `None` when it does not, or when they cannot be
+/// read by this version.
+pub fn plan_of(header: &RunHeader) -> Option<Plan> {
+    let machine = header.machine()?.ok()?;
+    let cycle = trunnion_measurement::Cycle::parse("recorded cycle", &header.cycle_text).ok()?;
+    let config = crate::config::Config::parse(Path::new("recorded.toml"), &header.config_text).ok()?;
+    let channels = trunnion_acquire::config::channels(&config.devices);
+    Some(Plan { machine, cycle, nest: config.nest, channels })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gestures_are_weighed_together_and_a_changed_delay_shows_in_the_uncertainty() {
+        let gesture = |delay_s: f64| Gesture {
+            time_s: 0.0,
+            axis: AxisLetter::X,
+            stroke_mm: 0.2,
+            seen: vec![trunnion_measurement::time_quality::GestureDelay {
+                channel: 2,
+                delay_s,
+                u_s: 10e-6,
+                gain: 0.8,
+                rms_mm: 3e-4,
+            }],
+        };
+        let steady = delays(&[gesture(1.00e-3), gesture(1.01e-3)]);
+        assert!((steady[&2].delay_s - 1.005e-3).abs() < 1e-9 && !steady[&2].differs);
+        assert!((steady[&2].u_s - 7.07e-6).abs() < 0.1e-6);
+        let changed = delays(&[gesture(1.0e-3), gesture(2.0e-3)]);
+        assert!(changed[&2].differs && changed[&2].u_s > 400e-6);
+    }
+}

@@ -1,0 +1,130 @@
+//! How well the samples of a run are known in time, as tables for page and terminal, and as JSON.
+
+use crate::number::{MISSING, minus, plain};
+use trunnion_measurement::time_quality::{Gesture, StreamTiming, TimeQuality};
+
+/// Head of the table of streams.
+pub const HEAD: [&str; 9] = [
+    "stream",
+    "samples",
+    "per second",
+    "clock drift",
+    "jitter of arrival",
+    "after the line",
+    "gaps",
+    "lost",
+    "later than the axes",
+];
+/// Its columns of numbers.
+pub const NUMERIC: [usize; 7] = [1, 2, 3, 4, 5, 7, 8];
+
+/// What the columns mean.
+pub const ABOUT: &str = "Jitter of arrival: the error of a sample stamped when its bytes came. After the line: what the line through \
+     the earliest arrivals of the whole run does not follow. Later than the axes: delay with standard uncertainty from the sync \
+     gestures, taken out of the times.";
+
+/// The streams of a run, a row each.
+pub fn rows(quality: &TimeQuality) -> Vec<Vec<String>> {
+    quality.streams.iter().map(row).collect()
+}
+
+fn row(stream: &StreamTiming) -> Vec<String> {
+    let gaps = match stream.gaps {
+        (0, _) => "none".into(),
+        (count, seconds) => format!("{count}, together {} s", plain(seconds)),
+    };
+    vec![
+        stream.name.clone(),
+        stream.samples.to_string(),
+        plain(stream.rate_hz),
+        stream.drift_ppm.map_or(MISSING.into(), |ppm| minus(format!("{ppm:+.2} ppm"))),
+        stream.jitter_before_s.map_or(MISSING.into(), duration),
+        stream.jitter_after_s.map_or(MISSING.into(), duration),
+        gaps,
+        stream.lost.to_string(),
+        match stream.delay_s {
+            Some((delay_s, u_s)) => format!("{} (u {})", duration(delay_s), duration(u_s)),
+            None => MISSING.into(),
+        },
+    ]
+}
+
+/// What cannot be said in a row, one sentence each.
+pub fn sentences(quality: &TimeQuality) -> Vec<String> {
+    let skewed = quality.streams.iter().filter(|stream| stream.skew_s > 0.0).map(|stream| {
+        format!(
+            "The axes of one reading have stamps of their own, up to {} apart; positions are brought to one instant between them.",
+            duration(stream.skew_s)
+        )
+    });
+    let held = quality.streams.iter().filter(|stream| stream.held > 0).map(|stream| {
+        format!("{}: {} readings said only that nothing had changed.", stream.name, stream.held)
+    });
+    let anew = quality.streams.iter().filter(|stream| stream.lines > 1).map(|stream| {
+        format!(
+            "{}: its clock was fitted anew {} times (new connections or jumps).",
+            stream.name,
+            stream.lines - 1
+        )
+    });
+    skewed
+        .chain(held)
+        .chain(anew)
+        .chain(quality.gestures.iter().map(gesture))
+        .chain(quality.notes.iter().cloned())
+        .collect()
+}
+
+fn gesture(gesture: &Gesture) -> String {
+    let seen = match gesture.seen.as_slice() {
+        [] => "no probe saw it".into(),
+        seen => {
+            let of = |seen: &trunnion_measurement::time_quality::GestureDelay| {
+                format!("{} (u {})", duration(seen.delay_s), duration(seen.u_s))
+            };
+            format!("readings later by {}", seen.iter().map(of).collect::<Vec<_>>().join(", "))
+        }
+    };
+    format!(
+        "Sync gesture at {} s: strokes of {} over {} mm; {seen}.",
+        plain(gesture.time_s),
+        gesture.axis,
+        plain(gesture.stroke_mm)
+    )
+}
+
+/// A duration in the unit that suits it: `13 ms`, `420 µs`.
+pub fn duration(seconds: f64) -> String {
+    match seconds.abs() {
+        s if !s.is_finite() => MISSING.into(),
+        s if s >= 1.0 => format!("{} s", plain(seconds)),
+        s if s >= 1e-3 => format!("{} ms", plain(seconds * 1e3)),
+        _ => format!("{} µs", plain(seconds * 1e6)),
+    }
+}
+
+/// For programs.
+pub fn time_quality_json(quality: &TimeQuality) -> serde_json::Value {
+    let streams: Vec<_> = quality
+        .streams
+        .iter()
+        .map(|s| {
+            serde_json::json!({
+                "name": s.name, "samples": s.samples, "rate_hz": s.rate_hz, "lines": s.lines, "drift_ppm": s.drift_ppm,
+                "jitter_before_s": s.jitter_before_s, "jitter_after_s": s.jitter_after_s, "gaps": s.gaps.0,
+                "gap_s": s.gaps.1, "lost": s.lost, "skew_s": s.skew_s, "held": s.held,
+                "delay_s": s.delay_s.map(|delay| delay.0), "delay_u_s": s.delay_s.map(|delay| delay.1),
+            })
+        })
+        .collect();
+    let gestures: Vec<_> = quality
+        .gestures
+        .iter()
+        .map(|g| {
+            serde_json::json!({ "time_s": g.time_s, "axis": g.axis.to_string(), "stroke_mm": g.stroke_mm,
+                "channels": g.seen.iter().map(|seen| serde_json::json!({ "channel": seen.channel,
+                    "delay_s": seen.delay_s, "u_s": seen.u_s, "gain": seen.gain, "rms_mm": seen.rms_mm })).collect::<Vec<_>>() })
+        })
+        .collect();
+    serde_json::json!({ "run": quality.run, "streams": streams, "gestures": gestures, "notes": quality.notes })
+}
