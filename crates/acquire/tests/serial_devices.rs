@@ -17,6 +17,11 @@ fn probe(reading: &Reading) -> Option<ProbeReading> {
     }
 }
 
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
 fn says(reading: &Reading, words: &str) -> bool {
     matches!(reading, Reading::Log(line) if line.warning && line.text.contains(words))
 }
@@ -43,17 +48,18 @@ async fn all_heads_of_a_box_share_the_moment_of_their_reply_and_read_in_mm() {
     let mut acquisition = shop.start(BOX);
     let readings = until(&mut acquisition, |reading| probe(reading).is_some_and(|p| p.sequence > 40)).await;
     let readings: Vec<ProbeReading> = readings.iter().filter_map(probe).collect();
+    let mut errors_mm = Vec::new();
     for together in readings.chunks_exact(3) {
         assert!(
             together.iter().all(|reading| reading.device_ticks == together[0].device_ticks),
             "{together:?}"
         );
         let truth_mm = MOVING.truth_mm(together[0].arrival.0 as f64 * 1e-9);
-        for (reading, truth_mm) in together.iter().zip(truth_mm) {
-            // A head shows the last of its refreshes: 13 ms and half a reply at 0.4 mm/s, and a busy machine.
-            assert!((reading.value_mm - truth_mm).abs() < 0.05, "{reading:?} {truth_mm}");
-        }
+        let error = |(reading, truth_mm): (&ProbeReading, f64)| (reading.value_mm - truth_mm).abs();
+        errors_mm.extend(together.iter().zip(truth_mm).map(error));
     }
+    // A head shows the last of its refreshes: 13 ms and half a reply at 0.4 mm/s; a busy machine delays some more.
+    assert!(median(errors_mm) < 0.03);
     let status = state(&acquisition, |status| status.state == DeviceState::Streaming).await;
     assert_eq!(status.identity, "Keyence DL-RS1A with 3 amplifiers GT2-70");
     acquisition.stop().await;
@@ -99,7 +105,7 @@ async fn a_value_that_sticks_is_a_state_a_warning_and_a_gap_until_it_moves_again
     let (shop, handle) = gauges(RESTING);
     let mut acquisition = shop.start(BOX);
     // The noise of the gauges at rest must have been seen for some seconds first.
-    until(&mut acquisition, |reading| probe(reading).is_some_and(|probe| probe.sequence > 450)).await;
+    until(&mut acquisition, |reading| probe(reading).is_some_and(|probe| probe.sequence > 550)).await;
     handle.inject(Fault::StuckValue { duration_s: 4.0 }).unwrap();
     let readings = until(&mut acquisition, |reading| matches!(reading, Reading::Gap(_))).await;
     assert!(readings.iter().any(|reading| says(reading, "is stuck: it has sent")), "warned");
@@ -129,17 +135,15 @@ async fn every_preset_is_read_in_mm_with_the_moment_of_its_value() {
     for preset in PRESETS {
         let (shop, _gauge) = indicator(MOVING, Sees::Probe(1), preset);
         let mut acquisition = shop.start(&indicator_text(preset.name, "probe-2"));
-        let readings = until(&mut acquisition, |r| probe(r).is_some_and(|probe| probe.sequence >= 6)).await;
-        for reading in readings.iter().filter_map(probe) {
+        let readings = until(&mut acquisition, |r| probe(r).is_some_and(|probe| probe.sequence >= 9)).await;
+        let error = |reading: ProbeReading| {
             let truth_mm = MOVING.truth_mm(reading.arrival.0 as f64 * 1e-9)[1];
-            let digit_mm = 10f64.powi(-(preset.decimals as i32)) * preset.unit.length_mm().unwrap();
-            // The stamp is right to some ms at 0.4 mm/s; a busy machine adds its own.
-            assert!(
-                (reading.value_mm - truth_mm).abs() < 0.03 + digit_mm,
-                "{} {reading:?} {truth_mm}",
-                preset.name
-            );
-        }
+            (reading.value_mm - truth_mm).abs()
+        };
+        let digit_mm = 10f64.powi(-(preset.decimals as i32)) * preset.unit.length_mm().unwrap();
+        // The stamp is right to some ms at 0.4 mm/s; a busy machine delays some more.
+        let error_mm = median(readings.iter().filter_map(probe).map(error).collect());
+        assert!(error_mm < 0.02 + digit_mm, "{} {error_mm}", preset.name);
         let status = state(&acquisition, |status| status.state == DeviceState::Streaming).await;
         assert!(status.identity.starts_with(preset.name), "{}", status.identity);
         acquisition.stop().await;

@@ -21,6 +21,7 @@ const LONGER_THAN_EVER: u32 = 10;
 const LEAST_READINGS: u64 = 20;
 const WINDOW: Duration = Duration::from_millis(500);
 const WINDOW_READINGS: u32 = 32;
+const EARLY_READINGS: u32 = WINDOW_READINGS / 2;
 const RESTLESS_WINDOWS: u32 = 10;
 const LEAST_LEVELS: u64 = 4;
 
@@ -175,6 +176,9 @@ struct Window {
     changes: u32,
     reversals: u32,
     direction: i64,
+    /// Sums of the distances from `first`: of the first readings, and of all.
+    early: f64,
+    all: f64,
 }
 
 impl Noise {
@@ -197,10 +201,12 @@ impl Noise {
             changes: 0,
             reversals: 0,
             direction: 0,
+            early: 0.0,
+            all: 0.0,
         });
         window.take(raw, change);
         if at - window.since >= WINDOW && window.readings >= WINDOW_READINGS {
-            if self.step.is_some_and(|step| window.is_restless(raw, step)) {
+            if self.step.is_some_and(|step| window.is_restless(step)) {
                 self.restless_windows += 1;
             }
             self.window = None;
@@ -212,6 +218,11 @@ impl Window {
     fn take(&mut self, raw: i64, change: i64) {
         self.readings += 1;
         (self.lowest, self.highest) = (self.lowest.min(raw), self.highest.max(raw));
+        let distance = raw as f64 - self.first as f64;
+        self.all += distance;
+        if self.readings <= EARLY_READINGS {
+            self.early += distance;
+        }
         if change != 0 {
             self.changes += 1;
             self.reversals += u32::from(self.direction == -change.signum());
@@ -219,14 +230,15 @@ impl Window {
         }
     }
 
-    /// Back and forth at most readings, over some steps, and nowhere.
-    fn is_restless(&self, last: i64, step: u64) -> bool {
+    /// Back and forth at most readings, over some steps, and nowhere: the later ones have the mean of the early ones.
+    fn is_restless(&self, step: u64) -> bool {
         let range = self.highest.abs_diff(self.lowest);
-        let gone = last.abs_diff(self.first);
+        let later = (self.all - self.early) / f64::from(self.readings - EARLY_READINGS);
+        let gone = (later - self.early / f64::from(EARLY_READINGS)).abs();
         2 * self.changes >= self.readings
             && 3 * self.reversals >= self.changes
             && range >= step.saturating_mul(LEAST_LEVELS)
-            && gone <= range / 2
+            && gone <= 0.25 * range as f64
     }
 }
 
