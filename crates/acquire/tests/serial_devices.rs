@@ -193,7 +193,7 @@ async fn bytes_that_make_no_sense_are_told_as_a_wrong_line_speed() {
     let acquisition = shop.start(BOX);
     let status = state(&acquisition, |status| status.state == DeviceState::Silent).await;
     let end = status.last_end.unwrap().to_string();
-    assert!(end.contains("make no sense at 38400 baud") && end.contains("trunnion devices"), "{end}");
+    assert!(end.contains("make no sense at 38400 baud 8N1") && end.contains("trunnion devices"), "{end}");
     acquisition.stop().await;
 }
 

@@ -107,14 +107,14 @@ impl Reader<'_> {
             for line in lines.answer.iter().flatten() {
                 if self.take(line, &lines, link)? {
                     answered = arrival;
+                    self.port.makes_sense();
                 }
             }
             link.counters(self.counters(), arrival);
             let waited = arrival - answered;
             if waited >= link.silence {
-                let senseless = self.decoder.counts().dropped_bytes;
                 let what = if asked { self.settings.shown_request() } else { "on its own".into() };
-                return Err(self.port.no_answer(&what, senseless, waited));
+                return Err(self.port.no_answer(&what, waited));
             }
         }
     }

@@ -157,6 +157,7 @@ impl Poller<'_> {
             match &exchange.answer {
                 Some(Reply::All(values)) if values.len() == amplifiers => {
                     answered = exchange.arrival;
+                    self.port.makes_sense();
                     self.publish(values, &exchange, link).await?;
                 }
                 Some(Reply::All(values)) => {
@@ -171,8 +172,7 @@ impl Poller<'_> {
                     self.counters.damaged += 1;
                     let waited = exchange.arrival - answered;
                     if waited >= link.silence {
-                        let senseless = self.decoder.counts().dropped_bytes;
-                        return Err(self.port.no_answer("M0", senseless, waited));
+                        return Err(self.port.no_answer("M0", waited));
                     }
                 }
             }
@@ -193,8 +193,7 @@ impl Poller<'_> {
             }
         }
         let Some(values) = found else {
-            let senseless = self.decoder.counts().dropped_bytes;
-            return Err(self.port.no_answer("M0", senseless, REPLY_LIMIT * ATTEMPTS as u32));
+            return Err(self.port.no_answer("M0", REPLY_LIMIT * ATTEMPTS as u32));
         };
         let series = values.first().map_or("", |value| value.family.name());
         let identity = format!("Keyence DL-RS1A with {} amplifiers {series}", values.len());

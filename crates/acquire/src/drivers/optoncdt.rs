@@ -174,8 +174,7 @@ impl Connection {
             let left = deadline.saturating_duration_since(tokio::time::Instant::now());
             let Some(count) = self.port.read(&mut buffer, left).await? else {
                 self.decoder.give_up_reply();
-                let senseless = self.decoder.counts().dropped_bytes;
-                return Err(self.port.no_answer(&command.text(), senseless, REPLY_LIMIT));
+                return Err(self.port.no_answer(&command.text(), REPLY_LIMIT));
             };
             let mut reply = None;
             for event in self.decoder.push(&buffer[..count]) {
@@ -185,6 +184,7 @@ impl Connection {
                 }
             }
             if let Some(reply) = reply {
+                self.port.makes_sense();
                 return Ok(reply);
             }
         }

@@ -84,6 +84,9 @@ pub struct Port {
     stream: SerialStream,
     name: String,
     baud: u32,
+    framing: Framing,
+    /// Bytes read since the last that meant something.
+    senseless_bytes: u64,
 }
 
 /// Opens a port at 8N1; the text tells a line speed that was refused, or an adapter that is slow.
@@ -112,7 +115,7 @@ pub fn open_framed(name: &str, baud: u32, framing: Framing) -> Result<(Port, Opt
         },
     };
     let remark = remark.or_else(|| trouble::slow_adapter(name));
-    Ok((Port { stream, name: name.into(), baud }, remark))
+    Ok((Port { stream, name: name.into(), baud, framing, senseless_bytes: 0 }, remark))
 }
 
 fn open_at(name: &str, baud: u32, framing: Framing) -> tokio_serial::Result<SerialStream> {
@@ -138,9 +141,17 @@ impl Port {
         match timeout(limit, self.stream.read(buffer)).await {
             Err(_) => Ok(None),
             Ok(Ok(0)) => Err(SessionEnd::Disconnected(format!("{} hung up", self.name))),
-            Ok(Ok(count)) => Ok(Some(count)),
+            Ok(Ok(count)) => {
+                self.senseless_bytes += count as u64;
+                Ok(Some(count))
+            }
             Ok(Err(error)) => Err(SessionEnd::Disconnected(format!("reading {}: {error}", self.name))),
         }
+    }
+
+    /// What was read so far was what it should be.
+    pub fn makes_sense(&mut self) {
+        self.senseless_bytes = 0;
     }
 
     /// Writes all bytes. Dropped midway, some may have been written.
@@ -155,13 +166,13 @@ impl Port {
     }
 
     /// The end of a session in which nothing right came back: silence, or bytes that mean nothing at this speed.
-    pub fn no_answer(&self, asked: &str, senseless_bytes: u64, waited: Duration) -> SessionEnd {
-        let (name, baud) = (&self.name, self.baud);
-        let remedy = if senseless_bytes == 0 {
+    pub fn no_answer(&self, asked: &str, waited: Duration) -> SessionEnd {
+        let Self { name, baud, framing, senseless_bytes, .. } = self;
+        let remedy = if *senseless_bytes == 0 {
             "check that it is switched on, its cable, and that this is its port".into()
         } else {
             format!(
-                "{senseless_bytes} bytes came that make no sense at {baud} baud: make `baud` that of the device; \
+                "{senseless_bytes} bytes came that make no sense at {baud} baud {framing}: make `baud` that of the device; \
                  `trunnion devices --port {name}` tries others"
             )
         };

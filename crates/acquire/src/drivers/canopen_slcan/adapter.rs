@@ -65,10 +65,7 @@ impl OpenAdapter {
         adapter.command(HostCommand::SetBitrate(bitrate)).await?;
         let opened = adapter.command(HostCommand::Open).await?;
         if version.is_none() && opened.is_none() {
-            let who = format!(
-                "{name} does not answer as an slcan adapter; check that it is one, and its baud rate ({baud})"
-            );
-            return Err(SessionEnd::Silent { who, waited: 3 * ADAPTER_LIMIT });
+            return Err(adapter.port.no_answer("as an slcan adapter", 3 * ADAPTER_LIMIT));
         }
         if opened == Some(AdapterMessage::Refused) {
             link.log(true, "the adapter refused to open, it may be open already; going on".into());
