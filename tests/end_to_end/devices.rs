@@ -11,7 +11,7 @@ use trunnion_acquire::parse_devices;
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::{
-    CycleState, DeviceClock, Fault, TimeOrigin, World, ascii, canopen, keyence, mtconnect, optoncdt,
+    CycleState, DeviceClock, Fault, TimeOrigin, World, ascii, canopen, keyence, optoncdt,
 };
 use trunnion_protocol::ascii::Preset;
 use trunnion_units::AxisValues;
@@ -96,19 +96,6 @@ async fn what_answers_is_named_and_its_lines_are_a_configuration_that_reads() {
     let shown = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success(), "{shown}");
     for words in ["probe-1 = 1.1000 mm", "keyence-dl-rs1a-2.head-2 = 0.2000 mm", "Streaming"] {
-        assert!(shown.contains(words), "{words:?} is missing in:\n{shown}");
-    }
-}
-
-#[tokio::test(flavor = "multi_thread")]
-async fn an_agent_is_named_by_its_url() {
-    let (world, origin): (Arc<dyn World>, _) = (Arc::new(Still), TimeOrigin(Instant::now().into()));
-    let config = mtconnect::AgentConfig::new(1_767_225_600_000_000_000, DeviceClock::steady(0.0, 0.0));
-    let agent = mtconnect::spawn(world, config, origin, &[]).await.unwrap();
-    let url = agent.url().unwrap();
-    let output = trunnion(&["devices", "--url", url]);
-    let shown = String::from_utf8(output.stdout).unwrap();
-    for words in ["mtconnect: MTConnect agent", &format!("url = \"{url}\""), "driver = \"mtconnect\""] {
         assert!(shown.contains(words), "{words:?} is missing in:\n{shown}");
     }
 }

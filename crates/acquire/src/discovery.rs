@@ -162,7 +162,7 @@ impl Roles {
     /// The `[[device]]` lines of what was found, ready to paste. When there are no roles left, they are comments.
     pub fn table(&mut self, driver: &str, found: &Found) -> String {
         let names = Role::NAMES.map(|(name, _)| name);
-        let guessable = names.iter().filter(|name| name.starts_with("probe-")).count();
+        let guessable = names.len() - 1; // a temperature is nothing to guess
         let wanted: usize = found.keys.iter().map(|key| key.matches("{role}").count()).sum();
         let enough = self.given + wanted <= guessable;
         let mut roles = (self.given..).map(|index| names[index % guessable]);
@@ -206,7 +206,7 @@ mod tests {
         let probe = |port: &str| found(&[&format!("port = \"{port}\""), "role = {role}", "range_mm = 2"]);
         let heads = found(&[
             "port = \"/dev/b\"",
-            "heads = [{ head = 1, role = {role} }, { head = 2, role = {role} }]",
+            "heads = [{ head = 1, role = {role} }, { head = 2, role = {role} }, { head = 3, role = {role} }]",
         ]);
         let text = roles.table("optoncdt", &probe("/dev/a"))
             + &roles.table("keyence-dl-rs1a", &heads)

@@ -4,6 +4,7 @@
 //! health), never retries a wrong device, lets cancellation win ties, counts and publishes every end, and turns lost
 //! connections into recorded gaps.
 
+mod axes_vigil;
 mod link;
 mod vigil;
 

@@ -8,10 +8,13 @@ use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{
-    Acquisition, DeviceState, DeviceStatus, Execution, Reading, SourceGap, parse_devices, start,
+    Acquisition, AxisReading, DeviceState, DeviceStatus, Execution, Reading, SourceGap, parse_devices, start,
 };
 use trunnion_hil_sim::devices::linuxcncrsh::{self, ServerConfig};
-use trunnion_hil_sim::devices::{Fault, Handle, SimulatedCell, TimeOrigin, World, orthogonal_nest};
+use trunnion_hil_sim::devices::mtconnect::{self, AgentConfig};
+use trunnion_hil_sim::devices::{
+    DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, World, orthogonal_nest,
+};
 use trunnion_hil_sim::motion::{Follow, Program, Step, Trajectory};
 use trunnion_units::AxisLetter::{B, C, X};
 use trunnion_units::{AxisValues, Clock, HostTime};
@@ -33,11 +36,29 @@ impl Clock for SinceStart {
 
 /// C stands for half a second, then turns at 1 rad/s for longer than any test lasts.
 fn world() -> Arc<SimulatedCell> {
+    world_of(sweep_of_c())
+}
+
+fn sweep_of_c() -> Vec<Step> {
     let follow = Follow::new(|axes| *axes);
     let sweep = Step::Sweep { axis: C, from: 0.0, to: 600.0, feed: 1.0, ramp_s: 0.2, follow };
+    vec![Step::Dwell { duration_s: 0.5 }, sweep]
+}
+
+/// C goes to and fro, a block each 50 ms, for a minute.
+fn many_blocks() -> Vec<Step> {
+    let pose = |c_rad: f64| {
+        let mut target = AxisValues::default();
+        (target[X], target[B], target[C]) = (100.0, 0.25, c_rad);
+        Step::Move { target, duration_s: 0.05 }
+    };
+    (0..600).flat_map(|k| [pose(f64::from(k % 2) * 1e-2 + 1e-3), Step::Dwell { duration_s: 0.05 }]).collect()
+}
+
+fn world_of(steps: Vec<Step>) -> Arc<SimulatedCell> {
     let mut from = AxisValues::default();
     (from[X], from[B]) = (100.0, 0.25);
-    let program = Program { start: from, steps: vec![Step::Dwell { duration_s: 0.5 }, sweep] };
+    let program = Program { start: from, steps };
     Arc::new(SimulatedCell {
         trajectory: Trajectory::compile(&program).unwrap(),
         program: "/home/cnc/sweep c.ngc".into(),
@@ -59,13 +80,31 @@ struct Bench {
 
 /// Host time 0 is time 0 of the cell.
 async fn bench(config: ServerConfig, keys: &str) -> Bench {
-    let (world, origin) = (world(), Instant::now());
+    bench_in(world(), config, keys).await
+}
+
+async fn bench_in(world: Arc<SimulatedCell>, config: ServerConfig, keys: &str) -> Bench {
+    let origin = Instant::now();
     let server = linuxcncrsh::spawn(world.clone(), config, TimeOrigin(origin.into()), &[]).await.unwrap();
     let port = server.address().to_string().rsplit_once(':').unwrap().1.to_owned();
     let text = format!(
         "[[device]]\nname = \"cnc\"\ndriver = \"linuxcnc\"\nhost = \"127.0.0.1\"\nport = {port}\n{keys}"
     );
-    let devices = parse_devices("t.toml", &text).unwrap();
+    read(world, server, origin, &text)
+}
+
+/// The same world behind an MTConnect agent.
+async fn agent_bench(world: Arc<SimulatedCell>) -> Bench {
+    let origin = Instant::now();
+    let config = AgentConfig::new(1_767_225_600_000_000_000, DeviceClock::default());
+    let server = mtconnect::spawn(world.clone(), config, TimeOrigin(origin.into()), &[]).await.unwrap();
+    let url = server.address().to_string();
+    let text = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
+    read(world, server, origin, &text)
+}
+
+fn read(world: Arc<SimulatedCell>, server: Handle, origin: Instant, text: &str) -> Bench {
+    let devices = parse_devices("t.toml", text).unwrap();
     let clock = Arc::new(SinceStart(origin));
     let acquisition = start(devices, clock, CancellationToken::new(), QUEUE_LENGTH);
     Bench { world, server, acquisition }
@@ -92,9 +131,14 @@ impl Bench {
         timeout(LIMIT, state.wait_for(|status| fits(status))).await.expect("in time").unwrap().clone()
     }
 
-    async fn gap(&mut self) -> SourceGap {
+    async fn axes(&mut self) -> AxisReading {
+        self.find(|reading| if let Reading::Axes(axes) = reading { Some(*axes) } else { None }).await
+    }
+
+    /// The first gap whose reason has this word.
+    async fn gap(&mut self, word: &str) -> SourceGap {
         let gap = |reading: &Reading| match reading {
-            Reading::Gap(gap) => Some(gap.clone()),
+            Reading::Gap(gap) if gap.reason.contains(word) => Some(gap.clone()),
             _ => None,
         };
         self.find(gap).await
@@ -155,7 +199,7 @@ async fn each_fault_of_linuxcnc_is_told_recorded_and_recovered_from() {
                 || (expected == DeviceState::Failed && status.state == DeviceState::Silent)
         };
         bench.status(ended).await;
-        let gap = bench.gap().await;
+        let gap = bench.gap("").await;
         assert!(gap.to > gap.from && gap.source == "cnc", "{fault:?}: {gap:?}");
         let status = bench.status(|status| status.state == DeviceState::Streaming).await;
         let end = status.last_end.unwrap().to_string();
@@ -186,4 +230,60 @@ async fn another_linuxcnc_a_wrong_password_and_another_program_are_refused_with_
     let status = bench3.status(|status| status.state == DeviceState::WrongDevice).await;
     let end = status.last_end.unwrap().to_string();
     assert!(end.contains("EMCNETSVR") && end.contains("MILL-2"), "{end}");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn observations_that_an_agent_lost_are_counted_in_a_gap() {
+    let mut bench = agent_bench(world()).await;
+    bench.axes().await;
+    bench.server.inject(Fault::CounterJump { by: 500 }).unwrap();
+    let gap = bench.gap("OUT_OF_RANGE").await;
+    assert!(gap.lost_readings.unwrap() >= 500, "{gap:?}");
+    bench.axes().await;
+    assert_eq!(bench.acquisition.states[0].borrow().state, DeviceState::Streaming);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_controller_whose_clock_is_set_goes_on_being_read_and_a_warning_says_by_how_much() {
+    for by_s in [-20.0, 20.0] {
+        let mut bench = agent_bench(world()).await;
+        let before = bench.axes().await;
+        bench.server.inject(Fault::ClockJump { by_s }).unwrap();
+        let warning = bench
+            .find(|reading| match reading {
+                Reading::Log(line) if line.warning => Some(line.text.clone()),
+                _ => None,
+            })
+            .await;
+        let tens = if by_s < 0.0 { "set by -" } else { "set by +" };
+        assert!(warning.contains(tens), "{warning}");
+        let after = bench.axes().await;
+        let shown_s = (after.stamp_ns - before.stamp_ns) as f64 / 1e9;
+        let passed_s = after.arrival.seconds_since(before.arrival);
+        assert!((shown_s - passed_s - by_s).abs() < 2.0, "{shown_s} s in {passed_s} s");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn another_machine_behind_the_same_address_is_not_read() {
+    let mut bench = agent_bench(world()).await;
+    bench.axes().await;
+    bench.server.inject(Fault::WrongIdentity).unwrap();
+    let status = bench.status(|status| status.state == DeviceState::WrongDevice).await;
+    let end = status.last_end.unwrap().to_string();
+    assert!(end.contains("VMC-OTHER") && end.contains("first connection"), "{end}");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn positions_that_stick_while_the_program_goes_on_are_told_and_recorded() {
+    let linuxcnc = bench_in(world_of(many_blocks()), ServerConfig::default(), JOINTS).await;
+    let agent = agent_bench(world_of(many_blocks())).await;
+    for mut bench in [linuxcnc, agent] {
+        bench.axes().await;
+        bench.server.inject(Fault::StuckValue { duration_s: 4.0 }).unwrap();
+        bench.status(|status| status.state == DeviceState::Stuck).await;
+        let gap = bench.gap("stuck").await;
+        assert!(gap.to.seconds_since(gap.from) > 2.0, "{gap:?}");
+        bench.status(|status| status.state == DeviceState::Streaming).await;
+    }
 }

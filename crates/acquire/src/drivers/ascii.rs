@@ -212,9 +212,8 @@ impl Reader<'_> {
         exchange: &Exchange<Vec<Line>>,
         link: &mut Link,
     ) -> Reading {
-        let (word, meaning) =
-            self.settings.format.errors.get(index).map_or(("", ""), |(word, meaning)| (word, meaning));
-        let code = settings::error_code(text, word, index);
+        let code = settings::error_code(text, index);
+        let meaning = self.settings.format.errors.get(index).map_or("", |(_, meaning)| meaning.as_str());
         link.explain(code, || format!("\"{}\", {meaning}", text.escape_default()));
         match self.settings.role {
             Role::Temperature => self.temperature(f64::NAN, exchange, link),

@@ -121,7 +121,7 @@ impl LinuxCnc {
             if let Some(reading) = program.ask(&mut exchange, link).await? {
                 link.reading(reading, answered.arrival);
             }
-            counters.dropped_bytes = exchange.dropped_bytes();
+            (counters.dropped_bytes, counters.damaged) = (exchange.dropped_bytes(), exchange.repeated());
             link.counters(*counters, answered.arrival);
         }
     }

@@ -10,6 +10,7 @@ pub mod canopen_socketcan;
 pub mod keyence_dl_rs1a;
 pub mod linuxcnc;
 pub mod mtconnect;
+pub mod opcua;
 pub mod optoncdt;
 
 use crate::config::Role;
@@ -49,13 +50,14 @@ pub struct Driver {
 }
 
 /// Every driver.
-pub const DRIVERS: [&Driver; 7] = [
+pub const DRIVERS: [&Driver; 8] = [
     &ascii::DRIVER,
     &canopen_slcan::DRIVER,
     &canopen_socketcan::DRIVER,
     &keyence_dl_rs1a::DRIVER,
     &linuxcnc::DRIVER,
     &mtconnect::DRIVER,
+    &opcua::DRIVER,
     &optoncdt::DRIVER,
 ];
 

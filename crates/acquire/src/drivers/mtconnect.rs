@@ -18,7 +18,7 @@ use crate::supervisor::{Link, SessionEnd};
 use crate::transport::http;
 use hyper::Uri;
 use model::{Items, Model};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use trunnion_protocol::mtconnect::{self, DevicesDocument, Document, MultipartDecoder, StreamsDocument};
 use trunnion_units::input::Table;
@@ -44,6 +44,8 @@ struct MtConnect {
     interval_ms: u32,
     axes: AxisValues<Option<String>>,
     signal: Option<String>,
+    /// Identity of the device at the first connection.
+    uuid: OnceLock<String>,
 }
 
 fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
@@ -61,7 +63,15 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
         axes = AxisValues::from_fn(|letter| named.optional_string(letter.as_str()));
         named.no_other_keys();
     }
-    Some(Arc::new(MtConnect { url: url?, base: base?, device, interval_ms, axes, signal }))
+    Some(Arc::new(MtConnect {
+        url: url?,
+        base: base?,
+        device,
+        interval_ms,
+        axes,
+        signal,
+        uuid: OnceLock::new(),
+    }))
 }
 
 impl Device for MtConnect {
@@ -139,6 +149,13 @@ impl MtConnect {
             let expected = self.device.clone().unwrap_or_else(|| "a device".into());
             wrong(format!("an agent with {}", names.join(", ")), expected)
         })?;
+        let uuid = self.uuid.get_or_init(|| device.uuid.clone());
+        if *uuid != device.uuid {
+            let expected = format!(
+                "{uuid}, as at the first connection (restart the service if the machine was changed)"
+            );
+            return Err(wrong(format!("device {} ({})", device.name, device.uuid), expected));
+        }
         Items::find(device, &self.axes, self.signal.as_deref())
             .map_err(|missing| wrong(format!("device {}", device.name), missing))
     }
@@ -239,6 +256,12 @@ fn take(
         counters.readings += 1;
         link.reading(reading, arrival);
     }
+    if let Some(by_s) = model.clock_was_set() {
+        link.log(
+            true,
+            format!("the controller's clock was set by {by_s:+.3} s; time of the axes begins anew"),
+        );
+    }
     if let Some((from, to)) = model.ended_absence() {
         link.gap(from, to, None, "the agent had no value for an axis (UNAVAILABLE)".into());
     }
@@ -263,6 +286,6 @@ fn unexpected(doing: &'static str, document: &Document) -> SessionEnd {
 }
 
 /// Axis named by a component or data item: `C`, `C1`, `c`; `S` and others are none.
-fn letter_of(name: &str) -> Option<AxisLetter> {
+pub(super) fn letter_of(name: &str) -> Option<AxisLetter> {
     AxisLetter::parse(name.trim_end_matches(|c: char| c.is_ascii_digit()))
 }

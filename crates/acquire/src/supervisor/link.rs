@@ -1,5 +1,6 @@
 //! What the supervisor lends to a session: where readings go, whose clock is asked, and the status it publishes.
 
+use super::axes_vigil::{AxesFinding, AxesVigil};
 use super::vigil::{Finding, Vigil};
 use super::{DeviceState, DeviceStatus, SessionEnd};
 use crate::message::{Counters, LogLine, Message, Reading, SourceGap};
@@ -81,6 +82,7 @@ pub struct Link {
     counted: Option<(HostTime, Counters)>,
     channel_names: Vec<String>,
     vigil: Vigil,
+    axes_vigil: AxesVigil,
     /// What the numbers mean that stand in place of a value.
     meanings: HashMap<i64, String>,
 }
@@ -108,6 +110,7 @@ impl Link {
             counted: None,
             channel_names,
             vigil: Vigil::default(),
+            axes_vigil: AxesVigil::default(),
             meanings: HashMap::new(),
         }
     }
@@ -157,7 +160,32 @@ impl Link {
             let channel = probe.channel;
             self.tell(channel, finding);
         }
+        if let Some(finding) = self.axes_vigil.see(&reading, at) {
+            self.tell_axes(finding, at);
+        }
         self.send(reading);
+    }
+
+    /// Logs and records that axes stand while their program goes on.
+    fn tell_axes(&mut self, finding: AxesFinding, at: HostTime) {
+        let state = match finding {
+            AxesFinding::Stuck { since, blocks } => {
+                let seconds = (at - since).as_secs_f64();
+                self.log(
+                    true,
+                    format!(
+                        "the program went on by {blocks} blocks in {seconds:.1} s but no axis moved; check that the \
+                         controller's positions are live (adapter, machine lock, dry run)"
+                    ),
+                );
+                DeviceState::Stuck
+            }
+            AxesFinding::Moving { since } => {
+                self.gap(since, at, None, "axis positions were stuck while the program went on".into());
+                DeviceState::Streaming
+            }
+        };
+        self.status.send_modify(|status| status.state = state);
     }
 
     /// Logs and records what the values of a channel say about its device.
@@ -197,7 +225,7 @@ impl Link {
             }
         };
         self.send(Reading::Gap(gap));
-        if self.healthy && !self.vigil.is_stuck() {
+        if self.healthy && !self.vigil.is_stuck() && !self.axes_vigil.is_stuck() {
             self.status.send_if_modified(|status| {
                 let was_stuck = status.state == DeviceState::Stuck;
                 if was_stuck {

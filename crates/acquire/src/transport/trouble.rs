@@ -29,22 +29,8 @@ pub fn refusal(name: &str, error: &tokio_serial::Error) -> SessionEnd {
 }
 
 fn no_permission(name: &str) -> String {
-    let port = fs::metadata(name).ok();
-    let groups = fs::read_to_string("/etc/group").unwrap_or_default();
-    permission_advice(port.map(|port| (port.gid(), port.mode())), &groups)
-}
-
-/// What to do about a port of this group and mode; `groups` is `/etc/group`.
-fn permission_advice(port: Option<(u32, u32)>, groups: &str) -> String {
-    let name_of = |gid: u32| {
-        groups.lines().find_map(|line| {
-            let mut fields = line.split(':');
-            let (name, id) = (fields.next()?, fields.nth(1)?);
-            (id.parse() == Ok(gid)).then(|| name.to_owned())
-        })
-    };
-    let open_to = port.filter(|(gid, mode)| *gid != 0 && mode & 0o060 == 0o060);
-    match open_to.and_then(|(gid, _)| name_of(gid)) {
+    let group = fs::metadata(name).ok().filter(|port| port.gid() != 0 && port.mode() & 0o060 == 0o060);
+    match group.and_then(|port| group_name(port.gid())) {
         Some(group) => format!(
             "no permission; it belongs to the group {group}: `sudo usermod -aG {group} $USER`, then log in again"
         ),
@@ -52,6 +38,15 @@ fn permission_advice(port: Option<(u32, u32)>, groups: &str) -> String {
             "no permission, and no group has it: install {RULES} in /etc/udev/rules.d, then plug the adapter in again"
         ),
     }
+}
+
+fn group_name(gid: u32) -> Option<String> {
+    let groups = fs::read_to_string("/etc/group").ok()?;
+    groups.lines().find_map(|line| {
+        let mut fields = line.split(':');
+        let (name, id) = (fields.next()?, fields.nth(1)?);
+        (id.parse() == Ok(gid)).then(|| name.to_owned())
+    })
 }
 
 fn in_use(name: &str) -> String {
@@ -96,23 +91,4 @@ pub fn slow_adapter(name: &str) -> Option<String> {
 fn latency_file(name: &str) -> Option<PathBuf> {
     let port = fs::canonicalize(name).ok()?;
     Some(Path::new("/sys/class/tty").join(port.file_name()?).join("device/latency_timer"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_port_without_permission_names_its_group_or_the_rule() {
-        let groups = "root:x:0:\ntty:x:5:\ndialout:x:20:alice\n";
-        let check = |port, expected: &str| {
-            let advice = permission_advice(port, groups);
-            assert!(advice.contains(expected), "{advice}");
-        };
-        check(Some((20, 0o020_660)), "sudo usermod -aG dialout $USER");
-        check(Some((0, 0o020_600)), "60-trunnion.rules");
-        check(Some((5, 0o020_620)), "60-trunnion.rules"); // the group may write, but not read
-        check(Some((77, 0o020_660)), "60-trunnion.rules");
-        check(None, "60-trunnion.rules");
-    }
 }

@@ -53,6 +53,18 @@ impl Item {
         ("program_line", Self::ProgramLine),
     ];
 
+    /// True when a reply is of the kind asked for.
+    pub fn is_answered_by(self, reply: &Reply) -> bool {
+        match self {
+            Self::Echo => matches!(reply, Reply::Echo(_)),
+            Self::JointPos => matches!(reply, Reply::JointPos(_)),
+            Self::JointUnits => matches!(reply, Reply::JointUnits(_)),
+            Self::ProgramStatus => matches!(reply, Reply::ProgramStatus(_)),
+            Self::Program => matches!(reply, Reply::Program(_)),
+            Self::ProgramLine => matches!(reply, Reply::ProgramLine(_)),
+        }
+    }
+
     /// Its word.
     pub fn word(self) -> &'static str {
         Self::WORDS.iter().find(|(_, item)| *item == self).map_or("", |(word, _)| word)

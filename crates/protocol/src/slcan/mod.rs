@@ -462,5 +462,11 @@ mod tests {
             let message = AdapterMessage::Frame { frame, stamp_ms: None };
             prop_assert_eq!(decoder.push(&message.encode()), [message]);
         }
+
+        #[test]
+        fn no_bytes_make_a_decoder_panic(bytes in prop::collection::vec(any::<u8>(), 0..512)) {
+            HostDecoder::default().push(&bytes);
+            AdapterDecoder::default().push(&bytes);
+        }
     }
 }

@@ -65,6 +65,12 @@ impl Buffer {
         }
     }
 
+    /// Observations were made that nobody can have any more.
+    pub fn skip(&mut self, by: u32) {
+        self.next_sequence += u64::from(by);
+        self.changes.clear();
+    }
+
     pub fn first_sequence(&self) -> u64 {
         self.changes.front().map_or(self.next_sequence, |change| change.sequence)
     }

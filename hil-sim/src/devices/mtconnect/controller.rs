@@ -23,13 +23,15 @@ pub(super) struct Controller {
     /// Of the controller's clock, in lines since its clock showed 0.
     next_line: u64,
     link_lost_until_s: f64,
+    /// Positions are those of the first time until the second, s.
+    stuck_s: Option<(f64, f64)>,
 }
 
 impl Controller {
     pub fn new(world: Arc<dyn World>, config: AgentConfig, now_s: f64) -> Self {
         let items = data_items(&config);
         let mut controller =
-            Self { world, config, items, next_line: 0, link_lost_until_s: f64::NEG_INFINITY };
+            Self { world, config, items, next_line: 0, link_lost_until_s: f64::NEG_INFINITY, stuck_s: None };
         controller.next_line = controller.line_at(now_s);
         controller
     }
@@ -57,6 +59,16 @@ impl Controller {
         self.link_lost_until_s = self.link_lost_until_s.max(until_s);
     }
 
+    /// The axes show no motion from now on.
+    pub fn stick(&mut self, now_s: f64, duration_s: f64) {
+        self.stuck_s = Some((now_s, now_s + duration_s));
+    }
+
+    /// The wall clock is set.
+    pub fn set_clock(&mut self, by_s: f64) {
+        self.config.clock.offset_s += by_s;
+    }
+
     /// When the next line is due, time of the cell, s.
     pub fn due_s(&self) -> f64 {
         self.line_s(self.next_line)
@@ -76,7 +88,9 @@ impl Controller {
         if t_s < self.link_lost_until_s {
             return Line { wall_ns, values: vec![ObservedValue::Unavailable; self.items.len()] };
         }
-        let (axes, cycle) = (self.world.axes(t_s), self.world.cycle(t_s));
+        let stuck_s = self.stuck_s.filter(|(_, until_s)| t_s < *until_s);
+        let axes = self.world.axes(stuck_s.map_or(t_s, |(since_s, _)| since_s));
+        let cycle = self.world.cycle(t_s);
         let text = |text: &str| ObservedValue::Text(text.into());
         let mut values = vec![text("AVAILABLE")];
         for &axis in &self.config.axes {

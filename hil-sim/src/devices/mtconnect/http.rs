@@ -66,6 +66,16 @@ impl Shared {
         self.news.send_if_modified(|told| std::mem::replace(told, next_sequence) != next_sequence);
     }
 
+    /// So many observations are lost, with all that were kept.
+    pub fn skip(&self, by: u32) {
+        let next_sequence = {
+            let mut buffer = lock(&self.buffer);
+            buffer.skip(by);
+            buffer.next_sequence()
+        };
+        self.news.send_if_modified(|told| std::mem::replace(told, next_sequence) != next_sequence);
+    }
+
     /// The next bytes sent are damaged.
     pub fn garble(&self, count: usize) {
         *lock(&self.garble) += count;

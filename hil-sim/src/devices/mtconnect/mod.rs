@@ -115,7 +115,15 @@ pub async fn spawn(
 }
 
 fn can_have(fault: &Fault) -> bool {
-    fault.is_possible() && (fault.is_of_the_line() || *fault == Fault::AgentRestart)
+    let own = matches!(
+        fault,
+        Fault::AgentRestart
+            | Fault::WrongIdentity
+            | Fault::StuckValue { .. }
+            | Fault::CounterJump { .. }
+            | Fault::ClockJump { .. }
+    );
+    fault.is_possible() && (fault.is_of_the_line() || own)
 }
 
 /// What outlives a restart of the agent.
@@ -131,11 +139,15 @@ struct Floor {
 enum End {
     Stopped,
     Restart,
-    Unplugged { duration_s: f64 },
+    /// Another machine of the same kind answers at this address.
+    Another,
+    Unplugged {
+        duration_s: f64,
+    },
 }
 
 impl Floor {
-    async fn run(self, mut listener: TcpListener, mut faults: FaultSource) {
+    async fn run(mut self, mut listener: TcpListener, mut faults: FaultSource) {
         let mut instance_id = 0;
         let mut controller =
             Controller::new(Arc::clone(&self.world), self.config.clone(), self.origin.now_s());
@@ -151,6 +163,12 @@ impl Floor {
             match end {
                 End::Stopped => return,
                 End::Restart => shared = self.fresh_agent(&mut instance_id, &controller),
+                End::Another => {
+                    self.config.device = "VMC-OTHER".into();
+                    let (world, now_s) = (Arc::clone(&self.world), self.origin.now_s());
+                    controller = Controller::new(world, self.config.clone(), now_s);
+                    shared = self.fresh_agent(&mut instance_id, &controller);
+                }
                 End::Unplugged { duration_s } => {
                     let back_s = self.origin.now_s() + duration_s;
                     // Controller and agent go on while the network is away.
@@ -195,6 +213,10 @@ impl Floor {
                         Fault::Silence { duration_s } => controller.lose_link(self.origin.now_s() + duration_s),
                         Fault::Unplug { duration_s } => return End::Unplugged { duration_s },
                         Fault::AgentRestart => return End::Restart,
+                        Fault::WrongIdentity => return End::Another,
+                        Fault::StuckValue { duration_s } => controller.stick(self.origin.now_s(), duration_s),
+                        Fault::CounterJump { by } => agent.skip(by),
+                        Fault::ClockJump { by_s } => controller.set_clock(by_s),
                         _ => {} // not among those it can have
                     }
                 }

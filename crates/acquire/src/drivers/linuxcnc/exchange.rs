@@ -1,4 +1,7 @@
 //! One request at a time: two small requests in a row would wait for each other in the network's buffers (40 ms).
+//!
+//! linuxcncrsh takes requests apart in memory that all its connections share: with a second client beside us it now and
+//! then refuses a good request, or answers another's. Such a request is repeated.
 
 use crate::supervisor::{Link, SessionEnd};
 use crate::transport::tcp;
@@ -26,6 +29,9 @@ impl Answered {
     }
 }
 
+/// A request is made so often before its answer is believed.
+const ATTEMPTS: u32 = 5;
+
 /// A connection.
 pub(super) struct Exchange {
     stream: TcpStream,
@@ -33,6 +39,7 @@ pub(super) struct Exchange {
     lines: Lines,
     waiting: VecDeque<String>,
     silence: Duration,
+    repeated: u64,
 }
 
 impl Exchange {
@@ -44,7 +51,7 @@ impl Exchange {
     ) -> Result<Self, SessionEnd> {
         let stream = tcp::connect(host, port, address).await?;
         let (lines, waiting) = (Lines::default(), VecDeque::new());
-        Ok(Self { stream, address: address.into(), lines, waiting, silence })
+        Ok(Self { stream, address: address.into(), lines, waiting, silence, repeated: 0 })
     }
 
     /// Name and version of the server. Afterwards it no longer repeats what it is asked.
@@ -53,7 +60,8 @@ impl Exchange {
         password: &str,
         link: &Link,
     ) -> Result<(String, String), SessionEnd> {
-        let answered = self.ask(&Request::Hello { password: password.into() }, link).await?;
+        let hello = Request::Hello { password: password.into() };
+        let answered = self.repeat(&hello, link, |reply| matches!(reply, Reply::Hello { .. })).await?;
         let (server, version) = match answered.reply {
             Reply::Hello { server, version } => (server, version),
             Reply::HelloRefused => {
@@ -73,7 +81,29 @@ impl Exchange {
 
     /// Asks for a value.
     pub(super) async fn get(&mut self, item: Item, link: &Link) -> Result<Answered, SessionEnd> {
-        self.ask(&Request::Get(item), link).await
+        self.repeat(&Request::Get(item), link, |reply| item.is_answered_by(reply)).await
+    }
+
+    /// Asks until the answer belongs to the question; gives the last answer in any case.
+    async fn repeat(
+        &mut self,
+        request: &Request,
+        link: &Link,
+        fits: impl Fn(&Reply) -> bool,
+    ) -> Result<Answered, SessionEnd> {
+        for _ in 1..ATTEMPTS {
+            let answered = self.ask(request, link).await?;
+            if fits(&answered.reply) {
+                return Ok(answered);
+            }
+            self.repeated += 1;
+        }
+        self.ask(request, link).await
+    }
+
+    /// Requests that were made again.
+    pub(super) fn repeated(&self) -> u64 {
+        self.repeated
     }
 
     /// Bytes that belonged to no line.

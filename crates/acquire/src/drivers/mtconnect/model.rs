@@ -8,6 +8,8 @@ use trunnion_units::{AxisLetter, AxisValues, HostTime, convert};
 
 /// Longest time from a change at the controller to its arrival here, ns.
 const ON_THE_WAY_NS: i64 = 30_000_000;
+/// Stamps that go back, or run ahead of their arrivals, by more than this come from a clock that was set, ns.
+const SET_NS: i64 = 500_000_000;
 
 /// Data items this program uses, by id.
 pub(super) struct Items {
@@ -94,6 +96,8 @@ pub(super) struct Model {
     signal: Option<bool>,
     /// Since when an axis has no value.
     absent_since: Option<HostTime>,
+    /// By how much the controller's clock was set, s.
+    clock_set_s: Option<f64>,
     ended_absence: Option<(HostTime, HostTime)>,
 }
 
@@ -108,6 +112,7 @@ impl Model {
             controller: Default::default(),
             signal: None,
             absent_since: None,
+            clock_set_s: None,
             ended_absence: None,
         }
     }
@@ -136,6 +141,11 @@ impl Model {
     /// The time in which an axis had no value, told once when it is over.
     pub(super) fn ended_absence(&mut self) -> Option<(HostTime, HostTime)> {
         self.ended_absence.take()
+    }
+
+    /// By how much the controller's clock was set, s; told once.
+    pub(super) fn clock_was_set(&mut self) -> Option<f64> {
+        self.clock_set_s.take()
     }
 
     /// Readings of a document, in order of sequence: one axis reading for each stamp.
@@ -219,10 +229,13 @@ impl Model {
             self.ended_absence = Some((since, arrival));
         }
         // Equal stamps come in order; a stamp behind the last one would send the clock back.
-        if let Some((last, _)) = self.last_axes.filter(|_| !held)
-            && stamp_ns <= last
-        {
-            return None;
+        if let Some((last, at)) = self.last_axes.filter(|_| !held) {
+            let step_ns = stamp_ns - last;
+            if step_ns < -SET_NS || step_ns - (arrival.0 - at.0) > SET_NS {
+                self.clock_set_s = Some((step_ns - (arrival.0 - at.0)) as f64 * 1e-9);
+            } else if step_ns <= 0 {
+                return None;
+            }
         }
         if !held {
             self.last_axes = Some((stamp_ns, arrival));

@@ -22,7 +22,7 @@ pub fn text(looks: &[Look]) -> String {
         }
     }
     let tables = tables(looks);
-    if tables.iter().any(Option::is_some) {
+    if !tables.is_empty() {
         text += "\nFor the configuration (see which probe is which by moving it):\n";
         for table in tables.iter().flatten() {
             text += &format!("\n{table}");

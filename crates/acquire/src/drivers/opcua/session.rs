@@ -1,0 +1,389 @@
+//! One session: subscribe, bring the axes to common instants, tell what the controller does.
+
+use super::OpcUa;
+use super::connect::{self, Connection, end_of, limited};
+use super::instants::{Instant, Instants};
+use super::nodes::{self, Nodes};
+use super::status::{execution, is_on, number, text};
+use crate::message::{AxisReading, ControllerReading, Counters, Execution, Reading};
+use crate::supervisor::{Link, SessionEnd};
+use opcua::client::{MonitoredItemMap, OnSubscriptionNotificationCore};
+use opcua::types::{
+    AttributeId, DataChangeNotification, DataValue, DateTime, ExtensionObject, MonitoredItemCreateRequest,
+    MonitoringMode, MonitoringParameters, NodeId, NotificationMessage, ReadValueId, StatusChangeNotification,
+    StatusCode, TimestampsToReturn,
+};
+use std::collections::HashSet;
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+use tokio::sync::mpsc;
+use tokio::time::MissedTickBehavior;
+use trunnion_units::{AxisValues, HostTime};
+
+/// Notifications between the library's task and this one.
+const QUEUE: usize = 1024;
+/// When nothing changed for so long, the server is asked whether it is still there.
+const HEARTBEAT: Duration = Duration::from_millis(100);
+/// Longest time from a change at the controller to its arrival here, beyond the publishing interval.
+const ON_THE_WAY: Duration = Duration::from_millis(50);
+/// An axis that tells nothing for so long, beyond three samplings, stands.
+const HOLD: Duration = Duration::from_millis(20);
+/// Values of one item that the server keeps between two publications.
+const ITEM_QUEUE: u32 = 20;
+/// A subscription without a client's requests is dropped after so many publishing intervals.
+const LIFETIME_COUNT: u32 = 3000;
+const KEEP_ALIVE_COUNT: u32 = 10;
+/// 100 ns ticks of OPC UA from 1601 to 1970.
+const TICKS_TO_1970: i64 = 116_444_736_000_000_000;
+
+/// From opening to the end.
+pub(super) async fn run(device: &OpcUa, link: &mut Link) -> SessionEnd {
+    let mut counters = Counters::default();
+    let end = match read(device, link, &mut counters).await {
+        Ok(never) => match never {},
+        Err(end) => end,
+    };
+    link.final_counters(counters);
+    end
+}
+
+async fn read(device: &OpcUa, link: &mut Link, counters: &mut Counters) -> Result<Infallible, SessionEnd> {
+    let mut connection = connect::open(device, link).await?;
+    let nodes = nodes::find(device, &connection, link).await?;
+    let letters: Vec<&str> = nodes.axes.iter().map(|axis| axis.letter.as_str()).collect();
+    let security = if device.certificates.is_some() { "Basic256Sha256" } else { "no encryption" };
+    link.identified(format!("OPC UA server {}, {security}, axes {}", connection.server, letters.join(" ")));
+    let (items, heartbeat) = (items(&nodes), nodes.axes[0].node.clone());
+    let mut model = Model::new(nodes, device.interval, link.now());
+    let (sender, mut notifications) = mpsc::channel(QUEUE);
+    let lost = Arc::new(AtomicU64::new(0));
+    subscribe(device, &connection, &items, Tap { sender, lost: lost.clone() }, link).await?;
+    let mut beats = tokio::time::interval(HEARTBEAT);
+    beats.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        tokio::select! {
+            biased;
+            ended = &mut connection.events => {
+                let status = ended.unwrap_or(StatusCode::BadUnexpectedError);
+                return Err(end_of(device, status, "the server closed the connection"));
+            }
+            notification = notifications.recv() => match notification {
+                None => return Err(SessionEnd::Disconnected(format!("{}: the subscription ended", device.url))),
+                Some(Notification::Ended(status)) => {
+                    let why = format!("{}: the server ended the subscription ({status})", device.url);
+                    return Err(SessionEnd::Disconnected(why));
+                }
+                Some(Notification::Values(values)) => model.take(values, link, counters),
+            },
+            _ = beats.tick() => {
+                if link.now() - model.heard >= HEARTBEAT {
+                    ask_for_life(device, &connection, &heartbeat, link).await?;
+                    if notifications.is_empty() {
+                        model.nothing_changed(link, counters);
+                    }
+                }
+            }
+        }
+        model.check_silence(device, link)?;
+        let missed = lost.swap(0, Ordering::Relaxed);
+        if missed > 0 {
+            counters.lost_readings += missed;
+            let now = link.now();
+            link.gap(model.heard, now, Some(missed), "notifications were not taken in time".into());
+        }
+        let now = link.now();
+        link.counters(*counters, now);
+    }
+}
+
+/// What is subscribed, in this order: axes, then program, state, block, signal where there are such nodes. The client
+/// handle of an item is its place, counted from 1.
+fn items(nodes: &Nodes) -> Vec<(Use, NodeId)> {
+    let axes = nodes.axes.iter().enumerate().map(|(k, axis)| (Use::Axis(k), axis.node.clone()));
+    let others = [
+        (Use::Program, &nodes.program),
+        (Use::State, &nodes.state),
+        (Use::Block, &nodes.block),
+        (Use::Signal, &nodes.signal),
+    ];
+    let others = others.into_iter().filter_map(|(what, node)| Some((what, node.clone()?)));
+    axes.chain(others).collect()
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Use {
+    Axis(usize),
+    Program,
+    State,
+    Block,
+    Signal,
+}
+
+async fn subscribe(
+    device: &OpcUa,
+    connection: &Connection,
+    items: &[(Use, NodeId)],
+    tap: Tap,
+    link: &mut Link,
+) -> Result<(), SessionEnd> {
+    let session = &connection.session;
+    let created =
+        session.create_subscription(device.interval, LIFETIME_COUNT, KEEP_ALIVE_COUNT, 0, 0, true, tap);
+    let subscription = limited(device, created).await?;
+    let interval_ms = device.interval.as_secs_f64() * 1e3;
+    let request = |(k, (_, node)): (usize, &(Use, NodeId))| MonitoredItemCreateRequest {
+        item_to_monitor: ReadValueId::new(node.clone(), AttributeId::Value),
+        monitoring_mode: MonitoringMode::Reporting,
+        requested_parameters: MonitoringParameters {
+            client_handle: k as u32 + 1,
+            sampling_interval: interval_ms,
+            filter: ExtensionObject::null(),
+            queue_size: ITEM_QUEUE,
+            discard_oldest: true,
+        },
+    };
+    let requests = items.iter().enumerate().map(request).collect();
+    let created =
+        limited(device, session.create_monitored_items(subscription, TimestampsToReturn::Source, requests))
+            .await?;
+    let mut slowest_ms = interval_ms;
+    for ((_, node), item) in items.iter().zip(&created) {
+        let status = item.result.status_code;
+        if !status.is_good() {
+            return Err(SessionEnd::WrongDevice {
+                found: format!("a server that does not watch {node} ({status})"),
+                expected: "a node that holds a value; correct the node, or allow it to this user".into(),
+            });
+        }
+        slowest_ms = slowest_ms.max(item.result.revised_sampling_interval);
+    }
+    if slowest_ms > 1.5 * interval_ms {
+        link.log(true, format!("the server samples every {slowest_ms} ms, not every {interval_ms} ms"));
+    }
+    Ok(())
+}
+
+/// The server answers a read of a position.
+async fn ask_for_life(
+    device: &OpcUa,
+    connection: &Connection,
+    node: &NodeId,
+    link: &Link,
+) -> Result<(), SessionEnd> {
+    let read = [ReadValueId::new(node.clone(), AttributeId::Value)];
+    let asked = connection.session.read(&read, TimestampsToReturn::Source, 0.0);
+    match tokio::time::timeout(link.silence, asked).await {
+        Err(_) => {
+            Err(SessionEnd::Silent { who: format!("{} does not answer", device.url), waited: link.silence })
+        }
+        Ok(Err(error)) => Err(end_of(device, error.status(), "asking whether it is still there")),
+        Ok(Ok(_)) => Ok(()),
+    }
+}
+
+enum Notification {
+    /// Client handles and values of one message, in the server's order.
+    Values(Vec<(u32, DataValue)>),
+    Ended(StatusCode),
+}
+
+/// Sits in the library's task and never waits.
+struct Tap {
+    sender: mpsc::Sender<Notification>,
+    /// Values that found the queue full.
+    lost: Arc<AtomicU64>,
+}
+
+impl OnSubscriptionNotificationCore for Tap {
+    fn on_subscription_notification(&mut self, message: NotificationMessage, _: MonitoredItemMap<'_>) {
+        let mut values = Vec::new();
+        let mut ended = None;
+        for object in message.notification_data.into_iter().flatten() {
+            if let Some(change) = object.inner_as::<DataChangeNotification>() {
+                let items = change.monitored_items.iter().flatten();
+                values.extend(items.map(|item| (item.client_handle, item.value.clone())));
+            } else if let Some(change) = object.inner_as::<StatusChangeNotification>() {
+                ended = Some(change.status);
+            }
+        }
+        let count = values.len() as u64;
+        if count > 0 && self.sender.try_send(Notification::Values(values)).is_err() {
+            self.lost.fetch_add(count, Ordering::Relaxed);
+        }
+        if let Some(status) = ended.filter(StatusCode::is_bad)
+            && self.sender.try_send(Notification::Ended(status)).is_err()
+        {
+            tracing::debug!(%status, "the end of a subscription was not told; its silence will be");
+        }
+    }
+}
+
+/// Latest values.
+struct Model {
+    nodes: Nodes,
+    uses: Vec<Use>,
+    instants: Instants,
+    delay: Duration,
+    /// When the last notification came.
+    heard: HostTime,
+    /// When the last axis reading was sent.
+    sent: HostTime,
+    /// Axes without a value, with what the server says of them, and since when.
+    bad: HashSet<usize>,
+    bad_since: Option<(HostTime, String)>,
+    sequence: u64,
+    controller: (Execution, String, String, Option<bool>),
+}
+
+impl Model {
+    fn new(nodes: Nodes, interval: Duration, now: HostTime) -> Self {
+        let interval_ns = interval.as_nanos() as i64;
+        let hold_ns = 3 * interval_ns + HOLD.as_nanos() as i64;
+        let instants = Instants::new(nodes.axes.len(), interval_ns, hold_ns);
+        let uses = items(&nodes).into_iter().map(|(what, _)| what).collect();
+        Self {
+            nodes,
+            uses,
+            instants,
+            delay: interval + ON_THE_WAY,
+            heard: now,
+            sent: now,
+            bad: HashSet::new(),
+            bad_since: None,
+            sequence: 0,
+            controller: Default::default(),
+        }
+    }
+
+    fn take(&mut self, values: Vec<(u32, DataValue)>, link: &mut Link, counters: &mut Counters) {
+        let arrival = link.now();
+        let mut controller_ns = None;
+        for (handle, value) in values {
+            let what = (handle as usize).checked_sub(1).and_then(|k| self.uses.get(k)).copied();
+            let stamp_ns = stamp_ns(&value);
+            if value.status().overflow() {
+                counters.lost_readings += 1;
+                let reason = "the server's queue of an item ran over".into();
+                link.gap(self.heard, arrival, Some(1), reason);
+            }
+            match what {
+                None => counters.damaged += 1,
+                Some(Use::Axis(axis)) => self.axis(axis, &value, stamp_ns, arrival, counters),
+                Some(other) => {
+                    self.state(other, &value);
+                    controller_ns = Some(stamp_ns.unwrap_or_default());
+                }
+            }
+        }
+        self.heard = arrival;
+        if self.bad.is_empty() {
+            if let Some((since, why)) = self.bad_since.take() {
+                link.gap(since, arrival, None, why);
+            }
+            let instants = self.instants.take();
+            self.send(instants, false, link, counters);
+        }
+        if let Some(stamp_ns) = controller_ns {
+            let (execution, program, block, signal) = self.controller.clone();
+            let reading = ControllerReading { execution, program, block, signal, stamp_ns, arrival };
+            link.reading(Reading::Controller(reading), arrival);
+        }
+    }
+
+    fn axis(
+        &mut self,
+        axis: usize,
+        value: &DataValue,
+        stamp_ns: Option<i64>,
+        arrival: HostTime,
+        counters: &mut Counters,
+    ) {
+        let position = value.value.as_ref().and_then(number).filter(|_| !value.status().is_bad());
+        let (Some(position), Some(stamp_ns)) = (position, stamp_ns) else {
+            counters.error_readings += 1;
+            self.bad.insert(axis);
+            let letter = self.nodes.axes[axis].letter;
+            let what = if position.is_some() {
+                "source time stamp".into()
+            } else {
+                format!("value ({})", value.status())
+            };
+            self.bad_since
+                .get_or_insert_with(|| (arrival, format!("the server has no {what} for axis {letter}")));
+            self.instants.forget();
+            return;
+        };
+        self.bad.remove(&axis);
+        self.instants.sample(axis, stamp_ns, position * self.nodes.axes[axis].unit);
+    }
+
+    fn state(&mut self, what: Use, value: &DataValue) {
+        let variant = value.value.as_ref().filter(|_| !value.status().is_bad());
+        let words = variant.map(text).unwrap_or_default();
+        let (now, program, block, signal) = &mut self.controller;
+        match what {
+            Use::Program => *program = words,
+            Use::State => *now = variant.map_or(Execution::Unknown, |v| execution(v, self.nodes.numbers)),
+            Use::Block => *block = words,
+            Use::Signal => *signal = variant.and_then(is_on),
+            Use::Axis(_) => {}
+        }
+    }
+
+    /// The server lives and told of no change: all axes stand, as long after their stamp as after its arrival.
+    fn nothing_changed(&mut self, link: &mut Link, counters: &mut Counters) {
+        let waited = (link.now() - self.heard).saturating_sub(self.delay);
+        let Some(newest_ns) = self.instants.newest_ns().filter(|_| self.bad.is_empty() && !waited.is_zero())
+        else {
+            return;
+        };
+        let instants = self.instants.all_stand(newest_ns + waited.as_nanos() as i64);
+        self.send(instants, true, link, counters);
+    }
+
+    fn send(&mut self, instants: Vec<Instant>, held: bool, link: &mut Link, counters: &mut Counters) {
+        let arrival = link.now();
+        let last = instants.len().saturating_sub(1);
+        for (k, instant) in instants.into_iter().enumerate() {
+            let (mut position, mut present) = (AxisValues::default(), AxisValues::default());
+            for (axis, value) in self.nodes.axes.iter().zip(&instant.positions) {
+                (position[axis.letter], present[axis.letter]) = (*value, true);
+            }
+            self.sequence += 1;
+            counters.readings += 1;
+            self.sent = arrival;
+            let reading = AxisReading {
+                stamp_ns: instant.stamp_ns,
+                arrival,
+                position,
+                present,
+                sequence: self.sequence,
+                // Only the last of them was carried on by the host's clock.
+                held: held && k == last,
+                skew_ns: instant.skew_ns,
+            };
+            link.reading(Reading::Axes(reading), arrival);
+        }
+    }
+
+    fn check_silence(&self, device: &OpcUa, link: &Link) -> Result<(), SessionEnd> {
+        let waited = link.now() - self.sent;
+        if waited < link.silence.max(Duration::from_secs(1)) {
+            return Ok(());
+        }
+        let who = match &self.bad_since {
+            Some((_, why)) => format!("{}: {why}; is the server's link to the controller up?", device.url),
+            None => format!("{} sends no positions of all axes", device.url),
+        };
+        Err(SessionEnd::Silent { who, waited })
+    }
+}
+
+/// Source time stamp, ns since 1970.
+fn stamp_ns(value: &DataValue) -> Option<i64> {
+    let stamp: &DateTime = value.source_timestamp.as_ref().filter(|stamp| !stamp.is_null())?;
+    let picoseconds = i64::from(value.source_picoseconds.unwrap_or(0)) * 10;
+    Some((stamp.ticks() - TICKS_TO_1970) * 100 + picoseconds / 1000)
+}
