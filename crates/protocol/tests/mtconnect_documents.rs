@@ -178,6 +178,7 @@ proptest! {
             .map(|((category, value), timestamp_ns, sequence, component)| Observation {
                 data_item_id: format!("item{component}"),
                 device: "VMC".into(),
+                component: "Linear".into(),
                 component_id: format!("component{component}"),
                 category,
                 kind: "Position".into(),

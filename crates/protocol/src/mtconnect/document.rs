@@ -115,6 +115,8 @@ pub struct Observation {
     pub data_item_id: String,
     /// Device `name`.
     pub device: String,
+    /// `component`: kind of the component, `Linear`.
+    pub component: String,
     /// `componentId`.
     pub component_id: String,
     /// Category, from the element it is in.

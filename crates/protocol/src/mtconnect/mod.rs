@@ -2,7 +2,7 @@
 //!
 //! Elements are matched by local name, whatever version the namespace names. `UNAVAILABLE` is a value. A changed
 //! `instanceId` means that the agent was restarted: probe again. Source: MTConnect Standard parts 1 to 3; written
-//! documents use the namespaces of version 1.8.
+//! documents use the namespaces of version 1.6.
 
 mod document;
 mod multipart;

@@ -146,6 +146,7 @@ fn observation(
     Ok(Observation {
         data_item_id: element.need("dataItemId")?.to_owned(),
         device: device.attribute("name").unwrap_or_default().to_owned(),
+        component: component.attribute("component").unwrap_or_default().to_owned(),
         component_id: component.attribute("componentId").unwrap_or_default().to_owned(),
         category,
         kind: element.name.clone(),

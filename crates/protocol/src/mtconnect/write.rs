@@ -1,4 +1,5 @@
-//! The documents an agent writes, for simulated controllers. Namespaces are those of version 1.8.
+//! The documents an agent writes, for simulated controllers. Namespaces are those of version 1.6, the
+//! last whose agents need not describe themselves as a device.
 
 use super::document::{
     Category, Component, DataItem, Device, DevicesDocument, ErrorDocument, Header, Observation,
@@ -47,11 +48,11 @@ pub fn write_error(document: &ErrorDocument) -> String {
 
 fn envelope(root: &str, header: &str, body: &str) -> String {
     let kind = root.trim_start_matches("MTConnect");
-    let space = format!("urn:mtconnect.org:{root}:1.8");
+    let space = format!("urn:mtconnect.org:{root}:1.6");
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<{root} xmlns:m=\"{space}\" xmlns=\"{space}\" \
          xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" \
-         xsi:schemaLocation=\"{space} http://schemas.mtconnect.org/schemas/MTConnect{kind}_1.8.xsd\">\
+         xsi:schemaLocation=\"{space} http://schemas.mtconnect.org/schemas/MTConnect{kind}_1.6.xsd\">\
          {header}{body}</{root}>\n"
     )
 }
@@ -138,8 +139,8 @@ fn component_stream(group: &[Observation]) -> String {
         format!("<{list}>{}</{list}>", group.iter().map(observation).collect::<String>())
     };
     let inner: String = group.chunk_by(|a, b| a.category == b.category).map(of_category).collect();
-    let id = attribute("componentId", &group[0].component_id);
-    format!("<ComponentStream{id}>{inner}</ComponentStream>")
+    let of = attribute("component", &group[0].component) + &attribute("componentId", &group[0].component_id);
+    format!("<ComponentStream{of}>{inner}</ComponentStream>")
 }
 
 fn observation(observation: &Observation) -> String {

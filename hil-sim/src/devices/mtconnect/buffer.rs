@@ -131,6 +131,7 @@ impl Buffer {
         Observation {
             data_item_id: item.id.clone(),
             device: self.device.clone(),
+            component: item.component.kind.clone(),
             component_id: item.component.id.clone(),
             category: item.category,
             kind: element_name(&item.kind),
@@ -146,7 +147,7 @@ impl Buffer {
             instance_id: self.instance_id,
             sender: "cell".into(),
             creation_time_ns: Some(now_ns),
-            version: "1.8.0.0".into(),
+            version: "1.6.0.0".into(),
             buffer_size: self.size as u64,
         }
     }
