@@ -8,7 +8,7 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::{Bound, CycleBounds, EndReason, Message, Progress, TimeBase, Timed};
-use trunnion_measurement::{Event, Gap, Point, Run};
+use trunnion_measurement::{Event, Gap};
 use trunnion_record::{Item, RecordSender, Temperature};
 use trunnion_units::{Clock, HostTime};
 
@@ -17,12 +17,14 @@ pub use crate::plan::{Plan, PlanError, check};
 /// How a measured cycle ended.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// Its points as a run.
-    pub run: Run,
+    /// Points recorded. They are not kept: a cycle may last for hours.
+    pub points: u64,
     /// Why it ended.
     pub reason: EndReason,
     /// Holes in the data.
     pub gaps: Vec<Gap>,
+    /// Most messages that waited to be taken.
+    pub most_waiting: usize,
 }
 
 /// A cycle that has begun.
@@ -76,7 +78,6 @@ pub async fn wait_for_start(
 #[expect(clippy::too_many_arguments, reason = "the parts of a running service, borrowed separately")]
 pub async fn measure(
     plan: &Plan,
-    name: &str,
     start: &Start,
     messages: &mut mpsc::Receiver<Message>,
     timebase: &mut TimeBase,
@@ -103,6 +104,7 @@ pub async fn measure(
                 }
             },
         };
+        measurement.most_waiting = measurement.most_waiting.max(messages.len() + 1);
         let Some(message) = message else {
             measurement.finish(EndReason::Stopped, clock.now());
             break;
@@ -117,7 +119,7 @@ pub async fn measure(
             progress(now);
         }
     }
-    Ok(measurement.into_measured(plan, name))
+    Ok(measurement.into_measured())
 }
 
 /// A cycle being measured.
@@ -125,10 +127,11 @@ struct Measurement<'m> {
     forming: Forming,
     recorder: &'m RecordSender,
     channels: &'m [trunnion_acquire::Channel],
-    points: Vec<Point>,
+    points: u64,
     gaps: Vec<Gap>,
     temperature_channels: Vec<String>,
     controller_ended_s: Option<f64>,
+    most_waiting: usize,
 }
 
 impl<'m> Measurement<'m> {
@@ -141,10 +144,11 @@ impl<'m> Measurement<'m> {
             forming: Forming::new(plan, temperature_channels.len())?,
             recorder,
             channels: &plan.channels,
-            points: Vec::new(),
+            points: 0,
             gaps: Vec::new(),
             temperature_channels: temperature_channels.to_vec(),
             controller_ended_s: None,
+            most_waiting: 0,
         })
     }
 
@@ -202,8 +206,8 @@ impl<'m> Measurement<'m> {
         for formed in formed {
             match formed {
                 Formed::Point(point) => {
-                    self.record(Item::Point(point.clone()), now);
-                    self.points.push(point);
+                    self.record(Item::Point(point), now);
+                    self.points += 1;
                 }
                 Formed::Event(event) => self.record(Item::Event(event), now),
             }
@@ -225,16 +229,8 @@ impl<'m> Measurement<'m> {
         }
     }
 
-    fn into_measured(self, plan: &Plan, name: &str) -> Measured {
-        let run = Run {
-            name: name.into(),
-            machine: plan.machine.clone(),
-            kind: plan.cycle.run_kind(),
-            setups: plan.cycle.setups.clone(),
-            channels: self.temperature_channels,
-            points: self.points,
-        };
+    fn into_measured(self) -> Measured {
         let reason = self.forming.ended().unwrap_or(EndReason::Stopped);
-        Measured { run, reason, gaps: self.gaps }
+        Measured { points: self.points, reason, gaps: self.gaps, most_waiting: self.most_waiting }
     }
 }

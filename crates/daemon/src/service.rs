@@ -75,6 +75,8 @@ pub struct Texts {
 
 /// Items between the service and the writing thread: a second of three probes at 4 kHz, with room.
 const RECORDER_QUEUE: usize = 32_768;
+/// Words of the log line that says how full the queues of a cycle were.
+pub const QUEUES: &str = "most messages waiting in the queues";
 /// Time between status messages.
 const STATUS_PERIOD: Duration = Duration::from_secs(1);
 
@@ -189,13 +191,15 @@ pub async fn record_cycle(
         RecorderHandle::spawn(recorder, RECORDER_QUEUE, clock.clone()).map_err(ServiceError::Thread)?;
     let sender = handle.sender();
     let measured =
-        live::measure(plan, name, &start, messages, timebase, bounds, &sender, clock, cancel, progress).await;
+        live::measure(plan, &start, messages, timebase, bounds, &sender, clock, cancel, progress).await;
     drop(sender);
+    let recorder_waiting = handle.status().most_waiting;
     let finished = tokio::task::spawn_blocking(move || handle.finish())
         .await
         .map_err(|_| ServiceError::Broken("recording thread"))??;
     let measured = measured?;
-    info!(run = name, reason = ?measured.reason, points = measured.run.points.len(), "the cycle has ended");
+    info!(run = name, reason = ?measured.reason, points = measured.points, "the cycle has ended");
+    info!(drivers = measured.most_waiting, recorder = recorder_waiting, "{QUEUES}");
     let path =
         finished.files.first().map_or_else(|| folder.join(format!("{name}.mcap")), |file| file.path.clone());
     Ok(Recorded {

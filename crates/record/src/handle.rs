@@ -5,6 +5,7 @@
 use crate::error::RecordError;
 use crate::item::Item;
 use crate::writer::{Finished, Recorder};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -26,6 +27,8 @@ pub struct RecorderStatus {
     pub lost_samples: u64,
     /// Why nothing can be written at present.
     pub failing: Option<String>,
+    /// Most items that ever waited in the queue.
+    pub most_waiting: u64,
 }
 
 /// Sends items to the writing thread; clone one for each source.
@@ -33,6 +36,14 @@ pub struct RecorderStatus {
 pub struct RecordSender {
     queue: SyncSender<Order>,
     shared: Arc<Mutex<Shared>>,
+    waiting: Arc<Waiting>,
+}
+
+/// Fill of the queue.
+#[derive(Default)]
+struct Waiting {
+    now: AtomicU64,
+    most: AtomicU64,
 }
 
 /// The writing thread.
@@ -58,9 +69,15 @@ impl RecordSender {
     /// Hands over one item that arrived at `arrival`; never waits. False when the queue was full and the
     /// item is lost (counted, and recorded as a gap) or the recorder has ended.
     pub fn try_send(&self, item: Item, arrival: HostTime) -> bool {
+        // Counted before it is sent: the other end may be quicker than we.
+        let waiting = self.waiting.now.fetch_add(1, Ordering::Relaxed) + 1;
         match self.queue.try_send(Order::Record(item, arrival)) {
-            Ok(()) => true,
+            Ok(()) => {
+                self.waiting.most.fetch_max(waiting, Ordering::Relaxed);
+                true
+            }
             Err(TrySendError::Full(order) | TrySendError::Disconnected(order)) => {
+                self.waiting.now.fetch_sub(1, Ordering::Relaxed);
                 if let Order::Record(item, _) = order {
                     self.count_lost(&item);
                 }
@@ -74,6 +91,7 @@ impl RecordSender {
         let shared = lock(&self.shared);
         let mut status = shared.status.clone();
         status.lost_samples += shared.overflow_samples;
+        status.most_waiting = self.waiting.most.load(Ordering::Relaxed);
         status
     }
 
@@ -102,10 +120,11 @@ impl RecorderHandle {
     pub fn spawn(recorder: Recorder, capacity: usize, clock: Arc<dyn Clock>) -> std::io::Result<Self> {
         let (queue, orders) = sync_channel(capacity);
         let shared = Arc::new(Mutex::new(Shared::default()));
-        let sender = RecordSender { queue, shared: Arc::clone(&shared) };
+        let waiting = Arc::new(Waiting::default());
+        let sender = RecordSender { queue, shared: Arc::clone(&shared), waiting: Arc::clone(&waiting) };
         let thread = std::thread::Builder::new()
             .name("recorder".into())
-            .spawn(move || record(recorder, &orders, &shared, clock.as_ref()))?;
+            .spawn(move || record(recorder, &orders, &shared, &waiting, clock.as_ref()))?;
         Ok(Self { sender, thread })
     }
 
@@ -143,12 +162,16 @@ fn record(
     mut recorder: Recorder,
     orders: &Receiver<Order>,
     shared: &Mutex<Shared>,
+    waiting: &Waiting,
     clock: &dyn Clock,
 ) -> Result<Finished, RecordError> {
     let mut synced = clock.now();
     loop {
         match orders.recv_timeout(IDLE) {
-            Ok(Order::Record(item, arrival)) => recorder.append(item, arrival),
+            Ok(Order::Record(item, arrival)) => {
+                waiting.now.fetch_sub(1, Ordering::Relaxed);
+                recorder.append(item, arrival);
+            }
             Err(RecvTimeoutError::Timeout) => recorder.flush_aged(clock.now()),
             Ok(Order::Finish) | Err(RecvTimeoutError::Disconnected) => break,
         }

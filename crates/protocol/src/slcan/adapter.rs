@@ -1,6 +1,6 @@
 //! An emulated adapter: which commands its state allows and how it answers them (CAN232 manual, command list).
 
-use super::{AdapterMessage, Bitrate, HostCommand};
+use super::{AdapterMessage, Bitrate, HostCommand, StatusFlags};
 use crate::can::CanFrame;
 
 /// State of an emulated adapter: which commands it takes and how it answers them.
@@ -10,6 +10,7 @@ pub struct Adapter {
     open: bool,
     listen_only: bool,
     time_stamps: bool,
+    status: StatusFlags,
 }
 
 impl Adapter {
@@ -42,11 +43,11 @@ impl Adapter {
                 }
                 (accept(!self.open), None)
             }
-            Some(HostCommand::Status) if self.open => (Some(AdapterMessage::Status(0)), None),
+            Some(HostCommand::Status) if self.open => (Some(AdapterMessage::Status(self.status.0)), None),
             Some(HostCommand::Status) => (Some(Refused), None),
             Some(HostCommand::Version) => (Some(AdapterMessage::Version("1013".into())), None),
             Some(HostCommand::SerialNumber) => (Some(AdapterMessage::SerialNumber("T001".into())), None),
-            Some(HostCommand::Transmit(frame)) if self.open && !self.listen_only => {
+            Some(HostCommand::Transmit(frame)) if self.open && !self.listen_only && !self.is_bus_off() => {
                 (Some(Accepted), Some(frame))
             }
             Some(HostCommand::Transmit(_)) => (Some(Refused), None),
@@ -56,7 +57,16 @@ impl Adapter {
     /// The line for a frame seen on the bus at `clock_ms` of the adapter; nothing while closed.
     pub fn receive(&self, frame: CanFrame, clock_ms: u64) -> Option<AdapterMessage> {
         let stamp_ms = self.time_stamps.then_some((clock_ms % 60_000) as u16);
-        self.open.then_some(AdapterMessage::Frame { frame, stamp_ms })
+        (self.open && !self.is_bus_off()).then_some(AdapterMessage::Frame { frame, stamp_ms })
+    }
+
+    /// What `F` tells from now on. While it is [`StatusFlags::BUS_OFF`] no frame goes out or comes in.
+    pub fn set_status(&mut self, status: StatusFlags) {
+        self.status = status;
+    }
+
+    fn is_bus_off(&self) -> bool {
+        self.status == StatusFlags::BUS_OFF
     }
 
     /// The bit rate set by the host, if any.

@@ -5,21 +5,22 @@
 //! [`trunnion_protocol::slcan`], [`trunnion_protocol::canopen`].
 
 mod node;
+mod nodes;
 mod objects;
 
+pub use nodes::Nodes;
 pub use objects::NodeKind;
 
 use super::clock::{DeviceClock, TimeOrigin};
-use super::faults::ScheduledFault;
+use super::faults::{Fault, ScheduledFault};
 use super::handle::{DeviceError, Handle};
 use super::serial::{self, SerialDevice};
 use super::world::World;
-use node::Node;
 use std::path::Path;
 use std::sync::Arc;
 use trunnion_protocol::can::CanFrame;
 use trunnion_protocol::canopen::NodeId;
-use trunnion_protocol::slcan::{Adapter, AdapterDecoder, AdapterMessage};
+use trunnion_protocol::slcan::{Adapter, AdapterDecoder, AdapterMessage, HostCommand, StatusFlags};
 
 /// One node.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,9 +100,9 @@ pub fn spawn(
     origin: TimeOrigin,
     faults: &[ScheduledFault],
 ) -> Result<Handle, DeviceError> {
-    config.check()?;
     let bus = Bus {
-        nodes: config.nodes.iter().map(|node| Node::new(*node, Arc::clone(&world))).collect(),
+        nodes: Nodes::new(world, config)?,
+        off_until_s: f64::NEG_INFINITY,
         adapter: Adapter::default(),
         commands: AdapterDecoder::default(),
         adapter_clock: config.adapter_clock,
@@ -110,7 +111,9 @@ pub fn spawn(
 }
 
 struct Bus {
-    nodes: Vec<Node>,
+    nodes: Nodes,
+    /// Whatever drives the adapter's controller to bus-off lasts until then.
+    off_until_s: f64,
     adapter: Adapter,
     commands: AdapterDecoder,
     adapter_clock: DeviceClock,
@@ -129,10 +132,13 @@ impl SerialDevice for Bus {
     fn receive(&mut self, bytes: &[u8], now_s: f64) -> Vec<u8> {
         let mut lines = Vec::new();
         for command in self.commands.push(bytes) {
+            if command == Some(HostCommand::Open) && now_s >= self.off_until_s {
+                self.adapter.set_status(StatusFlags::default()); // opening restarts the controller
+            }
             let (answer, frame) = self.adapter.answer(command);
             lines.extend(answer.iter().flat_map(AdapterMessage::encode));
             if let Some(frame) = frame {
-                let answers = self.nodes.iter_mut().flat_map(|node| node.on_frame(&frame, now_s)).collect();
+                let answers = self.nodes.on_frame(&frame, now_s);
                 lines.extend(self.lines(answers, now_s));
             }
         }
@@ -140,16 +146,30 @@ impl SerialDevice for Bus {
     }
 
     fn next_due_s(&self) -> Option<f64> {
-        self.nodes.iter().filter_map(Node::next_due_s).min_by(f64::total_cmp)
+        self.nodes.next_due_s()
     }
 
     fn send_due(&mut self, now_s: f64) -> Vec<u8> {
-        let frames = self.nodes.iter_mut().flat_map(|node| node.frames_due(now_s)).collect();
+        let frames = self.nodes.frames_due(now_s);
         self.lines(frames, now_s)
     }
 
     fn plugged_in(&mut self) {
         self.adapter = Adapter::default();
         self.commands = AdapterDecoder::default();
+    }
+
+    fn has(fault: &Fault) -> bool {
+        matches!(fault, Fault::BusOff { .. }) || Nodes::have(fault)
+    }
+
+    fn suffer(&mut self, fault: Fault, now_s: f64) {
+        match fault {
+            Fault::BusOff { duration_s } => {
+                self.off_until_s = now_s + duration_s;
+                self.adapter.set_status(StatusFlags::BUS_OFF);
+            }
+            _ => self.nodes.suffer(fault, now_s),
+        }
     }
 }

@@ -1,12 +1,12 @@
 //! One node: network management, heartbeat, SDO, and TPDOs by SYNC and by event timer.
 
 use super::NodeConfig;
-use super::objects::{Objects, TPDOS};
+use super::objects::{NodeKind, Objects, TPDOS};
 use crate::devices::clock::DeviceClock;
 use crate::devices::world::World;
 use std::sync::Arc;
 use trunnion_protocol::can::CanFrame;
-use trunnion_protocol::canopen::{Message, NmtCommand, NmtState, NodeId, SdoServer, Transmission};
+use trunnion_protocol::canopen::{Emergency, Message, NmtCommand, NmtState, NodeId, SdoServer, Transmission};
 
 pub(super) struct Node {
     config: NodeConfig,
@@ -18,7 +18,16 @@ pub(super) struct Node {
     heartbeat_at_s: f64,
     event_at_s: [f64; TPDOS as usize],
     syncs: [u8; TPDOS as usize],
+    /// Frames to send at once.
+    waiting: Vec<CanFrame>,
+    /// Values are those of the first time until the second.
+    stuck: Option<(f64, f64)>,
+    out_of_range_until_s: Option<f64>,
 }
+
+/// Emergency of an encoder that cannot see its position: device hardware; generic and profile error.
+const NO_POSITION: Emergency = Emergency { code: 0x5000, register: 0x21, detail: [0; 5] };
+const ERROR_OVER: Emergency = Emergency { code: 0, register: 0, detail: [0; 5] };
 
 impl Node {
     /// A node switched on at time 0. Its boot-up message goes out before anybody listens.
@@ -33,6 +42,9 @@ impl Node {
             heartbeat_at_s: start_s,
             event_at_s: [start_s; TPDOS as usize],
             syncs: [0; TPDOS as usize],
+            waiting: Vec::new(),
+            stuck: None,
+            out_of_range_until_s: None,
         };
         node.heartbeat_at_s += node.objects.heartbeat_s().unwrap_or(0.0);
         node
@@ -60,18 +72,27 @@ impl Node {
 
     /// When the node next sends on its own, time of the cell, s.
     pub fn next_due_s(&self) -> Option<f64> {
+        if !self.waiting.is_empty() {
+            return Some(0.0);
+        }
         let heartbeat_s = self.objects.heartbeat_s().map(|_| self.heartbeat_at_s);
         let events =
             (0..TPDOS).filter_map(|pdo| self.event_period_s(pdo).map(|_| self.event_at_s[usize::from(pdo)]));
-        let device_s = heartbeat_s.into_iter().chain(events).min_by(f64::total_cmp)?;
-        Some(self.clock().cell_s(device_s))
+        let device_s = heartbeat_s.into_iter().chain(events);
+        let cell_s = device_s.map(|device_s| self.clock().cell_s(device_s));
+        cell_s.chain(self.out_of_range_until_s).min_by(f64::total_cmp)
     }
 
     /// What the node sends on its own up to now: the newest value of each event timer, as a bus that was asleep does
     /// not repeat what it missed.
     pub fn frames_due(&mut self, now_s: f64) -> Vec<CanFrame> {
         let now_device_s = self.clock().device_s(now_s);
-        let mut frames = Vec::new();
+        let mut frames = std::mem::take(&mut self.waiting);
+        if self.out_of_range_until_s.is_some_and(|until_s| now_s >= until_s) {
+            self.out_of_range_until_s = None;
+            self.objects.out_of_range = false;
+            frames.extend(self.emergency(ERROR_OVER));
+        }
         for pdo in 0..TPDOS {
             let at_s = self.event_at_s[usize::from(pdo)];
             if let Some(period_s) = self.event_period_s(pdo)
@@ -88,6 +109,29 @@ impl Node {
             self.heartbeat_at_s = last_s + period_s;
         }
         frames
+    }
+
+    /// The node is exchanged for one that measures nothing (CiA 401).
+    pub fn replace_by_another(&mut self) {
+        self.objects.become_another();
+        self.state = NmtState::PreOperational;
+        self.waiting.push(NmtState::BootUp.heartbeat(self.id()));
+    }
+
+    pub fn stick(&mut self, at_s: f64, until_s: f64) {
+        self.stuck = Some((at_s, until_s));
+    }
+
+    pub fn leave_range(&mut self, until_s: f64) {
+        self.objects.out_of_range = true;
+        self.out_of_range_until_s = Some(until_s);
+        let told = self.emergency(NO_POSITION);
+        self.waiting.extend(told);
+    }
+
+    /// An encoder has no status beside its position: it tells by an emergency.
+    fn emergency(&self, emergency: Emergency) -> Option<CanFrame> {
+        matches!(self.config.kind, NodeKind::BallBar { .. }).then(|| emergency.frame(self.id()))
     }
 
     fn obey(&mut self, command: NmtCommand, now_s: f64) -> Vec<CanFrame> {
@@ -130,7 +174,8 @@ impl Node {
     /// The frame of a TPDO with the values of `t_s`, unless the TPDO is switched off.
     fn tpdo(&self, pdo: u16, t_s: f64) -> Option<CanFrame> {
         let communication = self.objects.communication(pdo);
-        let data = self.objects.pdo_data(pdo, t_s);
+        let seen_s = self.stuck.filter(|&(_, until_s)| t_s < until_s).map_or(t_s, |(at_s, _)| at_s);
+        let data = self.objects.pdo_data(pdo, seen_s);
         let frame =
             communication.is_enabled().then(|| CanFrame::data_frame(communication.can_id(), &data))?;
         Some(frame.expect("a mapping has at most 64 bits and an identifier at most 29"))
@@ -146,7 +191,7 @@ impl Node {
         runs.then(|| f64::from(communication.event_timer_ms) * 1e-3)
     }
 
-    fn id(&self) -> NodeId {
+    pub fn id(&self) -> NodeId {
         self.config.id
     }
 

@@ -44,11 +44,14 @@ pub(super) struct Objects {
     stored: BTreeMap<ObjectKey, Vec<u8>>,
     /// When a value asked for by SDO is measured, time of the cell, s.
     pub now_s: f64,
+    /// What is measured lies outside the range.
+    pub out_of_range: bool,
 }
 
 impl Objects {
     pub fn new(config: &NodeConfig, world: Arc<dyn World>) -> Self {
-        let mut objects = Self { world, kind: config.kind, stored: BTreeMap::new(), now_s: 0.0 };
+        let mut objects =
+            Self { world, kind: config.kind, stored: BTreeMap::new(), now_s: 0.0, out_of_range: false };
         let (device_type, product, name) = match config.kind {
             NodeKind::BallBar { .. } => (8 << 16 | u32::from(cia406::PROFILE), 0x0406, "Ball bar (CiA 406)"),
             NodeKind::Probe { .. } => (2 << 16 | u32::from(cia404::PROFILE), 0x0404, "Probe (CiA 404)"),
@@ -89,6 +92,14 @@ impl Objects {
         objects
     }
 
+    /// Another device answers: digital inputs and outputs of another maker, CiA 401.
+    pub fn become_another(&mut self) {
+        self.store(0x1000, 0, &0x0003_0191_u32.to_le_bytes());
+        self.store(0x1008, 0, b"I/O module (CiA 401)");
+        self.store(0x1018, 1, &0x9A_u32.to_le_bytes());
+        self.store(0x1018, 4, &99_u32.to_le_bytes());
+    }
+
     /// Producer heartbeat time, s; `None` when there is no heartbeat.
     pub fn heartbeat_s(&self) -> Option<f64> {
         let ms = self.number(HEARTBEAT);
@@ -116,11 +127,15 @@ impl Objects {
     fn measured(&self, key: ObjectKey, t_s: f64) -> Option<RawBits> {
         match (self.kind, key.index, key.sub) {
             (NodeKind::BallBar { step_nm, zero_mm }, 0x6004, 0) => {
+                if self.out_of_range {
+                    return Some(RawBits::new(0, 32));
+                }
                 let counts = ((zero_mm + self.world.bar_reading_mm(t_s)) * 1e6 / f64::from(step_nm)).round();
                 Some(RawBits::new(u64::from(counts.max(0.0) as u32), 32))
             }
             (NodeKind::Probe { channel, digits }, 0x9130 | STATUS_INDEX, 1) => {
-                let reading_mm = self.world.probe_readings_mm(t_s)[channel];
+                let seen_mm = self.world.probe_readings_mm(t_s)[channel];
+                let reading_mm = if self.out_of_range { f64::INFINITY } else { seen_mm };
                 let status = InputStatus(match reading_mm {
                     mm if mm > PROBE_LIMIT_MM => 0b011,
                     mm if mm < -PROBE_LIMIT_MM => 0b101,

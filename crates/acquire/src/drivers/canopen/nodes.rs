@@ -17,8 +17,12 @@ use trunnion_units::HostTime;
 const TICK_S: f64 = 1e-6;
 /// After so many SYNCs without one acknowledgement the adapter gives none.
 const SYNCS_WITHOUT_ACK: u64 = 10;
+/// Bit of the error register 1001h for errors of what the device profile measures.
+const PROFILE_ERROR: u8 = 0x20;
 /// A SYNC that did not come back after this time will not.
-const ECHO_LIMIT: Duration = Duration::from_millis(100);
+const ECHO_LIMIT: Duration = Duration::from_millis(200);
+/// A stamp so long before a SYNC was written is that of an earlier one.
+const STAMP_SLACK: Duration = Duration::from_millis(1);
 /// SYNCs whose moments are kept.
 const SYNCS_KEPT: usize = 256;
 
@@ -76,6 +80,9 @@ struct Node {
     /// TPDO that brought it.
     last_id: Option<CanId>,
     last_value: HostTime,
+    late_told: bool,
+    /// It has told of an error of its measurement (emergency with error register bit 5, CiA 301 §7.5.2.2).
+    cannot_measure: bool,
     heartbeat: Option<HostTime>,
     longest_heartbeat: Duration,
 }
@@ -95,6 +102,8 @@ impl Nodes {
             last: None,
             last_id: None,
             last_value: began,
+            late_told: false,
+            cannot_measure: false,
             heartbeat: None,
             longest_heartbeat: Duration::ZERO,
         };
@@ -107,10 +116,14 @@ impl Nodes {
         self.syncs[self.written as usize % SYNCS_KEPT] = at;
     }
 
-    /// True when fewer than `most` SYNCs are under way. One whose answer stays out is given up.
+    /// True when fewer than `most` SYNCs are under way. A single one whose answer stays out is given up; where several may be,
+    /// each keeps its place until it is acknowledged, unless the adapter acknowledges nothing.
     pub(super) fn may_sync(&mut self, most: u64, now: HostTime) -> bool {
         if self.written - self.accepted < most {
             return true;
+        }
+        if most > 1 {
+            return self.accepted == 0;
         }
         let given_up = now - self.syncs[self.written as usize % SYNCS_KEPT] > ECHO_LIMIT;
         if given_up {
@@ -121,6 +134,12 @@ impl Nodes {
 
     /// The oldest SYNC under way was sent, at a moment the transport may know better than we.
     pub(super) fn sync_accepted(&mut self, at: Option<HostTime>) {
+        let written_at = self.syncs[self.written as usize % SYNCS_KEPT];
+        if let Some(at) = at.filter(|&at| written_at - at > STAMP_SLACK) {
+            // The one given up came back after all; its values follow.
+            self.syncs[self.accepted as usize % SYNCS_KEPT] = at;
+            return;
+        }
         self.accepted = (self.accepted + 1).min(self.written);
         if let Some(at) = at {
             self.syncs[self.accepted as usize % SYNCS_KEPT] = at;
@@ -161,6 +180,10 @@ impl Nodes {
             if node.by_sync && every.is_none() {
                 continue;
             }
+            if every.is_some() && node.has_answered(sync, frame) {
+                node.answered_late(arrival, link, counters);
+                continue;
+            }
             let (sequence, moment) = match every {
                 Some(_) => (sync, sync_at),
                 None => (node.last.map_or(1, |(count, _)| count + 1), arrival),
@@ -191,7 +214,14 @@ impl Nodes {
             }
             Message::Emergency(id, emergency) => {
                 let (code, register) = (emergency.code, emergency.register);
-                let text = format!("node {} emergency {code:04X}h, register {register:02X}h", id.get());
+                let mut text = format!("node {} emergency {code:04X}h, register {register:02X}h", id.get());
+                if let Some(index) = find(&mut self.nodes, id) {
+                    let node = &mut self.nodes[index];
+                    node.cannot_measure = register & PROFILE_ERROR != 0;
+                    if node.cannot_measure {
+                        text += ": it cannot measure, its values are not taken until it says that the error is over";
+                    }
+                }
                 link.log(code != 0, text);
             }
             Message::Nmt(..)
@@ -248,6 +278,17 @@ impl Node {
         }
     }
 
+    /// A second answer to one SYNC belongs to one before; which, nobody knows.
+    fn answered_late(&mut self, arrival: HostTime, link: &mut Link, counters: &mut Counters) {
+        counters.lost_readings += 1;
+        let id = self.config.id.get();
+        let reason = format!("node {id} answered later than the next SYNC; its moment is unknown");
+        link.gap(arrival, arrival, Some(1), reason);
+        if !std::mem::replace(&mut self.late_told, true) {
+            link.log(true, format!("node {id} answers later than the next SYNC: take a longer sync_ms"));
+        }
+    }
+
     fn count_loss(
         &mut self,
         sequence: u64,
@@ -277,7 +318,8 @@ impl Node {
         link: &mut Link,
         counters: &mut Counters,
     ) {
-        let bad = readings.iter().any(|r| matches!(r.value, Value::Status(status) if !status.is_good()));
+        let bad = self.cannot_measure
+            || readings.iter().any(|r| matches!(r.value, Value::Status(status) if !status.is_good()));
         let is_temperature = self.config.role == Role::Temperature;
         let wanted = |r: &&NodeReading| match r.value {
             Value::NoValue => true,
@@ -317,3 +359,6 @@ impl Node {
         link.reading(reading, arrival);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -153,7 +153,8 @@ impl OpenAdapter {
 }
 
 impl Bus for OpenAdapter {
-    const SYNCS_UNDER_WAY: u64 = u64::MAX;
+    // Fewer than the moments that are kept.
+    const SYNCS_UNDER_WAY: u64 = 200;
 
     async fn send(&mut self, frame: CanFrame) -> Result<(), SessionEnd> {
         self.ask(HostCommand::Transmit(frame), UnderWay::Frame).await

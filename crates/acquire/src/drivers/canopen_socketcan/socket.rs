@@ -23,6 +23,7 @@ const FULL_WAIT: Duration = Duration::from_millis(1);
 const FAULT_LASTS: Duration = Duration::from_secs(3);
 
 /// Error numbers of Linux on every architecture it has CAN for but MIPS and SPARC, where the text alone is told.
+const ENXIO: i32 = 6;
 const ENODEV: i32 = 19;
 const EAFNOSUPPORT: i32 = 97;
 const EPROTONOSUPPORT: i32 = 93;
@@ -34,7 +35,8 @@ pub(super) struct OpenInterface {
     name: String,
     socket: CanSocket,
     stamps: Stamps,
-    sync_under_way: bool,
+    /// SYNCs that have not come back; one whose echo was lost stays in it.
+    syncs_under_way: u32,
     foreign_sync_told: bool,
     fault: Option<(Instant, String)>,
 }
@@ -55,7 +57,7 @@ impl OpenInterface {
             name: name.into(),
             socket,
             stamps: Stamps::default(),
-            sync_under_way: false,
+            syncs_under_way: 0,
             foreign_sync_told: false,
             fault: None,
         })
@@ -69,7 +71,8 @@ impl OpenInterface {
         if frame.id() != CobId::Sync.can_id() {
             return Ok(Some(BusEvent::Frame { frame, at }));
         }
-        if std::mem::take(&mut self.sync_under_way) {
+        if let Some(left) = self.syncs_under_way.checked_sub(1) {
+            self.syncs_under_way = left;
             return Ok(Some(BusEvent::SyncSent { at: Some(at) }));
         }
         let told = std::mem::replace(&mut self.foreign_sync_told, true);
@@ -151,7 +154,7 @@ impl Bus for OpenInterface {
     }
 
     async fn send_sync(&mut self) -> Result<(), SessionEnd> {
-        self.sync_under_way = true;
+        self.syncs_under_way = self.syncs_under_way.saturating_add(1);
         self.write(sync_frame(None)).await
     }
 
@@ -172,7 +175,10 @@ impl Bus for OpenInterface {
                 self.name
             ),
         });
-        let event = self.event(frame, stamped.at)?;
+        let event = self.event(frame, stamped.at)?.map(|event| match event {
+            BusEvent::SyncSent { .. } if !stamped.trusted => BusEvent::SyncSent { at: None },
+            event => event,
+        });
         Ok(step.into_iter().chain(event).collect())
     }
 
@@ -206,7 +212,7 @@ fn no_socketcan(name: &str, error: &io::Error) -> SessionEnd {
 
 fn failed(name: &str, doing: &str, error: &io::Error) -> SessionEnd {
     match error.raw_os_error() {
-        Some(ENODEV) => {
+        Some(ENODEV | ENXIO) => {
             SessionEnd::Absent(format!("CAN interface {name} (`ip -br link` lists those there are)"))
         }
         Some(ENETDOWN) => interface::down(name),

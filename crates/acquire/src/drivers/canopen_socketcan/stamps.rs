@@ -12,6 +12,9 @@ const MOST_SAMPLES: usize = 3;
 /// Changes of the difference beyond this are steps, ns: NTP slews by 0.5 ms/s at most, and frames come more often.
 const STEP_NS: i64 = 10_000_000;
 
+/// How much two samples of the difference may differ, ns: a processor that does something else between two clocks.
+const SLACK_NS: i64 = 1_000_000;
+
 /// Converts stamps in the order of their frames.
 #[derive(Debug, Default)]
 pub(super) struct Stamps {
@@ -24,6 +27,8 @@ pub(super) struct Stamps {
 pub(super) struct Stamped {
     /// The moment on the host's monotonic clock.
     pub at: HostTime,
+    /// False when the stamp cannot be right: earlier than that of the frame before, or later than now.
+    pub trusted: bool,
     /// The wall clock was set since the frame before, by so much, ns.
     pub step_ns: Option<i64>,
 }
@@ -37,7 +42,8 @@ impl Stamps {
         let converted = HostTime(stamp_ns.saturating_sub(wall_minus_host_ns));
         let at = converted.max(self.last.unwrap_or(converted)).min(now);
         self.last = Some(at);
-        Stamped { at, step_ns }
+        let trusted = at == converted || (at.0 - converted.0).abs() < SLACK_NS;
+        Stamped { at, trusted, step_ns }
     }
 }
 
@@ -92,6 +98,7 @@ mod tests {
             clock.now_ns.store(now_ns, Ordering::Relaxed);
             clock.wall_minus_host_ns.fetch_add(set_ns, Ordering::Relaxed);
             let found = stamps.convert(stamp_ns + 400_000 * HOUR, &clock);
+            assert_eq!(found.trusted, found.step_ns.is_none());
             (found.at.0, found.step_ns)
         };
         assert_eq!(read(10 * MS, 0, 9 * MS), (9 * MS, None));

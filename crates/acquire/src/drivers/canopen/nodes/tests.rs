@@ -1,0 +1,153 @@
+use super::*;
+use crate::message::Message as Delivered;
+use crate::supervisor::{DeviceStatus, Outlet};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use tokio::sync::{mpsc, watch};
+use trunnion_protocol::canopen::cia404::{ProcessValue, Unit};
+use trunnion_protocol::canopen::{
+    CobId, Identity, NodeId, ObjectKey, PdoCommunication, PdoEntry, PdoMapping, Tpdo,
+};
+use trunnion_units::Clock;
+
+struct AtZero;
+
+impl Clock for AtZero {
+    fn now(&self) -> HostTime {
+        HostTime(0)
+    }
+
+    fn wall_ns(&self) -> i64 {
+        0
+    }
+}
+
+const MS: i64 = 1_000_000;
+
+/// One probe that answers every SYNC.
+struct Bench {
+    nodes: Nodes,
+    link: Link,
+    delivered: mpsc::Receiver<Delivered>,
+    counters: Counters,
+    id: CanId,
+}
+
+fn bench() -> Bench {
+    let node = NodeId::new(1).unwrap();
+    let key = ObjectKey::new(0x9130, 1);
+    let id = CobId::Tpdo(2, node).can_id();
+    let communication = PdoCommunication {
+        cob_id_raw: id.raw(),
+        transmission: Transmission::EverySync(1),
+        event_timer_ms: 0,
+    };
+    let mapping = PdoMapping::new(vec![PdoEntry { key, bits: 32 }]).unwrap();
+    let scaling = Scaling::Process { kind: ProcessValue::Integer32, unit: Unit::MILLIMETRE, digits: 4 };
+    let description = NodeDescription {
+        node,
+        device_type: 404,
+        identity: Identity::default(),
+        name: None,
+        tpdos: vec![Tpdo { number: 2, communication, mapping }],
+        scaling: BTreeMap::from([(key, scaling)]),
+    };
+    let config = NodeConfig { id: node, role: Role::Probe(0), serial: None };
+    let (sender, delivered) = mpsc::channel(64);
+    let (status, _) = watch::channel(DeviceStatus::default());
+    let outlet = Outlet::new(0, "bus".into(), sender);
+    let link =
+        Link::new(0, vec!["bus.node-1".into()], Duration::from_millis(500), Arc::new(AtZero), outlet, status);
+    let nodes = Nodes::new(&[config], vec![description], 0, HostTime(0));
+    Bench { nodes, link, delivered, counters: Counters::default(), id }
+}
+
+impl Bench {
+    fn value(&mut self, arrival_ms: i64) -> ProbeReading {
+        let frame = CanFrame::data_frame(self.id, &[1, 0, 0, 0]).unwrap();
+        self.nodes.take(&frame, HostTime(arrival_ms * MS), &mut self.link, &mut self.counters).unwrap();
+        loop {
+            if let Reading::Probe(reading) = self.delivered.try_recv().unwrap().reading {
+                return reading;
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lost_acknowledgement_shifts_no_value_to_the_sync_before() {
+    let mut bench = bench();
+    for sync in 1..=4 {
+        bench.nodes.sync_written(HostTime(10 * sync * MS));
+        if sync != 3 {
+            bench.nodes.sync_accepted(None);
+        }
+        let reading = bench.value(10 * sync + 2);
+        assert_eq!((reading.sequence, reading.device_ticks), (sync as u64, 10_000 * sync as u64));
+    }
+    assert_eq!((bench.counters.resyncs, bench.counters.lost_readings), (1, 0));
+}
+
+#[test]
+fn the_moment_of_a_value_is_the_stamp_of_its_sync_where_the_transport_has_one() {
+    let mut bench = bench();
+    bench.nodes.sync_written(HostTime(10 * MS));
+    assert!(!bench.nodes.may_sync(1, HostTime(15 * MS)), "the first has not come back");
+    bench.nodes.sync_accepted(Some(HostTime(11 * MS)));
+    assert!(bench.nodes.may_sync(1, HostTime(15 * MS)));
+    let reading = bench.value(13);
+    assert_eq!((reading.device_ticks, reading.arrival), (11_000, HostTime(11 * MS)));
+    // One that never comes back does not stop the others.
+    bench.nodes.sync_written(HostTime(20 * MS));
+    assert!(!bench.nodes.may_sync(1, HostTime(200 * MS)) && bench.nodes.may_sync(1, HostTime(221 * MS)));
+    bench.nodes.sync_written(HostTime(221 * MS));
+    // It was only late: its stamp tells, and the next one has its own.
+    bench.nodes.sync_accepted(Some(HostTime(21 * MS)));
+    assert_eq!(bench.value(222).device_ticks, 21_000);
+    bench.nodes.sync_accepted(Some(HostTime(222 * MS)));
+    let reading = bench.value(223);
+    assert_eq!((reading.sequence, reading.device_ticks), (3, 222_000));
+}
+
+#[test]
+fn an_adapter_that_pauses_for_long_keeps_every_value_with_its_own_sync() {
+    let mut bench = bench();
+    bench.nodes.sync_written(HostTime(0));
+    bench.nodes.sync_accepted(None);
+    bench.value(1);
+    let mut written = 1;
+    for ms in 1..=1000 {
+        if bench.nodes.may_sync(200, HostTime(ms * MS)) {
+            bench.nodes.sync_written(HostTime(ms * MS));
+            written += 1;
+        }
+    }
+    assert_eq!(written, 201);
+    for sync in 2..=written {
+        bench.nodes.sync_accepted(None);
+        let reading = bench.value(1001);
+        assert_eq!((reading.sequence, reading.device_ticks), (sync, (sync - 1) * 1000));
+    }
+    assert_eq!(bench.counters.lost_readings, 0);
+}
+
+#[test]
+fn a_node_that_answers_after_the_next_sync_is_told_and_its_value_is_a_recorded_loss() {
+    let mut bench = bench();
+    for ms in [10, 11] {
+        bench.nodes.sync_written(HostTime(ms * MS));
+        bench.nodes.sync_accepted(Some(HostTime(ms * MS)));
+    }
+    assert_eq!(bench.value(12).sequence, 2);
+    let frame = CanFrame::data_frame(bench.id, &[1, 0, 0, 0]).unwrap();
+    bench.nodes.take(&frame, HostTime(13 * MS), &mut bench.link, &mut bench.counters).unwrap();
+    let told: Vec<Reading> = std::iter::from_fn(|| Some(bench.delivered.try_recv().ok()?.reading)).collect();
+    let says = |piece: &str| {
+        told.iter().any(|reading| match reading {
+            Reading::Gap(gap) => gap.lost_readings == Some(1) && gap.reason.contains(piece),
+            Reading::Log(line) => line.text.contains(piece),
+            _ => false,
+        })
+    };
+    assert!(says("its moment is unknown") && says("longer sync_ms"), "{told:?}");
+}

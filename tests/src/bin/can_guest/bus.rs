@@ -1,0 +1,130 @@
+//! The simulator's nodes on a CAN interface.
+
+use anyhow::Context;
+use socketcan::{
+    CanErrorFrame, CanSocket, EmbeddedFrame, ExtendedId, Frame, Id, Socket, SocketOptions, StandardId,
+};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use trunnion_hil_sim::devices::canopen::{BusConfig, Nodes};
+use trunnion_hil_sim::devices::{DeviceClock, SimulatedCell, TimeOrigin, orthogonal_nest};
+use trunnion_hil_sim::motion::{Program, Step, Trajectory};
+use trunnion_protocol::can::{CanFrame, CanId};
+use trunnion_protocol::canopen::NodeId;
+use trunnion_units::AxisValues;
+
+/// A thread that lets the nodes hear and speak.
+pub struct SimulatedBus {
+    interface: String,
+    nodes: Arc<Mutex<Nodes>>,
+    stop: Arc<AtomicBool>,
+    thread: JoinHandle<anyhow::Result<()>>,
+}
+
+impl SimulatedBus {
+    /// Switches the nodes on.
+    pub fn start(interface: &str) -> anyhow::Result<Self> {
+        let socket = CanSocket::open(interface).with_context(|| format!("opening {interface}"))?;
+        let (nodes, stop) = (Arc::new(Mutex::new(nodes())), Arc::new(AtomicBool::new(false)));
+        let (of_thread, told) = (Arc::clone(&nodes), Arc::clone(&stop));
+        let thread = std::thread::spawn(move || serve(&socket, &of_thread, &told));
+        Ok(Self { interface: interface.into(), nodes, stop, thread })
+    }
+
+    /// One node loses its supply.
+    pub fn switch_off(&self, id: u8) {
+        let id = NodeId::new(id).expect("a node number");
+        self.nodes.lock().unwrap_or_else(PoisonError::into_inner).switch_off(id);
+    }
+
+    /// All nodes are switched on anew.
+    pub fn restart(&self) {
+        *self.nodes.lock().unwrap_or_else(PoisonError::into_inner) = nodes();
+    }
+
+    /// What a driver reports when its controller goes bus-off.
+    pub fn report_bus_off(&self) -> anyhow::Result<()> {
+        let socket = CanSocket::open(&self.interface)?;
+        let error = CanErrorFrame::new_error(socketcan::errors::CAN_ERR_BUSOFF, &[0; 8])?;
+        socket.write_frame(&error).context("sending an error frame")
+    }
+
+    /// Switches off. The thread may have ended with its interface.
+    pub fn stop(self) -> anyhow::Result<()> {
+        self.stop.store(true, Ordering::Relaxed);
+        match self.thread.join() {
+            Ok(ended) => {
+                if let Err(error) = ended {
+                    println!("the simulated bus ended: {error:#}");
+                }
+                Ok(())
+            }
+            Err(_) => anyhow::bail!("the simulated bus panicked"),
+        }
+    }
+}
+
+fn nodes() -> Nodes {
+    let program = Program { start: AxisValues::default(), steps: vec![Step::Dwell { duration_s: 1e5 }] };
+    let world = SimulatedCell {
+        trajectory: Trajectory::compile(&program).expect("a dwell is possible"),
+        program: String::new(),
+        setup: 0,
+        deflection_mm: Box::new(|_| [0.1, 0.0, 0.0]),
+        bar_mm: Box::new(|_| 0.5),
+        temperature_degc: Box::new(|_| 20.0),
+        probe_directions: orthogonal_nest(),
+        noise_mm: 0.0,
+        seed: 1,
+    };
+    let config = BusConfig::ball_bar_and_probes(DeviceClock::default());
+    Nodes::new(Arc::new(world), &config).expect("the settings are possible")
+}
+
+fn serve(socket: &CanSocket, nodes: &Mutex<Nodes>, stop: &AtomicBool) -> anyhow::Result<()> {
+    let origin = TimeOrigin(tokio::time::Instant::now());
+    socket.set_recv_timestamp(false)?;
+    while !stop.load(Ordering::Relaxed) {
+        let due_s = nodes.lock().unwrap_or_else(PoisonError::into_inner).next_due_s();
+        let wait_s = due_s.map_or(0.05, |due_s| due_s - origin.now_s()).clamp(0.0002, 0.05);
+        let heard = match socket.read_frame_timeout(Duration::from_secs_f64(wait_s)) {
+            Ok(frame) => from_kernel(&frame),
+            Err(error) if error.kind() == std::io::ErrorKind::TimedOut => None,
+            // The interface went down; it may come back.
+            Err(error) if error.raw_os_error() == Some(100) => None,
+            Err(error) => return Err(error).context("reading"),
+        };
+        let frames = {
+            let mut nodes = nodes.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut frames = heard.map_or_else(Vec::new, |frame| nodes.on_frame(&frame, origin.now_s()));
+            frames.extend(nodes.frames_due(origin.now_s()));
+            frames
+        };
+        for frame in frames {
+            if let Err(error) = socket.write_frame_insist(&to_kernel(&frame)) {
+                // Nobody hears nodes on an interface that is down.
+                anyhow::ensure!(matches!(error.raw_os_error(), Some(100 | 105)), "writing: {error}");
+            }
+        }
+    }
+    Ok(())
+}
+
+fn from_kernel(frame: &socketcan::CanFrame) -> Option<CanFrame> {
+    let socketcan::CanFrame::Data(data) = frame else { return None };
+    let id = match u16::try_from(data.raw_id()) {
+        Ok(id) if !data.is_extended() => CanId::Standard(id),
+        _ => CanId::Extended(data.raw_id()),
+    };
+    CanFrame::data_frame(id, data.data()).ok()
+}
+
+fn to_kernel(frame: &CanFrame) -> socketcan::CanFrame {
+    let id: Id = match frame.id() {
+        CanId::Standard(id) => StandardId::new(id).expect("11 bits").into(),
+        CanId::Extended(id) => ExtendedId::new(id).expect("29 bits").into(),
+    };
+    socketcan::CanFrame::new(id, frame.data()).expect("at most eight bytes")
+}

@@ -1,0 +1,117 @@
+//! What a finished recording holds of each stream, against what the devices' own clocks say must be there.
+
+use crate::floor::{AXES_HZ, EDGE_S, ENCODER_HZ, PROBE_HZ};
+use anyhow::Context;
+use std::path::Path;
+use trunnion_measurement::Stamp;
+use trunnion_record::Item;
+
+/// One stream of the recording.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    /// Its name.
+    pub name: String,
+    /// Its nominal rate, Hz.
+    pub rate_hz: f64,
+    /// Samples in the recording.
+    pub recorded: u64,
+    /// Samples from the first to the last by the device's clock; none where the clock is that of our asking.
+    pub expected: Option<u64>,
+    /// Samples at least a second from both ends of the cycle.
+    pub inside: u64,
+    /// Longest step between two samples, ms.
+    pub longest_step_ms: f64,
+    last: Option<f64>,
+    first: f64,
+}
+
+impl Stream {
+    fn new(name: &str, rate_hz: f64) -> Self {
+        Self {
+            name: name.into(),
+            rate_hz,
+            recorded: 0,
+            expected: None,
+            inside: 0,
+            longest_step_ms: 0.0,
+            last: None,
+            first: f64::NAN,
+        }
+    }
+
+    /// `clock_s`: the device's clock where it has one.
+    fn take(&mut self, clock_s: f64, time_s: f64, end_s: f64) {
+        match self.last {
+            Some(last) => self.longest_step_ms = self.longest_step_ms.max((clock_s - last) * 1e3),
+            None => self.first = clock_s,
+        }
+        self.last = Some(clock_s);
+        self.recorded += 1;
+        self.inside += u64::from((EDGE_S..end_s).contains(&time_s));
+    }
+
+    fn expect_by_clock(&mut self) {
+        let span_s = self.last.unwrap_or(self.first) - self.first;
+        self.expected = Some((span_s * self.rate_hz).round() as u64 + 1);
+    }
+}
+
+/// A recording in numbers.
+#[derive(Clone, Debug)]
+pub struct Counts {
+    /// Three probes, the encoder, the axes.
+    pub streams: Vec<Stream>,
+    /// Points made of them.
+    pub points: u64,
+    /// Gaps recorded, in words.
+    pub gaps: Vec<String>,
+    /// Samples they say are lost.
+    pub lost: u64,
+    /// Size of the file, MB.
+    pub file_mb: f64,
+}
+
+/// Time of the device's own clock, s.
+fn seconds(stamp: &Stamp) -> f64 {
+    stamp.ticks as f64 * stamp.tick_s
+}
+
+/// Reads the file once.
+pub fn count(path: &Path, duration_s: f64) -> anyhow::Result<Counts> {
+    let mut streams: Vec<Stream> = (1..=3).map(|k| Stream::new(&format!("probe-{k}"), PROBE_HZ)).collect();
+    streams.extend([Stream::new("encoder", ENCODER_HZ), Stream::new("axes", AXES_HZ)]);
+    let (mut points, mut gaps, mut lost) = (0, Vec::new(), 0);
+    let end_s = duration_s - EDGE_S;
+    let read = trunnion_record::visit(path, &mut |item| {
+        match item {
+            Item::Probes(samples) => {
+                for sample in samples {
+                    let channel = usize::from(sample.channel);
+                    streams[channel].take(seconds(&sample.stamp), sample.time_s, end_s);
+                }
+            }
+            Item::Axes(samples) => {
+                for sample in samples.iter().filter(|sample| !sample.held) {
+                    streams[4].take(seconds(&sample.stamp), sample.time_s, end_s);
+                }
+            }
+            Item::Point(_) => points += 1,
+            Item::Gap(gap) => {
+                lost += gap.lost_samples.unwrap_or(1);
+                gaps.push(format!(
+                    "{} {:.3} s to {:.3} s, lost {:?}: {}",
+                    gap.source, gap.from_s, gap.to_s, gap.lost_samples, gap.reason
+                ));
+            }
+            Item::Controller(_) | Item::Temperature(_) | Item::Event(_) | Item::Log(_) => {}
+        }
+        true
+    });
+    let (_, damage) = read.with_context(|| format!("cannot read {}", path.display()))?;
+    anyhow::ensure!(damage.is_none(), "the recording is damaged: {damage:?}");
+    for index in [0, 1, 2, 4] {
+        streams[index].expect_by_clock();
+    }
+    let file_mb = std::fs::metadata(path)?.len() as f64 / 1e6;
+    Ok(Counts { streams, points, gaps, lost, file_mb })
+}

@@ -1,0 +1,165 @@
+//! The devices of the load trial, and the configuration of the service that reads them.
+
+use anyhow::Context;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use trunnion_hil_sim::devices::canopen::BusConfig;
+use trunnion_hil_sim::devices::cell::{self, Cell, CellConfig};
+use trunnion_hil_sim::devices::{CycleState, DeviceClock, SimulatedCell, World, orthogonal_nest};
+use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine, scenario};
+use trunnion_machine::shipped;
+use trunnion_units::AxisLetter::C;
+use trunnion_units::AxisValues;
+
+/// Rates of the trial, Hz.
+pub const PROBE_HZ: f64 = 4000.0;
+pub const ENCODER_HZ: f64 = 1000.0;
+pub const AXES_HZ: f64 = 200.0;
+/// Feeds of C, °/min; every one forward and back.
+pub const FEEDS_DEG_PER_MIN: [f64; 4] = [360.0, 720.0, 1800.0, 3600.0];
+/// From switching on to the start of the program: drivers connect, clocks settle.
+const WARM_UP: Duration = Duration::from_secs(5);
+/// The simulated devices share a computer with whatever else runs on it: they may pause.
+const SILENCE_MS: u32 = 3000;
+/// Left out at both ends when the encoder's values are counted, s.
+pub const EDGE_S: f64 = 1.0;
+
+/// The running shop floor.
+pub struct Floor {
+    cell: Cell,
+    world: Arc<Counted>,
+    /// Configuration of the service.
+    pub config: PathBuf,
+    /// From the start of the program to its end, s.
+    pub duration_s: f64,
+}
+
+/// A world that counts what the encoder asks of it, once for every value it sends.
+struct Counted {
+    cell: SimulatedCell,
+    from_to_s: (f64, f64),
+    bar: AtomicU64,
+}
+
+impl World for Counted {
+    fn axes(&self, t_s: f64) -> AxisValues<f64> {
+        self.cell.axes(t_s)
+    }
+
+    fn probe_readings_mm(&self, t_s: f64) -> [f64; 3] {
+        self.cell.probe_readings_mm(t_s)
+    }
+
+    fn bar_reading_mm(&self, t_s: f64) -> f64 {
+        if (self.from_to_s.0..self.from_to_s.1).contains(&t_s) {
+            self.bar.fetch_add(1, Ordering::Relaxed);
+        }
+        self.cell.bar_reading_mm(t_s)
+    }
+
+    fn temperature_degc(&self, t_s: f64) -> f64 {
+        self.cell.temperature_degc(t_s)
+    }
+
+    fn cycle(&self, t_s: f64) -> CycleState {
+        self.cell.cycle(t_s)
+    }
+}
+
+impl Floor {
+    /// Switches on; the program of about `seconds` starts after the warm-up.
+    pub async fn start(seconds: f64, folder: &Path, recordings: &Path) -> anyhow::Result<Self> {
+        let seconds_per_deg: f64 = FEEDS_DEG_PER_MIN.iter().map(|feed| 2.0 * 60.0 / feed).sum();
+        let to_deg = (seconds / seconds_per_deg).floor();
+        let world = world(to_deg)?;
+        let duration_s = world.trajectory.duration_s();
+        let from_to_s = (EDGE_S, duration_s - EDGE_S);
+        let world = Arc::new(Counted { cell: world, from_to_s, bar: AtomicU64::new(0) });
+
+        let wall_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as i64;
+        let mut devices = CellConfig::new(folder, wall_ns);
+        for (probe, _) in &mut devices.probes {
+            probe.rate_hz = PROBE_HZ;
+        }
+        let mut bus = BusConfig::ball_bar(DeviceClock::steady(41.0, -55.0));
+        bus.nodes[0].event_timer_ms = 0; // by SYNC alone
+        devices.can = Some((bus, Vec::new()));
+        if let Some((agent, _)) = &mut devices.controller {
+            agent.rate_hz = AXES_HZ;
+            agent.filters_duplicates = false;
+        }
+        let begin = tokio::time::Instant::now() + WARM_UP;
+        let cell = cell::start(Arc::clone(&world) as Arc<dyn World>, devices, begin).await?;
+        let url = cell.controller.as_ref().and_then(|agent| agent.url()).context("the cell has an agent")?;
+        std::fs::write(folder.join("cycle.toml"), cycle_text(to_deg))?;
+        let config = folder.join("trunnion.toml");
+        std::fs::write(&config, config_text(folder, recordings, url))?;
+        Ok(Self { cell, world, config, duration_s })
+    }
+
+    /// Waits for the start of the program.
+    pub async fn until_begin(&self) {
+        tokio::time::sleep_until(self.cell.origin.instant_of(0.0)).await;
+    }
+
+    /// Values the encoder sent during the cycle, its edges left out.
+    pub fn encoder_sent(&self) -> u64 {
+        self.world.bar.load(Ordering::Relaxed)
+    }
+
+    /// Bytes nobody took in time.
+    pub fn bytes_not_taken(&self) -> u64 {
+        let handles = self.cell.probes.iter().chain(&self.cell.can);
+        handles.map(|handle| handle.lost_bytes()).sum()
+    }
+
+    /// Switches off.
+    pub async fn shutdown(self) {
+        self.cell.shutdown().await;
+    }
+}
+
+fn world(to_deg: f64) -> anyhow::Result<SimulatedCell> {
+    let machine = shipped::machine("table-bc").context("the machine is shipped")?;
+    let setup = SimSetup::new("low", NestOn::Table, [150.0, 0.0, 60.0].into(), Instrument::RTest);
+    let truth = Truth::draw(&machine, &[setup], &[], 600.0, 1)?;
+    let machine = Arc::new(VirtualMachine::new(machine, truth)?);
+    let feeds = FEEDS_DEG_PER_MIN.map(|feed| (feed / 60.0).to_radians());
+    let range = (0.0, to_deg.to_radians());
+    let mut world = scenario::sweep_cycle(machine, "LOAD", C, range, &feeds, &AxisValues::default())?;
+    world.bar_mm = Box::new(|state| 0.05 * state.position[C].sin());
+    Ok(world)
+}
+
+fn cycle_text(to_deg: f64) -> String {
+    format!(
+        "format = \"trunnion-cycle/1\"\nname = \"load\"\nmachine = \"table-bc\"\nkind = \"on-the-fly\"\n\n\
+         [[setup]]\nname = \"low\"\ninstrument = \"r-test\"\nnest = \"table\"\nball_in_table_mm = [150.0, 0.0, 60.0]\n\n\
+         [sweep]\naxis = \"C\"\nfrom_deg = 0\nto_deg = {to_deg}\nfeeds_deg_per_min = {FEEDS_DEG_PER_MIN:?}\nb_deg = 0\n"
+    )
+}
+
+fn config_text(ports: &Path, recordings: &Path, url: &str) -> String {
+    let mut text = format!(
+        "format = \"trunnion-config/1\"\nname = \"load\"\ncycle = \"cycle.toml\"\nrecordings = '{}'\n\n[nest]\n",
+        recordings.display()
+    );
+    for (k, direction) in orthogonal_nest().iter().enumerate() {
+        text += &format!("probe_{} = {direction:?}\n", k + 1);
+    }
+    let ports = ports.display();
+    for k in 1..=3 {
+        text += &format!(
+            "\n[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{ports}/probe-{k}'\nrole = \"probe-{k}\"\n\
+             range_mm = 2\nrate_khz = {}\nsilence_ms = {SILENCE_MS}\n",
+            PROBE_HZ / 1e3
+        );
+    }
+    text + &format!(
+        "\n[[device]]\nname = \"encoder\"\ndriver = \"canopen-slcan\"\nport = '{ports}/can'\nsync_ms = {}\n\
+         silence_ms = {SILENCE_MS}\nnodes = [{{ id = 5, role = \"bar\" }}]\n\n[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n",
+        1e3 / ENCODER_HZ
+    )
+}

@@ -1,0 +1,185 @@
+//! The load trial: the service reads three probes at 4 kHz, an encoder at 1 kHz and axes at 200 Hz while C turns at 360
+//! to 3600 °/min. Simulated devices live in this process, the service in another, so that its time and memory are its own.
+//!
+//! `floor` has the devices, `service` is the other process, `watch` reads its time and memory from /proc, `count` what is
+//! in the finished recording, `table` writes `docs/load.md`.
+
+mod count;
+mod floor;
+mod service;
+mod table;
+mod watch;
+
+use anyhow::{Context, bail};
+use clap::{Parser, Subcommand};
+use floor::Floor;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use watch::Watch;
+
+/// Measure on the fly at full rate for some minutes; count what was lost, and what it cost
+#[derive(Parser)]
+#[command(name = "load-trial")]
+struct Args {
+    #[command(subcommand)]
+    part: Option<Part>,
+    /// Length of the cycle, s
+    #[arg(long, default_value_t = 600.0, value_name = "S")]
+    seconds: f64,
+    /// Write the tables to this file
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
+    /// Keep the recording in this folder
+    #[arg(long, value_name = "FOLDER")]
+    keep: Option<PathBuf>,
+}
+
+#[derive(Subcommand)]
+enum Part {
+    /// The service alone; started by the trial
+    #[command(hide = true)]
+    Service {
+        /// Its configuration
+        config: PathBuf,
+    },
+}
+
+/// What came out.
+pub struct Trial {
+    /// Length of the cycle, s.
+    pub seconds: f64,
+    /// What is in the recording.
+    pub counts: count::Counts,
+    /// Values the encoder sent during the cycle.
+    pub encoder_sent: u64,
+    /// Bytes the simulated devices could not hand to the system.
+    pub bytes_not_taken: u64,
+    /// Time and memory of the service.
+    pub watch: Watch,
+    /// Highest fill of the queue between drivers and cycle, and of that to the recorder, in messages.
+    pub queues: service::Queues,
+    /// True for an optimised program.
+    pub release: bool,
+}
+
+impl Trial {
+    /// Samples of a stream that must be there, and those that are.
+    pub fn compared(&self, stream: &count::Stream) -> (u64, u64) {
+        match stream.expected {
+            Some(expected) => (expected, stream.recorded),
+            None => (self.encoder_sent, stream.inside),
+        }
+    }
+}
+
+fn main() -> anyhow::Result<()> {
+    let args = Args::parse();
+    if let Some(Part::Service { config }) = &args.part {
+        return service::run(config);
+    }
+    if !(10.0..=7200.0).contains(&args.seconds) {
+        bail!("--seconds {} is not possible; allowed: 10..=7200", args.seconds);
+    }
+    let folder = tempfile::tempdir().context("cannot make a folder for ports and recording")?;
+    let place = args.keep.clone().unwrap_or_else(|| folder.path().join("runs"));
+    std::fs::create_dir_all(&place).with_context(|| format!("cannot make {}", place.display()))?;
+    let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
+    let trial = runtime.block_on(trial(args.seconds, folder.path(), &place))?;
+    let text = table::document(&trial);
+    print!("{text}");
+    if let Some(path) = &args.markdown {
+        std::fs::write(path, &text).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    let missing = |stream| {
+        let (expected, recorded) = trial.compared(stream);
+        expected.saturating_sub(recorded + EDGE_SAMPLES)
+    };
+    let missing: u64 = trial.counts.streams.iter().map(missing).sum();
+    if missing > 0 || trial.counts.lost > 0 {
+        eprintln!("{missing} samples are missing, {} were recorded as lost", trial.counts.lost);
+        std::process::exit(1);
+    }
+    Ok(())
+}
+
+/// The clock of the run and that of the devices differ by some ms, which may move samples over the edges of a count.
+const EDGE_SAMPLES: u64 = 2;
+/// After the cycle: rewriting the recording and reading it back.
+const FINISH_LIMIT: Duration = Duration::from_secs(300);
+/// From the finished file to the line in the log.
+const LINE_LIMIT: Duration = Duration::from_secs(20);
+
+async fn trial(seconds: f64, folder: &Path, recordings: &Path) -> anyhow::Result<Trial> {
+    let floor = Floor::start(seconds, folder, recordings).await?;
+    let program = std::env::current_exe().context("where is this program?")?;
+    let log = folder.join("service.log");
+    let output = std::fs::File::create(&log).with_context(|| format!("cannot write {}", log.display()))?;
+    let child = Command::new(program)
+        .arg("service")
+        .arg(&floor.config)
+        .env("RUST_LOG", "info")
+        .stdin(Stdio::null())
+        .stderr(output)
+        .spawn()
+        .context("cannot start the service")?;
+    let mut child = Stopped(child);
+    let mut watch = Watch::new(child.0.id());
+    floor.until_begin().await;
+    let begun = Instant::now();
+    while begun.elapsed().as_secs_f64() < floor.duration_s {
+        watch.sample().context("reading the time and memory of the service")?;
+        tokio::time::sleep(Duration::from_secs(1)).await;
+    }
+    watch.sample()?;
+    let finished = finished(recordings, &mut child).await;
+    // The line about the queues follows the file.
+    let queues = async {
+        loop {
+            let told = std::fs::read_to_string(&log).unwrap_or_default();
+            match service::Queues::of_log(&told) {
+                Some(queues) => return queues,
+                None => tokio::time::sleep(Duration::from_millis(100)).await,
+            }
+        }
+    };
+    let queues = tokio::time::timeout(LINE_LIMIT, queues).await.context("no line about the queues");
+    let told = std::fs::read_to_string(&log).unwrap_or_default();
+    let queues = queues.with_context(|| format!("the service said:\n{told}"))?;
+    let path = finished.with_context(|| format!("the service said:\n{told}"))?;
+    let (encoder_sent, bytes_not_taken) = (floor.encoder_sent(), floor.bytes_not_taken());
+    let counts = count::count(&path, floor.duration_s)?;
+    let seconds = floor.duration_s;
+    floor.shutdown().await;
+    drop(child);
+    let release = !cfg!(debug_assertions);
+    Ok(Trial { seconds, counts, encoder_sent, bytes_not_taken, watch, queues, release })
+}
+
+async fn finished(folder: &Path, child: &mut Stopped) -> anyhow::Result<PathBuf> {
+    let begun = Instant::now();
+    while begun.elapsed() < FINISH_LIMIT {
+        for entry in std::fs::read_dir(folder)? {
+            let path = entry?.path();
+            if path.extension().is_some_and(|ending| ending == "mcap") {
+                return Ok(path);
+            }
+        }
+        if let Some(status) = child.0.try_wait()? {
+            bail!("the service ended by itself: {status}");
+        }
+        tokio::time::sleep(Duration::from_millis(200)).await;
+    }
+    bail!("no finished recording in {} after {} s", folder.display(), FINISH_LIMIT.as_secs())
+}
+
+/// A child that is stopped when it is no longer needed, on whatever way out.
+struct Stopped(Child);
+
+impl Drop for Stopped {
+    fn drop(&mut self) {
+        if let Err(error) = self.0.kill().and_then(|()| self.0.wait()) {
+            eprintln!("the service could not be stopped: {error}");
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Our SocketCAN driver on an emulated computer with a real kernel: a bus without hardware, two emulated cards, and the
+//! kernel's own slcan driver with nodes of python `canopen` at the other end of its line.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+use trunnion_tests::{peers_python, workspace_root};
+
+/// Boots, runs the trial in this mode, and prints the figures it measured.
+fn machine(mode: &str, peer_tty: Option<&str>) {
+    let mut command = Command::new(workspace_root().join("tests/peers/can_machine.sh"));
+    command.args([mode, env!("CARGO_BIN_EXE_can-guest")]);
+    if let Some(tty) = peer_tty {
+        command.env("PEER_TTY", tty);
+    }
+    let told = command.output().expect("the script runs");
+    let text = String::from_utf8_lossy(&told.stdout);
+    for line in text.lines().filter(|line| line.contains("FIGURES")) {
+        println!("{line}");
+    }
+    assert!(told.status.success(), "{text}\n{}", String::from_utf8_lossy(&told.stderr));
+}
+
+#[test]
+fn readings_keep_the_stamps_of_the_kernel_and_whatever_happens_to_the_interface_is_told_and_mended() {
+    machine("vcan", None);
+}
+
+#[test]
+fn two_cards_on_one_bus_give_readings_and_a_pulled_cable_is_a_gap() {
+    machine("kvaser", None);
+}
+
+#[test]
+fn python_nodes_behind_the_slcan_driver_of_the_kernel_are_read() {
+    let mut peer = Command::new(peers_python())
+        .arg(workspace_root().join("tests/peers/canopen_peer.py"))
+        .arg("--raw")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("python starts");
+    let mut line = String::new();
+    BufReader::new(peer.stdout.take().expect("piped")).read_line(&mut line).expect("the peer tells its port");
+    let told: serde_json::Value = serde_json::from_str(&line).expect("one JSON line");
+    machine("slcan", told["port"].as_str());
+    drop(peer.stdin.take());
+    peer.wait().expect("the peer ends with its input");
+}
