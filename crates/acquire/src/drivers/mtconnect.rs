@@ -102,6 +102,8 @@ enum StreamEnd {
     OutOfRange,
     /// The agent closed the stream after this sequence number.
     Closed(u64),
+    /// Bytes after this sequence number were damaged; the agent still has them.
+    Damaged(u64),
 }
 
 impl MtConnect {
@@ -127,6 +129,11 @@ impl MtConnect {
         loop {
             match self.stream(instance, next, &mut model, link, counters).await? {
                 StreamEnd::Closed(from) => next = from,
+                StreamEnd::Damaged(from) => {
+                    let text = "a part of the agent's stream was damaged; it is asked for again";
+                    link.log(true, text.into());
+                    next = from;
+                }
                 StreamEnd::OutOfRange => {
                     let before = next;
                     let from = link.last_reading();
@@ -206,7 +213,20 @@ impl MtConnect {
             let waited = link.now() - last_part;
             let left = link.silence.saturating_sub(waited).max(Duration::from_millis(1));
             let Some(bytes) = answer.chunk(left).await? else { return Ok(StreamEnd::Closed(next)) };
-            for part in parts.push(&bytes) {
+            let whole = parts.push(&bytes);
+            let losses = parts.losses();
+            if losses.bad_parts + losses.dropped_bytes > 0 {
+                counters.dropped_bytes += losses.dropped_bytes;
+                counters.damaged += losses.bad_parts.max(1);
+                link.counters(*counters, link.now());
+                if next > from {
+                    return Ok(StreamEnd::Damaged(next));
+                }
+                let fault =
+                    "it is damaged again and again; check the network between here and the agent".into();
+                return Err(SessionEnd::Protocol { doing: "reading the agent's stream", fault });
+            }
+            for part in whole {
                 last_part = link.now();
                 match parse(&part.body)? {
                     Document::Streams(streams) => {
@@ -217,8 +237,6 @@ impl MtConnect {
                     other => return Err(unexpected("reading samples", &other)),
                 }
             }
-            let losses = parts.losses();
-            (counters.dropped_bytes, counters.damaged) = (losses.dropped_bytes, losses.bad_parts);
             link.counters(*counters, last_part);
             if link.now() - last_part >= link.silence {
                 let waited = link.now() - last_part;
@@ -261,6 +279,12 @@ fn take(
             true,
             format!("the controller's clock was set by {by_s:+.3} s; time of the axes begins anew"),
         );
+    }
+    if let Some(letter) = model.began_absence() {
+        let text = format!(
+            "the agent has no value for axis {letter} (UNAVAILABLE); check that the controller is on and that its adapter runs"
+        );
+        link.log(true, text);
     }
     if let Some((from, to)) = model.ended_absence() {
         link.gap(from, to, None, "the agent had no value for an axis (UNAVAILABLE)".into());

@@ -77,7 +77,9 @@ pub struct Link {
     epoch: u32,
     healthy: bool,
     last_reading: Option<HostTime>,
-    /// Reason of a gap still open: the connection was lost after `last_reading`.
+    /// When the program began to look for the device.
+    began: HostTime,
+    /// Reason of a gap still open: there is nothing since `last_reading`, or since `began`.
     gap_reason: Option<String>,
     counted: Option<(HostTime, Counters)>,
     channel_names: Vec<String>,
@@ -100,12 +102,13 @@ impl Link {
         Self {
             first_channel,
             silence,
-            clock,
             outlet,
             status,
             epoch: 0,
             healthy: false,
             last_reading: None,
+            began: clock.now(),
+            clock,
             gap_reason: None,
             counted: None,
             channel_names,
@@ -149,9 +152,7 @@ impl Link {
             self.healthy = true;
             self.status.send_modify(|status| status.state = DeviceState::Streaming);
         }
-        if let (Some(reason), Some(from)) = (self.gap_reason.take(), self.last_reading) {
-            self.gap(from, at, None, reason);
-        }
+        self.close_gap(at);
         self.last_reading = Some(at);
         let mut reading = reading;
         if let Reading::Probe(probe) = &mut reading
@@ -242,6 +243,14 @@ impl Link {
         self.send(Reading::Gap(SourceGap { source, from, to, lost_readings, reason }));
     }
 
+    /// Records what was missing until now because there was no connection.
+    fn close_gap(&mut self, to: HostTime) {
+        if let Some(reason) = self.gap_reason.take() {
+            let from = self.last_reading.unwrap_or(self.began);
+            self.gap(from, to, None, reason);
+        }
+    }
+
     /// Moment of the last reading of this or an earlier session.
     pub fn last_reading(&self) -> Option<HostTime> {
         self.last_reading
@@ -305,10 +314,8 @@ impl Link {
             self.tell(channel, finding);
         }
         if *end == SessionEnd::Cancelled {
-            if let (Some(reason), Some(from)) = (self.gap_reason.take(), self.last_reading) {
-                self.gap(from, self.now(), None, reason);
-            }
-        } else if self.healthy {
+            self.close_gap(now);
+        } else if self.healthy || self.last_reading.is_none() {
             self.gap_reason.get_or_insert_with(|| end.to_string());
         }
         if self.status.borrow().last_end.as_ref() != Some(end) {

@@ -104,8 +104,8 @@ impl OpenAdapter {
         self.port.write(&command.encode()).await
     }
 
-    fn event(&mut self, message: AdapterMessage, at: HostTime) -> Option<BusEvent> {
-        match message {
+    fn events(&mut self, message: AdapterMessage, at: HostTime) -> Vec<BusEvent> {
+        let event = match message {
             AdapterMessage::Frame { frame, .. } => Some(BusEvent::Frame { frame, at }),
             AdapterMessage::Accepted => {
                 self.acknowledges = true;
@@ -113,9 +113,10 @@ impl OpenAdapter {
                     .then_some(BusEvent::SyncSent { at: None })
             }
             AdapterMessage::Refused => self.refused(),
-            AdapterMessage::Status(flags) => self.told_status(StatusFlags(flags)),
+            AdapterMessage::Status(flags) => return self.told_status(StatusFlags(flags)),
             AdapterMessage::Done | AdapterMessage::Version(_) | AdapterMessage::SerialNumber(_) => None,
-        }
+        };
+        event.into_iter().collect()
     }
 
     fn refused(&mut self) -> Option<BusEvent> {
@@ -135,11 +136,20 @@ impl OpenAdapter {
         }
     }
 
-    fn told_status(&mut self, status: StatusFlags) -> Option<BusEvent> {
-        // What was asked before and is not answered yet never will be.
-        if let Some(index) = self.under_way.iter().position(|kind| *kind == UnderWay::Status) {
-            self.under_way.drain(..=index);
-        }
+    fn told_status(&mut self, status: StatusFlags) -> Vec<BusEvent> {
+        // What was asked before and is not answered yet never will be: its answer was lost on the line. SYNCs among it
+        // were sent all the same, and later values must not be taken for theirs.
+        let asked = self.under_way.iter().position(|kind| *kind == UnderWay::Status);
+        let unanswered = self.under_way.drain(..asked.map_or(0, |index| index + 1));
+        let lost_syncs = unanswered.filter(|kind| *kind == UnderWay::Sync).count();
+        let acknowledges = self.acknowledges;
+        let mut events: Vec<BusEvent> =
+            (0..lost_syncs).filter(|_| acknowledges).map(|_| BusEvent::SyncRefused).collect();
+        events.extend(self.changed_status(status));
+        events
+    }
+
+    fn changed_status(&mut self, status: StatusFlags) -> Option<BusEvent> {
         if status.has_lost_frames() {
             let text = "the adapter lost frames of the bus; use a faster port, or send fewer SYNCs".into();
             return Some(BusEvent::Remark { warning: true, text });
@@ -167,7 +177,7 @@ impl Bus for OpenAdapter {
     async fn receive(&mut self, limit: Duration, link: &Link) -> Result<Vec<BusEvent>, SessionEnd> {
         let messages = self.messages(limit).await?;
         let at = link.now();
-        Ok(messages.into_iter().filter_map(|message| self.event(message, at)).collect())
+        Ok(messages.into_iter().flat_map(|message| self.events(message, at)).collect())
     }
 
     async fn tend(&mut self) -> Result<(), SessionEnd> {

@@ -158,7 +158,11 @@ impl Exchange {
     }
 
     fn silent(&self) -> SessionEnd {
-        SessionEnd::Silent { who: format!("{} does not answer", self.address), waited: self.silence }
+        let who = format!(
+            "{} does not answer as linuxcncrsh; check that LinuxCNC runs, and the network between",
+            self.address
+        );
+        SessionEnd::Silent { who, waited: self.silence }
     }
 
     fn lost(&self, why: &str) -> SessionEnd {

@@ -99,6 +99,8 @@ pub(super) struct Model {
     /// By how much the controller's clock was set, s.
     clock_set_s: Option<f64>,
     ended_absence: Option<(HostTime, HostTime)>,
+    /// The axis that has just lost its value.
+    newly_absent: Option<AxisLetter>,
 }
 
 impl Model {
@@ -114,6 +116,7 @@ impl Model {
             absent_since: None,
             clock_set_s: None,
             ended_absence: None,
+            newly_absent: None,
         }
     }
 
@@ -136,6 +139,11 @@ impl Model {
                 _ => format!("{} {}", observation.kind, observation.data_item_id),
             })
             .collect()
+    }
+
+    /// An axis that has lost its value, told once when it begins.
+    pub(super) fn began_absence(&mut self) -> Option<AxisLetter> {
+        self.newly_absent.take()
     }
 
     /// The time in which an axis had no value, told once when it is over.
@@ -192,8 +200,8 @@ impl Model {
         self.position[letter] = value.map(|v| if letter.is_rotary() { convert::rad_from_deg(v) } else { v });
         self.stamps[letter] = observation.timestamp_ns;
         self.sequence = observation.sequence;
-        if value.is_none() {
-            self.absent_since.get_or_insert(arrival);
+        if value.is_none() && self.absent_since.is_none() {
+            (self.absent_since, self.newly_absent) = (Some(arrival), Some(letter));
         }
     }
 

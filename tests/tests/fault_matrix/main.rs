@@ -1,0 +1,59 @@
+//! Every device through everything that can befall it: the state it comes to, the gap in the recording, and the words a
+//! technician reads. The devices are virtual, their ports and all that reads them are real. docs/faults.md is written
+//! from these cells.
+
+mod ascii;
+mod bench;
+mod canopen_slcan;
+mod doc;
+mod keyence;
+mod linuxcnc;
+mod matrix;
+mod mtconnect;
+mod optoncdt;
+
+use matrix::{Cell, Subject, Trouble};
+use std::sync::Arc;
+use tokio::sync::Semaphore;
+use tokio::task::JoinSet;
+
+const SUBJECTS: [&Subject; 6] = [
+    &optoncdt::SUBJECT,
+    &keyence::SUBJECT,
+    &ascii::SUBJECT,
+    &canopen_slcan::SUBJECT,
+    &mtconnect::SUBJECT,
+    &linuxcnc::SUBJECT,
+];
+/// Cells run at once; the others wait.
+const AT_ONCE: usize = 6;
+
+#[tokio::test(flavor = "multi_thread")]
+async fn each_fault_of_each_device_leads_to_its_state_its_gap_and_its_message() {
+    let only = std::env::var("TRUNNION_FAULT_CELLS").unwrap_or_default();
+    let room = Arc::new(Semaphore::new(AT_ONCE));
+    let mut cells = JoinSet::new();
+    for subject in SUBJECTS {
+        for trouble in Trouble::ALL {
+            let name = format!("{}, {}", subject.driver, trouble.name());
+            let Cell::Case(case) = (subject.cell)(trouble) else { continue };
+            if !name.contains(&only) {
+                continue;
+            }
+            let room = Arc::clone(&room);
+            cells.spawn(async move {
+                let _place = room.acquire().await.expect("the semaphore stays open");
+                let begun = std::time::Instant::now();
+                let result = bench::run(subject, &case).await;
+                println!("{name}: {:.1} s", begun.elapsed().as_secs_f64());
+                result.map_err(|what| format!("{name}: {what}"))
+            });
+        }
+    }
+    let results = cells.join_all().await;
+    let failed: Vec<String> = results.into_iter().filter_map(Result::err).collect();
+    assert!(failed.is_empty(), "{}", failed.join("\n\n"));
+    if only.is_empty() {
+        doc::check(&SUBJECTS);
+    }
+}
