@@ -186,7 +186,7 @@ async fn each_fault_of_linuxcnc_is_told_recorded_and_recovered_from() {
     let cases = [
         (Fault::Silence { duration_s: 1.0 }, DeviceState::Silent, "does not answer"),
         (Fault::Unplug { duration_s: 1.0 }, DeviceState::Absent, "127.0.0.1"),
-        (Fault::AgentRestart, DeviceState::Failed, "closed the connection"),
+        (Fault::AgentRestart, DeviceState::Failed, "disconnected"),
         (Fault::GarbleBytes { count: 60 }, DeviceState::Failed, "asking LinuxCNC"),
     ];
     for (fault, expected, words) in cases {

@@ -44,7 +44,7 @@ fn cell(trouble: Trouble) -> Cell {
         Trouble::WrongIdentity => Case {
             fault: Some(Fault::WrongIdentity),
             course: &[Failed, WrongDevice],
-            gap: GapOf::away("*", 0.2),
+            gap: GapOf::away("disconnected: *", 0.2),
             message: "wrong device: found device VMC-OTHER *, expected *, as at the first connection (restart the service if \
                       the machine was changed); correct the port or the configuration",
             ..Case::NONE
@@ -75,8 +75,8 @@ fn cell(trouble: Trouble) -> Cell {
         Trouble::Restarted => Case {
             fault: Some(Fault::AgentRestart),
             course: &[Failed, Streaming],
-            gap: GapOf::away("*", 0.2),
-            message: "*",
+            gap: GapOf::away("disconnected: *", 0.2),
+            message: "disconnected: *",
             ..Case::NONE
         },
         Trouble::ControllerGone => Case {
