@@ -148,6 +148,14 @@ pub fn experiment(runs: &[Run], args: &ModelArgs) -> anyhow::Result<(Experiment,
     Ok((experiment, model))
 }
 
+/// Adds to the time quality what the sweeps of the experiment tell of delays.
+pub fn tell_delay(experiment: &Experiment, timing: &mut [TimeQuality]) -> anyhow::Result<()> {
+    if let Some(last) = timing.last_mut() {
+        last.notes.extend(trunnion_daemon::timing::delay_by_feeds(experiment)?);
+    }
+    Ok(())
+}
+
 /// Reads a model file.
 pub fn model(path: &Path) -> anyhow::Result<Model> {
     Ok(Model::parse(&path.display().to_string(), &read(path)?)?)

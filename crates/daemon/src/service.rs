@@ -246,7 +246,15 @@ pub fn analyse_recording(
         .map_err(|source| ServiceError::Experiment { path: path.into(), source })?;
     let analysis = analysis::climb(&experiment, model, date)
         .map_err(|source| ServiceError::Analysis { path: path.into(), source: Box::new(source) })?;
-    Ok((experiment, analysis, recording.timing))
+    let mut timing = recording.timing;
+    if let Some(timing) = &mut timing {
+        let told = crate::timing::delay_by_feeds(&experiment).map_err(|source| ServiceError::Analysis {
+            path: path.into(),
+            source: Box::new(source.into()),
+        })?;
+        timing.notes.extend(told);
+    }
+    Ok((experiment, analysis, timing))
 }
 
 async fn report_cycle(

@@ -5,6 +5,8 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use trunnion_acquire::{GestureFinder, Retiming, Stream, Survey};
+use trunnion_effects::{Model, ModelEffect};
+use trunnion_identify::{Experiment, IdentifyError};
 use trunnion_measurement::time_quality::{Gesture, StreamTiming, TimeQuality};
 use trunnion_measurement::{AxisSample, Gap, NestSide, ProbeSample, RunKind};
 use trunnion_record::{Item, RecordError, RunHeader, visit_samples};
@@ -14,6 +16,8 @@ use trunnion_units::{AxisLetter, AxisValues};
 const BEGIN_S: f64 = 0.05;
 /// Delays at the start and at the end differ when they do by so many standard uncertainties.
 const DIFFERS: f64 = 5.0;
+/// Feeds that differ by this factor are two feeds.
+const TWO_FEEDS: f64 = 1.3;
 /// Share of the stroke by which a probe may miss what the nest calibration expects of it.
 const GAIN_SLACK: f64 = 0.25;
 
@@ -213,6 +217,60 @@ fn nest_motion(plan: &Plan, axis: AxisLetter, position: &AxisValues<f64>) -> Vec
             tool_from_table.rotation * -in_table
         }
     }
+}
+
+/// What the sweeps of an experiment tell of the delay between rotary and linear axes, and of the probes where their motion shows
+/// it; `None` at rest. With one feed, or in one direction, a delay looks like backlash or the phase of a once-per-turn error:
+/// then it is only said what is missing [METHODS §9].
+///
+/// # Errors
+/// When the fit fails.
+pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, IdentifyError> {
+    let scene = &experiment.scene;
+    let turning: Vec<AxisLetter> = AxisLetter::ROTARY
+        .into_iter()
+        .filter(|&letter| scene.machine.axis(letter).is_some() && scene.speed_range[letter].1 > 0.0)
+        .collect();
+    if !scene.on_the_fly || turning.is_empty() {
+        return Ok(None);
+    }
+    let both_ways = turning.iter().all(|&letter| scene.direction_range[letter] == (-1.0, 1.0));
+    let two_feeds =
+        turning.iter().all(|&letter| scene.speed_range[letter].1 > TWO_FEEDS * scene.speed_range[letter].0);
+    if !(both_ways && two_feeds) {
+        let missing = if both_ways { "a second feed" } else { "the other direction of travel" };
+        return Ok(Some(format!(
+            "The delay between the axes cannot be told from backlash and the phase of a once-per-turn error without {missing}."
+        )));
+    }
+    let mut model = Model::base(&scene.machine.name);
+    let beside =
+        turning.iter().flat_map(|axis| [format!("backlash:{axis}"), format!("encoder-eccentricity:{axis}")]);
+    for id in std::iter::once("sync-delay".to_owned()).chain(beside) {
+        model.effects.push(ModelEffect { id, ..ModelEffect::default() });
+    }
+    let fit = trunnion_identify::identify(experiment, &model, &trunnion_identify::Options::default())?;
+    let told: Vec<String> = fit
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.effect == "sync-delay")
+        .filter_map(|parameter| {
+            let (value, u) = (parameter.value?, parameter.u?);
+            let what = if parameter.name.contains("rotary") {
+                "the rotary axes come later than the linear axes"
+            } else {
+                "the readings come later than the axes"
+            };
+            let duration = |inside: f64| trunnion_report::duration(inside * parameter.unit.per_inside * 1e-3);
+            Some(format!("{what} by {} (u {})", duration(value), duration(u)))
+        })
+        .collect();
+    Ok((!told.is_empty()).then(|| {
+        format!(
+            "From both directions at two feeds, told apart from backlash and once-per-turn error: {}.",
+            told.join("; ")
+        )
+    }))
 }
 
 /// The plan of a recording that carries its machine, cycle and configuration; `None` when it does not, or when they cannot be

@@ -41,8 +41,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let load::Loaded { runs, outcome, timing } = load::runs(&args.runs)?;
+    let load::Loaded { runs, outcome, mut timing } = load::runs(&args.runs)?;
     let (experiment, model) = load::experiment(&runs, &args.model)?;
+    load::tell_delay(&experiment, &mut timing)?;
     let told = args.formula.told();
     match &args.trial {
         Some(effect) => try_effect(args, &experiment, &model, effect, &told)?,

@@ -79,8 +79,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 fn jointly(args: &Args) -> anyhow::Result<Outcome> {
-    let load::Loaded { runs, outcome, timing } = load::runs(&args.runs)?;
+    let load::Loaded { runs, outcome, mut timing } = load::runs(&args.runs)?;
     let (experiment, model) = load::experiment(&runs, &args.model)?;
+    load::tell_delay(&experiment, &mut timing)?;
     let identification =
         trunnion_identify::identify(&experiment, &model, &trunnion_identify::Options::default())?;
     let located = args
