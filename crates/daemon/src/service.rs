@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
+use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
 use trunnion_acquire::{CycleBounds, DeviceStatus, Message, Progress, TimeBase};
@@ -121,6 +122,8 @@ pub async fn serve(
     let mut timebase = TimeBase::new(clock.now());
     tell_systemd(&[sd_notify::NotifyState::Ready]);
     let mut bounds = CycleBounds::new(config.cycle_start.clone());
+    // Cycles are analysed while the next one is waited for and measured.
+    let mut reports = JoinSet::new();
     info!(machine = config.name, cycle = plan.cycle.name, "waiting for {}", config.cycle_start.about());
     while let Some(start) =
         live::wait_for_start(&mut acquisition.messages, &mut timebase, &mut bounds, &cancel).await
@@ -148,14 +151,37 @@ pub async fn serve(
             &mut progress,
         )
         .await;
-        let outcome = match recorded {
-            Ok(recorded) => report_cycle(recorded, &model, plan.machine.clone(), &clock, &board).await,
-            Err(failure) => Err(failure),
-        };
-        if let Err(failure) = outcome {
-            error!(error = &failure as &dyn std::error::Error, run = name, "the cycle failed");
-            board.set("cycle", &json!({ "state": "failed", "run": name, "why": chain(&failure) }));
+        match recorded {
+            Ok(recorded) => {
+                board.set(
+                    "cycle",
+                    &json!({ "state": "done", "run": recorded.path.display().to_string(),
+                    "ended": recorded.ended, "gaps": recorded.gaps.len(),
+                    "lost_samples": recorded.lost_samples }),
+                );
+                let (model, machine, board) = (model.clone(), plan.machine.clone(), board.clone());
+                let date = day(clock.wall_ns());
+                reports.spawn(async move {
+                    if let Err(failure) = report_cycle(recorded, model, machine, date, &board).await {
+                        error!(error = &failure as &dyn std::error::Error, run = name, "the analysis failed");
+                        board.set(
+                            "result",
+                            &json!({ "state": "failed", "run": name, "why": chain(&failure) }),
+                        );
+                    }
+                });
+            }
+            Err(failure) => {
+                error!(error = &failure as &dyn std::error::Error, run = name, "the cycle failed");
+                board.set("cycle", &json!({ "state": "failed", "run": name, "why": chain(&failure) }));
+            }
         }
+        while let Some(ended) = reports.try_join_next() {
+            ended.map_err(|_| ServiceError::Broken("report"))?;
+        }
+    }
+    while let Some(ended) = reports.join_next().await {
+        ended.map_err(|_| ServiceError::Broken("report"))?;
     }
     acquisition.stop().await;
     tell_systemd(&[sd_notify::NotifyState::Stopping]);
@@ -259,12 +285,12 @@ pub fn analyse_recording(
 
 async fn report_cycle(
     recorded: Recorded,
-    model: &Model,
+    model: Model,
     machine: Machine,
-    clock: &Arc<dyn Clock>,
+    date: String,
     board: &Board,
 ) -> Result<(), ServiceError> {
-    let (path, model, date) = (recorded.path.clone(), model.clone(), day(clock.wall_ns()));
+    let path = recorded.path.clone();
     let losses = crate::page::losses(&recorded.gaps, recorded.lost_samples);
     let analysed = tokio::task::spawn_blocking(move || {
         let (experiment, analysis, timing) = analyse_recording(&path, &machine, &model, &date)?;
@@ -295,11 +321,6 @@ async fn report_cycle(
             "rms_um_after": trunnion_units::convert::um_from_mm(analysis.identification().rms_mm),
             "report": path.with_extension("html").display().to_string(),
         }),
-    );
-    board.set(
-        "cycle",
-        &json!({ "state": "done", "run": path.display().to_string(), "ended": recorded.ended,
-        "gaps": recorded.gaps.len(), "lost_samples": recorded.lost_samples }),
     );
     Ok(())
 }

@@ -1,9 +1,9 @@
 //! Errors of every sample, four ways of timing it.
 
-use crate::floor::{DEVICES, PROBE_CLOCKS};
+use crate::floor::{BAR_ZERO_MM, DEVICES, PROBE_CLOCKS};
 use crate::world::{ClockWorld, MARGIN_S};
 use std::collections::BTreeMap;
-use trunnion_acquire::{GestureFinder, Message, Reading, Stream, Survey, TimeBase, Timed};
+use trunnion_acquire::{GestureFinder, Message, Stream, Survey, TimeBase, Timed};
 use trunnion_hil_sim::devices::DeviceClock;
 use trunnion_measurement::{AxisSample, ProbeSample, Stamp};
 use trunnion_units::{AxisLetter, HostTime};
@@ -59,9 +59,8 @@ pub fn of(messages: &[Message], seconds: f64) -> Vec<StreamErrors> {
             Some(Timed::Probe(sample)) => {
                 surveys.entry(device).or_default().probe(&sample);
                 probes.push(sample);
-                if let (Reading::Probe(reading), true) = (&message.reading, sample.value_mm.is_finite()) {
-                    let truth_s =
-                        truth_of_probe(device, reading.device_ticks, sample.value_mm, sample.stamp.arrival_s);
+                if sample.value_mm.is_finite() {
+                    let truth_s = truth_of_probe(device, &sample);
                     let channel = Some(sample.channel);
                     samples.push(Sample {
                         device,
@@ -138,10 +137,16 @@ pub fn of(messages: &[Message], seconds: f64) -> Vec<StreamErrors> {
 }
 
 /// From the device's own clock where it has one, else from what it shows.
-fn truth_of_probe(device: usize, ticks: u64, value_mm: f64, arrival_s: f64) -> f64 {
+fn truth_of_probe(device: usize, sample: &ProbeSample) -> f64 {
+    let stamp = sample.stamp;
     match PROBE_CLOCKS.get(device) {
-        Some(&(offset_s, rate_ppm)) => DeviceClock::steady(offset_s, rate_ppm).cell_s(ticks as f64 * 1e-6),
-        None => ClockWorld::time_of_reading(value_mm, arrival_s - 0.01),
+        Some(&(offset_s, rate_ppm)) => {
+            DeviceClock::steady(offset_s, rate_ppm).cell_s(stamp.ticks as f64 * stamp.tick_s)
+        }
+        None => {
+            let zero_mm = if DEVICES[device].0.contains("CiA 406") { BAR_ZERO_MM } else { 0.0 };
+            ClockWorld::time_of_reading(sample.value_mm - zero_mm, stamp.arrival_s - 0.01)
+        }
     }
 }
 

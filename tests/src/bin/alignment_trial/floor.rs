@@ -33,6 +33,8 @@ impl Clock for CellClock {
 pub const WALL_NS: i64 = 1_780_000_000_000_000_000;
 /// Clocks of the probes and of the controller.
 pub const PROBE_CLOCKS: [(f64, f64); 2] = [(812.25, 34.0), (97.5, -21.0)];
+/// What the simulated ball bar shows at no change of length, mm.
+pub const BAR_ZERO_MM: f64 = 10.0;
 const CNC_CLOCK: (f64, f64) = (-1.75, 12.0);
 
 /// Name of each device in the order of the configuration, and its transport.

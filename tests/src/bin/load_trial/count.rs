@@ -96,6 +96,8 @@ pub fn count(path: &Path, duration_s: f64) -> anyhow::Result<Counts> {
                 }
             }
             Item::Point(_) => points += 1,
+            // What was missing before the cycle began is no loss of it.
+            Item::Gap(gap) if gap.to_s <= 0.0 => {}
             Item::Gap(gap) => {
                 lost += gap.lost_samples.unwrap_or(1);
                 gaps.push(format!(
