@@ -18,6 +18,11 @@
 //! (never the server's); `instants` brings them to common instants and tells the skew. A server tells changes only: while
 //! it answers and nothing changes, held positions are sent.
 
+#![cfg_attr(
+    not(feature = "opcua"),
+    expect(dead_code, reason = "the keys are read and checked; the session only says what to build with")
+)]
+
 #[cfg(feature = "opcua")]
 mod connect;
 #[cfg(feature = "opcua")]
