@@ -39,6 +39,9 @@ fn config_text(ports: &Path, agent: &str) -> String {
     text + &format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{agent}\"\n")
 }
 
+/// Two shop floors at once are more than a small computer simulates in real time.
+static ONE_FLOOR: tokio::sync::Mutex<()> = tokio::sync::Mutex::const_new(());
+
 /// Lets the service measure one cycle on this floor until its report is there; the path of the recording.
 async fn measured(
     folder: &Path,
@@ -46,6 +49,7 @@ async fn measured(
     mut floor: CellConfig,
     cycle_text: &str,
 ) -> PathBuf {
+    let _floor = ONE_FLOOR.lock().await;
     let cycle = Cycle::parse("c.toml", cycle_text).unwrap();
     let machine = shipped::machine("table-bc").unwrap();
     let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
@@ -93,7 +97,7 @@ fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_probe_unplugged_for_three_seconds_leaves_a_gap_and_the_cycle_goes_on_to_its_report() {
+async fn probes_unplugged_for_a_while_or_for_good_leave_gaps_and_the_cycle_goes_on_to_its_report() {
     let folder = tempfile::tempdir().unwrap();
     let cycle_text = CYCLE.replace("step_deg = 30", "step_deg = 60");
     let cycle = Cycle::parse("c.toml", &cycle_text).unwrap();
@@ -111,15 +115,21 @@ async fn a_probe_unplugged_for_three_seconds_leaves_a_gap_and_the_cycle_goes_on_
     let world = scenario::static_cycle(virtual_machine, "c", &stations, pace).unwrap();
     let mut floor = CellConfig::new(folder.path(), 0);
     floor.probes[1].1.push(ScheduledFault { at_s: 4.0, fault: Fault::Unplug { duration_s: 3.0 } });
+    // The third is unplugged towards the end and does not come back.
+    let last_s = duration_s - 4.0;
+    floor.probes[2].1.push(ScheduledFault { at_s: last_s, fault: Fault::Unplug { duration_s: 600.0 } });
     let path = measured(folder.path(), world, floor, &cycle_text).await;
 
     let recording = trunnion_record::read_run(&path, &|_| Some(machine.clone())).unwrap();
     let gap =
         recording.gaps.iter().find(|gap| gap.source.contains("probe-2") && gap.to_s > 3.0).expect("a gap");
     assert!(gap.to_s - gap.from_s > 2.5 && gap.to_s - gap.from_s < 8.0, "{gap:?}");
+    let is_open = |gap: &&trunnion_measurement::Gap| gap.source == "probe-3" && gap.from_s > last_s - 2.0;
+    let open = recording.gaps.iter().find(is_open).expect("a gap at the end");
+    assert!(open.reason.contains("until the end"), "{open:?}");
     assert_eq!(recording.run.points.len(), stations.len(), "every pose is accounted for");
     let good = recording.run.points.iter().filter(|point| point.quality == Quality::Good).count();
-    assert!(good > stations.len() / 2 && good < stations.len(), "{good} of {}", stations.len());
+    assert!(good > stations.len() / 3 && good < stations.len(), "{good} of {}", stations.len());
     let page = std::fs::read_to_string(path.with_extension("html")).unwrap();
     assert!(page.contains("Time quality") && page.contains("probe-2"));
 }

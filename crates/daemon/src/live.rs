@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
-use trunnion_acquire::{Bound, CycleBounds, EndReason, Message, Progress, TimeBase, Timed};
+use trunnion_acquire::{Bound, Channel, CycleBounds, EndReason, Message, Progress, Role, TimeBase, Timed};
 use trunnion_measurement::{Event, Gap};
 use trunnion_record::{Item, RecordSender, Temperature};
 use trunnion_units::{Clock, HostTime};
@@ -42,6 +42,8 @@ pub struct Start {
 const AFTERMATH_S: f64 = 1.0;
 /// No program moves sooner after its start, s.
 const FIRST_MOTION_S: f64 = 0.05;
+/// A channel without a sample for so long at the end of a run was away, s; the slowest indicators speak every second.
+const AWAY_S: f64 = 2.5;
 /// With no message of any device for so long the cycle ends.
 const SILENCE: Duration = Duration::from_secs(60);
 
@@ -119,6 +121,7 @@ pub async fn measure(
             progress(now);
         }
     }
+    measurement.record_open_gaps(clock.now());
     Ok(measurement.into_measured())
 }
 
@@ -126,11 +129,13 @@ pub async fn measure(
 struct Measurement<'m> {
     forming: Forming,
     recorder: &'m RecordSender,
-    channels: &'m [trunnion_acquire::Channel],
+    channels: &'m [Channel],
     points: u64,
     gaps: Vec<Gap>,
     temperature_channels: Vec<String>,
     controller_ended_s: Option<f64>,
+    /// Newest sample of every channel, then of the axes, s.
+    newest_s: Vec<f64>,
     most_waiting: usize,
 }
 
@@ -148,6 +153,7 @@ impl<'m> Measurement<'m> {
             gaps: Vec::new(),
             temperature_channels: temperature_channels.to_vec(),
             controller_ended_s: None,
+            newest_s: vec![0.0; plan.channels.len() + 1],
             most_waiting: 0,
         })
     }
@@ -161,10 +167,16 @@ impl<'m> Measurement<'m> {
         }
         let formed = match timed {
             Timed::Probe(sample) => {
+                if let Some(newest_s) = self.newest_s.get_mut(usize::from(sample.channel)) {
+                    *newest_s = newest_s.max(sample.time_s);
+                }
                 self.record(Item::Probes(vec![sample]), now);
                 self.forming.probe(&sample)
             }
             Timed::Axes(sample) => {
+                if let Some(newest_s) = self.newest_s.last_mut() {
+                    *newest_s = newest_s.max(sample.time_s);
+                }
                 self.record(Item::Axes(vec![sample]), now);
                 self.forming.axes(&sample)
             }
@@ -195,6 +207,22 @@ impl<'m> Measurement<'m> {
     fn told_end(&mut self, time_s: f64, why: String, now: HostTime) {
         self.record(Item::Event(Event { time_s, kind: "end-seen".into(), text: why }), now);
         self.controller_ended_s = Some(time_s);
+    }
+
+    /// A device that is away when the run ends would close its gap only in the next one.
+    fn record_open_gaps(&mut self, now: HostTime) {
+        let end_s = self.forming.newest_s();
+        let samples = |channel: &&Channel| channel.role != Role::Temperature;
+        let named = self.channels.iter().enumerate().filter(|(_, channel)| samples(channel));
+        let sources = named.map(|(k, channel)| (k, channel.name.clone()));
+        let sources: Vec<_> = sources.chain([(self.channels.len(), "controller".into())]).collect();
+        for (k, source) in sources {
+            let from_s = self.newest_s[k];
+            if end_s - from_s > AWAY_S {
+                let reason = "no sample until the end of the run; the state of the device says why".into();
+                self.gap(Gap { source, from_s, to_s: end_s, lost_samples: None, reason }, now);
+            }
+        }
     }
 
     fn finish(&mut self, reason: EndReason, now: HostTime) {
