@@ -50,8 +50,8 @@ async fn measured(
     cycle_text: &str,
 ) -> PathBuf {
     let _floor = ONE_FLOOR.lock().await;
-    let cycle = Cycle::parse("c.toml", cycle_text).unwrap();
-    let machine = shipped::machine("table-bc").unwrap();
+    let cycle = Cycle::parse("c.toml", cycle_text).expect("the cycle is good");
+    let machine = shipped::machine("table-bc").expect("it is shipped");
     let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
     floor.can = None;
     if let Some((agent, _)) = &mut floor.controller {
@@ -59,10 +59,10 @@ async fn measured(
         agent.wall_ns_at_origin = clock.wall_ns();
     }
     let begin = tokio::time::Instant::now() + Duration::from_secs(3);
-    let cell = cell::start(Arc::new(world), floor, begin).await.unwrap();
-    let url = cell.controller.as_ref().unwrap().url().unwrap().to_string();
+    let cell = cell::start(Arc::new(world), floor, begin).await.expect("the floor starts");
+    let url = cell.controller.as_ref().and_then(|agent| agent.url()).expect("an agent").to_string();
     let text = config_text(folder, &url);
-    let config = Config::parse(&folder.join("trunnion.toml"), &text).unwrap();
+    let config = Config::parse(&folder.join("trunnion.toml"), &text).expect("the configuration is good");
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
     let texts = Texts { machine: shipped::FILES[0].1.into(), cycle: cycle_text.into(), config: text };
     let runs = config.recordings.clone();
@@ -84,7 +84,7 @@ async fn measured(
     };
     let report = tokio::time::timeout(Duration::from_secs(180), report).await.expect("the cycle is reported");
     cancel.cancel();
-    service.await.unwrap().unwrap();
+    service.await.expect("no panic").expect("no failure");
     cell.shutdown().await;
     PathBuf::from(report.to_string_lossy().replace("diagnosis.json", "mcap"))
 }
