@@ -115,7 +115,8 @@ impl StreamSurvey {
             rate_hz: if span_s > 0.0 { (self.samples - 1) as f64 / span_s } else { 0.0 },
             lines: self.lines.len(),
             drift_ppm: mean_of(&|line| {
-                line.line().map(|line| line.drift * 1e6).filter(|drift| *drift != 0.0)
+                // A clock that is fast has short ticks.
+                line.line().map(|line| -line.drift * 1e6).filter(|drift| *drift != 0.0)
             }),
             jitter_before_s: squared(&LineSurvey::jitter_before_s),
             jitter_after_s: squared(&LineSurvey::jitter_after_s),
@@ -279,6 +280,7 @@ mod tests {
         assert_eq!((timing.samples, timing.lines), (90_000, 4));
         let before = timing.jitter_before_s.unwrap();
         assert!((before - 0.016 / 12f64.sqrt()).abs() < 0.0002, "{before}");
+        assert!(timing.drift_ppm.unwrap() > 0.0, "the clock is fast: {timing:?}");
         for (k, (truth_s, sample)) in run.iter().enumerate() {
             let error_s = retiming.time_s(Stream::Probe(0), &sample.stamp).unwrap() - truth_s;
             // Some seconds around the jump is told as a gap; the rest is late by what every reading is, and up to one sample: a run of

@@ -61,11 +61,7 @@ pub fn sentences(quality: &TimeQuality) -> Vec<String> {
         format!("{}: {} readings said only that nothing had changed.", stream.name, stream.held)
     });
     let anew = quality.streams.iter().filter(|stream| stream.lines > 1).map(|stream| {
-        format!(
-            "{}: its clock was fitted anew {} times (new connections or jumps).",
-            stream.name,
-            stream.lines - 1
-        )
+        format!("{}: {} lines for its clock (new connections or jumps).", stream.name, stream.lines)
     });
     skewed
         .chain(held)
