@@ -1,6 +1,6 @@
 //! A cycle on the virtual machine: the motion of the CNC, and what the probes see along it.
 
-use crate::devices::{SimulatedCell, orthogonal_nest};
+use crate::devices::SimulatedCell;
 use crate::motion::{Follow, Program, ProgramError, Step, Trajectory};
 use crate::physics::{Sampler, VirtualMachine};
 use std::sync::Arc;
@@ -162,14 +162,10 @@ fn cell(
         std::array::from_fn(|k| ideal[k] + offsets_mm[step][k])
     };
     SimulatedCell {
-        trajectory,
         program: program.into(),
-        setup: 0,
         deflection_mm: Box::new(deflection_mm),
-        bar_mm: Box::new(|_| 0.0),
-        temperature_degc: Box::new(|_| 20.0),
-        probe_directions: orthogonal_nest(),
         noise_mm: SAMPLE_NOISE_MM,
         seed,
+        ..SimulatedCell::along(trajectory)
     }
 }

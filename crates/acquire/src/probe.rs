@@ -96,7 +96,7 @@ pub async fn ask_at(
     request: &[u8],
     limit: Duration,
 ) -> Result<Vec<u8>, SessionEnd> {
-    let (mut port, _remark) = serial::open_framed(name, baud, framing)?;
+    let (mut port, _remark) = serial::open_remarked(name, baud, framing)?;
     ask(&mut port, request, limit).await
 }
 

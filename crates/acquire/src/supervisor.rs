@@ -191,7 +191,9 @@ async fn supervise(config: DeviceConfig, mut link: Link, cancel: CancellationTok
         let end = tokio::select! {
             biased;
             () = cancel.cancelled() => SessionEnd::Cancelled,
-            end = config.device.session(&mut link) => end,
+            ended = config.device.session(&mut link) => match ended {
+                Err(end) => end,
+            },
         };
         let end = if cancel.is_cancelled() { SessionEnd::Cancelled } else { end };
         if link.was_healthy() {

@@ -66,6 +66,21 @@ pub struct SimulatedCell {
 }
 
 impl SimulatedCell {
+    /// A machine that moves so; nothing deflects, it is 20 °C, the nest is orthogonal, and there is no noise.
+    pub fn along(trajectory: Trajectory) -> Self {
+        Self {
+            trajectory,
+            program: String::new(),
+            setup: 0,
+            deflection_mm: Box::new(|_| [0.0; 3]),
+            bar_mm: Box::new(|_| 0.0),
+            temperature_degc: Box::new(|_| 20.0),
+            probe_directions: orthogonal_nest(),
+            noise_mm: 0.0,
+            seed: 1,
+        }
+    }
+
     /// Deflection in nest axes without noise, mm.
     pub fn true_deflection_mm(&self, t_s: f64) -> [f64; 3] {
         (self.deflection_mm)(&self.state(t_s))

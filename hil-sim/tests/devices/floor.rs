@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 use tokio::time::Instant;
+use trunnion_hil_sim::devices::SimulatedCell;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig, start};
-use trunnion_hil_sim::devices::{SimulatedCell, orthogonal_nest};
 use trunnion_hil_sim::motion::{Follow, Program, Step, Trajectory};
 use trunnion_units::AxisLetter::{B, C, X, Y};
 use trunnion_units::AxisValues;
@@ -25,9 +25,7 @@ pub fn world() -> Arc<SimulatedCell> {
     let sweep = Step::Sweep { axis: C, from: 0.0, to: 100.0 * TAU, feed: 1.0, ramp_s: 0.2, follow };
     let program = Program { start, steps: vec![Step::Dwell { duration_s: 0.5 }, sweep] };
     Arc::new(SimulatedCell {
-        trajectory: Trajectory::compile(&program).unwrap(),
         program: "O1000".into(),
-        setup: 0,
         deflection_mm: Box::new(|state| {
             let c = state.position[C];
             [0.1 * c.sin(), 0.05 * c.cos(), 0.02]
@@ -35,9 +33,8 @@ pub fn world() -> Arc<SimulatedCell> {
         // Grows with the angle, so that a value tells its instant
         bar_mm: Box::new(|state| 0.5 * state.position[C]),
         temperature_degc: Box::new(|t_s| 21.0 + 0.5 * t_s),
-        probe_directions: orthogonal_nest(),
         noise_mm: 0.0005,
-        seed: 3,
+        ..SimulatedCell::along(Trajectory::compile(&program).unwrap())
     })
 }
 

@@ -14,7 +14,7 @@ mod settings;
 
 use super::{Device, Driver, Session};
 use crate::config::Role;
-use crate::message::{Counters, ProbeReading, Reading, TemperatureReading};
+use crate::message::{ProbeReading, Reading, TemperatureReading};
 use crate::supervisor::{Link, SessionEnd};
 use crate::transport::asked::{Exchange, exchange};
 use crate::transport::serial::{self, Port};
@@ -51,33 +51,20 @@ impl Device for Settings {
 
     fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a> {
         Box::pin(async move {
-            let (port, remark) = match serial::open_framed(&self.port, self.baud, self.framing) {
-                Ok(opened) => opened,
-                Err(end) => return end,
-            };
-            if let Some(remark) = remark {
-                link.log(true, remark);
-            }
+            let port = serial::open(&self.port, self.baud, self.framing, link)?;
             let mut ticker = interval(self.poll);
             ticker.set_missed_tick_behavior(MissedTickBehavior::Delay);
             let mut reader = Reader {
                 settings: self,
                 port,
                 decoder: Decoder::new(self.format.clone()),
-                counters: Counters::default(),
                 ticker,
                 begun: link.now(),
                 sequence: 0,
                 last: None,
                 strange: 0,
             };
-            let end = match reader.run(link).await {
-                Ok(never) => match never {},
-                Err(end) => end,
-            };
-            let totals = reader.counters();
-            link.final_counters(totals);
-            end
+            reader.run(link).await
         })
     }
 }
@@ -86,7 +73,6 @@ struct Reader<'a> {
     settings: &'a Settings,
     port: Port,
     decoder: Decoder,
-    counters: Counters,
     ticker: Interval,
     begun: HostTime,
     /// Requests, or lines of a device that is not asked.
@@ -103,14 +89,15 @@ impl Reader<'_> {
         loop {
             let asked = !self.settings.format.request.is_empty();
             let lines = if asked { self.ask(link).await? } else { self.listen(link).await? };
-            let arrival = lines.arrival;
+            let (arrival, seen) = (lines.arrival, self.decoder.counts());
+            (link.counters.dropped_bytes, link.counters.resyncs) = (seen.dropped_bytes, seen.resyncs);
             for line in lines.answer.iter().flatten() {
                 if self.take(line, &lines, link)? {
                     answered = arrival;
                     self.port.makes_sense();
                 }
             }
-            link.counters(self.counters(), arrival);
+            link.tell_counters(arrival);
             let waited = arrival - answered;
             if waited >= link.silence {
                 let what = if asked { self.settings.shown_request() } else { "on its own".into() };
@@ -148,7 +135,7 @@ impl Reader<'_> {
         let wrong = |found: String| SessionEnd::WrongDevice { found, expected: self.settings.shown() };
         match line {
             Line::Strange(text) => {
-                self.counters.damaged += 1;
+                link.counters.damaged += 1;
                 self.strange += 1;
                 if self.last.is_none() && self.strange >= STRANGE_LINES {
                     return Err(wrong(format!("a device that says \"{}\"", text.escape_default())));
@@ -171,17 +158,12 @@ impl Reader<'_> {
             && self.sequence > last + 1
         {
             let lost = self.sequence - last - 1;
-            self.counters.lost_readings += lost;
             link.gap(at, exchange.arrival, Some(lost), "answers were missing or damaged".into());
         }
         self.last = Some((self.sequence, exchange.arrival));
-        self.counters.readings += 1;
         let reading = match line {
             Line::Value(measured) => self.value(*measured, exchange, link).map_err(wrong)?,
-            Line::Error { index, text } => {
-                self.counters.error_readings += 1;
-                self.without_value(*index, text, exchange, link)
-            }
+            Line::Error { index, text } => self.without_value(*index, text, exchange, link),
             Line::Strange(_) | Line::Unit(_) => return Ok(false),
         };
         link.reading(reading, exchange.arrival);
@@ -244,10 +226,5 @@ impl Reader<'_> {
             value_mm,
             arrival: moment,
         })
-    }
-
-    fn counters(&self) -> Counters {
-        let seen = self.decoder.counts();
-        Counters { dropped_bytes: seen.dropped_bytes, resyncs: seen.resyncs, ..self.counters }
     }
 }

@@ -11,7 +11,6 @@ mod probe;
 use super::canopen::Network;
 use super::{Device, Driver, Session};
 use crate::config::Role;
-use crate::message::Counters;
 use crate::supervisor::{Link, SessionEnd};
 use adapter::OpenAdapter;
 use std::convert::Infallible;
@@ -60,21 +59,13 @@ impl Device for CanopenSlcan {
     }
 
     fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a> {
-        Box::pin(async move {
-            let mut counters = Counters::default();
-            let end = match self.run(link, &mut counters).await {
-                Ok(never) => match never {},
-                Err(end) => end,
-            };
-            link.final_counters(counters);
-            end
-        })
+        Box::pin(self.run(link))
     }
 }
 
 impl CanopenSlcan {
-    async fn run(&self, link: &mut Link, counters: &mut Counters) -> Result<Infallible, SessionEnd> {
+    async fn run(&self, link: &mut Link) -> Result<Infallible, SessionEnd> {
         let mut adapter = OpenAdapter::open(&self.port, self.baud, self.bitrate, link).await?;
-        self.network.measure(&mut adapter, link, counters).await
+        self.network.measure(&mut adapter, link).await
     }
 }

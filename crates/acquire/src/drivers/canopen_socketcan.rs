@@ -12,7 +12,6 @@ mod stamps;
 use super::canopen::Network;
 use super::{Device, Driver, Session};
 use crate::config::Role;
-use crate::message::Counters;
 use crate::probe::{Answer, Found, Medium, Probe, Probing};
 use crate::supervisor::{Link, SessionEnd};
 use socket::OpenInterface;
@@ -76,21 +75,13 @@ impl Device for CanopenSocketcan {
     }
 
     fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a> {
-        Box::pin(async move {
-            let mut counters = Counters::default();
-            let end = match self.run(link, &mut counters).await {
-                Ok(never) => match never {},
-                Err(end) => end,
-            };
-            link.final_counters(counters);
-            end
-        })
+        Box::pin(self.run(link))
     }
 }
 
 impl CanopenSocketcan {
-    async fn run(&self, link: &mut Link, counters: &mut Counters) -> Result<Infallible, SessionEnd> {
+    async fn run(&self, link: &mut Link) -> Result<Infallible, SessionEnd> {
         let mut interface = OpenInterface::open(&self.interface)?;
-        self.network.measure(&mut interface, link, counters).await
+        self.network.measure(&mut interface, link).await
     }
 }

@@ -14,10 +14,10 @@ mod probe;
 
 use super::{Device, Driver, Session};
 use crate::config::Role;
-use crate::message::{Counters, ProbeReading, Reading};
+use crate::message::{ProbeReading, Reading};
 use crate::supervisor::{Link, SessionEnd};
 use crate::transport::asked::{Exchange, exchange};
-use crate::transport::serial::{self, Port};
+use crate::transport::serial::{self, Framing, Port};
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
@@ -102,31 +102,16 @@ impl Device for DlRs1a {
 
     fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a> {
         Box::pin(async move {
-            let (port, remark) = match serial::open(&self.port, self.baud) {
-                Ok(opened) => opened,
-                Err(end) => return end,
-            };
-            if let Some(remark) = remark {
-                link.log(true, remark);
-            }
-            let begun = link.now();
             let mut poller = Poller {
                 config: self,
-                port,
+                port: serial::open(&self.port, self.baud, Framing::PLAIN, link)?,
                 decoder: Decoder::default(),
-                counters: Counters::default(),
-                begun,
+                begun: link.now(),
                 polls: 0,
                 last: None,
                 without_value: vec![false; self.heads.len()],
             };
-            let end = match poller.run(link).await {
-                Ok(never) => match never {},
-                Err(end) => end,
-            };
-            let totals = poller.counters();
-            link.final_counters(totals);
-            end
+            poller.run(link).await
         })
     }
 }
@@ -135,7 +120,6 @@ struct Poller<'a> {
     config: &'a DlRs1a,
     port: Port,
     decoder: Decoder,
-    counters: Counters,
     begun: HostTime,
     polls: u64,
     /// Number and arrival of the last poll that was answered.
@@ -153,7 +137,7 @@ impl Poller<'_> {
             ticker.tick().await;
             self.polls += 1;
             let exchange = self.ask(Command::ReadAll, link).await?;
-            link.counters(self.counters(), exchange.arrival);
+            link.tell_counters(exchange.arrival);
             match &exchange.answer {
                 Some(Reply::All(values)) if values.len() == amplifiers => {
                     answered = exchange.arrival;
@@ -169,7 +153,7 @@ impl Poller<'_> {
                     return Err(SessionEnd::Protocol { doing: "asking M0", fault: refusal.to_string() });
                 }
                 Some(Reply::Refused(_) | Reply::Data { .. }) | None => {
-                    self.counters.damaged += 1;
+                    link.counters.damaged += 1;
                     let waited = exchange.arrival - answered;
                     if waited >= link.silence {
                         return Err(self.port.no_answer("M0", waited));
@@ -223,7 +207,6 @@ impl Poller<'_> {
             && self.polls > last + 1
         {
             let lost = (self.polls - last - 1) * self.config.heads.len() as u64;
-            self.counters.lost_readings += lost;
             link.gap(at, arrival, Some(lost), "replies of the box were missing or damaged".into());
         }
         self.last = Some((self.polls, arrival));
@@ -232,8 +215,6 @@ impl Poller<'_> {
         for (index, head) in self.config.heads.iter().enumerate() {
             let value = values[usize::from(head.amplifier)];
             let position_mm = value.position_mm();
-            self.counters.readings += 1;
-            self.counters.error_readings += u64::from(position_mm.is_none());
             let had_value = !std::mem::replace(&mut self.without_value[index], position_mm.is_none());
             if had_value && position_mm.is_none() {
                 newly_without_value.push(head.amplifier);
@@ -271,7 +252,7 @@ impl Poller<'_> {
         Ok(())
     }
 
-    async fn ask(&mut self, command: Command, link: &Link) -> Result<Exchange<Reply>, SessionEnd> {
+    async fn ask(&mut self, command: Command, link: &mut Link) -> Result<Exchange<Reply>, SessionEnd> {
         let mut request = command.encode();
         if self.config.cr_only {
             request.pop();
@@ -284,14 +265,12 @@ impl Poller<'_> {
             (Command::ReadAll, Reply::Data { .. }) | (Command::Read { .. }, Reply::All(_)) => false,
         };
         let decoder = &mut self.decoder;
-        exchange(&mut self.port, link, &request, REPLY_LIMIT, |bytes| {
+        let answered = exchange(&mut self.port, link, &request, REPLY_LIMIT, |bytes| {
             decoder.push(bytes).into_iter().find(fits)
         })
-        .await
-    }
-
-    fn counters(&self) -> Counters {
+        .await;
         let seen = self.decoder.counts();
-        Counters { dropped_bytes: seen.dropped_bytes, resyncs: seen.resyncs, ..self.counters }
+        (link.counters.dropped_bytes, link.counters.resyncs) = (seen.dropped_bytes, seen.resyncs);
+        answered
     }
 }

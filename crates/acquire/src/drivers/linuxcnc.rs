@@ -12,7 +12,7 @@ mod exchange;
 
 use super::{Device, Driver, Session};
 use crate::config::Role;
-use crate::message::{AxisReading, ControllerReading, Counters, Execution, Reading};
+use crate::message::{AxisReading, ControllerReading, Execution, Reading};
 use crate::supervisor::{Link, SessionEnd};
 use exchange::{Answered, Exchange};
 use std::convert::Infallible;
@@ -83,20 +83,12 @@ impl Device for LinuxCnc {
     }
 
     fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a> {
-        Box::pin(async move {
-            let mut counters = Counters::default();
-            let end = match self.run(link, &mut counters).await {
-                Ok(never) => match never {},
-                Err(end) => end,
-            };
-            link.final_counters(counters);
-            end
-        })
+        Box::pin(self.run(link))
     }
 }
 
 impl LinuxCnc {
-    async fn run(&self, link: &mut Link, counters: &mut Counters) -> Result<Infallible, SessionEnd> {
+    async fn run(&self, link: &mut Link) -> Result<Infallible, SessionEnd> {
         let mut exchange = Exchange::open(&self.host, self.port, &self.address, link.silence).await?;
         let (server, version) = exchange.hello(&self.password, link).await?;
         if let Some(expected) = self.server.as_ref().filter(|expected| **expected != server) {
@@ -115,14 +107,14 @@ impl LinuxCnc {
             polls.tick().await;
             let answered = exchange.get(Item::JointPos, link).await?;
             if let Some(reading) = track.take(self.position(&answered, &units)?, &answered, self.present()) {
-                counters.readings += 1;
                 link.reading(reading, answered.arrival);
             }
             if let Some(reading) = program.ask(&mut exchange, link).await? {
                 link.reading(reading, answered.arrival);
             }
-            (counters.dropped_bytes, counters.damaged) = (exchange.dropped_bytes(), exchange.repeated());
-            link.counters(*counters, answered.arrival);
+            (link.counters.dropped_bytes, link.counters.damaged) =
+                (exchange.dropped_bytes(), exchange.repeated());
+            link.tell_counters(answered.arrival);
         }
     }
 

@@ -16,14 +16,15 @@ pub mod optoncdt;
 use crate::config::Role;
 use crate::probe::Probe;
 use crate::supervisor::{Link, SessionEnd};
+use std::convert::Infallible;
 use std::fmt::Debug;
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::Arc;
 use trunnion_units::input::Table;
 
-/// A session under way.
-pub type Session<'a> = Pin<Box<dyn Future<Output = SessionEnd> + Send + 'a>>;
+/// A session under way; it ends with a reason only.
+pub type Session<'a> = Pin<Box<dyn Future<Output = Result<Infallible, SessionEnd>> + Send + 'a>>;
 
 /// A configured device: what a driver makes of its table.
 pub trait Device: Debug + Send + Sync {

@@ -13,11 +13,11 @@ mod probe;
 
 use super::{Device, Driver, Session};
 use crate::config::Role;
-use crate::message::Counters;
 use crate::supervisor::{Link, SessionEnd};
 use crate::transport::http;
 use hyper::Uri;
 use model::{Items, Model};
+use std::convert::Infallible;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use trunnion_protocol::mtconnect::{self, DevicesDocument, Document, MultipartDecoder, StreamsDocument};
@@ -84,15 +84,7 @@ impl Device for MtConnect {
     }
 
     fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a> {
-        Box::pin(async move {
-            let mut counters = Counters::default();
-            let end = match self.run(link, &mut counters).await {
-                Ok(never) => match never {},
-                Err(end) => end,
-            };
-            link.final_counters(counters);
-            end
-        })
+        Box::pin(self.run(link))
     }
 }
 
@@ -107,11 +99,7 @@ enum StreamEnd {
 }
 
 impl MtConnect {
-    async fn run(
-        &self,
-        link: &mut Link,
-        counters: &mut Counters,
-    ) -> Result<std::convert::Infallible, SessionEnd> {
+    async fn run(&self, link: &mut Link) -> Result<Infallible, SessionEnd> {
         let devices = match self.document("/probe", link).await? {
             Document::Devices(devices) => devices,
             other => return Err(unexpected("asking /probe", &other)),
@@ -125,9 +113,9 @@ impl MtConnect {
             items.letters().iter().map(|letter| letter.as_str()).collect::<Vec<_>>().join(" ")
         ));
         let mut model = Model::new(items);
-        let mut next = self.current(instance, &mut model, link, counters).await?;
+        let mut next = self.current(instance, &mut model, link).await?;
         loop {
-            match self.stream(instance, next, &mut model, link, counters).await? {
+            match self.stream(instance, next, &mut model, link).await? {
                 StreamEnd::Closed(from) => next = from,
                 StreamEnd::Damaged(from) => {
                     let text = "a part of the agent's stream was damaged; it is asked for again";
@@ -137,9 +125,8 @@ impl MtConnect {
                 StreamEnd::OutOfRange => {
                     let before = next;
                     let from = link.last_reading();
-                    next = self.current(instance, &mut model, link, counters).await?;
+                    next = self.current(instance, &mut model, link).await?;
                     let (lost, now) = (next.saturating_sub(before), link.now());
-                    counters.lost_readings += lost;
                     let reason = "the agent's buffer had moved on (OUT_OF_RANGE)".into();
                     link.gap(from.unwrap_or(now), now, Some(lost), reason);
                 }
@@ -168,17 +155,11 @@ impl MtConnect {
     }
 
     /// Takes the present values; gives the sequence number to go on from.
-    async fn current(
-        &self,
-        instance: u64,
-        model: &mut Model,
-        link: &mut Link,
-        counters: &mut Counters,
-    ) -> Result<u64, SessionEnd> {
+    async fn current(&self, instance: u64, model: &mut Model, link: &mut Link) -> Result<u64, SessionEnd> {
         match self.document("/current", link).await? {
             Document::Streams(streams) => {
                 model.forget();
-                take(model, &streams, instance, link, counters)?;
+                take(model, &streams, instance, link)?;
                 Ok(streams.next_sequence)
             }
             other => Err(unexpected("asking /current", &other)),
@@ -191,7 +172,6 @@ impl MtConnect {
         from: u64,
         model: &mut Model,
         link: &mut Link,
-        counters: &mut Counters,
     ) -> Result<StreamEnd, SessionEnd> {
         // Not below the interval, which some agents refuse; often enough to see a machine stand.
         let heartbeat = (link.silence.as_millis() as u32 / 4).min(HEARTBEAT_MS).max(self.interval_ms).max(10);
@@ -216,9 +196,9 @@ impl MtConnect {
             let whole = parts.push(&bytes);
             let losses = parts.losses();
             if losses.bad_parts + losses.dropped_bytes > 0 {
-                counters.dropped_bytes += losses.dropped_bytes;
-                counters.damaged += losses.bad_parts.max(1);
-                link.counters(*counters, link.now());
+                link.counters.dropped_bytes += losses.dropped_bytes;
+                link.counters.damaged += losses.bad_parts.max(1);
+                link.tell_counters(link.now());
                 if next > from {
                     return Ok(StreamEnd::Damaged(next));
                 }
@@ -230,14 +210,14 @@ impl MtConnect {
                 last_part = link.now();
                 match parse(&part.body)? {
                     Document::Streams(streams) => {
-                        take(model, &streams, instance, link, counters)?;
+                        take(model, &streams, instance, link)?;
                         next = streams.next_sequence;
                     }
                     Document::Error(error) if error.is_out_of_range() => return Ok(StreamEnd::OutOfRange),
                     other => return Err(unexpected("reading samples", &other)),
                 }
             }
-            link.counters(*counters, last_part);
+            link.tell_counters(last_part);
             if link.now() - last_part >= link.silence {
                 let waited = link.now() - last_part;
                 return Err(SessionEnd::Silent { who: format!("{} sends no samples", self.url), waited });
@@ -260,7 +240,6 @@ fn take(
     streams: &StreamsDocument,
     instance: u64,
     link: &mut Link,
-    counters: &mut Counters,
 ) -> Result<(), SessionEnd> {
     let found = streams.header.instance_id;
     if found != instance {
@@ -271,7 +250,6 @@ fn take(
         link.log(true, line);
     }
     for reading in model.take(streams, arrival) {
-        counters.readings += 1;
         link.reading(reading, arrival);
     }
     if let Some(by_s) = model.clock_was_set() {

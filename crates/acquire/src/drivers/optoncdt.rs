@@ -7,9 +7,10 @@ mod probe;
 
 use super::{Device, Driver, Session};
 use crate::config::Role;
-use crate::message::{Counters, ProbeReading, Reading};
+use crate::message::{ProbeReading, Reading};
 use crate::supervisor::{Link, SessionEnd};
-use crate::transport::serial::{self, Port};
+use crate::transport::serial::{self, Framing, Port};
+use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 use trunnion_protocol::optoncdt::values::TIMESTAMP_TICK_S;
@@ -70,32 +71,9 @@ impl Device for Optoncdt {
 
     fn session<'a>(&'a self, link: &'a mut Link) -> Session<'a> {
         Box::pin(async move {
-            let mut connection = match self.open(link) {
-                Ok(connection) => connection,
-                Err(end) => return end,
-            };
-            let end = match connection.run(self, link).await {
-                Ok(never) => match never {},
-                Err(end) => end,
-            };
-            let totals = connection.counters();
-            link.final_counters(totals);
-            end
-        })
-    }
-}
-
-impl Optoncdt {
-    fn open(&self, link: &mut Link) -> Result<Connection, SessionEnd> {
-        let (port, remark) = serial::open(&self.port, self.baud)?;
-        if let Some(remark) = remark {
-            link.log(true, remark);
-        }
-        Ok(Connection {
-            port,
-            decoder: Decoder::new(BlockLength::UntilNext),
-            blocks: Vec::new(),
-            counters: Counters::default(),
+            let port = serial::open(&self.port, self.baud, Framing::PLAIN, link)?;
+            let decoder = Decoder::new(BlockLength::UntilNext);
+            Connection { port, decoder, blocks: Vec::new() }.run(self, link).await
         })
     }
 }
@@ -105,7 +83,6 @@ struct Connection {
     decoder: Decoder,
     /// Events read together with a reply and not yet handled.
     blocks: Vec<Event>,
-    counters: Counters,
 }
 
 fn is_of_the_family(info: &SensorInfo) -> bool {
@@ -113,11 +90,7 @@ fn is_of_the_family(info: &SensorInfo) -> bool {
 }
 
 impl Connection {
-    async fn run(
-        &mut self,
-        config: &Optoncdt,
-        link: &mut Link,
-    ) -> Result<std::convert::Infallible, SessionEnd> {
+    async fn run(&mut self, config: &Optoncdt, link: &mut Link) -> Result<Infallible, SessionEnd> {
         self.identify(config, link).await?;
         let layout = self.configure(config, link).await?;
         self.stream(config, &layout, link).await
@@ -195,7 +168,7 @@ impl Connection {
         config: &Optoncdt,
         layout: &Layout,
         link: &mut Link,
-    ) -> Result<std::convert::Infallible, SessionEnd> {
+    ) -> Result<Infallible, SessionEnd> {
         let mut sensor = Sensor::new(config, layout.clone(), link.first_channel);
         let mut last_block = link.now();
         let mut events = std::mem::take(&mut self.blocks);
@@ -205,9 +178,9 @@ impl Connection {
             for event in events {
                 let Event::Block(block) = event else { continue };
                 last_block = arrival;
-                sensor.take(&block, arrival, link, &mut self.counters)?;
+                sensor.take(&block, arrival, link)?;
             }
-            link.counters(self.counters(), arrival);
+            link.tell_counters(arrival);
             let waited = arrival - last_block;
             if waited >= link.silence {
                 return Err(SessionEnd::Silent {
@@ -220,13 +193,11 @@ impl Connection {
                 Some(count) => self.decoder.push(&buffer[..count]),
                 None => Vec::new(),
             };
+            let seen = self.decoder.counts();
+            link.counters.dropped_bytes = seen.dropped_bytes;
+            link.counters.damaged = seen.damaged_blocks;
+            link.counters.resyncs = seen.resyncs;
         }
-    }
-
-    fn counters(&self) -> Counters {
-        let seen = self.decoder.counts();
-        let (dropped_bytes, damaged, resyncs) = (seen.dropped_bytes, seen.damaged_blocks, seen.resyncs);
-        Counters { dropped_bytes, damaged, resyncs, ..self.counters }
     }
 }
 
@@ -261,7 +232,6 @@ impl Sensor {
         block: &trunnion_protocol::optoncdt::Block,
         arrival: HostTime,
         link: &mut Link,
-        counters: &mut Counters,
     ) -> Result<(), SessionEnd> {
         let values = self
             .layout
@@ -287,7 +257,6 @@ impl Sensor {
             && sequence > last + 1
         {
             let lost = sequence - last - 1;
-            counters.lost_readings += lost;
             link.gap(at, arrival, Some(lost), "values lost on the line (counter jumped)".into());
         }
         if let Some((last, at)) = self.last
@@ -296,8 +265,6 @@ impl Sensor {
             link.gap(at, arrival, None, "the sensor began to count anew: it was restarted or reset".into());
         }
         self.last = Some((sequence, arrival));
-        counters.readings += 1;
-        counters.error_readings += u64::from(value_mm.is_nan());
         let raw = i64::from(distance.get());
         let reading =
             ProbeReading { channel: self.channel, device_ticks, tick_s, sequence, raw, value_mm, arrival };

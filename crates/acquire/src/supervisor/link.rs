@@ -62,6 +62,8 @@ impl Outlet {
     }
 }
 
+/// Totals are told at most so often.
+const TELL_COUNTERS: Duration = Duration::from_secs(1);
 /// Codes a device can have in place of a value; more are not kept.
 const MOST_MEANINGS: usize = 256;
 
@@ -71,6 +73,8 @@ pub struct Link {
     pub first_channel: u16,
     /// No reading for so long must end the session.
     pub silence: Duration,
+    /// Totals of the connection. Readings and losses are counted here; what was damaged, the session counts.
+    pub counters: Counters,
     clock: Arc<dyn Clock>,
     outlet: Outlet,
     status: watch::Sender<DeviceStatus>,
@@ -81,7 +85,8 @@ pub struct Link {
     began: HostTime,
     /// Reason of a gap still open: there is nothing since `last_reading`, or since `began`.
     gap_reason: Option<String>,
-    counted: Option<(HostTime, Counters)>,
+    /// When totals were told last, and which.
+    told: Option<(HostTime, Counters)>,
     channel_names: Vec<String>,
     vigil: Vigil,
     axes_vigil: AxesVigil,
@@ -102,6 +107,7 @@ impl Link {
         Self {
             first_channel,
             silence,
+            counters: Counters::default(),
             outlet,
             status,
             epoch: 0,
@@ -110,7 +116,7 @@ impl Link {
             began: clock.now(),
             clock,
             gap_reason: None,
-            counted: None,
+            told: None,
             channel_names,
             vigil: Vigil::default(),
             axes_vigil: AxesVigil::default(),
@@ -154,6 +160,7 @@ impl Link {
         }
         self.close_gap(at);
         self.last_reading = Some(at);
+        self.count(&reading);
         let mut reading = reading;
         if let Reading::Probe(probe) = &mut reading
             && let Some(finding) = self.vigil.see(probe, at)
@@ -237,8 +244,20 @@ impl Link {
         }
     }
 
-    /// Records that readings are missing although the connection stands.
+    fn count(&mut self, reading: &Reading) {
+        let has_value = match reading {
+            Reading::Probe(probe) => probe.value_mm.is_finite(),
+            Reading::Temperature(temperature) => temperature.degc.is_finite(),
+            Reading::Axes(_) => true,
+            Reading::Controller(_) | Reading::Counters(_) | Reading::Gap(_) | Reading::Log(_) => return,
+        };
+        self.counters.readings += 1;
+        self.counters.error_readings += u64::from(!has_value);
+    }
+
+    /// Counts and records that readings are missing although the connection stands.
     pub fn gap(&mut self, from: HostTime, to: HostTime, lost_readings: Option<u64>, reason: String) {
+        self.counters.lost_readings += lost_readings.unwrap_or(0);
         let source = self.outlet.name.clone();
         self.send(Reading::Gap(SourceGap { source, from, to, lost_readings, reason }));
     }
@@ -269,18 +288,17 @@ impl Link {
     }
 
     /// Sends the totals of the connection when they changed and the last ones are a second old.
-    pub fn counters(&mut self, counters: Counters, at: HostTime) {
-        let due =
-            self.counted.is_none_or(|(sent, old)| at - sent >= Duration::from_secs(1) && old != counters);
-        if due {
-            self.counted = Some((at, counters));
-            self.send(Reading::Counters(counters));
+    pub fn tell_counters(&mut self, at: HostTime) {
+        if self.told.is_none_or(|(sent, _)| at - sent >= TELL_COUNTERS) {
+            self.tell_changed_counters(at);
         }
     }
 
-    /// Sends the totals at the end of a session, whatever was sent before.
-    pub fn final_counters(&mut self, counters: Counters) {
-        self.send(Reading::Counters(counters));
+    fn tell_changed_counters(&mut self, at: HostTime) {
+        if self.told.map_or(Counters::default(), |(_, told)| told) != self.counters {
+            self.told = Some((at, self.counters));
+            self.send(Reading::Counters(self.counters));
+        }
     }
 
     fn send(&mut self, reading: Reading) {
@@ -293,7 +311,7 @@ impl Link {
     pub(super) fn begin(&mut self) {
         self.epoch += 1;
         self.healthy = false;
-        self.counted = None;
+        (self.counters, self.told) = (Counters::default(), None);
         let epoch = self.epoch;
         self.status.send_modify(|status| {
             status.epoch = epoch;
@@ -310,6 +328,7 @@ impl Link {
 
     pub(super) fn ended(&mut self, end: &SessionEnd) {
         let now = self.now();
+        self.tell_changed_counters(now);
         for (channel, finding) in self.vigil.end(now) {
             self.tell(channel, finding);
         }

@@ -5,7 +5,7 @@
 //! refusal is told. A pseudo-terminal is always 8N1, so a 7-bit format must not rely on the port to take the parity
 //! bit away.
 
-use crate::supervisor::SessionEnd;
+use crate::supervisor::{Link, SessionEnd};
 use crate::transport::trouble;
 use std::fmt;
 use std::path::Path;
@@ -89,19 +89,23 @@ pub struct Port {
     senseless_bytes: u64,
 }
 
-/// Opens a port at 8N1; the text tells a line speed that was refused, or an adapter that is slow.
+/// Opens a port for a session and logs a line speed that was refused, or an adapter that is slow.
 ///
 /// # Errors
 /// `Absent` or `Refused`.
-pub fn open(name: &str, baud: u32) -> Result<(Port, Option<String>), SessionEnd> {
-    open_framed(name, baud, Framing::PLAIN)
+pub fn open(name: &str, baud: u32, framing: Framing, link: &mut Link) -> Result<Port, SessionEnd> {
+    let (port, remark) = open_remarked(name, baud, framing)?;
+    if let Some(remark) = remark {
+        link.log(true, remark);
+    }
+    Ok(port)
 }
 
 /// Opens a port; the text tells a line speed that was refused, or an adapter that is slow.
 ///
 /// # Errors
 /// `Absent` or `Refused`.
-pub fn open_framed(name: &str, baud: u32, framing: Framing) -> Result<(Port, Option<String>), SessionEnd> {
+pub fn open_remarked(name: &str, baud: u32, framing: Framing) -> Result<(Port, Option<String>), SessionEnd> {
     if !Path::new(name).exists() {
         return Err(SessionEnd::Absent(name.into()));
     }

@@ -69,15 +69,9 @@ impl SimulatedBus {
 fn nodes() -> Nodes {
     let program = Program { start: AxisValues::default(), steps: vec![Step::Dwell { duration_s: 1e5 }] };
     let world = SimulatedCell {
-        trajectory: Trajectory::compile(&program).expect("a dwell is possible"),
-        program: String::new(),
-        setup: 0,
         deflection_mm: Box::new(|_| [0.1, 0.0, 0.0]),
         bar_mm: Box::new(|_| 0.5),
-        temperature_degc: Box::new(|_| 20.0),
-        probe_directions: orthogonal_nest(),
-        noise_mm: 0.0,
-        seed: 1,
+        ..SimulatedCell::along(Trajectory::compile(&program).expect("a dwell is possible"))
     };
     let config = BusConfig::ball_bar_and_probes(DeviceClock::default());
     Nodes::new(Arc::new(world), &config).expect("the settings are possible")

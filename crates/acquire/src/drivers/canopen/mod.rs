@@ -13,7 +13,6 @@ mod nodes;
 pub(super) use bus::{Bus, BusEvent};
 
 use crate::config::Role;
-use crate::message::Counters;
 use crate::supervisor::{Link, SessionEnd};
 use nodes::Nodes;
 use std::convert::Infallible;
@@ -74,10 +73,9 @@ impl Network {
         &self,
         bus: &mut impl Bus,
         link: &mut Link,
-        counters: &mut Counters,
     ) -> Result<Infallible, SessionEnd> {
         let nodes = self.start(bus, link).await?;
-        self.read_values(bus, nodes, link, counters).await
+        self.read_values(bus, nodes, link).await
     }
 
     async fn start(&self, bus: &mut impl Bus, link: &mut Link) -> Result<Nodes, SessionEnd> {
@@ -101,7 +99,6 @@ impl Network {
         bus: &mut B,
         mut nodes: Nodes,
         link: &mut Link,
-        counters: &mut Counters,
     ) -> Result<Infallible, SessionEnd> {
         let mut ticker = interval(self.sync_period);
         ticker.set_missed_tick_behavior(MissedTickBehavior::Skip);
@@ -121,10 +118,10 @@ impl Network {
             };
             for event in events {
                 match event {
-                    BusEvent::Frame { frame, at } => nodes.take(&frame, at, link, counters)?,
+                    BusEvent::Frame { frame, at } => nodes.take(&frame, at, link)?,
                     BusEvent::SyncSent { at } => nodes.sync_accepted(at),
                     BusEvent::SyncRefused => {
-                        counters.damaged += 1;
+                        link.counters.damaged += 1;
                         nodes.sync_accepted(None); // it answers a SYNC all the same
                     }
                     BusEvent::Remark { warning, text } => link.log(warning, text),
@@ -138,8 +135,8 @@ impl Network {
                 checked = Instant::now();
                 let now = link.now();
                 nodes.check_silence(now, link.silence).map_err(|end| bus::explain(end, bus))?;
-                counters.dropped_bytes = bus.dropped_bytes();
-                link.counters(*counters, now);
+                link.counters.dropped_bytes = bus.dropped_bytes();
+                link.tell_counters(now);
             }
         }
     }

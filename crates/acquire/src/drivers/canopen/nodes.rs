@@ -2,7 +2,7 @@
 
 use super::NodeConfig;
 use crate::config::Role;
-use crate::message::{Counters, ProbeReading, Reading, TemperatureReading};
+use crate::message::{ProbeReading, Reading, TemperatureReading};
 use crate::supervisor::{Link, SessionEnd};
 use std::time::Duration;
 use trunnion_protocol::can::{CanFrame, CanId};
@@ -159,7 +159,6 @@ impl Nodes {
         frame: &CanFrame,
         arrival: HostTime,
         link: &mut Link,
-        counters: &mut Counters,
     ) -> Result<(), SessionEnd> {
         if let Some(message) = Message::from_frame(frame) {
             self.supervise(message, arrival, link)?;
@@ -168,7 +167,7 @@ impl Nodes {
         if sync < self.written && self.nodes.iter().any(|node| node.has_answered(sync, frame)) {
             // A node answers each SYNC once: the acknowledgement of the next one was lost.
             self.sync_accepted(None);
-            counters.resyncs += 1;
+            link.counters.resyncs += 1;
             sync = self.sync_now();
         }
         let sync_at = self.syncs[sync as usize % SYNCS_KEPT];
@@ -181,18 +180,18 @@ impl Nodes {
                 continue;
             }
             if every.is_some() && node.has_answered(sync, frame) {
-                node.answered_late(arrival, link, counters);
+                node.answered_late(arrival, link);
                 continue;
             }
             let (sequence, moment) = match every {
                 Some(_) => (sync, sync_at),
                 None => (node.last.map_or(1, |(count, _)| count + 1), arrival),
             };
-            node.count_loss(sequence, every, arrival, link, counters);
+            node.count_loss(sequence, every, arrival, link);
             node.last_id = Some(frame.id());
             let ticks = (moment.0 - began.0).max(0).cast_unsigned() / 1000;
             let known = if stamped { moment } else { arrival };
-            node.publish(&readings, sequence, ticks, known, link, counters);
+            node.publish(&readings, sequence, ticks, known, link);
         }
         Ok(())
     }
@@ -279,8 +278,7 @@ impl Node {
     }
 
     /// A second answer to one SYNC belongs to one before; which, nobody knows.
-    fn answered_late(&mut self, arrival: HostTime, link: &mut Link, counters: &mut Counters) {
-        counters.lost_readings += 1;
+    fn answered_late(&mut self, arrival: HostTime, link: &mut Link) {
         let id = self.config.id.get();
         let reason = format!("node {id} answered later than the next SYNC; its moment is unknown");
         link.gap(arrival, arrival, Some(1), reason);
@@ -289,18 +287,10 @@ impl Node {
         }
     }
 
-    fn count_loss(
-        &mut self,
-        sequence: u64,
-        every: Option<u64>,
-        arrival: HostTime,
-        link: &mut Link,
-        counters: &mut Counters,
-    ) {
+    fn count_loss(&mut self, sequence: u64, every: Option<u64>, arrival: HostTime, link: &mut Link) {
         if let (Some((last, at)), Some(every)) = (self.last, every) {
             let lost = (sequence.saturating_sub(last) / every).saturating_sub(1);
             if lost > 0 {
-                counters.lost_readings += lost;
                 let reason = format!("node {} missed SYNCs", self.config.id.get());
                 link.gap(at, arrival, Some(lost), reason);
             }
@@ -316,7 +306,6 @@ impl Node {
         device_ticks: u64,
         arrival: HostTime,
         link: &mut Link,
-        counters: &mut Counters,
     ) {
         let bad = self.cannot_measure
             || readings.iter().any(|r| matches!(r.value, Value::Status(status) if !status.is_good()));
@@ -331,15 +320,13 @@ impl Node {
             | Value::Raw => false,
         };
         let Some(found) = readings.iter().find(wanted) else {
-            counters.damaged += 1; // a TPDO of this node that carries nothing for its role
+            link.counters.damaged += 1; // a TPDO of this node that carries nothing for its role
             return;
         };
         let value = match found.value {
             Value::Quantity(Quantity::LengthMm(value) | Quantity::TemperatureC(value)) if !bad => value,
             _ => f64::NAN,
         };
-        counters.readings += 1;
-        counters.error_readings += u64::from(value.is_nan());
         let reading = match self.config.role {
             Role::Temperature => Reading::Temperature(TemperatureReading {
                 name: format!("node-{}", self.config.id.get()),

@@ -2,7 +2,7 @@
 
 use crate::drivers::canopen::{Bus, BusEvent};
 use crate::supervisor::{Link, SessionEnd};
-use crate::transport::serial::{self, Port};
+use crate::transport::serial::{self, Framing, Port};
 use std::collections::VecDeque;
 use std::time::Duration;
 use tokio::time::Instant;
@@ -44,10 +44,7 @@ impl OpenAdapter {
         bitrate: Bitrate,
         link: &mut Link,
     ) -> Result<Self, SessionEnd> {
-        let (port, remark) = serial::open(name, baud)?;
-        if let Some(remark) = remark {
-            link.log(true, remark);
-        }
+        let port = serial::open(name, baud, Framing::PLAIN, link)?;
         let mut adapter = Self {
             port,
             decoder: HostDecoder::default(),

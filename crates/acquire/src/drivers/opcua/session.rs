@@ -5,7 +5,7 @@ use super::connect::{self, Connection, end_of, limited};
 use super::instants::{Instant, Instants};
 use super::nodes::{self, Nodes};
 use super::status::{execution, is_on, number, text};
-use crate::message::{AxisReading, ControllerReading, Counters, Execution, Reading};
+use crate::message::{AxisReading, ControllerReading, Execution, Reading};
 use crate::supervisor::{Link, SessionEnd};
 use opcua::client::{MonitoredItemMap, OnSubscriptionNotificationCore};
 use opcua::types::{
@@ -39,17 +39,7 @@ const KEEP_ALIVE_COUNT: u32 = 10;
 const TICKS_TO_1970: i64 = 116_444_736_000_000_000;
 
 /// From opening to the end.
-pub(super) async fn run(device: &OpcUa, link: &mut Link) -> SessionEnd {
-    let mut counters = Counters::default();
-    let end = match read(device, link, &mut counters).await {
-        Ok(never) => match never {},
-        Err(end) => end,
-    };
-    link.final_counters(counters);
-    end
-}
-
-async fn read(device: &OpcUa, link: &mut Link, counters: &mut Counters) -> Result<Infallible, SessionEnd> {
+pub(super) async fn run(device: &OpcUa, link: &mut Link) -> Result<Infallible, SessionEnd> {
     let mut connection = connect::open(device, link).await?;
     let nodes = nodes::find(device, &connection, link).await?;
     let letters: Vec<&str> = nodes.axes.iter().map(|axis| axis.letter.as_str()).collect();
@@ -75,13 +65,13 @@ async fn read(device: &OpcUa, link: &mut Link, counters: &mut Counters) -> Resul
                     let why = format!("{}: the server ended the subscription ({status})", device.url);
                     return Err(SessionEnd::Disconnected(why));
                 }
-                Some(Notification::Values(values)) => model.take(values, link, counters),
+                Some(Notification::Values(values)) => model.take(values, link),
             },
             _ = beats.tick() => {
                 if link.now() - model.heard >= HEARTBEAT {
                     ask_for_life(device, &connection, &heartbeat, link).await?;
                     if notifications.is_empty() {
-                        model.nothing_changed(link, counters);
+                        model.nothing_changed(link);
                     }
                 }
             }
@@ -89,12 +79,11 @@ async fn read(device: &OpcUa, link: &mut Link, counters: &mut Counters) -> Resul
         model.check_silence(device, link)?;
         let missed = lost.swap(0, Ordering::Relaxed);
         if missed > 0 {
-            counters.lost_readings += missed;
             let now = link.now();
             link.gap(model.heard, now, Some(missed), "notifications were not taken in time".into());
         }
         let now = link.now();
-        link.counters(*counters, now);
+        link.tell_counters(now);
     }
 }
 
@@ -257,20 +246,19 @@ impl Model {
         }
     }
 
-    fn take(&mut self, values: Vec<(u32, DataValue)>, link: &mut Link, counters: &mut Counters) {
+    fn take(&mut self, values: Vec<(u32, DataValue)>, link: &mut Link) {
         let arrival = link.now();
         let mut controller_ns = None;
         for (handle, value) in values {
             let what = (handle as usize).checked_sub(1).and_then(|k| self.uses.get(k)).copied();
             let stamp_ns = stamp_ns(&value);
             if value.status().overflow() {
-                counters.lost_readings += 1;
                 let reason = "the server's queue of an item ran over".into();
                 link.gap(self.heard, arrival, Some(1), reason);
             }
             match what {
-                None => counters.damaged += 1,
-                Some(Use::Axis(axis)) => self.axis(axis, &value, stamp_ns, arrival, counters),
+                None => link.counters.damaged += 1,
+                Some(Use::Axis(axis)) => self.axis(axis, &value, stamp_ns, arrival, link),
                 Some(other) => {
                     self.state(other, &value);
                     controller_ns = Some(stamp_ns.unwrap_or_default());
@@ -283,7 +271,7 @@ impl Model {
                 link.gap(since, arrival, None, why);
             }
             let instants = self.instants.take();
-            self.send(instants, false, link, counters);
+            self.send(instants, false, link);
         }
         if let Some(stamp_ns) = controller_ns {
             let (execution, program, block, signal) = self.controller.clone();
@@ -298,11 +286,11 @@ impl Model {
         value: &DataValue,
         stamp_ns: Option<i64>,
         arrival: HostTime,
-        counters: &mut Counters,
+        link: &mut Link,
     ) {
         let position = value.value.as_ref().and_then(number).filter(|_| !value.status().is_bad());
         let (Some(position), Some(stamp_ns)) = (position, stamp_ns) else {
-            counters.error_readings += 1;
+            link.counters.error_readings += 1;
             self.bad.insert(axis);
             let letter = self.nodes.axes[axis].letter;
             let what = if position.is_some() {
@@ -333,17 +321,17 @@ impl Model {
     }
 
     /// The server lives and told of no change: all axes stand, as long after their stamp as after its arrival.
-    fn nothing_changed(&mut self, link: &mut Link, counters: &mut Counters) {
+    fn nothing_changed(&mut self, link: &mut Link) {
         let waited = (link.now() - self.heard).saturating_sub(self.delay);
         let Some(newest_ns) = self.instants.newest_ns().filter(|_| self.bad.is_empty() && !waited.is_zero())
         else {
             return;
         };
         let instants = self.instants.all_stand(newest_ns + waited.as_nanos() as i64);
-        self.send(instants, true, link, counters);
+        self.send(instants, true, link);
     }
 
-    fn send(&mut self, instants: Vec<Instant>, held: bool, link: &mut Link, counters: &mut Counters) {
+    fn send(&mut self, instants: Vec<Instant>, held: bool, link: &mut Link) {
         let arrival = link.now();
         let last = instants.len().saturating_sub(1);
         for (k, instant) in instants.into_iter().enumerate() {
@@ -352,7 +340,6 @@ impl Model {
                 (position[axis.letter], present[axis.letter]) = (*value, true);
             }
             self.sequence += 1;
-            counters.readings += 1;
             self.sent = arrival;
             let reading = AxisReading {
                 stamp_ns: instant.stamp_ns,

@@ -29,7 +29,6 @@ struct Bench {
     nodes: Nodes,
     link: Link,
     delivered: mpsc::Receiver<Delivered>,
-    counters: Counters,
     id: CanId,
 }
 
@@ -59,13 +58,13 @@ fn bench() -> Bench {
     let link =
         Link::new(0, vec!["bus.node-1".into()], Duration::from_millis(500), Arc::new(AtZero), outlet, status);
     let nodes = Nodes::new(&[config], vec![description], 0, HostTime(0));
-    Bench { nodes, link, delivered, counters: Counters::default(), id }
+    Bench { nodes, link, delivered, id }
 }
 
 impl Bench {
     fn value(&mut self, arrival_ms: i64) -> ProbeReading {
         let frame = CanFrame::data_frame(self.id, &[1, 0, 0, 0]).unwrap();
-        self.nodes.take(&frame, HostTime(arrival_ms * MS), &mut self.link, &mut self.counters).unwrap();
+        self.nodes.take(&frame, HostTime(arrival_ms * MS), &mut self.link).unwrap();
         loop {
             if let Reading::Probe(reading) = self.delivered.try_recv().unwrap().reading {
                 return reading;
@@ -85,7 +84,7 @@ fn a_lost_acknowledgement_shifts_no_value_to_the_sync_before() {
         let reading = bench.value(10 * sync + 2);
         assert_eq!((reading.sequence, reading.device_ticks), (sync as u64, 10_000 * sync as u64));
     }
-    assert_eq!((bench.counters.resyncs, bench.counters.lost_readings), (1, 0));
+    assert_eq!((bench.link.counters.resyncs, bench.link.counters.lost_readings), (1, 0));
 }
 
 #[test]
@@ -128,7 +127,7 @@ fn an_adapter_that_pauses_for_long_keeps_every_value_with_its_own_sync() {
         let reading = bench.value(1001);
         assert_eq!((reading.sequence, reading.device_ticks), (sync, (sync - 1) * 1000));
     }
-    assert_eq!(bench.counters.lost_readings, 0);
+    assert_eq!(bench.link.counters.lost_readings, 0);
 }
 
 #[test]
@@ -140,7 +139,7 @@ fn a_node_that_answers_after_the_next_sync_is_told_and_its_value_is_a_recorded_l
     }
     assert_eq!(bench.value(12).sequence, 2);
     let frame = CanFrame::data_frame(bench.id, &[1, 0, 0, 0]).unwrap();
-    bench.nodes.take(&frame, HostTime(13 * MS), &mut bench.link, &mut bench.counters).unwrap();
+    bench.nodes.take(&frame, HostTime(13 * MS), &mut bench.link).unwrap();
     let told: Vec<Reading> = std::iter::from_fn(|| Some(bench.delivered.try_recv().ok()?.reading)).collect();
     let says = |piece: &str| {
         told.iter().any(|reading| match reading {

@@ -1,10 +1,6 @@
 //! Drivers of serial indicators and boxes against virtual ones, through real pseudo-terminals.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
-mod shop;
-
-use shop::{Bench, MOVING, RESTING, Shop, TRUTH_DEGC, is_good, state, until};
+use crate::shop::{Bench, MOVING, RESTING, Shop, TRUTH_DEGC, is_good, state, until};
 use trunnion_acquire::{DeviceState, ProbeReading, Reading, SessionEnd};
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, ascii, keyence, optoncdt};

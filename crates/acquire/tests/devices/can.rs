@@ -1,51 +1,19 @@
 //! CAN sessions against the virtual bus, and what is told where there is none.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
+use crate::shop::{SinceStart, gap_of_the_next_connection, read, state, until_message};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-use tokio::time::timeout;
-use tokio_util::sync::CancellationToken;
-use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{
-    Acquisition, DeviceState, DeviceStatus, Message, ProbeReading, Reading, SessionEnd, parse_devices, start,
-};
+use std::time::Instant;
+use trunnion_acquire::{Acquisition, DeviceState, Message, ProbeReading, Reading, SessionEnd};
 use trunnion_hil_sim::devices::canopen::{self, BusConfig};
-use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, orthogonal_nest};
+use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
-use trunnion_units::{AxisValues, Clock, HostTime};
-
-/// Longest wait for anything; the build machine may be busy.
-const LIMIT: Duration = Duration::from_secs(30);
-
-struct SinceStart(Instant);
-
-impl Clock for SinceStart {
-    fn now(&self) -> HostTime {
-        HostTime(self.0.elapsed().as_nanos() as i64)
-    }
-
-    fn wall_ns(&self) -> i64 {
-        0
-    }
-}
-
-fn run(text: &str) -> Acquisition {
-    let devices = parse_devices("trunnion.toml", text).unwrap();
-    start(devices, Arc::new(SinceStart(Instant::now())), CancellationToken::new(), QUEUE_LENGTH)
-}
-
-async fn state(acquisition: &Acquisition, fits: impl Fn(&DeviceStatus) -> bool) -> DeviceStatus {
-    let mut state = acquisition.states[0].clone();
-    let found = timeout(LIMIT, state.wait_for(fits)).await.expect("the state in time");
-    found.expect("the supervisor runs").clone()
-}
+use trunnion_units::AxisValues;
 
 #[tokio::test(flavor = "multi_thread")]
 async fn without_a_can_interface_the_message_says_what_to_do_and_another_attempt_follows() {
     let text = "[[device]]\nname = \"bus\"\ndriver = \"canopen-socketcan\"\ninterface = \"can77\"\n\
                 nodes = [{ id = 1, role = \"probe-1\" }]\n";
-    let acquisition = run(text);
+    let acquisition = read(text, Arc::new(SinceStart(Instant::now())));
     let status = state(&acquisition, |status| status.ends.iter().sum::<u64>() >= 2).await;
     match (status.state, status.last_end.clone().unwrap()) {
         // A kernel without AF_CAN.
@@ -63,15 +31,9 @@ async fn without_a_can_interface_the_message_says_what_to_do_and_another_attempt
 fn world() -> Arc<SimulatedCell> {
     let program = Program { start: AxisValues::default(), steps: vec![Step::Dwell { duration_s: 1e4 }] };
     Arc::new(SimulatedCell {
-        trajectory: Trajectory::compile(&program).unwrap(),
-        program: String::new(),
-        setup: 0,
         deflection_mm: Box::new(|_| [0.1, 0.0, 0.0]),
         bar_mm: Box::new(|_| 0.5),
-        temperature_degc: Box::new(|_| 20.0),
-        probe_directions: orthogonal_nest(),
-        noise_mm: 0.0,
-        seed: 1,
+        ..SimulatedCell::along(Trajectory::compile(&program).unwrap())
     })
 }
 
@@ -87,19 +49,7 @@ fn bus() -> (Handle, Acquisition, tempfile::TempDir) {
          {{ id = 2, role = \"probe-2\" }}, {{ id = 3, role = \"probe-3\" }}, {{ id = 5, role = \"bar\" }}]\n",
         port.display()
     );
-    (handle, run(&text), folder)
-}
-
-/// Messages up to the first that fits.
-async fn until(acquisition: &mut Acquisition, fits: impl Fn(&Message) -> bool) -> Vec<Message> {
-    let mut messages = Vec::new();
-    loop {
-        let message = timeout(LIMIT, acquisition.messages.recv()).await.expect("it comes in time");
-        messages.push(message.expect("the session runs"));
-        if messages.last().is_some_and(&fits) {
-            return messages;
-        }
-    }
+    (handle, read(&text, Arc::new(SinceStart(Instant::now()))), folder)
 }
 
 fn probe(message: &Message) -> Option<&ProbeReading> {
@@ -112,18 +62,14 @@ fn probe(message: &Message) -> Option<&ProbeReading> {
 #[tokio::test(flavor = "multi_thread")]
 async fn bus_off_ends_the_session_with_what_to_check_and_its_end_begins_another_after_a_recorded_gap() {
     let (bus, mut acquisition, _folder) = bus();
-    until(&mut acquisition, |message| probe(message).is_some()).await;
+    until_message(&mut acquisition, |message| probe(message).is_some()).await;
     bus.inject(Fault::BusOff { duration_s: 2.0 }).unwrap();
     let status = state(&acquisition, |status| status.last_end.is_some()).await;
     let told = status.last_end.unwrap().to_string();
     assert!(told.starts_with("disconnected") && told.contains("error passive"), "{told}");
     assert!(told.contains("status A6h") && told.contains("120 Ω"), "{told}");
-    let messages = until(&mut acquisition, |message| message.epoch > 1 && probe(message).is_some()).await;
-    let gap = messages.iter().find_map(|message| match &message.reading {
-        Reading::Gap(gap) if message.epoch > 1 => Some(gap),
-        _ => None,
-    });
-    assert!(gap.expect("a gap").reason.contains("error passive"), "{gap:?}");
+    let gap = gap_of_the_next_connection(&mut acquisition, |message| probe(message).is_some()).await;
+    assert!(gap.reason.contains("error passive"), "{gap:?}");
     acquisition.stop().await;
 }
 
@@ -133,16 +79,16 @@ async fn values_out_of_range_are_no_values_and_are_taken_again_when_the_nodes_sa
     let good = |message: &Message, channel: u16| {
         probe(message).is_some_and(|reading| reading.channel == channel && !reading.value_mm.is_nan())
     };
-    until(&mut acquisition, |message| good(message, 3)).await;
+    until_message(&mut acquisition, |message| good(message, 3)).await;
     bus.inject(Fault::OutOfRange { duration_s: 1.0 }).unwrap();
     for channel in [0, 3] {
-        until(&mut acquisition, |message| {
+        until_message(&mut acquisition, |message| {
             probe(message).is_some_and(|reading| reading.channel == channel && reading.value_mm.is_nan())
         })
         .await;
     }
     for channel in [0, 3] {
-        let messages = until(&mut acquisition, |message| good(message, channel)).await;
+        let messages = until_message(&mut acquisition, |message| good(message, channel)).await;
         let reading = messages.last().and_then(probe).unwrap();
         // The bar shows its zero of 10 mm and 0.5 mm; probe 1 lies 35.26 degrees from x.
         let expected_mm = if channel == 3 { 10.5 } else { 0.1 * (2.0_f64 / 3.0).sqrt() };
@@ -154,7 +100,7 @@ async fn values_out_of_range_are_no_values_and_are_taken_again_when_the_nodes_sa
 #[tokio::test(flavor = "multi_thread")]
 async fn a_node_exchanged_for_another_kind_is_told_and_not_retried() {
     let (bus, mut acquisition, _folder) = bus();
-    until(&mut acquisition, |message| probe(message).is_some()).await;
+    until_message(&mut acquisition, |message| probe(message).is_some()).await;
     bus.inject(Fault::WrongIdentity).unwrap();
     let status = state(&acquisition, |status| status.state == DeviceState::WrongDevice).await;
     let told = status.last_end.unwrap().to_string();

@@ -1,49 +1,15 @@
 //! Controllers that are asked over the network: positions with true stamps, and what each fault leads to.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
+use crate::shop::{PROGRAM, SinceStart, find, program, read, state, turning};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-use tokio::time::timeout;
-use tokio_util::sync::CancellationToken;
-use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{
-    Acquisition, AxisReading, DeviceState, DeviceStatus, Execution, Reading, SourceGap, parse_devices, start,
-};
+use std::time::Instant;
+use trunnion_acquire::{Acquisition, AxisReading, DeviceState, DeviceStatus, Execution, Reading, SourceGap};
 use trunnion_hil_sim::devices::linuxcncrsh::{self, ServerConfig};
 use trunnion_hil_sim::devices::mtconnect::{self, AgentConfig};
-use trunnion_hil_sim::devices::{
-    DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, World, orthogonal_nest,
-};
-use trunnion_hil_sim::motion::{Follow, Program, Step, Trajectory};
+use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, World};
+use trunnion_hil_sim::motion::Step;
 use trunnion_units::AxisLetter::{B, C, X};
-use trunnion_units::{AxisValues, Clock, HostTime};
-
-/// Longest wait for anything; the build machine may be busy.
-const LIMIT: Duration = Duration::from_secs(30);
-
-struct SinceStart(Instant);
-
-impl Clock for SinceStart {
-    fn now(&self) -> HostTime {
-        HostTime(self.0.elapsed().as_nanos() as i64)
-    }
-
-    fn wall_ns(&self) -> i64 {
-        0
-    }
-}
-
-/// C stands for half a second, then turns at 1 rad/s for longer than any test lasts.
-fn world() -> Arc<SimulatedCell> {
-    world_of(sweep_of_c())
-}
-
-fn sweep_of_c() -> Vec<Step> {
-    let follow = Follow::new(|axes| *axes);
-    let sweep = Step::Sweep { axis: C, from: 0.0, to: 600.0, feed: 1.0, ramp_s: 0.2, follow };
-    vec![Step::Dwell { duration_s: 0.5 }, sweep]
-}
+use trunnion_units::AxisValues;
 
 /// C goes to and fro, a block each 50 ms, for a minute.
 fn many_blocks() -> Vec<Step> {
@@ -55,23 +21,6 @@ fn many_blocks() -> Vec<Step> {
     (0..600).flat_map(|k| [pose(f64::from(k % 2) * 1e-2 + 1e-3), Step::Dwell { duration_s: 0.05 }]).collect()
 }
 
-fn world_of(steps: Vec<Step>) -> Arc<SimulatedCell> {
-    let mut from = AxisValues::default();
-    (from[X], from[B]) = (100.0, 0.25);
-    let program = Program { start: from, steps };
-    Arc::new(SimulatedCell {
-        trajectory: Trajectory::compile(&program).unwrap(),
-        program: "/home/cnc/sweep c.ngc".into(),
-        setup: 0,
-        deflection_mm: Box::new(|_| [0.0; 3]),
-        bar_mm: Box::new(|_| 0.0),
-        temperature_degc: Box::new(|_| 21.0),
-        probe_directions: orthogonal_nest(),
-        noise_mm: 0.0,
-        seed: 3,
-    })
-}
-
 struct Bench {
     world: Arc<SimulatedCell>,
     server: Handle,
@@ -80,7 +29,7 @@ struct Bench {
 
 /// Host time 0 is time 0 of the cell.
 async fn bench(config: ServerConfig, keys: &str) -> Bench {
-    bench_in(world(), config, keys).await
+    bench_in(turning(), config, keys).await
 }
 
 async fn bench_in(world: Arc<SimulatedCell>, config: ServerConfig, keys: &str) -> Bench {
@@ -90,7 +39,8 @@ async fn bench_in(world: Arc<SimulatedCell>, config: ServerConfig, keys: &str) -
     let text = format!(
         "[[device]]\nname = \"cnc\"\ndriver = \"linuxcnc\"\nhost = \"127.0.0.1\"\nport = {port}\n{keys}"
     );
-    read(world, server, origin, &text)
+    let acquisition = read(&text, Arc::new(SinceStart(origin)));
+    Bench { world, server, acquisition }
 }
 
 /// The same world behind an MTConnect agent.
@@ -100,35 +50,19 @@ async fn agent_bench(world: Arc<SimulatedCell>) -> Bench {
     let server = mtconnect::spawn(world.clone(), config, TimeOrigin(origin.into()), &[]).await.unwrap();
     let url = server.address().to_string();
     let text = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
-    read(world, server, origin, &text)
-}
-
-fn read(world: Arc<SimulatedCell>, server: Handle, origin: Instant, text: &str) -> Bench {
-    let devices = parse_devices("t.toml", text).unwrap();
-    let clock = Arc::new(SinceStart(origin));
-    let acquisition = start(devices, clock, CancellationToken::new(), QUEUE_LENGTH);
+    let acquisition = read(&text, Arc::new(SinceStart(origin)));
     Bench { world, server, acquisition }
 }
 
 const JOINTS: &str = "joints = \"XYZBC\"\nsilence_ms = 300\n";
 
 impl Bench {
-    /// The first reading of interest.
     async fn find<T>(&mut self, pick: impl Fn(&Reading) -> Option<T>) -> T {
-        let search = async {
-            loop {
-                let message = self.acquisition.messages.recv().await.expect("the acquisition runs");
-                if let Some(found) = pick(&message.reading) {
-                    return found;
-                }
-            }
-        };
-        timeout(LIMIT, search).await.expect("it comes in time")
+        find(&mut self.acquisition, pick).await
     }
 
-    async fn status(&mut self, fits: impl Fn(&DeviceStatus) -> bool) -> DeviceStatus {
-        let state = &mut self.acquisition.states[0];
-        timeout(LIMIT, state.wait_for(|status| fits(status))).await.expect("in time").unwrap().clone()
+    async fn status(&self, fits: impl Fn(&DeviceStatus) -> bool) -> DeviceStatus {
+        state(&self.acquisition, fits).await
     }
 
     async fn axes(&mut self) -> AxisReading {
@@ -158,7 +92,7 @@ async fn positions_of_linuxcnc_bear_the_time_at_which_they_appeared() {
         })
         .await;
     assert_eq!(controller.execution, Execution::Active);
-    assert_eq!(controller.program, "/home/cnc/sweep c.ngc");
+    assert_eq!(controller.program, PROGRAM);
     // The farthest of 200 positions while C turns at 1 rad/s from where it was at the stamp.
     let (mut seen, mut farthest_rad) = (0, 0.0_f64);
     while seen < 200 {
@@ -221,12 +155,12 @@ async fn another_linuxcnc_a_wrong_password_and_another_program_are_refused_with_
         "{end}"
     );
 
-    let mut bench2 = bench(ServerConfig { password: "SECRET".into(), ..Default::default() }, JOINTS).await;
+    let bench2 = bench(ServerConfig { password: "SECRET".into(), ..Default::default() }, JOINTS).await;
     let status = bench2.status(|status| status.state == DeviceState::Refused).await;
     assert!(status.last_end.unwrap().to_string().contains("-w of linuxcncrsh"));
 
     let keys = "joints = \"XYZBC\"\nserver = \"MILL-2\"\n";
-    let mut bench3 = bench(ServerConfig::default(), keys).await;
+    let bench3 = bench(ServerConfig::default(), keys).await;
     let status = bench3.status(|status| status.state == DeviceState::WrongDevice).await;
     let end = status.last_end.unwrap().to_string();
     assert!(end.contains("EMCNETSVR") && end.contains("MILL-2"), "{end}");
@@ -234,7 +168,7 @@ async fn another_linuxcnc_a_wrong_password_and_another_program_are_refused_with_
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn observations_that_an_agent_lost_are_counted_in_a_gap() {
-    let mut bench = agent_bench(world()).await;
+    let mut bench = agent_bench(turning()).await;
     bench.axes().await;
     bench.server.inject(Fault::CounterJump { by: 500 }).unwrap();
     let gap = bench.gap("OUT_OF_RANGE").await;
@@ -246,7 +180,7 @@ async fn observations_that_an_agent_lost_are_counted_in_a_gap() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_controller_whose_clock_is_set_goes_on_being_read_and_a_warning_says_by_how_much() {
     for by_s in [-20.0, 20.0] {
-        let mut bench = agent_bench(world()).await;
+        let mut bench = agent_bench(turning()).await;
         let before = bench.axes().await;
         bench.server.inject(Fault::ClockJump { by_s }).unwrap();
         let warning = bench
@@ -266,7 +200,7 @@ async fn a_controller_whose_clock_is_set_goes_on_being_read_and_a_warning_says_b
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn another_machine_behind_the_same_address_is_not_read() {
-    let mut bench = agent_bench(world()).await;
+    let mut bench = agent_bench(turning()).await;
     bench.axes().await;
     bench.server.inject(Fault::WrongIdentity).unwrap();
     let status = bench.status(|status| status.state == DeviceState::WrongDevice).await;
@@ -276,8 +210,8 @@ async fn another_machine_behind_the_same_address_is_not_read() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn positions_that_stick_while_the_program_goes_on_are_told_and_recorded() {
-    let linuxcnc = bench_in(world_of(many_blocks()), ServerConfig::default(), JOINTS).await;
-    let agent = agent_bench(world_of(many_blocks())).await;
+    let linuxcnc = bench_in(program(many_blocks()), ServerConfig::default(), JOINTS).await;
+    let agent = agent_bench(program(many_blocks())).await;
     for mut bench in [linuxcnc, agent] {
         bench.axes().await;
         bench.server.inject(Fault::StuckValue { duration_s: 4.0 }).unwrap();

@@ -1,93 +1,52 @@
-//! Sessions and supervisor against the virtual devices, through real pseudo-terminals and sockets.
+//! Sessions under their supervisor, time bases, alignment and a whole cycle on a floor of virtual devices.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
+use crate::shop::{
+    LIMIT, PROGRAM, SinceStart, deflection_mm, gap_of_the_next_connection, next, program, read_queued, state,
+    state_of, turning, until_message,
+};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use tokio::time::timeout;
-use tokio_util::sync::CancellationToken;
 use trunnion_acquire::align::{AlignLimits, Aligned, Aligner};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{
-    Acquisition, CycleEvent, DeviceState, DeviceStatus, EndReason, Execution, Message, Reading, SessionEnd,
-    StaticCycle, StaticRules, TimeBase, Timed, parse_devices, start,
+    Acquisition, CycleEvent, DeviceState, EndReason, Execution, Message, Reading, SessionEnd, StaticCycle,
+    StaticRules, TimeBase, Timed,
 };
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::cell::{self, Cell, CellConfig};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, SimulatedCell, orthogonal_nest};
-use trunnion_hil_sim::motion::{Follow, Program, Step, Trajectory};
+use trunnion_hil_sim::motion::Step;
 use trunnion_measurement::cycle::{Pose, Settle};
 use trunnion_measurement::{Point, Quality};
 use trunnion_units::AxisLetter::{B, C, X, Y, Z};
-use trunnion_units::{AxisValues, Clock, HostTime};
+use trunnion_units::{AxisValues, HostTime};
 
-/// Longest wait for anything; the build machine may be busy.
-const LIMIT: Duration = Duration::from_secs(30);
-
-struct SinceStart(Instant);
-
-impl Clock for SinceStart {
-    fn now(&self) -> HostTime {
-        HostTime(self.0.elapsed().as_nanos() as i64)
-    }
-
-    fn wall_ns(&self) -> i64 {
-        0
-    }
-}
-
-/// C stands for half a second, then turns at 1 rad/s for longer than any test lasts.
-fn world() -> Arc<SimulatedCell> {
-    let follow = Follow::new(|axes| *axes);
-    let sweep = Step::Sweep { axis: C, from: 0.0, to: 600.0, feed: 1.0, ramp_s: 0.2, follow };
-    world_of(vec![Step::Dwell { duration_s: 0.5 }, sweep])
-}
-
-fn world_of(steps: Vec<Step>) -> Arc<SimulatedCell> {
-    let mut from = AxisValues::default();
-    (from[X], from[B]) = (100.0, 0.25);
-    let program = Program { start: from, steps };
-    Arc::new(SimulatedCell {
-        trajectory: Trajectory::compile(&program).unwrap(),
-        program: "O1000".into(),
-        setup: 0,
-        deflection_mm: Box::new(|state| {
-            [0.1 * state.position[C].sin(), 0.05 * state.position[C].cos(), 0.02]
-        }),
-        bar_mm: Box::new(|state| 0.5 * state.position[C].sin()),
-        temperature_degc: Box::new(|_| 21.0),
-        probe_directions: orthogonal_nest(),
-        noise_mm: 0.0,
-        seed: 3,
-    })
-}
-
-struct Shop {
+/// A whole floor of virtual devices.
+struct Floor {
     world: Arc<SimulatedCell>,
     cell: Cell,
     directory: tempfile::TempDir,
     clock: Arc<SinceStart>,
 }
 
-async fn shop(change: impl FnOnce(&mut CellConfig)) -> Shop {
-    shop_in(world(), change).await
+async fn floor(change: impl FnOnce(&mut CellConfig)) -> Floor {
+    floor_in(turning(), change).await
 }
 
-async fn shop_in(world: Arc<SimulatedCell>, change: impl FnOnce(&mut CellConfig)) -> Shop {
+async fn floor_in(world: Arc<SimulatedCell>, change: impl FnOnce(&mut CellConfig)) -> Floor {
     let directory = tempfile::tempdir().unwrap();
     let mut config = CellConfig::new(directory.path(), 1_767_225_600_000_000_000);
     change(&mut config);
     let origin = Instant::now();
     let cell = cell::start(world.clone(), config, origin.into()).await.unwrap();
-    Shop { world, cell, directory, clock: Arc::new(SinceStart(origin)) }
+    Floor { world, cell, directory, clock: Arc::new(SinceStart(origin)) }
 }
 
-impl Shop {
+impl Floor {
     fn start(&self, text: &str, queue_length: usize) -> Acquisition {
         let text = text.replace("{dir}", self.directory.path().to_str().unwrap());
         let url = self.cell.controller.as_ref().and_then(|agent| agent.url()).unwrap_or_default();
-        let devices = parse_devices("trunnion.toml", &text.replace("{url}", url)).unwrap();
-        start(devices, self.clock.clone(), CancellationToken::new(), queue_length)
+        read_queued(&text.replace("{url}", url), self.clock.clone(), queue_length)
     }
 }
 
@@ -107,33 +66,6 @@ driver = "mtconnect"
 url = "{url}"
 "#;
 
-async fn next(acquisition: &mut Acquisition) -> Message {
-    timeout(LIMIT, acquisition.messages.recv()).await.expect("a message in time").expect("sessions run")
-}
-
-/// Messages up to and including the first that fits.
-async fn until(acquisition: &mut Acquisition, fits: impl Fn(&Message) -> bool) -> Vec<Message> {
-    let mut messages = Vec::new();
-    let begun = Instant::now();
-    loop {
-        assert!(begun.elapsed() < LIMIT, "it does not come; last: {:?}", messages.last());
-        messages.push(next(acquisition).await);
-        if messages.last().is_some_and(&fits) {
-            return messages;
-        }
-    }
-}
-
-async fn state(
-    acquisition: &Acquisition,
-    device: usize,
-    fits: impl Fn(&DeviceStatus) -> bool,
-) -> DeviceStatus {
-    let mut state = acquisition.states[device].clone();
-    let found = timeout(LIMIT, state.wait_for(fits)).await.expect("the state in time");
-    found.expect("the supervisor runs").clone()
-}
-
 fn is_probe(message: &Message) -> bool {
     matches!(message.reading, Reading::Probe(_))
 }
@@ -145,22 +77,17 @@ fn only_probe(config: &mut CellConfig) {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_pulled_cable_is_a_gap_and_the_device_is_read_again_when_it_is_back() {
-    let shop = shop(only_probe).await;
-    let mut acquisition = shop.start(PROBE, QUEUE_LENGTH);
-    until(&mut acquisition, is_probe).await;
-    let streaming = state(&acquisition, 0, |status| status.state == DeviceState::Streaming).await;
+    let floor = floor(only_probe).await;
+    let mut acquisition = floor.start(PROBE, QUEUE_LENGTH);
+    until_message(&mut acquisition, is_probe).await;
+    let streaming = state(&acquisition, |status| status.state == DeviceState::Streaming).await;
     assert!(streaming.identity.contains("ILD1420-2 serial 21050001"), "{}", streaming.identity);
 
-    shop.cell.probes[0].inject(Fault::Unplug { duration_s: 1.0 }).unwrap();
-    let messages = until(&mut acquisition, |message| message.epoch > 1 && is_probe(message)).await;
-    let gap = messages.iter().find_map(|message| match &message.reading {
-        Reading::Gap(gap) if message.epoch > 1 => Some(gap),
-        _ => None,
-    });
-    let gap = gap.expect("the gap comes before the first reading");
+    floor.cell.probes[0].inject(Fault::Unplug { duration_s: 1.0 }).unwrap();
+    let gap = gap_of_the_next_connection(&mut acquisition, is_probe).await;
     let seconds = (gap.to - gap.from).as_secs_f64();
     assert!((0.9..10.0).contains(&seconds), "{gap:?}");
-    let status = state(&acquisition, 0, |status| status.state == DeviceState::Streaming).await;
+    let status = state(&acquisition, |status| status.state == DeviceState::Streaming).await;
     let disconnected = SessionEnd::Disconnected(String::new()).kind();
     assert_eq!(status.ends[disconnected], 1, "{status:?}");
     let states = acquisition.states[0].clone();
@@ -170,35 +97,35 @@ async fn a_pulled_cable_is_a_gap_and_the_device_is_read_again_when_it_is_back() 
 
 #[tokio::test(flavor = "multi_thread")]
 async fn garbage_is_counted_lost_values_are_a_gap_and_silence_ends_the_session() {
-    let shop = shop(only_probe).await;
-    let mut acquisition = shop.start(PROBE, QUEUE_LENGTH);
-    until(&mut acquisition, is_probe).await;
-    shop.cell.probes[0].inject(Fault::GarbleBytes { count: 40 }).unwrap();
-    let messages = until(&mut acquisition, |m| matches!(m.reading, Reading::Gap(_))).await;
+    let floor = floor(only_probe).await;
+    let mut acquisition = floor.start(PROBE, QUEUE_LENGTH);
+    until_message(&mut acquisition, is_probe).await;
+    floor.cell.probes[0].inject(Fault::GarbleBytes { count: 40 }).unwrap();
+    let messages = until_message(&mut acquisition, |m| matches!(m.reading, Reading::Gap(_))).await;
     let Some(Message { reading: Reading::Gap(gap), .. }) = messages.last() else { unreachable!() };
     assert!(gap.lost_readings.is_some_and(|lost| (1..40).contains(&lost)), "{gap:?}");
     let counted = |m: &Message| matches!(m.reading, Reading::Counters(c) if c.damaged + c.dropped_bytes > 0);
-    until(&mut acquisition, counted).await;
+    until_message(&mut acquisition, counted).await;
 
-    shop.cell.probes[0].inject(Fault::Silence { duration_s: 1.5 }).unwrap();
+    floor.cell.probes[0].inject(Fault::Silence { duration_s: 1.5 }).unwrap();
     let silent = SessionEnd::Silent { who: String::new(), waited: Duration::ZERO }.kind();
-    state(&acquisition, 0, |status| status.ends[silent] > 0).await;
-    until(&mut acquisition, |message| message.epoch > 1 && is_probe(message)).await;
+    state(&acquisition, |status| status.ends[silent] > 0).await;
+    until_message(&mut acquisition, |message| message.epoch > 1 && is_probe(message)).await;
     acquisition.stop().await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_wrong_device_is_never_retried_and_an_absent_one_is_waited_for() {
-    let shop = shop(only_probe).await;
+    let floor = floor(only_probe).await;
     let text = PROBE.replace("range_mm = 2", "range_mm = 10")
         + &PROBE.replace("probe-1", "probe-2").replace("range_mm = 2", "range_mm = 2\nsilence_ms = 300");
-    let acquisition = shop.start(&text, QUEUE_LENGTH);
-    let wrong = state(&acquisition, 0, |status| status.state == DeviceState::WrongDevice).await;
+    let acquisition = floor.start(&text, QUEUE_LENGTH);
+    let wrong = state(&acquisition, |status| status.state == DeviceState::WrongDevice).await;
     let Some(SessionEnd::WrongDevice { found, expected }) = &wrong.last_end else { panic!("{wrong:?}") };
     assert!(found.contains("range 2 mm") && expected.contains("range 10 mm"), "{found} {expected}");
     // Three attempts on the absent one take 0.75 s and more: time enough to retry the wrong one.
     // The state may be seen before or after an attempt has ended, so not more than the order of the two is sure.
-    let absent = state(&acquisition, 1, |status| status.ends[0] >= 3).await;
+    let absent = state_of(&acquisition, 1, |status| status.ends[0] >= 3).await;
     assert_eq!(absent.state, DeviceState::Absent);
     assert_eq!(absent.ends.iter().sum::<u64>(), absent.ends[0], "nothing else ended a session: {absent:?}");
     assert!((0..=1).contains(&(u64::from(absent.epoch) - absent.ends[0])), "{absent:?}");
@@ -208,10 +135,10 @@ async fn a_wrong_device_is_never_retried_and_an_absent_one_is_waited_for() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn what_nobody_takes_is_counted_and_becomes_a_gap() {
-    let shop = shop(only_probe).await;
-    let mut acquisition = shop.start(PROBE, 64);
-    state(&acquisition, 0, |status| status.lost_messages > 100).await;
-    let messages = until(&mut acquisition, |m| matches!(m.reading, Reading::Gap(_))).await;
+    let floor = floor(only_probe).await;
+    let mut acquisition = floor.start(PROBE, 64);
+    state(&acquisition, |status| status.lost_messages > 100).await;
+    let messages = until_message(&mut acquisition, |m| matches!(m.reading, Reading::Gap(_))).await;
     assert_eq!(messages.len(), 65);
     let Some(Message { reading: Reading::Gap(gap), .. }) = messages.last() else { unreachable!() };
     assert!(gap.lost_readings.is_some_and(|lost| lost > 100), "{gap:?}");
@@ -220,7 +147,7 @@ async fn what_nobody_takes_is_counted_and_becomes_a_gap() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn channels_of_one_bus_share_the_moment_of_their_sync() {
-    let shop = shop(|config| {
+    let floor = floor(|config| {
         config.probes.clear();
         config.controller = None;
         config.can = Some((BusConfig::ball_bar_and_probes(DeviceClock::steady(41.0, -55.0)), Vec::new()));
@@ -235,7 +162,7 @@ sync_ms = 10
 nodes = [{ id = 1, role = "probe-1" }, { id = 2, role = "probe-2" }, { id = 3, role = "probe-3", serial = 1003 },
          { id = 5, role = "bar" }]
 "#;
-    let mut acquisition = shop.start(text, QUEUE_LENGTH);
+    let mut acquisition = floor.start(text, QUEUE_LENGTH);
     let mut by_sync = std::collections::BTreeMap::<u64, Vec<(u16, u64, f64, HostTime)>>::new();
     while by_sync.len() < 60 {
         if let Reading::Probe(p) = next(&mut acquisition).await.reading {
@@ -248,7 +175,7 @@ nodes = [{ id = 1, role = "probe-1" }, { id = 2, role = "probe-2" }, { id = 3, r
         assert!(values.iter().all(|value| value.1 == values[0].1));
         // The value was latched between the SYNC and its arrival; the readings change by at most 0.1 mm/s.
         let at_s = values[0].3.0 as f64 * 1e-9;
-        let truth = trunnion_hil_sim::devices::World::probe_readings_mm(&*shop.world, at_s);
+        let truth = trunnion_hil_sim::devices::World::probe_readings_mm(&*floor.world, at_s);
         for &(channel, _, value_mm, _) in values.iter().filter(|value| value.0 < 3) {
             assert!((value_mm - truth[usize::from(channel)]).abs() < 0.02, "{values:?} {truth:?}");
         }
@@ -258,14 +185,14 @@ nodes = [{ id = 1, role = "probe-1" }, { id = 2, role = "probe-2" }, { id = 3, r
 
 #[tokio::test(flavor = "multi_thread")]
 async fn axes_arrive_with_one_stamp_standing_or_moving_and_a_restarted_agent_is_asked_anew() {
-    let shop = shop(|config| {
+    let floor = floor(|config| {
         config.probes.clear();
         config.can = None;
     })
     .await;
-    let mut acquisition = shop.start(AGENT, QUEUE_LENGTH);
+    let mut acquisition = floor.start(AGENT, QUEUE_LENGTH);
     let moved = |m: &Message| matches!(m.reading, Reading::Axes(a) if a.position[C] > 0.5);
-    let messages = until(&mut acquisition, moved).await;
+    let messages = until_message(&mut acquisition, moved).await;
     let axes: Vec<_> = messages
         .iter()
         .filter_map(|message| match message.reading {
@@ -281,19 +208,19 @@ async fn axes_arrive_with_one_stamp_standing_or_moving_and_a_restarted_agent_is_
         );
     }
     assert!(axes.windows(2).all(|pair| pair[0].stamp_ns < pair[1].stamp_ns), "stamps go forward");
-    let active = |m: &Message| matches!(&m.reading, Reading::Controller(c) if c.execution == Execution::Active && c.program == "O1000");
+    let active = |m: &Message| matches!(&m.reading, Reading::Controller(c) if c.execution == Execution::Active && c.program == PROGRAM);
     assert!(messages.iter().any(active));
 
-    shop.cell.controller.as_ref().unwrap().inject(Fault::AgentRestart).unwrap();
-    until(&mut acquisition, |m| m.epoch > 1 && matches!(m.reading, Reading::Axes(_))).await;
+    floor.cell.controller.as_ref().unwrap().inject(Fault::AgentRestart).unwrap();
+    until_message(&mut acquisition, |m| m.epoch > 1 && matches!(m.reading, Reading::Axes(_))).await;
     acquisition.stop().await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn probes_and_axes_of_different_clocks_meet_at_one_instant() {
-    let shop = shop(|config| config.can = None).await;
+    let floor = floor(|config| config.can = None).await;
     let probes: String = (1..=3).map(|k| PROBE.replace("probe-1", &format!("probe-{k}"))).collect();
-    let mut acquisition = shop.start(&(probes + AGENT), QUEUE_LENGTH);
+    let mut acquisition = floor.start(&(probes + AGENT), QUEUE_LENGTH);
     let mut base = TimeBase::new(HostTime(0));
     let mut aligner = Aligner::new(&[0, 1, 2], AlignLimits::default());
     let mut samples = Vec::new();
@@ -314,7 +241,7 @@ async fn probes_and_axes_of_different_clocks_meet_at_one_instant() {
     let mut errors: Vec<f64> = Vec::new();
     for sample in samples.iter().skip(1500) {
         let c = sample.position[C];
-        let deflection = [0.1 * c.sin(), 0.05 * c.cos(), 0.02];
+        let deflection = deflection_mm(c);
         for (direction, &measured) in orthogonal_nest().iter().zip(&sample.channels_mm) {
             // Reading 0 lies in the middle of the range of 2 mm.
             let expected = 1.0 + (0..3).map(|k| direction[k] * deflection[k]).sum::<f64>();
@@ -371,13 +298,13 @@ async fn a_static_cycle_is_read_live_and_its_replay_gives_the_same_bytes() {
     let stations = [0.5, 1.0, 0.25];
     let to = |c: f64| [Step::Move { target: at(c), duration_s: 0.4 }, Step::Dwell { duration_s: 1.4 }];
     let steps = [Step::Dwell { duration_s: 1.0 }].into_iter().chain(stations.into_iter().flat_map(to));
-    let world = world_of(steps.collect());
+    let world = program(steps.collect());
     let poses: Vec<Pose> = stations
         .map(|c| Pose { setup: 0, target: 0, position: at(c), direction: AxisValues::default() })
         .to_vec();
-    let shop = shop_in(world.clone(), |config| config.can = None).await;
+    let floor = floor_in(world.clone(), |config| config.can = None).await;
     let probes: String = (1..=3).map(|k| PROBE.replace("probe-1", &format!("probe-{k}"))).collect();
-    let mut acquisition = shop.start(&(probes + AGENT), QUEUE_LENGTH);
+    let mut acquisition = floor.start(&(probes + AGENT), QUEUE_LENGTH);
 
     let (mut live, mut recorded, mut events) = (Pipeline::new(&poses), Vec::new(), Vec::new());
     let begun = Instant::now();
@@ -398,7 +325,7 @@ async fn a_static_cycle_is_read_live_and_its_replay_gives_the_same_bytes() {
         .collect();
     for (point, (c, direction)) in points.iter().zip([(0.5f64, 1.0), (1.0, 1.0), (0.25, -1.0)]) {
         assert_eq!((point.quality, point.state.direction[C]), (Quality::Good, direction), "{point:?}");
-        let deflection = [0.1 * c.sin(), 0.05 * c.cos(), 0.02];
+        let deflection = deflection_mm(c);
         for (direction, measured) in orthogonal_nest().iter().zip(point.reading_mm) {
             // One count of a sensor of 2 mm range is 31 nm.
             let expected = 1.0 + (0..3).map(|k| direction[k] * deflection[k]).sum::<f64>();

@@ -1,0 +1,9 @@
+//! Sessions and supervisor against the virtual devices, through real pseudo-terminals and sockets.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod can;
+mod controllers;
+mod serial;
+mod sessions;
+mod shop;
