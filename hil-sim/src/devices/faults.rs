@@ -1,6 +1,7 @@
 //! What can go wrong with a device, on command or at a time set beforehand.
 
 use super::clock::TimeOrigin;
+use super::world::mix;
 use tokio::sync::mpsc;
 
 /// A fault.
@@ -11,8 +12,8 @@ pub enum Fault {
         /// How many.
         count: usize,
     },
-    /// The device says nothing and hears nothing; its clock and counters go on. At the agent: the link to the
-    /// controller is lost, every data item becomes `UNAVAILABLE`.
+    /// The device says nothing and hears nothing; its clock and counters go on. At an agent, or a server beside the
+    /// controller: the link to the controller is lost, every data item becomes `UNAVAILABLE` or bad.
     Silence {
         /// How long, s.
         duration_s: f64,
@@ -20,6 +21,11 @@ pub enum Fault {
     /// The cable is pulled and put back: the port vanishes, its users are hung up, a new port appears under the same
     /// name. At the agent: the network is gone, connections are dropped and new ones refused.
     Unplug {
+        /// How long, s.
+        duration_s: f64,
+    },
+    /// The network freezes: connections stay and carry nothing, new ones are taken and hear nothing.
+    Freeze {
         /// How long, s.
         duration_s: f64,
     },
@@ -60,6 +66,7 @@ impl Fault {
         match self {
             Fault::Silence { duration_s }
             | Fault::Unplug { duration_s }
+            | Fault::Freeze { duration_s }
             | Fault::StuckValue { duration_s }
             | Fault::OutOfRange { duration_s }
             | Fault::BusOff { duration_s } => duration_s.is_finite() && *duration_s >= 0.0,
@@ -74,6 +81,15 @@ impl Fault {
     /// True for what happens on the line, whatever device hangs on it.
     pub(super) fn is_of_the_line(&self) -> bool {
         matches!(self, Fault::GarbleBytes { .. } | Fault::Silence { .. } | Fault::Unplug { .. })
+    }
+}
+
+/// Damages the next `left` bytes, each differently and none to itself; `position` is that of the first in the stream.
+pub(super) fn damage(bytes: &mut [u8], left: &mut usize, position: u64) {
+    let count = bytes.len().min(*left);
+    *left -= count;
+    for (byte, k) in bytes[..count].iter_mut().zip(position..) {
+        *byte ^= (mix(k) % 255) as u8 + 1;
     }
 }
 

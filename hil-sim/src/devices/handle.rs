@@ -3,6 +3,7 @@
 use super::faults::Fault;
 use std::fmt;
 use std::io;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,10 +17,31 @@ use tokio_util::sync::CancellationToken;
 pub enum Address {
     /// Symbolic link to the pseudo-terminal; the link keeps its name when the device is plugged in again.
     Port(PathBuf),
-    /// Base URL of the agent, without a slash at the end.
+    /// Base URL of the agent or server, without a slash at the end.
     Url(String),
     /// Host and port of a server on TCP.
-    Tcp(std::net::SocketAddr),
+    Tcp(SocketAddr),
+}
+
+impl Address {
+    /// The address on TCP, where there is one.
+    pub(super) fn socket(&self) -> Option<SocketAddr> {
+        match self {
+            Address::Port(_) => None,
+            Address::Url(url) => url.split_once("//")?.1.parse().ok(),
+            Address::Tcp(address) => Some(*address),
+        }
+    }
+
+    /// The same service at another address on TCP.
+    pub(super) fn at(&self, address: SocketAddr) -> Self {
+        match self {
+            Address::Url(url) => {
+                Address::Url(format!("{}//{address}", url.split_once("//").map_or("", |(scheme, _)| scheme)))
+            }
+            Address::Port(_) | Address::Tcp(_) => Address::Tcp(address),
+        }
+    }
 }
 
 impl fmt::Display for Address {
@@ -47,7 +69,7 @@ pub enum DeviceError {
     #[error("cannot listen on {address}")]
     Listen {
         /// The address.
-        address: std::net::SocketAddr,
+        address: SocketAddr,
         /// What the system said.
         source: io::Error,
     },
@@ -99,6 +121,8 @@ pub struct Handle {
     lost_bytes: Arc<AtomicU64>,
     stop: CancellationToken,
     task: JoinHandle<()>,
+    /// The device that this is the network of.
+    behind: Option<Box<Handle>>,
 }
 
 impl Handle {
@@ -109,7 +133,12 @@ impl Handle {
         stop: CancellationToken,
         task: JoinHandle<()>,
     ) -> Self {
-        Self { address, faults, can_have, lost_bytes, stop, task }
+        Self { address, faults, can_have, lost_bytes, stop, task, behind: None }
+    }
+
+    pub(super) fn in_front_of(mut self, device: Handle) -> Self {
+        self.behind = Some(Box::new(device));
+        self
     }
 
     /// Where the device is reached.
@@ -133,8 +162,13 @@ impl Handle {
         }
     }
 
-    /// Gives the device a fault; it happens at once.
+    /// Gives the device a fault; it happens at once. A network in front of it is what is unplugged, freezes, and has
+    /// what the device cannot have itself.
     pub fn inject(&self, fault: Fault) -> Result<(), InjectError> {
+        let device = self.behind.as_ref().filter(|device| (device.can_have)(&fault));
+        if let Some(device) = device.filter(|_| !matches!(fault, Fault::Unplug { .. })) {
+            return device.inject(fault);
+        }
         if !(self.can_have)(&fault) {
             return Err(InjectError::NotPossible(fault));
         }
@@ -154,6 +188,9 @@ impl Handle {
         self.stop.cancel();
         if let Err(error) = (&mut self.task).await {
             tracing::error!(%error, address = %self.address, "the device ended badly");
+        }
+        if let Some(device) = self.behind.take() {
+            Box::pin(device.shutdown()).await;
         }
     }
 }

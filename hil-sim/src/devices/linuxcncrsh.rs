@@ -4,9 +4,9 @@
 //! machine has. Source of the words: [`trunnion_protocol::linuxcncrsh`].
 
 use super::clock::TimeOrigin;
-use super::faults::{Fault, FaultSource, ScheduledFault};
+use super::faults::{Fault, FaultSource, ScheduledFault, damage};
 use super::handle::{Address, DeviceError, FAULT_QUEUE, Handle};
-use super::world::{World, mix};
+use super::world::World;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -248,12 +248,7 @@ impl Server {
     }
 
     fn outgoing(&self, mut bytes: Vec<u8>) -> Vec<u8> {
-        let mut ills = self.ills();
-        let count = bytes.len().min(ills.garble);
-        ills.garble -= count;
-        for (k, byte) in bytes[..count].iter_mut().enumerate() {
-            *byte ^= (mix(k as u64) % 255) as u8 + 1;
-        }
+        damage(&mut bytes, &mut self.ills().garble, 0);
         bytes
     }
 

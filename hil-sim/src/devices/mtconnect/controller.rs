@@ -3,12 +3,10 @@
 use super::AgentConfig;
 use super::http::WallClock;
 use crate::devices::clock::TimeOrigin;
+use crate::devices::cycles::Cycles;
 use crate::devices::world::World;
 use std::sync::Arc;
 use trunnion_protocol::mtconnect::{Category, Component, DataItem, Device, ObservedValue};
-
-/// Lines that lie further back are not made up for, s.
-const BACKLOG_S: f64 = 1.0;
 
 /// Values of one instant, one for each data item.
 pub(super) struct Line {
@@ -20,8 +18,8 @@ pub(super) struct Controller {
     world: Arc<dyn World>,
     config: AgentConfig,
     items: Vec<DataItem>,
-    /// Of the controller's clock, in lines since its clock showed 0.
-    next_line: u64,
+    /// One line each.
+    cycles: Cycles,
     link_lost_until_s: f64,
     /// Positions are those of the first time until the second, s.
     stuck_s: Option<(f64, f64)>,
@@ -30,10 +28,8 @@ pub(super) struct Controller {
 impl Controller {
     pub fn new(world: Arc<dyn World>, config: AgentConfig, now_s: f64) -> Self {
         let items = data_items(&config);
-        let mut controller =
-            Self { world, config, items, next_line: 0, link_lost_until_s: f64::NEG_INFINITY, stuck_s: None };
-        controller.next_line = controller.line_at(now_s);
-        controller
+        let cycles = Cycles::new(config.clock, config.rate_hz, now_s);
+        Self { world, config, items, cycles, link_lost_until_s: f64::NEG_INFINITY, stuck_s: None }
     }
 
     pub fn items(&self) -> &[DataItem] {
@@ -71,16 +67,12 @@ impl Controller {
 
     /// When the next line is due, time of the cell, s.
     pub fn due_s(&self) -> f64 {
-        self.line_s(self.next_line)
+        self.cycles.due_s()
     }
 
     /// The lines up to now.
     pub fn lines(&mut self, now_s: f64) -> Vec<Line> {
-        self.next_line = self.next_line.max(self.line_at(now_s - BACKLOG_S));
-        let end = self.line_at(now_s).max(self.next_line + u64::from(self.due_s() <= now_s));
-        let lines = (self.next_line..end).map(|line| self.line(self.line_s(line))).collect();
-        self.next_line = end;
-        lines
+        self.cycles.take(now_s).map(|cycle| self.line(self.cycles.at_s(cycle as f64))).collect()
     }
 
     fn line(&self, t_s: f64) -> Line {
@@ -107,16 +99,6 @@ impl Controller {
         values.push(ObservedValue::Text(cycle.block.to_string()));
         values.push(ObservedValue::Number(rounded(self.world.temperature_degc(t_s), 0.01)));
         Line { wall_ns, values }
-    }
-
-    fn line_s(&self, line: u64) -> f64 {
-        self.config.clock.cell_s(self.config.clock.offset_s + line as f64 / self.config.rate_hz)
-    }
-
-    /// The first line after `t_s`.
-    fn line_at(&self, t_s: f64) -> u64 {
-        let shown_s = self.config.clock.device_s(t_s) - self.config.clock.offset_s;
-        ((shown_s * self.config.rate_hz).floor() + 1.0).max(0.0) as u64
     }
 }
 

@@ -4,7 +4,7 @@ use super::buffer::Buffer;
 use super::controller::Controller;
 use super::request::{Request, Sample};
 use crate::devices::clock::{DeviceClock, TimeOrigin};
-use crate::devices::world::mix;
+use crate::devices::faults::damage;
 use hyper::body::{Body, Bytes, Frame, Incoming};
 use hyper::service::service_fn;
 use hyper::{Method, Response, StatusCode};
@@ -83,12 +83,7 @@ impl Shared {
 
     /// The body as it goes out.
     fn outgoing(&self, mut body: Vec<u8>) -> Bytes {
-        let mut left = lock(&self.garble);
-        let count = body.len().min(*left);
-        *left -= count;
-        for (k, byte) in body[..count].iter_mut().enumerate() {
-            *byte ^= (mix(k as u64) % 255) as u8 + 1;
-        }
+        damage(&mut body, &mut lock(&self.garble), 0);
         body.into()
     }
 

@@ -4,8 +4,7 @@
 //! [`UNREAD_S`] are thrown away and counted, as are those the kernel does not take.
 
 use super::pty::Pty;
-use crate::devices::faults::Fault;
-use crate::devices::world::mix;
+use crate::devices::faults::{Fault, damage};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -88,7 +87,8 @@ impl Link {
         let Some(pty) = self.pty.as_ref().filter(|_| !silent) else {
             return self.lose(bytes.len() as u64);
         };
-        let garbled = garble(bytes, &mut self.garble_left, self.sent_bytes);
+        let mut garbled = bytes.to_vec();
+        damage(&mut garbled, &mut self.garble_left, self.sent_bytes);
         self.sent_bytes += bytes.len() as u64;
         let (written, discarded) = match deliver(pty, &garbled, &mut self.unread, now_s) {
             Ok(counts) => counts,
@@ -122,12 +122,4 @@ fn deliver(pty: &Pty, bytes: &[u8], unread: &mut Option<(f64, u64)>, now_s: f64)
     let (since_s, count) = unread.unwrap_or((now_s, 0));
     *unread = Some((since_s, count + written));
     Ok((written, discarded))
-}
-
-/// Damages the next `left` bytes, each differently and none to itself.
-fn garble(bytes: &[u8], left: &mut usize, position: u64) -> Vec<u8> {
-    let count = bytes.len().min(*left);
-    *left -= count;
-    let damage = |k: usize| (mix(position + k as u64) % 255) as u8 + 1;
-    bytes.iter().enumerate().map(|(k, &byte)| if k < count { byte ^ damage(k) } else { byte }).collect()
 }
