@@ -26,6 +26,11 @@ impl Cycles {
         self.at_s(self.next as f64)
     }
 
+    /// The one before it.
+    #[cfg(feature = "opcua")]
+    pub fn last(&self) -> u64 {
+        self.next.saturating_sub(1)
+    }
 
     /// Those up to now.
     pub fn take(&mut self, now_s: f64) -> Range<u64> {

@@ -16,6 +16,8 @@ mod handle;
 pub mod keyence;
 pub mod linuxcncrsh;
 pub mod mtconnect;
+#[cfg(feature = "opcua")]
+pub mod opcua;
 pub mod optoncdt;
 pub mod relay;
 pub mod serial;
