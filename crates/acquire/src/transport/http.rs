@@ -21,6 +21,7 @@ pub struct Answer {
     /// `Content-Type`, empty when missing.
     pub content_type: String,
     body: Incoming,
+    base: Uri,
     connection: Connection,
 }
 
@@ -49,7 +50,6 @@ pub fn parse_base(url: &str) -> Result<Uri, String> {
 pub async fn get(base: &Uri, path: &str) -> Result<Answer, SessionEnd> {
     let host = base.host().unwrap_or_default();
     let port = base.port_u16().unwrap_or(80);
-    let silent = |waited| SessionEnd::Silent { who: format!("{base}"), waited };
     let stream = tcp::connect(host.trim_matches(['[', ']']), port, &base.to_string()).await?;
     let lost = |error: hyper::Error| SessionEnd::Disconnected(format!("{base}: {}", chain(&error)));
     let (mut sender, connection) =
@@ -68,12 +68,13 @@ pub async fn get(base: &Uri, path: &str) -> Result<Answer, SessionEnd> {
         .body(Empty::<Bytes>::new())
         .map_err(|error| SessionEnd::Protocol { doing: "building a request", fault: error.to_string() })?;
     let response = timeout(CONNECT_LIMIT, sender.send_request(request)).await;
-    let response = response.map_err(|_| silent(CONNECT_LIMIT))?.map_err(lost)?;
+    let response = response.map_err(|_| silent(base, CONNECT_LIMIT))?.map_err(lost)?;
     let content_type = response.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok());
     Ok(Answer {
         status: response.status(),
         content_type: content_type.unwrap_or_default().to_owned(),
         body: response.into_body(),
+        base: base.clone(),
         connection,
     })
 }
@@ -86,10 +87,11 @@ impl Answer {
     pub async fn chunk(&mut self, limit: Duration) -> Result<Option<Bytes>, SessionEnd> {
         loop {
             let frame = timeout(limit, self.body.frame()).await;
-            let silent = |_| SessionEnd::Silent { who: "the agent's stream".into(), waited: limit };
-            match frame.map_err(silent)? {
+            match frame.map_err(|_| silent(&self.base, limit))? {
                 None => return Ok(None),
-                Some(Err(error)) => return Err(SessionEnd::Disconnected(chain(&error))),
+                Some(Err(error)) => {
+                    return Err(SessionEnd::Disconnected(format!("{}: {}", self.base, chain(&error))));
+                }
                 Some(Ok(frame)) => {
                     if let Ok(data) = frame.into_data() {
                         return Ok(Some(data));
@@ -112,6 +114,11 @@ impl Answer {
         drop(self.connection);
         Ok(body)
     }
+}
+
+fn silent(base: &Uri, waited: Duration) -> SessionEnd {
+    let who = format!("{base} does not answer; check that the agent runs, and the network between");
+    SessionEnd::Silent { who, waited }
 }
 
 fn chain(error: &dyn Error) -> String {

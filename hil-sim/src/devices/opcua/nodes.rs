@@ -99,11 +99,8 @@ fn stamped<T: Into<Variant>>(value: Option<T>, stamp_ns: i64) -> DataValue {
     let stamp = DateTime::from(stamp_ns / 100 + TICKS_TO_1970);
     match value {
         Some(value) => DataValue::new_at(value, stamp),
-        // Without the value: the library sees changes of values, not of their status.
-        None => {
-            let status = Some(StatusCode::BadNoCommunication);
-            DataValue { value: None, status, source_timestamp: Some(stamp), ..DataValue::default() }
-        }
+        // The library sees changes of values, not of their status: an empty one, not the last.
+        None => DataValue::new_at_status(Variant::Empty, stamp, StatusCode::BadNoCommunication),
     }
 }
 

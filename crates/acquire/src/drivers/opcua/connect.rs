@@ -212,10 +212,16 @@ pub(super) async fn limited<T>(
     asked: impl Future<Output = Result<T, Error>>,
 ) -> Result<T, SessionEnd> {
     match timeout(LIMIT, asked).await {
-        Err(_) => Err(SessionEnd::Silent { who: format!("{} does not answer", device.url), waited: LIMIT }),
+        Err(_) => Err(silent(device, LIMIT)),
         Ok(Err(error)) => Err(end_of(device, error.status(), &error.to_string())),
         Ok(Ok(value)) => Ok(value),
     }
+}
+
+pub(super) fn silent(device: &OpcUa, waited: Duration) -> SessionEnd {
+    let who =
+        format!("{} does not answer; check that the controller runs, and the network between", device.url);
+    SessionEnd::Silent { who, waited }
 }
 
 /// What a status means for a technician.
@@ -239,16 +245,16 @@ pub(super) fn end_of(device: &OpcUa, status: StatusCode, said: &str) -> SessionE
             "the server refuses our certificate ({status}); trust {} at the controller, or correct user and password",
             own()
         )),
-        StatusCode::BadTimeout => {
-            SessionEnd::Silent { who: format!("{} does not answer", device.url), waited: LIMIT }
-        }
+        StatusCode::BadTimeout => silent(device, LIMIT),
         StatusCode::BadConnectionClosed
         | StatusCode::BadNotConnected
         | StatusCode::BadServerHalted
         | StatusCode::BadSecureChannelClosed
         | StatusCode::BadSessionClosed
-        | StatusCode::BadCommunicationError
-        | StatusCode::Good => SessionEnd::Disconnected(format!("{}: {said} ({status})", device.url)),
+        | StatusCode::BadCommunicationError => {
+            SessionEnd::Disconnected(format!("{}: {said} ({status})", device.url))
+        }
+        StatusCode::Good => SessionEnd::Disconnected(format!("{}: {said}", device.url)),
         _ => SessionEnd::Protocol {
             doing: "talking to the OPC UA server",
             fault: format!("{said} ({status})"),

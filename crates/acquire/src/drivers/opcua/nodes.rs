@@ -80,9 +80,7 @@ pub(super) async fn find(
     }
     let wanted: Vec<NodeId> = found.iter().map(|(_, node)| node.clone()).collect();
     let values = browser.values(&wanted).await?;
-    let missing = |(_, status): &(_, &StatusCode)| {
-        matches!(**status, StatusCode::BadNodeIdUnknown | StatusCode::BadNodeIdInvalid)
-    };
+    let missing = |(_, status): &(_, &StatusCode)| is_missing(**status);
     let statuses: Vec<StatusCode> = values.iter().map(|(status, _)| *status).collect();
     let absent: Vec<String> =
         found.iter().zip(&statuses).filter(missing).map(|((l, n), _)| format!("{n} ({l})")).collect();
@@ -112,13 +110,26 @@ pub(super) async fn find(
     ] {
         let Some(known) = known.filter(|_| place.is_none()) else { continue };
         let value = browser.values(std::slice::from_ref(&known)).await?;
-        if value.first().is_some_and(|(status, _)| status.is_good()) {
+        // A node that has no value at present may have one later.
+        if value.first().is_some_and(|(status, _)| may_have_values(*status)) {
             *place = Some(known);
         } else {
             link.log(false, format!("{known} is not there; name the node of the {what} by the key `{what}`"));
         }
     }
     Ok(nodes)
+}
+
+fn is_missing(status: StatusCode) -> bool {
+    matches!(status, StatusCode::BadNodeIdUnknown | StatusCode::BadNodeIdInvalid)
+}
+
+fn may_have_values(status: StatusCode) -> bool {
+    let never = matches!(
+        status,
+        StatusCode::BadUserAccessDenied | StatusCode::BadNotReadable | StatusCode::BadAttributeIdInvalid
+    );
+    !never && !is_missing(status)
 }
 
 fn sinumerik(path: &str) -> NodeId {

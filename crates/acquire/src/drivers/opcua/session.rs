@@ -70,9 +70,9 @@ pub(super) async fn run(device: &OpcUa, link: &mut Link) -> Result<Infallible, S
             _ = beats.tick() => {
                 if link.now() - model.heard >= HEARTBEAT {
                     ask_for_life(device, &connection, &heartbeat, link).await?;
-                    if notifications.is_empty() {
-                        model.nothing_changed(link);
-                    }
+                }
+                if link.now() - model.moved >= HEARTBEAT && notifications.is_empty() {
+                    model.nothing_changed(link);
                 }
             }
         }
@@ -164,9 +164,7 @@ async fn ask_for_life(
     let read = [ReadValueId::new(node.clone(), AttributeId::Value)];
     let asked = connection.session.read(&read, TimestampsToReturn::Source, 0.0);
     match tokio::time::timeout(link.silence, asked).await {
-        Err(_) => {
-            Err(SessionEnd::Silent { who: format!("{} does not answer", device.url), waited: link.silence })
-        }
+        Err(_) => Err(connect::silent(device, link.silence)),
         Ok(Err(error)) => Err(end_of(device, error.status(), "asking whether it is still there")),
         Ok(Ok(_)) => Ok(()),
     }
@@ -217,6 +215,8 @@ struct Model {
     delay: Duration,
     /// When the last notification came.
     heard: HostTime,
+    /// When the last change of an axis came: the program may go on while all stand.
+    moved: HostTime,
     /// When the last axis reading was sent.
     sent: HostTime,
     /// Axes without a value, with what the server says of them, and since when.
@@ -224,6 +224,8 @@ struct Model {
     bad_since: Option<(HostTime, String)>,
     sequence: u64,
     controller: (Execution, String, String, Option<bool>),
+    /// Its stamp, while it is not told yet.
+    controller_ns: Option<i64>,
 }
 
 impl Model {
@@ -238,17 +240,18 @@ impl Model {
             instants,
             delay: interval + ON_THE_WAY,
             heard: now,
+            moved: now,
             sent: now,
             bad: HashSet::new(),
             bad_since: None,
             sequence: 0,
             controller: Default::default(),
+            controller_ns: None,
         }
     }
 
     fn take(&mut self, values: Vec<(u32, DataValue)>, link: &mut Link) {
         let arrival = link.now();
-        let mut controller_ns = None;
         for (handle, value) in values {
             let what = (handle as usize).checked_sub(1).and_then(|k| self.uses.get(k)).copied();
             let stamp_ns = stamp_ns(&value);
@@ -261,7 +264,7 @@ impl Model {
                 Some(Use::Axis(axis)) => self.axis(axis, &value, stamp_ns, arrival, link),
                 Some(other) => {
                     self.state(other, &value);
-                    controller_ns = Some(stamp_ns.unwrap_or_default());
+                    self.controller_ns = Some(stamp_ns.unwrap_or_default());
                 }
             }
         }
@@ -273,7 +276,8 @@ impl Model {
             let instants = self.instants.take();
             self.send(instants, false, link);
         }
-        if let Some(stamp_ns) = controller_ns {
+        // While axes have no value, what the program does is no proof of health, and comes with them.
+        if let Some(stamp_ns) = self.controller_ns.take_if(|_| self.bad.is_empty()) {
             let (execution, program, block, signal) = self.controller.clone();
             let reading = ControllerReading { execution, program, block, signal, stamp_ns, arrival };
             link.reading(Reading::Controller(reading), arrival);
@@ -304,6 +308,7 @@ impl Model {
             return;
         };
         self.bad.remove(&axis);
+        self.moved = arrival;
         self.instants.sample(axis, stamp_ns, position * self.nodes.axes[axis].unit);
     }
 
@@ -322,7 +327,7 @@ impl Model {
 
     /// The server lives and told of no change: all axes stand, as long after their stamp as after its arrival.
     fn nothing_changed(&mut self, link: &mut Link) {
-        let waited = (link.now() - self.heard).saturating_sub(self.delay);
+        let waited = (link.now() - self.moved).saturating_sub(self.delay);
         let Some(newest_ns) = self.instants.newest_ns().filter(|_| self.bad.is_empty() && !waited.is_zero())
         else {
             return;
