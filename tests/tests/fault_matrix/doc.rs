@@ -28,7 +28,7 @@ fn tables(subjects: &[&Subject]) -> String {
             subject.driver, subject.about
         );
         for trouble in Trouble::ALL {
-            if let Cell::Case(case) = (subject.cell)(trouble) {
+            if let Cell::Case(case) = subject.cell(trouble) {
                 text += &row(trouble, &case);
             }
         }
@@ -44,7 +44,7 @@ fn overview(subjects: &[&Subject]) -> String {
     for subject in subjects {
         text += &format!("| `{}` |", subject.driver);
         for trouble in Trouble::ALL {
-            match (subject.cell)(trouble) {
+            match subject.cell(trouble) {
                 Cell::Case(_) => text += " pass |",
                 Cell::Cannot(why) => {
                     let known = reasons.iter().position(|reason| *reason == why);
@@ -67,15 +67,18 @@ fn overview(subjects: &[&Subject]) -> String {
 
 fn row(trouble: Trouble, case: &Case) -> String {
     let states: Vec<String> = case.course.iter().map(|state| format!("{state:?}")).collect();
-    let states = if states.is_empty() { "Streaming".to_owned() } else { states.join(" → ") };
+    let mut states = if states.is_empty() { "Streaming".to_owned() } else { states.join(" → ") };
+    if let Some((state, when)) = case.perhaps {
+        states += &format!("; also {state:?} where {when}");
+    }
     let (gap, lost) =
         case.gap.as_ref().map_or(("none".to_owned(), ""), |gap| (shown_gap(gap), shown_lost(gap.lost)));
-    format!("| {} | {states} | {gap} | {lost} | {} |\n", trouble.name(), shown(case.message))
+    format!("| {} | {states} | {gap} | {lost} | {} |\n", trouble.name(), shown(&case.message))
 }
 
 fn shown_gap(gap: &GapOf) -> String {
     let channel = gap.channel.map_or(String::new(), |channel| format!("{channel}: "));
-    format!("{channel}{}", shown(gap.reason))
+    format!("{channel}{}", shown(&gap.reason))
 }
 
 fn shown_lost(lost: Lost) -> &'static str {

@@ -5,25 +5,30 @@
 mod ascii;
 mod bench;
 mod canopen_slcan;
+mod common;
 mod doc;
 mod keyence;
 mod linuxcnc;
 mod matrix;
 mod mtconnect;
+mod opcua;
 mod optoncdt;
+mod seen;
+mod tape;
 
 use matrix::{Cell, Subject, Trouble};
 use std::sync::Arc;
 use tokio::sync::Semaphore;
 use tokio::task::JoinSet;
 
-const SUBJECTS: [&Subject; 6] = [
+const SUBJECTS: [&Subject; 7] = [
     &optoncdt::SUBJECT,
     &keyence::SUBJECT,
     &ascii::SUBJECT,
     &canopen_slcan::SUBJECT,
     &mtconnect::SUBJECT,
     &linuxcnc::SUBJECT,
+    &opcua::SUBJECT,
 ];
 /// Cells run at once; the others wait.
 const AT_ONCE: usize = 6;
@@ -36,7 +41,7 @@ async fn each_fault_of_each_device_leads_to_its_state_its_gap_and_its_message() 
     for subject in SUBJECTS {
         for trouble in Trouble::ALL {
             let name = format!("{}, {}", subject.driver, trouble.name());
-            let Cell::Case(case) = (subject.cell)(trouble) else { continue };
+            let Cell::Case(case) = subject.cell(trouble) else { continue };
             if !name.contains(&only) {
                 continue;
             }

@@ -7,6 +7,7 @@ use trunnion_acquire::DeviceState;
 use trunnion_hil_sim::devices::{Fault, Handle};
 
 use crate::bench::Floor;
+pub use crate::common::Kind;
 
 /// What befalls a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,8 +70,19 @@ pub struct Subject {
     pub keys: &'static str,
     /// Switches the device on; one on TCP listens at the address.
     pub start: fn(Floor, SocketAddr) -> Starting,
-    /// What follows from each trouble.
-    pub cell: fn(Trouble) -> Cell,
+    /// What it has in common with others.
+    pub kind: Kind,
+    /// What follows from a trouble, where it is its own.
+    pub own: fn(Trouble) -> Option<Cell>,
+}
+
+impl Subject {
+    /// What follows from a trouble.
+    pub fn cell(&self, trouble: Trouble) -> Cell {
+        (self.own)(trouble)
+            .or_else(|| self.kind.cell(trouble))
+            .unwrap_or_else(|| panic!("{} has no cell for: {}", self.driver, trouble.name()))
+    }
 }
 
 /// A device being switched on.
@@ -85,34 +97,37 @@ pub enum Cell {
 }
 
 /// What is done and what must follow. In texts `*` stands for anything.
+#[derive(Clone)]
 pub struct Case {
     /// None: the device is switched on only after the program has found it absent.
     pub fault: Option<Fault>,
     /// The device has been read for so long before, s, and so many readings have come.
     pub after_s: f64,
     pub after_readings: u64,
-    /// States from the fault on: the first, those between if they last, the last. Empty: it goes on streaming.
+    /// States from the fault on: each of them, no other, the first and the last in their places. Empty: it goes on
+    /// streaming.
     pub course: &'static [DeviceState],
+    /// A state that is not seen each time, and when it is.
+    pub perhaps: Option<(DeviceState, &'static str)>,
     /// The gap that is recorded.
     pub gap: Option<GapOf>,
     /// What is told besides the gap; empty where the gap says all.
-    pub message: &'static str,
+    pub message: String,
 }
 
 impl Case {
-    /// Nothing happens to a device that has been read for a moment.
-    pub const NONE: Self =
-        Self { fault: None, after_s: 0.3, after_readings: 1, course: &[], gap: None, message: "" };
-
-    /// As long as it takes to see that a channel trembles at rest.
-    pub const TREMBLED: Self = Self { after_s: 6.5, after_readings: 400, ..Self::NONE };
+    /// True for a state that may be seen or not.
+    pub fn may_be(&self, state: DeviceState) -> bool {
+        self.perhaps.is_some_and(|(perhaps, _)| perhaps == state)
+    }
 }
 
 /// A recorded gap.
+#[derive(Clone)]
 pub struct GapOf {
     /// Its source, where it is a channel and not the device itself.
     pub channel: Option<&'static str>,
-    pub reason: &'static str,
+    pub reason: String,
     pub lost: Lost,
     /// At least so long, s.
     pub at_least_s: f64,
@@ -120,22 +135,18 @@ pub struct GapOf {
 
 impl GapOf {
     /// The whole device was away for so long.
-    pub const fn away(reason: &'static str, at_least_s: f64) -> Option<Self> {
-        Some(Self { channel: None, reason, lost: Lost::NotCounted, at_least_s })
+    pub fn away(reason: &str, at_least_s: f64) -> Option<Self> {
+        Some(Self { channel: None, reason: reason.into(), lost: Lost::NotCounted, at_least_s })
     }
 
     /// The device told how many were lost, or they can be counted here.
-    pub const fn counted(reason: &'static str) -> Option<Self> {
-        Some(Self { channel: None, reason, lost: Lost::Counted, at_least_s: 0.0 })
+    pub fn counted(reason: &str) -> Option<Self> {
+        Self::without_value(None, reason, 0.0)
     }
 
     /// Readings of a channel came without value for so long.
-    pub const fn without_value(
-        channel: Option<&'static str>,
-        reason: &'static str,
-        at_least_s: f64,
-    ) -> Option<Self> {
-        Some(Self { channel, reason, lost: Lost::Counted, at_least_s })
+    pub fn without_value(channel: Option<&'static str>, reason: &str, at_least_s: f64) -> Option<Self> {
+        Some(Self { channel, reason: reason.into(), lost: Lost::Counted, at_least_s })
     }
 }
 

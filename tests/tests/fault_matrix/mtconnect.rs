@@ -1,11 +1,14 @@
 //! An MTConnect agent and the controller behind it: streams over HTTP, with the controller's clock and the agent's count.
 
-use crate::matrix::{Case, Cell, GapOf, Subject, Trouble};
-use trunnion_acquire::DeviceState::{Absent, Failed, Streaming, Stuck, WrongDevice};
+use crate::common::some;
+use crate::matrix::{Case, Cell, GapOf, Kind, Subject, Trouble};
+use trunnion_acquire::DeviceState::{Failed, Silent, Streaming, WrongDevice};
 use trunnion_hil_sim::devices::mtconnect::{self, AgentConfig};
-use trunnion_hil_sim::devices::{DeviceClock, Fault};
+use trunnion_hil_sim::devices::{DeviceClock, Fault, relay};
 
 const WALL_NS: i64 = 1_767_225_600_000_000_000;
+
+const GONE: &str = "disconnected: http://ADDRESS/: *";
 
 pub const SUBJECT: Subject = Subject {
     driver: "mtconnect",
@@ -13,55 +16,39 @@ pub const SUBJECT: Subject = Subject {
     keys: "url = \"http://127.0.0.1:{tcp}\"\nsilence_ms = 1000\n",
     start: |floor, listen| {
         Box::pin(async move {
-            let config = AgentConfig { listen, ..AgentConfig::new(WALL_NS, DeviceClock::steady(2.0, 20.0)) };
-            mtconnect::spawn(floor.world, config, floor.origin, &[]).await.expect("a free address")
+            let config = AgentConfig::new(WALL_NS, DeviceClock::steady(2.0, 20.0));
+            let agent =
+                mtconnect::spawn(floor.world, config, floor.origin, &[]).await.expect("a free address");
+            relay::in_front_of(agent, listen, floor.origin, &[]).await.expect("the address is free")
         })
     },
-    cell,
+    kind: Kind::Controller { address: "http://ADDRESS/" },
+    own,
 };
 
-fn cell(trouble: Trouble) -> Cell {
-    Cell::Case(match trouble {
-        Trouble::AbsentAtStart => Case {
-            course: &[Absent, Streaming],
-            gap: GapOf::away("http://ADDRESS/ (*) is not there; *", 0.0),
-            message: "http://ADDRESS/ (*) is not there; *",
-            ..Case::NONE
-        },
-        Trouble::Unplugged => Case {
-            fault: Some(Fault::Unplug { duration_s: 1.5 }),
-            course: &[Failed, Absent, Streaming],
-            gap: GapOf::away("disconnected: *", 1.2),
-            message: "disconnected: *",
-            ..Case::NONE
-        },
-        Trouble::Silent => return Cell::Cannot("not run yet: the virtual device cannot have it"),
+fn own(trouble: Trouble) -> Option<Cell> {
+    some(match trouble {
+        Trouble::Unplugged => Case::unplugged(GONE),
+        Trouble::Silent => Case::away(
+            Fault::Freeze { duration_s: 2.5 },
+            &[Silent, Streaming],
+            "silent for * ms: http://ADDRESS/ does not answer; check that the agent runs, and the network between",
+            2.0,
+        ),
         Trouble::Garbled => Case {
             fault: Some(Fault::GarbleBytes { count: 400 }),
-            message: "a part of the agent's stream was damaged; it is asked for again",
-            ..Case::NONE
+            message: "a part of the agent's stream was damaged; it is asked for again".into(),
+            ..Case::default()
         },
-        Trouble::WrongIdentity => Case {
-            fault: Some(Fault::WrongIdentity),
-            course: &[Failed, WrongDevice],
-            gap: GapOf::away("disconnected: *", 0.2),
-            message: "wrong device: found device VMC-OTHER *, expected *, as at the first connection (restart the service if \
-                      the machine was changed); correct the port or the configuration",
-            ..Case::NONE
-        },
-        Trouble::StuckValue => Case {
-            fault: Some(Fault::StuckValue { duration_s: 4.0 }),
-            course: &[Stuck, Streaming],
-            gap: GapOf::away("axis positions were stuck while the program went on", 3.0),
-            message: "the program went on by * blocks in * s but no axis moved; check that the controller's positions are \
-                      live (adapter, machine lock, dry run)",
-            ..Case::NONE
-        },
-        Trouble::CounterJump => Case {
-            fault: Some(Fault::CounterJump { by: 500 }),
-            gap: GapOf::counted("the agent's buffer had moved on (OUT_OF_RANGE)"),
-            ..Case::NONE
-        },
+        Trouble::WrongIdentity => Case::another(
+            &[Failed, WrongDevice],
+            GONE,
+            "wrong device: found device VMC-OTHER *, expected *, as at the first connection (restart the service if the \
+             machine was changed); correct the port or the configuration",
+        ),
+        Trouble::CounterJump => {
+            Case::lost(Fault::CounterJump { by: 500 }, "the agent's buffer had moved on (OUT_OF_RANGE)")
+        }
         Trouble::ClockJump => Case {
             fault: Some(Fault::ClockJump { by_s: 3.0 }),
             after_s: 2.5,
@@ -69,23 +56,18 @@ fn cell(trouble: Trouble) -> Cell {
                 "its clock was set by +* s; times of readings between are uncertain by that much",
                 0.0,
             ),
-            message: "the controller's clock was set by +* s; time of the axes begins anew",
-            ..Case::NONE
+            message: "the controller's clock was set by +* s; time of the axes begins anew".into(),
+            ..Case::default()
         },
-        Trouble::Restarted => Case {
-            fault: Some(Fault::AgentRestart),
-            course: &[Failed, Streaming],
-            gap: GapOf::away("disconnected: *", 0.2),
-            message: "disconnected: *",
-            ..Case::NONE
-        },
+        Trouble::Restarted => Case::restarted(GONE),
         Trouble::ControllerGone => Case {
             fault: Some(Fault::Silence { duration_s: 1.5 }),
             gap: GapOf::away("the agent had no value for an axis (UNAVAILABLE)", 1.2),
-            message: "the agent has no value for axis * (UNAVAILABLE); check that the controller is on and that its adapter runs",
-            ..Case::NONE
+            message: "the agent has no value for axis * (UNAVAILABLE); check that the controller is on and that its \
+                      adapter runs"
+                .into(),
+            ..Case::default()
         },
-        Trouble::OutOfRange => return Cell::Cannot("an axis has no measuring range"),
-        Trouble::BusOff => return Cell::Cannot("it hangs on no bus"),
+        _ => return None,
     })
 }

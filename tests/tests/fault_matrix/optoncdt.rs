@@ -1,11 +1,11 @@
 //! optoNCDT 1420: streams on its own, with a counter and a clock.
 
-use crate::matrix::{Case, Cell, GapOf, Lost, Subject, Trouble};
-use trunnion_acquire::DeviceState::{Absent, Failed, Silent, Streaming, Stuck, WrongDevice};
+use crate::common::some;
+use crate::matrix::{Case, Cell, GapOf, Kind, Lost, Subject, Trouble};
+use trunnion_acquire::DeviceState::{Silent, WrongDevice};
 use trunnion_hil_sim::devices::optoncdt::{self, ProbeConfig};
 use trunnion_hil_sim::devices::{DeviceClock, Fault};
 
-const NOT_THERE: &str = "PORT is not there; plug it in or correct the port";
 const SILENT: &str = "silent for * ms: PORT sends no values*";
 const LOST: &str = "values lost on the line (counter jumped)*";
 
@@ -19,61 +19,27 @@ pub const SUBJECT: Subject = Subject {
             optoncdt::spawn(floor.world, config, &floor.port, floor.origin, &[]).expect("a good setting")
         })
     },
-    cell,
+    kind: Kind::Serial,
+    own,
 };
 
-fn cell(trouble: Trouble) -> Cell {
-    Cell::Case(match trouble {
-        Trouble::AbsentAtStart => Case {
-            course: &[Absent, Streaming],
-            gap: GapOf::away(NOT_THERE, 0.0),
-            message: NOT_THERE,
-            ..Case::NONE
-        },
-        Trouble::Unplugged => Case {
-            fault: Some(Fault::Unplug { duration_s: 1.5 }),
-            course: &[Failed, Absent, Streaming],
-            gap: GapOf::away("disconnected: *", 1.2),
-            message: "disconnected: *",
-            ..Case::NONE
-        },
-        Trouble::Silent => Case {
-            fault: Some(Fault::Silence { duration_s: 1.5 }),
-            course: &[Silent, Streaming],
-            gap: GapOf::away(SILENT, 1.2),
-            message: SILENT,
-            ..Case::NONE
-        },
-        Trouble::Garbled => {
-            Case { fault: Some(Fault::GarbleBytes { count: 40 }), gap: GapOf::counted(LOST), ..Case::NONE }
+fn own(trouble: Trouble) -> Option<Cell> {
+    some(match trouble {
+        Trouble::Silent => Case::silent(1.5, SILENT),
+        Trouble::Garbled => Case::lost(Fault::GarbleBytes { count: 40 }, LOST),
+        Trouble::WrongIdentity => Case::another(
+            &[Silent, WrongDevice],
+            SILENT,
+            "wrong device: found ILD1420-50 serial *, expected an optoNCDT 1320 or 1420 with range 2 mm; correct the port \
+             or the configuration",
+        ),
+        Trouble::StuckValue => Case::stuck(None, 400),
+        Trouble::OutOfRange => Case::out_of_range(None, "*target behind the measuring range*"),
+        Trouble::CounterJump => {
+            let mut case = Case::lost(Fault::CounterJump { by: 77 }, LOST);
+            case.gap = case.gap.map(|gap| GapOf { lost: Lost::Exactly(77), ..gap });
+            case
         }
-        Trouble::WrongIdentity => Case {
-            fault: Some(Fault::WrongIdentity),
-            course: &[Silent, WrongDevice],
-            gap: GapOf::away(SILENT, 0.2),
-            message: "wrong device: found ILD1420-50 serial *, expected an optoNCDT 1320 or 1420 with range 2 mm; correct \
-                      the port or the configuration",
-            ..Case::NONE
-        },
-        Trouble::StuckValue => Case {
-            fault: Some(Fault::StuckValue { duration_s: 4.0 }),
-            course: &[Stuck, Streaming],
-            gap: GapOf::without_value(None, "stuck at *", 3.0),
-            message: "it is stuck: it has sent * for * s although it trembled before; check that the probe moves freely \
-                      and that its display is not held",
-            ..Case::TREMBLED
-        },
-        Trouble::OutOfRange => Case {
-            fault: Some(Fault::OutOfRange { duration_s: 0.5 }),
-            gap: GapOf::without_value(None, "no value: *target behind the measuring range*", 0.4),
-            message: "it has no value: *target behind the measuring range*",
-            ..Case::NONE
-        },
-        Trouble::CounterJump => Case {
-            fault: Some(Fault::CounterJump { by: 77 }),
-            gap: Some(GapOf { channel: None, reason: LOST, lost: Lost::Exactly(77), at_least_s: 0.0 }),
-            ..Case::NONE
-        },
         Trouble::ClockJump => Case {
             fault: Some(Fault::ClockJump { by_s: -0.4 }),
             after_s: 2.5,
@@ -81,14 +47,8 @@ fn cell(trouble: Trouble) -> Cell {
                 "its clock was set by -0.4* s; times of readings between are uncertain by that much",
                 0.9,
             ),
-            ..Case::NONE
+            ..Case::default()
         },
-        Trouble::BusOff => return Cell::Cannot("it hangs on no bus"),
-        Trouble::Restarted => {
-            return Cell::Cannot(
-                "it has no program to restart; switched off and on it is silent for a while",
-            );
-        }
-        Trouble::ControllerGone => return Cell::Cannot("there is no controller behind it"),
+        _ => return None,
     })
 }
