@@ -84,7 +84,8 @@ impl Case {
 
     /// It is switched on only after the program has found it absent.
     pub fn absent(reason: &str) -> Self {
-        Self { fault: None, ..Self::away(Fault::AgentRestart, &[Absent, Streaming], reason, 0.0) }
+        let gap = GapOf::away(reason, 0.0);
+        Self { course: &[Absent, Streaming], gap, message: reason.into(), ..Self::default() }
     }
 
     pub fn unplugged(reason: &str) -> Self {
