@@ -15,6 +15,9 @@ use trunnion_units::AxisLetter;
 
 /// The fit stands when no prediction moves by more than this, mm.
 const SETTLED_MM: f64 = 1e-9;
+/// The noise is known well enough to judge weak directions by when no prediction moves by more than this part of it. Such
+/// directions wander far and settle slowly; they are left out before they need to.
+const NOISE_KNOWN: f64 = 0.1;
 const MOST_STEPS: usize = 40;
 /// Blocks on the fly are never known better than this, mm.
 const FINEST_BLOCK_MM: f64 = 1e-4;
@@ -56,7 +59,21 @@ pub(crate) fn settle(
     let on_the_fly = design.experiment.kinds.contains(&RunKind::OnTheFly);
     let least_mm = if on_the_fly { FINEST_BLOCK_MM } else { 0.0 };
     let mut limits = Limits::with_noise(options.null_tolerance, least_mm, rows);
-    let first = settle_within(design, &reduced, &[], used, &limits)?;
+    let gauge = named_gauge(design, &reduced, &limits);
+    let nothing = DVector::from_iterator(
+        design.joint.width(),
+        design.joint.held.iter().map(|held| held.unwrap_or(0.0)),
+    );
+    let to_noise = |gauge| settle_within(design, &reduced, gauge, &[], used, nothing.clone(), NOISE_KNOWN);
+    let first = match to_noise(gauge) {
+        // Directions too weak to go by may run away; the noise that the columns leave over shows which they are.
+        Err(IdentifyError::NotSettled { .. }) => {
+            let noise_mm = linear_noise_mm(design, &reduced, &nothing, used);
+            limits = Limits::with_noise(options.null_tolerance, least_mm.max(noise_mm), rows);
+            to_noise(named_gauge(design, &reduced, &limits))?
+        }
+        settled => settled?,
+    };
     if design.joint.free().is_empty() {
         return Ok(first);
     }
@@ -73,11 +90,28 @@ pub(crate) fn settle(
         .collect();
     let weights: Vec<(usize, f64)> = priors.iter().map(|(prior, w)| (prior.parameter, *w)).collect();
     reduced.add_priors(&weights);
-    let rank = named_gauge(design, &reduced, &limits).rank;
-    if rank == first.gauge.rank && priors.is_empty() {
-        return Ok(first);
+    let gauge = named_gauge(design, &reduced, &limits);
+    let start = if gauge.rank == first.gauge.rank && priors.is_empty() { first.solution } else { nothing };
+    settle_within(design, &reduced, gauge, &priors, used, start, 0.0)
+}
+
+/// Weighted standard deviation of what no combination of the columns explains at `start`, mm.
+fn linear_noise_mm(design: &Design<'_>, reduced: &Reduced, start: &DVector<f64>, used: &[bool]) -> f64 {
+    let residual_mm = design.experiment.readings_mm() - design.joint.predict_mm(design.experiment, start);
+    let counted = counted_mm(design, &residual_mm, used);
+    let explained = design.project(reduced, &counted).norm_squared();
+    let rows = counted.iter().filter(|value| **value != 0.0).count();
+    let free = rows.saturating_sub(design.joint.width()).max(1);
+    ((counted.norm_squared() - explained).max(0.0) / free as f64).sqrt()
+}
+
+/// Residuals as they count: weighted, of unused rows zero, mm.
+fn counted_mm(design: &Design<'_>, residual_mm: &DVector<f64>, used: &[bool]) -> DVector<f64> {
+    let mut counted = residual_mm.component_mul(&design.weights.root);
+    for row in unused_rows(design.experiment, used) {
+        counted[row] = 0.0;
     }
-    settle_within(design, &reduced, &priors, used, &limits)
+    counted
 }
 
 fn named_gauge(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Gauge {
@@ -93,15 +127,17 @@ fn named_gauge(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Gauge
     gauge(reduced, &design.joint.free(), &design.joint.parameters, &zeros, limits)
 }
 
+/// From `start` until no prediction moves by more than [`SETTLED_MM`], or this part of the noise.
 fn settle_within(
     design: &Design<'_>,
     reduced: &Reduced,
+    gauge: Gauge,
     priors: &[(&Expected, f64)],
     used: &[bool],
-    limits: &Limits,
+    start: DVector<f64>,
+    part_of_noise: f64,
 ) -> Result<Settled, IdentifyError> {
     let (experiment, joint) = (design.experiment, design.joint);
-    let gauge = named_gauge(design, reduced, limits);
     let rows_used: usize = (0..used.len()).filter(|&i| used[i]).map(|i| experiment.rows_of(i).len()).sum();
     if rows_used <= gauge.determined.len() {
         return Err(IdentifyError::TooFewReadings { rows: rows_used, determined: gauge.determined.len() });
@@ -114,19 +150,17 @@ fn settle_within(
         sigma[0] / sigma[sigma.len() - 1]
     };
     let readings = experiment.readings_mm();
-    let mut solution =
-        DVector::from_iterator(joint.width(), joint.held.iter().map(|held| held.unwrap_or(0.0)));
+    let mut solution = start;
     let mut predicted_mm = joint.predict_mm(experiment, &solution);
     check_finite(design, &(&readings - &predicted_mm))?;
-    let (mut iterations, mut change_mm) = (0, f64::INFINITY);
-    while change_mm > SETTLED_MM && !gauge.determined.is_empty() {
+    let (mut iterations, mut change_mm, mut enough_mm) = (0, f64::INFINITY, SETTLED_MM);
+    let root_rows = (rows_used as f64).sqrt();
+    while change_mm > enough_mm && !gauge.determined.is_empty() {
         if iterations == MOST_STEPS || change_mm.is_nan() {
             return Err(IdentifyError::NotSettled { steps: iterations, change_mm });
         }
-        let mut counted = (&readings - &predicted_mm).component_mul(&design.weights.root);
-        for row in unused_rows(experiment, used) {
-            counted[row] = 0.0;
-        }
+        let counted = counted_mm(design, &(&readings - &predicted_mm), used);
+        enough_mm = SETTLED_MM.max(part_of_noise * counted.norm() / root_rows);
         let surprise = priors.iter().map(|(prior, w)| w * (prior.value - solution[prior.parameter]));
         let projected = design.project(reduced, &counted);
         let right: Vec<f64> = projected.iter().copied().chain(surprise).collect();
@@ -145,8 +179,7 @@ fn settle_within(
     let prior_weights = joint.priors.iter().map(weight_of).collect();
     let residual_mm = readings - &predicted_mm;
     let weighted_mm = residual_mm.component_mul(&design.weights.root);
-    let unused: f64 = unused_rows(experiment, used).map(|row| weighted_mm[row].powi(2)).sum();
-    let squares = (weighted_mm.norm_squared() - unused).max(0.0);
+    let squares = counted_mm(design, &residual_mm, used).norm_squared();
     let sigma_mm = (squares / (rows_used - gauge.determined.len()) as f64).sqrt();
     Ok(Settled {
         solution,
