@@ -5,6 +5,10 @@
 //! The least delay of each line of transport (`d_min`, clock) is in τ, and so is the delay inside probe and control.
 //! Valid while nothing else moves: all other axes stand, the axis comes back to where it began, and it stands before and after.
 
+mod mean;
+
+pub use mean::{MeanDelay, mean_delays};
+
 use std::collections::VecDeque;
 use trunnion_measurement::time_quality::{Gesture, GestureDelay};
 use trunnion_measurement::{AxisSample, ProbeSample};

@@ -28,7 +28,7 @@ pub use align::{AlignLimits, Aligned, AlignedSample, Aligner, AxisState};
 pub use clock::{ClockLine, ClockTrack, Jump};
 pub use config::{Channel, DeviceConfig, Role, parse_devices, read_devices};
 pub use cycle_bounds::{Bound, CycleBounds, StartRule};
-pub use gesture::GestureFinder;
+pub use gesture::{GestureFinder, MeanDelay, mean_delays};
 pub use message::{
     AxisReading, ControllerReading, Counters, Execution, LogLine, Message, ProbeReading, Reading, SourceGap,
     TemperatureReading,

@@ -4,7 +4,7 @@ use crate::plan::Plan;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;
-use trunnion_acquire::{GestureFinder, Retiming, Stream, Survey};
+use trunnion_acquire::{GestureFinder, Retiming, Stream, Survey, mean_delays};
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_identify::{Experiment, IdentifyError};
 use trunnion_measurement::time_quality::{Gesture, StreamTiming, TimeQuality};
@@ -89,7 +89,7 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, Record
     }
     let (retiming, mut streams) = survey.finish();
     let mut notes = Vec::new();
-    let delays = delays(&gestures);
+    let delays = mean_delays(&gestures);
     for (stream, timing) in &mut streams {
         timing.name = name(*stream, &header);
         timing.delay_s = match stream {
@@ -98,7 +98,8 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, Record
         };
     }
     share_out(&gaps, &mut streams);
-    for channel in delays.iter().filter(|(_, delay)| delay.differs).map(|(channel, _)| *channel) {
+    for channel in delays.iter().filter(|(_, delay)| delay.birge_ratio > DIFFERS).map(|(channel, _)| *channel)
+    {
         notes.push(format!(
             "{}: the delay against the axes is not the same in all sync gestures; its uncertainty says by how much.",
             name(Stream::Probe(channel), &header)
@@ -129,29 +130,6 @@ fn name(stream: Stream, header: &RunHeader) -> String {
             header.probes.get(usize::from(channel)).cloned().unwrap_or_else(|| format!("channel {channel}"))
         }
     }
-}
-
-/// Delay of one channel over all gestures.
-struct Delay {
-    delay_s: f64,
-    u_s: f64,
-    differs: bool,
-}
-
-/// Weighted means; where the gestures differ by more than they should, the uncertainty holds that too (Birge).
-fn delays(gestures: &[Gesture]) -> BTreeMap<u16, Delay> {
-    let mut seen: BTreeMap<u16, Vec<(f64, f64)>> = BTreeMap::new();
-    for delay in gestures.iter().flat_map(|gesture| &gesture.seen) {
-        seen.entry(delay.channel).or_default().push((delay.delay_s, delay.u_s));
-    }
-    let combine = |(channel, all): (u16, Vec<(f64, f64)>)| {
-        let weight: f64 = all.iter().map(|(_, u)| u.powi(-2)).sum();
-        let delay_s = all.iter().map(|(delay, u)| delay * u.powi(-2)).sum::<f64>() / weight;
-        let chi_square: f64 = all.iter().map(|(delay, u)| ((delay - delay_s) / u).powi(2)).sum();
-        let birge = (chi_square / (all.len() as f64 - 1.0).max(1.0)).max(1.0).sqrt();
-        (channel, Delay { delay_s, u_s: birge / weight.sqrt(), differs: birge > DIFFERS })
-    };
-    seen.into_iter().map(combine).collect()
 }
 
 /// Gaps to the streams they are gaps of; those of no probe are the controller's.
@@ -281,30 +259,4 @@ pub fn plan_of(header: &RunHeader) -> Option<Plan> {
     let config = crate::config::Config::parse(Path::new("recorded.toml"), &header.config_text).ok()?;
     let channels = trunnion_acquire::config::channels(&config.devices);
     Some(Plan { machine, cycle, nest: config.nest, channels })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn gestures_are_weighed_together_and_a_changed_delay_shows_in_the_uncertainty() {
-        let gesture = |delay_s: f64| Gesture {
-            time_s: 0.0,
-            axis: AxisLetter::X,
-            stroke_mm: 0.2,
-            seen: vec![trunnion_measurement::time_quality::GestureDelay {
-                channel: 2,
-                delay_s,
-                u_s: 10e-6,
-                gain: 0.8,
-                rms_mm: 3e-4,
-            }],
-        };
-        let steady = delays(&[gesture(1.00e-3), gesture(1.01e-3)]);
-        assert!((steady[&2].delay_s - 1.005e-3).abs() < 1e-9 && !steady[&2].differs);
-        assert!((steady[&2].u_s - 7.07e-6).abs() < 0.1e-6);
-        let changed = delays(&[gesture(1.0e-3), gesture(2.0e-3)]);
-        assert!(changed[&2].differs && changed[&2].u_s > 400e-6);
-    }
 }
