@@ -7,7 +7,7 @@ use super::faults::{Fault, ScheduledFault};
 use super::handle::{DeviceError, Handle};
 use super::serial::{self, Outbox, SerialDevice};
 use super::value_faults::ValueFaults;
-use super::world::World;
+use super::world::{World, mix};
 use std::path::Path;
 use std::sync::Arc;
 use trunnion_protocol::ascii::{Preset, Stamp, Unit};
@@ -33,8 +33,10 @@ pub struct IndicatorConfig {
     pub sees: Sees,
     /// What it is.
     pub preset: Preset,
-    /// Time from the request to the end of the answer, s; also half a line for a value not latched at the request.
+    /// Time from the request to the end of the answer, s.
     pub answer_s: f64,
+    /// When a value not latched at the request is taken: first and last moment, as a share of that time, any between alike.
+    pub taken: (f64, f64),
     /// Time between two lines of an indicator that talks on its own, s.
     pub period_s: f64,
     /// True when bytes carry an even parity bit, as a 7-bit format does on a port that does not take it away.
@@ -42,9 +44,10 @@ pub struct IndicatorConfig {
 }
 
 impl IndicatorConfig {
-    /// An indicator that answers after 30 ms, or talks ten times a second.
+    /// An indicator that answers after 30 ms with the value of the middle, or talks ten times a second.
     pub fn new(sees: Sees, preset: Preset) -> Self {
-        Self { sees, preset, answer_s: 0.03, period_s: 0.1, parity_bits: preset.framing.starts_with("7E") }
+        let parity_bits = preset.framing.starts_with("7E");
+        Self { sees, preset, answer_s: 0.03, taken: (0.5, 0.5), period_s: 0.1, parity_bits }
     }
 
     fn check(&self) -> Result<(), DeviceError> {
@@ -58,6 +61,10 @@ impl IndicatorConfig {
         }
         if !(0.0..=1.0).contains(&self.answer_s) {
             return refuse("answer_s", self.answer_s, "0..=1");
+        }
+        let (first, last) = self.taken;
+        if !(0.0..=1.0).contains(&first) || !(first..=1.0).contains(&last) {
+            return refuse("taken", last - first, "two rising shares in 0..=1");
         }
         if !(0.001..=60.0).contains(&self.period_s) {
             return refuse("period_s", self.period_s, "0.001..=60");
@@ -78,6 +85,7 @@ pub fn spawn(
     let device = Indicator {
         world,
         heard: Vec::new(),
+        asked: 0,
         outbox: Outbox::default(),
         next_line_s: config.preset.request.is_empty().then_some(0.0),
         faults: ValueFaults::default(),
@@ -92,6 +100,8 @@ struct Indicator {
     config: IndicatorConfig,
     /// Bytes of a request not yet whole.
     heard: Vec<u8>,
+    /// Requests heard.
+    asked: u64,
     outbox: Outbox,
     /// When an indicator that talks on its own says its next line.
     next_line_s: Option<f64>,
@@ -111,6 +121,19 @@ impl Indicator {
             preset.line(self.number(seen_s))
         };
         self.on_the_line(text + "\r\n")
+    }
+
+    /// When the value for a request heard at `now_s` is taken.
+    fn taken_s(&mut self, now_s: f64) -> f64 {
+        self.asked += 1;
+        let (first, last) = self.config.taken;
+        let share = (mix(self.asked) >> 11) as f64 / (1u64 << 53) as f64;
+        match self.config.preset.stamp {
+            Stamp::Request => now_s,
+            Stamp::Between | Stamp::Arrival => {
+                now_s + (first + share * (last - first)) * self.config.answer_s
+            }
+        }
     }
 
     fn number(&self, t_s: f64) -> f64 {
@@ -135,17 +158,17 @@ impl Indicator {
 
 impl SerialDevice for Indicator {
     fn receive(&mut self, bytes: &[u8], now_s: f64) -> Vec<u8> {
-        let Preset { request, identity: (question, names), stamp, .. } = self.config.preset;
+        let Preset { request, identity: (question, names), .. } = self.config.preset;
         for &byte in bytes {
             self.heard.push(byte & 0x7F);
             let is = |text: &str| !text.is_empty() && self.heard.ends_with(text.as_bytes());
             let due_s = now_s + self.config.answer_s;
-            let taken_s = if stamp == Stamp::Request { now_s } else { now_s + 0.5 * self.config.answer_s };
             if is(question) {
                 let name = names.first().map_or(String::new(), |name| format!("{name} 4711\r\n"));
                 let answer = self.on_the_line(name);
                 self.outbox.put(due_s, answer);
             } else if is(request) {
+                let taken_s = self.taken_s(now_s);
                 let answer = self.line(taken_s);
                 self.outbox.put(due_s, answer);
             } else if self.heard.len() < LONGEST_REQUEST {
