@@ -1,5 +1,8 @@
 //! What end-to-end tests share: paths of the workspace and its outside data.
 
+pub mod alignment;
+pub mod section;
+
 use std::path::PathBuf;
 
 /// Root folder of the workspace.

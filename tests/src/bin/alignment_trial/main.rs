@@ -1,18 +1,19 @@
 //! `alignment-trial`: how well samples are known in time, against the simulator's truth, for each transport.
 //!
 //! All devices run at once through real ports, and the real drivers read them. The host's clock is the simulator's time,
-//! so the error of every sample is known: stamped on arrival, by the line as it goes, by the line of the whole run, and with
+//! so the error of every sample is known (`trunnion_tests::alignment`): stamped on arrival, by the line as it goes, by the line of the whole run, and with
 //! the delay of the sync gestures taken out. Writes docs/alignment.md. Run it on a computer with nothing else to do:
 //! the jitter of a busy one is in the figures.
 
-mod errors;
+mod devices;
 mod floor;
-mod table;
-mod world;
+mod page;
+mod promise;
 
 use anyhow::Context;
 use clap::Parser;
 use std::path::PathBuf;
+use trunnion_tests::alignment;
 
 /// Alignment error against the simulator's truth
 #[derive(Parser)]
@@ -25,12 +26,20 @@ struct Args {
     output: Option<PathBuf>,
 }
 
-#[tokio::main]
-async fn main() -> anyhow::Result<()> {
+fn main() -> anyhow::Result<()> {
     let args = Args::parse();
-    let messages = floor::run(args.seconds).await?;
-    let streams = errors::of(&messages, args.seconds);
-    let page = table::page(&streams, args.seconds);
+    let before = match &args.output {
+        Some(path) if path.exists() => {
+            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?
+        }
+        _ => String::new(),
+    };
+    let floor = floor::start(args.seconds)?;
+    let messages = floor.read()?;
+    let truths: Vec<_> = floor.devices.iter().map(|device| device.truth).collect();
+    let streams = alignment::of(&messages, &truths, Some(floor.reference), args.seconds);
+    let page = page::page(&floor, &streams, args.seconds, &before);
+    floor.stop();
     match &args.output {
         Some(path) => std::fs::write(path, page).with_context(|| format!("cannot write {}", path.display())),
         None => {

@@ -11,7 +11,7 @@ pub const OMEGA: f64 = std::f64::consts::TAU * 10.0 / 60.0;
 /// Distance of the ball from the axis, mm.
 pub const RADIUS_MM: f64 = 150.0;
 /// Period of the sawtooth, s, and its height, mm.
-pub const SAW_S: f64 = 0.09;
+const SAW_S: f64 = 0.09;
 const SAW_MM: f64 = 1.8;
 /// Before and after the turning, s.
 pub const MARGIN_S: f64 = 5.0;
