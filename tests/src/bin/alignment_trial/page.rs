@@ -83,6 +83,7 @@ const EMULATED: &str = "
 
 `canopen-socketcan` needs a kernel with CAN; `tests/peers/run` boots one in an emulated computer with two emulated cards on one
 bus, the driver on one of them, the simulated nodes on the other, and writes this table when TRUNNION_WRITE_DOCS is set. The
-truth is the interrupt of the nodes' card for the SYNC; times are those of the emulated computer.
+truth is the interrupt of the nodes' card for the SYNC, read from an encoder that moves one step in 5 µs; times are those of the emulated
+computer.
 
 ";

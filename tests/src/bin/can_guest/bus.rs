@@ -7,13 +7,16 @@ use socketcan::{
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 use trunnion_hil_sim::devices::canopen::{BusConfig, Nodes};
-use trunnion_hil_sim::devices::{DeviceClock, SimulatedCell, TimeOrigin, orthogonal_nest};
+use trunnion_hil_sim::devices::{DeviceClock, SimulatedCell, TimeOrigin};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
 use trunnion_protocol::can::{CanFrame, CanId};
 use trunnion_protocol::canopen::NodeId;
 use trunnion_units::AxisValues;
+
+/// A stamp that seems older is one from before the wall clock was set, s.
+const LONGEST_AGE_S: f64 = 1.0;
 
 /// A thread that lets the nodes hear and speak.
 pub struct SimulatedBus {
@@ -24,12 +27,17 @@ pub struct SimulatedBus {
 }
 
 impl SimulatedBus {
-    /// Switches the nodes on.
+    /// Switches the usual nodes on.
     pub fn start(interface: &str) -> anyhow::Result<Self> {
+        Self::start_nodes(interface, nodes(), TimeOrigin(tokio::time::Instant::now()))
+    }
+
+    /// Switches nodes on.
+    pub fn start_nodes(interface: &str, nodes: Nodes, origin: TimeOrigin) -> anyhow::Result<Self> {
         let socket = CanSocket::open(interface).with_context(|| format!("opening {interface}"))?;
-        let (nodes, stop) = (Arc::new(Mutex::new(nodes())), Arc::new(AtomicBool::new(false)));
+        let (nodes, stop) = (Arc::new(Mutex::new(nodes)), Arc::new(AtomicBool::new(false)));
         let (of_thread, told) = (Arc::clone(&nodes), Arc::clone(&stop));
-        let thread = std::thread::spawn(move || serve(&socket, &of_thread, &told));
+        let thread = std::thread::spawn(move || serve(&socket, origin, &of_thread, &told));
         Ok(Self { interface: interface.into(), nodes, stop, thread })
     }
 
@@ -77,22 +85,29 @@ fn nodes() -> Nodes {
     Nodes::new(Arc::new(world), &config).expect("the settings are possible")
 }
 
-fn serve(socket: &CanSocket, nodes: &Mutex<Nodes>, stop: &AtomicBool) -> anyhow::Result<()> {
-    let origin = TimeOrigin(tokio::time::Instant::now());
-    socket.set_recv_timestamp(false)?;
+/// A frame is heard when the interrupt of the nodes' own controller took it, as the kernel stamps it: a node in a program
+/// wakes up later than one of hardware.
+fn serve(
+    socket: &CanSocket,
+    origin: TimeOrigin,
+    nodes: &Mutex<Nodes>,
+    stop: &AtomicBool,
+) -> anyhow::Result<()> {
+    socket.set_recv_timestamp(true)?;
     while !stop.load(Ordering::Relaxed) {
         let due_s = nodes.lock().unwrap_or_else(PoisonError::into_inner).next_due_s();
         let wait_s = due_s.map_or(0.05, |due_s| due_s - origin.now_s()).clamp(0.0002, 0.05);
-        let heard = match socket.read_frame_timeout(Duration::from_secs_f64(wait_s)) {
-            Ok(frame) => from_kernel(&frame),
-            Err(error) if error.kind() == std::io::ErrorKind::TimedOut => None,
+        socket.set_read_timeout(Duration::from_secs_f64(wait_s))?;
+        let heard = match socket.read_frame_with_timestamp() {
+            Ok((frame, stamp)) => from_kernel(&frame).map(|frame| (frame, origin.now_s() - age_s(stamp))),
+            Err(error) if error.kind() == std::io::ErrorKind::WouldBlock => None,
             // The interface went down; it may come back.
             Err(error) if error.raw_os_error() == Some(100) => None,
             Err(error) => return Err(error).context("reading"),
         };
         let frames = {
             let mut nodes = nodes.lock().unwrap_or_else(PoisonError::into_inner);
-            let mut frames = heard.map_or_else(Vec::new, |frame| nodes.on_frame(&frame, origin.now_s()));
+            let mut frames = heard.map_or_else(Vec::new, |(frame, at_s)| nodes.on_frame(&frame, at_s));
             frames.extend(nodes.frames_due(origin.now_s()));
             frames
         };
@@ -104,6 +119,12 @@ fn serve(socket: &CanSocket, nodes: &Mutex<Nodes>, stop: &AtomicBool) -> anyhow:
         }
     }
     Ok(())
+}
+
+/// How long ago a stamp was, s; none where the wall clock was set in between.
+fn age_s(stamp: SystemTime) -> f64 {
+    let age_s = stamp.elapsed().unwrap_or_default().as_secs_f64();
+    if age_s < LONGEST_AGE_S { age_s } else { 0.0 }
 }
 
 fn from_kernel(frame: &socketcan::CanFrame) -> Option<CanFrame> {

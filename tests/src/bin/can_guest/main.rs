@@ -2,9 +2,10 @@
 //! simulated nodes on the same bus, or against python nodes behind the kernel's own slcan driver.
 //!
 //! `bus` puts the simulator's nodes on an interface, `session` is our program's side, `observer` watches SYNC with a
-//! socket of its own.
+//! socket of its own, `errors` compares times with the truth.
 
 mod bus;
+mod errors;
 mod observer;
 mod session;
 
@@ -78,6 +79,8 @@ async fn vcan() -> anyhow::Result<()> {
 
 /// Real controllers and drivers: two cards on one bus.
 async fn kvaser() -> anyhow::Result<()> {
+    let transport = "CAN interface of the kernel (two emulated Kvaser PCIcan), SYNC stamped by the kernel";
+    print!("ALIGNMENT {}", errors::line("can1", "can0", transport).await?);
     let bus = SimulatedBus::start("can1")?;
     let observer = observer::start("can0")?;
     let mut session = Session::start("can0", 10, NODES);
