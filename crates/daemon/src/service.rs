@@ -1,23 +1,27 @@
 //! The service loop: wait for a cycle, record it, analyse the recording, report; again.
 
-use crate::analysis::{self, Analysis, AnalysisError};
+mod report;
+mod status;
+
+pub use report::analyse_recording;
+
+use crate::analysis::AnalysisError;
 use crate::config::Config;
 use crate::live::{self, Plan, PlanError};
 use crate::mqtt::{self, Board};
+use report::report_cycle;
 use serde_json::json;
+use status::{publish_status, tell_systemd};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
-use tokio::sync::{mpsc, watch};
+use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
-use trunnion_acquire::{CycleBounds, DeviceStatus, Message, Progress, TimeBase};
+use trunnion_acquire::{CycleBounds, Message, Progress, TimeBase};
 use trunnion_effects::Model;
-use trunnion_identify::{Experiment, ExperimentError};
-use trunnion_machine::Machine;
+use trunnion_identify::ExperimentError;
 use trunnion_measurement::Gap;
-use trunnion_measurement::time_quality::TimeQuality;
 use trunnion_protocol::mtconnect::format_timestamp;
 use trunnion_record::{RecordError, Recorder, RecorderHandle, RunHeader};
 use trunnion_units::Clock;
@@ -78,8 +82,6 @@ pub struct Texts {
 const RECORDER_QUEUE: usize = 32_768;
 /// Words of the log line that says how full the queues of a cycle were.
 pub const QUEUES: &str = "most messages waiting in the queues";
-/// Time between status messages.
-const STATUS_PERIOD: Duration = Duration::from_secs(1);
 
 /// What recording one cycle gave.
 #[derive(Clone, Debug)]
@@ -253,82 +255,6 @@ fn header(plan: &Plan, texts: &Texts, name: &str, start: &live::Start, clock: &A
     }
 }
 
-/// Analyses a recording as `replay` would: from the file alone.
-///
-/// # Errors
-/// When the file cannot be read or its points cannot be analysed.
-pub fn analyse_recording(
-    path: &Path,
-    machine: &Machine,
-    model: &Model,
-    date: &str,
-) -> Result<(Experiment, Analysis, Option<TimeQuality>), ServiceError> {
-    let limits = Some(trunnion_measurement::blocks::Limits::default());
-    let recording = crate::recording::read(path, &|_| Some(machine.clone()), limits)?;
-    if let Some(reduction) = &recording.reduction {
-        info!(run = %path.display(), "{}", reduction.summary());
-    }
-    let experiment = Experiment::new(std::slice::from_ref(&recording.run))
-        .map_err(|source| ServiceError::Experiment { path: path.into(), source })?;
-    let analysis = analysis::climb(&experiment, model, date)
-        .map_err(|source| ServiceError::Analysis { path: path.into(), source: Box::new(source) })?;
-    let mut timing = recording.timing;
-    if let Some(timing) = &mut timing {
-        let told = crate::timing::delay_by_feeds(&experiment).map_err(|source| ServiceError::Analysis {
-            path: path.into(),
-            source: Box::new(source.into()),
-        })?;
-        timing.notes.extend(told);
-    }
-    Ok((experiment, analysis, timing))
-}
-
-async fn report_cycle(
-    recorded: Recorded,
-    model: Model,
-    machine: Machine,
-    date: String,
-    board: &Board,
-) -> Result<(), ServiceError> {
-    let path = recorded.path.clone();
-    let losses = crate::page::losses(&recorded.gaps, recorded.lost_samples);
-    let analysed = tokio::task::spawn_blocking(move || {
-        let (experiment, analysis, timing) = analyse_recording(&path, &machine, &model, &date)?;
-        let html = crate::page::compare_page(&experiment, &analysis, &losses, timing.as_slice());
-        write(&path.with_extension("html"), &html)?;
-        write(
-            &path.with_extension("identification.json"),
-            &format!("{:#}\n", analysis.identification().to_json()),
-        )?;
-        write(&path.with_extension("diagnosis.json"), &format!("{:#}\n", analysis.diagnoses[0].to_json()))?;
-        Ok::<_, ServiceError>((path, analysis, timing))
-    })
-    .await
-    .map_err(|_| ServiceError::Broken("analysis"))??;
-    let (path, analysis, timing) = analysed;
-    if let Some(timing) = timing {
-        board.set("quality", &trunnion_report::time_quality_json(&timing));
-    }
-    let added: Vec<&str> = analysis.steps.iter().map(|step| step.entry.id.as_str()).collect();
-    info!(run = %path.display(), verdict = analysis.diagnoses[0].verdict.as_str(), ?added, "analysed");
-    board.set(
-        "result",
-        &json!({
-            "run": path.file_name().map(|name| name.to_string_lossy()),
-            "verdict": analysis.diagnoses[0].verdict.as_str(),
-            "missing_effects": added,
-            "rms_um_before": trunnion_units::convert::um_from_mm(analysis.before.rms_mm),
-            "rms_um_after": trunnion_units::convert::um_from_mm(analysis.identification().rms_mm),
-            "report": path.with_extension("html").display().to_string(),
-        }),
-    );
-    Ok(())
-}
-
-fn write(path: &Path, text: &str) -> Result<(), ServiceError> {
-    std::fs::write(path, text).map_err(|source| ServiceError::Write { path: path.into(), source })
-}
-
 /// Finishes recordings that a kill left behind. What cannot be recovered stays where it is and is told.
 fn recover(folder: &Path) {
     match trunnion_record::recover_orphans(folder) {
@@ -347,46 +273,6 @@ fn recover(folder: &Path) {
         Err(failure) => {
             warn!(error = &failure as &dyn std::error::Error, "cannot look for unfinished recordings")
         }
-    }
-}
-
-async fn publish_status(
-    names: Vec<String>,
-    states: Vec<watch::Receiver<DeviceStatus>>,
-    board: Board,
-    cancel: CancellationToken,
-) {
-    let mut period = tokio::time::interval(STATUS_PERIOD);
-    let mut last = serde_json::Value::Null;
-    loop {
-        tokio::select! {
-            () = cancel.cancelled() => return,
-            _ = period.tick() => {}
-        }
-        tell_systemd(&[sd_notify::NotifyState::Watchdog]);
-        let devices: serde_json::Map<String, serde_json::Value> = names
-            .iter()
-            .zip(&states)
-            .map(|(name, state)| {
-                let status = state.borrow();
-                let ends: u64 = status.ends.iter().sum();
-                let device = json!({ "state": format!("{:?}", status.state), "identity": status.identity,
-                    "connections": status.epoch, "ends": ends, "lost_messages": status.lost_messages,
-                    "last_end": status.last_end.as_ref().map(ToString::to_string) });
-                (name.clone(), device)
-            })
-            .collect();
-        let now = json!({ "state": "online", "devices": devices });
-        if now != last {
-            board.set("status", &now);
-            last = now;
-        }
-    }
-}
-
-fn tell_systemd(states: &[sd_notify::NotifyState<'_>]) {
-    if let Err(failure) = sd_notify::notify(states) {
-        tracing::debug!(%failure, "systemd was not told");
     }
 }
 

@@ -1,24 +1,30 @@
 //! The recorder: items in, a journal while the run lasts, a finished file at its end.
 //!
-//! Samples wait in a batch for at most [`BATCH_AGE`] or [`BATCH_SAMPLES`]; everything else is written at once.
+//! Samples wait in a batch for at most [`BATCH_AGE`] or until the batch is full; everything else is written at once.
 //! After a failed write the file is over: messages wait in a bounded ring while a new file is tried every
 //! [`RETRY`], and what the ring cannot hold becomes a gap.
+
+mod batches;
+#[cfg(test)]
+mod tests;
+mod whole_run;
+
+pub use whole_run::{write_run, write_run_with_axes};
 
 use crate::error::RecordError;
 use crate::finish::{FinishedFile, finish_journal};
 use crate::item::{Item, RunHeader};
 use crate::journal::{JOURNAL_ENDING, Journal, OpenJournal, open_locked, wall_time};
 use crate::wire::{self, Encoded, Topic};
+use batches::Batches;
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use trunnion_measurement::{AxisSample, Event, Gap, ProbeSample, Run};
+use trunnion_measurement::{AxisSample, Event, Gap, ProbeSample};
 use trunnion_units::HostTime;
 
 /// Longest time a sample waits for its batch to fill.
 const BATCH_AGE: Duration = Duration::from_millis(40);
-/// Samples in a full batch.
-const BATCH_SAMPLES: usize = 256;
 /// Shortest time between two samples for viewers, s.
 const PLOT_STEP_S: f64 = 0.01;
 /// Time between attempts to open a new file after a failure.
@@ -324,178 +330,7 @@ impl Recorder {
     }
 }
 
-/// Records a run that is already in memory as `path` (ending in `.mcap`).
-///
-/// # Errors
-/// As [`Recorder::create`] and [`Recorder::finish`]; also when writing fails in between.
-pub fn write_run(path: &Path, header: &RunHeader, run: &Run) -> Result<FinishedFile, RecordError> {
-    write_run_with_axes(path, header, run, &[])
-}
-
-/// The same with the positions of the axes, in order of time.
-///
-/// # Errors
-/// As [`write_run`].
-pub fn write_run_with_axes(
-    path: &Path,
-    header: &RunHeader,
-    run: &Run,
-    axes: &[AxisSample],
-) -> Result<FinishedFile, RecordError> {
-    let dir = match path.parent() {
-        Some(dir) if !dir.as_os_str().is_empty() => dir,
-        _ => Path::new("."),
-    };
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let mut recorder = Recorder::create(dir, &name, header)?;
-    for point in &run.points {
-        recorder.append(Item::Point(point.clone()), header.host_start);
-    }
-    if !axes.is_empty() {
-        recorder.append(Item::Axes(axes.to_vec()), header.host_start);
-    }
-    if let Some(why) = recorder.failing() {
-        let source = std::io::Error::other(why.to_string());
-        return Err(RecordError::Io { what: "write", path: path.into(), source });
-    }
-    let finished = recorder.finish(header.host_start)?;
-    let first = finished.files.into_iter().next();
-    first.ok_or_else(|| RecordError::Exists { path: path.into() })
-}
-
-/// Samples waiting for their batch to fill, by channel, with the arrival of the first.
-struct Batches<K, S>(Vec<(K, HostTime, Vec<S>)>);
-
-impl<K, S> Default for Batches<K, S> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
-
-impl<K: PartialEq + Copy, S> Batches<K, S> {
-    /// Adds a sample; hands back the batch when it is full.
-    fn push(&mut self, key: K, sample: S, arrival: HostTime) -> Option<Vec<S>> {
-        let at = self.0.iter().position(|(other, _, _)| *other == key).unwrap_or_else(|| {
-            self.0.push((key, arrival, Vec::with_capacity(BATCH_SAMPLES)));
-            self.0.len() - 1
-        });
-        let (_, first, batch) = &mut self.0[at];
-        if batch.is_empty() {
-            *first = arrival;
-        }
-        batch.push(sample);
-        (batch.len() >= BATCH_SAMPLES).then(|| std::mem::take(batch))
-    }
-
-    /// Hands back the batches whose first sample arrived at a time that `which` accepts.
-    fn take(&mut self, which: impl Fn(HostTime) -> bool) -> Vec<(K, Vec<S>)> {
-        let ready = self.0.iter_mut().filter(|(_, first, batch)| !batch.is_empty() && which(*first));
-        ready.map(|(key, _, batch)| (*key, std::mem::take(batch))).collect()
-    }
-}
-
 fn chain(error: &RecordError) -> String {
     let causes = std::iter::successors(std::error::Error::source(error), |cause| cause.source());
     causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::reader::read_run;
-    use std::io::{self, Seek, SeekFrom, Write};
-    use std::sync::Arc;
-    use std::sync::atomic::{AtomicI64, Ordering};
-    use trunnion_machine::shipped;
-    use trunnion_measurement::RunKind;
-
-    /// A disk with so many bytes left; a write that does not fit is cut short, as a real one is.
-    struct SmallDisk {
-        file: std::fs::File,
-        left: Arc<AtomicI64>,
-    }
-
-    impl Write for SmallDisk {
-        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-            let left = usize::try_from(self.left.load(Ordering::SeqCst)).unwrap_or(0);
-            if left == 0 {
-                return Err(io::ErrorKind::StorageFull.into());
-            }
-            let written = self.file.write(&bytes[..bytes.len().min(left)])?;
-            self.left.fetch_sub(written as i64, Ordering::SeqCst);
-            Ok(written)
-        }
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-
-    impl Seek for SmallDisk {
-        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-            self.file.seek(to)
-        }
-    }
-
-    #[test]
-    fn a_full_disk_costs_only_what_the_ring_cannot_hold_and_that_is_a_gap() {
-        let folder = tempfile::tempdir().unwrap();
-        let left = Arc::new(AtomicI64::new(60_000));
-        let disk = Arc::clone(&left);
-        let open: OpenJournal = Box::new(move |path| {
-            let file = std::fs::File::create_new(path)?;
-            Ok((Box::new(SmallDisk { file, left: Arc::clone(&disk) }), Box::new(|| Ok(()))))
-        });
-        let header = RunHeader { name: "full".into(), machine_name: "table-bc".into(), ..blank_header() };
-        let mut recorder = Recorder::create_with(folder.path(), "full", &header, open).unwrap();
-        let samples = 1_200_000_i64;
-        let mut failed = false;
-        for raw in 0..samples {
-            // values that no line through the counts shortens, so that the ring overflows
-            let value_mm = (raw as f64).sin();
-            let time_s = raw as f64 * 1e-5;
-            let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
-            recorder.append(Item::Probes(vec![sample]), HostTime(raw * 10_000));
-            failed |= recorder.failing().is_some_and(|why| why.contains("cannot write"));
-            if raw == samples - 150_000 {
-                left.store(i64::MAX, Ordering::SeqCst);
-            }
-        }
-        assert!(failed && recorder.failing().is_none());
-        let finished = recorder.finish(HostTime(samples * 10_000)).unwrap();
-        let names: Vec<_> = finished.files.iter().map(|file| file.path.file_name().unwrap()).collect();
-        assert_eq!(names, ["full.mcap", "full-2.mcap"]);
-
-        let read = finished.files.iter().map(|file| read_run(&file.path, &shipped::machine).unwrap());
-        let [first, second] = read.collect::<Vec<_>>().try_into().unwrap();
-        let lost = finished.lost_samples;
-        assert!(lost > 1000, "{lost}");
-        assert_eq!((first.damage, second.damage), (None, None));
-        let mut raws: Vec<i64> =
-            first.probe_samples.iter().chain(&second.probe_samples).map(|sample| sample.raw).collect();
-        raws.dedup();
-        assert_eq!(raws.len() as u64 + lost, samples as u64);
-        let [gap] = &second.gaps[..] else { panic!("{:?}", second.gaps) };
-        assert_eq!(gap.lost_samples, Some(lost));
-        assert!(
-            gap.from_s >= first.probe_samples.last().unwrap().time_s && gap.reason.contains("cannot write")
-        );
-        assert_eq!(second.events[0].kind, "recording-resumed");
-    }
-
-    fn blank_header() -> RunHeader {
-        RunHeader {
-            name: String::new(),
-            kind: RunKind::OnTheFly,
-            machine_name: String::new(),
-            machine_text: String::new(),
-            setups: Vec::new(),
-            temperature_channels: Vec::new(),
-            probes: Vec::new(),
-            cycle_text: String::new(),
-            config_text: String::new(),
-            software_version: String::new(),
-            wall_start_ns: 0,
-            host_start: HostTime(0),
-        }
-    }
 }

@@ -3,25 +3,26 @@
 //! The simulator hides an effect and seals the truth; the program measures through its own drivers, identifies,
 //! doubts, names what is missing, adds it. Only when all is printed the seal is broken.
 
+mod progress_bar;
+mod story;
+
 use crate::commands::daemon::log_to_stderr;
 use crate::outcome::{self, Outcome};
 use crate::virtual_setup::sim_setup;
 use anyhow::{Context, bail};
-use std::io::{IsTerminal, Write};
+use progress_bar::ProgressBar;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
+use story::{story, truth_text};
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::config::channels;
-use trunnion_acquire::{CycleBounds, Progress, TimeBase};
-use trunnion_daemon::analysis::Analysis;
+use trunnion_acquire::{CycleBounds, TimeBase};
 use trunnion_daemon::clock::SystemClock;
 use trunnion_daemon::config::Config;
 use trunnion_daemon::live::{self, Plan};
 use trunnion_daemon::page;
 use trunnion_daemon::service::{self, Recorded, Texts};
-use trunnion_diagnose::Verdict;
-use trunnion_diagnose::views::residual_views;
 use trunnion_effects::Model;
 use trunnion_hil_sim::devices::{SimulatedCell, World, cell};
 use trunnion_hil_sim::physics::hidden;
@@ -32,7 +33,6 @@ use trunnion_machine::shipped;
 use trunnion_measurement::Cycle;
 use trunnion_measurement::cycle::Motion;
 use trunnion_measurement::time_quality::TimeQuality;
-use trunnion_report::ladder_text;
 use trunnion_units::{Clock, convert};
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
@@ -292,100 +292,6 @@ fn config_text(ports: &Path, agent: &str, recordings: &Path) -> String {
     text + &format!("\n[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{agent}\"\n")
 }
 
-/// One line on standard error: share done and time left.
-struct ProgressBar {
-    shown: bool,
-    quiet: bool,
-}
-
-impl ProgressBar {
-    fn new(quiet: bool) -> Self {
-        Self { shown: false, quiet: quiet || !std::io::stderr().is_terminal() }
-    }
-
-    fn show(&mut self, progress: Progress) {
-        const WIDTH: usize = 40;
-        let total = progress.total.max(1);
-        if self.quiet || !(progress.done.is_multiple_of(7) || progress.done == total) {
-            return;
-        }
-        let full = (WIDTH * progress.done / total).min(WIDTH);
-        let left = progress.seconds_left.map_or(String::new(), |s| format!(", {s:.0} s left"));
-        eprint!("\r  [{}{}] {}/{total}{left}   ", "#".repeat(full), ".".repeat(WIDTH - full), progress.done);
-        self.shown = std::io::stderr().flush().is_ok();
-    }
-
-    fn clear(&mut self) {
-        if self.shown {
-            eprint!("\r{:80}\r", "");
-        }
-    }
-}
-
-/// The ladder as it grows: base model, what fails, which effect, added, error falls.
-fn story(experiment: &Experiment, analysis: &Analysis) -> String {
-    let um = convert::um_from_mm;
-    let noise = |fit: &Identification| um(fit.noise.sigma_mm);
-    let fits =
-        std::iter::once(&analysis.before).chain(analysis.steps.iter().map(|step| &step.identification));
-    let steps = analysis.steps.iter().map(Some).chain([None]);
-    let mut text = format!(
-        "Base model (location errors and ball setting): {:.2} µm rms remain; a reading repeats within {:.2} µm.\n",
-        um(analysis.before.rms_mm),
-        noise(&analysis.before),
-    );
-    for ((diagnosis, fit), step) in analysis.diagnoses.iter().zip(fits).zip(steps) {
-        if diagnosis.verdict != Verdict::NoiseFloor {
-            text += "\nWhere does the model fail most?\n";
-            for place in residual_views(experiment, &fit.residual_mm, &fit.used).worst {
-                text += &format!("  {place}\n");
-            }
-            text += "What is missing?\n";
-            for candidate in diagnosis.candidates.iter().take(3) {
-                text += &format!(
-                    "  {:24} evidence 10^{:<6.0} error would fall to {:.2} µm\n",
-                    candidate.effect, candidate.evidence, candidate.rms_um_after
-                );
-            }
-            if let Some(best) = diagnosis.candidates.first() {
-                text += &format!("  {}\n", best.why);
-            }
-        }
-        if let Some(row) =
-            step.and_then(|step| step.entry.ladder.as_ref().map(|row| (step.entry.id.as_str(), row)))
-        {
-            let (effect, row) = row;
-            let held_out = row.holdout_before_um.zip(row.holdout_after_um);
-            text += &format!(
-                "Added {effect}: error {:.2} -> {:.2} µm{}.\n",
-                row.error_before_um,
-                row.error_after_um,
-                held_out.map_or(String::new(), |(b, a)| format!(
-                    ", on passes left out of the fit {b:.2} -> {a:.2} µm"
-                )),
-            );
-        }
-    }
-    text += &match analysis.diagnosis().verdict {
-        Verdict::NoiseFloor => "\nNothing is missing: what remains is noise.\n".to_string(),
-        Verdict::UnnamedStructure => match &analysis.diagnosis().formula {
-            Some(formula) => format!(
-                "\nSomething remains that no effect of the catalogue describes: {} = {} at {}. {}.\n",
-                formula.component, formula.expression, formula.site, formula.lives
-            ),
-            None => "\nSomething remains that no effect of the catalogue describes.\n".into(),
-        },
-        Verdict::MissingEffect => "\nMore may be missing; the demo stops adding here.\n".into(),
-    };
-    if !analysis.steps.is_empty() {
-        text += "\n";
-        text += &ladder_text(&page::ladder(&analysis.model), Some(noise(analysis.identification())));
-    }
-    let outliers = analysis.identification().outliers.len();
-    text += &format!("\n{} points, {outliers} set aside as outliers.\n", experiment.points.len());
-    text
-}
-
 fn fit_again(
     path: &Path,
     machine: &trunnion_machine::Machine,
@@ -402,28 +308,6 @@ fn fit_again(
     });
     let options = trunnion_identify::Options::default();
     Ok((trunnion_identify::identify(&experiment, &reachable, &options)?, recording.timing))
-}
-
-fn truth_text(machine: &VirtualMachine, analysis: &Analysis, path: &Path) -> String {
-    let truth = machine.truth();
-    let hidden: Vec<String> = truth.hidden.iter().map(hidden::Hidden::id).collect();
-    let found: Vec<&str> = analysis.steps.iter().map(|step| step.entry.id.as_str()).collect();
-    let mut text = format!(
-        "Hidden: {}. Found: {}. ({})\n",
-        if hidden.is_empty() { "nothing".into() } else { hidden.join(", ") },
-        if found.is_empty() { "nothing".into() } else { found.join(", ") },
-        path.display(),
-    );
-    text += "  location error        truth      found          u\n";
-    for error in trunnion_hil_sim::truth::minimum_set(machine.machine()) {
-        let name = error.name();
-        let (scale, unit) = if error.direction.is_rotary() { (1e6, "µrad") } else { (1e3, "µm") };
-        let fitted = analysis.identification().parameter(&name);
-        let value = fitted.and_then(|p| p.screen_value()).map_or("   unseen".into(), |v| format!("{v:9.2}"));
-        let u = fitted.and_then(|p| p.screen_u()).map_or(String::new(), |u| format!("{u:9.2}"));
-        text += &format!("  {name:14} {:>12.2}  {value}  {u} {unit}\n", error.of(&truth.location) * scale);
-    }
-    text
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {

@@ -1,0 +1,53 @@
+//! What the service tells of itself: the board's `status` and systemd.
+
+use crate::mqtt::Board;
+use serde_json::json;
+use std::time::Duration;
+use tokio::sync::watch;
+use tokio_util::sync::CancellationToken;
+use trunnion_acquire::DeviceStatus;
+
+/// Time between status messages.
+const STATUS_PERIOD: Duration = Duration::from_secs(1);
+
+/// Publishes the states of the devices when they change, and tells systemd that the service lives.
+pub(super) async fn publish_status(
+    names: Vec<String>,
+    states: Vec<watch::Receiver<DeviceStatus>>,
+    board: Board,
+    cancel: CancellationToken,
+) {
+    let mut period = tokio::time::interval(STATUS_PERIOD);
+    let mut last = serde_json::Value::Null;
+    loop {
+        tokio::select! {
+            () = cancel.cancelled() => return,
+            _ = period.tick() => {}
+        }
+        tell_systemd(&[sd_notify::NotifyState::Watchdog]);
+        let devices: serde_json::Map<String, serde_json::Value> = names
+            .iter()
+            .zip(&states)
+            .map(|(name, state)| {
+                let status = state.borrow();
+                let ends: u64 = status.ends.iter().sum();
+                let device = json!({ "state": format!("{:?}", status.state), "identity": status.identity,
+                    "connections": status.epoch, "ends": ends, "lost_messages": status.lost_messages,
+                    "last_end": status.last_end.as_ref().map(ToString::to_string) });
+                (name.clone(), device)
+            })
+            .collect();
+        let now = json!({ "state": "online", "devices": devices });
+        if now != last {
+            board.set("status", &now);
+            last = now;
+        }
+    }
+}
+
+/// Tells systemd, where there is one.
+pub(super) fn tell_systemd(states: &[sd_notify::NotifyState<'_>]) {
+    if let Err(failure) = sd_notify::notify(states) {
+        tracing::debug!(%failure, "systemd was not told");
+    }
+}

@@ -1,0 +1,95 @@
+use super::*;
+use crate::reader::read_run;
+use std::io::{self, Seek, SeekFrom, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI64, Ordering};
+use trunnion_machine::shipped;
+use trunnion_measurement::RunKind;
+
+/// A disk with so many bytes left; a write that does not fit is cut short, as a real one is.
+struct SmallDisk {
+    file: std::fs::File,
+    left: Arc<AtomicI64>,
+}
+
+impl Write for SmallDisk {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let left = usize::try_from(self.left.load(Ordering::SeqCst)).unwrap_or(0);
+        if left == 0 {
+            return Err(io::ErrorKind::StorageFull.into());
+        }
+        let written = self.file.write(&bytes[..bytes.len().min(left)])?;
+        self.left.fetch_sub(written as i64, Ordering::SeqCst);
+        Ok(written)
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for SmallDisk {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+#[test]
+fn a_full_disk_costs_only_what_the_ring_cannot_hold_and_that_is_a_gap() {
+    let folder = tempfile::tempdir().unwrap();
+    let left = Arc::new(AtomicI64::new(60_000));
+    let disk = Arc::clone(&left);
+    let open: OpenJournal = Box::new(move |path| {
+        let file = std::fs::File::create_new(path)?;
+        Ok((Box::new(SmallDisk { file, left: Arc::clone(&disk) }), Box::new(|| Ok(()))))
+    });
+    let header = RunHeader { name: "full".into(), machine_name: "table-bc".into(), ..blank_header() };
+    let mut recorder = Recorder::create_with(folder.path(), "full", &header, open).unwrap();
+    let samples = 1_200_000_i64;
+    let mut failed = false;
+    for raw in 0..samples {
+        // values that no line through the counts shortens, so that the ring overflows
+        let value_mm = (raw as f64).sin();
+        let time_s = raw as f64 * 1e-5;
+        let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
+        recorder.append(Item::Probes(vec![sample]), HostTime(raw * 10_000));
+        failed |= recorder.failing().is_some_and(|why| why.contains("cannot write"));
+        if raw == samples - 150_000 {
+            left.store(i64::MAX, Ordering::SeqCst);
+        }
+    }
+    assert!(failed && recorder.failing().is_none());
+    let finished = recorder.finish(HostTime(samples * 10_000)).unwrap();
+    let names: Vec<_> = finished.files.iter().map(|file| file.path.file_name().unwrap()).collect();
+    assert_eq!(names, ["full.mcap", "full-2.mcap"]);
+
+    let read = finished.files.iter().map(|file| read_run(&file.path, &shipped::machine).unwrap());
+    let [first, second] = read.collect::<Vec<_>>().try_into().unwrap();
+    let lost = finished.lost_samples;
+    assert!(lost > 1000, "{lost}");
+    assert_eq!((first.damage, second.damage), (None, None));
+    let mut raws: Vec<i64> =
+        first.probe_samples.iter().chain(&second.probe_samples).map(|sample| sample.raw).collect();
+    raws.dedup();
+    assert_eq!(raws.len() as u64 + lost, samples as u64);
+    let [gap] = &second.gaps[..] else { panic!("{:?}", second.gaps) };
+    assert_eq!(gap.lost_samples, Some(lost));
+    assert!(gap.from_s >= first.probe_samples.last().unwrap().time_s && gap.reason.contains("cannot write"));
+    assert_eq!(second.events[0].kind, "recording-resumed");
+}
+
+fn blank_header() -> RunHeader {
+    RunHeader {
+        name: String::new(),
+        kind: RunKind::OnTheFly,
+        machine_name: String::new(),
+        machine_text: String::new(),
+        setups: Vec::new(),
+        temperature_channels: Vec::new(),
+        probes: Vec::new(),
+        cycle_text: String::new(),
+        config_text: String::new(),
+        software_version: String::new(),
+        wall_start_ns: 0,
+        host_start: HostTime(0),
+    }
+}
