@@ -1,9 +1,10 @@
-//! What end-to-end tests share: paths of the workspace and its outside data.
+//! What end-to-end tests share: paths, the log, waiting for a report.
 
 pub mod alignment;
 pub mod section;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Root folder of the workspace.
 pub fn workspace_root() -> PathBuf {
@@ -16,4 +17,32 @@ pub fn workspace_root() -> PathBuf {
 /// When `tests/peers/run` has not set it up: a peer test never passes without its peer.
 pub fn peers_python() -> PathBuf {
     std::env::var_os("TRUNNION_PEERS_PYTHON").expect("run the peer tests through tests/peers/run").into()
+}
+
+/// What the program logs is shown when a test fails.
+pub fn show_log() {
+    let level = tracing_subscriber::filter::LevelFilter::INFO;
+    // Another test of the same process may have done it.
+    drop(tracing_subscriber::fmt().with_test_writer().with_max_level(level).try_init());
+}
+
+/// Waits until the service has written the report of its first cycle: the recording, beside which the report lies.
+///
+/// # Panics
+/// When there is none after `limit`.
+pub async fn first_report(recordings: &Path, limit: Duration) -> PathBuf {
+    let written = async {
+        loop {
+            let files = std::fs::read_dir(recordings).into_iter().flatten().flatten();
+            let names = files.map(|file| file.path().to_string_lossy().into_owned());
+            if let Some(run) =
+                names.filter_map(|name| Some(name.strip_suffix(".diagnosis.json")?.to_owned())).next()
+            {
+                return PathBuf::from(run + ".mcap");
+            }
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+    };
+    let written = tokio::time::timeout(limit, written).await;
+    written.unwrap_or_else(|_| panic!("no report in {} after {limit:?}", recordings.display()))
 }

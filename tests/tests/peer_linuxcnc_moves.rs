@@ -26,7 +26,7 @@ use trunnion_machine::{State, shipped};
 use trunnion_measurement::Cycle;
 use trunnion_measurement::cycle::CourseRules;
 use trunnion_report::nc::{Program, dialect};
-use trunnion_tests::workspace_root;
+use trunnion_tests::{first_report, show_log, workspace_root};
 use trunnion_units::AxisLetter::{B, C, X, Y, Z};
 use trunnion_units::{AxisLetter, AxisValues, Clock, convert};
 
@@ -263,11 +263,13 @@ fn operate(program: &Path) {
     let path = program.display().to_string();
     operator.until(&format!("set open {path}"), "get program", "PROGRAM", &path);
     operator.until("set run", "get program_status", "PROGRAM_STATUS", "RUNNING");
-    loop {
-        match operator.answer("get program_status", "PROGRAM_STATUS").as_str() {
-            "PAUSED" => operator.say("set resume"),
-            "IDLE" => break,
-            _ => {}
+    // One answer may be meant for another connection: only a program that stays idle has ended.
+    let mut idle = 0;
+    while idle < 10 {
+        let status = operator.answer("get program_status", "PROGRAM_STATUS");
+        idle = if status == "IDLE" { idle + 1 } else { 0 };
+        if status == "PAUSED" {
+            operator.say("set resume");
         }
         std::thread::sleep(Duration::from_millis(100));
     }
@@ -295,6 +297,7 @@ fn config_text(ports: &Path) -> String {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
+    show_log();
     let cycle_text = include_str!("../../config/cycles/demo-static.toml")
         .replace("step_deg = 30", "step_deg = 90")
         .replace("to_deg = 330", "to_deg = 270");
@@ -343,19 +346,7 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
 
     let path = cnc.program.clone();
     tokio::task::spawn_blocking(move || operate(&path)).await.unwrap();
-    let report = async {
-        loop {
-            let named = |end: &str| {
-                let files = std::fs::read_dir(&runs).ok()?;
-                files.filter_map(|f| Some(f.ok()?.path())).find(|p| p.to_string_lossy().ends_with(end))
-            };
-            if named("diagnosis.json").is_some() {
-                return named("identification.json").unwrap();
-            }
-            tokio::time::sleep(Duration::from_millis(100)).await;
-        }
-    };
-    let report = tokio::time::timeout(Duration::from_secs(120), report).await.expect("the cycle is reported");
+    let report = first_report(&runs, Duration::from_secs(120)).await.with_extension("identification.json");
     cancel.cancel();
     service.await.unwrap().unwrap();
     cell.shutdown().await;

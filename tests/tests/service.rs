@@ -18,6 +18,7 @@ use trunnion_identify::Experiment;
 use trunnion_machine::shipped;
 use trunnion_measurement::cycle::Motion;
 use trunnion_measurement::{Cycle, Quality};
+use trunnion_tests::{first_report, show_log};
 use trunnion_units::Clock;
 
 const CYCLE: &str = include_str!("../../config/cycles/demo-static.toml");
@@ -50,11 +51,7 @@ async fn measured(
     cycle_text: &str,
 ) -> PathBuf {
     let _floor = ONE_FLOOR.lock().await;
-    // What the service logged is shown when a test fails.
-    let told = tracing_subscriber::fmt()
-        .with_test_writer()
-        .with_max_level(tracing_subscriber::filter::LevelFilter::INFO);
-    drop(told.try_init());
+    show_log();
     let cycle = Cycle::parse("c.toml", cycle_text).expect("the cycle is good");
     let machine = shipped::machine("table-bc").expect("it is shipped");
     let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
@@ -76,24 +73,11 @@ async fn measured(
     tokio::time::sleep_until(begin).await;
     let service = tokio::spawn(serve(config, plan, texts, Model::base("table-bc"), clock, cancel.clone()));
 
-    let report = async {
-        loop {
-            let done = std::fs::read_dir(&runs).ok().and_then(|mut files| {
-                files.find_map(|f| {
-                    Some(f.ok()?.path()).filter(|p| p.to_string_lossy().ends_with("diagnosis.json"))
-                })
-            });
-            if let Some(done) = done {
-                return done;
-            }
-            tokio::time::sleep(Duration::from_millis(100)).await;
-        }
-    };
-    let report = tokio::time::timeout(Duration::from_secs(180), report).await.expect("the cycle is reported");
+    let recording = first_report(&runs, Duration::from_secs(180)).await;
     cancel.cancel();
     service.await.expect("no panic").expect("no failure");
     cell.shutdown().await;
-    PathBuf::from(report.to_string_lossy().replace("diagnosis.json", "mcap"))
+    recording
 }
 
 fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
