@@ -1,9 +1,11 @@
 //! Which axis made the deviation, through the binary: on the simulator, and S3's example on the hybrid machine.
 
+mod program;
+
 use nalgebra::{Point3, Vector3};
+use program::output;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use trunnion_machine::shipped;
 use trunnion_measurement::{AxisSample, Run, RunKind};
 use trunnion_record::{RunHeader, write_run_with_axes};
@@ -42,15 +44,9 @@ fn shipped_cycle(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/cycles").join(format!("{name}.toml"))
 }
 
-fn trunnion(arguments: &[&str]) -> (bool, String, String) {
-    let out = Command::new(env!("CARGO_BIN_EXE_trunnion")).args(arguments).output().expect("the binary runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    (out.status.success(), text(out.stdout), text(out.stderr))
-}
-
 fn attribute(run: &Path, more: &[&str]) -> Value {
     let run = run.to_str().expect("a path");
-    let (good, out, err) = trunnion(&[&["attribute", run, "--json"], more].concat());
+    let (good, out, err) = output(&[&["attribute", run, "--json"], more].concat());
     assert!(good, "{err}");
     serde_json::from_str(&out).expect("JSON")
 }
@@ -77,7 +73,7 @@ fn simulate(dir: &Path, cycle: &str, replace: &[(&str, &str)]) -> PathBuf {
     std::fs::write(&truth, text).expect("a writable folder");
     let path = |path: &Path| path.to_str().expect("a path").to_string();
     let (good, _, err) =
-        trunnion(&["simulate", &path(&truth), "--cycle", cycle, "--points-per-s", "100", "-o", &path(&run)]);
+        output(&["simulate", &path(&truth), "--cycle", cycle, "--points-per-s", "100", "-o", &path(&run)]);
     assert!(good, "{err}");
     run
 }
@@ -240,7 +236,7 @@ fn a_recording_without_axis_positions_says_what_to_do() {
         ("SHAPE", "sign = 1"),
     ];
     let run = simulate(dir.path(), cycle.to_str().expect("a path"), &replace);
-    let (good, _, err) = trunnion(&["attribute", run.to_str().expect("a path")]);
+    let (good, _, err) = output(&["attribute", run.to_str().expect("a path")]);
     assert!(!good);
     assert!(err.contains("holds 0 axis positions") && err.contains("on the fly"), "{err}");
 }

@@ -2,9 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod program;
+
+use program::trunnion;
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 
 /// What the truth file holds of the parameters that can be told, screen units.
 const TRUTH: [(&str, &str, f64); 14] = [
@@ -29,13 +31,6 @@ const MODEL: &str = "straight-lines-bc";
 
 fn root(path: &str) -> String {
     format!("{}/../../{path}", env!("CARGO_MANIFEST_DIR"))
-}
-
-/// Expects exit 0, gives standard output.
-fn trunnion(args: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap();
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
 }
 
 fn simulate(folder: &Path, cycle: &str) -> String {

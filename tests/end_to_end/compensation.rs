@@ -5,25 +5,15 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod program;
+
+use program::{output, trunnion};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// White noise of the readings of both truths, µm.
 const NOISE_UM: f64 = 0.1;
-
-fn output(args: &[&str]) -> (bool, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.success(), text(output.stdout), text(output.stderr))
-}
-
-fn trunnion(args: &[&str]) -> String {
-    let (done, stdout, stderr) = output(args);
-    assert!(done, "{args:?}: {stderr}");
-    stdout
-}
 
 /// A machine with its truth and the model of it.
 struct Shop {

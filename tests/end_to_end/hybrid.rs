@@ -1,10 +1,10 @@
 //! The hybrid machine of S3 through the binary: simulated by the simulator's own kinematics, identified and diagnosed with the
 //! program's.
 
-use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+mod program;
 
+use program::{json, output};
+use std::path::{Path, PathBuf};
 /// A leg whose scale is 50 µm/m long, and location errors of A and C.
 const TRUTH: &str = r#"format = "trunnion-truth/1"
 machine = "hybrid-exechon"
@@ -45,18 +45,6 @@ sign = 1
 
 fn cycle() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/cycles/hybrid-static.toml")
-}
-
-fn output(arguments: &[&str]) -> (bool, String, String) {
-    let out = Command::new(env!("CARGO_BIN_EXE_trunnion")).args(arguments).output().expect("the binary runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    (out.status.success(), text(out.stdout), text(out.stderr))
-}
-
-fn json(arguments: &[&str]) -> Value {
-    let (good, out, err) = output(arguments);
-    assert!(good, "{arguments:?}: {err}");
-    serde_json::from_str(&out).expect("JSON")
 }
 
 #[test]

@@ -1,33 +1,9 @@
 //! Points from an independent simulator, through the binary: import, diagnose, add.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+mod program;
 
+use program::{data, import, json, trunnion};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::Command;
-
-fn data(set: &str) -> PathBuf {
-    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data")).join(set)
-}
-
-/// Runs `trunnion`, expects exit 0, gives standard output.
-fn trunnion(args: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap();
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn json(args: &[&str]) -> Value {
-    serde_json::from_str(&trunnion(args)).unwrap()
-}
-
-fn import(set: &str, folder: &Path) -> String {
-    let run = folder.join("run.mcap").display().to_string();
-    let (points, setup) = (data(set).join("points.csv"), data(set).join("setup.toml"));
-    trunnion(&["import", points.to_str().unwrap(), "--setup", setup.to_str().unwrap(), "-o", &run]);
-    run
-}
-
 #[test]
 fn gravity_is_named_first_and_adding_it_lowers_the_error_also_on_held_out_passes() {
     let folder = tempfile::tempdir().unwrap();

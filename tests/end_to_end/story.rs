@@ -1,45 +1,9 @@
 //! The story a user reads, through the binary: where the model fails, an effect on trial, the ladder, and taking it back.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+mod program;
 
+use program::{import, json, refused, trunnion};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::Command;
-
-fn data(set: &str) -> PathBuf {
-    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data")).join(set)
-}
-
-fn output(args: &[&str]) -> (bool, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.success(), text(output.stdout), text(output.stderr))
-}
-
-/// Runs `trunnion`, expects exit 0, gives standard output.
-fn trunnion(args: &[&str]) -> String {
-    let (done, stdout, stderr) = output(args);
-    assert!(done, "{args:?}: {stderr}");
-    stdout
-}
-
-fn refused(args: &[&str]) -> String {
-    let (done, stdout, stderr) = output(args);
-    assert!(!done, "{args:?} was not refused: {stdout}");
-    stderr
-}
-
-fn json(args: &[&str]) -> Value {
-    serde_json::from_str(&trunnion(args)).unwrap()
-}
-
-fn import(set: &str, folder: &Path) -> String {
-    let run = folder.join("run.mcap").display().to_string();
-    let (points, setup) = (data(set).join("points.csv"), data(set).join("setup.toml"));
-    trunnion(&["import", points.to_str().unwrap(), "--setup", setup.to_str().unwrap(), "-o", &run]);
-    run
-}
-
 #[test]
 fn compare_says_in_words_where_the_model_fails_and_blames_no_place_for_noise() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,10 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod program;
+
 use nalgebra::{Point3, Vector3};
+use program::json;
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 use trunnion_effects::Model;
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth};
@@ -104,12 +106,6 @@ fn write(run: &Run, folder: &Path) -> String {
     let header = trunnion_record::RunHeader::of_run(run, text, "test", 0);
     trunnion_record::write_run(&path, &header, run).unwrap();
     path.display().to_string()
-}
-
-fn json(args: &[&str]) -> Value {
-    let output = Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap();
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 #[test]

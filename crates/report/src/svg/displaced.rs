@@ -1,6 +1,6 @@
 //! Commanded, measured and predicted places in a plane, the deviations magnified (S1 Fig. 5 and 8).
 
-use super::scale::{Scale, extent};
+use super::scale::Plane;
 use super::{figure, line, text};
 use crate::number::tick;
 
@@ -19,7 +19,7 @@ pub struct Displaced {
 }
 
 impl Displaced {
-    fn places(&self) -> impl Iterator<Item = (f64, f64)> {
+    fn places(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
         [Some(self.commanded), Some(self.measured), self.predicted].into_iter().flatten()
     }
 }
@@ -29,15 +29,8 @@ pub fn displaced(title: &str, caption: &str, names: (&str, &str), points: &[Disp
     let finite = |p: &&Displaced| p.places().all(|(a, b)| a.is_finite() && b.is_finite());
     let points: Vec<_> = points.iter().filter(finite).collect();
     let places = || points.iter().flat_map(|p| p.places());
-    let (left, right) = extent(places().map(|p| p.0)).unwrap_or((-1.0, 1.0));
-    let (low, high) = extent(places().map(|p| p.1)).unwrap_or((-1.0, 1.0));
-    let mm_per_unit = ((right - left).max(high - low) * 1.1).max(1e-6) / SIDE;
-    let height = ((high - low) * 1.15 / mm_per_unit).clamp(LEAST_HEIGHT, SIDE);
-    let (middle_x, middle_y) = ((left + right) / 2.0, (low + high) / 2.0);
-    let (half_x, half_y) = (SIDE / 2.0 * mm_per_unit, height / 2.0 * mm_per_unit);
-    let bottom = TOP + height;
-    let x = Scale::new((middle_x - half_x, middle_x + half_x), (LEFT, LEFT + SIDE));
-    let y = Scale::new((middle_y - half_y, middle_y + half_y), (bottom, TOP));
+    let Plane { x, y, height, bottom } =
+        Plane::around(places(), (1.1, 1.15), LEAST_HEIGHT, (LEFT, TOP, SIDE));
     let mut body =
         format!("<rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{SIDE}\" height=\"{height:.1}\" class=\"frame\"/>\n");
     let (ticks, step) = x.ticks(6);

@@ -1,6 +1,6 @@
 //! A lattice as commanded and as displaced, the deviations magnified.
 
-use super::scale::{Scale, extent};
+use super::scale::Plane;
 use super::{figure, line, polyline, text};
 use crate::number::tick;
 
@@ -19,15 +19,8 @@ pub struct Lattice {
 /// The picture with equal scales; `names` of the directions to the right and up.
 pub fn lattice(title: &str, caption: &str, names: [&str; 2], lattice: &Lattice) -> String {
     let all = || lattice.nominal.iter().chain(&lattice.displaced).flatten();
-    let (left, right) = extent(all().map(|p| p.0)).unwrap_or((-1.0, 1.0));
-    let (low, high) = extent(all().map(|p| p.1)).unwrap_or((-1.0, 1.0));
-    let mm_per_unit = ((right - left).max(high - low) * 1.06).max(1e-6) / SIDE;
-    let height = ((high - low) * 1.06 / mm_per_unit).clamp(SIDE / 3.0, SIDE);
-    let (middle_x, middle_y) = ((left + right) / 2.0, (low + high) / 2.0);
-    let (half_x, half_y) = (SIDE / 2.0 * mm_per_unit, height / 2.0 * mm_per_unit);
-    let bottom = TOP + height;
-    let x = Scale::new((middle_x - half_x, middle_x + half_x), (LEFT, LEFT + SIDE));
-    let y = Scale::new((middle_y - half_y, middle_y + half_y), (bottom, TOP));
+    let Plane { x, y, height, bottom } =
+        Plane::around(all().copied(), (1.06, 1.06), SIDE / 3.0, (LEFT, TOP, SIDE));
     let mut body =
         format!("<rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{SIDE}\" height=\"{height:.1}\" class=\"frame\"/>\n");
     let (ticks, step) = x.ticks(5);

@@ -35,6 +35,43 @@ impl Scale {
     }
 }
 
+/// Two scales of one size: a millimetre is as long across as up.
+pub struct Plane {
+    pub x: Scale,
+    pub y: Scale,
+    /// Height of the drawing.
+    pub height: f64,
+    /// Its lower edge.
+    pub bottom: f64,
+}
+
+impl Plane {
+    /// Around all places, with so much room (factors across and up), no lower than `least_height`, in the square whose
+    /// left, upper edge and side are given.
+    pub fn around(
+        places: impl Iterator<Item = (f64, f64)> + Clone,
+        (across, up): (f64, f64),
+        least_height: f64,
+        (left, top, side): (f64, f64, f64),
+    ) -> Self {
+        let (west, east) = extent(places.clone().map(|place| place.0)).unwrap_or((-1.0, 1.0));
+        let (low, high) = extent(places.map(|place| place.1)).unwrap_or((-1.0, 1.0));
+        let mm_per_unit = ((east - west).max(high - low) * across).max(1e-6) / side;
+        let height = ((high - low) * up / mm_per_unit).clamp(least_height, side);
+        let bottom = top + height;
+        let scale = |low: f64, high: f64, length: f64, ends: (f64, f64)| {
+            let (middle, half) = ((low + high) / 2.0, length / 2.0 * mm_per_unit);
+            Scale::new((middle - half, middle + half), ends)
+        };
+        Self {
+            x: scale(west, east, side, (left, left + side)),
+            y: scale(low, high, height, (bottom, top)),
+            height,
+            bottom,
+        }
+    }
+}
+
 /// The smallest of …, 1, 2, 5, 10, … that is not below `value`; 1 for what is not positive.
 pub fn nice_above(value: f64) -> f64 {
     if !(value.is_finite() && value > 0.0) {

@@ -1,0 +1,46 @@
+//! The program, run as a person would.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Runs `trunnion`: whether it exits with 0, standard output, standard error.
+pub fn output(args: &[&str]) -> (bool, String, String) {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().expect("the program starts");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("it writes UTF-8");
+    (output.status.success(), text(output.stdout), text(output.stderr))
+}
+
+/// Standard output of a run that must exit with 0.
+pub fn trunnion(args: &[&str]) -> String {
+    let (done, stdout, stderr) = output(args);
+    assert!(done, "{args:?}: {stderr}");
+    stdout
+}
+
+/// Standard error of a run that must not exit with 0.
+pub fn refused(args: &[&str]) -> String {
+    let (done, stdout, stderr) = output(args);
+    assert!(!done, "{args:?} was not refused: {stdout}");
+    stderr
+}
+
+/// Standard output as JSON.
+pub fn json(args: &[&str]) -> Value {
+    serde_json::from_str(&trunnion(args)).expect("it writes JSON")
+}
+
+/// A folder of the outside data.
+pub fn data(set: &str) -> PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data")).join(set)
+}
+
+/// Imports points of the outside data into `folder`: the recording.
+pub fn import(set: &str, folder: &Path) -> String {
+    let run = folder.join("run.mcap").display().to_string();
+    let file = |name: &str| data(set).join(name).display().to_string();
+    trunnion(&["import", &file("points.csv"), "--setup", &file("setup.toml"), "-o", &run]);
+    run
+}
