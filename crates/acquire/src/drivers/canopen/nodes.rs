@@ -164,7 +164,11 @@ impl Nodes {
             self.supervise(message, arrival, link)?;
         }
         let mut sync = self.sync_now();
-        if sync < self.written && self.nodes.iter().any(|node| node.has_answered(sync, frame)) {
+        // Stamps come with the echo of the interface, which is not lost: a second answer before it is a late one.
+        if !self.stamped
+            && sync < self.written
+            && self.nodes.iter().any(|node| node.has_answered(sync, frame))
+        {
             // A node answers each SYNC once: the acknowledgement of the next one was lost.
             self.sync_accepted(None);
             link.counters.resyncs += 1;

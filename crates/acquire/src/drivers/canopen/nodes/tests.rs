@@ -150,3 +150,18 @@ fn a_node_that_answers_after_the_next_sync_is_told_and_its_value_is_a_recorded_l
     };
     assert!(says("its moment is unknown") && says("longer sync_ms"), "{told:?}");
 }
+
+#[test]
+fn a_late_answer_before_the_echo_of_the_next_sync_is_not_taken_for_an_answer_to_it() {
+    let mut bench = bench();
+    bench.nodes.sync_written(HostTime(10 * MS));
+    bench.nodes.sync_accepted(Some(HostTime(11 * MS)));
+    assert_eq!(bench.value(12).sequence, 1);
+    bench.nodes.sync_written(HostTime(20 * MS));
+    let frame = CanFrame::data_frame(bench.id, &[1, 0, 0, 0]).unwrap();
+    bench.nodes.take(&frame, HostTime(20 * MS), &mut bench.link).unwrap();
+    assert_eq!(bench.link.counters.lost_readings, 1);
+    bench.nodes.sync_accepted(Some(HostTime(21 * MS)));
+    let reading = bench.value(22);
+    assert_eq!((reading.sequence, reading.device_ticks), (2, 21_000));
+}
