@@ -1,12 +1,15 @@
 //! CAN sessions against the virtual bus, and what is told where there is none.
 
-use crate::shop::{SinceStart, gap_of_the_next_connection, read, state, until_message};
+use crate::shop::{SinceStart, find, gap_of_the_next_connection, read, state, until_message};
 use std::sync::Arc;
 use std::time::Instant;
-use trunnion_acquire::{Acquisition, DeviceState, Message, ProbeReading, Reading, SessionEnd};
-use trunnion_hil_sim::devices::canopen::{self, BusConfig};
+use trunnion_acquire::{
+    Acquisition, DeviceState, Message, ProbeReading, Reading, SessionEnd, TemperatureReading,
+};
+use trunnion_hil_sim::devices::canopen::{self, BusConfig, NodeConfig, NodeKind};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
+use trunnion_protocol::canopen::NodeId;
 use trunnion_units::AxisValues;
 
 #[tokio::test(flavor = "multi_thread")]
@@ -27,26 +30,34 @@ async fn without_a_can_interface_the_message_says_what_to_do_and_another_attempt
     acquisition.stop().await;
 }
 
+/// Not a multiple of what the thermometer shows.
+const ROOM_DEGC: f64 = 21.437;
+
 /// Three probes at 0.1 mm along x and a bar at 0.5 mm, for as long as a test lasts.
 fn world() -> Arc<SimulatedCell> {
     let program = Program { start: AxisValues::default(), steps: vec![Step::Dwell { duration_s: 1e4 }] };
     Arc::new(SimulatedCell {
         deflection_mm: Box::new(|_| [0.1, 0.0, 0.0]),
         bar_mm: Box::new(|_| 0.5),
+        temperature_degc: Box::new(|_| ROOM_DEGC),
         ..SimulatedCell::along(Trajectory::compile(&program).unwrap())
     })
 }
 
-/// A bus of three probes and a bar, its driver, and the folder of its port.
+/// A bus of three probes, a bar and a thermometer, its driver, and the folder of its port.
 fn bus() -> (Handle, Acquisition, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let port = folder.path().join("can");
-    let config = BusConfig::ball_bar_and_probes(DeviceClock::default());
+    let clock = DeviceClock::default();
+    let mut config = BusConfig::ball_bar_and_probes(clock);
+    let (id, kind) = (NodeId::new(9).unwrap(), NodeKind::Thermometer { digits: 2 });
+    config.nodes.push(NodeConfig { id, kind, serial: 9001, heartbeat_ms: 500, event_timer_ms: 0, clock });
     let origin = TimeOrigin(tokio::time::Instant::now());
     let handle = canopen::spawn(world(), &config, &port, origin, &[]).unwrap();
     let text = format!(
         "[[device]]\nname = \"bus\"\ndriver = \"canopen-slcan\"\nport = '{}'\nnodes = [{{ id = 1, role = \"probe-1\" }}, \
-         {{ id = 2, role = \"probe-2\" }}, {{ id = 3, role = \"probe-3\" }}, {{ id = 5, role = \"bar\" }}]\n",
+         {{ id = 2, role = \"probe-2\" }}, {{ id = 3, role = \"probe-3\" }}, {{ id = 5, role = \"bar\" }}, \
+         {{ id = 9, role = \"temperature\" }}]\n",
         port.display()
     );
     (handle, read(&text, Arc::new(SinceStart(Instant::now()))), folder)
@@ -94,6 +105,24 @@ async fn values_out_of_range_are_no_values_and_are_taken_again_when_the_nodes_sa
         let expected_mm = if channel == 3 { 10.5 } else { 0.1 * (2.0_f64 / 3.0).sqrt() };
         assert!((reading.value_mm - expected_mm).abs() < 1e-4, "{reading:?}");
     }
+    acquisition.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_temperature_is_told_under_the_name_of_its_node_and_is_no_value_out_of_range() {
+    let (bus, mut acquisition, _folder) = bus();
+    let temperature = |reading: &Reading| match reading {
+        Reading::Temperature(reading) => Some(reading.clone()),
+        _ => None,
+    };
+    let first: TemperatureReading = find(&mut acquisition, temperature).await;
+    // In hundredths of a degree.
+    assert!(first.name == "node-9" && (first.degc - ROOM_DEGC).abs() <= 0.005 + 1e-9, "{first:?}");
+    bus.inject(Fault::OutOfRange { duration_s: 0.5 }).unwrap();
+    find(&mut acquisition, |reading| temperature(reading).filter(|reading| reading.degc.is_nan())).await;
+    let again =
+        find(&mut acquisition, |reading| temperature(reading).filter(|reading| !reading.degc.is_nan()));
+    assert_eq!(again.await.degc, first.degc);
     acquisition.stop().await;
 }
 

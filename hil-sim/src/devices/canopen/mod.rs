@@ -1,5 +1,5 @@
 //! CANopen nodes behind a Lawicel (slcan) adapter: the encoder of a ball bar (CiA 406) and, if wanted, probes
-//! (CiA 404). The adapter is powered over its cable, the nodes are not.
+//! and thermometers (CiA 404). The adapter is powered over its cable, the nodes are not.
 //!
 //! A SYNC from the host latches all nodes at the instant its line arrives. Sources of the formats:
 //! [`trunnion_protocol::slcan`], [`trunnion_protocol::canopen`].
@@ -84,8 +84,11 @@ impl BusConfig {
                 NodeKind::Probe { digits, .. } if digits > 8 => {
                     return refuse("digits", f64::from(digits), "0..=8");
                 }
+                NodeKind::Thermometer { digits } if digits > 2 => {
+                    return refuse("digits", f64::from(digits), "0..=2, so that 100 °C fit into 16 bits");
+                }
                 NodeKind::BallBar { step_nm: 0, .. } => return refuse("step_nm", 0.0, "1 or more"),
-                NodeKind::Probe { .. } | NodeKind::BallBar { .. } => {}
+                NodeKind::Probe { .. } | NodeKind::Thermometer { .. } | NodeKind::BallBar { .. } => {}
             }
         }
         Ok(())

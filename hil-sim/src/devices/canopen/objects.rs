@@ -3,6 +3,7 @@
 use super::NodeConfig;
 use crate::devices::world::World;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 use trunnion_protocol::canopen::cia404::{InputStatus, ProcessValue, STATUS_INDEX, Unit};
 use trunnion_protocol::canopen::{
@@ -27,12 +28,17 @@ pub enum NodeKind {
         /// Decimal digits of the value.
         digits: u8,
     },
+    /// A thermometer, CiA 404, its value as I16 in °C.
+    Thermometer {
+        /// Decimal digits of the value.
+        digits: u8,
+    },
 }
 
 /// TPDO 1 by event timer, TPDO 2 by SYNC (CiA 406 default); the same for the probes.
 pub(super) const TPDOS: u16 = 2;
-/// Half the measuring range of a probe, mm.
-const PROBE_LIMIT_MM: f64 = 1.0;
+const PROBE_RANGE_MM: RangeInclusive<f64> = -1.0..=1.0;
+const THERMOMETER_RANGE_DEGC: RangeInclusive<f64> = -40.0..=100.0;
 const HEARTBEAT: ObjectKey = ObjectKey::new(0x1017, 0);
 const POSITION: ObjectKey = ObjectKey::new(0x6004, 0);
 const NOT_MAPPABLE: AbortCode = AbortCode(0x0604_0041);
@@ -55,6 +61,9 @@ impl Objects {
         let (device_type, product, name) = match config.kind {
             NodeKind::BallBar { .. } => (8 << 16 | u32::from(cia406::PROFILE), 0x0406, "Ball bar (CiA 406)"),
             NodeKind::Probe { .. } => (2 << 16 | u32::from(cia404::PROFILE), 0x0404, "Probe (CiA 404)"),
+            NodeKind::Thermometer { .. } => {
+                (2 << 16 | u32::from(cia404::PROFILE), 0x0405, "Thermometer (CiA 404)")
+            }
         };
         objects.store(0x1000, 0, &device_type.to_le_bytes());
         objects.store(0x1001, 0, &[0]);
@@ -84,12 +93,15 @@ impl Objects {
             NodeKind::BallBar { step_nm, .. } => {
                 objects.store(cia406::MEASURING_STEP.index, 0, &step_nm.to_le_bytes());
             }
-            NodeKind::Probe { digits, .. } => {
-                objects.store(cia404::unit_key(1).index, 1, &Unit::MILLIMETRE.raw.to_le_bytes());
-                objects.store(cia404::digits_key(1).index, 1, &[digits]);
-            }
+            NodeKind::Probe { digits, .. } => objects.store_scale(Unit::MILLIMETRE, digits),
+            NodeKind::Thermometer { digits } => objects.store_scale(Unit::CELSIUS, digits),
         }
         objects
+    }
+
+    fn store_scale(&mut self, unit: Unit, digits: u8) {
+        self.store(cia404::unit_key(1).index, 1, &unit.raw.to_le_bytes());
+        self.store(cia404::digits_key(1).index, 1, &[digits]);
     }
 
     /// Another device answers: digital inputs and outputs of another maker, CiA 401.
@@ -133,23 +145,31 @@ impl Objects {
                 let counts = ((zero_mm + self.world.bar_reading_mm(t_s)) * 1e6 / f64::from(step_nm)).round();
                 Some(RawBits::new(u64::from(counts.max(0.0) as u32), 32))
             }
-            (NodeKind::Probe { channel, digits }, 0x9130 | STATUS_INDEX, 1) => {
+            (NodeKind::Probe { channel, digits }, index, 1) => {
                 let seen_mm = self.world.probe_readings_mm(t_s)[channel];
-                let reading_mm = if self.out_of_range { f64::INFINITY } else { seen_mm };
-                let status = InputStatus(match reading_mm {
-                    mm if mm > PROBE_LIMIT_MM => 0b011,
-                    mm if mm < -PROBE_LIMIT_MM => 0b101,
-                    _ => 0,
-                });
-                if key.index == STATUS_INDEX {
-                    return Some(RawBits::new(u64::from(status.0), 8));
-                }
-                // A value outside the range is sent as the lowest integer.
-                let shown_mm = if status.is_good() { reading_mm } else { f64::INFINITY };
-                Some(ProcessValue::Integer32.bits_of(shown_mm, digits))
+                self.input(index, seen_mm, PROBE_RANGE_MM, digits)
+            }
+            (NodeKind::Thermometer { digits }, index, 1) => {
+                self.input(index, self.world.temperature_degc(t_s), THERMOMETER_RANGE_DEGC, digits)
             }
             _ => None,
         }
+    }
+
+    /// Process value or status of an analogue input that sees this.
+    fn input(&self, index: u16, seen: f64, range: RangeInclusive<f64>, digits: u8) -> Option<RawBits> {
+        let reading = if self.out_of_range { f64::INFINITY } else { seen };
+        let status = InputStatus(match reading {
+            above if above > *range.end() => 0b011,
+            below if below < *range.start() => 0b101,
+            _ => 0,
+        });
+        if index == STATUS_INDEX {
+            return Some(RawBits::new(u64::from(status.0), 8));
+        }
+        // A value outside the range is sent as the lowest integer.
+        let shown = if status.is_good() { reading } else { f64::INFINITY };
+        ProcessValue::of(index).map(|kind| kind.bits_of(shown, digits))
     }
 
     fn number(&self, key: ObjectKey) -> u32 {
@@ -179,11 +199,15 @@ impl NodeKind {
     fn values(self) -> Vec<PdoEntry> {
         match self {
             NodeKind::BallBar { .. } => vec![PdoEntry { key: POSITION, bits: 32 }],
-            NodeKind::Probe { .. } => vec![
-                PdoEntry { key: ObjectKey::new(0x9130, 1), bits: 32 },
-                PdoEntry { key: ObjectKey::new(STATUS_INDEX, 1), bits: 8 },
-            ],
+            NodeKind::Probe { .. } => Self::input(0x9130, 32),
+            NodeKind::Thermometer { .. } => Self::input(0x7130, 16),
         }
+    }
+
+    /// Process value and status of an analogue input.
+    fn input(index: u16, bits: u8) -> Vec<PdoEntry> {
+        let status = PdoEntry { key: ObjectKey::new(STATUS_INDEX, 1), bits: 8 };
+        vec![PdoEntry { key: ObjectKey::new(index, 1), bits }, status]
     }
 }
 
