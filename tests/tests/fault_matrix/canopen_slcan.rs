@@ -6,6 +6,9 @@ use trunnion_acquire::DeviceState::{Failed, Silent, Streaming, WrongDevice};
 use trunnion_hil_sim::devices::canopen::{self, BusConfig};
 use trunnion_hil_sim::devices::{DeviceClock, Fault};
 
+const OUT_OF_RANGE: &str = "the node calls its value above the measuring range (status 6150h = 03h); bring it back into the range, or check \
+                            the sensor and its cable";
+
 pub const SUBJECT: Subject = Subject {
     driver: "canopen-slcan",
     about: "CiA 404 probe behind an slcan adapter",
@@ -32,7 +35,7 @@ fn own(trouble: Trouble) -> Option<Cell> {
             "wrong device: *I/O module*expected *CiA 404 or CiA 406*; correct the port or the configuration",
         ),
         Trouble::StuckValue => Case::stuck(Some("node-1"), 400),
-        Trouble::OutOfRange => Case::out_of_range(Some("node-1"), "the device sends * in its place"),
+        Trouble::OutOfRange => Case::out_of_range(Some("node-1"), OUT_OF_RANGE),
         Trouble::BusOff => Case {
             perhaps: Some((Silent, "the node is missed before the adapter reports its state")),
             ..Case::away(

@@ -36,12 +36,11 @@ fn own(trouble: Trouble) -> Option<Cell> {
              the port or the configuration",
         ),
         Trouble::StuckValue => Case::stuck(Some("head-1"), 3 * 400),
-        Trouble::OutOfRange => Case {
-            message:
-                "head 1: no signal from the head: check its cable and that it is the head of this amplifier"
-                    .into(),
-            ..Case::out_of_range(Some("head-1"), "the device sends 9999998 in its place")
-        },
+        Trouble::OutOfRange => Case::out_of_range(
+            Some("head-1"),
+            "+999.9998 is a state of the amplifier and no position: no signal from the head: check its cable and that it \
+             is the head of this amplifier",
+        ),
         _ => return None,
     })
 }

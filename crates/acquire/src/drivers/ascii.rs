@@ -196,10 +196,12 @@ impl Reader<'_> {
     ) -> Reading {
         let code = settings::error_code(text, index);
         let meaning = self.settings.format.errors.get(index).map_or("", |(_, meaning)| meaning.as_str());
-        link.explain(code, || format!("\"{}\", {meaning}", text.escape_default()));
         match self.settings.role {
             Role::Temperature => self.temperature(f64::NAN, exchange, link),
-            Role::Probe(_) | Role::Bar => self.probe(code, f64::NAN, exchange, link),
+            Role::Probe(_) | Role::Bar => {
+                link.explain(link.first_channel, || format!("\"{}\", {meaning}", text.escape_default()));
+                self.probe(code, f64::NAN, exchange, link)
+            }
         }
     }
 

@@ -8,7 +8,7 @@
 //! and belongs to the `sync-delay` of the fit.
 //!
 //! A number outside the range of its amplifier is a state: the reading carries the number and no value, and the error
-//! state of the amplifier is asked once and told.
+//! state of the amplifier is asked once, which says why.
 
 mod probe;
 
@@ -190,7 +190,9 @@ impl Poller<'_> {
             });
         }
         for head in &self.config.heads {
-            self.tell_faults(head.amplifier, link).await?;
+            for cause in self.faults(head.amplifier, link).await? {
+                link.log(true, format!("head {}: {cause}", head.amplifier + 1));
+            }
         }
         link.identified(identity);
         Ok(values.len())
@@ -211,14 +213,19 @@ impl Poller<'_> {
         }
         self.last = Some((self.polls, arrival));
         let moment = exchange.middle();
-        let mut newly_without_value = Vec::new();
+        // The cause comes before the reading that it explains.
+        for (index, head) in self.config.heads.iter().enumerate() {
+            let value = values[usize::from(head.amplifier)];
+            let is_without = value.position_mm().is_none();
+            let was_without = std::mem::replace(&mut self.without_value[index], is_without);
+            if is_without && !was_without {
+                let causes = self.faults(head.amplifier, link).await?;
+                link.explain(link.first_channel + index as u16, || no_position(value, &causes));
+            }
+        }
         for (index, head) in self.config.heads.iter().enumerate() {
             let value = values[usize::from(head.amplifier)];
             let position_mm = value.position_mm();
-            let had_value = !std::mem::replace(&mut self.without_value[index], position_mm.is_none());
-            if had_value && position_mm.is_none() {
-                newly_without_value.push(head.amplifier);
-            }
             let reading = ProbeReading {
                 channel: link.first_channel + index as u16,
                 device_ticks: ((moment - self.begun).as_secs_f64() / TICK_S) as u64,
@@ -230,26 +237,22 @@ impl Poller<'_> {
             };
             link.reading(Reading::Probe(reading), arrival);
         }
-        for amplifier in newly_without_value {
-            self.tell_faults(amplifier, link).await?;
-        }
         Ok(())
     }
 
-    /// Asks an amplifier for its error state and logs what it says.
-    async fn tell_faults(&mut self, amplifier: u8, link: &mut Link) -> Result<(), SessionEnd> {
+    /// Asks an amplifier for its error state: its causes in words.
+    async fn faults(&mut self, amplifier: u8, link: &mut Link) -> Result<Vec<String>, SessionEnd> {
         let exchange = self.ask(Command::Read { amplifier, data: ERROR_STATE }, link).await?;
-        let head = amplifier + 1;
         match exchange.answer {
             Some(Reply::Data { text, .. }) => {
-                for cause in AmplifierFaults::parse(&text).map(AmplifierFaults::causes).unwrap_or_default() {
-                    link.log(true, format!("head {head}: {cause}"));
-                }
+                Ok(AmplifierFaults::parse(&text).map(AmplifierFaults::causes).unwrap_or_default())
             }
-            Some(Reply::Refused(refusal)) => link.log(false, format!("head {head}: {refusal}")),
-            Some(Reply::All(_)) | None => {}
+            Some(Reply::Refused(refusal)) => {
+                link.log(false, format!("head {}: {refusal}", amplifier + 1));
+                Ok(Vec::new())
+            }
+            Some(Reply::All(_)) | None => Ok(Vec::new()),
         }
-        Ok(())
     }
 
     async fn ask(&mut self, command: Command, link: &mut Link) -> Result<Exchange<Reply>, SessionEnd> {
@@ -273,4 +276,14 @@ impl Poller<'_> {
         (link.counters.dropped_bytes, link.counters.resyncs) = (seen.dropped_bytes, seen.resyncs);
         answered
     }
+}
+
+/// Why a head has no value, and what to check.
+fn no_position(value: Value, causes: &[String]) -> String {
+    let says = if causes.is_empty() {
+        "the amplifier reports no error; check that the head is within its range, connected, and not in a hold mode".into()
+    } else {
+        causes.join("; ")
+    };
+    format!("{value} is a state of the amplifier and no position: {says}")
 }

@@ -250,7 +250,7 @@ impl Sensor {
             None => (sequence, self.period_s),
         };
         let value_mm = distance_mm(distance, self.range_mm).unwrap_or_else(|error| {
-            link.explain(i64::from(distance.get()), || error.to_string());
+            link.explain(link.first_channel, || error.to_string());
             f64::NAN
         });
         if let Some((last, at)) = self.last

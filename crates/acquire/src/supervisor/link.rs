@@ -64,8 +64,6 @@ impl Outlet {
 
 /// Totals are told at most so often.
 const TELL_COUNTERS: Duration = Duration::from_secs(1);
-/// Codes a device can have in place of a value; more are not kept.
-const MOST_MEANINGS: usize = 256;
 
 /// The session's link to the rest of the program.
 pub struct Link {
@@ -90,8 +88,8 @@ pub struct Link {
     channel_names: Vec<String>,
     vigil: Vigil,
     axes_vigil: AxesVigil,
-    /// What the numbers mean that stand in place of a value.
-    meanings: HashMap<i64, String>,
+    /// Why a channel has no value.
+    meanings: HashMap<u16, String>,
 }
 
 impl Link {
@@ -129,10 +127,11 @@ impl Link {
         &self.outlet.name
     }
 
-    /// Says what a number means that stands in place of a value; told when the first such reading comes.
-    pub fn explain(&mut self, code: i64, meaning: impl FnOnce() -> String) {
-        if self.meanings.len() < MOST_MEANINGS {
-            self.meanings.entry(code).or_insert_with(meaning);
+    /// Says why the channel's next reading has no value, and what to check. It is asked, told and recorded when the value
+    /// goes; what is said until there is a value again changes nothing.
+    pub fn explain(&mut self, channel: u16, meaning: impl FnOnce() -> String) {
+        if !self.vigil.is_without_value(channel) {
+            self.meanings.insert(channel, meaning());
         }
     }
 
@@ -201,7 +200,10 @@ impl Link {
         let index = usize::from(channel.saturating_sub(self.first_channel));
         let source = self.channel_names.get(index).unwrap_or(&self.outlet.name).clone();
         let meaning = |raw: i64| {
-            self.meanings.get(&raw).cloned().unwrap_or_else(|| format!("the device sends {raw} in its place"))
+            self.meanings
+                .get(&channel)
+                .cloned()
+                .unwrap_or_else(|| format!("the device sends {raw} in its place"))
         };
         let gap = match finding {
             Finding::NoValue { raw } => {

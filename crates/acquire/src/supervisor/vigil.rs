@@ -80,6 +80,11 @@ impl Vigil {
         self.channels.entry(reading.channel).or_default().see(reading, at)
     }
 
+    /// True while the channel's readings have no value.
+    pub fn is_without_value(&self, channel: u16) -> bool {
+        self.channels.get(&channel).is_some_and(|channel| channel.without.is_some())
+    }
+
     /// True while any channel is stuck.
     pub fn is_stuck(&self) -> bool {
         self.channels.values().any(|channel| channel.stuck)

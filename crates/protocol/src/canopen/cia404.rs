@@ -5,6 +5,7 @@
 //! negative overload (WIKA MH-4-CAN, special documentation §4.2.15); overload also gives NaN or the lowest integer.
 
 use super::objects::{ObjectKey, RawBits};
+use std::fmt;
 
 /// Profile number in the low word of 1000h.
 pub const PROFILE: u16 = 404;
@@ -167,6 +168,19 @@ impl InputStatus {
     }
 }
 
+impl fmt::Display for InputStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let meaning = match self {
+            status if status.is_positive_overload() => "above the measuring range",
+            status if status.is_negative_overload() => "below the measuring range",
+            status if status.is_invalid() => "not valid",
+            status if status.is_good() => "good",
+            _ => "in a state of its maker's own, see its manual",
+        };
+        write!(f, "{meaning} (status {STATUS_INDEX:04X}h = {:02X}h)", self.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,5 +227,6 @@ mod tests {
         assert_eq!(ProcessValue::Integer16.bits_of(40.0, 3), RawBits::new(0x8000, 16));
         let status = InputStatus(0b011);
         assert!(status.is_invalid() && status.is_positive_overload() && !status.is_negative_overload());
+        assert_eq!(status.to_string(), "above the measuring range (status 6150h = 03h)");
     }
 }

@@ -6,10 +6,10 @@ use crate::message::{ProbeReading, Reading, TemperatureReading};
 use crate::supervisor::{Link, SessionEnd};
 use std::time::Duration;
 use trunnion_protocol::can::{CanFrame, CanId};
-use trunnion_protocol::canopen::cia404::Quantity;
+use trunnion_protocol::canopen::cia404::{InputStatus, Quantity};
 use trunnion_protocol::canopen::node::Scaling;
 use trunnion_protocol::canopen::{
-    Message, NmtState, NodeDescription, Profile, Reading as NodeReading, Transmission, Value,
+    Message, NmtState, NodeDescription, Profile, RawBits, Reading as NodeReading, Transmission, Value,
 };
 use trunnion_units::HostTime;
 
@@ -311,8 +311,6 @@ impl Node {
         arrival: HostTime,
         link: &mut Link,
     ) {
-        let bad = self.cannot_measure
-            || readings.iter().any(|r| matches!(r.value, Value::Status(status) if !status.is_good()));
         let is_temperature = self.config.role == Role::Temperature;
         let wanted = |r: &&NodeReading| match r.value {
             Value::NoValue => true,
@@ -327,8 +325,11 @@ impl Node {
             link.counters.damaged += 1; // a TPDO of this node that carries nothing for its role
             return;
         };
+        let fault = self.fault(readings, found);
         let value = match found.value {
-            Value::Quantity(Quantity::LengthMm(value) | Quantity::TemperatureC(value)) if !bad => value,
+            Value::Quantity(Quantity::LengthMm(value) | Quantity::TemperatureC(value)) if fault.is_none() => {
+                value
+            }
             _ => f64::NAN,
         };
         let reading = match self.config.role {
@@ -337,18 +338,47 @@ impl Node {
                 degc: value,
                 arrival,
             }),
-            Role::Probe(_) | Role::Bar => Reading::Probe(ProbeReading {
-                channel: self.channel,
-                device_ticks,
-                tick_s: TICK_S,
-                sequence,
-                raw: found.raw.signed(),
-                value_mm: value,
-                arrival,
-            }),
+            Role::Probe(_) | Role::Bar => {
+                if let Some(fault) = fault {
+                    link.explain(self.channel, || fault.to_string());
+                }
+                Reading::Probe(ProbeReading {
+                    channel: self.channel,
+                    device_ticks,
+                    tick_s: TICK_S,
+                    sequence,
+                    raw: found.raw.signed(),
+                    value_mm: value,
+                    arrival,
+                })
+            }
         };
         link.reading(reading, arrival);
     }
+
+    /// Why the value found is none.
+    fn fault(&self, readings: &[NodeReading], found: &NodeReading) -> Option<NoValue> {
+        let status = readings.iter().find_map(|reading| match reading.value {
+            Value::Status(status) if !status.is_good() => Some(NoValue::Status(status)),
+            _ => None,
+        });
+        let emergency = self.cannot_measure.then_some(NoValue::Emergency);
+        let marked = (found.value == Value::NoValue).then_some(NoValue::Marked(found.raw));
+        emergency.or(status).or(marked)
+    }
+}
+
+/// Why a node has no value, and what to check.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+enum NoValue {
+    #[error(
+        "the node told by an emergency that it cannot measure; check its sensor or reading head, and the cable between"
+    )]
+    Emergency,
+    #[error("the node calls its value {0}; bring it back into the range, or check the sensor and its cable")]
+    Status(InputStatus),
+    #[error("the node sends {:X}h, which CiA 404 keeps for no value; check that it is within its range, and the sensor and its cable", .0.unsigned())]
+    Marked(RawBits),
 }
 
 #[cfg(test)]
