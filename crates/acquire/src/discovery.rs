@@ -120,7 +120,7 @@ pub async fn look(place: Place, only: Option<&str>) -> Look {
             Answer::Trouble(end) => {
                 let final_word = matches!(
                     end,
-                    SessionEnd::Absent(_) | SessionEnd::Refused { .. } | SessionEnd::WrongDevice { .. }
+                    SessionEnd::Absent { .. } | SessionEnd::Refused { .. } | SessionEnd::WrongDevice { .. }
                 );
                 look.trouble = Some(end.to_string());
                 if final_word {

@@ -28,8 +28,13 @@ pub const QUEUE_LENGTH: usize = 32_768;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SessionEnd {
     /// The port or address is not there.
-    #[error("{0} is not there; plug it in or correct the port")]
-    Absent(String),
+    #[error("{address} is not there; {remedy}")]
+    Absent {
+        /// Port, interface or address, with the system's words where it has some.
+        address: String,
+        /// What to do, as fits the address.
+        remedy: &'static str,
+    },
     /// The port hung up or the peer closed the connection.
     #[error("disconnected: {0}")]
     Disconnected(String),
@@ -81,7 +86,7 @@ impl SessionEnd {
     /// Index into [`SessionEnd::KINDS`].
     pub fn kind(&self) -> usize {
         match self {
-            Self::Absent(_) => 0,
+            Self::Absent { .. } => 0,
             Self::Disconnected(_) => 1,
             Self::Silent { .. } => 2,
             Self::WrongDevice { .. } => 3,

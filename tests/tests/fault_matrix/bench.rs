@@ -109,7 +109,7 @@ pub async fn run(subject: &Subject, case: &Case) -> Result<(), String> {
             (device, fault_s)
         }
         _ => {
-            let absent = SessionEnd::Absent(String::new()).kind();
+            let absent = SessionEnd::Absent { address: String::new(), remedy: "" }.kind();
             watch.until(&mut acquisition, |watch| watch.ends[absent] > 0).await?;
             (switch_on().await, fault_s)
         }

@@ -35,7 +35,10 @@ impl Kind {
             }
             (Self::Serial, Trouble::ControllerGone) => cannot("there is no controller behind it"),
             (Self::Controller { address }, Trouble::AbsentAtStart) => {
-                some(Case::absent(&format!("{address} (*) is not there; plug it in or correct the port")))
+                some(Case::absent(&format!(
+                    "{address} (*) is not there; check that it is switched on and its server runs, cable and network, and \
+                     the address in the configuration"
+                )))
             }
             (Self::Controller { .. }, Trouble::StuckValue) => some(Case {
                 fault: Some(Fault::StuckValue { duration_s: STUCK_S }),

@@ -340,12 +340,12 @@ impl Link {
             self.gap_reason.get_or_insert_with(|| end.to_string());
         }
         if self.status.borrow().last_end.as_ref() != Some(end) {
-            let warning = !matches!(end, SessionEnd::Cancelled | SessionEnd::Absent(_));
+            let warning = !matches!(end, SessionEnd::Cancelled | SessionEnd::Absent { .. });
             self.log(warning, end.to_string());
         }
         self.healthy = false;
         let state = match end {
-            SessionEnd::Absent(_) => DeviceState::Absent,
+            SessionEnd::Absent { .. } => DeviceState::Absent,
             SessionEnd::Silent { .. } => DeviceState::Silent,
             SessionEnd::WrongDevice { .. } => DeviceState::WrongDevice,
             SessionEnd::Refused { .. } => DeviceState::Refused,

@@ -107,7 +107,7 @@ pub fn open(name: &str, baud: u32, framing: Framing, link: &mut Link) -> Result<
 /// `Absent` or `Refused`.
 pub fn open_remarked(name: &str, baud: u32, framing: Framing) -> Result<(Port, Option<String>), SessionEnd> {
     if !Path::new(name).exists() {
-        return Err(SessionEnd::Absent(name.into()));
+        return Err(trouble::absent(name));
     }
     let (stream, remark) = match open_at(name, baud, framing) {
         Ok(stream) => (stream, None),

@@ -8,6 +8,7 @@ use tokio::time::timeout;
 
 /// Connecting must not take longer.
 pub const CONNECT_LIMIT: Duration = Duration::from_secs(3);
+const REMEDY: &str = "check that it is switched on and its server runs, cable and network, and the address in the configuration";
 
 /// Connects; small packets are sent at once. `shown` is the address in messages. Cancel safe.
 ///
@@ -19,7 +20,9 @@ pub async fn connect(host: &str, port: u16, shown: &str) -> Result<TcpStream, Se
         Ok(Err(error)) if error.kind() == ErrorKind::PermissionDenied => {
             return Err(SessionEnd::Refused { address: shown.into(), why: error.to_string() });
         }
-        Ok(Err(error)) => return Err(SessionEnd::Absent(format!("{shown} ({error})"))),
+        Ok(Err(error)) => {
+            return Err(SessionEnd::Absent { address: format!("{shown} ({error})"), remedy: REMEDY });
+        }
         Ok(Ok(stream)) => stream,
     };
     stream.set_nodelay(true).map_err(|error| SessionEnd::Disconnected(format!("{shown}: {error}")))?;

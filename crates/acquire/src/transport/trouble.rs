@@ -12,11 +12,16 @@ const RULES: &str = "systemd/60-trunnion.rules";
 /// Longest time an FTDI adapter may hold bytes back without a warning, ms.
 const PROMPT_LATENCY_MS: u32 = 1;
 
+/// The end of a session whose port is not there.
+pub fn absent(name: &str) -> SessionEnd {
+    SessionEnd::Absent { address: name.into(), remedy: "plug it in or correct the port" }
+}
+
 /// The end of a session whose port did not open.
 pub fn refusal(name: &str, error: &tokio_serial::Error) -> SessionEnd {
     let gone = matches!(error.kind, tokio_serial::ErrorKind::Io(ErrorKind::NotFound));
     if gone || !Path::new(name).exists() {
-        return SessionEnd::Absent(name.into());
+        return absent(name);
     }
     let why = match error.kind {
         tokio_serial::ErrorKind::Io(ErrorKind::PermissionDenied) => no_permission(name),

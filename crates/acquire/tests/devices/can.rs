@@ -24,7 +24,9 @@ async fn without_a_can_interface_the_message_says_what_to_do_and_another_attempt
             assert_eq!(address, "can77");
             assert!(why.contains("modprobe can_raw") && why.contains("canopen-slcan"), "{why}");
         }
-        (DeviceState::Absent, SessionEnd::Absent(who)) => assert!(who.contains("ip -br link"), "{who}"),
+        (DeviceState::Absent, end @ SessionEnd::Absent { .. }) => {
+            assert!(end.to_string().contains("ip -br link"), "{end}");
+        }
         other => panic!("{other:?}"),
     }
     acquisition.stop().await;

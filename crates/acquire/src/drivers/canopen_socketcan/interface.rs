@@ -20,9 +20,7 @@ pub(super) fn check(name: &str) -> Result<(), SessionEnd> {
 fn check_in(all: &Path, name: &str) -> Result<(), SessionEnd> {
     let folder = all.join(name);
     if !folder.exists() {
-        return Err(SessionEnd::Absent(format!(
-            "CAN interface {name} (`ip -br link` lists those there are)"
-        )));
+        return Err(absent(name));
     }
     let read = |file: &str| match fs::read_to_string(folder.join(file)) {
         Ok(text) => Ok(Some(text.trim().to_string())),
@@ -41,6 +39,13 @@ fn check_in(all: &Path, name: &str) -> Result<(), SessionEnd> {
         return Err(bus_off(name));
     }
     Ok(())
+}
+
+pub(super) fn absent(name: &str) -> SessionEnd {
+    SessionEnd::Absent {
+        address: format!("CAN interface {name}"),
+        remedy: "plug it in and load its driver, or correct `interface`; `ip -br link` lists those there are",
+    }
 }
 
 pub(super) fn refused(name: &str, why: &str) -> SessionEnd {
@@ -89,6 +94,9 @@ mod tests {
         says(told("280", "0x40081", Some("0")), "ip link set can0 type can restart");
         says(told("1", "0x1003", Some("1")), "no CAN interface");
         let absent = check_in(tempfile::tempdir().unwrap().path(), "can7").unwrap_err();
-        assert!(matches!(&absent, SessionEnd::Absent(who) if who.contains("can7")), "{absent}");
+        assert!(
+            matches!(&absent, SessionEnd::Absent { address, .. } if address.contains("can7")),
+            "{absent}"
+        );
     }
 }

@@ -212,9 +212,7 @@ fn no_socketcan(name: &str, error: &io::Error) -> SessionEnd {
 
 fn failed(name: &str, doing: &str, error: &io::Error) -> SessionEnd {
     match error.raw_os_error() {
-        Some(ENODEV | ENXIO) => {
-            SessionEnd::Absent(format!("CAN interface {name} (`ip -br link` lists those there are)"))
-        }
+        Some(ENODEV | ENXIO) => interface::absent(name),
         Some(ENETDOWN) => interface::down(name),
         _ if error.kind() == io::ErrorKind::PermissionDenied => refused(
             name,
