@@ -38,7 +38,29 @@ fn alignment_line(line: &str) {
 
 #[test]
 fn readings_keep_the_stamps_of_the_kernel_and_whatever_happens_to_the_interface_is_told_and_mended() {
-    machine("vcan", None);
+    let told = machine("vcan", None);
+    let rows: Vec<String> =
+        told.lines().filter_map(|line| Some(without_times(line.split_once("FAULT ")?.1))).collect();
+    assert_eq!(rows.len(), 5, "{told}");
+    let head = "| fault | end of the session | recorded gap | message |\n|---|---|---|---|\n";
+    let path = workspace_root().join("docs/faults.md");
+    let page = std::fs::read_to_string(&path).expect("docs/faults.md can be read");
+    let section = Section::of(&page, SOCKETCAN).expect("docs/faults.md has the marks of the section");
+    let table = format!("{head}{}\n", rows.join("\n"));
+    if std::env::var_os("TRUNNION_WRITE_DOCS").is_some() {
+        std::fs::write(&path, section.with(&table)).expect("docs/faults.md can be written");
+    } else {
+        assert_eq!(section.inside, table, "docs/faults.md is old: run this test with TRUNNION_WRITE_DOCS=1");
+    }
+}
+
+/// Times differ from run to run.
+fn without_times(line: &str) -> String {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let is_time =
+        |k: usize| words[k].parse::<f64>().is_ok() && matches!(words.get(k + 1), Some(&"ms:" | &"s;"));
+    let shown = (0..words.len()).map(|k| if is_time(k) { "…" } else { words[k] });
+    shown.collect::<Vec<_>>().join(" ")
 }
 
 #[test]

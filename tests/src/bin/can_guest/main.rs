@@ -14,7 +14,7 @@ use bus::SimulatedBus;
 use session::Session;
 use std::process::Command;
 use std::time::Duration;
-use trunnion_acquire::{DeviceState, SessionEnd};
+use trunnion_acquire::SessionEnd;
 
 fn main() -> anyhow::Result<()> {
     let mode = std::env::args().nth(1).unwrap_or_default();
@@ -43,37 +43,42 @@ async fn vcan() -> anyhow::Result<()> {
 
     // Values go on while the wall clock is set.
     command("date", &["-s", "2031-05-05 05:05:05"])?;
-    session.until_log("wall clock was set").await?;
+    let told = session.until_log("wall clock was set").await?;
     session.read_syncs(100, 4).await?;
+    println!("FAULT | wall clock of the computer set | none | none | {told} |");
 
     bus.switch_off(3);
-    let end = session.end(|end| matches!(end, SessionEnd::Silent { .. })).await?;
+    let is_silent = |end: &SessionEnd| matches!(end, SessionEnd::Silent { .. });
+    let restart = || {
+        bus.restart();
+        Ok(())
+    };
+    let end = session.end_and_gap("a node switched off", is_silent, restart).await?;
     ensure!(end.contains("node 3 sends no values"), "{end}");
-    bus.restart();
-    session.until_epoch_after_gap().await?;
 
     bus.report_bus_off()?;
-    let end = session.end(|end| matches!(end, SessionEnd::Disconnected(_))).await?;
+    let is_lost = |end: &SessionEnd| matches!(end, SessionEnd::Disconnected(_));
+    let end = session.end_and_gap("bus-off", is_lost, || Ok(())).await?;
     ensure!(end.contains("bus-off") && end.contains("ip link set vcan0 type can restart"), "{end}");
-    let gap = session.until_epoch_after_gap().await?;
-    ensure!(gap.contains("bus-off"), "{gap}");
 
     command("ip", &["link", "set", "vcan0", "down"])?;
-    let end = session.end(|end| matches!(end, SessionEnd::Refused { .. })).await?;
+    let is_refused = |end: &SessionEnd| matches!(end, SessionEnd::Refused { .. });
+    let up = || command("ip", &["link", "set", "vcan0", "up"]);
+    let end = session.end_and_gap("interface down", is_refused, up).await?;
     ensure!(end.contains("ip link set vcan0 up type can bitrate"), "{end}");
-    session.until_state(DeviceState::Refused).await?;
-    command("ip", &["link", "set", "vcan0", "up"])?;
-    session.until_epoch_after_gap().await?;
 
     command("ip", &["link", "del", "vcan0"])?;
-    session.until_state(DeviceState::Absent).await?;
-    command("ip", &["link", "add", "dev", "vcan0", "type", "vcan"])?;
-    command("ip", &["link", "set", "vcan0", "up"])?;
-    let again = SimulatedBus::start("vcan0")?;
-    session.until_epoch_after_gap().await?;
+    let is_absent = |end: &SessionEnd| matches!(end, SessionEnd::Absent(_));
+    let mut again = None;
+    let add = || {
+        command("ip", &["link", "add", "dev", "vcan0", "type", "vcan"])?;
+        command("ip", &["link", "set", "vcan0", "up"])?;
+        again = Some(SimulatedBus::start("vcan0")?);
+        Ok(())
+    };
+    session.end_and_gap("interface gone, as an adapter unplugged", is_absent, add).await?;
     session.stop().await;
-    again.stop()?;
-    println!("FIGURES vcan bus-off, interface down, interface gone, wall clock set: told and recovered");
+    again.context("the bus began again")?.stop()?;
     Ok(())
 }
 

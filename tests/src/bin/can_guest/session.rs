@@ -8,9 +8,7 @@ use std::time::Instant;
 use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{
-    Acquisition, DeviceState, Message, ProbeReading, Reading, SessionEnd, parse_devices, start,
-};
+use trunnion_acquire::{Acquisition, Message, ProbeReading, Reading, SessionEnd, parse_devices, start};
 use trunnion_daemon::clock::SystemClock;
 use trunnion_units::Clock;
 
@@ -70,31 +68,37 @@ impl Session {
         Ok(all)
     }
 
-    /// Waits for a line of the log.
-    pub async fn until_log(&mut self, piece: &str) -> anyhow::Result<()> {
-        self.until(
-            piece,
-            |message| matches!(&message.reading, Reading::Log(line) if line.text.contains(piece)),
-        )
-        .await
-        .map(|_| ())
+    /// Waits for a line of the log; the line.
+    pub async fn until_log(&mut self, piece: &str) -> anyhow::Result<String> {
+        let fits =
+            |message: &Message| matches!(&message.reading, Reading::Log(line) if line.text.contains(piece));
+        match self.until(piece, fits).await?.reading {
+            Reading::Log(line) => Ok(line.text),
+            _ => bail!("{piece}: not a line of the log"),
+        }
     }
 
-    /// Waits until a session ends in a way that fits; what was told.
-    pub async fn end(&mut self, fits: impl Fn(&SessionEnd) -> bool) -> anyhow::Result<String> {
+    /// How a session ends in a way that fits, and the gap before the readings of the next one: a row of docs/faults.md.
+    pub async fn end_and_gap(
+        &mut self,
+        name: &str,
+        fits: impl Fn(&SessionEnd) -> bool,
+        mend: impl FnOnce() -> anyhow::Result<()>,
+    ) -> anyhow::Result<String> {
+        let end = self.end(fits).await?;
+        mend()?;
+        let gap = self.until_epoch_after_gap().await?;
+        println!("FAULT | {name} | {} | {gap} | {end} |", SessionEnd::KINDS[end.kind()]);
+        Ok(end.to_string())
+    }
+
+    /// Waits until a session ends in a way that fits.
+    pub async fn end(&self, fits: impl Fn(&SessionEnd) -> bool) -> anyhow::Result<SessionEnd> {
         let mut state = self.acquisition.states[0].clone();
         let found = timeout(LIMIT, state.wait_for(|status| status.last_end.as_ref().is_some_and(&fits)));
         let status =
             found.await.with_context(|| format!("the session goes on: {:?}", self.status()))??.clone();
-        Ok(status.last_end.map(|end| end.to_string()).unwrap_or_default())
-    }
-
-    /// Waits for a state.
-    pub async fn until_state(&mut self, wanted: DeviceState) -> anyhow::Result<()> {
-        let mut state = self.acquisition.states[0].clone();
-        let found = timeout(LIMIT, state.wait_for(|status| status.state == wanted));
-        found.await.with_context(|| format!("not {wanted:?}: {:?}", self.status()))??;
-        Ok(())
+        status.last_end.context("a session ended without an end")
     }
 
     /// Waits for readings of a new connection; the reason of the gap before them.
