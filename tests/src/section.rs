@@ -31,6 +31,26 @@ impl<'a> Section<'a> {
     }
 }
 
+/// Writes the section of a document of the workspace when TRUNNION_WRITE_DOCS is set, else compares it.
+///
+/// # Panics
+/// When the document has no such section, or when it is old.
+pub fn write_or_compare(document: &str, name: &str, inside: &str) {
+    let path = crate::workspace_root().join(document);
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{document}: {error}"));
+    let section = Section::of(&text, name).unwrap_or_else(|| panic!("{document} has no section {name}"));
+    if is_writing() {
+        std::fs::write(&path, section.with(inside)).unwrap_or_else(|error| panic!("{document}: {error}"));
+    } else {
+        assert_eq!(section.inside, inside, "{document} is old: run this test with TRUNNION_WRITE_DOCS=1");
+    }
+}
+
+/// True when tests that measure write what they measured into the documents.
+pub fn is_writing() -> bool {
+    std::env::var_os("TRUNNION_WRITE_DOCS").is_some()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,7 +4,7 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use trunnion_tests::alignment::{HEAD, SOCKETCAN};
-use trunnion_tests::section::Section;
+use trunnion_tests::section::{is_writing, write_or_compare};
 use trunnion_tests::{peers_python, workspace_root};
 
 /// Boots, runs the trial in this mode, and prints the figures it measured; all it told.
@@ -26,14 +26,9 @@ fn machine(mode: &str, peer_tty: Option<&str>) -> String {
 /// Writes the line into docs/alignment.md when TRUNNION_WRITE_DOCS is set.
 fn alignment_line(line: &str) {
     println!("{line}");
-    if std::env::var_os("TRUNNION_WRITE_DOCS").is_none() {
-        return;
+    if is_writing() {
+        write_or_compare("docs/alignment.md", SOCKETCAN, &format!("{HEAD}{line}\n"));
     }
-    let path = workspace_root().join("docs/alignment.md");
-    let page = std::fs::read_to_string(&path).expect("docs/alignment.md can be read");
-    let section = Section::of(&page, SOCKETCAN).expect("docs/alignment.md has the marks of the section");
-    let table = format!("{HEAD}{line}\n");
-    std::fs::write(&path, section.with(&table)).expect("docs/alignment.md can be written");
 }
 
 #[test]
@@ -43,15 +38,8 @@ fn readings_keep_the_stamps_of_the_kernel_and_whatever_happens_to_the_interface_
         told.lines().filter_map(|line| Some(without_times(line.split_once("FAULT ")?.1))).collect();
     assert_eq!(rows.len(), 5, "{told}");
     let head = "| fault | end of the session | recorded gap | message |\n|---|---|---|---|\n";
-    let path = workspace_root().join("docs/faults.md");
-    let page = std::fs::read_to_string(&path).expect("docs/faults.md can be read");
-    let section = Section::of(&page, SOCKETCAN).expect("docs/faults.md has the marks of the section");
     let table = format!("{head}{}\n", rows.join("\n"));
-    if std::env::var_os("TRUNNION_WRITE_DOCS").is_some() {
-        std::fs::write(&path, section.with(&table)).expect("docs/faults.md can be written");
-    } else {
-        assert_eq!(section.inside, table, "docs/faults.md is old: run this test with TRUNNION_WRITE_DOCS=1");
-    }
+    write_or_compare("docs/faults.md", SOCKETCAN, &table);
 }
 
 /// Times differ from run to run.

@@ -1,23 +1,11 @@
 //! docs/faults.md from the cells.
 
 use crate::matrix::{Case, Cell, GapOf, Lost, Subject, Trouble};
-use trunnion_tests::workspace_root;
-
-const BEGIN: &str = "<!-- written by the test fault_matrix from here -->\n";
-const END: &str = "<!-- to here -->\n";
+use trunnion_tests::section::write_or_compare;
 
 /// Compares the file with the cells, or writes it when TRUNNION_WRITE_DOCS is set.
 pub fn check(subjects: &[&Subject]) {
-    let path = workspace_root().join("docs/faults.md");
-    let text = std::fs::read_to_string(&path).expect("docs/faults.md can be read");
-    let (before, rest) = text.split_once(BEGIN).expect("docs/faults.md has the begin mark");
-    let (_, after) = rest.split_once(END).expect("docs/faults.md has the end mark");
-    let current = format!("{before}{BEGIN}{}{END}{after}", tables(subjects));
-    if std::env::var_os("TRUNNION_WRITE_DOCS").is_some() {
-        std::fs::write(&path, current).expect("docs/faults.md can be written");
-        return;
-    }
-    assert!(text == current, "docs/faults.md is old: run this test with TRUNNION_WRITE_DOCS=1");
+    write_or_compare("docs/faults.md", "fault_matrix", &tables(subjects));
 }
 
 fn tables(subjects: &[&Subject]) -> String {

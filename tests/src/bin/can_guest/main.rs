@@ -68,7 +68,7 @@ async fn vcan() -> anyhow::Result<()> {
     ensure!(end.contains("ip link set vcan0 up type can bitrate"), "{end}");
 
     command("ip", &["link", "del", "vcan0"])?;
-    let is_absent = |end: &SessionEnd| matches!(end, SessionEnd::Absent(_));
+    let is_absent = |end: &SessionEnd| matches!(end, SessionEnd::Absent { .. });
     let mut again = None;
     let add = || {
         command("ip", &["link", "add", "dev", "vcan0", "type", "vcan"])?;
