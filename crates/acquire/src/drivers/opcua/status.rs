@@ -6,7 +6,8 @@ use opcua::types::Variant;
 /// Whose numbers they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Numbers {
-    /// `progStatus` of SINUMERIK: 1 interrupted, 2 stopped, 3 in progress, 4 waiting, 5 aborted. [check]
+    /// `progStatus` of SINUMERIK: 1 interrupted, 2 stopped, 3 in progress, 4 waiting, 5 aborted. Programs of others read 2 and 3
+    /// so too; 1, 4 and 5 are not confirmed.
     Sinumerik,
     /// `CncChannelProgramStatus` of OPC 40502 §7.2.5: 0 stopped, 1 running, 2 waiting, 3 interrupted, 4 cancelled.
     Opc40502,
