@@ -1,4 +1,4 @@
-//! `trunnion devices` through the binary, against virtual devices on pseudo-terminals.
+//! `trunnion devices` through the binary, against virtual devices on pseudo-terminals and servers on the network.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
@@ -11,7 +11,7 @@ use trunnion_acquire::parse_devices;
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::{
-    CycleState, DeviceClock, Fault, TimeOrigin, World, ascii, canopen, keyence, optoncdt,
+    CycleState, DeviceClock, Fault, TimeOrigin, World, ascii, canopen, keyence, linuxcncrsh, optoncdt,
 };
 use trunnion_protocol::ascii::Preset;
 use trunnion_units::AxisValues;
@@ -47,8 +47,11 @@ fn trunnion(args: &[&str]) -> Output {
 fn places(folder: &Path, names: &[&str]) -> Vec<Value> {
     let ports: Vec<String> =
         names.iter().map(|name| folder.join(name).to_str().unwrap().to_owned()).collect();
-    let mut args = vec!["devices", "--json"];
-    args.extend(ports.iter().flat_map(|port| ["--port", port]));
+    asked(ports.iter().flat_map(|port| ["--port", port]))
+}
+
+fn asked<'a>(at: impl IntoIterator<Item = &'a str>) -> Vec<Value> {
+    let args: Vec<&str> = ["devices", "--json"].into_iter().chain(at).collect();
     let output = trunnion(&args);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -101,6 +104,35 @@ async fn what_answers_is_named_and_its_lines_are_a_configuration_that_reads() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn linuxcnc_is_named_and_reads_once_its_joints_are_filled_in() {
+    let (world, origin): (Arc<dyn World>, _) = (Arc::new(Still), TimeOrigin(Instant::now().into()));
+    let config = linuxcncrsh::ServerConfig::default();
+    let server = linuxcncrsh::spawn(world.clone(), config, origin, &[]).await.unwrap();
+    let secret =
+        linuxcncrsh::ServerConfig { password: "secret".into(), ..linuxcncrsh::ServerConfig::default() };
+    let closed = linuxcncrsh::spawn(world, secret, origin, &[]).await.unwrap();
+    let (url, closed) =
+        (format!("linuxcnc://{}", server.address()), format!("linuxcnc://{}", closed.address()));
+
+    let found = asked(["--url", &url, "--url", &closed]);
+    assert_eq!(found[0]["driver"], "linuxcnc", "{:#}", found[0]);
+    let identity = found[0]["identity"].as_str().unwrap();
+    assert_eq!(identity, "linuxcncrsh EMCNETSVR 1.1, joints in MM MM MM DEG DEG MM");
+    let trouble = found[1]["trouble"].as_str().unwrap();
+    assert!(trouble.contains("the connection password is wrong"), "{trouble}");
+
+    let lines = found[0]["config"].as_str().unwrap();
+    let unfilled = parse_devices("pasted", lines).unwrap_err().to_string();
+    assert!(unfilled.contains("COORDINATES"), "{unfilled}");
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("devices.toml");
+    std::fs::write(&file, lines.replace('?', "XYZBC")).unwrap();
+    let output = trunnion(&["devices", "--config", file.to_str().unwrap()]);
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && shown.contains("C = 0.0000°"), "{shown}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn every_trouble_says_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
@@ -125,6 +157,14 @@ async fn every_trouble_says_what_to_do() {
     check(&found[1], &["nothing answers", "switched on"]);
     check(&found[2], &["uses it; close that program"]);
     check(&found[3], &["is not there", "plug it in"]);
+    let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    for scheme in ["http", "linuxcnc", "opc.tcp"] {
+        let url = format!("{scheme}://{free}");
+        check(&asked(["--url", &url])[0], &[&url, "is not there", "switched on", "the address"]);
+    }
+    let unknown = trunnion(&["devices", "--url", "ftp://cnc"]);
+    let told = String::from_utf8(unknown.stderr).unwrap();
+    assert!(!unknown.status.success() && told.contains("opc.tcp://HOST:PORT"), "{told}");
     check(&found[4], &["cannot open", "is it a serial port?"]);
     assert!(
         found[1]["asked"].as_array().unwrap().iter().any(|asked| asked.as_str().unwrap().contains("GETINFO"))

@@ -1,14 +1,15 @@
 //! The virtual controller with an OPC UA server tells where its axes were at the moments of its stamps, as our driver
-//! reads it, whatever the rate of its clock.
+//! reads it, whatever the rate of its clock; and it is found by its address.
 
 use std::sync::Arc;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
+use trunnion_acquire::discovery::{Roles, look, servers};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{AxisReading, Execution, Reading, parse_devices, start};
 use trunnion_daemon::clock::SystemClock;
 use trunnion_hil_sim::devices::opcua::{self, ControllerConfig};
-use trunnion_hil_sim::devices::{CycleState, DeviceClock, TimeOrigin, World};
+use trunnion_hil_sim::devices::{CycleState, DeviceClock, Handle, TimeOrigin, World};
 use trunnion_units::AxisLetter::{self, B, C, X, Y, Z};
 use trunnion_units::AxisValues;
 
@@ -46,13 +47,32 @@ impl World for Steady {
     }
 }
 
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn positions_are_those_of_the_moment_of_the_stamp() {
-    let clock = DeviceClock::steady(2.0, 50.0);
+async fn controller(clock: DeviceClock) -> (Handle, String) {
     let origin = TimeOrigin(tokio::time::Instant::now());
     let config = ControllerConfig::new(WALL_NS, clock);
     let controller = opcua::spawn(Arc::new(Steady), config, origin, &[]).await.expect("a free address");
-    let url = controller.url().expect("it has an address");
+    let url = controller.url().expect("it has an address").to_owned();
+    (controller, url)
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn it_is_found_by_its_address_and_its_lines_read_once_the_axes_are_filled_in() {
+    let (controller, url) = controller(DeviceClock::default()).await;
+    let mut places = servers(&url, None).expect("an address that can be asked");
+    let found = look(places.remove(0), None).await;
+    let (driver, found) = found.found.unwrap_or_else(|| panic!("{:?}", found.trouble));
+    assert_eq!(found.identity, "OPC UA server SINUMERIK, no encryption, SINUMERIK with 5 machine axes");
+    let lines = Roles::default().table(driver, &found);
+    let told = parse_devices("pasted", &lines).expect_err("the axes are to be filled in").to_string();
+    assert!(told.contains("letters of X, Y, Z, A, B, C"), "{told}");
+    parse_devices("pasted", &lines.replace('?', "XYZBC")).expect("a configuration");
+    controller.shutdown().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn positions_are_those_of_the_moment_of_the_stamp() {
+    let clock = DeviceClock::steady(2.0, 50.0);
+    let (controller, url) = controller(clock).await;
     let table = format!(
         "[[device]]\nname = \"cnc\"\ndriver = \"opcua\"\nurl = \"{url}\"\nlayout = \"sinumerik\"\naxes = \"XYZBC\"\n"
     );

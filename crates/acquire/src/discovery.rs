@@ -2,7 +2,7 @@
 
 use crate::config::Role;
 use crate::drivers::DRIVERS;
-use crate::probe::{Answer, Found, Medium};
+use crate::probe::{Answer, Found, Medium, Probe, Scheme};
 use crate::supervisor::SessionEnd;
 use std::collections::BTreeMap;
 use std::fs;
@@ -28,12 +28,66 @@ pub struct Place {
 }
 
 impl Place {
-    /// A port, interface or host named by the user.
-    pub fn named(medium: Medium, address: &str) -> Self {
-        let device = fs::canonicalize(address).ok().and_then(|path| path.to_str().map(str::to_owned));
-        let device = device.unwrap_or_else(|| address.to_owned());
-        Self { medium, address: address.to_owned(), device, about: String::new() }
+    /// A serial port named by the user.
+    pub fn serial_port(path: &str) -> Self {
+        let device = fs::canonicalize(path).ok().and_then(|path| path.to_str().map(str::to_owned));
+        let device = device.unwrap_or_else(|| path.to_owned());
+        Self { medium: Medium::Serial, address: path.to_owned(), device, about: String::new() }
     }
+
+    fn server(scheme: Scheme, url: String) -> Self {
+        Self { medium: Medium::Network(scheme), device: url.clone(), address: url, about: String::new() }
+    }
+}
+
+/// No driver asks at such an address.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{address} is no address that can be asked; allowed: {allowed}, or a host alone, which is asked in all these ways"
+)]
+pub struct UnknownAddress {
+    address: String,
+    allowed: String,
+}
+
+/// What an address on the network may mean to the drivers, or to the one named by `only`: its scheme tells; a host alone
+/// may be each kind of server, at the port given or at its usual one.
+///
+/// # Errors
+/// A scheme that no driver knows.
+pub fn servers(address: &str, only: Option<&str>) -> Result<Vec<Place>, UnknownAddress> {
+    let schemes = asked_by(only).filter_map(|(_, probe)| match probe.medium {
+        Medium::Network(scheme) => Some(scheme),
+        Medium::Serial | Medium::Can => None,
+    });
+    let schemes: Vec<Scheme> = schemes.collect();
+    let places: Vec<Place> = match address.split_once("://") {
+        Some((name, _)) => {
+            let fitting = schemes.iter().filter(|scheme| scheme.name == name);
+            fitting.map(|scheme| Place::server(*scheme, address.into())).collect()
+        }
+        None => schemes.iter().map(|scheme| Place::server(*scheme, url(*scheme, address))).collect(),
+    };
+    if places.is_empty() {
+        let allowed = schemes.iter().map(|scheme| format!("{}://HOST:PORT", scheme.name));
+        let allowed = allowed.collect::<Vec<_>>().join(", ");
+        return Err(UnknownAddress { address: address.into(), allowed });
+    }
+    Ok(places)
+}
+
+/// The URL of a server at a host, with the usual port where none is given.
+fn url(scheme: Scheme, host: &str) -> String {
+    let (authority, path) = host.split_at(host.find('/').unwrap_or(host.len()));
+    let has_port = authority.rsplit(']').next().is_some_and(|end| end.contains(':'));
+    let port = if has_port { String::new() } else { format!(":{}", scheme.port) };
+    format!("{}://{authority}{port}{path}", scheme.name)
+}
+
+/// The drivers that ask something, with what they ask.
+fn asked_by(only: Option<&str>) -> impl Iterator<Item = (&'static str, Probe)> {
+    let wanted = DRIVERS.iter().filter(move |driver| only.is_none_or(|only| only == driver.name));
+    wanted.filter_map(|driver| Some((driver.name, driver.probe?)))
 }
 
 /// What answers at a place.
@@ -107,12 +161,12 @@ fn can_interfaces(folder: &Path) -> Vec<Place> {
 pub async fn look(place: Place, only: Option<&str>) -> Look {
     let mut look = Look { place, found: None, trouble: None, asked: Vec::new() };
     let mut senseless = 0;
-    for driver in DRIVERS.iter().filter(|driver| only.is_none_or(|only| only == driver.name)) {
-        let Some(probe) = driver.probe.filter(|probe| probe.medium == look.place.medium) else { continue };
+    let medium = look.place.medium;
+    for (driver, probe) in asked_by(only).filter(|(_, probe)| probe.medium == medium) {
         look.asked.push(probe.asks);
         match (probe.run)(&look.place.address).await {
             Answer::Found(found) => {
-                look.found = Some((driver.name, found));
+                look.found = Some((driver, found));
                 return look;
             }
             Answer::Senseless { bytes } => senseless += bytes,
@@ -147,7 +201,7 @@ fn silence(look: &Look, senseless_bytes: u64) -> String {
             "{bytes} bytes came that make no sense at any line speed asked: set the device to one of them, or it is a \
              device without a driver (the driver \"ascii\" with preset = \"custom\" reads lines of text)"
         ),
-        (Medium::Can | Medium::Network, _) => "nothing answers".into(),
+        (Medium::Can | Medium::Network(_), _) => "nothing answers".into(),
     }
 }
 
@@ -217,6 +271,22 @@ mod tests {
             text.contains("# All roles are given away") && text.contains("name = \"keyence-dl-rs1a-2\""),
             "{text}"
         );
+    }
+
+    #[test]
+    fn an_address_means_the_server_of_its_scheme_and_a_host_alone_each_kind() {
+        let addresses = |address: &str, only: Option<&str>| -> Vec<String> {
+            servers(address, only).unwrap().into_iter().map(|place| place.address).collect()
+        };
+        let all = addresses("10.0.0.5", None);
+        for url in ["http://10.0.0.5:5000", "linuxcnc://10.0.0.5:5007"] {
+            assert!(all.iter().any(|address| address == url), "{all:?}");
+        }
+        assert_eq!(addresses("cnc:81/agent", Some("mtconnect")), ["http://cnc:81/agent"]);
+        assert_eq!(addresses("[fe80::1]", Some("linuxcnc")), ["linuxcnc://[fe80::1]:5007"]);
+        assert_eq!(addresses("linuxcnc://cnc", None), ["linuxcnc://cnc"]);
+        let told = servers("ftp://cnc", None).unwrap_err().to_string();
+        assert!(told.contains("ftp://cnc") && told.contains("linuxcnc://HOST:PORT"), "{told}");
     }
 
     #[test]

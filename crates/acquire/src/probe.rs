@@ -3,12 +3,15 @@
 //! A probe asks questions that change nothing, waits for every answer with a limit, and closes what it opened. It never
 //! stops an output, opens a bus, resets or zeroes anything. What it asks is told to the user ([`Probe::asks`]).
 
-use crate::supervisor::SessionEnd;
+use crate::supervisor::{DeviceStatus, Link, Outlet, SessionEnd};
 use crate::transport::serial::{self, Framing, Port};
 use std::future::Future;
 use std::pin::Pin;
+use std::sync::Arc;
 use std::time::Duration;
+use tokio::sync::{mpsc, watch};
 use tokio::time::Instant;
+use trunnion_units::{Clock, HostTime};
 
 /// A device that has begun to answer and pauses for so long has finished.
 const PAUSE: Duration = Duration::from_millis(60);
@@ -22,8 +25,17 @@ pub enum Medium {
     Serial,
     /// A CAN interface of the kernel, by its name.
     Can,
-    /// A host or URL.
-    Network,
+    /// A server on the network, by a URL of this scheme.
+    Network(Scheme),
+}
+
+/// The beginning of a URL by which a kind of server is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scheme {
+    /// What stands before `://`.
+    pub name: &'static str,
+    /// Where such a server usually listens.
+    pub port: u16,
 }
 
 /// Probing under way.
@@ -82,6 +94,26 @@ impl Answer {
     /// What bytes that are no answer are.
     pub fn none_in(bytes: &[u8]) -> Self {
         if bytes.is_empty() { Self::Nothing } else { Self::Senseless { bytes: bytes.len() as u64 } }
+    }
+}
+
+/// A link for drivers that ask as their session does. Nobody takes what is sent over it.
+pub fn link(silence: Duration) -> Link {
+    let (sender, _) = mpsc::channel(1);
+    let (status, _) = watch::channel(DeviceStatus::default());
+    let clock = Arc::new(Stopwatch(Instant::now()));
+    Link::new(0, Vec::new(), silence, clock, Outlet::new(0, String::new(), sender), status)
+}
+
+struct Stopwatch(Instant);
+
+impl Clock for Stopwatch {
+    fn now(&self) -> HostTime {
+        HostTime(self.0.elapsed().as_nanos() as i64)
+    }
+
+    fn wall_ns(&self) -> i64 {
+        0
     }
 }
 

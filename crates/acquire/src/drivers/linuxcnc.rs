@@ -9,6 +9,7 @@
 //! standing. Answers that stay the same for longer than three such cycles are a stand.
 
 mod exchange;
+mod probe;
 
 use super::{Device, Driver, Session};
 use crate::config::Role;
@@ -29,9 +30,12 @@ pub const DRIVER: Driver = Driver {
     about: "LinuxCNC through linuxcncrsh (TCP)",
     default_silence_ms: 1000.0,
     read,
-    probe: None,
+    probe: Some(probe::PROBE),
 };
 
+/// Port and connection password of linuxcncrsh when nobody gave it others.
+const PORT: u16 = 5007;
+const PASSWORD: &str = "EMC";
 /// The same answer for so long means that the axes stand, s.
 const STANDS_AFTER: Duration = Duration::from_millis(30);
 /// Positions of standing axes are sent so often.
@@ -52,7 +56,7 @@ struct LinuxCnc {
 
 fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     let host = table.string("host");
-    let port = table.optional_number("port", 1.0..=65_535.0).unwrap_or(5007.0) as u16;
+    let port = table.optional_number("port", 1.0..=65_535.0).unwrap_or(f64::from(PORT)) as u16;
     let joints = table.string("joints").and_then(|text| {
         let letters: Vec<_> = text.split_whitespace().flat_map(str::chars).collect();
         let axes: Option<Vec<_>> =
@@ -65,7 +69,7 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
         axes
     });
     let rate_hz = table.optional_number("rate_hz", 10.0..=1000.0).unwrap_or(250.0);
-    let password = table.optional_string("password").unwrap_or_else(|| "EMC".into());
+    let password = table.optional_string("password").unwrap_or_else(|| PASSWORD.into());
     let server = table.optional_string("server");
     let host = host?;
     let address = format!("{host}:{port}");

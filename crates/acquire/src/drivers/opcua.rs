@@ -30,6 +30,8 @@ mod instants;
 #[cfg(feature = "opcua")]
 mod nodes;
 #[cfg(feature = "opcua")]
+mod probe;
+#[cfg(feature = "opcua")]
 mod session;
 #[cfg(feature = "opcua")]
 mod status;
@@ -39,6 +41,7 @@ use super::Session;
 use super::{Device, Driver};
 #[cfg(feature = "opcua")]
 use crate::config::Role;
+use crate::probe::Probe;
 #[cfg(feature = "opcua")]
 use crate::supervisor::Link;
 use std::path::PathBuf;
@@ -53,8 +56,13 @@ pub const DRIVER: Driver = Driver {
     about: "controllers with an OPC UA server (SINUMERIK, OPC 40502, any nodes)",
     default_silence_ms: 2000.0,
     read,
-    probe: None,
+    probe: PROBE,
 };
+
+#[cfg(feature = "opcua")]
+const PROBE: Option<Probe> = Some(probe::PROBE);
+#[cfg(not(feature = "opcua"))]
+const PROBE: Option<Probe> = None;
 
 /// Where positions and states are.
 #[derive(Debug, Clone)]

@@ -7,22 +7,22 @@ use crate::outcome::{self, Outcome};
 use anyhow::Context;
 use std::path::PathBuf;
 use tokio::task::JoinSet;
-use trunnion_acquire::discovery::{Look, Place, look, places};
+use trunnion_acquire::discovery::{Look, Place, look, places, servers};
 use trunnion_acquire::drivers::DRIVERS;
-use trunnion_acquire::probe::Medium;
 
-/// List ports and CAN interfaces, ask what answers, and print the lines for the configuration
+/// List ports and CAN interfaces, ask what answers there or on the network, and print the lines for the configuration
 ///
 /// Only questions that change nothing are sent; they are listed with the answer. A port that another program uses is
 /// left alone. With --config the devices of a configuration are connected as the service connects them.
 ///
-/// Example: trunnion devices --port /dev/ttyUSB0
+/// Example: trunnion devices --port /dev/ttyUSB0 --url opc.tcp://192.168.1.10:4840
 #[derive(clap::Args)]
 pub struct Args {
     /// Ask only at this serial port (may be given several times; pseudo-terminals too)
     #[arg(long, value_name = "PATH")]
     port: Vec<String>,
-    /// Ask only at this host or URL (may be given several times)
+    /// Ask only at this address on the network: http://HOST:PORT (MTConnect), opc.tcp://HOST:PORT, linuxcnc://HOST:PORT, or
+    /// a HOST alone, which is asked in all these ways (may be given several times)
     #[arg(long, value_name = "URL")]
     url: Vec<String>,
     /// Ask only as this driver does
@@ -45,11 +45,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(path) = &args.config {
         return runtime.block_on(check::run(path, args.json));
     }
-    let named = |medium, list: &[String]| -> Vec<Place> {
-        list.iter().map(|address| Place::named(medium, address)).collect()
-    };
-    let mut chosen = named(Medium::Serial, &args.port);
-    chosen.extend(named(Medium::Network, &args.url));
+    let mut chosen: Vec<Place> = args.port.iter().map(|path| Place::serial_port(path)).collect();
+    for address in &args.url {
+        chosen.extend(servers(address, args.driver.as_deref())?);
+    }
     if chosen.is_empty() {
         chosen = places().context("cannot list the serial ports")?;
     }

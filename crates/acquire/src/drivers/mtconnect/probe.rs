@@ -1,21 +1,21 @@
 //! Is there an MTConnect agent at a URL? `/probe` describes its devices.
 
-use crate::probe::{Answer, Found, Medium, Probe};
+use crate::probe::{Answer, Found, Medium, Probe, Scheme};
 use crate::supervisor::SessionEnd;
 use crate::transport::http;
 use std::time::Duration;
 use trunnion_protocol::mtconnect::{Document, parse};
 
-pub(super) const PROBE: Probe =
-    Probe { medium: Medium::Network, asks: "MTConnect: GET /probe", run: |url| Box::pin(at(url)) };
+pub(super) const PROBE: Probe = Probe {
+    medium: Medium::Network(Scheme { name: "http", port: 5000 }),
+    asks: "MTConnect: GET /probe",
+    run: |url| Box::pin(at(url)),
+};
 
 const LIMIT: Duration = Duration::from_secs(5);
 
 async fn at(url: &str) -> Answer {
-    match ask(url).await {
-        Ok(answer) => answer,
-        Err(end) => Answer::Trouble(end),
-    }
+    ask(url).await.unwrap_or_else(Answer::Trouble)
 }
 
 async fn ask(url: &str) -> Result<Answer, SessionEnd> {

@@ -15,7 +15,7 @@ use tokio::time::timeout;
 /// Finding endpoints, and opening a session, must not take longer.
 const LIMIT: Duration = Duration::from_secs(10);
 /// Port of OPC UA when the address names none.
-const PORT: u16 = 4840;
+pub(super) const PORT: u16 = 4840;
 
 /// A session with the task that drives it; the task ends with it.
 pub(super) struct Connection {
@@ -33,12 +33,8 @@ impl Drop for Connection {
 
 /// Opens a session. Cancel safe.
 pub(super) async fn open(device: &OpcUa, link: &mut Link) -> Result<Connection, SessionEnd> {
-    let (host, port) = host_and_port(&device.url);
-    // The library has one word for all failures of TCP.
-    drop(tcp::connect(&host, port, &device.url).await?);
     let identity = identity(device)?;
-    let mut client = client(device).await?;
-    let endpoints = limited(device, client.get_endpoints(device.url.as_str(), &[], &[])).await?;
+    let (mut client, endpoints) = endpoints(device).await?;
     let mut endpoint = choose(device, &endpoints)?;
     if device.certificates.is_some() {
         check_certificate(device, &endpoint.server_certificate, link)?;
@@ -66,15 +62,14 @@ pub(super) async fn open(device: &OpcUa, link: &mut Link) -> Result<Connection, 
     }
 }
 
-fn host_and_port(url: &str) -> (String, u16) {
-    let rest = url.trim_start_matches("opc.tcp://");
-    let authority = rest.split('/').next().unwrap_or(rest);
-    match authority.rsplit_once(':') {
-        Some((host, port)) if !host.ends_with(':') => {
-            (host.trim_matches(['[', ']']).into(), port.parse().unwrap_or(PORT))
-        }
-        _ => (authority.into(), PORT),
-    }
+/// What the server offers, and the client that asked. Cancel safe.
+pub(super) async fn endpoints(device: &OpcUa) -> Result<(Client, Vec<EndpointDescription>), SessionEnd> {
+    let (host, port) = tcp::host_and_port(&device.url, PORT);
+    // The library has one word for all failures of TCP.
+    drop(tcp::connect(&host, port, &device.url).await?);
+    let client = client(device).await?;
+    let endpoints = limited(device, client.get_endpoints(device.url.as_str(), &[], &[])).await?;
+    Ok((client, endpoints))
 }
 
 fn identity(device: &OpcUa) -> Result<IdentityToken, SessionEnd> {
@@ -142,7 +137,11 @@ async fn client(device: &OpcUa) -> Result<Client, SessionEnd> {
     Ok(client)
 }
 
-fn choose(device: &OpcUa, endpoints: &[EndpointDescription]) -> Result<EndpointDescription, SessionEnd> {
+/// The endpoint with the security that is configured.
+pub(super) fn choose(
+    device: &OpcUa,
+    endpoints: &[EndpointDescription],
+) -> Result<EndpointDescription, SessionEnd> {
     let (policy, mode) = match device.certificates {
         Some(_) => (SecurityPolicy::Basic256Sha256, MessageSecurityMode::SignAndEncrypt),
         None => (SecurityPolicy::None, MessageSecurityMode::None),
@@ -172,7 +171,7 @@ fn check_certificate(device: &OpcUa, found: &ByteString, link: &mut Link) -> Res
         .map_err(|error| refused(format!("the server's certificate: {error}")))?;
     let thumbprint = certificate.thumbprint().as_hex_string();
     let folder = device.certificates.clone().unwrap_or_default();
-    let (host, port) = host_and_port(&device.url);
+    let (host, port) = tcp::host_and_port(&device.url, PORT);
     let pinned = folder.join(format!("server-{host}-{port}.der"));
     let expected = device.server_certificate.clone().unwrap_or_else(|| pinned.clone());
     if !expected.exists() && device.server_certificate.is_none() {

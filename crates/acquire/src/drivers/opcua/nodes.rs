@@ -16,6 +16,10 @@ use trunnion_units::AxisLetter;
 /// Levels and nodes looked through below Objects for `CncAxisList`.
 const DEEPEST: usize = 5;
 const MOST_NODES: usize = 500;
+/// What holds the axes of OPC 40502.
+pub(super) const AXIS_LIST: &str = "CncAxisList";
+/// The position of an axis of OPC 40502 when nobody names another.
+pub(super) const USUAL_POSITION: &str = "PosDirect";
 /// Answers to one browse.
 const MOST_PAGES: usize = 20;
 
@@ -66,7 +70,7 @@ pub(super) async fn find(
         Layout::Sinumerik { axes, unit } => {
             nodes.numbers = Numbers::Sinumerik;
             for (number, &letter) in (1..).zip(axes) {
-                found.push((letter, sinumerik(&format!("/Channel/MachineAxis/measPos1[{unit},{number}]"))));
+                found.push((letter, machine_axis(unit, number)));
             }
             known = ["ProgramInfo/progName", "State/progStatus", "ProgramInfo/block"]
                 .map(|name| Some(sinumerik(&format!("/Channel/{name}[{unit}]"))));
@@ -120,7 +124,7 @@ pub(super) async fn find(
     Ok(nodes)
 }
 
-fn is_missing(status: StatusCode) -> bool {
+pub(super) fn is_missing(status: StatusCode) -> bool {
     matches!(status, StatusCode::BadNodeIdUnknown | StatusCode::BadNodeIdInvalid)
 }
 
@@ -130,6 +134,11 @@ fn may_have_values(status: StatusCode) -> bool {
         StatusCode::BadUserAccessDenied | StatusCode::BadNotReadable | StatusCode::BadAttributeIdInvalid
     );
     !never && !is_missing(status)
+}
+
+/// The measured position of a machine axis of a SINUMERIK, counted from 1.
+pub(super) fn machine_axis(unit: &str, number: usize) -> NodeId {
+    sinumerik(&format!("/Channel/MachineAxis/measPos1[{unit},{number}]"))
 }
 
 fn sinumerik(path: &str) -> NodeId {
@@ -143,7 +152,7 @@ fn node_id(text: &str) -> Result<NodeId, SessionEnd> {
     })
 }
 
-fn list(names: &[String]) -> String {
+pub(super) fn list(names: &[String]) -> String {
     const SHOWN: usize = 12;
     match names {
         [] => "nothing".into(),
@@ -154,16 +163,20 @@ fn list(names: &[String]) -> String {
     }
 }
 
-struct Browser<'a> {
-    device: &'a OpcUa,
-    connection: &'a Connection,
+/// Asks a server what it has.
+pub(super) struct Browser<'a> {
+    pub(super) device: &'a OpcUa,
+    pub(super) connection: &'a Connection,
 }
 
 impl Browser<'_> {
     /// `CncAxisList/<axis>/<position>/ActPos` of every axis named by a letter, and the folder that holds the list.
-    async fn axes(&self, position: &str) -> Result<(NodeId, Vec<(AxisLetter, NodeId)>), SessionEnd> {
+    pub(super) async fn axes(
+        &self,
+        position: &str,
+    ) -> Result<(NodeId, Vec<(AxisLetter, NodeId)>), SessionEnd> {
         let wrong = |found: String, expected: String| SessionEnd::WrongDevice { found, expected };
-        let Some((parent, list_node)) = self.search("CncAxisList").await? else {
+        let Some((parent, list_node)) = self.search(AXIS_LIST).await? else {
             let objects = self.names_below(&ObjectId::ObjectsFolder.into()).await?;
             let found = format!("a server without CncAxisList; below Objects it has {}", list(&objects));
             return Err(wrong(found, "an OPC 40502 server; or name the nodes (layout = \"nodes\")".into()));
@@ -212,7 +225,7 @@ impl Browser<'_> {
     }
 
     /// The first node of this name below Objects, with its parent, level by level.
-    async fn search(&self, wanted: &str) -> Result<Option<(NodeId, NodeId)>, SessionEnd> {
+    pub(super) async fn search(&self, wanted: &str) -> Result<Option<(NodeId, NodeId)>, SessionEnd> {
         let mut level: Vec<NodeId> = vec![ObjectId::ObjectsFolder.into()];
         let mut seen = 0;
         for _ in 0..DEEPEST {
@@ -234,7 +247,7 @@ impl Browser<'_> {
         Ok(None)
     }
 
-    async fn names_below(&self, node: &NodeId) -> Result<Vec<String>, SessionEnd> {
+    pub(super) async fn names_below(&self, node: &NodeId) -> Result<Vec<String>, SessionEnd> {
         Ok(self.children(node).await?.into_iter().map(|(name, _)| name).collect())
     }
 
@@ -264,7 +277,10 @@ impl Browser<'_> {
         Ok(children)
     }
 
-    async fn values(&self, nodes: &[NodeId]) -> Result<Vec<(StatusCode, Option<Variant>)>, SessionEnd> {
+    pub(super) async fn values(
+        &self,
+        nodes: &[NodeId],
+    ) -> Result<Vec<(StatusCode, Option<Variant>)>, SessionEnd> {
         let read: Vec<ReadValueId> =
             nodes.iter().map(|node| ReadValueId::new(node.clone(), AttributeId::Value)).collect();
         let values =

@@ -6,7 +6,9 @@ use trunnion_acquire::discovery::{Look, Roles};
 /// Places with their answers, then the lines to paste.
 pub fn text(looks: &[Look]) -> String {
     if looks.is_empty() {
-        return "No serial port and no CAN interface. Plug an adapter in; `dmesg` says what the system makes of it.\n".into();
+        return "No serial port and no CAN interface. Plug an adapter in; `dmesg` says what the system makes of it. Controllers on the \
+                network are looked for with --url HOST.\n"
+            .into();
     }
     let mut text = String::new();
     for look in looks {
@@ -21,10 +23,11 @@ pub fn text(looks: &[Look]) -> String {
             text += &format!("  asked {}\n", look.asked.join("; "));
         }
     }
-    let tables = tables(looks);
+    let tables: Vec<String> = tables(looks).into_iter().flatten().collect();
     if !tables.is_empty() {
-        text += "\nFor the configuration (see which probe is which by moving it):\n";
-        for table in tables.iter().flatten() {
+        text +=
+            "\nFor the configuration (see which probe is which by moving it; fill in where there is a ?):\n";
+        for table in tables {
             text += &format!("\n{table}");
         }
     }
