@@ -94,11 +94,21 @@ async fn values_out_of_range_are_no_values_and_are_taken_again_when_the_nodes_sa
     };
     until_message(&mut acquisition, |message| good(message, 3)).await;
     bus.inject(Fault::OutOfRange { duration_s: 1.0 }).unwrap();
+    let mut told = Vec::new();
     for channel in [0, 3] {
-        until_message(&mut acquisition, |message| {
+        let messages = until_message(&mut acquisition, |message| {
             probe(message).is_some_and(|reading| reading.channel == channel && reading.value_mm.is_nan())
-        })
-        .await;
+        });
+        told.extend(messages.await.into_iter().filter_map(|message| match message.reading {
+            Reading::Log(line) => Some(line.text),
+            _ => None,
+        }));
+    }
+    for words in [
+        "bus.node-1 has no value: the node calls its value above the measuring range (status 6150h = 03h)",
+        "bus.node-5 has no value: the node told by an emergency that it cannot measure",
+    ] {
+        assert!(told.iter().any(|line| line.starts_with(words)), "{words:?} in {told:#?}");
     }
     for channel in [0, 3] {
         let messages = until_message(&mut acquisition, |message| good(message, channel)).await;

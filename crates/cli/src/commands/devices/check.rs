@@ -120,7 +120,12 @@ fn take(message: Message, names: &[String], checked: &mut [Checked]) {
             device.readings.insert(name, shown);
         }
         Reading::Temperature(temperature) => {
-            device.readings.insert(temperature.name, format!("{:.2} °C", temperature.degc));
+            let shown = if temperature.degc.is_nan() {
+                "no value".into()
+            } else {
+                format!("{:.2} °C", temperature.degc)
+            };
+            device.readings.insert(temperature.name, shown);
         }
         Reading::Axes(axes) => {
             for (letter, _) in axes.present.iter().filter(|(_, present)| **present) {
