@@ -8,6 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
+use trunnion_acquire::discovery::{look, servers};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{
     Acquisition, AxisReading, ControllerReading, DeviceState, DeviceStatus, Execution, Reading, SourceGap,
@@ -229,6 +230,25 @@ async fn opc_40502_is_found_by_browsing_through_basic256sha256_with_a_user() {
     let end = wrong.last_end.expect("it ended").to_string();
     assert!(end.contains("certificate") && end.contains("remove that file"), "{end}");
     reader.0.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_server_is_found_by_its_address_with_its_layout_or_what_it_wants() {
+    let cases = [
+        ("sinumerik", "none", "no encryption, SINUMERIK with 5 machine axes", "axes = \"?\""),
+        ("opc-40502", "none", "no encryption, OPC 40502 with axes X Y Z B C", "layout = \"opc-40502\""),
+        ("opc-40502", "Basic256Sha256", "encrypted only", "security = \"Basic256Sha256\""),
+    ];
+    for (layout, security, words, key) in cases {
+        let (port, folder) = (free_port(), tempfile::tempdir().expect("a folder"));
+        let _peer = Peer::start(port, layout, security, folder.path());
+        let url = format!("opc.tcp://127.0.0.1:{port}/trunnion/");
+        let place = servers(&url, None).expect("an address that can be asked").remove(0);
+        let look = look(place, None).await;
+        let (_, found) = look.found.unwrap_or_else(|| panic!("{:?}", look.trouble));
+        assert_eq!(found.identity, format!("OPC UA server asyncua {layout}, {words}"));
+        assert!(found.keys.iter().any(|line| line.starts_with(key)), "{:?}", found.keys);
+    }
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
