@@ -1,22 +1,27 @@
-//! Virtual devices to try connecting with, each on a pseudo-terminal in a folder:
-//! `cargo run -p trunnion-hil-sim --example bench -- /tmp/bench`, until Ctrl-C.
+//! Virtual devices and controllers to try connecting with, each device on a pseudo-terminal in a folder, until Ctrl-C:
+//! `cargo run -p trunnion-hil-sim --features opcua --example bench -- /tmp/bench`.
 
 use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
 use tokio::time::Instant;
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
 use trunnion_hil_sim::devices::canopen::BusConfig;
+#[cfg(feature = "opcua")]
+use trunnion_hil_sim::devices::opcua;
 use trunnion_hil_sim::devices::{
-    CycleState, DeviceClock, TimeOrigin, World, ascii, canopen, keyence, optoncdt,
+    CycleState, DeviceClock, TimeOrigin, World, ascii, canopen, keyence, linuxcncrsh, mtconnect, optoncdt,
 };
 use trunnion_protocol::ascii::PRESETS;
-use trunnion_units::AxisValues;
+use trunnion_units::{AxisLetter, AxisValues};
 
 /// Probes that move by a tenth of a millimetre in some seconds, and tremble.
 struct Bench;
 
 impl World for Bench {
-    fn axes(&self, _t_s: f64) -> AxisValues<f64> {
-        AxisValues::default()
+    fn axes(&self, t_s: f64) -> AxisValues<f64> {
+        let mut axes = AxisValues::default();
+        (axes[AxisLetter::X], axes[AxisLetter::C]) = (100.0, 0.5 * (0.2 * t_s).sin());
+        axes
     }
 
     fn probe_readings_mm(&self, t_s: f64) -> [f64; 3] {
@@ -54,6 +59,12 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
         let config = IndicatorConfig::new(Sees::Probe(0), preset);
         devices.push(ascii::spawn(world.clone(), config, &port(preset.name), origin, &[])?);
     }
+    let wall_ns = i64::try_from(SystemTime::now().duration_since(UNIX_EPOCH)?.as_nanos())?;
+    let agent = mtconnect::AgentConfig::new(wall_ns, clock);
+    devices.push(mtconnect::spawn(world.clone(), agent, origin, &[]).await?);
+    devices.push(linuxcncrsh::spawn(world.clone(), linuxcncrsh::ServerConfig::default(), origin, &[]).await?);
+    #[cfg(feature = "opcua")]
+    devices.push(opcua::spawn(world, opcua::ControllerConfig::new(wall_ns, clock), origin, &[]).await?);
     for device in &devices {
         println!("{}", device.address());
     }

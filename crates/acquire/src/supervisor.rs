@@ -6,6 +6,7 @@
 
 mod axes_vigil;
 mod link;
+mod thermometers;
 mod vigil;
 
 pub use link::{Link, Outlet};

@@ -1,6 +1,7 @@
 //! What the supervisor lends to a session: where readings go, whose clock is asked, and the status it publishes.
 
 use super::axes_vigil::{AxesFinding, AxesVigil};
+use super::thermometers::{Absence, Thermometers};
 use super::vigil::{Finding, Vigil};
 use super::{DeviceState, DeviceStatus, SessionEnd};
 use crate::message::{Counters, LogLine, Message, Reading, SourceGap};
@@ -88,6 +89,7 @@ pub struct Link {
     channel_names: Vec<String>,
     vigil: Vigil,
     axes_vigil: AxesVigil,
+    thermometers: Thermometers,
     /// Why a channel has no value.
     meanings: HashMap<u16, String>,
 }
@@ -118,6 +120,7 @@ impl Link {
             channel_names,
             vigil: Vigil::default(),
             axes_vigil: AxesVigil::default(),
+            thermometers: Thermometers::default(),
             meanings: HashMap::new(),
         }
     }
@@ -160,6 +163,11 @@ impl Link {
         self.close_gap(at);
         self.last_reading = Some(at);
         self.count(&reading);
+        if let Reading::Temperature(temperature) = &reading
+            && let Some(told) = self.thermometers.see(temperature)
+        {
+            self.tell_temperature(temperature.name.clone(), told);
+        }
         let mut reading = reading;
         if let Reading::Probe(probe) = &mut reading
             && let Some(finding) = self.vigil.see(probe, at)
@@ -193,6 +201,19 @@ impl Link {
             }
         };
         self.status.send_modify(|status| status.state = state);
+    }
+
+    /// Logs that a temperature has gone, and records how long once it is back.
+    fn tell_temperature(&mut self, source: String, told: Absence) {
+        match told {
+            Absence::Begun => {
+                self.log(true, format!("{source} has no temperature; check the sensor and its cable"));
+            }
+            Absence::Ended { from, to, readings } => {
+                let (lost_readings, reason) = (Some(readings), "no temperature".into());
+                self.send(Reading::Gap(SourceGap { source, from, to, lost_readings, reason }));
+            }
+        }
     }
 
     /// Logs and records what the values of a channel say about its device.
@@ -333,6 +354,9 @@ impl Link {
         self.tell_changed_counters(now);
         for (channel, finding) in self.vigil.end(now) {
             self.tell(channel, finding);
+        }
+        for (name, absence) in self.thermometers.end(now) {
+            self.tell_temperature(name, absence);
         }
         if *end == SessionEnd::Cancelled {
             self.close_gap(now);

@@ -1,6 +1,6 @@
 //! CAN sessions against the virtual bus, and what is told where there is none.
 
-use crate::shop::{SinceStart, find, gap_of_the_next_connection, read, state, until_message};
+use crate::shop::{SinceStart, find, gap_of_the_next_connection, read, state, until, until_message};
 use std::sync::Arc;
 use std::time::Instant;
 use trunnion_acquire::{
@@ -131,10 +131,17 @@ async fn a_temperature_is_told_under_the_name_of_its_node_and_is_no_value_out_of
     // In hundredths of a degree.
     assert!(first.name == "node-9" && (first.degc - ROOM_DEGC).abs() <= 0.005 + 1e-9, "{first:?}");
     bus.inject(Fault::OutOfRange { duration_s: 0.5 }).unwrap();
-    find(&mut acquisition, |reading| temperature(reading).filter(|reading| reading.degc.is_nan())).await;
-    let again =
-        find(&mut acquisition, |reading| temperature(reading).filter(|reading| !reading.degc.is_nan()));
-    assert_eq!(again.await.degc, first.degc);
+    let has_value = |reading: &Reading| temperature(reading).map(|reading| reading.degc.is_finite());
+    let told = until(&mut acquisition, |reading| has_value(reading) == Some(false)).await;
+    let warns = |reading: &Reading| matches!(reading, Reading::Log(line) if line.warning && line.text.contains("node-9 has no temperature"));
+    assert!(told.iter().any(warns), "{told:?}");
+    let told = until(&mut acquisition, |reading| has_value(reading) == Some(true)).await;
+    assert_eq!(told.last().and_then(temperature).map(|reading| reading.degc), Some(first.degc));
+    let gap = told.iter().find_map(|reading| match reading {
+        Reading::Gap(gap) if gap.source == "node-9" => Some(gap),
+        _ => None,
+    });
+    assert!(gap.is_some_and(|gap| gap.lost_readings > Some(0) && gap.reason == "no temperature"), "{gap:?}");
     acquisition.stop().await;
 }
 

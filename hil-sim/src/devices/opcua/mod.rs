@@ -2,7 +2,7 @@
 //! numbers, every value with the source time stamp of the moment it was sampled.
 //!
 //! The controller samples its axes one after another in each cycle of its own clock; the server keeps every sample in the
-//! queue of the item until it is published. The server is async-opcua's, behind a [relay](super::relay).
+//! queue of the item until it is published. The server is async-opcua's, behind a [`super::relay`].
 //! Its library replaces stamps that follow each other faster than a client asked for: clients must not ask for a
 //! slower sampling than the cycle. For the same reason its clock is never set back.
 
