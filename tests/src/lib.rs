@@ -1,22 +1,16 @@
 //! What end-to-end tests share: paths, the log, waiting for a report.
 
 pub mod alignment;
+pub mod peer;
 pub mod section;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use trunnion_hil_sim::devices::orthogonal_nest;
 
 /// Root folder of the workspace.
 pub fn workspace_root() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-}
-
-/// Python with the packages of `tests/peers/requirements.txt`.
-///
-/// # Panics
-/// When `tests/peers/run` has not set it up: a peer test never passes without its peer.
-pub fn peers_python() -> PathBuf {
-    std::env::var_os("TRUNNION_PEERS_PYTHON").expect("run the peer tests through tests/peers/run").into()
 }
 
 /// What the program logs is shown when a test fails.
@@ -45,4 +39,22 @@ pub async fn first_report(recordings: &Path, limit: Duration) -> PathBuf {
     };
     let written = tokio::time::timeout(limit, written).await;
     written.unwrap_or_else(|_| panic!("no report in {} after {limit:?}", recordings.display()))
+}
+
+/// A configuration of three optoNCDT probes on ports of this folder in an orthogonal nest; `tables` stand before the devices,
+/// `controller` is the table of the controller.
+pub fn three_probes(ports: &Path, tables: &str, controller: &str) -> String {
+    let mut text = format!(
+        "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"c.toml\"\nrecordings = \"runs\"\n{tables}[nest]\n"
+    );
+    for (k, direction) in orthogonal_nest().iter().enumerate() {
+        text += &format!("probe_{} = {direction:?}\n", k + 1);
+    }
+    for k in 1..=3 {
+        text += &format!(
+            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n",
+            ports.display()
+        );
+    }
+    text + controller
 }

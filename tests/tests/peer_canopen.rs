@@ -1,29 +1,18 @@
 //! Our CANopen driver reads python `canopen` nodes behind python-can's slcan, through a pseudo-terminal.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader};
-use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Reading, parse_devices, start};
 use trunnion_daemon::clock::SystemClock;
-use trunnion_tests::{peers_python, workspace_root};
+use trunnion_tests::peer::PythonPeer;
 
 #[tokio::test]
 async fn our_driver_reads_three_probes_and_an_encoder_of_python_canopen() {
-    let script = workspace_root().join("tests/peers/canopen_peer.py");
-    let mut peer = Command::new(peers_python())
-        .arg(script)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("python starts");
-    let mut line = String::new();
-    BufReader::new(peer.stdout.take().expect("piped")).read_line(&mut line).expect("the peer tells its port");
-    let told: serde_json::Value = serde_json::from_str(&line).expect("one JSON line");
-    let port = told["port"].as_str().expect("a port");
+    let peer = PythonPeer::start("canopen_peer.py", &[]);
+    let port = peer.port();
     let config = format!(
         "[[device]]\nname = \"can\"\ndriver = \"canopen-slcan\"\nport = \"{port}\"\nsync_ms = 10\nsilence_ms = 5000\n\
          nodes = [{{ id = 1, role = \"probe-1\" }}, {{ id = 2, role = \"probe-2\" }}, {{ id = 3, role = \"probe-3\" }}, \
@@ -46,8 +35,7 @@ async fn our_driver_reads_three_probes_and_an_encoder_of_python_canopen() {
         }
     }
     acquisition.stop().await;
-    drop(peer.stdin.take());
-    peer.wait().expect("the peer ends with its input");
+    drop(peer);
     // canopen_peer.py: amplitudes 0.05, 0.04, 0.03 mm around 0 and 0.02 mm around 100 mm, 0.2 Hz.
     for (channel, centre, amplitude) in [(0, 0.0, 0.05), (1, 0.0, 0.04), (2, 0.0, 0.03), (3, 100.0, 0.02)] {
         let values = &readings[&channel];

@@ -26,7 +26,7 @@ use trunnion_machine::{State, shipped};
 use trunnion_measurement::Cycle;
 use trunnion_measurement::cycle::CourseRules;
 use trunnion_report::nc::{Program, dialect};
-use trunnion_tests::{first_report, show_log, workspace_root};
+use trunnion_tests::{first_report, show_log, three_probes, workspace_root};
 use trunnion_units::AxisLetter::{B, C, X, Y, Z};
 use trunnion_units::{AxisLetter, AxisValues, Clock, convert};
 
@@ -276,25 +276,6 @@ fn operate(program: &Path) {
     assert_eq!(operator.answer("get error", "ERROR"), "OK");
 }
 
-fn config_text(ports: &Path) -> String {
-    let mut text = String::from(
-        "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"c.toml\"\nrecordings = \"runs\"\n\
-         [cycle_start]\nby = \"program\"\nprogram = \"*/trunnion-cycle.ngc\"\n[nest]\n",
-    );
-    for (k, direction) in orthogonal_nest().iter().enumerate() {
-        text += &format!("probe_{} = {direction:?}\n", k + 1);
-    }
-    for k in 1..=3 {
-        text += &format!(
-            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n",
-            ports.display()
-        );
-    }
-    text + &format!(
-        "[[device]]\nname = \"cnc\"\ndriver = \"linuxcnc\"\nhost = \"127.0.0.1\"\nport = {PORT}\njoints = \"XYZBC\"\n"
-    )
-}
-
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
     show_log();
@@ -334,7 +315,11 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
     let stop = Arc::new(AtomicBool::new(false));
     let follower = world.clone().follow(TimeOrigin(origin), stop.clone());
     let cell = cell::start(world, floor, origin).await.unwrap();
-    let text = config_text(folder.path());
+    let start = "[cycle_start]\nby = \"program\"\nprogram = \"*/trunnion-cycle.ngc\"\n";
+    let cnc_table = format!(
+        "[[device]]\nname = \"cnc\"\ndriver = \"linuxcnc\"\nhost = \"127.0.0.1\"\nport = {PORT}\njoints = \"XYZBC\"\n"
+    );
+    let text = three_probes(folder.path(), start, &cnc_table);
     let config = Config::parse(&folder.path().join("trunnion.toml"), &text).unwrap();
     let plan =
         Plan { machine: machine.clone(), cycle, nest: config.nest, channels: channels(&config.devices) };

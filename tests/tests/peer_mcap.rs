@@ -3,7 +3,8 @@
 use std::process::Command;
 use trunnion_measurement::setup::parse_setup_file;
 use trunnion_record::{RunHeader, points_csv, write_run};
-use trunnion_tests::{peers_python, workspace_root};
+use trunnion_tests::peer::peers_python;
+use trunnion_tests::workspace_root;
 
 #[test]
 fn the_python_reader_reads_a_recording_with_crcs_index_and_schemas() {

@@ -1,10 +1,8 @@
 //! Our OPC UA driver reads asyncua servers: SINUMERIK's node ids without encryption, OPC 40502 by browsing with
 //! Basic256Sha256 and a user; and says what to do when a server is wrong, silent, or gone.
 
-use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
@@ -15,44 +13,22 @@ use trunnion_acquire::{
     parse_devices, start,
 };
 use trunnion_daemon::clock::SystemClock;
-use trunnion_tests::{peers_python, workspace_root};
+use trunnion_tests::peer::PythonPeer;
 use trunnion_units::AxisLetter::{self, B, C, X, Y, Z};
 
 /// Longest wait for anything; the build machine may be busy.
 const LIMIT: Duration = Duration::from_secs(60);
 const AXES: [AxisLetter; 5] = [X, Y, Z, B, C];
 
-/// An asyncua server in a process of its own; it ends with this.
-struct Peer(Child);
-
-impl Peer {
-    fn start(port: u16, layout: &str, security: &str, folder: &Path) -> Self {
-        let script = workspace_root().join("tests/peers/opcua_server.py");
-        let mut child = Command::new(peers_python())
-            .arg(script)
-            .args([&port.to_string(), layout, security])
-            .arg(folder)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("python starts");
-        let mut line = String::new();
-        let told = child.stdout.take().expect("piped");
-        BufReader::new(told).read_line(&mut line).expect("the peer says when it is ready");
-        assert_eq!(line.trim(), "ready");
-        Self(child)
-    }
-
-    fn order(&mut self, word: &str) {
-        writeln!(self.0.stdin.as_mut().expect("piped"), "{word}").expect("the peer listens");
-    }
-}
-
-impl Drop for Peer {
-    fn drop(&mut self) {
-        self.0.kill().expect("the peer can be ended");
-        self.0.wait().expect("the peer ends");
-    }
+/// An asyncua server in a process of its own.
+fn asyncua(port: u16, layout: &str, security: &str, folder: &Path) -> PythonPeer {
+    let port = port.to_string();
+    let peer = PythonPeer::start(
+        "opcua_server.py",
+        &[port.as_ref(), layout.as_ref(), security.as_ref(), folder.as_ref()],
+    );
+    assert_eq!(peer.told, "ready");
+    peer
 }
 
 fn free_port() -> u16 {
@@ -135,7 +111,7 @@ impl Reader {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn sinumerik_nodes_are_read_with_their_own_stamps_and_a_lost_server_is_a_gap() {
     let (port, folder) = (free_port(), tempfile::tempdir().expect("a folder"));
-    let mut peer = Peer::start(port, "sinumerik", "none", folder.path());
+    let mut peer = asyncua(port, "sinumerik", "none", folder.path());
     let mut reader = Reader::start(port, "layout = \"sinumerik\"\naxes = \"XYZBC\"\nsilence_ms = 1500\n");
     let identity = reader.status(|status| !status.identity.is_empty()).await.identity;
     assert_eq!(identity, "OPC UA server asyncua sinumerik, no encryption, axes X Y Z B C");
@@ -175,7 +151,7 @@ async fn sinumerik_nodes_are_read_with_their_own_stamps_and_a_lost_server_is_a_g
     reader.axes().await;
     drop(peer);
     reader.status(|status| status.state == DeviceState::Absent).await;
-    let _peer = Peer::start(port, "sinumerik", "none", folder.path());
+    let _peer = asyncua(port, "sinumerik", "none", folder.path());
     let gap = reader.gap().await;
     assert!(gap.to > gap.from, "{gap:?}");
     reader.status(|status| status.state == DeviceState::Streaming).await;
@@ -185,7 +161,7 @@ async fn sinumerik_nodes_are_read_with_their_own_stamps_and_a_lost_server_is_a_g
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn opc_40502_is_found_by_browsing_through_basic256sha256_with_a_user() {
     let (port, folder) = (free_port(), tempfile::tempdir().expect("a folder"));
-    let peer = Peer::start(port, "opc-40502", "Basic256Sha256", folder.path());
+    let peer = asyncua(port, "opc-40502", "Basic256Sha256", folder.path());
     let ours = folder.path().join("ours");
     let password_file = folder.path().join("password");
     std::fs::write(&password_file, "trunnion\n").expect("the folder takes files");
@@ -224,7 +200,7 @@ async fn opc_40502_is_found_by_browsing_through_basic256sha256_with_a_user() {
     drop(peer);
     std::fs::remove_file(folder.path().join("key.pem")).expect("the server's key");
     std::fs::remove_file(folder.path().join("certificate.der")).expect("the server's certificate");
-    let _another = Peer::start(port, "opc-40502", "Basic256Sha256", folder.path());
+    let _another = asyncua(port, "opc-40502", "Basic256Sha256", folder.path());
     let mut reader = Reader::start(port, &keys("measure"));
     let wrong = reader.status(|status| status.state == DeviceState::WrongDevice).await;
     let end = wrong.last_end.expect("it ended").to_string();
@@ -241,7 +217,7 @@ async fn a_server_is_found_by_its_address_with_its_layout_or_what_it_wants() {
     ];
     for (layout, security, words, key) in cases {
         let (port, folder) = (free_port(), tempfile::tempdir().expect("a folder"));
-        let _peer = Peer::start(port, layout, security, folder.path());
+        let _peer = asyncua(port, layout, security, folder.path());
         let url = format!("opc.tcp://127.0.0.1:{port}/trunnion/");
         let place = servers(&url, None).expect("an address that can be asked").remove(0);
         let look = look(place, None).await;
@@ -254,7 +230,7 @@ async fn a_server_is_found_by_its_address_with_its_layout_or_what_it_wants() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_node_that_is_not_there_is_named_with_what_the_server_has() {
     let (port, folder) = (free_port(), tempfile::tempdir().expect("a folder"));
-    let _peer = Peer::start(port, "sinumerik", "none", folder.path());
+    let _peer = asyncua(port, "sinumerik", "none", folder.path());
     let cases = [
         ("layout = \"sinumerik\"\naxes = \"XYZABC\"\n", "measPos1[u1,6]"),
         ("layout = \"opc-40502\"\n", "without CncAxisList"),

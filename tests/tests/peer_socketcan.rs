@@ -1,11 +1,11 @@
 //! Our SocketCAN driver on an emulated computer with a real kernel: a bus without hardware, two emulated cards, and the
 //! kernel's own slcan driver with nodes of python `canopen` at the other end of its line.
 
-use std::io::{BufRead, BufReader};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use trunnion_tests::alignment::{HEAD, SOCKETCAN};
+use trunnion_tests::peer::PythonPeer;
 use trunnion_tests::section::{is_writing, write_or_compare};
-use trunnion_tests::{peers_python, workspace_root};
+use trunnion_tests::workspace_root;
 
 /// Boots, runs the trial in this mode, and prints the figures it measured; all it told.
 fn machine(mode: &str, peer_tty: Option<&str>) -> String {
@@ -62,17 +62,6 @@ fn two_cards_on_one_bus_give_readings_and_a_pulled_cable_is_a_gap() {
 
 #[test]
 fn python_nodes_behind_the_slcan_driver_of_the_kernel_are_read() {
-    let mut peer = Command::new(peers_python())
-        .arg(workspace_root().join("tests/peers/canopen_peer.py"))
-        .arg("--raw")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("python starts");
-    let mut line = String::new();
-    BufReader::new(peer.stdout.take().expect("piped")).read_line(&mut line).expect("the peer tells its port");
-    let told: serde_json::Value = serde_json::from_str(&line).expect("one JSON line");
-    machine("slcan", told["port"].as_str());
-    drop(peer.stdin.take());
-    peer.wait().expect("the peer ends with its input");
+    let peer = PythonPeer::start("canopen_peer.py", &["--raw".as_ref()]);
+    machine("slcan", Some(&peer.port()));
 }

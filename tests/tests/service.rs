@@ -11,34 +11,18 @@ use trunnion_daemon::live::Plan;
 use trunnion_daemon::service::{Texts, serve};
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_hil_sim::devices::cell::{self, CellConfig};
-use trunnion_hil_sim::devices::{Fault, ScheduledFault, World, orthogonal_nest};
+use trunnion_hil_sim::devices::{Fault, ScheduledFault, World};
 use trunnion_hil_sim::scenario::{self, Pace, Station};
 use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine};
 use trunnion_identify::Experiment;
 use trunnion_machine::shipped;
 use trunnion_measurement::cycle::Motion;
 use trunnion_measurement::{Cycle, Quality};
-use trunnion_tests::{first_report, show_log};
+use trunnion_tests::{first_report, show_log, three_probes};
 use trunnion_units::Clock;
 
 const CYCLE: &str = include_str!("../../config/cycles/demo-static.toml");
 const SWEEP: &str = include_str!("../../config/cycles/demo-sweep-c.toml");
-
-fn config_text(ports: &Path, agent: &str) -> String {
-    let mut text = String::from(
-        "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"c.toml\"\nrecordings = \"runs\"\n[nest]\n",
-    );
-    for (k, direction) in orthogonal_nest().iter().enumerate() {
-        text += &format!("probe_{} = {direction:?}\n", k + 1);
-    }
-    for k in 1..=3 {
-        text += &format!(
-            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n",
-            ports.display()
-        );
-    }
-    text + &format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{agent}\"\n")
-}
 
 /// Two shop floors at once are more than a small computer simulates in real time.
 static ONE_FLOOR: tokio::sync::Mutex<()> = tokio::sync::Mutex::const_new(());
@@ -63,7 +47,8 @@ async fn measured(
     let begin = tokio::time::Instant::now() + Duration::from_secs(1);
     let cell = cell::start(Arc::new(world), floor, begin).await.expect("the floor starts");
     let url = cell.controller.as_ref().and_then(|agent| agent.url()).expect("an agent").to_string();
-    let text = config_text(folder, &url);
+    let agent = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
+    let text = three_probes(folder, "", &agent);
     let config = Config::parse(&folder.join("trunnion.toml"), &text).expect("the configuration is good");
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
     let texts = Texts { machine: shipped::FILES[0].1.into(), cycle: cycle_text.into(), config: text };

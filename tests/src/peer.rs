@@ -1,0 +1,66 @@
+//! Programs of others, in Python, that run beside a test.
+
+use crate::workspace_root;
+use std::ffi::OsStr;
+use std::io::{BufRead, BufReader, Write};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+
+/// Python with the packages of `tests/peers/requirements.txt`.
+///
+/// # Panics
+/// When `tests/peers/run` has not set it up: a peer test never passes without its peer.
+pub fn peers_python() -> PathBuf {
+    std::env::var_os("TRUNNION_PEERS_PYTHON").expect("run the peer tests through tests/peers/run").into()
+}
+
+/// A script of `tests/peers` in a process of its own, which ends with this.
+pub struct PythonPeer {
+    child: Child,
+    /// The line by which it says that it is ready.
+    pub told: String,
+}
+
+impl PythonPeer {
+    /// Starts it and waits for its first line.
+    ///
+    /// # Panics
+    /// When it does not start or says nothing.
+    pub fn start(script: &str, args: &[&OsStr]) -> Self {
+        let mut child = Command::new(peers_python())
+            .arg(workspace_root().join("tests/peers").join(script))
+            .args(args)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("python starts");
+        let mut told = String::new();
+        let output = child.stdout.take().expect("piped");
+        BufReader::new(output).read_line(&mut told).expect("the peer says when it is ready");
+        Self { child, told: told.trim().to_owned() }
+    }
+
+    /// The pseudo-terminal it answers on, from its first line of JSON.
+    ///
+    /// # Panics
+    /// When it tells none.
+    pub fn port(&self) -> String {
+        let told: serde_json::Value = serde_json::from_str(&self.told).expect("one JSON line");
+        told["port"].as_str().expect("a port").to_owned()
+    }
+
+    /// Writes it a line.
+    ///
+    /// # Panics
+    /// When it does not listen any more.
+    pub fn order(&mut self, word: &str) {
+        writeln!(self.child.stdin.as_mut().expect("piped"), "{word}").expect("the peer listens");
+    }
+}
+
+impl Drop for PythonPeer {
+    fn drop(&mut self) {
+        self.child.kill().expect("the peer can be ended");
+        self.child.wait().expect("the peer ends");
+    }
+}
