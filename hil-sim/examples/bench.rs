@@ -4,15 +4,15 @@
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 use tokio::time::Instant;
+use trunnion_core::{AxisLetter, AxisValues};
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
 use trunnion_hil_sim::devices::canopen::BusConfig;
 #[cfg(feature = "opcua")]
-use trunnion_hil_sim::devices::opcua;
 use trunnion_hil_sim::devices::{
-    CycleState, DeviceClock, TimeOrigin, World, ascii, canopen, keyence, linuxcncrsh, mtconnect, optoncdt,
+    CycleState, DeviceClock, TimeOrigin, World, ascii, canopen, keyence, linuxcncrsh, mtconnect, opcua,
+    optoncdt,
 };
 use trunnion_protocol::ascii::PRESETS;
-use trunnion_units::{AxisLetter, AxisValues};
 
 /// Probes that move by a tenth of a millimetre in some seconds, and tremble.
 struct Bench;

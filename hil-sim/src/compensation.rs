@@ -8,8 +8,8 @@ mod read;
 
 use crate::physics::chain::machine_from_tip;
 use nalgebra::{Matrix3, Point3, Vector3};
+use trunnion_core::{AxisLetter, AxisValues, Twist};
 use trunnion_machine::{Machine, Side};
-use trunnion_units::{AxisLetter, AxisValues, Twist};
 
 /// Newton steps; errors are small, so that the second changes nothing that could be seen.
 const STEPS: usize = 3;

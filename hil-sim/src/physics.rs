@@ -18,8 +18,8 @@ use crate::compensation::{CannotCorrect, Compensation};
 use crate::truth::Truth;
 use hidden::Scene;
 use natural::NaturalMotion;
-use trunnion_machine::{Machine, Side, State};
-use trunnion_units::AxisValues;
+use trunnion_core::{AxisValues, State};
+use trunnion_machine::{Machine, Side};
 
 /// A machine with a truth.
 #[derive(Clone, Debug)]

@@ -4,8 +4,8 @@ use crate::devices::SimulatedCell;
 use crate::motion::{Follow, Program, ProgramError, Step, Trajectory};
 use crate::physics::{Sampler, VirtualMachine};
 use std::sync::Arc;
-use trunnion_machine::{Machine, State};
-use trunnion_units::{AxisLetter, AxisValues};
+use trunnion_core::{AxisLetter, AxisValues, State};
+use trunnion_machine::Machine;
 
 /// Noise of one sample of a probe, mm: averaged away at rest, seen on the fly.
 const SAMPLE_NOISE_MM: f64 = 0.2e-3;

@@ -6,11 +6,11 @@ use nalgebra::{Point3, Vector3};
 use program::output;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use trunnion_core::AxisLetter::{A, Y};
+use trunnion_core::{AxisSample, AxisValues};
+use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::shipped;
-use trunnion_measurement::{AxisSample, Run, RunKind};
 use trunnion_record::{RunHeader, write_run_with_axes};
-use trunnion_units::AxisLetter::{A, Y};
-use trunnion_units::AxisValues;
 
 const TRUTH: &str = r#"format = "trunnion-truth/1"
 machine = "MACHINE"

@@ -8,13 +8,13 @@ use std::process::{Command, Output};
 use std::sync::Arc;
 use std::time::Instant;
 use trunnion_acquire::parse_devices;
+use trunnion_core::AxisValues;
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::{
     CycleState, DeviceClock, Fault, TimeOrigin, World, ascii, canopen, keyence, linuxcncrsh, optoncdt,
 };
 use trunnion_protocol::ascii::Preset;
-use trunnion_units::AxisValues;
 
 struct Still;
 

@@ -8,15 +8,16 @@ use nalgebra::{Point3, Vector3};
 use program::json;
 use serde_json::Value;
 use std::path::Path;
+use trunnion_core::AxisLetter::{B, C};
+use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Quality, Setup, State};
+use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::Model;
+use trunnion_engine::fit::Options;
+use trunnion_engine::{Experiment, blocks_of, identify};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth};
-use trunnion_identify::{Experiment, Options, blocks_of, identify};
-use trunnion_machine::{Machine, State, shipped};
-use trunnion_measurement::blocks::Limits;
-use trunnion_measurement::{InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
-use trunnion_units::AxisLetter::{B, C};
-use trunnion_units::AxisValues;
+use trunnion_machine::{Machine, shipped};
+use trunnion_sync::blocks::Limits;
 
 const BAR_MM: f64 = 100.0;
 

@@ -6,8 +6,9 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
+use trunnion_core::State;
 use trunnion_hil_sim::{Truth, VirtualMachine};
-use trunnion_machine::{JointErrors, State, shipped};
+use trunnion_machine::{JointErrors, shipped};
 
 const TRUTH: &str = "config/truths/table-bc-linear.toml";
 

@@ -2,20 +2,20 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
-#[path = "../../crates/report/tests/nc/interpreter.rs"]
+#[path = "../../crates/cycles/tests/nc/interpreter.rs"]
 mod interpreter;
 
 use interpreter::{Event, interpret};
-use trunnion_acquire::{
+use trunnion_core::{AxisLetter, AxisSample, AxisValues, ProbeSample, Quality, convert};
+use trunnion_cycles::Cycle;
+use trunnion_cycles::cycle::{CourseRules, Motion};
+use trunnion_cycles::nc::{DIALECTS, Program};
+use trunnion_machine::{Machine, shipped};
+use trunnion_sync::{
     AlignLimits, Aligned, Aligner, CycleEvent, EndReason, NestCalibration, StaticCycle, StaticRules,
     SweepCycle, SweepRules,
 };
-use trunnion_machine::{Machine, shipped};
-use trunnion_measurement::cycle::{CourseRules, Motion};
-use trunnion_measurement::{AxisSample, Cycle, ProbeSample, Quality};
-use trunnion_report::nc::{DIALECTS, Program};
 use trunnion_tests::workspace_root;
-use trunnion_units::{AxisLetter, AxisValues, convert};
 
 /// Time between two samples, s.
 const STEP_S: f64 = 0.02;

@@ -6,12 +6,13 @@ use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::discovery::{Roles, look, servers};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{AxisReading, Execution, Reading, parse_devices, start};
-use trunnion_daemon::clock::SystemClock;
-use trunnion_hil_sim::devices::opcua::{self, ControllerConfig};
-use trunnion_hil_sim::devices::{CycleState, DeviceClock, Handle, TimeOrigin, World};
-use trunnion_units::AxisLetter::{self, B, C, X, Y, Z};
-use trunnion_units::AxisValues;
+use trunnion_acquire::{parse_devices, start};
+use trunnion_core::AxisLetter::{B, C, X, Y, Z};
+use trunnion_core::reading::{AxisReading, Execution, Reading};
+use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_hil_sim::devices::opcua::ControllerConfig;
+use trunnion_hil_sim::devices::{CycleState, DeviceClock, Handle, TimeOrigin, World, opcua};
+use trunnion_service::clock::SystemClock;
 
 /// Longest wait for anything; the build machine may be busy.
 const LIMIT: Duration = Duration::from_secs(60);

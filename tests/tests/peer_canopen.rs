@@ -5,8 +5,9 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{Reading, parse_devices, start};
-use trunnion_daemon::clock::SystemClock;
+use trunnion_acquire::{parse_devices, start};
+use trunnion_core::reading::Reading;
+use trunnion_service::clock::SystemClock;
 use trunnion_tests::peer::PythonPeer;
 
 #[tokio::test]

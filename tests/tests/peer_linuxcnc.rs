@@ -2,21 +2,21 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
-#[path = "../../crates/report/tests/nc/interpreter.rs"]
+#[path = "../../crates/cycles/tests/nc/interpreter.rs"]
 #[expect(dead_code, reason = "LinuxCNC interprets here")]
 mod interpreter;
-#[path = "../../crates/report/tests/nc/visited.rs"]
+#[path = "../../crates/cycles/tests/nc/visited.rs"]
 mod visited;
 
 use interpreter::Event;
 use std::path::Path;
 use std::process::Command;
+use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_cycles::Cycle;
+use trunnion_cycles::cycle::CourseRules;
+use trunnion_cycles::nc::{Program, dialect};
 use trunnion_machine::shipped;
-use trunnion_measurement::Cycle;
-use trunnion_measurement::cycle::CourseRules;
-use trunnion_report::nc::{Program, dialect};
 use trunnion_tests::workspace_root;
-use trunnion_units::{AxisLetter, AxisValues};
 use visited::visited;
 
 /// The interpreter prints positions to four decimals of a millimetre or degree.

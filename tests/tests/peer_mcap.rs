@@ -1,7 +1,7 @@
 //! The MCAP project's own Python reader opens what we record.
 
 use std::process::Command;
-use trunnion_measurement::setup::parse_setup_file;
+use trunnion_core::setup::parse_setup_file;
 use trunnion_record::{RunHeader, points_csv, write_run};
 use trunnion_tests::peer::peers_python;
 use trunnion_tests::workspace_root;

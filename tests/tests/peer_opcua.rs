@@ -8,13 +8,12 @@ use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::discovery::{look, servers};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{
-    Acquisition, AxisReading, ControllerReading, DeviceState, DeviceStatus, Execution, Reading, SourceGap,
-    parse_devices, start,
-};
-use trunnion_daemon::clock::SystemClock;
+use trunnion_acquire::{Acquisition, DeviceState, DeviceStatus, parse_devices, start};
+use trunnion_core::AxisLetter;
+use trunnion_core::AxisLetter::{B, C, X, Y, Z};
+use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, SourceGap};
+use trunnion_service::clock::SystemClock;
 use trunnion_tests::peer::PythonPeer;
-use trunnion_units::AxisLetter::{self, B, C, X, Y, Z};
 
 /// Longest wait for anything; the build machine may be busy.
 const LIMIT: Duration = Duration::from_secs(60);

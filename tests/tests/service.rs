@@ -5,21 +5,21 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::config::channels;
-use trunnion_daemon::clock::SystemClock;
-use trunnion_daemon::config::Config;
-use trunnion_daemon::live::Plan;
-use trunnion_daemon::service::{Texts, serve};
+use trunnion_core::{Clock, Quality};
+use trunnion_cycles::Cycle;
+use trunnion_cycles::cycle::Motion;
 use trunnion_effects::{Model, ModelEffect};
-use trunnion_hil_sim::devices::cell::{self, CellConfig};
-use trunnion_hil_sim::devices::{Fault, ScheduledFault, World};
-use trunnion_hil_sim::scenario::{self, Pace, Station};
-use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine};
-use trunnion_identify::Experiment;
+use trunnion_engine::Experiment;
+use trunnion_hil_sim::devices::cell::CellConfig;
+use trunnion_hil_sim::devices::{Fault, ScheduledFault, World, cell};
+use trunnion_hil_sim::scenario::{Pace, Station};
+use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine, scenario};
 use trunnion_machine::shipped;
-use trunnion_measurement::cycle::Motion;
-use trunnion_measurement::{Cycle, Quality};
+use trunnion_service::clock::SystemClock;
+use trunnion_service::config::Config;
+use trunnion_service::daemon::{Texts, serve};
+use trunnion_service::live::Plan;
 use trunnion_tests::{first_report, show_log, three_probes};
-use trunnion_units::Clock;
 
 const CYCLE: &str = include_str!("../../config/cycles/demo-static.toml");
 const SWEEP: &str = include_str!("../../config/cycles/demo-sweep-c.toml");
@@ -66,7 +66,7 @@ async fn measured(
 }
 
 fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
-    let of = |setup: &trunnion_measurement::Setup| {
+    let of = |setup: &trunnion_core::Setup| {
         SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::RTest)
     };
     cycle.setups.iter().map(of).collect()
@@ -100,7 +100,7 @@ async fn probes_unplugged_for_a_while_or_for_good_leave_gaps_and_the_cycle_goes_
     let gap =
         recording.gaps.iter().find(|gap| gap.source.contains("probe-2") && gap.to_s > 3.0).expect("a gap");
     assert!(gap.to_s - gap.from_s > 2.5 && gap.to_s - gap.from_s < 8.0, "{gap:?}");
-    let is_open = |gap: &&trunnion_measurement::Gap| gap.source == "probe-3" && gap.from_s > last_s - 2.0;
+    let is_open = |gap: &&trunnion_core::Gap| gap.source == "probe-3" && gap.from_s > last_s - 2.0;
     let open = recording.gaps.iter().find(is_open).expect("a gap at the end");
     assert!(open.reason.contains("until the end"), "{open:?}");
     assert_eq!(recording.run.points.len(), stations.len(), "every pose is accounted for");
@@ -131,7 +131,7 @@ async fn on_the_fly_the_delays_of_probes_and_axes_are_found_and_taken_out() {
     }
     let path = measured(folder.path(), world, floor, SWEEP).await;
 
-    let recording = trunnion_daemon::recording::read(&path, &|_| Some(machine.clone()), None).unwrap();
+    let recording = trunnion::recording::read(&path, &|_| Some(machine.clone()), None).unwrap();
     let timing = recording.timing.expect("a live recording has stamps");
     assert_eq!(timing.gestures.len(), 2, "{timing:?}");
     let delays: Vec<f64> = timing.streams[..3].iter().map(|stream| stream.delay_s.unwrap().0).collect();
@@ -143,10 +143,10 @@ async fn on_the_fly_the_delays_of_probes_and_axes_are_found_and_taken_out() {
     let experiment = Experiment::new(std::slice::from_ref(&recording.run)).unwrap();
     let mut model = Model::base("table-bc");
     model.effects.push(ModelEffect { id: "sync-delay".into(), ..ModelEffect::default() });
-    let fit = trunnion_identify::identify(&experiment, &model, &Default::default()).unwrap();
+    let fit = trunnion_engine::identify(&experiment, &model, &Default::default()).unwrap();
     let rotary = fit.parameters.iter().find(|p| p.effect == "sync-delay").unwrap();
     let (found_s, u_s) = (rotary.value.unwrap(), rotary.u.unwrap());
     assert!((found_s - late_s).abs() < 6.0 * u_s + 0.1 * late_s.abs(), "{found_s} ± {u_s} of {late_s}");
-    let told = trunnion_daemon::timing::delay_by_feeds(&experiment).unwrap().expect("two feeds, both ways");
+    let told = trunnion::timing::delay_by_feeds(&experiment).unwrap().expect("two feeds, both ways");
     assert!(told.contains("rotary axes come later than the linear axes"), "{told}");
 }

@@ -15,8 +15,8 @@
 use crate::drivers::{DRIVERS, Device};
 use std::sync::Arc;
 use std::time::Duration;
-use trunnion_units::Problems;
-use trunnion_units::input::{Document, Table};
+use trunnion_core::input::{Document, Table};
+use trunnion_core::{Channel, Problems, Role};
 
 /// One configured device.
 #[derive(Clone, Debug)]
@@ -31,50 +31,6 @@ pub struct DeviceConfig {
     pub device: Arc<dyn Device>,
 }
 
-/// What a channel is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Role {
-    /// First, second or third probe of the R-test (0, 1, 2).
-    Probe(u8),
-    /// Ball bar.
-    Bar,
-    /// Temperature.
-    Temperature,
-}
-
-impl Role {
-    /// Every role with its name in files.
-    pub const NAMES: [(&'static str, Self); 5] = [
-        ("probe-1", Self::Probe(0)),
-        ("probe-2", Self::Probe(1)),
-        ("probe-3", Self::Probe(2)),
-        ("bar", Self::Bar),
-        ("temperature", Self::Temperature),
-    ];
-
-    /// Name in files.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, role)| *role == self).map_or("probe", |(name, _)| name)
-    }
-
-    /// Reads the key `role`.
-    pub fn read(table: &Table<'_>) -> Option<Self> {
-        let text = table.one_of("role", &Self::NAMES.map(|(name, _)| name))?;
-        Self::NAMES.iter().find(|(name, _)| *name == text).map(|(_, role)| *role)
-    }
-}
-
-/// One channel of a device.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Channel {
-    /// Index of its device in the configuration.
-    pub device: u16,
-    /// Name: that of the device, or `device.node-id` where a device has several.
-    pub name: String,
-    /// What it is for.
-    pub role: Role,
-}
-
 /// The channels of all devices; `ProbeReading::channel` is an index into this list.
 pub fn channels(devices: &[DeviceConfig]) -> Vec<Channel> {
     let of = |(index, config): (usize, &DeviceConfig)| {
@@ -87,13 +43,6 @@ pub fn channels(devices: &[DeviceConfig]) -> Vec<Channel> {
         config.device.channels().into_iter().map(named).collect::<Vec<_>>()
     };
     devices.iter().enumerate().flat_map(of).collect()
-}
-
-/// The channels of the R-test in the order probe-1, probe-2, probe-3, or of the ball bar; `None` when incomplete.
-pub fn instrument_channels(channels: &[Channel], bar: bool) -> Option<Vec<u16>> {
-    let roles = if bar { vec![Role::Bar] } else { (0..3).map(Role::Probe).collect() };
-    let find = |role| channels.iter().position(|channel| channel.role == role).map(|index| index as u16);
-    roles.into_iter().map(find).collect()
 }
 
 /// Reads a file that holds nothing but `[[device]]` tables.
@@ -162,6 +111,7 @@ fn read_device(table: &Table<'_>) -> Option<DeviceConfig> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trunnion_core::channel::instrument_channels;
 
     const GOOD: &str = r#"
 [[device]]

@@ -1,6 +1,5 @@
 //! `trunnion devices`: which ports and interfaces there are, and what answers on them.
 
-use crate::config::Role;
 use crate::drivers::DRIVERS;
 use crate::probe::{Answer, Found, Medium, Probe, Scheme};
 use crate::supervisor::SessionEnd;
@@ -8,6 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tokio_serial::SerialPortType;
+use trunnion_core::Role;
 
 /// Where the system keeps names of serial ports that stay when others are plugged in, the best first.
 const LASTING_NAMES: [&str; 2] = ["/dev/serial/by-id", "/dev/serial/by-path"];

@@ -4,14 +4,15 @@
 //! stops an output, opens a bus, resets or zeroes anything. What it asks is told to the user ([`Probe::asks`]).
 
 use crate::supervisor::{DeviceStatus, Link, Outlet, SessionEnd};
-use crate::transport::serial::{self, Framing, Port};
+use crate::transport::serial;
+use crate::transport::serial::{Framing, Port};
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 use tokio::time::Instant;
-use trunnion_units::{Clock, HostTime};
+use trunnion_core::{Clock, HostTime};
 
 /// A device that has begun to answer and pauses for so long has finished.
 const PAUSE: Duration = Duration::from_millis(60);

@@ -12,13 +12,13 @@ mod vigil;
 pub use link::{Link, Outlet};
 
 use crate::config::{DeviceConfig, channels};
-use crate::message::Message;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
-use trunnion_units::Clock;
+use trunnion_core::Clock;
+use trunnion_core::reading::Message;
 
 const FIRST_WAIT: Duration = Duration::from_millis(250);
 const LONGEST_WAIT: Duration = Duration::from_secs(10);

@@ -10,10 +10,11 @@ use nalgebra::Point3;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
+use trunnion_core::{InstrumentKind, NestSide, Point, Quality, Setup};
+use trunnion_cycles::{Run, RunKind};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth};
 use trunnion_machine::shipped;
-use trunnion_measurement::{InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
 
 const SAMPLES: u32 = 1_000_000;
 

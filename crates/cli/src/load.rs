@@ -3,13 +3,14 @@
 use crate::outcome::Outcome;
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
-use trunnion_daemon::recording::{self, Recording};
+use trunnion::recording;
+use trunnion::recording::Recording;
+use trunnion_cycles::Run;
 use trunnion_effects::Model;
-use trunnion_identify::Experiment;
+use trunnion_engine::Experiment;
 use trunnion_machine::{Machine, shipped};
-use trunnion_measurement::Run;
-use trunnion_measurement::blocks::Limits;
-use trunnion_measurement::time_quality::TimeQuality;
+use trunnion_sync::blocks::Limits;
+use trunnion_sync::time_quality::TimeQuality;
 
 /// Most blocks that may be asked for.
 const MOST_BLOCKS: usize = 20_000;
@@ -151,7 +152,7 @@ pub fn experiment(runs: &[Run], args: &ModelArgs) -> anyhow::Result<(Experiment,
 /// Adds to the time quality what the sweeps of the experiment tell of delays.
 pub fn tell_delay(experiment: &Experiment, timing: &mut [TimeQuality]) -> anyhow::Result<()> {
     if let Some(last) = timing.last_mut() {
-        last.notes.extend(trunnion_daemon::timing::delay_by_feeds(experiment)?);
+        last.notes.extend(trunnion::timing::delay_by_feeds(experiment)?);
     }
     Ok(())
 }

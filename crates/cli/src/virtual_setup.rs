@@ -1,7 +1,7 @@
 //! Setups of a cycle as the virtual machine mounts them.
 
+use trunnion_core::{Artefact, InstrumentKind, NestSide, Setup};
 use trunnion_hil_sim::{Instrument, NestOn, SimForm, SimSetup, SimTarget};
-use trunnion_measurement::{Artefact, InstrumentKind, NestSide, Setup};
 
 /// The setup of the virtual machine.
 pub fn sim_setup(setup: &Setup) -> SimSetup {

@@ -1,8 +1,8 @@
 //! What an effect file provides.
 
 use crate::{Need, Scene};
-use trunnion_machine::{Machine, Site, State};
-use trunnion_units::{AxisLetter, Twist};
+use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_machine::{Machine, Site};
 
 /// Receives the motions of an effect: for each parameter, at each site, the twist per unit (1 mm, 1 rad, …)
 /// of that parameter. A parameter may act at several sites; motions add.

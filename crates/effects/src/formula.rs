@@ -20,8 +20,8 @@ pub use expression::{Expression, Function, Node, Operator};
 use crate::{Emit, ModelEffect, Parameter, Scene, Shapes, Unit};
 use nalgebra::Vector3;
 use symbol::{Symbol, symbol};
-use trunnion_machine::{Machine, Site, State};
-use trunnion_units::{AxisLetter, Twist};
+use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_machine::{Machine, Site};
 
 /// A formula effect.
 #[derive(Clone, Debug, PartialEq)]

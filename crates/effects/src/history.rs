@@ -4,7 +4,7 @@
 //! T is taken piecewise linear between evenly spaced knots; for that the solution below is exact.
 //! Limits: changes faster than duration/240 are smoothed; the structure is soaked at the first point.
 
-use trunnion_machine::State;
+use trunnion_core::State;
 
 /// Temperatures at evenly spaced times.
 #[derive(Clone, Debug, PartialEq)]

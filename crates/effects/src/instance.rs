@@ -5,7 +5,8 @@ use crate::formula::{Formula, FormulaError};
 use crate::{About, Effect, Emit, ModelEffect, Need, Parameter, Scene, Shapes, Subject};
 use std::fmt;
 use std::sync::Arc;
-use trunnion_machine::{Machine, State};
+use trunnion_core::State;
+use trunnion_machine::Machine;
 
 /// One effect on one subject, e.g. `gravity-sag:B`, or a formula out of a model file.
 #[derive(Clone)]

@@ -4,8 +4,8 @@ use crate::catalogue::{BASE, REGISTRY};
 use crate::{Effect, Instance, Need, PLACES_OF_A_VOLUME, Parameter, Scene, SceneSetup, Subject};
 use nalgebra::Point3;
 use std::fmt::Write;
-use trunnion_machine::{State, shipped};
-use trunnion_units::{AxisLetter, AxisValues};
+use trunnion_core::{AxisLetter, AxisValues, State};
+use trunnion_machine::shipped;
 
 /// What the numbers in an effect's sources stand for.
 pub const SOURCES: [(&str, &str); 5] = [

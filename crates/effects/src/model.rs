@@ -30,8 +30,8 @@
 //! ```
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table as Written, Value, value};
-use trunnion_units::input::{Document, Table};
-use trunnion_units::{Problem, Problems};
+use trunnion_core::input::{Document, Table};
+use trunnion_core::{Problem, Problems};
 
 /// A model: machine name and effects in the order they were added.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 
 use crate::subjects::{axis_of, rotary_below};
 use crate::{Scene, Subject};
-use trunnion_units::AxisLetter;
+use trunnion_core::AxisLetter;
 
 /// One thing a cycle or a recording can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -5,7 +5,8 @@
 
 use crate::SceneSetup;
 use nalgebra::{Point3, Vector3};
-use trunnion_machine::{JointErrors, Machine, Side, State};
+use trunnion_core::State;
+use trunnion_machine::{JointErrors, Machine, Side};
 
 /// Motion of all axes together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,8 +5,8 @@ use crate::history::{History, histories};
 use crate::path::{Path, path};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
-use trunnion_machine::{Machine, Side, Site, State};
-use trunnion_units::{AxisLetter, AxisValues, Twist};
+use trunnion_core::{AxisLetter, AxisValues, State, Twist};
+use trunnion_machine::{Machine, Side, Site};
 
 /// The experiment an effect is placed in. Built from all points of all runs that are fitted together.
 #[derive(Clone, Debug)]

@@ -2,8 +2,8 @@
 
 use crate::Subject;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
-use trunnion_machine::{Axis, Machine, Side, Site, State};
-use trunnion_units::AxisLetter;
+use trunnion_core::{AxisLetter, State};
+use trunnion_machine::{Axis, Machine, Side, Site};
 
 /// One subject for every rotary axis of the machine.
 pub fn every_rotary(machine: &Machine) -> Vec<Subject> {

@@ -3,10 +3,10 @@
 use nalgebra::{Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use trunnion_core::{AxisLetter, AxisValues, State, Twist};
 use trunnion_effects::catalogue::{BASE, REGISTRY};
 use trunnion_effects::{Instance, Need, Scene, SceneSetup};
-use trunnion_machine::{Machine, Site, State, shipped};
-use trunnion_units::{AxisLetter, AxisValues, Twist};
+use trunnion_machine::{Machine, Site, shipped};
 
 const DIRECTORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/catalogue");
 

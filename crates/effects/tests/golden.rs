@@ -2,9 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 use std::slice::from_ref;
+use trunnion_core::{AxisLetter, AxisValues, State, Twist};
 use trunnion_effects::{Instance, Scene, SceneSetup};
-use trunnion_machine::{Machine, Site, State, shipped};
-use trunnion_units::{AxisLetter, AxisValues, Twist};
+use trunnion_machine::{Machine, Site, shipped};
 
 fn table_bc() -> Machine {
     shipped::machine("table-bc").expect("shipped")

@@ -7,7 +7,7 @@
 use crate::settings::{Quantity, inner, offset};
 use crate::{Contact, Frame, Instrument};
 use nalgebra::{Unit, Vector3};
-use trunnion_measurement::{InstrumentKind, Setup};
+use trunnion_core::{InstrumentKind, Setup};
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::Diagonal,

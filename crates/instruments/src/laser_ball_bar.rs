@@ -7,7 +7,7 @@
 use crate::ball_bar::{reading, seen};
 use crate::settings::{known, offset, place};
 use crate::{Frame, Instrument, none};
-use trunnion_measurement::InstrumentKind;
+use trunnion_core::InstrumentKind;
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::LaserBallBar,

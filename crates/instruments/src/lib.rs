@@ -19,10 +19,9 @@ mod tracker;
 pub use settings::{Quantity, Setting};
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
+use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Setup, State, Twist};
 use trunnion_machine::propagation::JointFrame;
-use trunnion_machine::{Errors, MOST_INNER, Machine, Side, Site, State};
-use trunnion_measurement::{InstrumentKind, Setup};
-use trunnion_units::{AxisLetter, AxisValues, Twist};
+use trunnion_machine::{Errors, MOST_INNER, Machine, Side, Site};
 
 /// One kind of instrument.
 pub struct Instrument {

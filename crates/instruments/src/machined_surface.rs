@@ -7,7 +7,7 @@
 use crate::settings::{known, offset, placement};
 use crate::{Contact, Frame, Inner, Instrument, none};
 use nalgebra::Vector3;
-use trunnion_measurement::{InstrumentKind, Setup};
+use trunnion_core::{InstrumentKind, Setup};
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::MachinedSurface,

@@ -8,7 +8,7 @@
 use crate::settings::{Quantity, inner as unknown, place};
 use crate::{Contact, Frame, Inner, Instrument};
 use nalgebra::{Matrix2, Vector2, Vector3};
-use trunnion_measurement::{InstrumentKind, Setup};
+use trunnion_core::{InstrumentKind, Setup};
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::PassiveArm,

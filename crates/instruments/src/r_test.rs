@@ -7,7 +7,7 @@
 use crate::settings::place;
 use crate::{Contact, Frame, Inner, Instrument, none};
 use nalgebra::Vector3;
-use trunnion_measurement::{InstrumentKind, NestSide, Setup};
+use trunnion_core::{InstrumentKind, NestSide, Setup};
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::RTest,

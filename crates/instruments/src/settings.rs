@@ -1,9 +1,8 @@
 //! Unknowns that come with every mounting of an instrument: where it really sits, its zero, its own geometry.
 
 use nalgebra::Vector3;
+use trunnion_core::{Setup, Twist};
 use trunnion_machine::Site;
-use trunnion_measurement::Setup;
-use trunnion_units::Twist;
 
 /// One unknown of a mounting.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use crate::diagonal::{laterals, seen, tilted};
 use crate::settings::{Quantity, inner, offset};
 use crate::{Frame, Instrument};
 use nalgebra::Vector3;
-use trunnion_measurement::InstrumentKind;
+use trunnion_core::InstrumentKind;
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::StepDiagonal,

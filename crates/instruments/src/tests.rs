@@ -1,6 +1,6 @@
 use super::*;
+use trunnion_core::{Artefact, NestSide, Target};
 use trunnion_machine::shipped;
-use trunnion_measurement::{Artefact, NestSide, Target};
 
 /// A setup of this kind with all it needs.
 pub(crate) fn setup_of(kind: InstrumentKind) -> Setup {

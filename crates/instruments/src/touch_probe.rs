@@ -6,7 +6,7 @@
 use crate::ball_plate::{reading, seen};
 use crate::settings::place;
 use crate::{Frame, Instrument, none};
-use trunnion_measurement::InstrumentKind;
+use trunnion_core::InstrumentKind;
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::TouchProbe,

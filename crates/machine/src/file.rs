@@ -4,8 +4,8 @@ mod legs;
 
 use crate::{Axis, AxisFacts, Machine};
 use nalgebra::{Point3, Unit, Vector3};
-use trunnion_units::input::{Document, Table};
-use trunnion_units::{AxisLetter, Problems, convert};
+use trunnion_core::input::{Document, Table};
+use trunnion_core::{AxisLetter, Problems, convert};
 
 /// Largest coordinate a machine file may name, mm.
 const FARTHEST_MM: f64 = 100_000.0;

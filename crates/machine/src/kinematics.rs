@@ -8,7 +8,7 @@
 
 use crate::{Axis, Machine, Side};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use trunnion_units::{AxisValues, Twist};
+use trunnion_core::{AxisValues, Twist};
 
 /// Error twist at each joint, in the nominal axes of the component that carries it.
 pub type JointErrors = AxisValues<Twist>;

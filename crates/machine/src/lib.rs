@@ -11,16 +11,14 @@ pub mod propagation;
 mod reach;
 pub mod shipped;
 mod site;
-mod state;
 pub mod tripod;
 
 pub use kinematics::JointErrors;
 pub use site::{Errors, MOST_INNER, Site};
-pub use state::State;
 pub use tripod::{Leg, Tripod};
 
 use nalgebra::{Point3, Unit, Vector3};
-use trunnion_units::{AxisLetter, Twist};
+use trunnion_core::{AxisLetter, Twist};
 
 /// A machine as its file describes it (DESIGN §3.3).
 #[derive(Clone, Debug, PartialEq)]

@@ -8,7 +8,7 @@
 use crate::tripod::LegMotion;
 use crate::{JointErrors, Machine, Side, Site};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use trunnion_units::{AxisLetter, AxisValues, Twist};
+use trunnion_core::{AxisLetter, AxisValues, Twist};
 
 /// Nominal place of a joint's error in the machine frame.
 #[derive(Clone, Copy, Debug)]

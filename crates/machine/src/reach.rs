@@ -5,7 +5,7 @@
 
 use crate::{JointErrors, Machine, Side};
 use nalgebra::{DMatrix, DVector, Point3, Unit, Vector3};
-use trunnion_units::{AxisLetter, AxisValues};
+use trunnion_core::{AxisLetter, AxisValues};
 
 const MOST_STEPS: usize = 60;
 /// A place this near is reached, mm.

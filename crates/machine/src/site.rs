@@ -2,7 +2,7 @@
 
 use crate::JointErrors;
 use nalgebra::Vector3;
-use trunnion_units::{AxisLetter, Twist};
+use trunnion_core::{AxisLetter, Twist};
 
 /// Where an error acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

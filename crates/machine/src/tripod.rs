@@ -15,7 +15,7 @@ mod closure;
 
 use closure::{Angles, about_x, guess};
 use nalgebra::{Isometry3, Point3, Translation3, Unit, Vector3};
-use trunnion_units::{AxisLetter, AxisValues, convert};
+use trunnion_core::{AxisLetter, AxisValues, convert};
 
 /// Steps of Newton's method; from the pose at zero four or five do.
 const MOST_STEPS: usize = 30;

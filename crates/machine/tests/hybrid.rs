@@ -4,9 +4,9 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 use proptest::prelude::*;
+use trunnion_core::AxisLetter::{A, C, X, Y, Z};
+use trunnion_core::{AxisLetter, AxisValues};
 use trunnion_machine::{JointErrors, Machine, shipped};
-use trunnion_units::AxisLetter::{A, C, X, Y, Z};
-use trunnion_units::{AxisLetter, AxisValues};
 
 fn hybrid() -> Machine {
     shipped::machine("hybrid-exechon").unwrap()

@@ -1,7 +1,7 @@
 //! What can go wrong with a recording.
 
 use std::path::{Path, PathBuf};
-use trunnion_units::Problems;
+use trunnion_core::Problems;
 
 /// Why a recording could not be made, finished or read.
 #[derive(Debug, thiserror::Error)]

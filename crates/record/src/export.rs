@@ -2,10 +2,10 @@
 
 use crate::item::RunHeader;
 use std::fmt::Write;
-use trunnion_measurement::{
-    AxisSample, InstrumentKind, Point, ProbeSample, Quality, ReadingColumn, Run, Setup,
+use trunnion_core::{
+    AxisLetter, AxisSample, InstrumentKind, Point, ProbeSample, Quality, ReadingColumn, Setup, convert,
 };
-use trunnion_units::{AxisLetter, convert};
+use trunnion_cycles::Run;
 
 /// The good points of a run as `points.csv`; unsettled points and those without a reading are left out.
 /// Importing it again gives the same points to the printed digits (0.1 nm, 0.1 µdeg, 1 µs, 0.1 mK).

@@ -18,7 +18,7 @@ use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use trunnion_measurement::Event;
+use trunnion_core::Event;
 
 /// Metadata record that says the messages are in order of `log_time`.
 pub const FINISHED_METADATA: &str = "trunnion:finished";

@@ -10,8 +10,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use trunnion_measurement::Gap;
-use trunnion_units::{Clock, HostTime};
+use trunnion_core::{Clock, Gap, HostTime};
 
 /// How often waiting batches are looked at when nothing arrives.
 const IDLE: Duration = Duration::from_millis(20);

@@ -1,8 +1,8 @@
 //! What a recording holds: the header of the run and the items that follow.
 
+use trunnion_core::{AxisSample, Event, Gap, HostTime, Point, ProbeSample, Problems, Role, Setup};
+use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::Machine;
-use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Run, RunKind, Setup};
-use trunnion_units::{HostTime, Problems};
 
 /// What is known of a run before its first sample. The texts are kept as attachments, word for word.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +21,8 @@ pub struct RunHeader {
     pub temperature_channels: Vec<String>,
     /// Names of the probe channels; `ProbeSample::channel` indexes them.
     pub probes: Vec<String>,
+    /// What each probe channel is for; empty in imports and in recordings of before 0.2.
+    pub probe_roles: Vec<Role>,
     /// The cycle file; empty when there was none.
     pub cycle_text: String,
     /// The configuration of the program; empty when there was none.
@@ -44,6 +46,7 @@ impl RunHeader {
             setups: run.setups.clone(),
             temperature_channels: run.channels.clone(),
             probes: Vec::new(),
+            probe_roles: Vec::new(),
             cycle_text: String::new(),
             config_text: String::new(),
             software_version: software_version.into(),

@@ -5,11 +5,13 @@
 
 use crate::export::reading_columns;
 use std::collections::HashSet;
-use trunnion_machine::{Machine, State};
-use trunnion_measurement::direction::fill_directions;
-use trunnion_measurement::setup::parse_setup_file;
-use trunnion_measurement::{InstrumentKind, Point, Quality, ReadingColumn, Run, RunKind, Setup};
-use trunnion_units::{AxisLetter, Problem, Problems, convert};
+use trunnion_core::direction::fill_directions;
+use trunnion_core::setup::parse_setup_file;
+use trunnion_core::{
+    AxisLetter, InstrumentKind, Point, Problem, Problems, Quality, ReadingColumn, Setup, State, convert,
+};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_machine::Machine;
 
 /// A file that is wrong everywhere is not listed to its end.
 const MOST_PROBLEMS: usize = 200;

@@ -11,8 +11,9 @@ use std::fmt;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
+use trunnion_core::{AxisSample, Event, Gap, Point, ProbeSample};
+use trunnion_cycles::Run;
 use trunnion_machine::Machine;
-use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Run};
 
 /// What of a recording cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -3,13 +3,15 @@
 mod setup;
 
 use crate::item::{ControllerState, Item, LogLine, RunHeader, Temperature};
-use crate::lossless::{self, Line};
-use crate::schema as pb;
+use crate::lossless::Line;
+use crate::{lossless, schema as pb};
 use nalgebra::Vector3;
 use prost::{DecodeError, Message};
-use trunnion_machine::State;
-use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Quality, RunKind, Setup, Stamp};
-use trunnion_units::{AxisLetter, AxisValues, HostTime, convert};
+use trunnion_core::{
+    AxisLetter, AxisSample, AxisValues, Event, Gap, HostTime, Point, ProbeSample, Quality, Role, Setup,
+    Stamp, State, convert,
+};
+use trunnion_cycles::RunKind;
 
 /// Name of the message of a point.
 pub const POINT_SCHEMA: &str = "trunnion.Point";
@@ -166,6 +168,7 @@ pub fn encode_header(header: &RunHeader) -> Encoded {
         setups: header.setups.iter().map(setup::encode).collect(),
         temperature_channels: header.temperature_channels.clone(),
         probes: header.probes.clone(),
+        probe_roles: header.probe_roles.iter().map(|role| role.name().into()).collect(),
         software_version: header.software_version.clone(),
         wall_start_ns: header.wall_start_ns,
         host_start_ns: header.host_start.0,
@@ -180,6 +183,7 @@ fn header_from(message: pb::RunHeader) -> Result<RunHeader, WireError> {
         _ => return Err(WireError::Inconsistent("RunHeader")),
     };
     let setups: Option<Vec<Setup>> = message.setups.into_iter().map(setup::decode).collect();
+    let roles: Option<Vec<Role>> = message.probe_roles.iter().map(|name| Role::named(name)).collect();
     Ok(RunHeader {
         name: message.name,
         kind,
@@ -188,6 +192,7 @@ fn header_from(message: pb::RunHeader) -> Result<RunHeader, WireError> {
         setups: setups.ok_or(WireError::Inconsistent("RunHeader"))?,
         temperature_channels: message.temperature_channels,
         probes: message.probes,
+        probe_roles: roles.ok_or(WireError::Inconsistent("RunHeader"))?,
         cycle_text: String::new(),
         config_text: String::new(),
         software_version: message.software_version,

@@ -15,13 +15,13 @@ use crate::error::RecordError;
 use crate::finish::{FinishedFile, finish_journal};
 use crate::item::{Item, RunHeader};
 use crate::journal::{JOURNAL_ENDING, Journal, OpenJournal, open_locked, wall_time};
-use crate::wire::{self, Encoded, Topic};
+use crate::wire;
+use crate::wire::{Encoded, Topic};
 use batches::Batches;
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use trunnion_measurement::{AxisSample, Event, Gap, ProbeSample};
-use trunnion_units::HostTime;
+use trunnion_core::{AxisSample, Event, Gap, HostTime, ProbeSample};
 
 /// Longest time a sample waits for its batch to fill.
 const BATCH_AGE: Duration = Duration::from_millis(40);

@@ -6,10 +6,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use trunnion_core::{HostTime, ProbeSample};
 use trunnion_machine::shipped;
-use trunnion_measurement::ProbeSample;
 use trunnion_record::{Item, RecordError, Recorder, RunHeader, points_csv, read_run, recover_orphans};
-use trunnion_units::HostTime;
 
 const SAMPLES: usize = 4000;
 

@@ -10,10 +10,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use trunnion_core::{Clock, HostTime, ProbeSample};
+use trunnion_cycles::RunKind;
 use trunnion_machine::shipped;
-use trunnion_measurement::{ProbeSample, RunKind};
 use trunnion_record::{Item, Recorder, RecorderHandle, RunHeader, read_run, recover_orphans};
-use trunnion_units::{Clock, HostTime};
 
 const FOLDER: &str = "TRUNNION_KILL_TEST_FOLDER";
 
@@ -38,6 +38,7 @@ fn record_a_counter_until_killed(folder: &Path) -> ! {
         setups: Vec::new(),
         temperature_channels: Vec::new(),
         probes: vec!["counter".into()],
+        probe_roles: Vec::new(),
         cycle_text: String::new(),
         config_text: String::new(),
         software_version: "0.1.0".into(),

@@ -1,9 +1,9 @@
 //! The points file of DESIGN §3.2: golden import, every problem at once, round trip.
 
+use trunnion_core::{AxisLetter, Problems};
+use trunnion_cycles::Run;
 use trunnion_machine::{Machine, shipped};
-use trunnion_measurement::Run;
 use trunnion_record::{export, points_csv};
-use trunnion_units::{AxisLetter, Problems};
 
 const POINTS: &str = include_str!("../../../tests/data/points-gravity/points.csv");
 const SETUP: &str = include_str!("../../../tests/data/points-gravity/setup.toml");

@@ -6,12 +6,14 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 use std::time::Duration;
-use trunnion_machine::{Machine, State, shipped};
-use trunnion_measurement::{AxisSample, Event, Gap, Point, ProbeSample, Quality, Run, RunKind, Stamp};
+use trunnion_core::{
+    AxisSample, AxisValues, Event, Gap, HostTime, Point, ProbeSample, Quality, Stamp, State,
+};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_machine::{Machine, shipped};
 use trunnion_record::{
     ControllerState, Item, LogLine, Recorder, RunHeader, Temperature, points_csv, read_run, visit, write_run,
 };
-use trunnion_units::{AxisValues, HostTime};
 
 const START: HostTime = HostTime(5_000_000_000);
 
@@ -36,6 +38,7 @@ fn machine_text(name: &str) -> &'static str {
 fn header(run: &Run) -> RunHeader {
     RunHeader {
         probes: vec!["px".into(), "py".into(), "pz".into()],
+        probe_roles: Vec::new(),
         cycle_text: "format = \"trunnion-cycle/1\"\n".into(),
         config_text: "# µm\n".into(),
         host_start: START,

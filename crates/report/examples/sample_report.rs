@@ -3,14 +3,17 @@
 //! FOLDER holds `points.csv` and `setup.toml` (B and C grid, table-bc); ADD is an effect to add to the base model.
 
 use std::path::Path;
-use trunnion_effects::{Model, model::ModelEffect};
-use trunnion_identify::{Experiment, Options, identify};
-use trunnion_machine::{State, shipped};
-use trunnion_measurement::{Point, Quality, Run, RunKind, setup::parse_setup_file};
+use trunnion_core::setup::parse_setup_file;
+use trunnion_core::{AxisLetter, Point, Quality, State, convert};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_effects::Model;
+use trunnion_effects::model::ModelEffect;
+use trunnion_engine::fit::Options;
+use trunnion_engine::{Experiment, identify};
+use trunnion_machine::shipped;
 use trunnion_report::{
     CompareInput, LadderRow, compare_html, compare_text, diagnosis_text, identification_text, ladder_text,
 };
-use trunnion_units::{AxisLetter, convert};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -22,7 +25,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut model = base.clone();
     model.effects.extend(rest.iter().map(|id| ModelEffect { id: id.clone(), ..ModelEffect::default() }));
     let fit = identify(&experiment, &model, &Options::default())?;
-    let diagnosis = trunnion_diagnose::diagnose(&experiment, &model, &trunnion_diagnose::Options::default())?;
+    let diagnosis =
+        trunnion_engine::diagnose(&experiment, &model, &trunnion_engine::diagnosis::Options::default())?;
     let mut input = CompareInput::new(&experiment, &fit, Some(diagnosis));
     input.label = "Sample report of imported points.".into();
     if let Some(effect) = rest.first() {

@@ -7,8 +7,8 @@ mod csv;
 mod etalon;
 mod isg;
 
-use trunnion_identify::AxisErrors;
-use trunnion_units::{AxisLetter, Twist, convert};
+use trunnion_core::{AxisLetter, Twist, convert};
+use trunnion_methods::AxisErrors;
 
 /// One format: plain data and a function, one constant per file.
 pub struct Format {

@@ -2,7 +2,7 @@
 
 use crate::number::{MISSING, plain, signed, unit_on_screen, value_and_u};
 use trunnion_effects::Unit;
-use trunnion_identify::findings::{Cell, Column, FoundTable, FoundValue};
+use trunnion_methods::findings::{Cell, Column, FoundTable, FoundValue};
 
 /// Heads of the table of values.
 pub const VALUE_HEADS: [&str; 4] = ["value", "", "u", "remark"];

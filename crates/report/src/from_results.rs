@@ -6,14 +6,13 @@ use crate::{
 };
 use nalgebra::{DVector, Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
-use trunnion_diagnose::views::places as worst_places;
-use trunnion_diagnose::{Diagnosis, Verdict};
+use trunnion_core::convert::um_from_mm;
+use trunnion_core::{AxisValues, Point, Setup};
+use trunnion_cycles::RunKind;
 use trunnion_effects::{Model, ModelEffect};
-use trunnion_identify::{Experiment, Identification, NoiseOrigin};
+use trunnion_engine::compare::places as worst_places;
+use trunnion_engine::{Diagnosis, Experiment, Identification, NoiseOrigin, Verdict};
 use trunnion_machine::{JointErrors, Machine};
-use trunnion_measurement::{Point, RunKind, Setup};
-use trunnion_units::AxisValues;
-use trunnion_units::convert::um_from_mm;
 
 impl CompareInput {
     /// The report of one fit. Label, ladder, losses and timing are the caller's to fill in.
@@ -228,7 +227,7 @@ impl From<&Setup> for SetupView {
 
 impl From<&Identification> for IdentificationView {
     fn from(fit: &Identification) -> Self {
-        let parameter = |p: &trunnion_identify::FittedParameter| ParameterRow {
+        let parameter = |p: &trunnion_engine::FittedParameter| ParameterRow {
             name: p.name.clone(),
             effect: p.effect.clone(),
             value: p.screen_value(),
@@ -236,11 +235,11 @@ impl From<&Identification> for IdentificationView {
             unit: p.unit.symbol.into(),
             note: p.note.clone(),
         };
-        let unobservable = |row: &trunnion_identify::Unobservable| UnobservableRow {
+        let unobservable = |row: &trunnion_engine::Unobservable| UnobservableRow {
             direction: row.direction.clone(),
             why: row.why.clone(),
         };
-        let together = |c: &trunnion_identify::Combination| ParameterRow {
+        let together = |c: &trunnion_engine::Combination| ParameterRow {
             name: c.text.clone(),
             value: Some(c.value),
             u: Some(c.u),
@@ -264,7 +263,7 @@ impl From<&Identification> for IdentificationView {
 }
 
 /// A noise figure taken from the residual itself is no floor: it contains whatever the model lacks.
-fn noise_view(noise: trunnion_identify::Noise) -> Noise {
+fn noise_view(noise: trunnion_engine::Noise) -> Noise {
     match noise.origin {
         NoiseOrigin::Repeats => Noise {
             rms_um: Some(um_from_mm(noise.sigma_mm)),

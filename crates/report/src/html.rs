@@ -18,8 +18,8 @@ mod volumetric;
 use crate::markup::{element, escape};
 use crate::number::um;
 use crate::{CompareInput, LadderRow, Trial};
-use trunnion_identify::Findings;
-use trunnion_identify::volumetric::VolumetricMap;
+use trunnion_methods::Findings;
+use trunnion_methods::volumetric::VolumetricMap;
 
 const STYLE: &str = include_str!("html/style.css");
 

@@ -1,11 +1,11 @@
 //! What a report shows: plain data, whoever computed it.
 
 use nalgebra::{Matrix3, Vector3};
-use trunnion_diagnose::Diagnosis;
-use trunnion_diagnose::views::Place as WorstPlace;
+use trunnion_core::AxisValues;
 use trunnion_effects::Moved;
-use trunnion_measurement::time_quality::TimeQuality;
-use trunnion_units::AxisValues;
+use trunnion_engine::Diagnosis;
+use trunnion_engine::compare::Place as WorstPlace;
+use trunnion_sync::time_quality::TimeQuality;
 
 /// Everything the compare report shows. Empty lists and `None` leave their section out or say what is missing.
 #[derive(Clone, Debug, Default)]

@@ -1,6 +1,6 @@
 //! Reports: one self-contained HTML page with its plots, and tables for the terminal.
 //!
-//! NC programs of cycles ([`nc`]) and compensation tables ([`compensation`]) in the dialects of the controllers.
+//! Compensation tables ([`compensation`]) in the formats of the controllers.
 //!
 //! Everything takes plain data ([`CompareInput`]) and returns a string; nothing opens a file or asks a clock. Screens
 //! show mm, µm, degrees and µrad; `residual = measured − predicted` everywhere.
@@ -11,7 +11,6 @@ mod from_results;
 mod html;
 mod input;
 mod markup;
-pub mod nc;
 mod number;
 mod svg;
 mod text;

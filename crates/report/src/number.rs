@@ -59,7 +59,7 @@ pub fn degrees(rad: f64) -> String {
     if !rad.is_finite() {
         return MISSING.into();
     }
-    let rounded = (trunnion_units::convert::deg_from_rad(rad) * 100.0).round() / 100.0;
+    let rounded = (trunnion_core::convert::deg_from_rad(rad) * 100.0).round() / 100.0;
     format!("{}°", minus(format!("{}", rounded + 0.0)))
 }
 

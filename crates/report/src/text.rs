@@ -18,9 +18,9 @@ use crate::words::{
 };
 use crate::{CompareInput, IdentificationView, Noise, ParameterRow, Trial};
 use std::iter::once;
-use trunnion_diagnose::views::Place;
-use trunnion_diagnose::{Candidate, Diagnosis, FormulaProposal};
 use trunnion_effects::Moved;
+use trunnion_engine::compare::Place;
+use trunnion_engine::{Candidate, Diagnosis, FormulaProposal};
 
 /// Longest bar, characters.
 const BAR: f64 = 30.0;

@@ -1,7 +1,7 @@
 //! How well the samples of a run are known in time, as tables for page and terminal, and as JSON.
 
 use crate::number::{MISSING, minus, plain};
-use trunnion_measurement::time_quality::{Gesture, StreamTiming, TimeQuality};
+use trunnion_sync::time_quality::{Gesture, StreamTiming, TimeQuality};
 
 /// Head of the table of streams.
 pub const HEAD: [&str; 9] = [
@@ -75,7 +75,7 @@ fn gesture(gesture: &Gesture) -> String {
     let seen = match gesture.seen.as_slice() {
         [] => "no probe saw it".into(),
         seen => {
-            let of = |seen: &trunnion_measurement::time_quality::GestureDelay| {
+            let of = |seen: &trunnion_sync::time_quality::GestureDelay| {
                 format!("{} (u {})", duration(seen.delay_s), duration(seen.u_s))
             };
             format!("readings later by {}", seen.iter().map(of).collect::<Vec<_>>().join(", "))

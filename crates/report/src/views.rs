@@ -4,8 +4,8 @@
 
 use crate::number::degrees;
 use crate::{CompareInput, PointView};
-use trunnion_units::AxisLetter;
-use trunnion_units::convert::{rad_from_deg, um_from_mm};
+use trunnion_core::AxisLetter;
+use trunnion_core::convert::{rad_from_deg, um_from_mm};
 
 /// More stations than this are gathered in sectors.
 const MOST_STATIONS: usize = 36;

@@ -1,10 +1,10 @@
 //! A volumetric map in rows: what text, page and error map file share.
 
 use crate::number::{MISSING, minus, um, value_and_u};
-use trunnion_identify::notation::LocationError;
-use trunnion_identify::volumetric::{Datum, Extreme, Unseen, VolumetricMap};
-use trunnion_units::AxisLetter;
-use trunnion_units::convert::{deg_from_rad, um_from_mm, urad_from_rad};
+use trunnion_core::AxisLetter;
+use trunnion_core::convert::{deg_from_rad, um_from_mm, urad_from_rad};
+use trunnion_methods::notation::LocationError;
+use trunnion_methods::volumetric::{Datum, Extreme, Unseen, VolumetricMap};
 
 /// Heads of the table of values.
 pub const HEADS: [&str; 4] = ["over the volume", "value", "u", "from where to where"];

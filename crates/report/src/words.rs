@@ -2,10 +2,10 @@
 
 use crate::number::{degrees, percent, plain, um, um_or_dash, unit_on_screen};
 use crate::{CompareInput, ParameterRow, Trial};
-use trunnion_diagnose::plan::PlannedCycle;
-use trunnion_diagnose::{Candidate, Diagnosis, FormulaProposal, ShapeNumber, Verdict};
 use trunnion_effects::catalogue::REGISTRY;
 use trunnion_effects::{About, Moved, SOURCES};
+use trunnion_engine::next_cycle::PlannedCycle;
+use trunnion_engine::{Candidate, Diagnosis, FormulaProposal, ShapeNumber, Verdict};
 
 /// A parameter is worth telling when it exceeds this many standard uncertainties.
 const CLEAR_U: f64 = 3.0;

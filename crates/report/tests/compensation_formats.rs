@@ -1,9 +1,9 @@
 //! Compensation files as text, and their registry.
 
 use nalgebra::Vector3;
-use trunnion_identify::{AxisErrors, AxisTable, NotTabulated};
+use trunnion_core::{AxisLetter, Twist, convert};
+use trunnion_methods::{AxisErrors, AxisTable, NotTabulated};
 use trunnion_report::compensation::{FORMATS, Values};
-use trunnion_units::{AxisLetter, Twist, convert};
 
 #[test]
 fn the_registry_holds_every_format_file_and_nothing_else() {

@@ -3,16 +3,18 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 use nalgebra::Point3;
+use trunnion_core::{AxisLetter, InstrumentKind, NestSide, Point, Quality, Setup, State};
+use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{LadderRow, Model, ModelEffect, Moved};
-use trunnion_identify::methods::{self, MethodOptions};
-use trunnion_identify::{Experiment, Options, identify};
-use trunnion_machine::{State, shipped};
-use trunnion_measurement::{InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
+use trunnion_engine::fit::Options;
+use trunnion_engine::{Experiment, identify};
+use trunnion_machine::shipped;
+use trunnion_methods::recipes;
+use trunnion_methods::recipes::MethodOptions;
 use trunnion_report::{
     CompareInput, Trial, compare_html, compare_text, findings_html, findings_text, ladder_html, ladder_of,
     ladder_text, trial_html, trial_text,
 };
-use trunnion_units::AxisLetter;
 
 /// Two heights, B every 45°, C every 45° forth and back; the tool reads 2.5 µm further along Z with C going forward, and
 /// as much less with C going back. Where a pass begins, C comes from the other side.

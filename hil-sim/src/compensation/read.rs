@@ -5,7 +5,7 @@
 
 use super::{Compensation, Table};
 use std::collections::BTreeMap;
-use trunnion_units::{AxisLetter, AxisValues, Problem, Problems, Twist};
+use trunnion_core::{AxisLetter, AxisValues, Problem, Problems, Twist};
 
 /// Column name and its values: one without argument, or many with.
 #[derive(Default)]

@@ -15,10 +15,10 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
+use trunnion_core::AxisLetter;
 use trunnion_protocol::linuxcncrsh::{
     Item, JointUnit, Lines, ProgramStatus, Reply, Request, parse_request, write_reply,
 };
-use trunnion_units::AxisLetter;
 
 /// Joints in every answer of LinuxCNC 2.9.
 const JOINTS_TOLD: usize = 6;

@@ -1,8 +1,7 @@
 //! What there is to see in the cell, as a function of time.
 
 use crate::motion::Trajectory;
-use trunnion_machine::State;
-use trunnion_units::AxisValues;
+use trunnion_core::{AxisValues, State};
 
 /// What the devices observe. Every function is pure: the same time gives the same answer, whoever asks.
 /// `t_s` is time of the cell, s.

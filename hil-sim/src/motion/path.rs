@@ -1,7 +1,7 @@
 //! The way of a step through axis space: q(u), u from 0 to 1, where each axis turns round, and derivatives.
 
 use super::program::Follow;
-use trunnion_units::{AxisLetter, AxisValues};
+use trunnion_core::{AxisLetter, AxisValues};
 
 /// Step of the difference quotients over u of a followed path.
 const H: f64 = 1e-4;

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;
-use trunnion_units::{AxisLetter, AxisValues};
+use trunnion_core::{AxisLetter, AxisValues};
 
 /// A program: where it starts and its steps. Compile it with [`super::Trajectory::compile`].
 #[derive(Debug, Clone)]

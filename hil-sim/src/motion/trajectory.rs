@@ -3,8 +3,7 @@
 use super::path::Path;
 use super::profile::Profile;
 use super::program::{Program, ProgramError, Step};
-use trunnion_machine::State;
-use trunnion_units::{AxisLetter, AxisValues};
+use trunnion_core::{AxisLetter, AxisValues, State};
 
 /// What the axes do at one instant.
 #[derive(Debug, Clone, PartialEq)]
@@ -219,7 +218,7 @@ mod tests {
     use super::super::Follow;
     use super::*;
     use std::f64::consts::{PI, TAU};
-    use trunnion_units::AxisLetter::{B, C, X, Y};
+    use trunnion_core::AxisLetter::{B, C, X, Y};
 
     /// The ball on a table turning about Z by C, at radius 100.
     fn circle() -> Follow {

@@ -5,8 +5,8 @@
 
 use super::legs;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use trunnion_core::{AxisLetter, AxisValues, Twist};
 use trunnion_machine::{Axis, Machine, Side};
-use trunnion_units::{AxisLetter, AxisValues, Twist};
 
 /// Pose of table or tool in the machine frame.
 pub fn machine_from_tip(

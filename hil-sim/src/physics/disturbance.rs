@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 use std::ops::{Add, Mul};
+use trunnion_core::{AxisLetter, AxisValues, Twist};
 use trunnion_machine::JointErrors;
-use trunnion_units::{AxisLetter, AxisValues, Twist};
 
 /// Displacements of the parts of the machine, actual minus nominal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

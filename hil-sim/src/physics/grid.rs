@@ -5,8 +5,8 @@
 
 use crate::truth::SimSetup;
 use nalgebra::Point3;
-use trunnion_machine::{Machine, State};
-use trunnion_units::{AxisLetter, AxisValues};
+use trunnion_core::{AxisLetter, AxisValues, State};
+use trunnion_machine::Machine;
 
 /// A move to the next C and settling, s.
 const POINT_S: f64 = 4.0;

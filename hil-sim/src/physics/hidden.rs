@@ -37,8 +37,8 @@ use nalgebra::Vector3;
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trunnion_machine::{Machine, State};
-use trunnion_units::{AxisLetter, Twist};
+use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_machine::Machine;
 
 /// Raw rms of an effect of `sigma` = 1 over the readings of the cycle in which it is seen, mm [METHODS §9: 4–8 µm].
 pub const TYPICAL_RMS_MM: f64 = 5e-3;

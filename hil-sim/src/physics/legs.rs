@@ -8,8 +8,8 @@
 
 use super::chain::turned;
 use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector3};
+use trunnion_core::{AxisValues, Twist};
 use trunnion_machine::{Machine, Tripod};
-use trunnion_units::{AxisValues, Twist};
 
 type Unknown = SVector<f64, 5>;
 

@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trunnion_machine::{Machine, State};
-use trunnion_units::{AxisLetter, Twist};
+use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_machine::Machine;
 
 /// Typical distance of the ball from an axis, mm.
 const ARM_MM: f64 = 250.0;

@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use trunnion_core::{AxisLetter, Twist};
 use trunnion_machine::{JointErrors, Machine};
-use trunnion_units::{AxisLetter, Twist};
 
 const LOCATION_MM: f64 = 10e-3;
 const LOCATION_RAD: f64 = 50e-6;

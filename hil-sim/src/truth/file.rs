@@ -1,15 +1,16 @@
 //! The sealed truth file, `format = "trunnion-truth/1"`. The program under test never reads it.
 
 use super::{Instrument, NestOn, Noise, PlacedSetup, SimSetup, Truth};
-use crate::physics::hidden::{self, Hidden};
+use crate::physics::hidden;
+use crate::physics::hidden::Hidden;
 use crate::truth::draw::LocationError;
 use nalgebra::Point3;
 use std::ops::RangeInclusive;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, value};
+use trunnion_core::convert::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
+use trunnion_core::input::{Document, Table};
+use trunnion_core::{AxisLetter, Problems};
 use trunnion_machine::JointErrors;
-use trunnion_units::convert::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
-use trunnion_units::input::{Document, Table};
-use trunnion_units::{AxisLetter, Problems};
 
 const FORMAT: &str = "trunnion-truth/1";
 const ANY: RangeInclusive<f64> = -1e12..=1e12;

@@ -5,9 +5,9 @@ use crate::floor::{WALL_NS, cell};
 use http_body_util::BodyExt;
 use hyper::body::Incoming;
 use std::collections::BTreeMap;
+use trunnion_core::AxisLetter;
 use trunnion_hil_sim::devices::{DeviceClock, Fault, World};
 use trunnion_protocol::mtconnect::{Document, MultipartDecoder, ObservedValue, StreamsDocument, parse};
-use trunnion_units::AxisLetter;
 
 async fn current(url: &str) -> StreamsDocument {
     match document(url, "/current").await {

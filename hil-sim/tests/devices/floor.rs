@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 use tokio::time::Instant;
+use trunnion_core::AxisLetter::{B, C, X, Y};
+use trunnion_core::AxisValues;
 use trunnion_hil_sim::devices::SimulatedCell;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig, start};
 use trunnion_hil_sim::motion::{Follow, Program, Step, Trajectory};
-use trunnion_units::AxisLetter::{B, C, X, Y};
-use trunnion_units::AxisValues;
 
 /// The controller's wall clock at time 0: 2026-01-01 00:00 UTC.
 pub const WALL_NS: i64 = 1_767_225_600_000_000_000;

@@ -2,10 +2,10 @@
 
 use crate::{low_and_high, setup, table_bc};
 use nalgebra::{Point3, Rotation3, Vector3};
+use trunnion_core::{AxisLetter, AxisValues, State, Twist};
 use trunnion_hil_sim::physics::{grid, simulate_points};
 use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine};
-use trunnion_machine::{JointErrors, Machine, State, shipped};
-use trunnion_units::{AxisLetter, AxisValues, Twist};
+use trunnion_machine::{JointErrors, Machine, shipped};
 
 fn largest(points: &[[f64; 3]]) -> f64 {
     points.iter().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()))

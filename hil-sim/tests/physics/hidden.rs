@@ -3,11 +3,10 @@
 use crate::{RUN_S, low_and_high, table_bc};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use trunnion_hil_sim::physics::hidden::{self, Hidden, HiddenChoice, KINDS, SeenIn, TYPICAL_RMS_MM};
-use trunnion_hil_sim::physics::{grid, simulate_points};
+use trunnion_core::{AxisLetter, State};
+use trunnion_hil_sim::physics::hidden::{Hidden, HiddenChoice, KINDS, SeenIn, TYPICAL_RMS_MM};
+use trunnion_hil_sim::physics::{grid, hidden, simulate_points};
 use trunnion_hil_sim::{Truth, VirtualMachine};
-use trunnion_machine::State;
-use trunnion_units::AxisLetter;
 
 fn choice(id: &str) -> HiddenChoice {
     HiddenChoice { id: id.into(), sigma: 1.0 }

@@ -1,10 +1,10 @@
 //! Noise: repeatable by seed, and of the size the truth says.
 
 use crate::{RUN_S, low_and_high, table_bc};
+use trunnion_core::State;
 use trunnion_hil_sim::physics::{grid, simulate_points};
 use trunnion_hil_sim::truth::Noise;
 use trunnion_hil_sim::{Sampler, Truth, VirtualMachine};
-use trunnion_machine::State;
 
 fn states() -> Vec<State> {
     grid::compressed(grid::standard_bc(&table_bc(), &low_and_high()), RUN_S)

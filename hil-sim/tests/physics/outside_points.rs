@@ -3,9 +3,8 @@
 
 use crate::{low_and_high, table_bc};
 use nalgebra::Vector3;
+use trunnion_core::{AxisLetter, State};
 use trunnion_hil_sim::{Truth, VirtualMachine};
-use trunnion_machine::State;
-use trunnion_units::AxisLetter;
 
 const POINTS: &str = include_str!("../../../tests/data/points-nothing-hidden/points.csv");
 

@@ -2,11 +2,11 @@
 
 use super::world::{ClockWorld, MARGIN_S};
 use std::collections::BTreeMap;
-use trunnion_acquire::{GestureFinder, Message, Retiming, Stream, Survey, TimeBase, Timed, mean_delays};
+use trunnion_core::reading::Message;
+use trunnion_core::{AxisLetter, AxisSample, HostTime, ProbeSample, Stamp};
 use trunnion_hil_sim::devices::DeviceClock;
-use trunnion_measurement::time_quality::Gesture;
-use trunnion_measurement::{AxisSample, ProbeSample, Stamp};
-use trunnion_units::{AxisLetter, HostTime};
+use trunnion_sync::time_quality::Gesture;
+use trunnion_sync::{GestureFinder, Retiming, Stream, Survey, TimeBase, Timed, mean_delays};
 
 /// Samples of the first seconds of a connection are not looked at: the line of a running cycle is older.
 const SETTLED_S: f64 = MARGIN_S + 12.0;

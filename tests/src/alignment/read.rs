@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{DeviceConfig, Message, start};
+use trunnion_acquire::{DeviceConfig, start};
+use trunnion_core::reading::Message;
+use trunnion_core::{Clock, HostTime};
 use trunnion_hil_sim::devices::TimeOrigin;
-use trunnion_units::{Clock, HostTime};
 
 /// The simulator's time as the host's clock; the wall clock is that of this computer.
 struct CellClock(TimeOrigin);

@@ -3,8 +3,8 @@
 //! First and last 5 s: a sync gesture of X and standing. In between C turns at 3600°/min, X stands, and the probes see a
 //! sawtooth of 20 mm/s, so that a value gives the time to some µs within a period.
 
+use trunnion_core::{AxisLetter, AxisValues};
 use trunnion_hil_sim::devices::{CycleState, World};
-use trunnion_units::{AxisLetter, AxisValues};
 
 /// C, rad/s: 3600°/min.
 pub const OMEGA: f64 = std::f64::consts::TAU * 10.0 / 60.0;

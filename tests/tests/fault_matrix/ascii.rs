@@ -3,8 +3,8 @@
 use crate::common::some;
 use crate::matrix::{Case, Cell, Kind, Subject, Trouble};
 use trunnion_acquire::DeviceState::{Silent, WrongDevice};
-use trunnion_hil_sim::devices::Fault;
-use trunnion_hil_sim::devices::ascii::{self, IndicatorConfig, Sees};
+use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
+use trunnion_hil_sim::devices::{Fault, ascii};
 use trunnion_protocol::ascii::Preset;
 
 const SILENT: &str = "silent for * ms: PORT does not answer *; check that it is switched on, its cable, and that this is its port";

@@ -10,13 +10,12 @@ use std::time::{Duration, Instant};
 use tokio::time::timeout_at;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{
-    Acquisition, DeviceState, DeviceStatus, Message, Reading, SessionEnd, TimeBase, Timed, parse_devices,
-    start,
-};
+use trunnion_acquire::{Acquisition, DeviceState, DeviceStatus, SessionEnd, parse_devices, start};
+use trunnion_core::AxisLetter::C;
+use trunnion_core::reading::{Message, Reading};
+use trunnion_core::{AxisValues, Clock, HostTime};
 use trunnion_hil_sim::devices::{CycleState, TimeOrigin, World};
-use trunnion_units::AxisLetter::C;
-use trunnion_units::{AxisValues, Clock, HostTime};
+use trunnion_sync::{TimeBase, Timed};
 
 /// Longest wait for anything; the machine may be busy.
 const LIMIT: Duration = Duration::from_secs(60);

@@ -3,8 +3,8 @@
 use crate::common::some;
 use crate::matrix::{Case, Cell, Kind, Subject, Trouble};
 use trunnion_acquire::DeviceState::{Failed, Silent, Streaming, WrongDevice};
-use trunnion_hil_sim::devices::canopen::{self, BusConfig};
-use trunnion_hil_sim::devices::{DeviceClock, Fault};
+use trunnion_hil_sim::devices::canopen::BusConfig;
+use trunnion_hil_sim::devices::{DeviceClock, Fault, canopen};
 
 const OUT_OF_RANGE: &str = "the node calls its value above the measuring range (status 6150h = 03h); bring it back into the range, or check \
                             the sensor and its cable";

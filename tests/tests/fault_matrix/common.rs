@@ -1,7 +1,8 @@
 //! Cells that many devices share.
 
 use crate::matrix::{Case, Cell, GapOf, Trouble};
-use trunnion_acquire::DeviceState::{self, Absent, Failed, Silent, Streaming, Stuck, WrongDevice};
+use trunnion_acquire::DeviceState;
+use trunnion_acquire::DeviceState::{Absent, Failed, Silent, Streaming, Stuck, WrongDevice};
 use trunnion_hil_sim::devices::Fault;
 
 /// Times of the faults, s.

@@ -3,8 +3,8 @@
 use crate::common::some;
 use crate::matrix::{Case, Cell, Kind, Subject, Trouble};
 use trunnion_acquire::DeviceState::{Failed, WrongDevice};
-use trunnion_hil_sim::devices::Fault;
-use trunnion_hil_sim::devices::keyence::{self, BoxConfig};
+use trunnion_hil_sim::devices::keyence::BoxConfig;
+use trunnion_hil_sim::devices::{Fault, keyence};
 
 const SILENT: &str = "silent for * ms: PORT does not answer M0; check that it is switched on, its cable, and that this is its port";
 

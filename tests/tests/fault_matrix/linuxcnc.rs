@@ -3,8 +3,8 @@
 use crate::common::some;
 use crate::matrix::{Case, Cell, Kind, Subject, Trouble};
 use trunnion_acquire::DeviceState::{Failed, Silent, Streaming, WrongDevice};
-use trunnion_hil_sim::devices::Fault;
-use trunnion_hil_sim::devices::linuxcncrsh::{self, ServerConfig};
+use trunnion_hil_sim::devices::linuxcncrsh::ServerConfig;
+use trunnion_hil_sim::devices::{Fault, linuxcncrsh};
 
 const SILENT: &str = "silent for * ms: ADDRESS does not answer as linuxcncrsh; check that LinuxCNC runs, and the network between";
 const GONE: &str = "disconnected: ADDRESS: *";

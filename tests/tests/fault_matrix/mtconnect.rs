@@ -3,8 +3,8 @@
 use crate::common::some;
 use crate::matrix::{Case, Cell, GapOf, Kind, Subject, Trouble};
 use trunnion_acquire::DeviceState::{Failed, Silent, Streaming, WrongDevice};
-use trunnion_hil_sim::devices::mtconnect::{self, AgentConfig};
-use trunnion_hil_sim::devices::{DeviceClock, Fault, relay};
+use trunnion_hil_sim::devices::mtconnect::AgentConfig;
+use trunnion_hil_sim::devices::{DeviceClock, Fault, mtconnect, relay};
 
 const WALL_NS: i64 = 1_767_225_600_000_000_000;
 

@@ -3,8 +3,8 @@
 use crate::common::some;
 use crate::matrix::{Case, Cell, GapOf, Kind, Subject, Trouble};
 use trunnion_acquire::DeviceState::{Failed, Silent, Streaming, WrongDevice};
-use trunnion_hil_sim::devices::opcua::{self, ControllerConfig};
-use trunnion_hil_sim::devices::{DeviceClock, Fault};
+use trunnion_hil_sim::devices::opcua::ControllerConfig;
+use trunnion_hil_sim::devices::{DeviceClock, Fault, opcua};
 
 const WALL_NS: i64 = 1_767_225_600_000_000_000;
 const SILENT: &str = "silent for * ms: opc.tcp://ADDRESS does not answer; check that the controller runs, and the network between";

@@ -3,8 +3,8 @@
 use crate::common::some;
 use crate::matrix::{Case, Cell, GapOf, Kind, Lost, Subject, Trouble};
 use trunnion_acquire::DeviceState::{Silent, WrongDevice};
-use trunnion_hil_sim::devices::optoncdt::{self, ProbeConfig};
-use trunnion_hil_sim::devices::{DeviceClock, Fault};
+use trunnion_hil_sim::devices::optoncdt::ProbeConfig;
+use trunnion_hil_sim::devices::{DeviceClock, Fault, optoncdt};
 
 const SILENT: &str = "silent for * ms: PORT sends no values*";
 const LOST: &str = "values lost on the line (counter jumped)*";

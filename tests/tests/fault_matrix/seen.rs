@@ -3,7 +3,7 @@
 use crate::bench::NAME;
 use crate::matrix::{Case, GapOf, is_like};
 use trunnion_acquire::DeviceState;
-use trunnion_measurement::{Event, Gap};
+use trunnion_core::{Event, Gap};
 
 /// Addresses, and what to call them.
 pub type Names = [(String, &'static str); 2];

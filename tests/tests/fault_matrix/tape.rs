@@ -3,10 +3,10 @@
 use crate::bench::SinceStart;
 use std::path::Path;
 use std::sync::Arc;
-use trunnion_acquire::Timed;
-use trunnion_measurement::{Event, Gap, RunKind};
+use trunnion_core::{Clock, Event, Gap, HostTime};
+use trunnion_cycles::RunKind;
 use trunnion_record::{Item, Recorder, RecorderHandle, RunHeader, Temperature};
-use trunnion_units::{Clock, HostTime};
+use trunnion_sync::Timed;
 
 /// Items that wait for the disk.
 const QUEUE: usize = 4096;
@@ -28,6 +28,7 @@ impl Tape {
             setups: Vec::new(),
             temperature_channels: Vec::new(),
             probes: Vec::new(),
+            probe_roles: Vec::new(),
             cycle_text: String::new(),
             config_text: String::new(),
             software_version: env!("CARGO_PKG_VERSION").into(),

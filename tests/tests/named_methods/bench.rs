@@ -1,13 +1,14 @@
 //! A truth file, a shipped cycle file, and the run they give.
 
+use trunnion_core::{InstrumentKind, NestSide, Point, Quality, Setup};
+use trunnion_cycles::cycle::{Motion, Pace};
+use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine};
 use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth};
-use trunnion_identify::Findings;
-use trunnion_identify::findings::Plot;
-use trunnion_identify::methods::{self, Convention, MethodError, MethodOptions};
 use trunnion_machine::shipped;
-use trunnion_measurement::cycle::{Motion, Pace};
-use trunnion_measurement::{Cycle, InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
+use trunnion_methods::findings::Plot;
+use trunnion_methods::recipes::{Convention, MethodError, MethodOptions};
+use trunnion_methods::{Findings, recipes};
 
 /// A cycle file of `config/cycles`.
 pub fn cycle_text(name: &str) -> String {
@@ -76,7 +77,7 @@ pub fn cycle(text: &str) -> Cycle {
 }
 
 pub fn by_method(name: &str, run: &Run, convention: Convention) -> Result<Findings, MethodError> {
-    let method = methods::find(name)?;
+    let method = recipes::find(name)?;
     (method.run)(std::slice::from_ref(run), &MethodOptions { convention, ..MethodOptions::default() })
 }
 

@@ -1,9 +1,9 @@
 //! S1's map on the simulator: what was put in is found at every pose.
 
 use crate::bench::{by_method, cycle, cycle_text, measure, noise, truth, value};
-use trunnion_identify::Findings;
-use trunnion_identify::findings::Cell;
-use trunnion_identify::methods::Convention;
+use trunnion_methods::Findings;
+use trunnion_methods::findings::Cell;
+use trunnion_methods::recipes::Convention;
 
 const UM: f64 = 1e-3;
 const URAD: f64 = 1e-6;

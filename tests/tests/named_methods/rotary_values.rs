@@ -1,8 +1,8 @@
 //! ISO 230-7 values on the simulator.
 
 use crate::bench::{by_method, cycle, cycle_text, measure, noise, truth, value};
-use trunnion_identify::Findings;
-use trunnion_identify::methods::Convention;
+use trunnion_methods::Findings;
+use trunnion_methods::recipes::Convention;
 
 const UM: f64 = 1e-3;
 const URAD: f64 = 1e-6;

@@ -1,9 +1,9 @@
 //! S0's experiments on the simulator.
 
 use crate::bench::{Set, by_method, curve, cycle, cycle_text, measure, noise, truth, value};
-use trunnion_identify::Findings;
-use trunnion_identify::methods::{self, Convention, MethodOptions};
-use trunnion_measurement::Cycle;
+use trunnion_cycles::Cycle;
+use trunnion_methods::recipes::{Convention, MethodOptions};
+use trunnion_methods::{Findings, recipes};
 
 const UM: f64 = 1e-3;
 const URAD: f64 = 1e-6;
@@ -214,7 +214,7 @@ fn two_recordings_of_one_height_each_tell_the_same() {
         run.points.retain(|point| point.state.setup == setup);
         run
     });
-    let method = methods::find("two-height").expect("registered");
+    let method = recipes::find("two-height").expect("registered");
     let [together, apart] = [std::slice::from_ref(&both), &apart[..]]
         .map(|runs| (method.run)(runs, &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}")));
     for name in ["EX0C", "EY0C", "EA0C", "EB0C", "EXC range"] {

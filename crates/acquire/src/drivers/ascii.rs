@@ -13,17 +13,17 @@ mod probe;
 mod settings;
 
 use super::{Device, Driver, Session};
-use crate::config::Role;
-use crate::message::{ProbeReading, Reading, TemperatureReading};
 use crate::supervisor::{Link, SessionEnd};
 use crate::transport::asked::{Exchange, exchange};
-use crate::transport::serial::{self, Port};
+use crate::transport::serial;
+use crate::transport::serial::Port;
 use settings::Settings;
 use std::convert::Infallible;
 use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
+use trunnion_core::reading::{ProbeReading, Reading, TemperatureReading};
+use trunnion_core::{HostTime, Role};
 use trunnion_protocol::ascii::{Decoder, Line, Measured, Stamp};
-use trunnion_units::HostTime;
 
 /// Registry entry.
 pub const DRIVER: Driver = Driver {

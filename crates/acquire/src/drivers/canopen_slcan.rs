@@ -10,13 +10,13 @@ mod probe;
 
 use super::canopen::Network;
 use super::{Device, Driver, Session};
-use crate::config::Role;
 use crate::supervisor::{Link, SessionEnd};
 use adapter::OpenAdapter;
 use std::convert::Infallible;
 use std::sync::Arc;
+use trunnion_core::Role;
+use trunnion_core::input::Table;
 use trunnion_protocol::slcan::Bitrate;
-use trunnion_units::input::Table;
 
 /// Registry entry.
 pub const DRIVER: Driver = Driver {

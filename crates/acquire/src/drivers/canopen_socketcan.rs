@@ -11,13 +11,13 @@ mod stamps;
 
 use super::canopen::Network;
 use super::{Device, Driver, Session};
-use crate::config::Role;
 use crate::probe::{Answer, Found, Medium, Probe, Probing};
 use crate::supervisor::{Link, SessionEnd};
 use socket::OpenInterface;
 use std::convert::Infallible;
 use std::sync::Arc;
-use trunnion_units::input::Table;
+use trunnion_core::Role;
+use trunnion_core::input::Table;
 
 /// Registry entry.
 pub const DRIVER: Driver = Driver {

@@ -12,17 +12,16 @@ mod exchange;
 mod probe;
 
 use super::{Device, Driver, Session};
-use crate::config::Role;
-use crate::message::{AxisReading, ControllerReading, Execution, Reading};
 use crate::supervisor::{Link, SessionEnd};
 use exchange::{Answered, Exchange};
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::MissedTickBehavior;
+use trunnion_core::input::Table;
+use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading};
+use trunnion_core::{AxisLetter, AxisValues, HostTime, Role};
 use trunnion_protocol::linuxcncrsh::{Item, JointUnit, ProgramStatus, Reply};
-use trunnion_units::input::Table;
-use trunnion_units::{AxisLetter, AxisValues, HostTime};
 
 /// Registry entry.
 pub const DRIVER: Driver = Driver {

@@ -13,7 +13,6 @@ pub mod mtconnect;
 pub mod opcua;
 pub mod optoncdt;
 
-use crate::config::Role;
 use crate::probe::Probe;
 use crate::supervisor::{Link, SessionEnd};
 use std::convert::Infallible;
@@ -21,7 +20,8 @@ use std::fmt::Debug;
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::Arc;
-use trunnion_units::input::Table;
+use trunnion_core::Role;
+use trunnion_core::input::Table;
 
 /// A session under way; it ends with a reason only.
 pub type Session<'a> = Pin<Box<dyn Future<Output = Result<Infallible, SessionEnd>> + Send + 'a>>;

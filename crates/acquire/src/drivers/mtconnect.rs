@@ -12,7 +12,6 @@ mod model;
 mod probe;
 
 use super::{Device, Driver, Session};
-use crate::config::Role;
 use crate::supervisor::{Link, SessionEnd};
 use crate::transport::http;
 use hyper::Uri;
@@ -20,9 +19,10 @@ use model::{Items, Model};
 use std::convert::Infallible;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
-use trunnion_protocol::mtconnect::{self, DevicesDocument, Document, MultipartDecoder, StreamsDocument};
-use trunnion_units::input::Table;
-use trunnion_units::{AxisLetter, AxisValues};
+use trunnion_core::input::Table;
+use trunnion_core::{AxisLetter, AxisValues, Role};
+use trunnion_protocol::mtconnect;
+use trunnion_protocol::mtconnect::{DevicesDocument, Document, MultipartDecoder, StreamsDocument};
 
 /// Registry entry.
 pub const DRIVER: Driver = Driver {

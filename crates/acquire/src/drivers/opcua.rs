@@ -39,16 +39,16 @@ mod status;
 #[cfg(feature = "opcua")]
 use super::Session;
 use super::{Device, Driver};
-#[cfg(feature = "opcua")]
-use crate::config::Role;
 use crate::probe::Probe;
 #[cfg(feature = "opcua")]
 use crate::supervisor::Link;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use trunnion_units::input::Table;
-use trunnion_units::{AxisLetter, AxisValues};
+#[cfg(feature = "opcua")]
+use trunnion_core::Role;
+use trunnion_core::input::Table;
+use trunnion_core::{AxisLetter, AxisValues};
 
 /// Registry entry.
 pub const DRIVER: Driver = Driver {

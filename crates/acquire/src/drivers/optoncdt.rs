@@ -6,19 +6,19 @@
 mod probe;
 
 use super::{Device, Driver, Session};
-use crate::config::Role;
-use crate::message::{ProbeReading, Reading};
 use crate::supervisor::{Link, SessionEnd};
-use crate::transport::serial::{self, Framing, Port};
+use crate::transport::serial;
+use crate::transport::serial::{Framing, Port};
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
+use trunnion_core::input::Table;
+use trunnion_core::reading::{ProbeReading, Reading};
+use trunnion_core::{HostTime, Role};
 use trunnion_protocol::optoncdt::values::TIMESTAMP_TICK_S;
 use trunnion_protocol::optoncdt::{
     BlockLength, Command, Decoder, Event, Layout, Reply, SensorInfo, Unwrap, distance_mm,
 };
-use trunnion_units::HostTime;
-use trunnion_units::input::Table;
 
 /// Registry entry.
 pub const DRIVER: Driver = Driver {

@@ -3,9 +3,9 @@
 //! Standing is what axes do at every pose, so positions alone never say that they are stuck. A program that runs from
 //! block to block without any motion does.
 
-use crate::message::{AxisReading, ControllerReading, Execution, Reading};
 use std::time::Duration;
-use trunnion_units::{AxisValues, HostTime};
+use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading};
+use trunnion_core::{AxisValues, HostTime};
 
 /// Blocks without motion: more than a program has between two poses (stop, message, dwell, feed).
 const MOST_BLOCKS: u32 = 6;

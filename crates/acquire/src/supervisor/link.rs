@@ -4,13 +4,13 @@ use super::axes_vigil::{AxesFinding, AxesVigil};
 use super::thermometers::{Absence, Thermometers};
 use super::vigil::{Finding, Vigil};
 use super::{DeviceState, DeviceStatus, SessionEnd};
-use crate::message::{Counters, LogLine, Message, Reading, SourceGap};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, watch};
-use trunnion_units::{Clock, HostTime};
+use trunnion_core::reading::{Counters, LogLine, Message, Reading, SourceGap};
+use trunnion_core::{Clock, HostTime};
 
 /// One device's end of the message queue. It never waits: when the queue is full, messages are dropped and counted,
 /// and a gap is sent as soon as there is room.

@@ -1,8 +1,8 @@
 //! Temperatures without value: told once when that begins, one gap when it ends.
 
-use crate::message::TemperatureReading;
 use std::collections::HashMap;
-use trunnion_units::HostTime;
+use trunnion_core::HostTime;
+use trunnion_core::reading::TemperatureReading;
 
 /// Something to tell about a temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -15,10 +15,10 @@
 //! Simulated at 50 readings a second: with a noise of 0.8 digits (standard deviation) and more every stuck channel is
 //! found, after 2 s; with 0.6 digits and less none is judged; no false alarm in 20 h of rest at any noise.
 
-use crate::message::ProbeReading;
 use std::collections::HashMap;
 use std::time::Duration;
-use trunnion_units::HostTime;
+use trunnion_core::HostTime;
+use trunnion_core::reading::ProbeReading;
 
 const SHORTEST_STUCK: Duration = Duration::from_secs(2);
 const LONGER_THAN_EVER: u32 = 10;

@@ -4,7 +4,7 @@ use crate::supervisor::{Link, SessionEnd};
 use crate::transport::serial::Port;
 use std::time::Duration;
 use tokio::time::Instant;
-use trunnion_units::HostTime;
+use trunnion_core::HostTime;
 
 /// A device that talks without being asked is not waited for to fall silent.
 const MOST_STALE_READS: usize = 16;

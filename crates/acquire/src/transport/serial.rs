@@ -13,7 +13,7 @@ use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::time::timeout;
 use tokio_serial::{DataBits, Parity, SerialPortBuilderExt, SerialStream, StopBits};
-use trunnion_units::input::Table;
+use trunnion_core::input::Table;
 
 /// A write that takes longer means a stuck adapter.
 const WRITE_LIMIT: Duration = Duration::from_secs(1);

@@ -3,14 +3,13 @@
 use crate::shop::{SinceStart, find, gap_of_the_next_connection, read, state, until, until_message};
 use std::sync::Arc;
 use std::time::Instant;
-use trunnion_acquire::{
-    Acquisition, DeviceState, Message, ProbeReading, Reading, SessionEnd, TemperatureReading,
-};
-use trunnion_hil_sim::devices::canopen::{self, BusConfig, NodeConfig, NodeKind};
-use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin};
+use trunnion_acquire::{Acquisition, DeviceState, SessionEnd};
+use trunnion_core::AxisValues;
+use trunnion_core::reading::{Message, ProbeReading, Reading, TemperatureReading};
+use trunnion_hil_sim::devices::canopen::{BusConfig, NodeConfig, NodeKind};
+use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, canopen};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
 use trunnion_protocol::canopen::NodeId;
-use trunnion_units::AxisValues;
 
 #[tokio::test(flavor = "multi_thread")]
 async fn without_a_can_interface_the_message_says_what_to_do_and_another_attempt_follows() {

@@ -3,13 +3,16 @@
 use crate::shop::{PROGRAM, SinceStart, find, program, read, state, turning};
 use std::sync::Arc;
 use std::time::Instant;
-use trunnion_acquire::{Acquisition, AxisReading, DeviceState, DeviceStatus, Execution, Reading, SourceGap};
-use trunnion_hil_sim::devices::linuxcncrsh::{self, ServerConfig};
-use trunnion_hil_sim::devices::mtconnect::{self, AgentConfig};
-use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, World};
+use trunnion_acquire::{Acquisition, DeviceState, DeviceStatus};
+use trunnion_core::AxisLetter::{B, C, X};
+use trunnion_core::AxisValues;
+use trunnion_core::reading::{AxisReading, Execution, Reading, SourceGap};
+use trunnion_hil_sim::devices::linuxcncrsh::ServerConfig;
+use trunnion_hil_sim::devices::mtconnect::AgentConfig;
+use trunnion_hil_sim::devices::{
+    DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, World, linuxcncrsh, mtconnect,
+};
 use trunnion_hil_sim::motion::Step;
-use trunnion_units::AxisLetter::{B, C, X};
-use trunnion_units::AxisValues;
 
 /// C goes to and fro, a block each 50 ms, for a minute.
 fn many_blocks() -> Vec<Step> {
@@ -103,7 +106,7 @@ async fn positions_of_linuxcnc_bear_the_time_at_which_they_appeared() {
             continue;
         }
         assert!((axes.position[X] - 100.0).abs() < 1e-5 && (axes.position[B] - 0.25).abs() < 1e-5);
-        assert!(axes.present[C] && !axes.present[trunnion_units::AxisLetter::A]);
+        assert!(axes.present[C] && !axes.present[trunnion_core::AxisLetter::A]);
         // A busy machine may hold a request up; then the middle of the two requests lies that far off.
         let held_up_s = (axes.arrival.0 - axes.stamp_ns) as f64 / 1e9;
         let off_rad = (bench.world.axes(t_s)[C] - axes.position[C]).abs();

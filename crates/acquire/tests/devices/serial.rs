@@ -1,7 +1,8 @@
 //! Drivers of serial indicators and boxes against virtual ones, through real pseudo-terminals.
 
 use crate::shop::{Bench, MOVING, RESTING, Shop, TRUTH_DEGC, find, is_good, state, until};
-use trunnion_acquire::{DeviceState, ProbeReading, Reading, SessionEnd};
+use trunnion_acquire::{DeviceState, SessionEnd};
+use trunnion_core::reading::{ProbeReading, Reading};
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, ascii, keyence, optoncdt};
 use trunnion_protocol::ascii::{PRESETS, Preset, Unit};

@@ -7,20 +7,18 @@ use crate::shop::{
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use trunnion_acquire::align::{AlignLimits, Aligned, Aligner};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{
-    Acquisition, CycleEvent, DeviceState, EndReason, Execution, Message, ProbeReading, Reading, SessionEnd,
-    StaticCycle, StaticRules, TimeBase, Timed,
-};
+use trunnion_acquire::{Acquisition, DeviceState, SessionEnd};
+use trunnion_core::AxisLetter::{B, C, X, Y, Z};
+use trunnion_core::reading::{Execution, Message, ProbeReading, Reading};
+use trunnion_core::{AxisValues, HostTime, Point, Quality};
+use trunnion_cycles::cycle::{Pose, Settle};
 use trunnion_hil_sim::devices::canopen::BusConfig;
-use trunnion_hil_sim::devices::cell::{self, Cell, CellConfig};
-use trunnion_hil_sim::devices::{DeviceClock, Fault, SimulatedCell, World, orthogonal_nest};
+use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
+use trunnion_hil_sim::devices::{DeviceClock, Fault, SimulatedCell, World, cell, orthogonal_nest};
 use trunnion_hil_sim::motion::Step;
-use trunnion_measurement::cycle::{Pose, Settle};
-use trunnion_measurement::{Point, Quality};
-use trunnion_units::AxisLetter::{B, C, X, Y, Z};
-use trunnion_units::{AxisValues, HostTime};
+use trunnion_sync::align::{AlignLimits, Aligned, Aligner};
+use trunnion_sync::{CycleEvent, EndReason, StaticCycle, StaticRules, TimeBase, Timed};
 
 /// A whole floor of virtual devices.
 struct Floor {
@@ -232,7 +230,7 @@ async fn axes_arrive_with_one_stamp_standing_or_moving_and_a_restarted_agent_is_
         assert!(
             (axes.position[X] - 100.0).abs() < 1e-3
                 && axes.present[B]
-                && !axes.present[trunnion_units::AxisLetter::A]
+                && !axes.present[trunnion_core::AxisLetter::A]
         );
     }
     assert!(axes.windows(2).all(|pair| pair[0].stamp_ns < pair[1].stamp_ns), "stamps go forward");

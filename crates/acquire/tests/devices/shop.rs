@@ -6,11 +6,12 @@ use std::time::{Duration, Instant};
 use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{Acquisition, DeviceStatus, Message, Reading, SourceGap, parse_devices, start};
+use trunnion_acquire::{Acquisition, DeviceStatus, parse_devices, start};
+use trunnion_core::AxisLetter::{B, C, X};
+use trunnion_core::reading::{Message, Reading, SourceGap};
+use trunnion_core::{AxisValues, Clock, HostTime};
 use trunnion_hil_sim::devices::{CycleState, SimulatedCell, TimeOrigin, World};
 use trunnion_hil_sim::motion::{Follow, Program, Step, Trajectory};
-use trunnion_units::AxisLetter::{B, C, X};
-use trunnion_units::{AxisValues, Clock, HostTime};
 
 /// Longest wait for anything; the build machine may be busy.
 pub const LIMIT: Duration = Duration::from_secs(30);

@@ -1,12 +1,14 @@
 //! `trunnion add`: put an effect into the model, refit, append the ladder row.
 
-use crate::load::{self, RunArgs};
-use crate::outcome::{self, Outcome};
+use crate::load::RunArgs;
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
-use trunnion_daemon::analysis::{self, FormulaText};
+use trunnion::analysis;
+use trunnion::analysis::FormulaText;
 use trunnion_effects::{LadderRow, Model, ModelEffect};
-use trunnion_identify::Experiment;
+use trunnion_engine::Experiment;
 
 /// Add an effect to the model, refit, and show how far the error falls
 ///
@@ -108,7 +110,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             "identification": step.identification.to_json(),
         }))?;
     } else {
-        let ladder = trunnion_daemon::page::ladder(&step.model);
+        let ladder = trunnion::page::ladder(&step.model);
         outcome::print(&trunnion_report::ladder_text(&ladder, Some(row.noise_um)))?;
         outcome::print("\n")?;
         outcome::print(&trunnion_report::identification_text(&(&step.identification).into()))?;

@@ -1,11 +1,11 @@
 //! `trunnion attribute`: which axis made the deviation, from the axes' own encoders.
 
-use crate::load;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::Context;
 use std::path::PathBuf;
-use trunnion_identify::attribution::{Motion, attribute};
-use trunnion_measurement::Cycle;
+use trunnion_cycles::Cycle;
+use trunnion_methods::attribution::{Motion, attribute};
 use trunnion_report::{findings_html, findings_text};
 
 /// Find out which axis made the deviation of a recording on the fly
@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     })?;
     let findings = attribution.to_findings();
     if let Some(path) = &args.html {
-        std::fs::write(path, findings_html(&findings, &trunnion_daemon::page::label()))
+        std::fs::write(path, findings_html(&findings, &trunnion::page::label()))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {

@@ -1,7 +1,8 @@
 //! `trunnion check-config`: every problem of the configuration and the files it names, before anything runs.
 
 use crate::commands::daemon::prepare;
-use crate::outcome::{self, Outcome};
+use crate::outcome;
+use crate::outcome::Outcome;
 use std::path::PathBuf;
 
 /// Check a configuration and the files it names
@@ -16,7 +17,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let prepared = prepare(&args.config)?;
-    trunnion_daemon::live::check(&prepared.plan)?;
+    trunnion_service::live::check(&prepared.plan)?;
     let (machine, cycle) = (&prepared.plan.machine.name, &prepared.plan.cycle.name);
     let devices = prepared.config.devices.len();
     outcome::print(&format!(

@@ -1,20 +1,20 @@
 //! `trunnion compare`: where does the model fail, and what would one more effect do.
 
 use super::add::{FormulaArgs, today};
-use crate::load::{self, ModelArgs, RunArgs};
-use crate::outcome::{self, Outcome};
+use crate::load::{ModelArgs, RunArgs};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
-use trunnion_daemon::analysis::{self, FormulaText, Step};
-use trunnion_daemon::page;
-use trunnion_diagnose::views::Place;
-use trunnion_diagnose::{Diagnosis, Verdict};
+use trunnion::analysis::{FormulaText, Step};
+use trunnion::{analysis, page};
 use trunnion_effects::Model;
-use trunnion_identify::Experiment;
-use trunnion_measurement::time_quality::TimeQuality;
+use trunnion_engine::compare::Place;
+use trunnion_engine::{Diagnosis, Experiment, Verdict};
 use trunnion_report::{
     CompareInput, Trial, compare_html, compare_text, time_quality_json, trial_html, trial_text,
 };
+use trunnion_sync::time_quality::TimeQuality;
 
 /// Show where the model fails: tables, and a page with plots
 ///
@@ -63,7 +63,7 @@ fn compare(
     model: &Model,
     timing: &[TimeQuality],
 ) -> anyhow::Result<()> {
-    let fit = trunnion_identify::identify(experiment, model, &trunnion_identify::Options::default())?;
+    let fit = trunnion_engine::identify(experiment, model, &trunnion_engine::fit::Options::default())?;
     let diagnosis = analysis::diagnose_and_plan(experiment, model)?;
     let mut input = page::compare_input(experiment, &fit, Some(&diagnosis), model, &[], timing);
     if let Some(path) = &args.html {

@@ -1,12 +1,14 @@
 //! `trunnion compensation`: what a model says of each axis as tables for the controller.
 
-use crate::load::{self, ModelArgs, RunArgs};
-use crate::outcome::{self, Outcome};
+use crate::load::{ModelArgs, RunArgs};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
-use trunnion_identify::{AxisErrors, AxisTable};
-use trunnion_report::compensation::{self, Values};
-use trunnion_units::convert::{um_from_mm, urad_from_rad};
+use trunnion_core::convert::{um_from_mm, urad_from_rad};
+use trunnion_methods::{AxisErrors, AxisTable};
+use trunnion_report::compensation;
+use trunnion_report::compensation::Values;
 
 /// Write the axis errors of a model as compensation tables
 ///
@@ -39,7 +41,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = compensation::format(&args.format).context("the command line allows known formats only")?;
     let load::Loaded { runs, outcome, .. } = load::runs(&args.runs)?;
     let (experiment, model) = load::experiment(&runs, &args.model)?;
-    let fit = trunnion_identify::identify(&experiment, &model, &trunnion_identify::Options::default())?;
+    let fit = trunnion_engine::identify(&experiment, &model, &trunnion_engine::fit::Options::default())?;
     let errors = AxisErrors::new(&experiment, &model, &fit)?;
     if errors.axes.is_empty() {
         let why: Vec<String> = errors.left_out.iter().map(|l| format!("{}: {}", l.effect, l.why)).collect();
@@ -91,7 +93,7 @@ fn sizes(table: &AxisTable) -> String {
         um_from_mm(location.translation_mm.amax()),
         urad_from_rad(location.rotation_rad.amax())
     );
-    let most = |of: fn(&trunnion_units::Twist) -> f64| table.errors.iter().map(of).fold(0.0, f64::max);
+    let most = |of: fn(&trunnion_core::Twist) -> f64| table.errors.iter().map(of).fold(0.0, f64::max);
     match table.positions.len() {
         0 => place,
         rows => format!(

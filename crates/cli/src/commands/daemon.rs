@@ -8,12 +8,13 @@ use std::sync::Arc;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::config::channels;
-use trunnion_daemon::clock::SystemClock;
-use trunnion_daemon::config::Config;
-use trunnion_daemon::live::Plan;
-use trunnion_daemon::service::{self, Texts};
+use trunnion_cycles::Cycle;
 use trunnion_effects::Model;
-use trunnion_measurement::Cycle;
+use trunnion_service::clock::SystemClock;
+use trunnion_service::config::Config;
+use trunnion_service::daemon;
+use trunnion_service::daemon::Texts;
+use trunnion_service::live::Plan;
 
 /// Run as a service: wait for a cycle, record it, analyse it, report
 ///
@@ -63,7 +64,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             stop.cancel();
         });
         let clock = Arc::new(SystemClock::start());
-        service::serve(prepared.config, prepared.plan, prepared.texts, prepared.model, clock, cancel).await?;
+        daemon::serve(prepared.config, prepared.plan, prepared.texts, prepared.model, clock, cancel).await?;
         Ok(Outcome::Done)
     })
 }

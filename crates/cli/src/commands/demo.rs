@@ -7,7 +7,8 @@ mod progress_bar;
 mod story;
 
 use crate::commands::daemon::log_to_stderr;
-use crate::outcome::{self, Outcome};
+use crate::outcome;
+use crate::outcome::Outcome;
 use crate::virtual_setup::sim_setup;
 use anyhow::{Context, bail};
 use progress_bar::ProgressBar;
@@ -16,24 +17,25 @@ use std::sync::Arc;
 use std::time::Duration;
 use story::{story, truth_text};
 use tokio_util::sync::CancellationToken;
+use trunnion::page;
 use trunnion_acquire::config::channels;
-use trunnion_acquire::{CycleBounds, TimeBase};
-use trunnion_daemon::clock::SystemClock;
-use trunnion_daemon::config::Config;
-use trunnion_daemon::live::{self, Plan};
-use trunnion_daemon::page;
-use trunnion_daemon::service::{self, Recorded, Texts};
+use trunnion_core::{Clock, convert};
+use trunnion_cycles::Cycle;
+use trunnion_cycles::cycle::Motion;
 use trunnion_effects::Model;
+use trunnion_engine::{Experiment, Identification};
 use trunnion_hil_sim::devices::{SimulatedCell, World, cell};
 use trunnion_hil_sim::physics::hidden;
-use trunnion_hil_sim::scenario::{self, Pace, Station};
-use trunnion_hil_sim::{HiddenChoice, SimSetup, Truth, VirtualMachine};
-use trunnion_identify::{Experiment, Identification};
+use trunnion_hil_sim::scenario::{Pace, Station};
+use trunnion_hil_sim::{HiddenChoice, SimSetup, Truth, VirtualMachine, scenario};
 use trunnion_machine::shipped;
-use trunnion_measurement::Cycle;
-use trunnion_measurement::cycle::Motion;
-use trunnion_measurement::time_quality::TimeQuality;
-use trunnion_units::{Clock, convert};
+use trunnion_service::clock::SystemClock;
+use trunnion_service::config::Config;
+use trunnion_service::daemon::{Recorded, Texts};
+use trunnion_service::live::Plan;
+use trunnion_service::{daemon, live};
+use trunnion_sync::time_quality::TimeQuality;
+use trunnion_sync::{CycleBounds, TimeBase};
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
 ///
@@ -104,11 +106,11 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     let recorded = measure(args, &static_cycle, STATIC_CYCLE, world, "static").await?;
     tell(&format!("Recorded {}\n\n", recorded.path.display()))?;
 
-    let date = service::day(SystemClock::start().wall_ns());
+    let date = daemon::day(SystemClock::start().wall_ns());
     let base = Model::base(&machine.name);
     let (path, machine_for_analysis) = (recorded.path.clone(), machine.clone());
     let (experiment, analysis, static_timing) = tokio::task::spawn_blocking(move || {
-        service::analyse_recording(&path, &machine_for_analysis, &base, &date)
+        daemon::analyse_recording(&path, &machine_for_analysis, &base, &date)
     })
     .await??;
     tell(&story(&experiment, &analysis))?;
@@ -238,7 +240,7 @@ async fn measure(
         .context("the simulated devices went away")?;
     let run_name = free_name(&args.output, name);
     let mut bar = ProgressBar::new(args.json);
-    let recorded = service::record_cycle(
+    let recorded = daemon::record_cycle(
         &plan,
         &texts,
         &args.output,
@@ -297,8 +299,8 @@ fn fit_again(
     machine: &trunnion_machine::Machine,
     model: &Model,
 ) -> anyhow::Result<(Identification, Option<TimeQuality>)> {
-    let limits = Some(trunnion_measurement::blocks::Limits::default());
-    let recording = trunnion_daemon::recording::read(path, &|_| Some(machine.clone()), limits)?;
+    let limits = Some(trunnion_sync::blocks::Limits::default());
+    let recording = trunnion::recording::read(path, &|_| Some(machine.clone()), limits)?;
     let experiment = Experiment::new(std::slice::from_ref(&recording.run))?;
     // What a turning C cannot show is left out, not guessed.
     let mut reachable = model.clone();
@@ -306,8 +308,8 @@ fn fit_again(
         trunnion_effects::Instance::from_model_effect(entry, machine)
             .is_ok_and(|instance| !instance.parameters(&experiment.scene).is_empty())
     });
-    let options = trunnion_identify::Options::default();
-    Ok((trunnion_identify::identify(&experiment, &reachable, &options)?, recording.timing))
+    let options = trunnion_engine::fit::Options::default();
+    Ok((trunnion_engine::identify(&experiment, &reachable, &options)?, recording.timing))
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {

@@ -3,7 +3,8 @@
 mod check;
 mod show;
 
-use crate::outcome::{self, Outcome};
+use crate::outcome;
+use crate::outcome::Outcome;
 use anyhow::Context;
 use std::path::PathBuf;
 use tokio::task::JoinSet;

@@ -1,8 +1,9 @@
 //! `trunnion diagnose`: which physical effect is missing from the model.
 
-use crate::load::{self, ModelArgs, RunArgs};
-use crate::outcome::{self, Outcome};
-use trunnion_daemon::analysis;
+use crate::load::{ModelArgs, RunArgs};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
+use trunnion::analysis;
 use trunnion_report::diagnosis_text;
 
 /// Say which physical effect is missing from the model

@@ -1,7 +1,7 @@
 //! `trunnion export`: the points of a recording as a table.
 
-use crate::load;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::Context;
 use std::path::PathBuf;
 

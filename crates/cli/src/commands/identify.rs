@@ -1,16 +1,18 @@
 //! `trunnion identify`: the machine's errors with uncertainties, and what cannot be seen; or by a named method of the
 //! literature.
 
-use crate::load::{self, ModelArgs, RunArgs};
-use crate::outcome::{self, Outcome};
+use crate::load::{ModelArgs, RunArgs};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::Context;
 use std::path::PathBuf;
-use trunnion_identify::methods::{self, Convention, MethodOptions, REGISTRY};
-use trunnion_identify::notation::{Layout, LocationError, Notation};
+use trunnion_core::AxisLetter;
+use trunnion_methods::notation::{Layout, LocationError, Notation};
+use trunnion_methods::recipes;
+use trunnion_methods::recipes::{Convention, MethodOptions, REGISTRY};
 use trunnion_report::{
     findings_html, findings_text, identification_text, location_text, time_quality_json, timing_text,
 };
-use trunnion_units::AxisLetter;
 
 /// Identify the machine's errors from recordings
 ///
@@ -83,7 +85,7 @@ fn jointly(args: &Args) -> anyhow::Result<Outcome> {
     let (experiment, model) = load::experiment(&runs, &args.model)?;
     load::tell_delay(&experiment, &mut timing)?;
     let identification =
-        trunnion_identify::identify(&experiment, &model, &trunnion_identify::Options::default())?;
+        trunnion_engine::identify(&experiment, &model, &trunnion_engine::fit::Options::default())?;
     let located = args
         .notation
         .map(|notation| (notation, Layout::new(experiment.machine()).of_fit(&identification, notation)));
@@ -124,11 +126,11 @@ fn location_json(notation: Notation, errors: &[LocationError]) -> serde_json::Va
 }
 
 fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
-    let method = methods::find(name)?;
+    let method = recipes::find(name)?;
     let load::Loaded { runs, outcome, .. } = load::runs_for_method(&args.runs)?;
     let findings = (method.run)(&runs, &MethodOptions { axis: args.axis, convention: args.convention })?;
     if let Some(path) = &args.html {
-        std::fs::write(path, findings_html(&findings, &trunnion_daemon::page::label()))
+        std::fs::write(path, findings_html(&findings, &trunnion::page::label()))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {

@@ -1,7 +1,7 @@
 //! `trunnion import`: static points measured elsewhere become a recording.
 
-use crate::load;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::Context;
 use std::path::PathBuf;
 
@@ -35,8 +35,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         (&setup_path.display().to_string(), &setup_text),
         &|machine| load::machine(machine).ok(),
     )?;
-    let setup =
-        trunnion_measurement::setup::parse_setup_file(&setup_path.display().to_string(), &setup_text)?;
+    let setup = trunnion_core::setup::parse_setup_file(&setup_path.display().to_string(), &setup_text)?;
     let machine_text = load::machine_text(&setup.machine)?;
     let header = trunnion_record::RunHeader::of_run(&run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
     trunnion_record::write_run(&args.output, &header, &run)

@@ -1,7 +1,7 @@
 //! `trunnion ladder`: the effects added so far, with the error after each.
 
-use crate::load;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion_effects::LadderRow;
@@ -25,7 +25,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let model = load::model(&args.model)?;
-    let ladder = trunnion_daemon::page::ladder(&model);
+    let ladder = trunnion::page::ladder(&model);
     if let Some(path) = &args.html {
         std::fs::write(path, ladder_html(&model.machine, &ladder))
             .with_context(|| format!("cannot write {}", path.display()))?;

@@ -1,14 +1,14 @@
 //! `trunnion nc-program`: a cycle as a program of the machine's controller.
 
-use crate::load;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
-use trunnion_machine::{Machine, State};
-use trunnion_measurement::Cycle;
-use trunnion_measurement::cycle::{CourseRules, Pace};
-use trunnion_report::nc::{self, Program};
-use trunnion_units::convert;
+use trunnion_core::{State, convert};
+use trunnion_cycles::cycle::{CourseRules, Pace};
+use trunnion_cycles::nc::Program;
+use trunnion_cycles::{Cycle, nc};
+use trunnion_machine::Machine;
 
 /// Write a cycle as an NC program
 ///

@@ -1,11 +1,12 @@
 //! `trunnion plan`: what to measure next, or what a cycle would not show.
 
-use crate::load;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
-use trunnion_diagnose::plan::{self, Options, Plan, Preview, Rivals};
-use trunnion_measurement::Cycle;
+use trunnion_cycles::Cycle;
+use trunnion_engine::next_cycle;
+use trunnion_engine::next_cycle::{Options, Plan, Preview, Rivals};
 
 /// Plan the cycle that separates what cannot be told apart, or say what a cycle cannot show
 ///
@@ -46,7 +47,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 fn look_at(path: &Path, json: bool) -> anyhow::Result<Outcome> {
     let cycle = Cycle::parse(&path.display().to_string(), &load::read(path)?)?;
     let machine = load::machine(&cycle.machine)?;
-    let preview = plan::preview(&machine, &cycle, &Options::default())?;
+    let preview = next_cycle::preview(&machine, &cycle, &Options::default())?;
     if json {
         outcome::print_json(&preview.to_json())?;
     } else {
@@ -59,17 +60,17 @@ fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
     let load::Loaded { runs, outcome, .. } = load::runs(&load::RunArgs::of(args.runs.clone()))?;
     let (experiment, model) = load::experiment(&runs, &load::ModelArgs { model: args.model.clone() })?;
     let rivals = if args.rivals.is_empty() {
-        let options = trunnion_diagnose::Options::default();
-        plan::wanted(&trunnion_diagnose::diagnose(&experiment, &model, &options)?)
+        let options = trunnion_engine::diagnosis::Options::default();
+        next_cycle::wanted(&trunnion_engine::diagnose(&experiment, &model, &options)?)
     } else {
-        plan::rivals_named(&args.rivals, experiment.machine())?
+        next_cycle::rivals_named(&args.rivals, experiment.machine())?
     };
     if matches!(&rivals, Rivals::Reveal(effects) if effects.is_empty()) {
         bail!(
             "nothing is confused and nothing is hidden in these runs; name effects with --rivals to compare them"
         );
     }
-    let plan = plan::plan(&experiment, &model, &rivals, &Options::default())?;
+    let plan = next_cycle::plan(&experiment, &model, &rivals, &Options::default())?;
     let written = match (&args.output, &plan.next) {
         (Some(path), Some(cycle)) => {
             std::fs::write(path, cycle_text(&plan, cycle))

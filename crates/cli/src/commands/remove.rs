@@ -1,13 +1,14 @@
 //! `trunnion remove`: take an effect out of the model again, and measure the ladder rows after it anew.
 
 use crate::commands::add::today;
-use crate::load::{self, RunArgs};
-use crate::outcome::{self, Outcome};
+use crate::load::RunArgs;
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::Context;
 use std::path::PathBuf;
-use trunnion_daemon::{analysis, page};
+use trunnion::{analysis, page};
 use trunnion_effects::Model;
-use trunnion_identify::Experiment;
+use trunnion_engine::Experiment;
 
 /// Take an effect out of the model, refit, and measure the ladder rows after it anew
 ///
@@ -39,7 +40,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             shorter = Model::with_ladder_row(&shorter, &entry.id, row)?;
         }
     }
-    let fit = trunnion_identify::identify(&experiment, &smaller, &trunnion_identify::Options::default())?;
+    let fit = trunnion_engine::identify(&experiment, &smaller, &trunnion_engine::fit::Options::default())?;
     std::fs::write(&args.model, shorter).with_context(|| format!("cannot write {}", args.model.display()))?;
     if args.json {
         outcome::print_json(&serde_json::json!({
@@ -49,7 +50,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }))?;
     } else {
         outcome::print(&format!("{} is out of {}\n\n", args.effect, args.model.display()))?;
-        let noise_um = trunnion_units::convert::um_from_mm(fit.noise.sigma_mm);
+        let noise_um = trunnion_core::convert::um_from_mm(fit.noise.sigma_mm);
         outcome::print(&trunnion_report::ladder_text(&page::ladder(&smaller), Some(noise_um)))?;
         outcome::print("\n")?;
         outcome::print(&trunnion_report::identification_text(&(&fit).into()))?;

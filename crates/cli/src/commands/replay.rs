@@ -1,11 +1,12 @@
 //! `trunnion replay`: the analysis of a recording once more, from the file alone.
 
-use crate::load::{self, ModelArgs};
-use crate::outcome::{self, Outcome};
+use crate::load::ModelArgs;
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::Context;
 use std::path::PathBuf;
-use trunnion_daemon::analysis;
-use trunnion_identify::Experiment;
+use trunnion::analysis;
+use trunnion_engine::Experiment;
 
 /// Analyse a recording again; writes the same bytes as the live run did
 ///

@@ -1,17 +1,16 @@
 //! `trunnion simulate`: points of a virtual machine whose truth is known, without ports.
 
-use crate::load;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
 use crate::virtual_setup::sim_setup;
+use crate::{load, outcome};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
+use trunnion_core::{AxisSample, InstrumentKind, NestSide, Point, Quality, Setup, State};
+use trunnion_cycles::cycle::Pace;
+use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{Compensation, Instrument, NestOn, SimSetup, Truth};
-use trunnion_machine::{Machine, State};
-use trunnion_measurement::cycle::Pace;
-use trunnion_measurement::{
-    AxisSample, Cycle, InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup,
-};
+use trunnion_machine::Machine;
 
 /// Simulate a cycle on a machine whose truth is written in a file
 ///

@@ -1,13 +1,14 @@
 //! `trunnion volumetric`: how far tool and table are off all over a volume, by a fitted model.
 
-use crate::load::{self, ModelArgs, RunArgs};
-use crate::outcome::{self, Outcome};
+use crate::load::{ModelArgs, RunArgs};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
-use trunnion_identify::volumetric::{Datum, Extreme, Volume, VolumetricMap};
+use trunnion_core::AxisLetter;
+use trunnion_core::convert::{deg_from_rad, um_from_mm, urad_from_rad};
+use trunnion_methods::volumetric::{Datum, Extreme, Volume, VolumetricMap};
 use trunnion_report::{error_map_csv, volumetric_html, volumetric_text};
-use trunnion_units::AxisLetter;
-use trunnion_units::convert::{deg_from_rad, um_from_mm, urad_from_rad};
 
 /// Volumetric accuracy and error map of a volume, by a model fitted to recordings
 ///
@@ -69,12 +70,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let volume = Volume::parse(&args.volume, usize::from(args.steps), &experiment.scene)?;
     let volume = Volume { point_in_tool_mm: args.tool_point.0, ..volume };
     let words = volume.words(experiment.machine());
-    let fit = trunnion_identify::identify(&experiment, &model, &trunnion_identify::Options::default())?;
+    let fit = trunnion_engine::identify(&experiment, &model, &trunnion_engine::fit::Options::default())?;
     let map = VolumetricMap::new(&experiment, &model, &fit, volume, args.datum)?;
     let axes: Vec<AxisLetter> =
         AxisLetter::ALL.into_iter().filter(|&letter| experiment.machine().axis(letter).is_some()).collect();
     if let Some(path) = &args.html {
-        write(path, &volumetric_html(&map, &words, &trunnion_daemon::page::label()))?;
+        write(path, &volumetric_html(&map, &words, &trunnion::page::label()))?;
     }
     if let Some(path) = &args.csv {
         write(path, &error_map_csv(&map, &axes))?;

@@ -9,8 +9,8 @@ use crate::{
     View,
 };
 use nalgebra::Vector3;
-use trunnion_machine::{Site, State};
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
+use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "artefact-form",

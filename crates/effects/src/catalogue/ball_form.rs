@@ -9,8 +9,8 @@
 
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::{UnitQuaternion, Vector3};
-use trunnion_machine::{JointErrors, Machine, Side, Site, State};
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
+use trunnion_machine::{JointErrors, Machine, Side, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "ball-form",
@@ -135,8 +135,8 @@ mod tests {
     use super::*;
     use crate::{Instance, SceneSetup};
     use nalgebra::Point3;
+    use trunnion_core::AxisLetter;
     use trunnion_machine::shipped;
-    use trunnion_units::AxisLetter;
 
     #[test]
     fn surface_harmonics_have_the_values_of_the_tables() {

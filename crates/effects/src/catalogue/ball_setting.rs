@@ -8,7 +8,7 @@
 use crate::{
     About, Effect, Emit, Example, Need, Parameter, Scene, SceneSetting, SceneSetup, Shapes, Subject, View,
 };
-use trunnion_machine::State;
+use trunnion_core::State;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "ball-setting",

@@ -11,8 +11,8 @@ use crate::scene::MOST_PLACES;
 use crate::subjects::{across, axis_of, every_slide, linear_name};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
-use trunnion_machine::{Axis, Site, State};
-use trunnion_units::{AxisLetter, Twist};
+use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_machine::{Axis, Site};
 
 /// Highest order of the polynomials; n places carry order n − 1 at most.
 const HIGHEST: usize = MOST_PLACES - 1;

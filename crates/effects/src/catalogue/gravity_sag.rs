@@ -9,8 +9,8 @@
 use crate::subjects::{across, axis_of, carrier_from_carried, gravity_in_carrier, tilts_the_table};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::{Matrix3, Vector3};
-use trunnion_machine::{Machine, Site, State};
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
+use trunnion_machine::{Machine, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "gravity-sag",
@@ -79,8 +79,8 @@ fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit
 mod tests {
     use super::*;
     use crate::Instance;
+    use trunnion_core::AxisLetter;
     use trunnion_machine::shipped;
-    use trunnion_units::AxisLetter;
 
     #[test]
     fn sag_is_zero_upright_and_grows_as_one_minus_cos_2b() {

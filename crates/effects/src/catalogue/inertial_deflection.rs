@@ -6,8 +6,8 @@
 
 use crate::subjects::{across, axis_of, carrier_from_carried, every_axis, linear_name, rotary_name};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
-use trunnion_machine::{Site, State};
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
+use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "inertial-deflection",

@@ -6,8 +6,8 @@
 use super::probe_gain::{COMPONENTS, deflected};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
-use trunnion_machine::{Site, State};
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
+use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "probe-nonlinearity",

@@ -5,7 +5,8 @@
 
 use crate::subjects::{axis_of, every_axis};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
-use trunnion_machine::{Site, State};
+use trunnion_core::State;
+use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "reversal-spike",

@@ -5,7 +5,8 @@
 
 use crate::subjects::{axis_of, every_axis};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
-use trunnion_machine::{Site, State};
+use trunnion_core::State;
+use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "servo-lag",
@@ -47,8 +48,8 @@ mod tests {
     use super::*;
     use crate::Instance;
     use nalgebra::Point3;
+    use trunnion_core::AxisLetter;
     use trunnion_machine::shipped;
-    use trunnion_units::AxisLetter;
 
     #[test]
     fn one_millisecond_of_c_at_360_degrees_a_minute_is_21_um_on_a_200_mm_radius() {

@@ -6,8 +6,8 @@
 use super::thermal_drift::{TAU_OF_DURATION, warmed_up};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
-use trunnion_machine::{Site, State};
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
+use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "spindle-growth",

@@ -5,9 +5,9 @@
 
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
-use trunnion_machine::{Machine, Site, State};
-use trunnion_units::AxisLetter::{X, Y, Z};
-use trunnion_units::{AxisLetter, Twist};
+use trunnion_core::AxisLetter::{X, Y, Z};
+use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_machine::{Machine, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "squareness",

@@ -6,8 +6,8 @@
 use crate::subjects::{across, axis_of, rotary_below, rotary_name};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::UnitQuaternion;
-use trunnion_machine::{Machine, Site, State};
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
+use trunnion_machine::{Machine, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "stacked-tilt",

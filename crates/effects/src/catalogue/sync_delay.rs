@@ -8,7 +8,8 @@
 //! Limits: on the fly; first order in T; while one rotary axis turns alone T_r is that axis' servo lag.
 
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
-use trunnion_machine::{Site, State};
+use trunnion_core::State;
+use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "sync-delay",

@@ -9,8 +9,7 @@ use super::thermal_drift::TAU_OF_DURATION;
 use crate::subjects::whole_tool_side;
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
-use trunnion_machine::State;
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "thermal-expansion",

@@ -7,8 +7,8 @@
 use crate::subjects::{across, axis_of, every_rotary, rotary_name};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::UnitQuaternion;
-use trunnion_machine::{Site, State};
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
+use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "tilt-error-motion",

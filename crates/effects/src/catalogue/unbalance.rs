@@ -6,8 +6,8 @@
 
 use crate::subjects::{across, axis_of, carrier_from_carried, gravity_in_carrier, rotary_below};
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
-use trunnion_machine::{Machine, Side, Site, State};
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
+use trunnion_machine::{Machine, Side, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "unbalance",
@@ -71,8 +71,8 @@ fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit
 mod tests {
     use super::*;
     use crate::Instance;
+    use trunnion_core::AxisLetter;
     use trunnion_machine::shipped;
-    use trunnion_units::AxisLetter;
 
     #[test]
     fn an_off_centre_mass_turns_the_table_as_sin_b_sin_c() {

@@ -11,8 +11,7 @@ use crate::subjects::whole_tool_side;
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
-use trunnion_machine::State;
-use trunnion_units::Twist;
+use trunnion_core::{State, Twist};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "vibration",

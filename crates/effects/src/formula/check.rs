@@ -5,8 +5,8 @@ use super::expression::{Expression, Function, Node, Operator};
 use super::nearest::{distance, nearest};
 use super::symbol::{Quantity, Symbol, names, symbol};
 use std::f64::consts::TAU;
+use trunnion_core::AxisLetter;
 use trunnion_machine::Machine;
-use trunnion_units::AxisLetter;
 
 /// Names shorter than this are anybody's parameters unless they differ from a symbol by an underscore.
 const LONG: usize = 4;

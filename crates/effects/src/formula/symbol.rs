@@ -1,8 +1,7 @@
 //! Names of the state in a formula, inside units.
 
 use crate::Scene;
-use trunnion_machine::State;
-use trunnion_units::AxisLetter;
+use trunnion_core::{AxisLetter, State};
 
 /// A symbol of the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use crate::catalogue::BASE;
 use crate::{Effect, Example, Instance, Scene, SceneSetup, View};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use std::f64::consts::{PI, TAU};
-use trunnion_machine::{JointErrors, Machine, Side, Site, State, shipped};
-use trunnion_units::{AxisLetter, AxisValues};
+use trunnion_core::{AxisLetter, AxisValues, State};
+use trunnion_machine::{JointErrors, Machine, Side, Site, shipped};
 
 /// A picture before it is drawn; values in µm.
 pub(super) struct Drawing {

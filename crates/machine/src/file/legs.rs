@@ -4,8 +4,8 @@ use super::{FARTHEST_MM, Moves, moves};
 use crate::Axis;
 use crate::tripod::{Leg, Tripod, base_pose};
 use nalgebra::{Point3, Vector3};
-use trunnion_units::AxisLetter;
-use trunnion_units::input::Table;
+use trunnion_core::AxisLetter;
+use trunnion_core::input::Table;
 
 /// Longest leg of a machine file, mm.
 const LONGEST_MM: f64 = 20_000.0;

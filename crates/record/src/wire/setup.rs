@@ -3,7 +3,7 @@
 use super::three;
 use crate::schema as pb;
 use nalgebra::{Point3, Unit, Vector3};
-use trunnion_measurement::{Artefact, InstrumentKind, NestSide, Setup, Target};
+use trunnion_core::{Artefact, InstrumentKind, NestSide, Setup, Target};
 
 pub(super) fn encode(setup: &Setup) -> pb::Setup {
     pb::Setup {

@@ -1,6 +1,6 @@
 //! Samples that wait to be written together.
 
-use trunnion_units::HostTime;
+use trunnion_core::HostTime;
 
 /// Samples in a full batch.
 const BATCH_SAMPLES: usize = 256;

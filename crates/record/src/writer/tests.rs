@@ -3,8 +3,8 @@ use crate::reader::read_run;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
+use trunnion_cycles::RunKind;
 use trunnion_machine::shipped;
-use trunnion_measurement::RunKind;
 
 /// A disk with so many bytes left; a write that does not fit is cut short, as a real one is.
 struct SmallDisk {
@@ -86,6 +86,7 @@ fn blank_header() -> RunHeader {
         setups: Vec::new(),
         temperature_channels: Vec::new(),
         probes: Vec::new(),
+        probe_roles: Vec::new(),
         cycle_text: String::new(),
         config_text: String::new(),
         software_version: String::new(),

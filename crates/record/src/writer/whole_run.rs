@@ -5,7 +5,8 @@ use crate::error::RecordError;
 use crate::finish::FinishedFile;
 use crate::item::{Item, RunHeader};
 use std::path::Path;
-use trunnion_measurement::{AxisSample, Run};
+use trunnion_core::AxisSample;
+use trunnion_cycles::Run;
 
 /// Records a run that is already in memory as `path` (ending in `.mcap`).
 ///

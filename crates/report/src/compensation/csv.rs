@@ -4,8 +4,8 @@
 //! (EXC, …) has one line for each position. Lines that begin with `#` are remarks, the first of them names the format.
 
 use super::{Format, Values, argument, components, header, number};
-use trunnion_identify::AxisErrors;
-use trunnion_units::AxisLetter;
+use trunnion_core::AxisLetter;
+use trunnion_methods::AxisErrors;
 
 pub(super) static FORMAT: Format = Format {
     name: "csv",

@@ -6,8 +6,8 @@
 //! shows of it, and nothing else.
 
 use super::{Format, Values, argument, components, header, number};
-use trunnion_identify::AxisErrors;
-use trunnion_units::AxisLetter;
+use trunnion_core::AxisLetter;
+use trunnion_methods::AxisErrors;
 
 pub(super) static FORMAT: Format = Format {
     name: "etalon",

@@ -6,8 +6,8 @@
 //! linear. The controller computes the compensation from the error parameters; its option `negate` turns signs of axes.
 
 use super::{Format, Values, argument, components, header, number};
-use trunnion_identify::AxisErrors;
-use trunnion_units::AxisLetter;
+use trunnion_core::AxisLetter;
+use trunnion_methods::AxisErrors;
 
 pub(super) static FORMAT: Format = Format {
     name: "isg",

@@ -7,8 +7,8 @@ use crate::svg::{
     Displaced, Mark, Series, Trace, XyChart, displaced, nice_above, path_chart, polar, xy_chart,
 };
 use trunnion_effects::Unit;
-use trunnion_identify::Findings;
-use trunnion_identify::findings::{AxisName, Chart, Curve, MapPlace, Plot};
+use trunnion_methods::Findings;
+use trunnion_methods::findings::{AxisName, Chart, Curve, MapPlace, Plot};
 
 pub fn sections(findings: &Findings, label: &str) -> String {
     let mut html = element("h1", &format!("{} on machine {}", findings.method, findings.machine));

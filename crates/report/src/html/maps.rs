@@ -8,9 +8,9 @@ use crate::views::{
     stations,
 };
 use crate::{CompareInput, PointView};
-use trunnion_diagnose::views::{Place, Way};
-use trunnion_units::AxisLetter;
-use trunnion_units::convert::um_from_mm;
+use trunnion_core::AxisLetter;
+use trunnion_core::convert::um_from_mm;
+use trunnion_engine::compare::{Place, Way};
 
 /// What the colours mean, where no scale is drawn.
 pub const KEY: &str =

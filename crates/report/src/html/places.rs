@@ -5,7 +5,7 @@ use crate::CompareInput;
 use crate::markup::{element, escape};
 use crate::number::percent;
 use crate::words::NO_PLACE;
-use trunnion_diagnose::views::Place;
+use trunnion_engine::compare::Place;
 
 pub fn section(input: &CompareInput) -> String {
     let mut body = list(&input.places);

@@ -9,7 +9,7 @@ use crate::svg::{Trace, nice_above, polar};
 use crate::views::{Axes, at_station, mean, stations};
 use crate::{CompareInput, PointView};
 use nalgebra::Vector3;
-use trunnion_units::convert::{um_from_mm, urad_from_rad};
+use trunnion_core::convert::{um_from_mm, urad_from_rad};
 
 /// A ball nearer than this to the turning axis counts as on it, mm.
 const ON_AXIS_MM: f64 = 5.0;

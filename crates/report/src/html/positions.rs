@@ -6,7 +6,7 @@ use crate::svg::{Displaced, displaced, nice_above};
 use crate::views::{Axes, at_station, rms_um, stations};
 use crate::{CompareInput, Place, PointView};
 use nalgebra::Vector3;
-use trunnion_units::AxisLetter;
+use trunnion_core::AxisLetter;
 
 /// The largest deviation is drawn at about this share of the size of the picture.
 const DRAWN_SHARE: f64 = 0.25;

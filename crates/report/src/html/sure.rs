@@ -4,7 +4,7 @@ use crate::CompareInput;
 use crate::markup::{element, escape};
 use crate::number::{percent, um};
 use crate::words::{beyond_figures, effect_name, evidence_words, formula_leads, planned_words};
-use trunnion_diagnose::{Candidate, Diagnosis};
+use trunnion_engine::{Candidate, Diagnosis};
 
 pub fn section(input: &CompareInput) -> String {
     let Some(diagnosis) = &input.diagnosis else { return String::new() };

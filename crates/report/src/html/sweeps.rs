@@ -5,8 +5,8 @@ use crate::markup::escape;
 use crate::number::um;
 use crate::svg::{Mark, Series, XyChart, nice_above, xy_chart};
 use crate::views::{Axes, component_name, component_names, direction, residuals_um, thinned, time_range_s};
-use trunnion_units::AxisLetter;
-use trunnion_units::convert::{deg_from_rad, s_from_min};
+use trunnion_core::AxisLetter;
+use trunnion_core::convert::{deg_from_rad, s_from_min};
 
 pub fn section(input: &CompareInput) -> String {
     over_turning_axis(input) + &over_time(input)

@@ -9,8 +9,8 @@ use crate::views::{Axes, component_name, component_names, residuals_um, thinned}
 use crate::words::{about, effect_name, trial_verdict};
 use crate::{CompareInput, ParameterRow, Trial};
 use std::collections::HashSet;
+use trunnion_core::convert::{deg_from_rad, s_from_min};
 use trunnion_effects::Moved;
-use trunnion_units::convert::{deg_from_rad, s_from_min};
 
 /// Pairs shown on the compare page.
 const MOST_PAIRS: usize = 2;

@@ -3,8 +3,8 @@
 use crate::markup::{element, escape, table};
 use crate::svg::{Lattice, lattice, nice_above};
 use crate::volumetric::{HEADS, notes, rows, verdict};
-use trunnion_identify::volumetric::{MapPoint, VolumetricMap};
-use trunnion_units::AxisLetter;
+use trunnion_core::AxisLetter;
+use trunnion_methods::volumetric::{MapPoint, VolumetricMap};
 
 /// The longest vector is drawn as long as this share of the longest side of the volume.
 const DRAWN: f64 = 0.1;

@@ -2,7 +2,7 @@
 
 use super::{clean, columns, paragraph};
 use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row};
-use trunnion_identify::Findings;
+use trunnion_methods::Findings;
 
 /// Values, notes and tables; charts are on the page.
 pub fn findings_text(findings: &Findings) -> String {

@@ -2,8 +2,8 @@
 
 use super::{clean, columns, paragraph};
 use crate::volumetric::{HEADS, location_rows, notes, rows};
-use trunnion_identify::notation::{LocationError, Notation};
-use trunnion_identify::volumetric::VolumetricMap;
+use trunnion_methods::notation::{LocationError, Notation};
+use trunnion_methods::volumetric::VolumetricMap;
 
 /// The values and what they lack; `volume` in words.
 pub fn volumetric_text(map: &VolumetricMap, volume: &str) -> String {

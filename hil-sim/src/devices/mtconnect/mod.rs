@@ -23,7 +23,7 @@ use std::sync::{Arc, Mutex};
 use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
 use tokio_util::sync::CancellationToken;
-use trunnion_units::AxisLetter;
+use trunnion_core::AxisLetter;
 
 /// A controller and its agent.
 #[derive(Debug, Clone, PartialEq)]

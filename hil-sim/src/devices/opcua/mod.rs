@@ -26,7 +26,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
-use trunnion_units::AxisLetter;
+use trunnion_core::AxisLetter;
 
 const DEVICE: &str = "OPC UA controller";
 /// The server looks so often whether something is to be published, ms.

@@ -13,7 +13,7 @@ use opcua_types::{
     DataTypeId, DataValue, DateTime, NodeId, ObjectId, QualifiedName, ReferenceTypeId, StatusCode, Variant,
 };
 use std::sync::Arc;
-use trunnion_units::AxisLetter;
+use trunnion_core::AxisLetter;
 
 /// Namespaces in the order of their indices.
 const NAMESPACES: [&str; 3] =

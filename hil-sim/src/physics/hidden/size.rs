@@ -4,7 +4,8 @@ use super::{Hidden, Kind, SeenIn};
 use crate::physics::{VirtualMachine, grid, simulate_points};
 use crate::truth::{SimSetup, Truth, minimum_set};
 use nalgebra::{DMatrix, DVector, Vector3};
-use trunnion_machine::{Machine, State};
+use trunnion_core::State;
+use trunnion_machine::Machine;
 
 /// Small enough for every transform to be linear, large enough for every digit to count.
 pub(super) const PROBE_AMPLITUDE: f64 = 1e-6;

@@ -4,14 +4,17 @@ use anyhow::Context;
 use std::path::Path;
 use std::sync::Arc;
 use tokio::runtime::{Builder, Runtime};
-use trunnion_hil_sim::devices::ascii::{self, IndicatorConfig, Sees};
-use trunnion_hil_sim::devices::canopen::{self, BusConfig, NodeKind};
-use trunnion_hil_sim::devices::keyence::{self, BoxConfig};
-use trunnion_hil_sim::devices::linuxcncrsh::{self, ServerConfig};
-use trunnion_hil_sim::devices::mtconnect::{self, AgentConfig};
-use trunnion_hil_sim::devices::opcua::{self, ControllerConfig};
-use trunnion_hil_sim::devices::optoncdt::{self, ProbeConfig};
-use trunnion_hil_sim::devices::{Address, DeviceClock, DeviceError, Handle, TimeOrigin, World};
+use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
+use trunnion_hil_sim::devices::canopen::{BusConfig, NodeKind};
+use trunnion_hil_sim::devices::keyence::BoxConfig;
+use trunnion_hil_sim::devices::linuxcncrsh::ServerConfig;
+use trunnion_hil_sim::devices::mtconnect::AgentConfig;
+use trunnion_hil_sim::devices::opcua::ControllerConfig;
+use trunnion_hil_sim::devices::optoncdt::ProbeConfig;
+use trunnion_hil_sim::devices::{
+    Address, DeviceClock, DeviceError, Handle, TimeOrigin, World, ascii, canopen, keyence, linuxcncrsh,
+    mtconnect, opcua, optoncdt,
+};
 use trunnion_protocol::ascii::Preset;
 use trunnion_tests::alignment::Truth;
 

@@ -6,9 +6,11 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::runtime::Runtime;
 use tokio::time::Instant;
-use trunnion_acquire::{Message, parse_devices};
+use trunnion_acquire::parse_devices;
+use trunnion_core::reading::Message;
 use trunnion_hil_sim::devices::{TimeOrigin, World};
-use trunnion_tests::alignment::{self, ClockWorld};
+use trunnion_tests::alignment;
+use trunnion_tests::alignment::ClockWorld;
 
 /// Until the devices are up, s.
 const START_S: f64 = 2.0;

@@ -1,7 +1,8 @@
 //! docs/alignment.md.
 
 use crate::floor::Floor;
-use crate::promise::{self, Promise, behind};
+use crate::promise;
+use crate::promise::{Promise, behind};
 use std::fmt::Write;
 use trunnion_tests::alignment::{HEAD, OMEGA, RADIUS_MM, SOCKETCAN, StreamErrors, row};
 use trunnion_tests::section::Section;

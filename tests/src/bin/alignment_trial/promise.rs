@@ -3,9 +3,9 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trunnion_acquire::clock::refit;
+use trunnion_core::HostTime;
+use trunnion_sync::clock::refit;
 use trunnion_tests::alignment::Error;
-use trunnion_units::HostTime;
 
 /// Time between readings, s.
 pub const PERIOD_S: f64 = 1e-3;

@@ -4,7 +4,8 @@ use crate::noise::Kind as NoiseKind;
 use crate::stage::{RUN_S, Stage, rms};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trunnion_hil_sim::physics::hidden::{self, Hidden, KINDS, SeenIn};
+use trunnion_hil_sim::physics::hidden;
+use trunnion_hil_sim::physics::hidden::{Hidden, KINDS, SeenIn};
 use trunnion_hil_sim::{HiddenChoice, Truth};
 
 /// Surviving sizes in units of the white noise.

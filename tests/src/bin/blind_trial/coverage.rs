@@ -11,8 +11,9 @@ use crate::score::with_set;
 use crate::stage::{SIGMA_MM, Stage, experiment};
 use crate::trial::{catalogue_id, stage_case};
 use trunnion_effects::ModelEffect;
+use trunnion_engine::fit::Options;
+use trunnion_engine::{HoldoutWanted, Identification, identify};
 use trunnion_hil_sim::truth::minimum_set;
-use trunnion_identify::{HoldoutWanted, Identification, Options, identify};
 
 /// Half-width of a 95 % interval in standard uncertainties.
 const WIDE: f64 = 1.96;

@@ -10,7 +10,8 @@ use anyhow::Context;
 use nalgebra::{DMatrix, DVector};
 use std::path::Path;
 use trunnion_effects::{Instance, Model, catalogue};
-use trunnion_identify::{Options, identify};
+use trunnion_engine::fit::Options;
+use trunnion_engine::identify;
 
 const UM_PER_MM: f64 = 1e3;
 

@@ -6,10 +6,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StudentT};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use trunnion_core::{AxisLetter, State};
 use trunnion_hil_sim::truth::Noise;
 use trunnion_hil_sim::{Sampler, Truth};
-use trunnion_machine::State;
-use trunnion_units::AxisLetter;
 
 /// Kind of noise of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,10 +4,10 @@ use crate::cases::Group;
 use crate::stage::{Grid, Stage, experiment};
 use crate::trial::Staged;
 use nalgebra::DVector;
-use trunnion_diagnose::{Diagnosis, Verdict};
 use trunnion_effects::{Instance, Model, ModelEffect};
+use trunnion_engine::fit::Options;
+use trunnion_engine::{Diagnosis, Experiment, Identification, Verdict, identify};
 use trunnion_hil_sim::Truth;
-use trunnion_identify::{Experiment, Identification, Options, identify};
 use trunnion_machine::Machine;
 
 /// A named set that removes at least this share of the hidden signal is as good as the truth.

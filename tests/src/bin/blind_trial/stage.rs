@@ -4,12 +4,13 @@
 //! is compared with what a model says of it; the base model may settle anew, as after every set-up.
 
 use nalgebra::{DMatrix, DVector, Point3};
+use trunnion_core::{InstrumentKind, NestSide, Point, Quality, Setup, State};
+use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{Instance, catalogue};
+use trunnion_engine::Experiment;
 use trunnion_hil_sim::physics::{grid, simulate_points};
 use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine};
-use trunnion_identify::Experiment;
-use trunnion_machine::{Machine, State, shipped};
-use trunnion_measurement::{InstrumentKind, NestSide, Point, Quality, Run, RunKind, Setup};
+use trunnion_machine::{Machine, shipped};
 
 /// The S1 grid takes this long on a real machine, s.
 pub const RUN_S: f64 = 1682.0;

@@ -1,12 +1,14 @@
 //! The instrument itself: sizes are what they are called, and the right model scores as right.
 
-use crate::cases::{self, Case, Group};
-use crate::noise::{self, Kind as NoiseKind};
+use crate::cases::{Case, Group};
+use crate::noise::Kind as NoiseKind;
 use crate::score::{captured_unseen, with_set};
 use crate::stage::{SIGMA_MM, Stage, experiment, rms, stacked};
 use crate::trial::{catalogue_id, stage_case};
+use crate::{cases, noise};
 use trunnion_effects::{Instance, ModelEffect};
-use trunnion_identify::{Options, identify};
+use trunnion_engine::fit::Options;
+use trunnion_engine::identify;
 
 fn single(id: &str, noise: NoiseKind, size: f64) -> Case {
     Case { group: Group::Single, hidden: vec![id.into()], noise, size, seed: 5 }

@@ -1,15 +1,16 @@
 //! One trial: hide, measure, ask, compare with the truth.
 
-use crate::cases::{self, Case, Group};
-use crate::noise;
-use crate::score::{self, Outcome};
+use crate::cases::{Case, Group};
+use crate::score::Outcome;
 use crate::stage::{RUN_S, Stage, experiment, rms, stacked};
+use crate::{cases, noise, score};
 use nalgebra::DVector;
 use std::time::Instant;
-use trunnion_diagnose::{self as diagnose, Diagnosis, Verdict};
 use trunnion_effects::Model;
+use trunnion_engine as diagnose;
+use trunnion_engine::fit::Options;
+use trunnion_engine::{Diagnosis, Experiment, Outliers, Verdict, identify};
 use trunnion_hil_sim::Truth;
-use trunnion_identify::{Experiment, Options, Outliers, identify};
 
 /// A machine with its secret, and what was read on it.
 pub struct Staged {
@@ -78,7 +79,7 @@ pub fn run(stage: &Stage, case: &Case) -> (Staged, Trial) {
     let wanted: Vec<String> = case.hidden.iter().map(|id| catalogue_id(id)).collect();
     let base = Model::base(&stage.machine.name);
     let without = if case.group == Group::TakenOut { wanted.clone() } else { Vec::new() };
-    let options = diagnose::Options { without, ..diagnose::Options::default() };
+    let options = diagnose::diagnosis::Options { without, ..diagnose::diagnosis::Options::default() };
     let started = Instant::now();
     let diagnosis = diagnose::diagnose(&staged.experiment, &base, &options)
         .expect("the base model fits the machine and the grid");

@@ -8,12 +8,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime};
+use trunnion_core::AxisValues;
 use trunnion_hil_sim::devices::canopen::{BusConfig, Nodes};
 use trunnion_hil_sim::devices::{DeviceClock, SimulatedCell, TimeOrigin};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
 use trunnion_protocol::can::{CanFrame, CanId};
 use trunnion_protocol::canopen::NodeId;
-use trunnion_units::AxisValues;
 
 /// A stamp that seems older is one from before the wall clock was set, s.
 const LONGEST_AGE_S: f64 = 1.0;

@@ -8,7 +8,8 @@ use tokio::time::Instant;
 use trunnion_acquire::parse_devices;
 use trunnion_hil_sim::devices::canopen::{BusConfig, NodeKind, Nodes};
 use trunnion_hil_sim::devices::{DeviceClock, TimeOrigin};
-use trunnion_tests::alignment::{self, ClockWorld, Truth, row};
+use trunnion_tests::alignment;
+use trunnion_tests::alignment::{ClockWorld, Truth, row};
 
 /// Length of the run, s of the emulated computer.
 const SECONDS: f64 = 45.0;

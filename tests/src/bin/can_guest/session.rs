@@ -8,9 +8,10 @@ use std::time::Instant;
 use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{Acquisition, Message, ProbeReading, Reading, SessionEnd, parse_devices, start};
-use trunnion_daemon::clock::SystemClock;
-use trunnion_units::Clock;
+use trunnion_acquire::{Acquisition, SessionEnd, parse_devices, start};
+use trunnion_core::Clock;
+use trunnion_core::reading::{Message, ProbeReading, Reading};
+use trunnion_service::clock::SystemClock;
 
 /// Messages of the network, and the clock they are on.
 pub struct Session {

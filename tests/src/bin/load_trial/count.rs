@@ -3,7 +3,7 @@
 use crate::floor::{AXES_HZ, EDGE_S, ENCODER_HZ, PROBE_HZ};
 use anyhow::Context;
 use std::path::Path;
-use trunnion_measurement::Stamp;
+use trunnion_core::Stamp;
 use trunnion_record::Item;
 
 /// One stream of the recording.

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use trunnion_core::AxisLetter::C;
+use trunnion_core::AxisValues;
 use trunnion_hil_sim::devices::canopen::BusConfig;
-use trunnion_hil_sim::devices::cell::{self, Cell, CellConfig};
-use trunnion_hil_sim::devices::{CycleState, DeviceClock, SimulatedCell, World, orthogonal_nest};
+use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
+use trunnion_hil_sim::devices::{CycleState, DeviceClock, SimulatedCell, World, cell, orthogonal_nest};
 use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine, scenario};
 use trunnion_machine::shipped;
-use trunnion_units::AxisLetter::C;
-use trunnion_units::AxisValues;
 
 /// Rates of the trial, Hz.
 pub const PROBE_HZ: f64 = 4000.0;

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use tokio_util::sync::CancellationToken;
 use tracing_subscriber::EnvFilter;
 use trunnion_acquire::config::channels;
-use trunnion_daemon::clock::SystemClock;
-use trunnion_daemon::config::Config;
-use trunnion_daemon::live::Plan;
-use trunnion_daemon::service::{QUEUES, Texts, serve};
+use trunnion_cycles::Cycle;
 use trunnion_effects::Model;
 use trunnion_machine::shipped;
-use trunnion_measurement::Cycle;
+use trunnion_service::clock::SystemClock;
+use trunnion_service::config::Config;
+use trunnion_service::daemon::{QUEUES, Texts, serve};
+use trunnion_service::live::Plan;
 
 /// Runs until it is stopped.
 pub fn run(path: &Path) -> anyhow::Result<()> {

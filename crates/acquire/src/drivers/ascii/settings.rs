@@ -1,12 +1,12 @@
 //! The keys of the `ascii` driver: a preset, changed where the keys say so.
 
-use crate::config::Role;
 use crate::drivers::Device;
 use crate::transport::serial::Framing;
 use std::sync::Arc;
 use std::time::Duration;
+use trunnion_core::Role;
+use trunnion_core::input::Table;
 use trunnion_protocol::ascii::{Format, PRESETS, Pattern, Preset, Stamp, Unit};
-use trunnion_units::input::Table;
 
 const CUSTOM: &str = "custom";
 

@@ -5,9 +5,9 @@ use std::error::Error;
 use std::future::Future;
 use std::time::Duration;
 use tokio::time::Instant;
+use trunnion_core::HostTime;
 use trunnion_protocol::can::CanFrame;
 use trunnion_protocol::canopen::{NodeDescription, NodeId, NodeStartup, StartupProgress};
-use trunnion_units::HostTime;
 
 /// Longest wait for one SDO answer.
 const SDO_LIMIT: Duration = Duration::from_millis(500);

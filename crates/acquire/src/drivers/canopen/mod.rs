@@ -12,14 +12,14 @@ mod nodes;
 
 pub(super) use bus::{Bus, BusEvent};
 
-use crate::config::Role;
 use crate::supervisor::{Link, SessionEnd};
 use nodes::Nodes;
 use std::convert::Infallible;
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval};
+use trunnion_core::Role;
+use trunnion_core::input::Table;
 use trunnion_protocol::canopen::{NmtCommand, NodeId};
-use trunnion_units::input::Table;
 
 /// Time between two questions to the transport how the bus is doing.
 const LONGEST_TEND: Duration = Duration::from_secs(1);

@@ -1,17 +1,16 @@
 //! The nodes while they measure: values to readings, SYNC numbers, heartbeats, silence.
 
 use super::NodeConfig;
-use crate::config::Role;
-use crate::message::{ProbeReading, Reading, TemperatureReading};
 use crate::supervisor::{Link, SessionEnd};
 use std::time::Duration;
+use trunnion_core::reading::{ProbeReading, Reading, TemperatureReading};
+use trunnion_core::{HostTime, Role};
 use trunnion_protocol::can::{CanFrame, CanId};
 use trunnion_protocol::canopen::cia404::{InputStatus, Quantity};
 use trunnion_protocol::canopen::node::Scaling;
 use trunnion_protocol::canopen::{
     Message, NmtState, NodeDescription, Profile, RawBits, Reading as NodeReading, Transmission, Value,
 };
-use trunnion_units::HostTime;
 
 /// Device clock of this driver: µs since the session began to measure.
 const TICK_S: f64 = 1e-6;

@@ -2,14 +2,15 @@
 
 use crate::drivers::canopen::{Bus, BusEvent};
 use crate::supervisor::{Link, SessionEnd};
-use crate::transport::serial::{self, Framing, Port};
+use crate::transport::serial;
+use crate::transport::serial::{Framing, Port};
 use std::collections::VecDeque;
 use std::time::Duration;
 use tokio::time::Instant;
+use trunnion_core::HostTime;
 use trunnion_protocol::can::CanFrame;
 use trunnion_protocol::canopen::network::sync_frame;
 use trunnion_protocol::slcan::{AdapterMessage, Bitrate, HostCommand, HostDecoder, StatusFlags};
-use trunnion_units::HostTime;
 
 /// Adapters answer within some ms; USB adds 16.
 const ADAPTER_LIMIT: Duration = Duration::from_millis(300);

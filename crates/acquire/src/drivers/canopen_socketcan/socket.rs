@@ -10,10 +10,10 @@ use socketcan::{CanError, EmbeddedFrame, Frame, Socket, SocketOptions};
 use std::io;
 use std::time::{Duration, UNIX_EPOCH};
 use tokio::time::{Instant, sleep, timeout};
+use trunnion_core::HostTime;
 use trunnion_protocol::can::{CanFrame, CanId};
 use trunnion_protocol::canopen::CobId;
 use trunnion_protocol::canopen::network::sync_frame;
-use trunnion_units::HostTime;
 
 /// Longest wait for room in the transmit queue: ten frames on a bus of 10 kbit/s.
 const WRITE_LIMIT: Duration = Duration::from_millis(200);

@@ -4,7 +4,7 @@
 //! Valid while the wall clock is not set between stamp and reading (some ms). When it is, the stamps of that moment are
 //! wrong by the step: what comes out is therefore never later than the reading nor earlier than the frame before.
 
-use trunnion_units::{Clock, HostTime};
+use trunnion_core::{Clock, HostTime};
 
 /// The difference of the clocks is sampled anew when the two readings around it are farther apart, ns.
 const GOOD_SAMPLE_NS: i64 = 5_000;

@@ -10,8 +10,8 @@ use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::time::timeout;
+use trunnion_core::HostTime;
 use trunnion_protocol::linuxcncrsh::{Item, Lines, Reply, Request, parse_reply, write_request};
-use trunnion_units::HostTime;
 
 /// An answer with the times around it.
 pub(super) struct Answered {

@@ -2,7 +2,8 @@
 
 use super::exchange::Exchange;
 use super::{PASSWORD, PORT, unexpected};
-use crate::probe::{self, Answer, Found, Medium, Probe, Scheme};
+use crate::probe;
+use crate::probe::{Answer, Found, Medium, Probe, Scheme};
 use crate::supervisor::SessionEnd;
 use crate::transport::tcp;
 use std::time::Duration;

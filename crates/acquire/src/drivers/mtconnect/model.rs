@@ -1,10 +1,10 @@
 //! What the agent's data items mean, and the latest value of each.
 
 use super::letter_of;
-use crate::message::{AxisReading, ControllerReading, Execution, Reading, TemperatureReading};
 use std::collections::BTreeMap;
+use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, TemperatureReading};
+use trunnion_core::{AxisLetter, AxisValues, HostTime, convert};
 use trunnion_protocol::mtconnect::{Category, DataItem, Device, Observation, ObservedValue, StreamsDocument};
-use trunnion_units::{AxisLetter, AxisValues, HostTime, convert};
 
 /// Longest time from a change at the controller to its arrival here, ns.
 const ON_THE_WAY_NS: i64 = 30_000_000;

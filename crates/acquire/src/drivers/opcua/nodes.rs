@@ -11,7 +11,7 @@ use opcua::types::{
 };
 use std::f64::consts::PI;
 use std::str::FromStr;
-use trunnion_units::AxisLetter;
+use trunnion_core::AxisLetter;
 
 /// Levels and nodes looked through below Objects for `CncAxisList`.
 const DEEPEST: usize = 5;

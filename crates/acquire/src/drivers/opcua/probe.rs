@@ -4,12 +4,13 @@
 use super::connect::{self, Connection};
 use super::nodes::{self, Browser};
 use super::{Layout, Named, OpcUa};
-use crate::probe::{self, Answer, Found, Medium, Probe, Scheme};
+use crate::probe;
+use crate::probe::{Answer, Found, Medium, Probe, Scheme};
 use crate::supervisor::SessionEnd;
 use opcua::types::{NodeId, ObjectId};
 use std::time::Duration;
 use tokio::time::timeout;
-use trunnion_units::AxisValues;
+use trunnion_core::AxisValues;
 
 pub(super) const PROBE: Probe = Probe {
     medium: Medium::Network(Scheme { name: "opc.tcp", port: connect::PORT }),

@@ -5,7 +5,6 @@ use super::connect::{self, Connection, end_of, limited};
 use super::instants::{Instant, Instants};
 use super::nodes::{self, Nodes};
 use super::status::{execution, is_on, number, text};
-use crate::message::{AxisReading, ControllerReading, Execution, Reading};
 use crate::supervisor::{Link, SessionEnd};
 use opcua::client::{MonitoredItemMap, OnSubscriptionNotificationCore};
 use opcua::types::{
@@ -20,7 +19,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::MissedTickBehavior;
-use trunnion_units::{AxisValues, HostTime};
+use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading};
+use trunnion_core::{AxisValues, HostTime};
 
 /// Notifications between the library's task and this one.
 const QUEUE: usize = 1024;

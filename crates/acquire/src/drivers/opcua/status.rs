@@ -1,7 +1,7 @@
 //! What a program is doing, from the numbers, words and bits of servers.
 
-use crate::message::Execution;
 use opcua::types::Variant;
+use trunnion_core::reading::Execution;
 
 /// Whose numbers they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

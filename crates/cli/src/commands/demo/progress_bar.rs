@@ -1,7 +1,7 @@
 //! How far the cycle is.
 
 use std::io::{IsTerminal, Write};
-use trunnion_acquire::Progress;
+use trunnion_sync::Progress;
 
 /// One line on standard error: share done and time left.
 pub(super) struct ProgressBar {

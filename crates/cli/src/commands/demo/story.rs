@@ -1,15 +1,14 @@
 //! What the demo tells.
 
 use std::path::Path;
-use trunnion_daemon::analysis::Analysis;
-use trunnion_daemon::page;
-use trunnion_diagnose::Verdict;
-use trunnion_diagnose::views::residual_views;
+use trunnion::analysis::Analysis;
+use trunnion::page;
+use trunnion_core::convert;
+use trunnion_engine::compare::residual_views;
+use trunnion_engine::{Experiment, Identification, Verdict};
 use trunnion_hil_sim::VirtualMachine;
 use trunnion_hil_sim::physics::hidden;
-use trunnion_identify::{Experiment, Identification};
 use trunnion_report::ladder_text;
-use trunnion_units::convert;
 
 /// The ladder as it grows: base model, what fails, which effect, added, error falls.
 pub(super) fn story(experiment: &Experiment, analysis: &Analysis) -> String {

@@ -1,7 +1,7 @@
 //! `trunnion devices --config`: the devices of a configuration, connected as the service connects them.
 
-use crate::load;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
+use crate::{load, outcome};
 use anyhow::bail;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -12,11 +12,10 @@ use tokio::time::{Instant, timeout_at};
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::config::channels;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{
-    Acquisition, DeviceConfig, DeviceState, DeviceStatus, Message, Reading, parse_devices, start,
-};
-use trunnion_daemon::clock::SystemClock;
-use trunnion_daemon::config::Config;
+use trunnion_acquire::{Acquisition, DeviceConfig, DeviceState, DeviceStatus, parse_devices, start};
+use trunnion_core::reading::{Message, Reading};
+use trunnion_service::clock::SystemClock;
+use trunnion_service::config::Config;
 
 /// Longest wait for a first reading: SDO transfers with several nodes take some seconds.
 const LIMIT: Duration = Duration::from_secs(15);

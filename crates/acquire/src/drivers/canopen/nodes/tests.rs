@@ -1,14 +1,14 @@
 use super::*;
-use crate::message::Message as Delivered;
 use crate::supervisor::{DeviceStatus, Outlet};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
+use trunnion_core::Clock;
+use trunnion_core::reading::Message as Delivered;
 use trunnion_protocol::canopen::cia404::{ProcessValue, Unit};
 use trunnion_protocol::canopen::{
     CobId, Identity, NodeId, ObjectKey, PdoCommunication, PdoEntry, PdoMapping, Tpdo,
 };
-use trunnion_units::Clock;
 
 struct AtZero;
 

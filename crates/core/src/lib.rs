@@ -1,0 +1,33 @@
+//! Quantities, joints, states, twists, time stamps, the nouns of a run, and the one reader of hand-written files.
+//!
+//! Inside the program every length is in mm, every angle in rad, every time in s, every temperature
+//! difference in K. Files and screens use mm, µm, degrees, µrad and °C; [`convert`] is the only place
+//! where one becomes the other. Everything here is plain data; nothing opens a file or asks a clock.
+
+mod artefact;
+pub mod axis;
+pub mod channel;
+pub mod convert;
+pub mod direction;
+pub mod input;
+mod kind;
+mod point;
+pub mod problem;
+pub mod reading;
+mod sample;
+pub mod setup;
+mod state;
+pub mod time;
+mod twist;
+
+pub use artefact::{Artefact, Target};
+pub use axis::{AxisLetter, AxisValues};
+pub use channel::{Channel, Role};
+pub use kind::{InstrumentKind, ReadingColumn};
+pub use point::{Point, Quality};
+pub use problem::{Problem, Problems};
+pub use sample::{AxisSample, Event, Gap, ProbeSample, Stamp};
+pub use setup::{NestSide, Setup};
+pub use state::State;
+pub use time::{Clock, HostTime};
+pub use twist::Twist;

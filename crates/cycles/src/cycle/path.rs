@@ -1,0 +1,156 @@
+//! Lines and curves that the tool travels: body diagonals, circles, the cone-frustum path.
+//!
+//! ```toml
+//! [line]                              # kind = "static", instead of [[grid]]; from the ball of each setup along its direction
+//! length_mm = 600
+//! steps = 20
+//! in_turn = false                     # true: X, Y and Z step one after the other
+//!
+//! [circle]                            # kind = "on-the-fly", instead of [sweep]; about the table's ball, radius of the bar
+//! plane = "XY"
+//! from_deg = -180
+//! to_deg = 540
+//! feeds_mm_per_min = [1000]
+//!
+//! [cone]                              # the same, five axes at once
+//! half_angle_deg = 15                 # of the cone
+//! tilt_deg = 10                       # of its axis against the table's Z, towards X
+//! from_deg = 0
+//! to_deg = 360
+//! feeds_mm_per_min = [1000]
+//! ```
+
+use super::reach;
+use nalgebra::{Point3, Rotation3, Unit, Vector3};
+use trunnion_core::{AxisLetter, AxisValues, Setup};
+use trunnion_machine::{JointErrors, Machine};
+
+/// A straight line from the place of each setup along its direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Length, mm.
+    pub length_mm: f64,
+    /// Number of steps between them.
+    pub steps: usize,
+    /// True: in every step X, Y and Z move one after the other, with a stop after each [S2 §3.2].
+    pub in_turn: bool,
+}
+
+/// A curve of the tool about the table's ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Path {
+    /// Circle of two linear axes [ISO 230-4].
+    Circle {
+        /// The axes; the angle runs from the first to the second.
+        plane: [AxisLetter; 2],
+    },
+    /// Base circle of a cone whose generatrix the tool axis keeps parallel to [NAS 979; ISO 10791-6 BK4].
+    Cone {
+        /// Angle between the cone's axis and its generatrix, rad.
+        half_angle_rad: f64,
+        /// Tilt of the cone's axis against the table's Z, towards its X, rad.
+        tilt_rad: f64,
+    },
+}
+
+/// Radius of the curves of a setup: the length of its bar, mm.
+pub(super) fn radius_mm(setup: &Setup) -> f64 {
+    setup.bar_length_mm.unwrap_or(1.0).max(1.0)
+}
+
+impl Line {
+    /// The places of the spindle-side ball in order, machine axes from the first one, mm.
+    pub(super) fn places_mm(&self, direction: &Unit<Vector3<f64>>) -> Vec<Vector3<f64>> {
+        let whole = direction.into_inner() * self.length_mm;
+        let at = |[x, y, z]: [usize; 3]| {
+            let share = |k: usize| k as f64 / self.steps.max(1) as f64;
+            whole.component_mul(&Vector3::new(share(x), share(y), share(z)))
+        };
+        let mut places = vec![at([0; 3])];
+        for k in 0..self.steps {
+            if self.in_turn {
+                places.extend([at([k + 1, k, k]), at([k + 1, k + 1, k])]);
+            }
+            places.push(at([k + 1; 3]));
+        }
+        places
+    }
+}
+
+impl Path {
+    /// Axes that it needs.
+    pub(super) fn axes(&self) -> Vec<AxisLetter> {
+        match self {
+            Self::Circle { plane } => plane.to_vec(),
+            Self::Cone { .. } => AxisLetter::LINEAR.to_vec(),
+        }
+    }
+
+    /// Angle on the curve nearest to a place of the tool point in table axes, −π…π.
+    pub(super) fn angle_rad(&self, machine: &Machine, setup: &Setup, place_in_table_mm: &Point3<f64>) -> f64 {
+        let [right, up] = match self {
+            Self::Circle { plane } => {
+                let table = machine.machine_from_table(&AxisValues::default(), &JointErrors::default());
+                plane.map(|letter| table.rotation.inverse() * Vector3::ith(letter as usize, 1.0))
+            }
+            Self::Cone { tilt_rad, .. } => {
+                let tilted = Rotation3::from_axis_angle(&Vector3::y_axis(), *tilt_rad);
+                [tilted * Vector3::x(), tilted * Vector3::y()]
+            }
+        };
+        let apart = place_in_table_mm - setup.ball_in_table_mm;
+        apart.dot(&up).atan2(apart.dot(&right))
+    }
+
+    /// All axes at `angle_rad` of the curve. `near`: where the rotary axes stood before. `None` when the machine cannot get
+    /// there.
+    pub(super) fn position(
+        &self,
+        machine: &Machine,
+        setup: &Setup,
+        angle_rad: f64,
+        near: &AxisValues<f64>,
+    ) -> Option<AxisValues<f64>> {
+        let radius_mm = setup.bar_length_mm.unwrap_or_default();
+        let (sin, cos) = angle_rad.sin_cos();
+        match self {
+            Self::Circle { plane } => {
+                let along = |letter: AxisLetter| Vector3::ith(letter as usize, radius_mm);
+                let apart_mm = along(plane[0]) * cos + along(plane[1]) * sin;
+                let rotary = AxisValues::default();
+                let table = machine.machine_from_table(&rotary, &JointErrors::default()).rotation;
+                let place = setup.ball_in_table_mm + table.inverse() * apart_mm;
+                reach(machine, setup, &rotary, &place)
+            }
+            Self::Cone { half_angle_rad, tilt_rad } => {
+                let tilted = Rotation3::from_axis_angle(&Vector3::y_axis(), *tilt_rad);
+                let outward = tilted * Vector3::new(cos, sin, 0.0);
+                let up = tilted * Vector3::z();
+                // From the base upward and inward.
+                let generatrix = up * half_angle_rad.cos() - outward * half_angle_rad.sin();
+                let place = setup.ball_in_table_mm + outward * radius_mm;
+                let posed = pointing(machine, near, &place, &Unit::new_normalize(generatrix))?;
+                reach(machine, setup, &posed, &place)
+            }
+        }
+    }
+}
+
+/// Turns added to the rotary axes, rad: where one has no say (a pole), the way there has no beginning.
+const STARTS_RAD: [f64; 5] = [0.0, 0.4, 1.5, -0.4, 2.9];
+
+/// All axes with the tool point at `place` and the tool's axis along `direction`, table axes.
+fn pointing(
+    machine: &Machine,
+    near: &AxisValues<f64>,
+    place_in_table_mm: &Point3<f64>,
+    direction: &Unit<Vector3<f64>>,
+) -> Option<AxisValues<f64>> {
+    (0..STARTS_RAD.len()).find_map(|k| {
+        let mut start = *near;
+        for (i, axis) in machine.rotary().iter().enumerate() {
+            start[axis.letter] += if k == 0 { 0.0 } else { STARTS_RAD[(k + i) % STARTS_RAD.len()] };
+        }
+        machine.reach(&start, place_in_table_mm, direction)
+    })
+}

@@ -1,0 +1,172 @@
+//! Just enough of each dialect to run the programs: positions in mm and degrees, durations in s.
+
+use std::collections::HashMap;
+use trunnion_core::{AxisLetter, AxisValues};
+
+/// What a program does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// Straight to a position.
+    Move { to: AxisValues<f64>, seconds: f64 },
+    /// Stands still.
+    Dwell { seconds: f64 },
+    /// Waits for the operator.
+    Stop(String),
+}
+
+/// Runs a program; what the dialect does not know fails.
+pub fn interpret(dialect: &str, text: &str) -> Vec<Event> {
+    match dialect {
+        "fanuc" => iso(&fanuc_lines(text), 1e-3, 'P'),
+        "linuxcnc" => iso(&linuxcnc_lines(text), 1.0, 'P'),
+        "siemens" => iso(&siemens_lines(text), 1.0, 'F'),
+        "heidenhain" => klartext(text),
+        other => panic!("no interpreter for {other}"),
+    }
+}
+
+/// Lines without comments; the comment before a stop is its message.
+fn fanuc_lines(text: &str) -> Vec<String> {
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!((lines[0], lines[lines.len() - 1]), ("%", "%"));
+    assert!(lines[1].starts_with('O') && lines[1][1..5].parse::<u32>().is_ok(), "{}", lines[1]);
+    assert!(!text.contains(':') && text.to_ascii_uppercase() == text);
+    bracketed(&lines[2..lines.len() - 1])
+}
+
+fn linuxcnc_lines(text: &str) -> Vec<String> {
+    bracketed(&text.lines().collect::<Vec<_>>())
+}
+
+fn bracketed(lines: &[&str]) -> Vec<String> {
+    let mut blocks = Vec::new();
+    for line in lines {
+        if let Some(comment) = line.strip_prefix('(') {
+            let inner = comment.strip_suffix(')').expect("a comment fills its line");
+            assert!(!inner.contains(['(', ')']), "nested comment: {line}");
+        } else {
+            blocks.push((*line).to_owned());
+        }
+    }
+    blocks
+}
+
+fn siemens_lines(text: &str) -> Vec<String> {
+    let known = ["TRAFOOF", "MSG("];
+    text.lines()
+        .filter(|line| !line.starts_with("; ") && !known.iter().any(|word| line.starts_with(word)))
+        .map(|line| line.split(" CTOL=").next().unwrap().to_owned())
+        .collect()
+}
+
+/// Blocks of letters and numbers. `dwell_unit_s` is the unit of a G4 with `dwell_word`.
+fn iso(lines: &[String], dwell_unit_s: f64, dwell_word: char) -> Vec<Event> {
+    let mut events = Vec::new();
+    let (mut at, mut known) = (AxisValues::<f64>::default(), AxisValues::<bool>::default());
+    let (mut inverse_time, mut ended) = (false, false);
+    for line in lines {
+        assert!(!ended, "something after the end: {line}");
+        let words: Vec<(char, f64)> = line
+            .split_whitespace()
+            .map(|word| {
+                let number = word[1..].parse().unwrap_or_else(|_| panic!("no number in {word} of {line}"));
+                (word.chars().next().unwrap(), number)
+            })
+            .collect();
+        let codes: Vec<i64> = words.iter().filter(|w| w.0 == 'G').map(|w| (w.1 * 10.0) as i64).collect();
+        let others: HashMap<char, f64> = words.iter().copied().filter(|w| w.0 != 'G').collect();
+        for code in &codes {
+            match code {
+                930 => inverse_time = true,
+                940 => inverse_time = false,
+                10 | 40 | 170 | 210 | 400 | 490 | 540 | 640 | 800 | 900 | 6420 | 7100 => {}
+                other => panic!("G{} in {line}", *other as f64 / 10.0),
+            }
+        }
+        if codes.contains(&40) {
+            events.push(Event::Dwell { seconds: others[&dwell_word] * dwell_unit_s });
+            continue;
+        }
+        match others.get(&'M').map(|m| *m as i64) {
+            Some(0) => events.push(Event::Stop(String::new())),
+            Some(2 | 30) => ended = true,
+            Some(other) => panic!("M{other}"),
+            None => {}
+        }
+        if codes.contains(&10) {
+            let target: Vec<(AxisLetter, f64)> = AxisLetter::ALL
+                .into_iter()
+                .filter_map(|letter| {
+                    others.get(&letter.as_str().chars().next().unwrap()).map(|v| (letter, *v))
+                })
+                .collect();
+            let feed = others[&'F'];
+            assert!(feed > 0.0 && !target.is_empty(), "{line}");
+            let seconds = if inverse_time { 60.0 / feed } else { way(&at, &known, &target) / feed * 60.0 };
+            go(&mut at, &mut known, &target);
+            events.push(Event::Move { to: at, seconds });
+        }
+    }
+    assert!(ended, "the program does not end");
+    events
+}
+
+fn klartext(text: &str) -> Vec<Event> {
+    let mut events = Vec::new();
+    let (mut at, mut known) = (AxisValues::<f64>::default(), AxisValues::<bool>::default());
+    let count = text.lines().count();
+    let mut cycle = 0;
+    for (i, line) in text.lines().enumerate() {
+        let (number, block) = line.split_once(' ').unwrap();
+        assert_eq!(number.parse(), Ok(i), "block numbers");
+        if i == 0 || i + 1 == count {
+            assert!(
+                block.starts_with(["BEGIN PGM ", "END PGM "][usize::from(i > 0)]) && block.ends_with(" MM")
+            );
+        } else if let Some(rest) = block.strip_prefix("CYCL DEF ") {
+            let words: Vec<&str> = rest.split(' ').collect();
+            match words[..] {
+                ["9.0", "DWELL", "TIME"] => cycle = 9,
+                ["9.1", "DWELL", seconds] => {
+                    assert_eq!(cycle, 9);
+                    events.push(Event::Dwell { seconds: seconds.parse().unwrap() });
+                }
+                ["32.0", "TOLERANCE"] | ["32.1"] => {}
+                ["32.1", tolerance] => assert!(tolerance[1..].parse::<f64>().unwrap() > 0.0),
+                _ => panic!("{line}"),
+            }
+        } else if let Some(rest) = block.strip_prefix("L ") {
+            let (axes, feed) = rest.split_once(" R0 F").unwrap();
+            let target: Vec<(AxisLetter, f64)> = axes
+                .split(' ')
+                .map(|word| {
+                    assert!(matches!(word.as_bytes()[1], b'+' | b'-'), "a sign in {word}");
+                    (AxisLetter::parse(&word[..1]).unwrap(), word[1..].parse().unwrap())
+                })
+                .collect();
+            let seconds = way(&at, &known, &target) / feed.parse::<f64>().unwrap() * 60.0;
+            go(&mut at, &mut known, &target);
+            events.push(Event::Move { to: at, seconds });
+        } else if block == "STOP" {
+            events.push(Event::Stop(String::new()));
+        } else {
+            assert!(block.starts_with("; ") || ["M127", "M129", "M30"].contains(&block), "{line}");
+        }
+    }
+    events
+}
+
+/// Length of the way in mm and degrees together; axes whose place is unknown do not count.
+fn way(at: &AxisValues<f64>, known: &AxisValues<bool>, target: &[(AxisLetter, f64)]) -> f64 {
+    target
+        .iter()
+        .filter(|(letter, _)| known[*letter])
+        .map(|(letter, v)| v - at[*letter])
+        .fold(0.0, f64::hypot)
+}
+
+fn go(at: &mut AxisValues<f64>, known: &mut AxisValues<bool>, target: &[(AxisLetter, f64)]) {
+    for &(letter, value) in target {
+        (at[letter], known[letter]) = (value, true);
+    }
+}

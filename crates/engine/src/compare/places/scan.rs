@@ -1,0 +1,251 @@
+//! Every box of the grid, by sums over rectangles of a table of partial sums.
+
+use super::readings::{Reading, Readings};
+use trunnion_core::AxisLetter;
+
+/// Fewest readings of a place.
+const FEWEST: usize = 6;
+/// A place with fewer conditions is preferred while it is worth at least this share of the best.
+const NEARLY: f64 = 0.93;
+
+/// Which directions of travel a box holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Every point.
+    All,
+    /// Points with the axis going forward.
+    Forward(AxisLetter),
+    /// Points with the axis going back.
+    Back(AxisLetter),
+    /// Points with the axis going either way, the sign turned over with it.
+    Turns(AxisLetter),
+}
+
+/// A box and what its mean explains.
+#[derive(Clone, Debug)]
+pub struct Found {
+    pub component: usize,
+    pub setup: Option<usize>,
+    pub way: Way,
+    /// Dimension, first and last bin; on a full turn the last may lie before the first.
+    pub ranges: Vec<(usize, usize, usize)>,
+    pub readings: usize,
+    pub mean_um: f64,
+    /// n m², µm².
+    pub explains: f64,
+    /// What it explains less the price of naming it, µm².
+    worth: f64,
+}
+
+impl Found {
+    /// +1, −1 for a point in the box, `None` outside.
+    pub fn weight(&self, readings: &Readings, point: &Reading) -> Option<f64> {
+        let in_ranges = self.ranges.iter().all(|&(d, from, to)| within(point.bins[d], from, to));
+        let in_setup = self.setup.is_none_or(|setup| setup == point.setup);
+        if in_ranges && in_setup { readings.way_weight(self.way, point) } else { None }
+    }
+
+    fn conditions(&self) -> usize {
+        self.ranges.len() + usize::from(self.setup.is_some()) + usize::from(self.way != Way::All)
+    }
+
+    fn overlaps(&self, other: &Self, readings: &Readings) -> bool {
+        self.component == other.component
+            && readings.points.iter().any(|point| {
+                self.weight(readings, point).is_some() && other.weight(readings, point).is_some()
+            })
+    }
+}
+
+fn within(bin: usize, from: usize, to: usize) -> bool {
+    if from <= to { (from..=to).contains(&bin) } else { bin >= from || bin <= to }
+}
+
+/// The box worth most, that overlaps none of `chosen`; `None` when none pays its price.
+pub fn best(readings: &Readings, chosen: &[Found]) -> Option<Found> {
+    let mut ways = vec![Way::All];
+    for &letter in &readings.both_ways {
+        ways.extend([Way::Forward(letter), Way::Back(letter), Way::Turns(letter)]);
+    }
+    let setups = (0..readings.setups).map(Some).filter(|_| readings.setups > 1);
+    let setups: Vec<Option<usize>> = std::iter::once(None).chain(setups).collect();
+    let count = readings.dimensions.len();
+    let pairs: Vec<(usize, usize)> = match count {
+        0 => vec![],
+        1 => vec![(0, 0)],
+        _ => (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect(),
+    };
+    // Best of each number of conditions.
+    let mut best: Vec<Option<Found>> = vec![None; 5];
+    for component in 0..readings.components.len() {
+        let Some(spread) = Spread::of(readings, component) else { continue };
+        let layers = (setups.len() * ways.len() * readings.components.len()) as f64;
+        for &setup in &setups {
+            for &way in &ways {
+                for &pair in &pairs {
+                    let layer = Layer { component, setup, way, pair };
+                    layer.scan(readings, &spread, layers, &mut |found| {
+                        let slot = &mut best[found.conditions()];
+                        if slot.as_ref().is_none_or(|other| found.worth > other.worth)
+                            && !chosen.iter().any(|other| found.overlaps(other, readings))
+                        {
+                            *slot = Some(found);
+                        }
+                    });
+                }
+            }
+        }
+    }
+    let most = best.iter().flatten().map(|found| found.worth).fold(0.0, f64::max);
+    best.into_iter().flatten().find(|found| found.worth > 0.0 && found.worth >= NEARLY * most)
+}
+
+/// Variance of a component and how its readings cling together.
+struct Spread {
+    variance_um2: f64,
+    cluster: f64,
+    alike: f64,
+}
+
+impl Spread {
+    fn of(readings: &Readings, component: usize) -> Option<Self> {
+        let values: Vec<f64> = readings.points.iter().filter_map(|point| point.value(component)).collect();
+        if values.len() < FEWEST {
+            return None;
+        }
+        let variance_um2 = values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64;
+        // Seen in table axes, an error that stays alike in machine axes turns with the table: the machine's view counts.
+        let (cluster, alike) = std::iter::once(component)
+            .chain(if component < 6 { 0..3 } else { 0..0 })
+            .map(|component| readings.clustering(component))
+            .fold((0.0, 0.0), |most: (f64, f64), one| (most.0.max(one.0), most.1.max(one.1)));
+        Some(Self { variance_um2, cluster, alike })
+    }
+
+    /// What a box that takes `share` of each cluster explains by chance, times the ln of `choices`, twice.
+    fn price(&self, share: f64, choices: f64) -> f64 {
+        let design_effect = 1.0 + (self.cluster * share - 1.0).max(0.0) * self.alike;
+        2.0 * choices.ln() * self.variance_um2 * design_effect
+    }
+}
+
+/// All boxes of one component, setup and way over two dimensions.
+struct Layer {
+    component: usize,
+    setup: Option<usize>,
+    way: Way,
+    pair: (usize, usize),
+}
+
+impl Layer {
+    fn scan(&self, readings: &Readings, spread: &Spread, layers: f64, visit: &mut impl FnMut(Found)) {
+        let (a, b) = self.pair;
+        let single = a == b;
+        let (rows, columns) =
+            (readings.dimensions[a].bins.len(), if single { 1 } else { readings.dimensions[b].bins.len() });
+        // Doubled, so that a range may go on past the last bin.
+        let mut sums = PartialSums::new(2 * rows, 2 * columns);
+        let mut count = 0;
+        for point in &readings.points {
+            if self.setup.is_some_and(|setup| setup != point.setup) {
+                continue;
+            }
+            let Some((value, weight)) = point.value(self.component).zip(readings.way_weight(self.way, point))
+            else {
+                continue;
+            };
+            let (i, j) = (point.bins[a], if single { 0 } else { point.bins[b] });
+            count += 1;
+            for (i, j) in [(i, j), (i + rows, j), (i, j + columns), (i + rows, j + columns)] {
+                sums.add(i, j, value * weight);
+            }
+        }
+        if count < FEWEST {
+            return;
+        }
+        sums.accumulate();
+        let over_a = ranges(rows, readings.dimensions[a].is_full_turn);
+        let over_b = ranges(columns, !single && readings.dimensions[b].is_full_turn);
+        for &(from_a, length_a) in &over_a {
+            for &(from_b, length_b) in &over_b {
+                let (n, sum) = sums.within((from_a, from_a + length_a), (from_b, from_b + length_b));
+                let cells = length_a * length_b;
+                if n < FEWEST as f64 || (cells < 2 && !single) {
+                    continue;
+                }
+                let mut conditions = Vec::new();
+                let (mut choices, mut share) = (layers, 1.0);
+                for (dimension, from, length, of, all) in
+                    [(a, from_a, length_a, rows, over_a.len()), (b, from_b, length_b, columns, over_b.len())]
+                {
+                    if length < of {
+                        conditions.push((dimension, from, (from + length - 1) % of));
+                        choices *= all as f64;
+                        if readings.is_fast(dimension) {
+                            share = length as f64 / of as f64;
+                        }
+                    }
+                }
+                let explains = sum * sum / n;
+                let worth = explains - spread.price(share, choices);
+                if worth > 0.0 {
+                    visit(Found {
+                        component: self.component,
+                        setup: self.setup,
+                        way: self.way,
+                        ranges: conditions,
+                        readings: n as usize,
+                        mean_um: sum / n,
+                        explains,
+                        worth,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// First bin and length of every range; the whole once.
+fn ranges(count: usize, is_full_turn: bool) -> Vec<(usize, usize)> {
+    let mut ranges = vec![(0, count)];
+    for length in 1..count {
+        let starts = if is_full_turn { count } else { count - length + 1 };
+        ranges.extend((0..starts).map(|from| (from, length)));
+    }
+    ranges
+}
+
+/// Counts and sums of everything above and to the left.
+struct PartialSums {
+    columns: usize,
+    sums: Vec<(f64, f64)>,
+}
+
+impl PartialSums {
+    fn new(rows: usize, columns: usize) -> Self {
+        Self { columns: columns + 1, sums: vec![(0.0, 0.0); (rows + 1) * (columns + 1)] }
+    }
+
+    fn add(&mut self, i: usize, j: usize, value: f64) {
+        let cell = &mut self.sums[(i + 1) * self.columns + j + 1];
+        *cell = (cell.0 + 1.0, cell.1 + value);
+    }
+
+    fn accumulate(&mut self) {
+        for at in self.columns..self.sums.len() {
+            if at.is_multiple_of(self.columns) {
+                continue;
+            }
+            let (up, left, both) =
+                (self.sums[at - self.columns], self.sums[at - 1], self.sums[at - self.columns - 1]);
+            let cell = &mut self.sums[at];
+            *cell = (cell.0 + up.0 + left.0 - both.0, cell.1 + up.1 + left.1 - both.1);
+        }
+    }
+
+    fn within(&self, (top, bottom): (usize, usize), (left, right): (usize, usize)) -> (f64, f64) {
+        let at = |i: usize, j: usize| self.sums[i * self.columns + j];
+        let (a, b, c, d) = (at(bottom, right), at(top, right), at(bottom, left), at(top, left));
+        (a.0 - b.0 - c.0 + d.0, a.1 - b.1 - c.1 + d.1)
+    }
+}

@@ -1,0 +1,55 @@
+//! Factors that depend on linear positions, and on how axes move while they are read.
+
+use super::{Draft, companions, products};
+use crate::Experiment;
+use std::f64::consts::TAU;
+use trunnion_core::AxisLetter;
+use trunnion_effects::Scene;
+
+pub(super) fn linear(experiment: &Experiment, drafts: &mut Vec<Draft>) {
+    let letters: Vec<AxisLetter> =
+        AxisLetter::LINEAR.into_iter().filter(|&l| experiment.machine().axis(l).is_some()).collect();
+    for (i, first) in letters.iter().enumerate() {
+        let one = |factor: String, order: usize, words: String| {
+            Draft::new("linear", order, vec![factor], words).ground()
+        };
+        drafts.push(one(format!("dir{first}"), 1, format!("changing sign with the direction of {first}")));
+        drafts.push(one(format!("{first}/100"), 1, format!("proportional to {first}")));
+        for second in &letters[i..] {
+            drafts.push(one(format!("{first}*{second}/10000"), 2, format!("with {first} times {second}")));
+        }
+        let (low, high) = experiment.scene.position_range[*first];
+        let travel = high - low;
+        if travel > 1.0 {
+            let rates: Vec<f64> = (0..6).map(|i| TAU / travel * (1.0 + 0.75 * f64::from(i))).collect();
+            let columns = vec![format!("cos(per_mm*{first})"), format!("sin(per_mm*{first})")];
+            drafts.push(
+                Draft::new("linear", 2, columns, format!("repeating along {first}"))
+                    .with("per_mm", (0.7 * TAU / travel, 6.0 * TAU / travel), &rates)
+                    .ground(),
+            );
+        }
+    }
+}
+
+/// While axes move: with speed and acceleration.
+pub(super) fn moving(rotary: &[AxisLetter], scene: &Scene, drafts: &mut Vec<Draft>) {
+    let fastest = |letter: AxisLetter| scene.speed_range[letter].1;
+    for letter in AxisLetter::ALL.into_iter().filter(|&letter| fastest(letter) > 0.0) {
+        for (order, factors, words) in companions(rotary) {
+            for (factor, how) in [
+                (format!("v{letter}"), format!("in proportion to the speed of {letter}")),
+                (format!("v{letter}^2"), format!("with the square of the speed of {letter}")),
+                (format!("a{letter}"), format!("in proportion to the acceleration of {letter}")),
+            ] {
+                let columns = products(&[factor], &factors);
+                drafts.push(Draft::new(
+                    format!("speed {letter}"),
+                    order + 1,
+                    columns,
+                    format!("{how}{words}"),
+                ));
+            }
+        }
+    }
+}

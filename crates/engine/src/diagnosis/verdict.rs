@@ -1,0 +1,224 @@
+//! The answer of a diagnosis and its JSON form (DESIGN §3.7).
+
+use crate::next_cycle::PlannedCycle;
+use serde_json::{Value, json};
+use trunnion_effects::ModelEffect;
+
+/// What is missing from a model, as far as the data can say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnosis {
+    /// Effects of the model that was judged, in order.
+    pub model: Vec<String>,
+    /// What this model leaves.
+    pub residual: ResidualSummary,
+    /// The answer in one word.
+    pub verdict: Verdict,
+    /// Candidates, best first. Empty when nothing is claimed.
+    pub candidates: Vec<Candidate>,
+    /// Model entries that together explain what is left, named and unnamed, shapes as refined; empty when nothing is claimed.
+    pub set: Vec<ModelEffect>,
+    /// An expression that describes the structure better than any named effect, ready to add.
+    pub formula: Option<FormulaProposal>,
+    /// What to measure next to tell rivals apart.
+    pub next_cycle: Option<NextCycle>,
+    /// Effects that this cycle cannot show: the model imitates them.
+    pub not_visible: Vec<String>,
+    /// Effects that the scene cannot have (no time stamps, nothing moved, one load, …).
+    pub out_of_reach: Vec<String>,
+}
+
+/// Size of the residual of a model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ResidualSummary {
+    /// Root mean square of the residual without outliers, µm per component.
+    pub rms_um: f64,
+    /// Noise floor: what would remain if nothing were missing, µm per component.
+    pub noise_um: f64,
+    /// Share of the residual's mean square above the noise floor, 0…1.
+    pub unexplained_fraction: f64,
+}
+
+/// The answer in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// A named effect explains what is left; the first candidate.
+    MissingEffect,
+    /// Structure is left, and no named effect explains it as well as an expression without a name.
+    UnnamedStructure,
+    /// Nothing above the noise.
+    NoiseFloor,
+}
+
+/// One effect that would explain part of the residual.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Effect id.
+    pub effect: String,
+    /// log₁₀ of the Bayes factor against nothing, after the prior for the number of candidates.
+    pub evidence: f64,
+    /// Residual after adding it, µm rms.
+    pub rms_um_after: f64,
+    /// Residual after adding it, on parts of the data left out of the fit, µm rms.
+    pub holdout_rms_um_after: f64,
+    /// Share of the explainable mean square (above the noise floor) that it explains, 0…1.
+    pub explains_fraction: f64,
+    /// Its parameters as fitted; shape numbers included.
+    pub parameters: Vec<CandidateParameter>,
+    /// Effects that the data cannot well tell from it.
+    pub confused_with: Vec<String>,
+    /// The measurement that would tell them apart; empty when nothing is confused.
+    pub separate_by: String,
+    /// True when nothing structured is left after adding it alone.
+    pub adequate: bool,
+    /// What it is and what speaks for it, for a person.
+    pub why: String,
+}
+
+/// A fitted parameter of a candidate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CandidateParameter {
+    /// Its name.
+    pub name: String,
+    /// Value in `unit`; `None` when these data cannot see it.
+    pub value: Option<f64>,
+    /// Standard uncertainty in `unit`, under the noise model that fits best; `None` for a shape number.
+    pub u: Option<f64>,
+    /// Unit, e.g. `um`.
+    pub unit: String,
+}
+
+/// An expression for structure that has no name, as a `formula:NAME` effect of a model file (DESIGN §3.4).
+#[derive(Clone, Debug, PartialEq)]
+pub struct FormulaProposal {
+    /// Name of the effect.
+    pub name: String,
+    /// `axis:B`, `ball`, `spindle`, …
+    pub site: String,
+    /// `dx` … `ec`.
+    pub component: String,
+    /// Expression over the state with named parameters.
+    pub expression: String,
+    /// Values of the shape numbers in `expression`.
+    pub shape: Vec<ShapeNumber>,
+    /// The whole proposal as entries of a model file, one for each component; the first is the one described above.
+    pub entries: Vec<ModelEffect>,
+    /// log₁₀ of the Bayes factor against nothing, after the price of its complexity.
+    pub evidence: f64,
+    /// Residual after adding it, µm rms.
+    pub rms_um_after: f64,
+    /// Share of the explainable mean square that it explains, 0…1.
+    pub explains_fraction: f64,
+    /// Where it lives: frame, direction, range, in words.
+    pub lives: String,
+    /// The named effect it resembles most, if any.
+    pub resembles: Option<String>,
+}
+
+/// What to measure next to tell rivals apart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NextCycle {
+    /// What to do, for a person.
+    pub suggestion: String,
+    /// The cycle the planner chose ([`crate::next_cycle::advise`]); `None` before planning, and when no cycle helps.
+    pub cycle: Option<PlannedCycle>,
+}
+
+impl NextCycle {
+    /// Advice of the catalogue; nothing was planned yet.
+    pub(crate) fn advice(suggestion: String) -> Self {
+        Self { suggestion, cycle: None }
+    }
+}
+
+/// A shape number of an expression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeNumber {
+    /// Its name in the expression.
+    pub name: String,
+    /// Value in `unit`.
+    pub value: f64,
+    /// `rad`, `s`, `rad/s`, `rad/mm` or `1`.
+    pub unit: &'static str,
+}
+
+impl Verdict {
+    /// Word used in JSON.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::MissingEffect => "missing-effect",
+            Self::UnnamedStructure => "unnamed-structure",
+            Self::NoiseFloor => "noise-floor",
+        }
+    }
+}
+
+impl Diagnosis {
+    /// The JSON of DESIGN §3.7.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "format": "trunnion-diagnosis/1",
+            "model": self.model,
+            "residual": {
+                "rms_um": self.residual.rms_um,
+                "noise_um": self.residual.noise_um,
+                "unexplained_fraction": self.residual.unexplained_fraction,
+            },
+            "verdict": self.verdict.as_str(),
+            "candidates": self.candidates.iter().map(candidate_json).collect::<Vec<_>>(),
+            "set": self.set.iter().map(|entry| entry.id.as_str()).collect::<Vec<_>>(),
+            "formula": self.formula.as_ref().map(formula_json),
+            "next_cycle": self.next_cycle.as_ref().map(next_cycle_json),
+        })
+    }
+}
+
+fn next_cycle_json(next: &NextCycle) -> Value {
+    let cycle = next.cycle.as_ref().map(|cycle| {
+        json!({
+            "name": cycle.name,
+            "what": cycle.what,
+            "minutes": cycle.minutes,
+            "separation_before": cycle.separation_before,
+            "separation": cycle.separation,
+            "separates": cycle.separates,
+            "file": cycle.text,
+        })
+    });
+    json!({ "suggestion": next.suggestion, "cycle": cycle })
+}
+
+fn candidate_json(candidate: &Candidate) -> Value {
+    let parameter = |p: &CandidateParameter| {
+        let observable = p.value.is_some();
+        json!({ "name": p.name, "effect": candidate.effect, "value": p.value, "unit": p.unit, "u": p.u,
+            "observable": observable })
+    };
+    json!({
+        "effect": candidate.effect,
+        "evidence": candidate.evidence,
+        "rms_um_after": candidate.rms_um_after,
+        "holdout_rms_um_after": candidate.holdout_rms_um_after,
+        "explains_fraction": candidate.explains_fraction,
+        "parameters": candidate.parameters.iter().map(parameter).collect::<Vec<_>>(),
+        "confused_with": candidate.confused_with,
+        "separate_by": candidate.separate_by,
+        "adequate": candidate.adequate,
+        "why": candidate.why,
+    })
+}
+
+fn formula_json(formula: &FormulaProposal) -> Value {
+    json!({
+        "name": formula.name,
+        "site": formula.site,
+        "component": formula.component,
+        "expression": formula.expression,
+        "shape": formula.shape.iter().map(|n| json!({ "name": n.name, "value": n.value, "unit": n.unit })).collect::<Vec<_>>(),
+        "also": formula.entries.iter().skip(1).map(|entry| entry.id.as_str()).collect::<Vec<_>>(),
+        "evidence": formula.evidence,
+        "rms_um_after": formula.rms_um_after,
+        "explains_fraction": formula.explains_fraction,
+        "lives": formula.lives,
+        "resembles": formula.resembles,
+    })
+}

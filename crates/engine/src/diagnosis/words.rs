@@ -1,0 +1,99 @@
+//! Sentences of a diagnosis.
+
+use crate::diagnosis::verdict::ShapeNumber;
+use trunnion_effects::Instance;
+
+/// Errors before and after, µm.
+pub struct Numbers {
+    pub before_um: f64,
+    pub after_um: f64,
+    pub noise_um: f64,
+    pub holdout_before_um: f64,
+    pub holdout_after_um: f64,
+}
+
+/// What an effect is, its likely cause, and what adding it does.
+pub fn why(instance: &Instance, numbers: &Numbers, adequate: bool) -> String {
+    let mut sentences = Vec::new();
+    if let Some(about) = instance.about() {
+        sentences.push(about.explanation.to_string());
+        sentences.push(format!("Likely cause: {}", about.cause));
+    }
+    let (before, after) = (numbers.holdout_before_um, numbers.holdout_after_um);
+    // Where every part has unknowns of its own (a station each), nothing can be left out.
+    let left_out = if before.is_finite() && after.is_finite() {
+        format!("on data left out of the fit from {before:.2} to {after:.2} µm; ")
+    } else {
+        String::new()
+    };
+    sentences.push(format!(
+        "With it the error falls from {:.2} to {:.2} µm ({left_out}noise floor {:.2} µm).",
+        numbers.before_um, numbers.after_um, numbers.noise_um
+    ));
+    sentences.push(if adequate {
+        "Nothing structured remains.".into()
+    } else {
+        "A part remains that it does not explain.".into()
+    });
+    sentences.join(" ")
+}
+
+/// The measurement that tells an effect from its rivals; empty without rivals.
+pub fn separate_by(instance: &Instance, rivals: &[&Instance]) -> String {
+    if rivals.is_empty() {
+        return String::new();
+    }
+    let seen_by =
+        |instance: &Instance| instance.about().map_or("", |about| about.seen_by).trim_end_matches('.');
+    let mut parts = vec![format!("{} shows in: {}", instance.id(), seen_by(instance))];
+    parts.extend(rivals.iter().map(|rival| format!("{} in: {}", rival.id(), seen_by(rival))));
+    format!("{}.", parts.join("; "))
+}
+
+/// Where a phrase of the grammar lives.
+pub fn lives(site: &str, components: &[&str], words: &str) -> String {
+    let along = |prefix: &str, names: [&str; 3]| {
+        let of_sort = components.iter().filter_map(|component| component.strip_prefix(prefix));
+        let letters: Vec<&str> = of_sort
+            .filter_map(|last| names.iter().position(|n| *n == last).map(|k| ["X", "Y", "Z"][k]))
+            .collect();
+        listed(&letters)
+    };
+    let shift = along("d", ["x", "y", "z"]).map(|axes| format!("displacement along {axes}"));
+    let turn = along("e", ["a", "b", "c"]).map(|axes| format!("rotation about {axes}"));
+    let what: Vec<String> = [shift, turn].into_iter().flatten().collect();
+    let place = match site.strip_prefix("axis:") {
+        Some(axis) => format!("at axis {axis}, in the axes of what carries it"),
+        None if site == "ball" => "of the ball or nest on the table, in table axes".into(),
+        None => format!("of the {site}"),
+    };
+    format!("{} {place}: {words}", what.join(" with "))
+}
+
+/// The words of a family with the angle it turned out to be about: `near 32° of B`.
+pub fn placed(words: &str, shape: &[ShapeNumber]) -> String {
+    let about = |number: &&ShapeNumber| ["at", "centre", "knee"].contains(&number.name.as_str());
+    shape.iter().find(about).map_or(words.into(), |number| {
+        let angle = format!("{:.0}° of", number.value.to_degrees());
+        words.replace("one angle of", &angle).replace("an angle of", &angle)
+    })
+}
+
+/// `X`, `X and Y`, `X, Y and Z`; none for nothing.
+fn listed(names: &[&str]) -> Option<String> {
+    let (last, others) = names.split_last()?;
+    Some(if others.is_empty() { (*last).into() } else { format!("{} and {last}", others.join(", ")) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_of_a_sort_are_named_together() {
+        let centre = ShapeNumber { name: "centre".into(), value: 0.5585, unit: "rad" };
+        let told = lives("axis:B", &["dx", "dz", "ec"], &placed("near one angle of B", &[centre]));
+        let expected = "displacement along X and Z with rotation about Z at axis B, in the axes of what carries it: near 32° of B";
+        assert_eq!(told, expected);
+    }
+}

@@ -1,0 +1,227 @@
+//! Joint least squares over all effects of a model.
+//!
+//! shapes (grid) → settle (Gauss–Newton to the exact prediction) → outliers set aside, until they stay the same → readings
+//! weighted by the noise of their run and their samples, and settled again → uncertainties under the parts of the machine's noise
+//! (`structured`; else from clusters, `uncertainty`), noise, held-out proof.
+
+pub(crate) mod gauss_newton;
+pub mod identification;
+pub mod options;
+mod shape;
+mod show;
+mod structured;
+mod uncertainty;
+
+pub use options::Options;
+
+use crate::fit::gauss_newton::{Settled, settle};
+use crate::fit::identification::{FittedEffect, FittedParameter, Identification, Outlier, Status};
+use crate::fit::shape::search_shapes;
+use crate::fit::structured::structured;
+use crate::fit::uncertainty::{covariance, holdout, sums};
+use crate::noise::outliers::without_outliers;
+use crate::noise::repeatability::{noise, noise_of_residual};
+use crate::noise::weights::{Weights, weigh};
+use crate::problem::design::Design;
+use crate::problem::joint::Joint;
+use crate::problem::passes::passes;
+use crate::solve::combinations::{Named, seen_together};
+use crate::solve::null_space::describe;
+use crate::{Experiment, HoldoutWanted, IdentifyError, Outliers, Uncertainties};
+use nalgebra::{DMatrix, DVector};
+use trunnion_core::convert;
+use trunnion_effects::{Model, Parameter};
+use trunnion_machine::Axis;
+
+/// Effects that say nothing of the machine.
+const OF_THE_INSTRUMENT: [&str; 2] = ["ball-setting", "artefact-form"];
+/// Rounds of setting points aside.
+const MOST_ROUNDS: usize = 6;
+/// Rounds of weighing.
+const MOST_WEIGHINGS: usize = 3;
+
+/// Fits every effect of `model` to the runs of `experiment` together.
+///
+/// # Errors
+/// The model does not fit the machine or the runs, a reading is no number, there are too few readings, or the fit
+/// does not settle.
+pub fn identify(
+    experiment: &Experiment,
+    model: &Model,
+    options: &Options,
+) -> Result<Identification, IdentifyError> {
+    let mut joint = Joint::place(experiment, model)?;
+    let everything = vec![true; experiment.points.len()];
+    let mut weights = Weights::even(experiment);
+    let searched = search_shapes(experiment, &mut joint, &everything, &weights, options)?;
+    let (mut used, mut fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+    for _ in 0..MOST_WEIGHINGS {
+        let (next, _) = weigh(experiment, &fit.residual_mm, &used, fit.gauge.determined.len());
+        if next.like(&weights) {
+            weights.reference_mm = next.reference_mm;
+            break;
+        }
+        weights = next;
+        (used, fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+    }
+    if searched && (used != everything || !weights.even) {
+        search_shapes(experiment, &mut joint, &used, &weights, options)?;
+        (used, fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+    }
+    Ok(gather(&Design::new(experiment, &joint, &weights), &used, fit, options))
+}
+
+fn settle_robustly(design: &Design<'_>, options: &Options) -> Result<(Vec<bool>, Settled), IdentifyError> {
+    let mut used = vec![true; design.experiment.points.len()];
+    let mut fit = settle(design, &used, options)?;
+    if options.outliers == Outliers::Keep {
+        return Ok((used, fit));
+    }
+    for _ in 0..MOST_ROUNDS {
+        let kept = without_outliers(design.experiment, &fit.weighted_mm);
+        if kept == used {
+            break;
+        }
+        used = kept;
+        fit = settle(design, &used, options)?;
+    }
+    Ok((used, fit))
+}
+
+fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -> Identification {
+    let (experiment, joint) = (design.experiment, design.joint);
+    let passes = passes(experiment);
+    let sums = sums(design, &passes, &fit, used);
+    let determined = &fit.gauge.determined;
+    let structured = match options.uncertainties {
+        Uncertainties::NoiseParts => structured(design, &passes, &fit, used),
+        Uncertainties::Clusters => None,
+    };
+    let (small, noise_parts) =
+        structured.unwrap_or_else(|| (covariance(&fit, &sums, design.weights), Vec::new()));
+    let mut covariance = DMatrix::zeros(joint.width(), joint.width());
+    for (a, &i) in determined.iter().enumerate() {
+        for (b, &j) in determined.iter().enumerate() {
+            covariance[(i, j)] = small[(a, b)];
+        }
+    }
+    let names = names(joint);
+    let without_number: Vec<usize> = (0..joint.width())
+        .filter(|&j| fit.gauge.status[j] == Status::Unobservable)
+        .filter(|&j| !OF_THE_INSTRUMENT.contains(&joint.effects[joint.effect_of[j]].id.as_str()))
+        .collect();
+    let seen_together =
+        seen_together(&fit.gauge.directions, &without_number, &names, &fit.solution, &covariance);
+    let unobservable: Vec<_> =
+        fit.gauge.directions.iter().map(|direction| describe(direction, &names, &fit.gauge.status)).collect();
+    let parameters = (0..joint.width()).map(|j| parameter(joint, &fit, &covariance, j)).collect();
+    let degrees_of_freedom = fit.degrees_of_freedom();
+    let used_rows = (0..used.len()).filter(|&i| used[i]).flat_map(|i| experiment.rows_of(i));
+    let squares: f64 = used_rows.map(|row| fit.residual_mm[row].powi(2)).sum();
+    let sigma_mm = (squares / degrees_of_freedom.max(1) as f64).sqrt();
+    let of_residual = noise_of_residual(sigma_mm, degrees_of_freedom);
+    let (_, noise_by_run) = weigh(experiment, &fit.residual_mm, used, determined.len());
+    Identification {
+        machine: experiment.machine().name.clone(),
+        runs: experiment.runs.clone(),
+        effects: joint
+            .effects
+            .iter()
+            .map(|placed| FittedEffect {
+                id: placed.id.clone(),
+                shape_names: placed.shapes.names.clone(),
+                shape: placed.shape.clone(),
+            })
+            .collect(),
+        points: experiment.points.len(),
+        parameters,
+        unobservable,
+        seen_together,
+        covariance,
+        noise: noise(experiment, &passes, &fit.residual_mm, used, of_residual),
+        holdout: match options.holdout {
+            HoldoutWanted::Yes => holdout(&sums),
+            HoldoutWanted::No => None,
+        },
+        noise_parts,
+        row_weights: design.weights.root.clone(),
+        noise_by_run,
+        rms_mm: (squares / fit.rows_used as f64).sqrt(),
+        outliers: outliers(experiment, used, &fit.residual_mm),
+        used: used.to_vec(),
+        rank: fit.gauge.rank,
+        condition: fit.condition,
+        iterations: fit.iterations,
+        degrees_of_freedom,
+        solution: fit.solution,
+        predicted_mm: fit.predicted_mm,
+        residual_mm: fit.residual_mm,
+    }
+}
+
+/// What parameters are called in sentences: by their effect where several effects have one of that name.
+fn names(joint: &Joint) -> Vec<Named> {
+    let alike = |name: &str| joint.parameters.iter().filter(|other| other.name == name).count();
+    let named = |(j, parameter): (usize, &Parameter)| Named {
+        name: match alike(&parameter.name) {
+            1 => parameter.name.clone(),
+            _ => format!("{}.{}", joint.effects[joint.effect_of[j]].id, parameter.name),
+        },
+        unit: parameter.unit.symbol,
+        per_inside: parameter.unit.per_inside,
+    };
+    joint.parameters.iter().enumerate().map(named).collect()
+}
+
+fn parameter(joint: &Joint, fit: &Settled, covariance: &DMatrix<f64>, j: usize) -> FittedParameter {
+    let status = fit.gauge.status[j];
+    let name = |k: usize| joint.parameters[k].name.as_str();
+    let stands_for: Vec<&str> = fit
+        .gauge
+        .directions
+        .iter()
+        .filter(|direction| direction.conventional && !direction.standing)
+        .filter(|direction| direction.terms[1..].iter().any(|(k, _)| *k == j))
+        .map(|direction| name(direction.terms[0].0))
+        .collect();
+    let of_standing = fit.gauge.directions.iter().any(|d| d.standing && d.terms[0].0 == j);
+    let note = match status {
+        Status::Held => "held by the model".into(),
+        Status::ZeroByConvention if of_standing => "its axis stands still in these runs".into(),
+        Status::ZeroByConvention => "zero by convention: cannot be told from others".into(),
+        Status::Unobservable => "cannot be seen".into(),
+        Status::Identified if stands_for.is_empty() => String::new(),
+        Status::Identified => format!("contains {}", stands_for.join(", ")),
+    };
+    let identified = status == Status::Identified;
+    FittedParameter {
+        name: name(j).into(),
+        effect: joint.effects[joint.effect_of[j]].id.clone(),
+        unit: joint.parameters[j].unit,
+        value: (identified || status == Status::Held).then(|| fit.solution[j]),
+        u: identified.then(|| covariance[(j, j)].sqrt()),
+        status,
+        note,
+    }
+}
+
+fn outliers(experiment: &Experiment, used: &[bool], residual_mm: &DVector<f64>) -> Vec<Outlier> {
+    (0..used.len())
+        .filter(|&i| !used[i])
+        .map(|i| {
+            let state = &experiment.points[i].state;
+            let degrees = |axis: &Axis| {
+                format!("{} {:.3}°", axis.letter, convert::deg_from_rad(state.position[axis.letter]))
+            };
+            let pose: Vec<String> = experiment.machine().rotary().into_iter().map(degrees).collect();
+            let rows = experiment.rows_of(i);
+            Outlier {
+                point: i,
+                run: experiment.runs[experiment.run_of_point[i]].clone(),
+                setup: experiment.setups[state.setup].name.clone(),
+                pose: pose.join(" "),
+                residual_mm: residual_mm.rows(rows.start, rows.len()).norm(),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,205 @@
+//! Gauss–Newton to the exact prediction, columns at the nominal machine.
+//!
+//! x ← x + argmin ‖W^½ (A δ − (measured − predicted(x)))‖ over the used points. The columns are the analytic linear ones, so
+//! each step shrinks what is left by about the size of the errors (0.005 for a tilt of 0.3°).
+
+use crate::IdentifyError;
+use crate::fit::Options;
+use crate::problem::design::{Design, unused_rows};
+use crate::problem::joint::Expected;
+use crate::solve::linear::{Reduced, Solver};
+use crate::solve::null_space::{Gauge, Limits, Zero, gauge};
+use nalgebra::DVector;
+use trunnion_core::AxisLetter;
+use trunnion_cycles::RunKind;
+use trunnion_effects::catalogue::conventional_zeros;
+
+/// The fit stands when no prediction moves by more than this, mm.
+const SETTLED_MM: f64 = 1e-9;
+/// The noise is known well enough to judge weak directions by when no prediction moves by more than this part of it. Such
+/// directions wander far and settle slowly; they are left out before they need to.
+const NOISE_KNOWN: f64 = 0.1;
+const MOST_STEPS: usize = 40;
+/// Blocks on the fly are never known better than this, mm.
+const FINEST_BLOCK_MM: f64 = 1e-4;
+/// Noise is never taken below this against a prior, mm.
+const FINEST_MM: f64 = 1e-6;
+
+/// A settled fit for one choice of points.
+pub(crate) struct Settled {
+    pub solution: DVector<f64>,
+    pub predicted_mm: DVector<f64>,
+    pub residual_mm: DVector<f64>,
+    /// Residual times the root of the weight of its row, mm.
+    pub weighted_mm: DVector<f64>,
+    pub gauge: Gauge,
+    pub solver: Solver,
+    pub condition: f64,
+    pub iterations: usize,
+    /// Weighted residual standard deviation of the used rows, mm.
+    pub sigma_mm: f64,
+    pub rows_used: usize,
+    /// Weight w of each prior of the joint model, which entered as a reading w x = w x₀; 0 for one that did not.
+    pub prior_weights: Vec<f64>,
+}
+
+impl Settled {
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.rows_used - self.gauge.determined.len()
+    }
+}
+
+pub(crate) fn settle(
+    design: &Design<'_>,
+    used: &[bool],
+    options: &Options,
+) -> Result<Settled, IdentifyError> {
+    let mut reduced = design.reduce(used)?;
+    let rows = design.experiment.rows();
+    // The mean of a block lies a little off the path: what is null stays null only to that.
+    let on_the_fly = design.experiment.kinds.contains(&RunKind::OnTheFly);
+    let least_mm = if on_the_fly { FINEST_BLOCK_MM } else { 0.0 };
+    let mut limits = Limits::with_noise(options.null_tolerance, least_mm, rows);
+    let gauge = named_gauge(design, &reduced, &limits);
+    let nothing = DVector::from_iterator(
+        design.joint.width(),
+        design.joint.held.iter().map(|held| held.unwrap_or(0.0)),
+    );
+    let to_noise = |gauge| settle_within(design, &reduced, gauge, &[], used, nothing.clone(), NOISE_KNOWN);
+    let first = match to_noise(gauge) {
+        // Directions too weak to go by may run away; the noise that the columns leave over shows which they are.
+        Err(IdentifyError::NotSettled { .. }) => {
+            let noise_mm = linear_noise_mm(design, &reduced, &nothing, used);
+            limits = Limits::with_noise(options.null_tolerance, least_mm.max(noise_mm), rows);
+            to_noise(named_gauge(design, &reduced, &limits))?
+        }
+        settled => settled?,
+    };
+    if design.joint.free().is_empty() {
+        return Ok(first);
+    }
+    // Directions so weak that noise alone makes their numbers absurd, and the weight of priors against readings,
+    // are known only after the noise is.
+    limits = Limits::with_noise(options.null_tolerance, first.sigma_mm, first.rows_used);
+    let sigma_mm = first.sigma_mm.max(FINEST_MM);
+    let priors: Vec<(&Expected, f64)> = design
+        .joint
+        .priors
+        .iter()
+        .filter(|prior| design.joint.held[prior.parameter].is_none())
+        .map(|prior| (prior, sigma_mm / prior.u))
+        .collect();
+    let weights: Vec<(usize, f64)> = priors.iter().map(|(prior, w)| (prior.parameter, *w)).collect();
+    reduced.add_priors(&weights);
+    let gauge = named_gauge(design, &reduced, &limits);
+    let start = if gauge.rank == first.gauge.rank && priors.is_empty() { first.solution } else { nothing };
+    settle_within(design, &reduced, gauge, &priors, used, start, 0.0)
+}
+
+/// Weighted standard deviation of what no combination of the columns explains at `start`, mm.
+fn linear_noise_mm(design: &Design<'_>, reduced: &Reduced, start: &DVector<f64>, used: &[bool]) -> f64 {
+    let residual_mm = design.experiment.readings_mm() - design.joint.predict_mm(design.experiment, start);
+    let counted = counted_mm(design, &residual_mm, used);
+    let explained = design.project(reduced, &counted).norm_squared();
+    let rows = counted.iter().filter(|value| **value != 0.0).count();
+    let free = rows.saturating_sub(design.joint.width()).max(1);
+    ((counted.norm_squared() - explained).max(0.0) / free as f64).sqrt()
+}
+
+/// Residuals as they count: weighted, of unused rows zero, mm.
+fn counted_mm(design: &Design<'_>, residual_mm: &DVector<f64>, used: &[bool]) -> DVector<f64> {
+    let mut counted = residual_mm.component_mul(&design.weights.root);
+    for row in unused_rows(design.experiment, used) {
+        counted[row] = 0.0;
+    }
+    counted
+}
+
+fn named_gauge(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Gauge {
+    let scene = &design.experiment.scene;
+    // The line of an axis that stands still is a matter of the mounting.
+    let standing =
+        scene.machine.rotary().into_iter().filter(|axis| !scene.moves(axis.letter)).flat_map(|axis| {
+            AxisLetter::ALL
+                .map(|direction| Zero { name: format!("E{direction}0{}", axis.letter), standing: true })
+        });
+    let minimum = conventional_zeros(&scene.machine).into_iter().map(|name| Zero { name, standing: false });
+    let zeros: Vec<Zero> = standing.chain(minimum).collect();
+    gauge(reduced, &design.joint.free(), &design.joint.parameters, &zeros, limits)
+}
+
+/// From `start` until no prediction moves by more than [`SETTLED_MM`], or this part of the noise.
+fn settle_within(
+    design: &Design<'_>,
+    reduced: &Reduced,
+    gauge: Gauge,
+    priors: &[(&Expected, f64)],
+    used: &[bool],
+    start: DVector<f64>,
+    part_of_noise: f64,
+) -> Result<Settled, IdentifyError> {
+    let (experiment, joint) = (design.experiment, design.joint);
+    let rows_used: usize = (0..used.len()).filter(|&i| used[i]).map(|i| experiment.rows_of(i).len()).sum();
+    if rows_used <= gauge.determined.len() {
+        return Err(IdentifyError::TooFewReadings { rows: rows_used, determined: gauge.determined.len() });
+    }
+    let solver = reduced.solver(&gauge.determined);
+    let condition = if gauge.determined.is_empty() {
+        1.0
+    } else {
+        let sigma = reduced.singular(&gauge.determined).0;
+        sigma[0] / sigma[sigma.len() - 1]
+    };
+    let readings = experiment.readings_mm();
+    let mut solution = start;
+    let mut predicted_mm = joint.predict_mm(experiment, &solution);
+    check_finite(design, &(&readings - &predicted_mm))?;
+    let (mut iterations, mut change_mm, mut enough_mm) = (0, f64::INFINITY, SETTLED_MM);
+    let root_rows = (rows_used as f64).sqrt();
+    while change_mm > enough_mm && !gauge.determined.is_empty() {
+        if iterations == MOST_STEPS || change_mm.is_nan() {
+            return Err(IdentifyError::NotSettled { steps: iterations, change_mm });
+        }
+        let counted = counted_mm(design, &(&readings - &predicted_mm), used);
+        enough_mm = SETTLED_MM.max(part_of_noise * counted.norm() / root_rows);
+        let surprise = priors.iter().map(|(prior, w)| w * (prior.value - solution[prior.parameter]));
+        let projected = design.project(reduced, &counted);
+        let right: Vec<f64> = projected.iter().copied().chain(surprise).collect();
+        let change = solver.solve(&DVector::from_vec(right));
+        for (k, &j) in gauge.determined.iter().enumerate() {
+            solution[j] += change[k];
+        }
+        let next = joint.predict_mm(experiment, &solution);
+        change_mm = (&next - &predicted_mm).amax();
+        predicted_mm = next;
+        iterations += 1;
+    }
+    let weight_of = |prior: &Expected| {
+        priors.iter().find(|(other, _)| std::ptr::eq(*other, prior)).map_or(0.0, |(_, weight)| *weight)
+    };
+    let prior_weights = joint.priors.iter().map(weight_of).collect();
+    let residual_mm = readings - &predicted_mm;
+    let weighted_mm = residual_mm.component_mul(&design.weights.root);
+    let squares = counted_mm(design, &residual_mm, used).norm_squared();
+    let sigma_mm = (squares / (rows_used - gauge.determined.len()) as f64).sqrt();
+    Ok(Settled {
+        solution,
+        predicted_mm,
+        residual_mm,
+        weighted_mm,
+        gauge,
+        solver,
+        condition,
+        iterations,
+        sigma_mm,
+        rows_used,
+        prior_weights,
+    })
+}
+
+fn check_finite(design: &Design<'_>, residual: &DVector<f64>) -> Result<(), IdentifyError> {
+    let experiment = design.experiment;
+    let Some(row) = residual.iter().position(|r| !r.is_finite()) else { return Ok(()) };
+    let reading = experiment.readings_mm()[row].is_finite();
+    Err(experiment.not_finite(row, if reading { "prediction" } else { "reading" }))
+}

@@ -1,0 +1,229 @@
+//! What a fit found: parameters, what could not be seen, residuals, and how far to trust them.
+//!
+//! Inside units throughout (mm, rad, s, K); [`FittedParameter::screen_value`] and the JSON of DESIGN §3.6 convert.
+//! `residual = measured − predicted`.
+
+use crate::solve::combinations::Combination;
+use nalgebra::{DMatrix, DVector};
+use trunnion_core::InstrumentKind;
+use trunnion_effects::Unit;
+
+/// The result of [`crate::identify`].
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// Machine name.
+    pub machine: String,
+    /// Names of the runs fitted together.
+    pub runs: Vec<String>,
+    /// Effects of the model, in order, with the shape numbers used.
+    pub effects: Vec<FittedEffect>,
+    /// Number of points given to the fit, outliers included.
+    pub points: usize,
+    /// Every parameter of the model, effect after effect.
+    pub parameters: Vec<FittedParameter>,
+    /// Directions in parameter space that this run cannot see.
+    pub unobservable: Vec<Unobservable>,
+    /// Combinations of machine errors that are seen although none of them alone is.
+    pub seen_together: Vec<Combination>,
+    /// Parameter vector behind `predicted_mm`, inside units, in the order of `parameters`. What has no number in
+    /// `parameters` still has an arbitrary (small) one here: never show it.
+    pub solution: DVector<f64>,
+    /// Covariance of `solution` under noise as machines make it, inside units; zero in the rows of parameters without uncertainty.
+    pub covariance: DMatrix<f64>,
+    /// Exact prediction, mm; rows as in [`crate::Experiment`].
+    pub predicted_mm: DVector<f64>,
+    /// Measured − predicted, mm; all rows, outliers included.
+    pub residual_mm: DVector<f64>,
+    /// True for each point that took part in the fit; false for outliers.
+    pub used: Vec<bool>,
+    /// Points set aside by the robust loss.
+    pub outliers: Vec<Outlier>,
+    /// Root mean square of the scalar residuals of the points used, mm.
+    pub rms_mm: f64,
+    /// Noise of one scalar reading.
+    pub noise: Noise,
+    /// Parts of the noise from which the uncertainties follow; empty when they follow from clusters (pass × position of the
+    /// slow axis) of the residual instead.
+    pub noise_parts: Vec<NoisePart>,
+    /// Root of the weight of each row in the fit; mean square 1 over the rows used.
+    pub row_weights: DVector<f64>,
+    /// Noise of each run and instrument, as the readings were weighted.
+    pub noise_by_run: Vec<GroupNoise>,
+    /// Root mean square of scalar residuals of parts of the data predicted from the rest, mm; `None` when not asked
+    /// for or when nothing can be left out.
+    pub holdout: Option<Holdout>,
+    /// Rank of the scaled design, conventions not yet applied.
+    pub rank: usize,
+    /// Condition number of the scaled design within its rank.
+    pub condition: f64,
+    /// Gauss–Newton steps of the last fit.
+    pub iterations: usize,
+    /// Scalar readings used minus parameters determined.
+    pub degrees_of_freedom: usize,
+}
+
+/// One effect of the fitted model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedEffect {
+    /// Effect id.
+    pub id: String,
+    /// Names of the shape numbers, with unit.
+    pub shape_names: Vec<String>,
+    /// Shape numbers used; empty when the effect has none.
+    pub shape: Vec<f64>,
+}
+
+/// One parameter of the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedParameter {
+    /// Name, e.g. `EX0C`.
+    pub name: String,
+    /// Id of its effect.
+    pub effect: String,
+    /// Unit on files and screens.
+    pub unit: Unit,
+    /// Value, inside units; `None` when it cannot be seen.
+    pub value: Option<f64>,
+    /// Standard uncertainty, inside units; `None` when it cannot be seen or was held.
+    pub u: Option<f64>,
+    /// How its number came about.
+    pub status: Status,
+    /// A remark for a person; may be empty.
+    pub note: String,
+}
+
+/// How the number of a parameter came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Determined by the data.
+    Identified,
+    /// Held at the value that the model file gives.
+    Held,
+    /// Cannot be told from others; zero by convention, so that those stand for it. No number.
+    ZeroByConvention,
+    /// Cannot be seen. No number.
+    Unobservable,
+}
+
+/// A direction in parameter space that moves no reading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unobservable {
+    /// Parameter names with coefficients in screen units, e.g. `EX0A - EX0C`.
+    pub direction: String,
+    /// Names and coefficients (screen units) of the direction.
+    pub terms: Vec<(String, f64)>,
+    /// The same by index in [`Identification::parameters`], inside units.
+    pub inside: Vec<(usize, f64)>,
+    /// Why, and what the numbers given mean.
+    pub why: String,
+}
+
+/// A point set aside by the robust loss.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outlier {
+    /// Index in [`crate::Experiment::points`].
+    pub point: usize,
+    /// Name of the run.
+    pub run: String,
+    /// Name of the setup.
+    pub setup: String,
+    /// Axis positions in screen units, e.g. `B -30° C 120°`.
+    pub pose: String,
+    /// Length of the residual, mm.
+    pub residual_mm: f64,
+}
+
+/// Noise of one scalar reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Standard deviation, mm.
+    pub sigma_mm: f64,
+    /// Where the figure comes from.
+    pub origin: NoiseOrigin,
+    /// Degrees of freedom behind it.
+    pub degrees_of_freedom: usize,
+}
+
+/// A part of a machine's noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoisePart {
+    /// What it is, in words.
+    pub name: &'static str,
+    /// Standard deviation (rms over the scalar readings; expected, given the residual), mm.
+    pub sigma_mm: f64,
+}
+
+/// Noise of one instrument in one run. A reading counts with 1/(floor² + standard error²).
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupNoise {
+    /// Name of the run.
+    pub run: String,
+    /// The instrument.
+    pub instrument: InstrumentKind,
+    /// Scalar readings used.
+    pub readings: usize,
+    /// Root mean square of their residuals, mm.
+    pub rms_mm: f64,
+    /// What does not average down (robust), mm.
+    pub floor_mm: f64,
+    /// Standard error of the readings by their samples (rms), mm; zero when unknown.
+    pub samples_mm: f64,
+}
+
+/// Where the noise figure comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoiseOrigin {
+    /// Scatter of poses that were measured more than once.
+    Repeats,
+    /// The residual of the fit: contains whatever the model lacks.
+    Residual,
+}
+
+/// Prediction of data that took no part in the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Holdout {
+    /// Root mean square of the scalar residuals, mm.
+    pub rms_mm: f64,
+    /// What was left out in turn.
+    pub left_out: LeftOut,
+    /// How many parts were left out in turn.
+    pub parts: usize,
+}
+
+/// What is left out in turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeftOut {
+    /// Whole passes: one setup in one combination of directions.
+    Passes,
+    /// Blocks of equal position of the slowest axis.
+    Blocks,
+}
+
+impl FittedParameter {
+    /// True when the parameter has a number.
+    pub fn observable(&self) -> bool {
+        matches!(self.status, Status::Identified | Status::Held)
+    }
+
+    /// Value in `unit`.
+    pub fn screen_value(&self) -> Option<f64> {
+        self.value.map(|value| value * self.unit.per_inside)
+    }
+
+    /// Standard uncertainty in `unit`.
+    pub fn screen_u(&self) -> Option<f64> {
+        self.u.map(|u| u * self.unit.per_inside)
+    }
+}
+
+impl Identification {
+    /// The parameter of this name.
+    pub fn parameter(&self, name: &str) -> Option<&FittedParameter> {
+        self.parameters.iter().find(|parameter| parameter.name == name)
+    }
+
+    /// Root mean square on held-out data, mm.
+    pub fn holdout_rms_mm(&self) -> Option<f64> {
+        self.holdout.map(|holdout| holdout.rms_mm)
+    }
+}

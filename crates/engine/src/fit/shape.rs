@@ -1,0 +1,203 @@
+//! Shape numbers (time constants, lobes, teeth) that the model leaves open: the best on the grid, refined where
+//! values in between make sense.
+//!
+//! For one effect at a time, the others projected out: score(θ) = ‖Q_θᵀ z‖², Q_θ an orthonormal basis of the effect's columns
+//! at θ beside those of the others, z the readings without the small non-linear part. Effects take turns until nothing
+//! changes; continuous numbers are refined by golden section between neighbours of the grid, coordinate by coordinate.
+//! Limits: long experiments are searched on every k-th point.
+
+use crate::fit::Options;
+use crate::fit::gauss_newton::settle;
+use crate::noise::weights::Weights;
+use crate::problem::design::Design;
+use crate::problem::joint::Joint;
+use crate::solve::golden_section::golden_section;
+use crate::solve::linear::Reduced;
+use crate::{Experiment, IdentifyError};
+use nalgebra::{DMatrix, DVector};
+use trunnion_effects::Instance;
+
+/// Points that a search looks at.
+const MOST_POINTS: usize = 4000;
+/// Share of a column's norm that must survive the others, else it counts as theirs.
+const SURVIVES: f64 = 1e-4;
+const MOST_ROUNDS: usize = 4;
+const GOLDEN_STEPS: usize = 24;
+
+/// Chooses every free shape in `joint`; true when there was one.
+pub(crate) fn search_shapes(
+    experiment: &Experiment,
+    joint: &mut Joint,
+    used: &[bool],
+    weights: &Weights,
+    options: &Options,
+) -> Result<bool, IdentifyError> {
+    let open: Vec<usize> = (0..joint.effects.len()).filter(|&k| joint.effects[k].shape_is_free).collect();
+    if open.is_empty() {
+        return Ok(false);
+    }
+    let rows = Rows { list: searched_rows(experiment, used), weights };
+    let z = linear_readings(experiment, joint, used, weights, options)?.select_rows(&rows.list);
+    for _ in 0..MOST_ROUNDS {
+        let before: Vec<Vec<f64>> = joint.effects.iter().map(|placed| placed.shape.clone()).collect();
+        for &k in &open {
+            joint.effects[k].shape = best_shape(experiment, joint, k, &rows, &z);
+        }
+        if open.len() == 1 || joint.effects.iter().zip(&before).all(|(now, then)| now.shape == *then) {
+            break;
+        }
+    }
+    Ok(true)
+}
+
+fn searched_rows(experiment: &Experiment, used: &[bool]) -> Vec<usize> {
+    let step = experiment.points.len().div_ceil(MOST_POINTS);
+    (0..experiment.points.len())
+        .step_by(step)
+        .filter(|&i| used[i])
+        .flat_map(|i| experiment.rows_of(i))
+        .collect()
+}
+
+/// Rows that a search looks at.
+struct Rows<'a> {
+    list: Vec<usize>,
+    weights: &'a Weights,
+}
+
+/// Weighted readings as a linear machine would give them: measured − (exact − linear) at a first fit.
+fn linear_readings(
+    experiment: &Experiment,
+    joint: &Joint,
+    used: &[bool],
+    weights: &Weights,
+    options: &Options,
+) -> Result<DVector<f64>, IdentifyError> {
+    let design = Design::new(experiment, joint, weights);
+    let fit = settle(&design, used, options)?;
+    let mut linear = fit.weighted_mm;
+    design.blocks(&mut |_, rows, columns| {
+        let mut part = linear.rows_mut(rows.start, rows.len());
+        part.gemv(1.0, &columns, &fit.solution, 1.0);
+    });
+    Ok(linear)
+}
+
+fn best_shape(
+    experiment: &Experiment,
+    joint: &Joint,
+    effect: usize,
+    rows: &Rows<'_>,
+    z: &DVector<f64>,
+) -> Vec<f64> {
+    let instance = &joint.effects[effect].instance;
+    let shapes = &joint.effects[effect].shapes;
+    let others = basis(others(experiment, joint, effect, rows));
+    let left = z - &others * others.tr_mul(z);
+    let score = |shape: &[f64]| score(experiment, instance, shape, rows, &others, &left);
+    let scores: Vec<f64> = shapes.grid.iter().map(|shape| score(shape)).collect();
+    let best = (0..scores.len()).max_by(|&a, &b| scores[a].total_cmp(&scores[b])).unwrap_or(0);
+    let mut shape = shapes.grid[best].clone();
+    if shapes.continuous {
+        let mut reached = scores[best];
+        for axis in 0..shape.len() {
+            let (low, high) = neighbours(&shapes.grid, axis, shape[axis]);
+            let at = |value: f64| {
+                let mut tried = shape.clone();
+                tried[axis] = value;
+                score(&tried)
+            };
+            let value = golden_section(low, high, GOLDEN_STEPS, &mut |value| at(value));
+            let found = at(value);
+            if found > reached {
+                (shape[axis], reached) = (value, found);
+            }
+        }
+    }
+    shape
+}
+
+fn others(experiment: &Experiment, joint: &Joint, effect: usize, rows: &Rows<'_>) -> DMatrix<f64> {
+    let chosen: Vec<(&Instance, &[f64])> = joint
+        .effects
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| *k != effect)
+        .map(|(_, placed)| (&placed.instance, placed.shape.as_slice()))
+        .collect();
+    selected(experiment, &chosen, rows)
+}
+
+fn selected(experiment: &Experiment, effects: &[(&Instance, &[f64])], rows: &Rows<'_>) -> DMatrix<f64> {
+    let Rows { list: rows, weights } = rows;
+    let width = effects.iter().map(|(instance, _)| instance.parameters(&experiment.scene).len()).sum();
+    let mut columns = DMatrix::zeros(rows.len(), width);
+    let mut k = 0;
+    for i in 0..experiment.points.len() {
+        let of_point = experiment.rows_of(i);
+        if k < rows.len() && rows[k] == of_point.start {
+            let mut part = DMatrix::zeros(of_point.len(), width);
+            experiment.add_columns(effects, i..i + 1, &mut part);
+            let root = weights.root.rows(of_point.start, of_point.len());
+            part.column_iter_mut().for_each(|mut column| column.component_mul_assign(&root));
+            columns.rows_mut(k, of_point.len()).copy_from(&part);
+            k += of_point.len();
+        }
+    }
+    columns
+}
+
+fn score(
+    experiment: &Experiment,
+    instance: &Instance,
+    shape: &[f64],
+    rows: &Rows<'_>,
+    others: &DMatrix<f64>,
+    left: &DVector<f64>,
+) -> f64 {
+    let mut columns = selected(experiment, &[(instance, shape)], rows);
+    for mut column in columns.column_iter_mut() {
+        let norm = column.norm();
+        if norm > 0.0 {
+            column.unscale_mut(norm);
+        }
+    }
+    let own = &columns - others * others.tr_mul(&columns);
+    let svd = own.svd(true, false);
+    let u = svd.u.expect("asked for");
+    (0..svd.singular_values.len())
+        .filter(|&k| svd.singular_values[k] > SURVIVES)
+        .map(|k| u.column(k).dot(left).powi(2))
+        .sum()
+}
+
+/// Orthonormal basis of the span of `columns`.
+fn basis(columns: DMatrix<f64>) -> DMatrix<f64> {
+    let reduced = Reduced::from_design(&columns);
+    let all: Vec<usize> = (0..columns.ncols()).collect();
+    if all.is_empty() || columns.nrows() == 0 {
+        return DMatrix::zeros(columns.nrows(), 0);
+    }
+    let scaled = columns * DMatrix::from_diagonal(&reduced.scale);
+    let (sigma, v) = reduced.singular(&all);
+    let kept: Vec<usize> = all.into_iter().filter(|&k| sigma[k] > 1e-8 * sigma[0]).collect();
+    let mut basis = scaled * v.select_columns(&kept);
+    for (k, mut column) in basis.column_iter_mut().enumerate() {
+        column.unscale_mut(sigma[kept[k]]);
+    }
+    basis
+}
+
+fn neighbours(grid: &[Vec<f64>], axis: usize, value: f64) -> (f64, f64) {
+    let below = grid
+        .iter()
+        .map(|g| g[axis])
+        .filter(|g| *g < value)
+        .fold(value, |a, b| if a == value { b } else { a.max(b) });
+    let above = grid
+        .iter()
+        .map(|g| g[axis])
+        .filter(|g| *g > value)
+        .fold(value, |a, b| if a == value { b } else { a.min(b) });
+    (below, above)
+}

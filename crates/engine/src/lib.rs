@@ -1,0 +1,31 @@
+//! One engine gives every answer: from points and a model to a fit, its uncertainties, the residual in views, the
+//! missing effects, and the next cycle.
+//!
+//! [`problem`] lays points and model out, [`noise`] says how readings scatter, [`solve`] does the arithmetic, [`fit`]
+//! identifies parameters, [`evidence`] weighs effects against noise, [`diagnosis`] ranks what the model lacks,
+//! [`compare`] says where the model fails, [`next_cycle`] plans what separates confounded effects.
+
+pub mod compare;
+pub mod diagnosis;
+mod evidence;
+pub mod fit;
+pub mod next_cycle;
+pub mod noise;
+pub mod problem;
+pub mod solve;
+
+pub use diagnosis::verdict::{
+    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
+    Verdict,
+};
+pub use diagnosis::{DiagnoseError, diagnose};
+pub use fit::identification::{
+    FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, LeftOut, Noise, NoiseOrigin,
+    NoisePart, Outlier, Status, Unobservable,
+};
+pub use fit::identify;
+pub use fit::options::{HoldoutWanted, IdentifyError, Outliers, Uncertainties};
+pub use problem::experiment::{Experiment, ExperimentError};
+pub use problem::stream::{Nominal, blocks_of, reducer};
+pub use solve::combinations::Combination;
+pub use solve::golden_section::golden_section;

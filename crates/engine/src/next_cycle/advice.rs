@@ -1,0 +1,64 @@
+//! A diagnosis that leaves rivals open gets the cycle that tells them apart.
+
+use super::{Options, Plan, Rivals, plan, wanted};
+use crate::{Diagnosis, Experiment};
+use std::error::Error;
+use std::f64::consts::LN_10;
+use trunnion_effects::Model;
+
+/// A cycle that tells rivals apart, with what may be expected of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedCycle {
+    /// Its name.
+    pub name: String,
+    /// What it does, in words.
+    pub what: String,
+    /// Machine time with mounting, min.
+    pub minutes: f64,
+    /// log₁₀ of the expected odds between the hardest pair in the present data.
+    pub separation_before: f64,
+    /// The same after the cycle.
+    pub separation: f64,
+    /// Pairs of effects that it tells apart.
+    pub separates: Vec<[String; 2]>,
+    /// The cycle file, `trunnion-cycle/1`.
+    pub text: String,
+}
+
+/// Plans the next cycle when a candidate is confused with others, and leaves every other diagnosis as it is: planning takes
+/// longer than the diagnosis itself. When no plan can be made the advice stays and says why.
+///
+/// `experiment` and `model` are those that were diagnosed.
+pub fn advise(experiment: &Experiment, model: &Model, diagnosis: &mut Diagnosis, options: &Options) {
+    if diagnosis.candidates.iter().all(|candidate| candidate.confused_with.is_empty()) {
+        return;
+    }
+    let Rivals::Separate(rivals) = wanted(diagnosis) else { return };
+    let next = diagnosis.next_cycle.get_or_insert_default();
+    match plan(experiment, model, &Rivals::Separate(rivals), options) {
+        Ok(plan) => {
+            next.cycle = planned(&plan);
+            next.suggestion = plan.answer;
+        }
+        Err(error) => next.suggestion += &format!(" No cycle could be planned: {}.", chain(&error)),
+    }
+}
+
+fn planned(plan: &Plan) -> Option<PlannedCycle> {
+    let (cycle, row) = plan.next.as_ref().zip(plan.considered.first())?;
+    Some(PlannedCycle {
+        name: cycle.name.clone(),
+        what: row.what.clone(),
+        minutes: row.minutes,
+        separation_before: plan.before_ln / LN_10,
+        separation: row.separation_ln / LN_10,
+        separates: row.apart.clone(),
+        text: cycle.to_text(),
+    })
+}
+
+/// An error with its causes, for a sentence.
+fn chain(error: &dyn Error) -> String {
+    let cause = error.source().map_or(String::new(), |cause| format!(": {}", chain(cause)));
+    format!("{error}{cause}")
+}

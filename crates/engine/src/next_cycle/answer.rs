@@ -1,0 +1,282 @@
+//! The plan and its JSON form.
+
+use super::desk::Desk;
+use super::value::Value;
+use super::{HOPELESS_LN, Options, Rivals};
+use serde_json::{Value as Json, json};
+use std::f64::consts::LN_10;
+use trunnion_core::convert;
+use trunnion_cycles::Cycle;
+use trunnion_cycles::cycle::Pace;
+use trunnion_effects::{Instance, Need};
+
+/// What to measure next, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// True: the effects explain the present data alike; false: the present cycle does not show them.
+    pub separates: bool,
+    /// The effects in question.
+    pub effects: Vec<String>,
+    /// The effects in question that no cycle considered would show.
+    pub never_shown: Vec<String>,
+    /// Expected ln Bayes factor of the hardest pair in the present data.
+    pub before_ln: f64,
+    /// Cycles considered, best first; the first is the choice unless `next` is `None`.
+    pub considered: Vec<Considered>,
+    /// The cycle to measure next; `None` when no cycle of poses and feeds helps.
+    pub next: Option<Cycle>,
+    /// Pairs that are still not told apart after the next cycle.
+    pub left_open: Vec<LeftOpen>,
+    /// The answer in words.
+    pub answer: String,
+    /// What was assumed of machine time and noise.
+    pub assumptions: Vec<String>,
+}
+
+/// Two effects that the next cycle does not tell apart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOpen {
+    /// The two.
+    pub pair: [String; 2],
+    /// The cheapest cycle considered that would; `None` when none does.
+    pub by: Option<String>,
+}
+
+/// One cycle that was considered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Considered {
+    /// Its name.
+    pub name: String,
+    /// What it does.
+    pub what: String,
+    /// Machine time with mounting, min.
+    pub minutes: f64,
+    /// Expected ln Bayes factor of the hardest pair afterwards.
+    pub separation_ln: f64,
+    /// The hardest pair.
+    pub hardest: [String; 2],
+    /// Pairs that it tells apart.
+    pub apart: Vec<[String; 2]>,
+    /// What the plan makes large per minute.
+    pub gain: f64,
+    /// Effects it shows.
+    pub shows: Vec<String>,
+    /// Effects it tells from all others in question.
+    pub tells: Vec<String>,
+    /// The cycle; `None` for the present one.
+    pub cycle: Option<Cycle>,
+}
+
+/// Ranks what was considered and chooses.
+pub(super) fn answer(
+    desk: &Desk<'_>,
+    before: &Value,
+    mut considered: Vec<Considered>,
+    options: &Options,
+) -> Plan {
+    let separates = matches!(desk.rivals, Rivals::Separate(_));
+    let effects = desk.ids();
+    let gain_before = desk.gain(before);
+    let pairs = before.pairs();
+    let apart_before = pairs.iter().filter(|pair| pair.2 >= desk.separated_ln).count();
+    let rate = |row: &Considered| (row.gain - gain_before).max(0.0) / row.minutes.max(0.1);
+    let complete = |row: &Considered| row.cycle.is_some() && (!separates || row.apart.len() == pairs.len());
+    // What cannot settle all settles first which of the others is not the first rival: the one that leads the diagnosis.
+    let of_leader =
+        |row: &Considered| row.apart.iter().filter(|pair| separates && pair[0] == effects[0]).count();
+    let order = |row: &Considered| (complete(row), of_leader(row));
+    considered.sort_by(|a, b| {
+        order(b).cmp(&order(a)).then(rate(b).total_cmp(&rate(a))).then(b.gain.total_cmp(&a.gain))
+    });
+    let helps = |row: &Considered| {
+        row.cycle.is_some()
+            && if separates { row.apart.len() > apart_before } else { row.gain > gain_before + HOPELESS_LN }
+    };
+    let chosen = considered.iter().position(helps);
+    let next = chosen.and_then(|k| considered[k].cycle.clone()).map(|cycle| named(cycle, desk));
+    if let Some(k) = chosen {
+        let row = considered.remove(k);
+        considered.insert(0, row);
+    }
+    let left_open =
+        if separates { left_open(&considered, &pairs, &effects, next.is_some()) } else { Vec::new() };
+    let before_ln = pairs.iter().map(|pair| pair.2).fold(f64::INFINITY, f64::min);
+    let shown = |id: &String| considered.iter().any(|row| row.shows.contains(id));
+    let never_shown = effects.iter().filter(|id| !shown(id)).cloned().collect();
+    let answer = match considered.first().filter(|_| next.is_some()) {
+        None if separates && before.seen_ln.iter().all(|ln| *ln < desk.separated_ln) => {
+            too_faint(desk, before)
+        }
+        best => words(desk, best, &left_open, before_ln),
+    };
+    Plan {
+        separates,
+        effects,
+        never_shown,
+        before_ln: if before_ln.is_finite() { before_ln } else { 0.0 },
+        considered,
+        next,
+        left_open,
+        answer,
+        assumptions: assumptions(&options.pace),
+    }
+}
+
+/// Pairs that the choice does not tell apart, each with the cheapest cycle that would.
+fn left_open(
+    considered: &[Considered],
+    pairs: &[(usize, usize, f64)],
+    effects: &[String],
+    found: bool,
+) -> Vec<LeftOpen> {
+    let ids = pairs.iter().map(|&(a, b, _)| [effects[a].clone(), effects[b].clone()]);
+    ids.filter(|pair| !found || !considered[0].apart.contains(pair))
+        .map(|pair| {
+            let would = considered.iter().filter(|row| row.cycle.is_some() && row.apart.contains(&pair));
+            let by = would.min_by(|a, b| a.minutes.total_cmp(&b.minutes)).map(|row| row.name.clone());
+            LeftOpen { pair, by }
+        })
+        .collect()
+}
+
+fn named(cycle: Cycle, desk: &Desk<'_>) -> Cycle {
+    let name = match desk.rivals {
+        Rivals::Separate(_) => format!("{}: {}", cycle.name, desk.ids().join(" or ")),
+        Rivals::Reveal(_) => cycle.name.clone(),
+    };
+    Cycle { name, ..cycle }
+}
+
+fn words(desk: &Desk<'_>, best: Option<&Considered>, left_open: &[LeftOpen], before_ln: f64) -> String {
+    let ids = desk.ids().join(", ");
+    match (desk.rivals, best) {
+        (Rivals::Separate(_), Some(best)) => {
+            let mut text = format!("To tell {ids} apart, measure {}: {}.", best.name, best.what);
+            text += &if left_open.is_empty() {
+                format!(
+                    " The odds between the hardest pair rise from 10^{:.1} to 10^{:.1} in {:.0} minutes.",
+                    before_ln / LN_10,
+                    best.separation_ln / LN_10,
+                    best.minutes
+                )
+            } else {
+                format!(" It settles a part in {:.0} minutes.", best.minutes)
+            };
+            text + &left_open_words(desk, left_open)
+        }
+        (Rivals::Separate(_), None) => {
+            format!(
+                "No cycle of poses, directions and feeds tells {ids} apart: wherever the axes go, one imitates the other.{}",
+                load_words(desk, &desk.ids())
+            )
+        }
+        (Rivals::Reveal(_), Some(best)) => format!(
+            "The present cycle cannot see {} effects. Most is to be learnt from {}: {}; it would show {} and tell {} of \
+             them from all others in {:.0} minutes.",
+            desk.entries.len(),
+            best.name,
+            best.what,
+            best.shows.len(),
+            best.tells.len(),
+            best.minutes
+        ),
+        (Rivals::Reveal(_), None) => {
+            format!("No cycle considered shows more than the present one. Still unseen: {ids}.")
+        }
+    }
+}
+
+/// Where there is hardly anything to explain, no cycle can say what explains it.
+fn too_faint(desk: &Desk<'_>, before: &Value) -> String {
+    let best_ln = before.seen_ln.iter().copied().fold(0.0, f64::max);
+    format!(
+        "The present data hold too little of {} for any cycle considered to tell them apart: the odds of the best of them \
+         against nothing are 10^{:.1}.",
+        desk.ids().join(", "),
+        best_ln / LN_10
+    )
+}
+
+fn left_open_words(desk: &Desk<'_>, left_open: &[LeftOpen]) -> String {
+    let mut text = String::new();
+    for open in left_open {
+        let pair = open.pair.join(" and ");
+        text += &match &open.by {
+            Some(by) => format!(" It leaves {pair} open; {by} would tell them apart."),
+            None => {
+                format!(" No cycle considered tells {pair} apart.{}", load_words(desk, &open.pair))
+            }
+        };
+    }
+    text
+}
+
+/// What only another load can show, and what else the catalogue knows.
+fn load_words(desk: &Desk<'_>, ids: &[String]) -> String {
+    let named = || desk.instances.iter().filter(|instance| ids.contains(&instance.id()));
+    let load =
+        |instance: &Instance| instance.about().is_some_and(|about| about.helps.contains(&Need::AnotherLoad));
+    let mut text = String::new();
+    if named().any(load) {
+        text += " They part only under another load: put a known weight on the table and measure the present cycle again.";
+    }
+    for instance in named() {
+        if let Some(about) = instance.about() {
+            text += &format!(" {} shows in: {}", instance.id(), about.seen_by);
+        }
+    }
+    text
+}
+
+fn assumptions(pace: &Pace) -> Vec<String> {
+    vec![
+        format!(
+            "Machine time: feed limits of the machine file, else {:.0} m/min and {:.0}°/min; {:.1} s to settle besides the \
+             window of the cycle; {:.0} min to mount each setup.",
+            pace.linear_mm_per_s * 0.06,
+            convert::deg_from_rad(pace.rotary_rad_per_s) * 60.0,
+            pace.settle_s,
+            pace.mount_s / 60.0
+        ),
+        "Noise: as in the present runs (the worst of white, re-positioning and drift that explains them); the ball \
+         is mounted anew."
+            .into(),
+        "Effects that the present data do not show are taken at a typical size.".into(),
+    ]
+}
+
+impl Plan {
+    /// JSON, `trunnion-plan/1`. Separations are log₁₀ of expected Bayes factors.
+    pub fn to_json(&self) -> Json {
+        let row = |row: &Considered| {
+            json!({
+                "name": row.name,
+                "what": row.what,
+                "minutes": row.minutes,
+                "separation": row.separation_ln / LN_10,
+                "hardest_pair": row.hardest,
+                "pairs_apart": row.apart.len(),
+                "shows": row.shows,
+                "tells_apart": row.tells,
+            })
+        };
+        json!({
+            "format": "trunnion-plan/1",
+            "goal": if self.separates { "separate" } else { "reveal" },
+            "effects": self.effects,
+            "never_shown": self.never_shown,
+            "separation_before": self.before_ln / LN_10,
+            "next": self.next.as_ref().map(|cycle| json!({
+                "name": cycle.name,
+                "minutes": self.considered.first().map(|row| row.minutes),
+                "separation_after": self.considered.first().map(|row| row.separation_ln / LN_10),
+                "cycle": cycle.to_text(),
+            })),
+            "left_open": self.left_open.iter()
+                .map(|open| json!({ "pair": open.pair, "separated_by": open.by })).collect::<Vec<_>>(),
+            "answer": self.answer,
+            "considered": self.considered.iter().map(row).collect::<Vec<_>>(),
+            "assumptions": self.assumptions,
+        })
+    }
+}

@@ -1,0 +1,164 @@
+//! The data at hand, thinned for planning, and the same together with a run that has not been measured yet.
+
+use super::PlanError;
+use super::survey::finite;
+use crate::fit::Options as FitOptions;
+use crate::{Experiment, HoldoutWanted, Identification, identify};
+use nalgebra::{DMatrix, DVector};
+use trunnion_core::{Point, Quality, Setup, State};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_effects::{Instance, Model};
+use trunnion_instruments::predict;
+use trunnion_machine::Errors;
+
+/// The data at hand.
+pub(super) struct Present {
+    /// Runs without outliers, at most so many points each.
+    runs: Vec<Run>,
+    pub experiment: Experiment,
+    /// What the model leaves of the readings.
+    pub residual_mm: DVector<f64>,
+    model: Vec<ModelPart>,
+    fit: Identification,
+}
+
+/// One effect of the model as fitted.
+struct ModelPart {
+    instance: Instance,
+    shape: Vec<f64>,
+    /// Parameters held at a value.
+    held: Vec<String>,
+}
+
+impl Present {
+    pub fn new(experiment: &Experiment, model: &Model, most_points: usize) -> Result<Self, PlanError> {
+        let options = FitOptions { holdout: HoldoutWanted::No, ..FitOptions::default() };
+        let fit = identify(experiment, model, &options)?;
+        let (mut runs, mut residual) = (Vec::new(), Vec::new());
+        for run in 0..experiment.runs.len() {
+            let own: Vec<usize> = (0..experiment.points.len())
+                .filter(|&i| experiment.run_of_point[i] == run && fit.used[i])
+                .collect();
+            let stride = own.len().div_ceil(most_points).max(1);
+            let kept: Vec<usize> = own.into_iter().step_by(stride).collect();
+            if kept.is_empty() {
+                continue;
+            }
+            residual.extend(kept.iter().flat_map(|&i| experiment.rows_of(i)).map(|row| fit.residual_mm[row]));
+            runs.push(part_of(experiment, run, &kept));
+        }
+        let thinned = Experiment::new(&runs)?;
+        let mut parts = Vec::new();
+        for (entry, fitted) in model.effects.iter().zip(&fit.effects) {
+            let instance = Instance::from_model_effect(entry, experiment.machine())?;
+            let held = entry.fixed.iter().map(|(name, _)| name.clone()).collect();
+            parts.push(ModelPart { instance, shape: fitted.shape.clone(), held });
+        }
+        Ok(Self { runs, experiment: thinned, residual_mm: DVector::from_vec(residual), model: parts, fit })
+    }
+
+    /// Columns of the free parameters of the model in an experiment.
+    pub fn model_columns(&self, experiment: &Experiment) -> DMatrix<f64> {
+        let mut columns: Vec<DVector<f64>> = Vec::new();
+        for part in &self.model {
+            let all = finite(experiment.columns(&part.instance, &part.shape));
+            for (j, parameter) in part.instance.parameters(&experiment.scene).iter().enumerate() {
+                if !part.held.contains(&parameter.name) {
+                    columns.push(all.column(j).into_owned());
+                }
+            }
+        }
+        DMatrix::from_columns(&columns)
+    }
+
+    /// The data at hand and one more run in these states, its ball mounted anew.
+    pub fn with(&self, setups: &[Setup], states: &[State], kind: RunKind) -> Result<Experiment, PlanError> {
+        let scene = &self.experiment.scene;
+        let machine = self.experiment.machine().clone();
+        let last = self.runs.last().and_then(|run| run.points.last());
+        let temperature_degc = last.map(|point| point.state.temperature_degc.clone()).unwrap_or_default();
+        let points = states
+            .iter()
+            .map(|state| {
+                let state = State { temperature_degc: temperature_degc.clone(), ..state.clone() };
+                let reading = predict(&machine, &setups[state.setup], &state, &self.errors_at(&state));
+                Point {
+                    state,
+                    reading_mm: reading.into(),
+                    spread_mm: [0.0; 3],
+                    samples: 0,
+                    quality: Quality::Good,
+                }
+            })
+            .collect();
+        let next = Run {
+            name: "next".into(),
+            machine,
+            kind,
+            setups: setups.into(),
+            channels: scene.channels.clone(),
+            points,
+        };
+        let mut runs = self.runs.clone();
+        runs.push(next);
+        Ok(Experiment::new(&runs)?)
+    }
+
+    /// The location errors found so far: what the next readings will mostly be.
+    fn errors_at(&self, state: &State) -> Errors {
+        let mut errors = Errors::default();
+        let Some(part) = self.model.iter().find(|part| part.instance.id() == "location-errors") else {
+            return errors;
+        };
+        let of_effect = |k: &usize| self.fit.parameters[*k].effect == "location-errors";
+        let indices: Vec<usize> = (0..self.fit.parameters.len()).filter(of_effect).collect();
+        part.instance.motions(&self.experiment.scene, &part.shape, state, &mut |j, site, twist| {
+            if let Some(&k) = indices.get(j) {
+                errors.add(site, twist * self.fit.solution[k]);
+            }
+        });
+        errors
+    }
+
+    /// Setups of the last run, for candidate cycles.
+    pub fn last_setups(&self) -> &[Setup] {
+        self.runs.last().map_or(&[], |run| &run.setups)
+    }
+
+    /// States of the last run, to measure the same once more.
+    pub fn last_states(&self) -> Vec<State> {
+        self.runs.last().map_or(Vec::new(), |run| run.points.iter().map(|p| p.state.clone()).collect())
+    }
+
+    /// Kind of the last run.
+    pub fn last_kind(&self) -> RunKind {
+        self.runs.last().map_or(RunKind::Static, |run| run.kind)
+    }
+}
+
+/// Some points of one run of an experiment as a run of its own.
+fn part_of(experiment: &Experiment, run: usize, points: &[usize]) -> Run {
+    let mut used: Vec<usize> = points.iter().map(|&i| experiment.points[i].state.setup).collect();
+    used.sort_unstable();
+    used.dedup();
+    let prefix = format!("{}.", run + 1);
+    let setup = |&s: &usize| {
+        let setup = &experiment.setups[s];
+        // Several runs fitted together have the number of the run before the name of the setup.
+        let name = if experiment.runs.len() > 1 { setup.name.strip_prefix(&prefix) } else { None };
+        Setup { name: name.unwrap_or(&setup.name).into(), ..setup.clone() }
+    };
+    let point = |&i: &usize| {
+        let mut point = experiment.points[i].clone();
+        point.state.setup = used.binary_search(&point.state.setup).expect("collected above");
+        point
+    };
+    Run {
+        name: experiment.runs[run].clone(),
+        machine: experiment.machine().clone(),
+        kind: experiment.kinds[run],
+        setups: used.iter().map(setup).collect(),
+        channels: experiment.scene.channels.clone(),
+        points: points.iter().map(point).collect(),
+    }
+}

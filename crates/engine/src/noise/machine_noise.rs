@@ -1,0 +1,219 @@
+//! Noise as real machines make it, and how to whiten it in one pass over time.
+//!
+//! Σ = σ² (I + a·K_pass + c·K_axis + w·K_drift)                                    [DIAGNOSIS §1]
+//! - K_pass: the slow rotary axis is positioned anew with an angle of its own, constant until it moves again;
+//! - K_axis: the fast rotary axis scatters at every point;
+//! - K_drift: tool against table drifts in machine axes, Ornstein–Uhlenbeck with correlation time τ.
+//!
+//! Each kernel has mean variance 1 per reading, so a, c, w are variances in units of the white noise. A Kalman filter with
+//! the state (drift x y z, angle of the slow axis) turns readings into independent innovations; its gains do not depend on the
+//! data, so whitening is a linear operator W with W Σ Wᵀ = σ² I, applied to any number of columns in O(rows).
+
+mod motions;
+mod whitener;
+
+pub(crate) use motions::motion_harmonic;
+pub use motions::{modulated, repeatable_motions, unit_columns};
+pub use whitener::Whitener;
+
+use crate::Experiment;
+use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
+use std::ops::Range;
+use trunnion_core::{AxisLetter, AxisValues, Twist};
+use trunnion_instruments::Projector;
+use trunnion_machine::{Machine, Side, Site};
+
+/// Travel below which an axis has not been positioned anew, rad.
+const SAME_STATION_RAD: f64 = 1e-7;
+/// How much larger the correlated parts may be, beside the white noise, for blocks on the fly.
+const BLOCK_TIMES: f64 = 8.0;
+
+/// One member of the bank: variances relative to the white noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// a: re-positioning of the slow rotary axis.
+    pub pass: f64,
+    /// c: angular scatter of the fast rotary axis.
+    pub axis: f64,
+    /// w: drift.
+    pub drift: f64,
+    /// τ: correlation time of the drift, in units of time of the order of the points.
+    pub tau: f64,
+}
+
+/// Points in the order they were taken, with what the noise needs to know of each.
+#[derive(Clone, Debug)]
+pub struct Order {
+    pub(crate) visits: Vec<Visit>,
+    /// Correlation time of drift that the bank assumes.
+    pub tau: f64,
+    /// The axis that moves least often, if the machine has rotary axes that move.
+    pub slow: Option<AxisLetter>,
+    /// The rotary axis that moves most often.
+    pub fast: Option<AxisLetter>,
+    /// True when points were read on the fly.
+    pub on_the_fly: bool,
+}
+
+/// One point, as the noise sees it.
+#[derive(Clone, Debug)]
+pub(crate) struct Visit {
+    pub point: usize,
+    pub rows: Range<usize>,
+    /// Since the point before of the same run, in units of time of the order; 0 at the start of a run.
+    pub since_last: f64,
+    pub new_run: bool,
+    new_station: bool,
+    /// Reading for a unit of drift along X, Y, Z.
+    pub drift: Matrix3<f64>,
+    pub slow_lever: Vector3<f64>,
+    pub fast_lever: Vector3<f64>,
+}
+
+impl Order {
+    /// Orders the points of an experiment by run and time; without time the order of the points is the time.
+    pub fn new(experiment: &Experiment) -> Self {
+        let time = |i: usize| experiment.points[i].state.time_s.unwrap_or(i as f64);
+        let timed = experiment.scene.time_range_s.is_some();
+        let key = |i: usize| (experiment.run_of_point[i], if timed { time(i) } else { i as f64 });
+        let mut order: Vec<usize> = (0..experiment.points.len()).collect();
+        order.sort_by(|&i, &j| {
+            let ((run_i, time_i), (run_j, time_j)) = (key(i), key(j));
+            run_i.cmp(&run_j).then(time_i.total_cmp(&time_j))
+        });
+        let (slow, fast) = slow_and_fast(experiment, &order);
+        let mut visits = Vec::with_capacity(order.len());
+        for (k, &i) in order.iter().enumerate() {
+            let previous = (k > 0).then(|| order[k - 1]);
+            visits.push(visit(experiment, i, previous, slow, fast, key));
+        }
+        normalise(&mut visits, |visit| &mut visit.slow_lever);
+        normalise(&mut visits, |visit| &mut visit.fast_lever);
+        let on_the_fly = experiment.scene.on_the_fly;
+        let duration: f64 = visits.iter().filter(|v| !v.new_run).map(|v| v.since_last).sum();
+        let runs = visits.iter().filter(|v| v.new_run).count().max(1);
+        Self { visits, tau: (duration / runs as f64 / 4.0).max(1e-9), slow, fast, on_the_fly }
+    }
+
+    /// The same for rows multiplied by `root`, the roots of their weights: the white part stays 1, the others follow the rows.
+    #[must_use]
+    pub fn weighted(mut self, root: &DVector<f64>) -> Self {
+        for visit in &mut self.visits {
+            for (k, row) in visit.rows.clone().enumerate() {
+                visit.drift.row_mut(k).scale_mut(root[row]);
+                visit.slow_lever[k] *= root[row];
+                visit.fast_lever[k] *= root[row];
+            }
+        }
+        self
+    }
+
+    /// Points in the order they were taken.
+    pub fn points(&self) -> impl Iterator<Item = usize> + '_ {
+        self.visits.iter().map(|visit| visit.point)
+    }
+
+    /// Sequence number of the positioning of the slow axis at each point (indexed by point).
+    pub fn stations(&self) -> Vec<usize> {
+        let mut station_of_point = vec![0; self.visits.len()];
+        let mut station = 0;
+        for (k, visit) in self.visits.iter().enumerate() {
+            station += usize::from(k > 0 && visit.new_station);
+            station_of_point[visit.point] = station;
+        }
+        station_of_point
+    }
+
+    /// The bank over which evidence is averaged.
+    pub fn bank(&self) -> Vec<Noise> {
+        let seen = |lever: fn(&Visit) -> &Vector3<f64>| self.visits.iter().any(|v| lever(v).norm() > 0.0);
+        // A block of many samples has hardly any white noise: what correlates is larger beside it.
+        let times = if self.on_the_fly { BLOCK_TIMES } else { 1.0 };
+        let passes: &[f64] = if seen(|v| &v.slow_lever) { &[0.0, 0.1, 0.4, 1.6] } else { &[0.0] };
+        let axes: &[f64] = if seen(|v| &v.fast_lever) { &[0.0, 0.08] } else { &[0.0] };
+        let mut bank = Vec::new();
+        for &pass in passes {
+            for &axis in axes {
+                for drift in [0.0, 0.15, 0.5, 2.0] {
+                    bank.push(Noise { pass: pass * times, axis, drift: drift * times, tau: self.tau });
+                }
+            }
+        }
+        bank
+    }
+}
+
+/// The rotary axis that moves least often and the one that moves most often.
+fn slow_and_fast(experiment: &Experiment, order: &[usize]) -> (Option<AxisLetter>, Option<AxisLetter>) {
+    let moves = |letter: AxisLetter| {
+        let at = |k: usize| experiment.points[order[k]].state.position[letter];
+        (1..order.len()).filter(|&k| (at(k) - at(k - 1)).abs() > SAME_STATION_RAD).count()
+    };
+    let mut moving: Vec<(usize, AxisLetter)> =
+        experiment.machine().rotary().iter().map(|axis| (moves(axis.letter), axis.letter)).collect();
+    moving.retain(|(count, _)| *count > 0);
+    moving.sort();
+    let fast = moving.last().map(|(_, letter)| *letter);
+    let slow = (moving.len() > 1).then(|| moving[0].1);
+    (slow, fast)
+}
+
+fn visit(
+    experiment: &Experiment,
+    point: usize,
+    previous: Option<usize>,
+    slow: Option<AxisLetter>,
+    fast: Option<AxisLetter>,
+    key: impl Fn(usize) -> (usize, f64),
+) -> Visit {
+    let machine = experiment.machine();
+    let state = &experiment.points[point].state;
+    let projector = Projector::new(machine, &experiment.setups[state.setup], state);
+    let new_run = previous.is_none_or(|p| key(p).0 != key(point).0);
+    let station_changed = |p: usize| {
+        let before = &experiment.points[p].state;
+        let turned = |letter: AxisLetter| {
+            (before.position[letter] - state.position[letter]).abs() > SAME_STATION_RAD
+                || before.direction[letter] * state.direction[letter] < 0.0
+        };
+        before.setup != state.setup || slow.is_some_and(turned)
+    };
+    let lever = |letter: Option<AxisLetter>| -> Vector3<f64> {
+        let axis = letter.and_then(|l| machine.axis(l));
+        axis.map_or_else(Vector3::zeros, |a| projector.column(Site::Joint(a.letter), &a.positioning_twist()))
+    };
+    let (ground, into_ground) = ground_joint(machine, &state.position);
+    let drift = |k: usize| projector.column(ground, &Twist::translation(into_ground * Vector3::ith(k, 1.0)));
+    Visit {
+        point,
+        rows: experiment.rows_of(point),
+        since_last: if new_run { 0.0 } else { previous.map_or(0.0, |p| key(point).1 - key(p).1) },
+        new_run,
+        new_station: new_run || previous.is_none_or(station_changed),
+        drift: Matrix3::from_columns(&[drift(0), drift(1), drift(2)]),
+        slow_lever: lever(slow),
+        fast_lever: lever(fast),
+    }
+}
+
+/// A site that moves the whole tool side (or, without one, the table), and its axes from machine axes.
+pub fn ground_joint(machine: &Machine, position: &AxisValues<f64>) -> (Site, UnitQuaternion<f64>) {
+    match machine.from_bed(Side::Table).first() {
+        Some(axis) if machine.tool.is_empty() => (Site::Joint(axis.letter), UnitQuaternion::identity()),
+        _ => machine.whole_tool_side(position),
+    }
+}
+
+/// Scales levers to a mean square of 1 per reading.
+fn normalise(visits: &mut [Visit], lever: impl Fn(&mut Visit) -> &mut Vector3<f64>) {
+    let (mut sum, mut count) = (0.0, 0);
+    for visit in visits.iter_mut() {
+        count += visit.rows.len();
+        sum += lever(visit).norm_squared();
+    }
+    let mean_square: f64 = sum / count.max(1) as f64;
+    let scale = if mean_square > 1e-12 { 1.0 / mean_square.sqrt() } else { 0.0 };
+    for visit in visits.iter_mut() {
+        *lever(visit) *= scale;
+    }
+}

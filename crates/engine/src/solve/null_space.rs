@@ -1,0 +1,252 @@
+//! What the data cannot see: null directions of the scaled design, made sparse and named.
+//!
+//! Null vectors are the right singular vectors with σ ≤ tolerance·σ₁, and those along which the fit
+//! would wander by more than [`MEANINGLESS_MM`] of reading. They are brought to reduced row echelon form. Pivots are first the
+//! parameters that the minimum set of location errors defines as zero (S2 tables 2–5), weakest first, then the most
+//! involved ones. Every pivot is held at zero, which leaves independent columns. A conventional pivot lets the
+//! others of its direction stand for it; any other pivot leaves its whole direction without numbers.
+
+use crate::fit::identification::{Status, Unobservable};
+use crate::solve::combinations::Named;
+use crate::solve::linear::Reduced;
+use nalgebra::DMatrix;
+use trunnion_effects::{Parameter, Unit};
+
+/// A direction whose uncertainty moves the readings by more than this (rms, mm) has no physical meaning.
+const MEANINGLESS_MM: f64 = 1.0;
+/// A parameter that moves the readings less than this (rms, mm for each mm, or for each rad) is not seen: what is left of its
+/// column is rounding and the mean of blocks.
+const FAINTEST_PER_MM: f64 = 1e-6;
+const FAINTEST_PER_RAD_MM: f64 = 1e-4;
+/// Share of a direction (scaled columns) above which a parameter takes part, for exact and for weak directions.
+const TAKES_PART: f64 = 1e-6;
+const TAKES_PART_WEAKLY: f64 = 1e-3;
+
+/// How the null space is fixed.
+pub(crate) struct Gauge {
+    /// Columns left to determine; independent.
+    pub determined: Vec<usize>,
+    /// Status of every parameter.
+    pub status: Vec<Status>,
+    /// The directions.
+    pub directions: Vec<Direction>,
+    /// Rank before any convention.
+    pub rank: usize,
+}
+
+/// One null vector.
+pub(crate) struct Direction {
+    /// Parameter index and coefficient, inside units, the pivot first with coefficient 1.
+    pub terms: Vec<(usize, f64)>,
+    /// True when the pivot is zero by convention.
+    pub conventional: bool,
+    /// True when that is because its axis stands still in these runs.
+    pub standing: bool,
+    /// True when the direction is not exactly null, only too weak.
+    pub weak: bool,
+}
+
+/// What decides that a direction is not seen.
+pub(crate) struct Limits {
+    /// Relative singular value.
+    pub tolerance: f64,
+    /// Singular value (scaled columns, mm) below which the uncertainty is beyond meaning; 0 when noise is not known yet.
+    pub weakest: f64,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+impl Limits {
+    /// Limits for a residual standard deviation; 0 when nothing is known of it.
+    pub fn with_noise(tolerance: f64, sigma_mm: f64, rows: usize) -> Self {
+        Self { tolerance, weakest: sigma_mm / (MEANINGLESS_MM * (rows as f64).sqrt()), rows }
+    }
+
+    /// True when a parameter moves the readings by less than means anything (rms, mm for each mm or rad).
+    fn faint(&self, reduced: &Reduced, parameters: &[Parameter], j: usize) -> bool {
+        let faintest = match parameters[j].unit {
+            Unit::UM => FAINTEST_PER_MM,
+            Unit::URAD => FAINTEST_PER_RAD_MM,
+            _ => 0.0,
+        };
+        // The scale is a power of two near the inverse norm of the column.
+        reduced.scale[j].recip() < faintest * (self.rows as f64).sqrt()
+    }
+}
+
+/// A parameter that by convention is zero when it cannot be told from others.
+pub(crate) struct Zero {
+    /// Name of the parameter.
+    pub name: String,
+    /// True when its axis stands still in these runs, so that its line shows nowhere.
+    pub standing: bool,
+}
+
+pub(crate) fn gauge(
+    reduced: &Reduced,
+    free: &[usize],
+    parameters: &[Parameter],
+    zeros: &[Zero],
+    limits: &Limits,
+) -> Gauge {
+    let mut status = vec![Status::Held; parameters.len()];
+    let mut directions = Vec::new();
+    let (faint, free): (Vec<usize>, Vec<usize>) =
+        free.iter().partition(|&&j| limits.faint(reduced, parameters, j));
+    for j in faint {
+        status[j] = Status::Unobservable;
+        let terms = vec![(j, 1.0)];
+        directions.push(Direction { terms, conventional: false, standing: false, weak: false });
+    }
+    for &j in &free {
+        status[j] = Status::Identified;
+    }
+    if free.is_empty() {
+        return Gauge { determined: vec![], status, directions, rank: 0 };
+    }
+    let (sigma, v) = reduced.singular(&free);
+    let null_below = limits.tolerance.max(reduced.floor) * sigma[0];
+    let null: Vec<usize> =
+        (0..sigma.len()).filter(|&i| sigma[i] <= null_below || sigma[i] < limits.weakest).collect();
+    let weak = null.iter().any(|&i| sigma[i] > null_below);
+    let takes_part = if weak { TAKES_PART_WEAKLY } else { TAKES_PART };
+    let (preferred, standing): (Vec<usize>, Vec<bool>) = zeros
+        .iter()
+        .filter_map(|zero| Some((free.iter().position(|&j| parameters[j].name == zero.name)?, zero.standing)))
+        .unzip();
+    let rows = echelon(v.select_columns(&null).transpose(), &preferred, takes_part);
+    for (pivot, row) in rows {
+        let convention = preferred.iter().position(|&zero| zero == pivot);
+        let conventional = convention.is_some();
+        status[free[pivot]] = if conventional { Status::ZeroByConvention } else { Status::Unobservable };
+        let mut others: Vec<usize> =
+            (0..row.len()).filter(|&k| k != pivot && row[k].abs() > takes_part).collect();
+        if !conventional {
+            for &k in &others {
+                status[free[k]] = Status::Unobservable;
+            }
+        }
+        others.insert(0, pivot);
+        let scale = |k: usize| reduced.scale[free[k]];
+        let terms = others.iter().map(|&k| (free[k], row[k] * scale(k) / scale(pivot))).collect();
+        let standing = convention.is_some_and(|k| standing[k]);
+        directions.push(Direction { terms, conventional, standing, weak });
+    }
+    let pivots: Vec<usize> = directions.iter().map(|direction| direction.terms[0].0).collect();
+    let determined = free.iter().copied().filter(|j| !pivots.contains(j)).collect();
+    Gauge { determined, status, directions, rank: free.len() - null.len() }
+}
+
+/// Reduced row echelon form; pivots from `preferred` while they take part, then the largest entries.
+pub(crate) fn echelon(
+    mut rows: DMatrix<f64>,
+    preferred: &[usize],
+    takes_part: f64,
+) -> Vec<(usize, Vec<f64>)> {
+    let mut pivots = Vec::new();
+    let mut preferred = preferred.iter();
+    while pivots.len() < rows.nrows() {
+        let below = pivots.len();
+        let largest_in = |column: usize, rows: &DMatrix<f64>| {
+            (below..rows.nrows()).map(|i| (i, rows[(i, column)].abs())).max_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let chosen = preferred.by_ref().find_map(|&column| {
+            largest_in(column, &rows).filter(|(_, size)| *size > takes_part).map(|(i, _)| (i, column))
+        });
+        let (row, column) = chosen.unwrap_or_else(|| {
+            let rest = rows.rows(below, rows.nrows() - below);
+            let (i, column) = rest.icamax_full();
+            (below + i, column)
+        });
+        rows.swap_rows(below, row);
+        let pivot = rows[(below, column)];
+        rows.row_mut(below).scale_mut(pivot.recip());
+        let pivot_row = rows.row(below).into_owned();
+        for i in (0..rows.nrows()).filter(|&i| i != below) {
+            let factor = rows[(i, column)];
+            rows.row_mut(i).zip_apply(&pivot_row, |x, p| *x -= factor * p);
+        }
+        pivots.push(column);
+    }
+    pivots
+        .into_iter()
+        .enumerate()
+        .map(|(i, column)| (column, rows.row(i).iter().copied().collect()))
+        .collect()
+}
+
+/// The direction in words.
+pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]) -> Unobservable {
+    let pivot = direction.terms[0].0;
+    let screen =
+        |&(j, x): &(usize, f64)| (names[j].name.clone(), x * names[j].per_inside / names[pivot].per_inside);
+    let terms: Vec<(String, f64)> = direction.terms.iter().map(screen).collect();
+    let inside = direction.terms.clone();
+    let pivot = terms[0].0.clone();
+    let others: Vec<&str> = terms[1..].iter().map(|(name, _)| name.as_str()).collect();
+    let without: Vec<&str> = direction.terms[1..]
+        .iter()
+        .filter(|(j, _)| status[*j] == Status::Unobservable)
+        .map(|(j, _)| names[*j].name.as_str())
+        .collect();
+    let how = |s: &str| {
+        if direction.weak {
+            format!("move{s} the readings too little")
+        } else {
+            format!("move{s} no reading")
+        }
+    };
+    if direction.standing {
+        let axis = pivot.chars().last().unwrap_or_default();
+        let why = format!("cannot be seen: axis {axis} stands still in these runs; taken as 0");
+        return Unobservable { direction: pivot, terms, inside, why };
+    }
+    let why = if others.is_empty() {
+        format!("cannot be seen: {pivot} {} of these runs", how("s"))
+    } else if !direction.conventional {
+        let others = others.join(", ");
+        let how = how("");
+        format!(
+            "cannot be seen: {pivot} and {others} together {how} of these runs; none of them gets a number"
+        )
+    } else {
+        let (stand, all) = if others.len() == 1 { ("stands", "both") } else { ("stand", "all of them") };
+        let others = others.join(", ");
+        let meaning = if without.is_empty() {
+            format!(", so {others} {stand} for {all}")
+        } else {
+            format!("; {} cannot be seen for another reason", without.join(", "))
+        };
+        format!(
+            "{pivot} cannot be told apart from {others} in these runs; by convention {pivot} = 0{meaning}"
+        )
+    };
+    Unobservable { direction: spell(&terms), terms, inside, why }
+}
+
+/// `EX0A - 0.5 EX0C`.
+pub fn spell(terms: &[(String, f64)]) -> String {
+    let mut text = String::new();
+    for (k, (name, coefficient)) in terms.iter().enumerate() {
+        let sign = match (k, *coefficient < 0.0) {
+            (0, false) => "",
+            (0, true) => "-",
+            (_, false) => " + ",
+            (_, true) => " - ",
+        };
+        text.push_str(sign);
+        let size = coefficient.abs();
+        if (size - 1.0).abs() > 1e-4 {
+            text.push_str(&four_digits(size));
+            text.push(' ');
+        }
+        text.push_str(name);
+    }
+    text
+}
+
+fn four_digits(size: f64) -> String {
+    let decimals = (3 - size.log10().floor() as i32).clamp(0, 9) as usize;
+    let text = format!("{size:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}

@@ -1,0 +1,258 @@
+//! Which axis made the deviation: the share of every axis in the error of the tool's path [S3 §3.1].
+//!
+//! `share_k(t) = f(q(t)) − f(q(t) with q_k ideal)`, q the positions that the axes' own encoders measured, f the exact pose of
+//! the tool against the table: what disappears when the measured motion of axis k alone is replaced by its ideal motion.
+//! Deviations of the tool point and rotations of the tool are in machine axes.
+//! The ideal motion comes from the cycle where there is one (`ideal::from_cycle`), else it is a smooth path through the measured
+//! positions of each axis (S3: "an approximated curve").
+//! Limits: an encoder sees what its own axis does: lag, reversal spikes, cyclic speed. Errors between encoders and tool
+//! (geometry, backlash behind an encoder, bending) are in no share.
+
+mod ideal;
+mod present;
+mod smooth;
+
+use nalgebra::{Point3, Vector3};
+use std::ops::Range;
+use trunnion_core::{AxisLetter, AxisSample, AxisValues};
+use trunnion_cycles::Cycle;
+use trunnion_cycles::cycle::VisitError;
+use trunnion_machine::{JointErrors, Machine};
+
+/// A motion that can be judged.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a> {
+    /// Name of the recording.
+    pub run: &'a str,
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Positions by the axes' own encoders, in order of time.
+    pub samples: &'a [AxisSample],
+    /// The cycle that was run.
+    pub cycle: Option<&'a Cycle>,
+    /// Distance of the knots of a smooth path, s: what lasts longer passes for the path.
+    pub knot_s: f64,
+}
+
+/// Where the ideal motion comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ideal {
+    /// The cycle: the turning axis, or the way along its curve, at a constant feed, the others as it commands them.
+    Cycle {
+        /// Name of the cycle.
+        name: String,
+        /// The axis that turns; `None` along a curve.
+        turning: Option<AxisLetter>,
+    },
+    /// A smooth path through the measured positions of each axis.
+    Smooth {
+        /// Distance of the knots, s.
+        knot_s: f64,
+        /// Why not the cycle; empty when there was none.
+        why: String,
+    },
+}
+
+/// Shares of the axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribution {
+    /// Name of the recording.
+    pub run: String,
+    /// Name of the machine.
+    pub machine: String,
+    /// Where the ideal motion comes from.
+    pub ideal: Ideal,
+    /// Times of the samples judged, s.
+    pub time_s: Vec<f64>,
+    /// Ideal position of the turning axis, or ideal angle on the curve, at these times, rad; empty without a cycle.
+    pub angle_rad: Vec<f64>,
+    /// First and last sample of every pass.
+    pub passes: Vec<Range<usize>>,
+    /// Axes that move, largest share first.
+    pub shares: Vec<Share>,
+    /// All axes together: measured against ideal path.
+    pub together: Deviation,
+    /// Largest difference between the sum of the shares and all together, mm.
+    pub beyond_sum_mm: f64,
+}
+
+/// What one axis did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Share {
+    /// Which axis.
+    pub axis: AxisLetter,
+    /// Its own deviation, measured minus ideal, mm or rad.
+    pub own: Vec<f64>,
+    /// What it did to the tool.
+    pub deviation: Deviation,
+}
+
+/// Deviation of the tool against the table over time, machine axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Deviation {
+    /// Of the tool point, mm.
+    pub place_mm: Vec<Vector3<f64>>,
+    /// Rotation of the tool, rad.
+    pub turn_rad: Vec<Vector3<f64>>,
+}
+
+/// A motion that cannot be judged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AttributionError {
+    /// No axis positions.
+    #[error(
+        "recording {run} holds {found} axis positions, {least} are needed; record with the CNC connected, or simulate a cycle on the fly"
+    )]
+    NoAxes {
+        /// The recording.
+        run: String,
+        /// Samples found.
+        found: usize,
+        /// Samples needed.
+        least: usize,
+    },
+    /// A knot distance that the samples cannot support.
+    #[error(
+        "a smooth path with knots every {knot_s} s is not possible here; allowed: {low:.3}..={high:.3} s"
+    )]
+    Knots {
+        /// As asked.
+        knot_s: f64,
+        /// Smallest possible.
+        low: f64,
+        /// Largest possible.
+        high: f64,
+    },
+    /// The cycle does not fit the machine.
+    #[error("the cycle of recording {run} cannot be run on its machine")]
+    Cycle {
+        /// The recording.
+        run: String,
+        /// Why.
+        #[source]
+        source: VisitError,
+    },
+    /// No pose for a measured or ideal position.
+    #[error(
+        "recording {run}: the machine has no pose for the axis positions at {time_s:.3} s; was it recorded on another machine?"
+    )]
+    NoPose {
+        /// The recording.
+        run: String,
+        /// When.
+        time_s: f64,
+    },
+}
+
+/// Fewest axis positions for a judgement.
+const FEWEST: usize = 16;
+/// Rounding of a pose: nothing is smaller, mm and rad.
+const ROUNDING_MM: f64 = 1e-9;
+const ROUNDING_RAD: f64 = 1e-12;
+
+/// Judges a motion.
+///
+/// # Errors
+/// Too few positions, knots that do not fit them, a cycle or positions that do not fit the machine.
+pub fn attribute(motion: &Motion<'_>) -> Result<Attribution, AttributionError> {
+    let run = motion.run.to_string();
+    if motion.samples.len() < FEWEST {
+        return Err(AttributionError::NoAxes { run, found: motion.samples.len(), least: FEWEST });
+    }
+    let found = ideal::find(motion)?;
+    let none = JointErrors::default();
+    let machine = motion.machine;
+    let axes: Vec<AxisLetter> = machine.axes().map(|axis| axis.letter).collect();
+    let mut shares: Vec<Share> =
+        axes.iter().map(|&axis| Share { axis, own: Vec::new(), deviation: Deviation::default() }).collect();
+    let mut together = Deviation::default();
+    let mut beyond_sum_mm = 0f64;
+    for (&i, ideal) in found.samples.iter().zip(&found.positions) {
+        let measured = &motion.samples[i].position;
+        let machine_from_table = machine.machine_from_table(measured, &none);
+        let against = |other: &AxisValues<f64>| {
+            let tool = |q: &AxisValues<f64>| {
+                machine_from_table
+                    * machine.machine_from_table(q, &none).inverse()
+                    * machine.machine_from_tool(q, &none)
+            };
+            let (is, was) = (tool(measured), tool(other));
+            let place = is * Point3::origin() - was * Point3::origin();
+            let turn = (is.rotation * was.rotation.inverse()).scaled_axis();
+            (place.map(|mm| without(mm, ROUNDING_MM)), turn.map(|rad| without(rad, ROUNDING_RAD)))
+        };
+        let mut sum = Vector3::zeros();
+        for share in &mut shares {
+            let mut replaced = *measured;
+            replaced[share.axis] = ideal[share.axis];
+            let (place, turn) = against(&replaced);
+            let rounding = if share.axis.is_rotary() { ROUNDING_RAD } else { ROUNDING_MM };
+            share.own.push(without(measured[share.axis] - ideal[share.axis], rounding));
+            share.deviation.place_mm.push(place);
+            share.deviation.turn_rad.push(turn);
+            sum += place;
+        }
+        let (place, turn) = against(ideal);
+        if !(place.norm() + turn.norm() + sum.norm()).is_finite() {
+            return Err(AttributionError::NoPose { run, time_s: motion.samples[i].time_s });
+        }
+        together.place_mm.push(place);
+        together.turn_rad.push(turn);
+        beyond_sum_mm = beyond_sum_mm.max((place - sum).norm());
+    }
+    shares.retain(|share| share.own.iter().any(|own| *own != 0.0));
+    shares.sort_by(|a, b| b.deviation.peak_mm().total_cmp(&a.deviation.peak_mm()));
+    Ok(Attribution {
+        run,
+        machine: machine.name.clone(),
+        ideal: found.ideal,
+        time_s: found.samples.iter().map(|&i| motion.samples[i].time_s).collect(),
+        angle_rad: found.angle_rad,
+        passes: found.passes,
+        shares,
+        together,
+        beyond_sum_mm,
+    })
+}
+
+impl Deviation {
+    /// Largest distance of the tool point from where it should be, mm.
+    pub fn peak_mm(&self) -> f64 {
+        self.place_mm.iter().map(Vector3::norm).fold(0.0, f64::max)
+    }
+
+    /// Largest deviation of the tool point along X, Y, Z, mm, with its sign.
+    pub fn peaks_mm(&self) -> [f64; 3] {
+        [0, 1, 2].map(|k| largest(self.place_mm.iter().map(|place| place[k])))
+    }
+
+    /// Root mean square of the deviation along X, Y, Z, mm.
+    pub fn rms_mm(&self) -> [f64; 3] {
+        [0, 1, 2].map(|k| rms(self.place_mm.iter().map(|place| place[k])))
+    }
+
+    /// Largest rotation of the tool, rad.
+    pub fn peak_rad(&self) -> f64 {
+        self.turn_rad.iter().map(Vector3::norm).fold(0.0, f64::max)
+    }
+
+    /// Root mean square of the rotation of the tool, rad.
+    pub fn rms_rad(&self) -> f64 {
+        rms(self.turn_rad.iter().map(Vector3::norm))
+    }
+}
+
+/// `value`, or zero when it is rounding. What is no number stays so.
+fn without(value: f64, rounding: f64) -> f64 {
+    if value.abs() < rounding { 0.0 } else { value }
+}
+
+/// The value with the largest size, with its sign.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
+}
+
+fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len().max(1) as f64;
+    (values.map(|value| value * value).sum::<f64>() / count).sqrt()
+}

@@ -1,0 +1,35 @@
+//! The same location errors from the joint fit: the recipe applied to what the fit of all location errors and settings predicts.
+//!
+//! So both are compared in the same quantities, whatever the joint fit shares out between an axis and what carries it.
+
+use super::values::{Location, locations};
+use super::{AxisShapes, METHOD, Shape, Tracks};
+use crate::recipes::MethodError;
+use trunnion_core::{AxisLetter, Point};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_effects::Model;
+use trunnion_engine::fit::Options;
+use trunnion_engine::{Experiment, identify};
+
+pub(super) fn locations_of(runs: &[Run], asked: Option<AxisLetter>) -> Result<Vec<Location>, MethodError> {
+    let experiment = Experiment::new(runs)?;
+    let joint = identify(&experiment, &Model::base(&experiment.machine().name), &Options::default())?;
+    let predicted = |(i, point): (usize, &Point)| {
+        let mut point = point.clone();
+        for (k, row) in experiment.rows_of(i).enumerate() {
+            point.reading_mm[k] = joint.predicted_mm[row];
+        }
+        point
+    };
+    let predicted_run = Run {
+        name: "joint fit".into(),
+        machine: experiment.machine().clone(),
+        kind: if experiment.kinds.contains(&RunKind::OnTheFly) { RunKind::OnTheFly } else { RunKind::Static },
+        setups: experiment.setups.clone(),
+        channels: Vec::new(),
+        points: experiment.points.iter().enumerate().map(predicted).collect(),
+    };
+    let tracks = Tracks::of(&METHOD, &[predicted_run], asked)?;
+    let shapes = Shape::of_all(&METHOD, &tracks.all)?;
+    Ok(locations(&shapes, &AxisShapes::of_all(&shapes)))
+}

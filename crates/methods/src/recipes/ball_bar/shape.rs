@@ -1,0 +1,258 @@
+//! Mean, setting and shape of each trace by least squares, and what the shapes at several heights say of an axis.
+
+use super::track::{Axis, Kind, Sample, Track, span, whole_turn};
+use crate::common::over_height::{Line, Weights};
+use crate::common::stations::Stations;
+use crate::recipes::{Method, MethodError};
+use nalgebra::{DMatrix, DVector, Vector2};
+use trunnion_engine::solve::linear::least_squares;
+
+/// Heights nearer than this count as one, mm.
+const APART_MM: f64 = 5.0;
+
+/// Angle or way around (rad) and deviation (mm).
+pub(super) type Contour = Vec<(f64, f64)>;
+
+/// One trace about its centre.
+pub(super) struct Shape {
+    /// S4's name, e.g. `C-X(−Z)`.
+    pub label: String,
+    pub setup: String,
+    pub kind: Kind,
+    pub calibrated: bool,
+    /// c: mean of the displacement about the setting, mm, and its standard uncertainty by what the fit leaves.
+    pub mean_mm: f64,
+    pub u_mean_mm: f64,
+    /// S4's mean radial error: c counted tool against table, mm.
+    pub mean_reading_mm: f64,
+    /// Setting s of the ball; of C-XY the tilts (E_u0, E_v0), rad; of a path the setting is in table axes and not here.
+    pub centre: Vector2<f64>,
+    pub u_centre: Vector2<f64>,
+    /// Range of the contours.
+    pub circularity_mm: f64,
+    /// Mean over each direction, forward first.
+    pub contours: Vec<(f64, Contour)>,
+    /// Mean over the directions.
+    pub mean_contour: Contour,
+    /// Forward mean less backward mean; `None` in one direction alone.
+    pub reversal_mm: Option<f64>,
+    /// How far the trace goes around, rad.
+    pub turned_rad: f64,
+}
+
+impl Shape {
+    /// Every trace about its centre; traces of one axis at common angles.
+    ///
+    /// # Errors
+    /// Readings that do not tell the place of the axis from the setting of the ball.
+    pub fn of_all(method: &Method, tracks: &[Track]) -> Result<Vec<Self>, MethodError> {
+        let mut shapes: Vec<Self> = Vec::new();
+        for track in tracks {
+            let alike = |other: &&Track| match track.kind.axis() {
+                Some(axis) => other.kind.axis() == Some(axis),
+                None => std::ptr::eq(*other, track),
+            };
+            let angles: Vec<f64> =
+                tracks.iter().filter(alike).flat_map(|t| t.samples.iter().map(|s| s.angle_rad)).collect();
+            let turn = whole_turn(&angles);
+            let stations = match track.on_the_fly {
+                true => Stations::of_sweeps(&angles, turn),
+                false => Stations::of_grid(angles.iter().copied(), turn),
+            };
+            let mut shape = Self::of(method, track, &stations)?;
+            shape.label = label(track, tracks);
+            if shapes.iter().any(|other| other.label == shape.label) {
+                shape.label = format!("{} {}", shape.label, track.setup);
+            }
+            shapes.push(shape);
+        }
+        Ok(shapes)
+    }
+
+    fn of(method: &Method, track: &Track, stations: &Stations) -> Result<Self, MethodError> {
+        let samples = &track.samples;
+        let rows: Vec<Vec<f64>> = samples.iter().map(|sample| centring(track.kind, sample)).collect();
+        let design = DMatrix::from_fn(samples.len(), rows[0].len(), |i, k| rows[i][k]);
+        let moved = DVector::from_iterator(samples.len(), samples.iter().map(|s| s.moved_mm));
+        let fit = least_squares(&design, &moved, 1e-6);
+        if fit.rank < rows[0].len() && track.kind != Kind::Path {
+            let found = format!(
+                "the readings of setup {} do not tell its mean from the setting of the ball",
+                track.setup
+            );
+            return Err(method.lacks(found, "Turn the axis farther, best once around."));
+        }
+        let left = moved - &design * &fit.x;
+        let contour = |direction: f64| -> Contour {
+            let mut sums = vec![(0.0, 0.0); stations.angles_rad.len()];
+            for (sample, left) in samples.iter().zip(left.iter()).filter(|(s, _)| s.direction == direction) {
+                if let Some(i) = stations.at(sample.angle_rad) {
+                    sums[i] = (sums[i].0 + left, sums[i].1 + 1.0);
+                }
+            }
+            let means = sums.iter().zip(&stations.angles_rad).filter(|((_, count), _)| *count > 0.0);
+            means.map(|((sum, count), &angle)| (angle, sum / count)).collect()
+        };
+        let contours: Vec<(f64, Contour)> =
+            [1.0, -1.0].map(|d| (d, contour(d))).into_iter().filter(|(_, c)| !c.is_empty()).collect();
+        let mean_contour = mean_of(&contours, &stations.angles_rad);
+        let mean = |contour: &Contour| contour.iter().map(|(_, v)| v).sum::<f64>() / contour.len() as f64;
+        let reversal_mm = match &contours[..] {
+            [(_, forward), (_, backward)] => Some(mean(forward) - mean(backward)),
+            _ => None,
+        };
+        let sign = samples.iter().map(|s| s.reading_mm * s.moved_mm).sum::<f64>();
+        let pair = |of: &DVector<f64>| match of.len() {
+            3 => Vector2::new(of[1], of[2]),
+            _ => Vector2::zeros(),
+        };
+        Ok(Self {
+            label: String::new(),
+            setup: track.setup.clone(),
+            kind: track.kind,
+            calibrated: track.calibrated,
+            mean_mm: fit.x[0],
+            u_mean_mm: fit.u[0],
+            mean_reading_mm: if sign < 0.0 { -fit.x[0] } else { fit.x[0] },
+            centre: pair(&fit.x),
+            u_centre: pair(&fit.u),
+            circularity_mm: span(contours.iter().flat_map(|(_, c)| c.iter().map(|(_, v)| *v))),
+            contours,
+            mean_contour,
+            reversal_mm,
+            turned_rad: span(samples.iter().map(|s| s.angle_rad)),
+        })
+    }
+}
+
+/// Columns of the fit: the mean first.
+fn centring(kind: Kind, sample: &Sample) -> Vec<f64> {
+    let (sin, cos) = sample.angle_rad.sin_cos();
+    match kind {
+        Kind::Across { .. } => vec![1.0, cos, sin],
+        Kind::Along { .. } => vec![1.0],
+        Kind::Followed { .. } => vec![1.0, sample.across_mm.y, -sample.across_mm.x],
+        Kind::Path => {
+            let n = sample.bar_in_table;
+            vec![1.0, n.x, n.y, n.z]
+        }
+    }
+}
+
+fn mean_of(contours: &[(f64, Contour)], angles_rad: &[f64]) -> Contour {
+    let at = |angle: f64| {
+        let here =
+            || contours.iter().filter_map(|(_, c)| c.iter().find(|(a, _)| *a == angle).map(|(_, v)| *v));
+        let count = here().count();
+        (count > 0).then(|| (angle, here().sum::<f64>() / count as f64))
+    };
+    angles_rad.iter().filter_map(|&angle| at(angle)).collect()
+}
+
+/// S4's name: axis, bar, and the side of the ball where there are several heights.
+fn label(track: &Track, tracks: &[Track]) -> String {
+    let Some(axis) = track.kind.axis() else { return format!("path {}", track.setup) };
+    let [u, v, w] = axis.frame;
+    match track.kind {
+        Kind::Across { k, height_mm, .. } => {
+            let heights: Vec<f64> = tracks
+                .iter()
+                .filter_map(|t| match t.kind {
+                    Kind::Across { axis: a, height_mm, .. } if a == axis => Some(height_mm),
+                    _ => None,
+                })
+                .collect();
+            let middle = heights.iter().sum::<f64>() / heights.len() as f64;
+            let side = match height_mm - middle {
+                _ if span(heights.iter().copied()) < APART_MM => String::new(),
+                off if off < 0.0 => format!("(−{w})"),
+                _ => format!("(+{w})"),
+            };
+            format!("{}-{}{side}", axis.letter, axis.frame[k])
+        }
+        Kind::Followed { .. } => {
+            let [first, second] = if u < v { [u, v] } else { [v, u] };
+            format!("{}-{first}{second}", axis.letter)
+        }
+        _ => format!("{}-{w}", axis.letter),
+    }
+}
+
+/// What the traces of one axis say together.
+pub(super) struct AxisShapes {
+    pub axis: Axis,
+    /// Place of the axis line over the height along u and v; `None` without two heights.
+    pub line: [Option<Line>; 2],
+    /// All bars across had known lengths.
+    pub calibrated: bool,
+    /// Radial error motions u, v at the reference point of the axis, axial w, mm; empty when not measured.
+    pub translation: [Contour; 3],
+    /// Heights at which the radial ones hold: the reference point with two heights, else that height, mm.
+    pub radial_at_mm: [Option<f64>; 2],
+    /// Tilts about u and v, rad.
+    pub tilt: [Contour; 2],
+}
+
+impl AxisShapes {
+    /// One for each axis that turned alone.
+    pub fn of_all(shapes: &[Shape]) -> Vec<Self> {
+        let mut axes: Vec<Axis> = Vec::new();
+        for shape in shapes {
+            if let Kind::Across { axis, .. } | Kind::Along { axis } = shape.kind
+                && !axes.contains(&axis)
+            {
+                axes.push(axis);
+            }
+        }
+        axes.into_iter().map(|axis| Self::of(axis, shapes)).collect()
+    }
+
+    fn of(axis: Axis, shapes: &[Shape]) -> Self {
+        let across = |wanted: usize| -> Vec<(f64, &Shape)> {
+            let of = |shape: &'_ Shape| match shape.kind {
+                Kind::Across { axis: a, k, height_mm } if a == axis && k == wanted => Some(height_mm),
+                _ => None,
+            };
+            shapes.iter().filter_map(|shape| Some((of(shape)?, shape))).collect()
+        };
+        let along = shapes.iter().filter(|s| s.kind == Kind::Along { axis }).map(|s| s.mean_contour.clone());
+        let mut found = Self {
+            axis,
+            line: [None, None],
+            calibrated: [0, 1].iter().flat_map(|&k| across(k)).all(|(_, shape)| shape.calibrated),
+            translation: [Vec::new(), Vec::new(), along.into_iter().next().unwrap_or_default()],
+            radial_at_mm: [None, None],
+            tilt: [Vec::new(), Vec::new()],
+        };
+        for k in 0..2 {
+            let traces = across(k);
+            let heights: Vec<f64> = traces.iter().map(|(height, _)| *height).collect();
+            if span(heights.iter().copied()) < APART_MM {
+                if let Some((height, shape)) = traces.first() {
+                    found.translation[k] = shape.mean_contour.clone();
+                    found.radial_at_mm[k] = Some(*height);
+                }
+                continue;
+            }
+            let over = Weights::of(&heights);
+            let means: Vec<f64> = traces.iter().map(|(_, shape)| shape.mean_mm).collect();
+            let u: Vec<f64> = traces.iter().map(|(_, shape)| shape.u_mean_mm).collect();
+            found.line[k] = Some(over.line(&means, &u));
+            found.radial_at_mm[k] = Some(0.0);
+            // u = δ_u + ω_v h, v = δ_v − ω_u h.
+            let (tilt, sign) = if k == 0 { (1, 1.0) } else { (0, -1.0) };
+            for &(angle, _) in &traces[0].1.mean_contour {
+                let at =
+                    |shape: &Shape| shape.mean_contour.iter().find(|(a, _)| *a == angle).map(|(_, v)| *v);
+                let Some(values) = traces.iter().map(|(_, shape)| at(shape)).collect::<Option<Vec<f64>>>()
+                else {
+                    continue;
+                };
+                let line = over.line(&values, &vec![0.0; values.len()]);
+                found.translation[k].push((angle, line.at_zero));
+                found.tilt[tilt].push((angle, sign * line.slope));
+            }
+        }
+        found
+    }
+}

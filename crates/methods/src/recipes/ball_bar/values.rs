@@ -1,0 +1,283 @@
+//! What the ball-bar method reports.
+
+use super::causes::{ErrorKind, causes};
+use super::charts::charts;
+use super::shape::{AxisShapes, Contour, Shape};
+use super::track::{Kind, span};
+use super::{Found, METHOD};
+use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
+use crate::recipes::Convention;
+use trunnion_core::AxisLetter;
+use trunnion_core::convert::{deg_from_rad, um_from_mm};
+use trunnion_cycles::Run;
+use trunnion_effects::Unit;
+
+/// A location error, right-handed, inside units.
+pub(super) struct Location {
+    pub name: String,
+    pub value: f64,
+    pub unit: Unit,
+    pub u: f64,
+    kind: ErrorKind,
+    /// S4 prints it with the opposite sign.
+    opposite_in_source: bool,
+}
+
+impl Location {
+    fn shown(&self, convention: Convention) -> f64 {
+        if convention == Convention::Source && self.opposite_in_source { -self.value } else { self.value }
+    }
+}
+
+/// Location errors by S4 eq. 1–7, in the signs of METHODS §1.
+pub(super) fn locations(shapes: &[Shape], axes: &[AxisShapes]) -> Vec<Location> {
+    let mut found = Vec::new();
+    for of_axis in axes {
+        let axis = of_axis.axis;
+        let [tilt_u, tilt_v, _] = axis.rotations();
+        // S4 eq. 1 and 3 are of C.
+        let of_c = axis.frame[2] == AxisLetter::Z;
+        let squareness = |direction, value, u, opposite_in_source| Location {
+            name: axis.symbol(direction, true),
+            value,
+            unit: Unit::URAD,
+            u,
+            kind: ErrorKind::Squareness,
+            opposite_in_source,
+        };
+        if let Some(line) = of_axis.line[1] {
+            found.push(squareness(tilt_u, -line.slope, line.u_slope, false));
+        }
+        if let Some(line) = of_axis.line[0] {
+            found.push(squareness(tilt_v, line.slope, line.u_slope, of_c));
+        }
+        for (k, line) in of_axis.line.iter().enumerate() {
+            let Some(line) = line.filter(|_| of_axis.calibrated) else { continue };
+            found.push(Location {
+                name: axis.symbol(axis.frame[k], true),
+                value: line.at_zero,
+                unit: Unit::UM,
+                u: line.u_at_zero,
+                kind: ErrorKind::Place,
+                opposite_in_source: of_c,
+            });
+        }
+    }
+    for shape in shapes {
+        let Kind::Followed { axis, .. } = shape.kind else { continue };
+        for k in 0..2 {
+            found.push(Location {
+                name: format!("{} by {}", axis.symbol(axis.rotations()[k], true), shape.label),
+                value: shape.centre[k],
+                unit: Unit::URAD,
+                u: shape.u_centre[k],
+                kind: ErrorKind::Squareness,
+                opposite_in_source: false,
+            });
+        }
+    }
+    found
+}
+
+pub(super) fn findings(machine: &str, runs: &[Run], found: &Found<'_>, convention: Convention) -> Findings {
+    let mut values: Vec<FoundValue> = found.location.iter().map(|l| location(l, convention)).collect();
+    for motion in found.axes.iter().flat_map(error_motions) {
+        let range = span(motion.points.iter().map(|(_, value)| *value));
+        let value = FoundValue::new(format!("{} range", motion.name), range, motion.unit, None);
+        values.push(value.note(format!("{}; {}", motion.about, causes(motion.kind))));
+    }
+    for shape in found.shapes {
+        let value =
+            FoundValue::new(format!("{} circularity", shape.label), shape.circularity_mm, Unit::UM, None);
+        let kind = match shape.kind {
+            Kind::Across { .. } => ErrorKind::Radial,
+            Kind::Along { .. } => ErrorKind::Axial,
+            Kind::Followed { .. } | Kind::Path => ErrorKind::Path,
+        };
+        values.push(value.note(causes(kind)));
+        if let Some(reversal_mm) = shape.reversal_mm {
+            let value = FoundValue::new(format!("{} reversal", shape.label), reversal_mm, Unit::UM, None);
+            values.push(value.note(format!("forward less backward; {}", causes(ErrorKind::Reversal))));
+        }
+    }
+    let mut tables = vec![measurements(found.shapes)];
+    if !found.location.is_empty() {
+        tables.push(comparison(found, convention));
+    }
+    Findings {
+        method: METHOD.name,
+        source: METHOD.source,
+        convention,
+        machine: machine.into(),
+        runs: runs.iter().map(|run| run.name.clone()).collect(),
+        values,
+        tables,
+        charts: charts(found),
+        notes: notes(found),
+    }
+}
+
+fn location(location: &Location, convention: Convention) -> FoundValue {
+    let value = location.shown(convention);
+    let found = FoundValue::new(&*location.name, value, location.unit, Some(location.u));
+    let words = causes(location.kind);
+    if location.unit == Unit::URAD {
+        let per_100_mm = format!("{:+.1} µm/100 mm", um_from_mm(value * 100.0)).replace('-', "−");
+        found.note(format!("{per_100_mm}; {words}"))
+    } else {
+        found.note(words)
+    }
+}
+
+/// One error motion over the turn.
+pub(super) struct ErrorMotion {
+    pub name: String,
+    pub unit: Unit,
+    pub points: Contour,
+    pub kind: ErrorKind,
+    /// What it is, and where it holds.
+    pub about: String,
+}
+
+/// Radial, axial and tilt error motions of an axis, those that were measured.
+pub(super) fn error_motions(of_axis: &AxisShapes) -> Vec<ErrorMotion> {
+    let axis = of_axis.axis;
+    let mut motions = Vec::new();
+    for (k, points) in of_axis.translation.iter().enumerate() {
+        let (kind, about) = match of_axis.radial_at_mm.get(k) {
+            None => (ErrorKind::Axial, "axial error motion".into()),
+            Some(at) => {
+                let at = at.unwrap_or(0.0);
+                (
+                    ErrorKind::Radial,
+                    format!("radial error motion at height {at:.0} mm over the reference point"),
+                )
+            }
+        };
+        let name = axis.symbol(axis.frame[k], false);
+        motions.push(ErrorMotion { name, unit: Unit::UM, points: points.clone(), kind, about });
+    }
+    for (k, points) in of_axis.tilt.iter().enumerate() {
+        let name = axis.symbol(axis.rotations()[k], false);
+        let (kind, about) = (ErrorKind::Tilt, "tilt error motion".into());
+        motions.push(ErrorMotion { name, unit: Unit::URAD, points: points.clone(), kind, about });
+    }
+    motions.retain(|motion| !motion.points.is_empty());
+    motions
+}
+
+/// Circularity and mean radial error of every measurement, like S4 tables 3 and 4.
+fn measurements(shapes: &[Shape]) -> FoundTable {
+    let columns = vec![
+        Column::plain("measurement"),
+        Column::plain("setup"),
+        Column::of("turned", Unit::DEG),
+        Column::of("height or radius", Unit::MM),
+        Column::of("circularity", Unit::UM),
+        Column::of("mean radial error", Unit::UM),
+        Column::of("u of the mean", Unit::UM),
+        Column::of("centre 1", Unit::UM),
+        Column::of("centre 2", Unit::UM),
+    ];
+    let row = |shape: &Shape| {
+        let place = match shape.kind {
+            Kind::Across { height_mm, .. } => Some(height_mm),
+            Kind::Followed { radius_mm, .. } => Some(radius_mm),
+            Kind::Along { .. } | Kind::Path => None,
+        };
+        // S4 eq. 4–5: C_x = E_v0 R, C_y = −E_u0 R.
+        let centre = match shape.kind {
+            Kind::Across { .. } => Some([shape.centre.x, shape.centre.y]),
+            Kind::Followed { radius_mm, .. } => {
+                Some([shape.centre.y * radius_mm, -shape.centre.x * radius_mm])
+            }
+            Kind::Along { .. } | Kind::Path => None,
+        };
+        let cell = |value: Option<f64>| value.map_or(Cell::Missing, Cell::Number);
+        let mean = shape.calibrated.then_some(shape.mean_reading_mm);
+        vec![
+            Cell::Text(shape.label.clone()),
+            Cell::Text(shape.setup.clone()),
+            Cell::Number(shape.turned_rad),
+            cell(place),
+            Cell::Number(shape.circularity_mm),
+            cell(mean),
+            cell(mean.map(|_| shape.u_mean_mm)),
+            cell(centre.map(|c| c[0])),
+            cell(centre.map(|c| c[1])),
+        ]
+    };
+    let caption = "Measurements: circularity about the centre, and mean radial error (S4 tables 3–4)".into();
+    FoundTable { caption, columns, rows: shapes.iter().map(row).collect() }
+}
+
+/// Location errors by the recipe and by the joint fit of the same readings.
+fn comparison(found: &Found<'_>, convention: Convention) -> FoundTable {
+    let heads = ["by the recipe", "u", "by the joint fit"];
+    let mut columns = vec![Column::plain("location error"), Column::plain("unit")];
+    columns.extend(heads.map(Column::plain));
+    let row = |location: &Location| {
+        let scale = location.unit.per_inside;
+        let shown = location.shown(convention) * scale;
+        let joint = found.by_joint_fit.iter().find(|other| other.name == location.name);
+        let joint = joint.map(|other| other.shown(convention) * scale);
+        let cell = |value: Option<f64>| value.map_or(Cell::Missing, Cell::Number);
+        vec![
+            Cell::Text(location.name.clone()),
+            Cell::Text(location.unit.text()),
+            Cell::Number(shown),
+            Cell::Number(location.u * scale),
+            cell(joint),
+        ]
+    };
+    FoundTable {
+        caption: "Location errors by the recipe and by the joint fit of the same readings".into(),
+        columns,
+        rows: found.location.iter().map(row).collect(),
+    }
+}
+
+fn notes(found: &Found<'_>) -> Vec<String> {
+    let mut notes = vec![
+        "Each trace is centred: a shape that turns once with the axis counts as setting of the ball. Uncertainties come from \
+         what the centring leaves, shape included; a drift from one setup to the next is not in them."
+            .to_string(),
+    ];
+    if !found.axes.is_empty() {
+        notes.push("Location errors hold where the other axes stood: errors of what carries the axis are part of them.".into());
+    }
+    for of_axis in found.axes {
+        let letter = of_axis.axis.letter;
+        if !of_axis.calibrated {
+            notes.push(format!(
+                "A bar across {letter} has no calibrated length: the place of its line is not known; its tilt is, if the bar was the same at both heights."
+            ));
+        }
+        if of_axis.line.iter().all(Option::is_none) && of_axis.radial_at_mm.iter().any(Option::is_some) {
+            notes.push(format!("{letter} was read at one height: its tilt and the place of its line at other heights are not known. Measure a second height."));
+        }
+    }
+    let short = |shape: &&Shape| shape.kind != Kind::Path && shape.turned_rad < 0.9 * std::f64::consts::TAU;
+    let short: Vec<String> = found
+        .shapes
+        .iter()
+        .filter(short)
+        .map(|shape| format!("{} {:.0}°", shape.label, deg_from_rad(shape.turned_rad)))
+        .collect();
+    if !short.is_empty() {
+        notes.push(format!(
+            "Turned less than once around ({}): mean, setting and slow shapes are told apart less well.",
+            short.join(", ")
+        ));
+    }
+    for shape in found.shapes {
+        if matches!(shape.kind, Kind::Followed { .. }) {
+            notes.push(format!(
+                "{} reads the axis against the motion of the linear axes: their squareness and straightness are in it (S4 §4.2.3).",
+                shape.label
+            ));
+        }
+    }
+    notes.extend(found.tracks.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes
+}

@@ -1,0 +1,46 @@
+//! Circular tests of two linear axes with a ball bar: the values of ISO 230-4, and what the trace is made of.
+//!
+//! Plane (a, b) = XY, YZ or ZX, bar R (cos φ, sin φ) from the table's ball to the tool's, d = ±1 counter-clockwise or clockwise.
+//! An error (e_a, e_b) of the tool against the table reads r = e_a cos φ + e_b sin φ. Each error of the classical list is a column;
+//! all of them and the centring (1, cos φ, sin φ) are fitted to both directions together by least squares:
+//!     squareness ∓γ R sin φ cos φ · scale mismatch ½ (s_a − s_b) R cos 2φ · servo mismatch (τ_a − τ_b) v d sin φ cos φ
+//!     backlash e_a = −½ h sgn v_a · lateral play e_b = ½ p sgn v_a · reversal spike e_a = −h sgn v_a exp(−travel since reversal / s₀)
+//!     cyclic e_a = A cos 2πa/P + B sin 2πa/P (P screw lead) · straightness e_b = w (a/R)²  (three lobes)
+//! [ISO 230-4:2005 clause 3; Kakino, Ihara, Shinohara 1990 (DBB method); METHODS §5]. Each error's own circularity is the range of
+//! what it alone makes of the trace, centred. What all of them leave is given as share of the variance and in µm, beside the
+//! noise of the readings by their successive differences: more than noise is something the list lacks.
+//! Limits: first order in errors over R; mean scale is not told from a bar without calibrated length, nor an error that makes a
+//! first lobe from the setting; straightness only as a bow; spikes by one decay s₀ for each axis.
+
+mod charts;
+mod fit;
+mod list;
+mod planes;
+mod trace;
+mod values;
+
+use super::{Method, MethodError, MethodOptions, one_machine};
+use crate::Findings;
+use fit::Fitted;
+use trace::Traces;
+use trunnion_cycles::Run;
+
+pub(super) static METHOD: Method = Method {
+    name: "circular",
+    title: "Circular tests of linear axes: ISO 230-4 values and the errors behind them, ranked",
+    source: "ISO 230-4:2005; Kakino et al. 1990 (DBB); S4 §4.1; METHODS §5",
+    about: "Ball-bar circles of two linear axes, best both ways: circular deviations, and the classical list of errors fitted \
+            to both directions together, each with its own circularity, ranked, with the share that nothing on the list explains.",
+    needs: "a ball bar while two linear axes make a circle of 180° or more about its table ball, best whole circles both ways",
+    gives: "G of each direction, G(b), D and F (bar of known length), squareness, scale mismatch, backlash, reversal spikes, lateral \
+            play, cyclic error, servo mismatch, straightness, and what they leave",
+    run,
+};
+
+fn run(runs: &[Run], _: &MethodOptions) -> Result<Findings, MethodError> {
+    let machine = one_machine(runs)?;
+    let traces = Traces::of(&METHOD, runs)?;
+    let fits: Vec<Fitted<'_>> =
+        traces.all.iter().map(|trace| Fitted::of(&METHOD, machine, trace)).collect::<Result<_, _>>()?;
+    Ok(values::findings(machine, runs, &traces, &fits))
+}

@@ -1,0 +1,283 @@
+//! The whole list fitted to one trace, each error's own circularity, and what is left.
+
+use super::list::{Listed, ListedKind, columns, listed};
+use super::trace::{Sample, Trace};
+use crate::common::stations::Stations;
+use crate::geometry;
+use crate::recipes::{Method, MethodError};
+use nalgebra::{DMatrix, DVector, Vector2};
+use trunnion_engine::solve::linear::least_squares;
+use trunnion_machine::Machine;
+
+/// Decays of a spike that are tried, as shares of the radius.
+const DECAYS: [f64; 8] = [0.002, 0.0035, 0.006, 0.01, 0.015, 0.022, 0.033, 0.045];
+/// Longest decay, as share of the radius: a longer one is hardly told from backlash.
+const LONGEST_DECAY: f64 = 0.05;
+/// A spike must be this many times its uncertainty: its decay was chosen among many.
+const SPIKE_STANDS_OUT: f64 = 5.0;
+/// Relative singular value below which errors are not told apart.
+const TOLERANCE: f64 = 1e-6;
+
+/// Angle (rad) and deviation (mm) in the order of the angle.
+pub(super) type Contour = Vec<(f64, f64)>;
+
+/// One trace, explained.
+pub(super) struct Fitted<'a> {
+    pub trace: &'a Trace,
+    /// Largest circularity first.
+    pub errors: Vec<FittedError>,
+    /// Values of ISO 230-4.
+    pub iso: Iso,
+    /// Standard deviation of what the centring leaves, mm.
+    pub centred_rms_mm: f64,
+    /// Of what the whole list leaves, mm.
+    pub left_rms_mm: f64,
+    /// Noise of one reading by successive differences of what is left, mm.
+    pub noise_mm: f64,
+    /// Range of what is left, mean over stations, mm.
+    pub left_circularity_mm: f64,
+    /// Range of what is measured, the same.
+    pub centred_circularity_mm: f64,
+    /// Way, measured, explained, left; each centred, mean over stations.
+    pub contours: Vec<(f64, [Contour; 3])>,
+}
+
+/// One error of the list as found.
+#[derive(Clone)]
+pub(super) struct FittedError {
+    pub listed: Listed,
+    /// Inside units.
+    pub value: f64,
+    pub u: f64,
+    /// Range of what this error alone makes of the trace, centred, mm.
+    pub circularity_mm: f64,
+    /// s₀ of a spike, mm.
+    pub decay_mm: Option<f64>,
+}
+
+/// ISO 230-4:2005, about least-squares centres, mm.
+pub(super) struct Iso {
+    /// Way and circular deviation G of each direction.
+    pub g_mm: Vec<(f64, f64)>,
+    /// Bidirectional circular deviation; `None` with one direction.
+    pub g_b_mm: Option<f64>,
+    /// Mean bidirectional radial deviation D: mean radius of both directions less nominal; `None` without a bar of known length.
+    pub d_mm: Option<f64>,
+    /// Radial deviation F, largest and smallest; `None` likewise.
+    pub f_mm: Option<[f64; 2]>,
+}
+
+impl<'a> Fitted<'a> {
+    /// Fits the list.
+    ///
+    /// # Errors
+    /// A trace that goes around no circle.
+    pub fn of(method: &Method, machine: &Machine, trace: &'a Trace) -> Result<Self, MethodError> {
+        let list = listed(machine, trace);
+        let samples = &trace.samples;
+        let deviation = DVector::from_iterator(samples.len(), samples.iter().map(|s| s.deviation_mm));
+        let centring = DMatrix::from_fn(samples.len(), 3, |i, k| centre_row(&samples[i])[k]);
+        let centred = |of: &DVector<f64>| of - &centring * least_squares(&centring, of, TOLERANCE).x;
+        let (list, decay_mm) = without_doubtful_spikes(trace, list, &deviation);
+        let design = design(trace, &list, decay_mm);
+        let fit = least_squares(&design, &deviation, TOLERANCE);
+        let left = &deviation - &design * &fit.x;
+        let widened = widened(&left);
+        let mut errors = Vec::new();
+        let mut first = 3;
+        for item in list {
+            let count = columns(item.kind, trace, decay_mm, &samples[0]).len();
+            let x = fit.x.rows(first, count);
+            let made = centred(&(design.columns(first, count) * x));
+            errors.push(FittedError {
+                value: if count == 1 { x[0] } else { x.norm() },
+                u: widened * fit.u.rows(first, count).norm() / (count as f64).sqrt(),
+                circularity_mm: range(made.iter().copied()),
+                decay_mm: match item.kind {
+                    ListedKind::ReversalSpike(k) => Some(decay_mm[k]),
+                    _ => None,
+                },
+                listed: item,
+            });
+            first += count;
+        }
+        errors.sort_by(|a, b| b.circularity_mm.total_cmp(&a.circularity_mm));
+        let measured = centred(&deviation);
+        let angles: Vec<f64> = samples.iter().map(|s| s.angle_rad).collect();
+        let stations = match trace.on_the_fly {
+            true => Stations::of_sweeps(&angles, true),
+            false => Stations::of_grid(angles.iter().copied(), true),
+        };
+        let contour = |way: f64, of: &DVector<f64>| contour(&stations, samples, way, of);
+        let explained = &measured - &left;
+        let ways: Vec<f64> =
+            [1.0, -1.0].into_iter().filter(|way| samples.iter().any(|s| s.way == *way)).collect();
+        let contours: Vec<(f64, [Contour; 3])> = ways
+            .iter()
+            .map(|&way| (way, [&measured, &explained, &left].map(|of| contour(way, of))))
+            .collect();
+        let as_read: Vec<(f64, Contour)> = ways.iter().map(|&way| (way, contour(way, &deviation))).collect();
+        let rms = |of: &DVector<f64>| of.norm() / (of.len() as f64).sqrt();
+        let over = |k: usize| range(contours.iter().flat_map(|(_, c)| c[k].iter().map(|(_, v)| *v)));
+        let freedom = (samples.len() - fit.rank).max(1) as f64;
+        Ok(Self {
+            trace,
+            iso: Iso::of(method, trace, &as_read)?,
+            centred_rms_mm: rms(&measured),
+            left_rms_mm: left.norm() / freedom.sqrt(),
+            noise_mm: successive(samples, &left),
+            left_circularity_mm: over(2),
+            centred_circularity_mm: over(0),
+            contours,
+            errors,
+        })
+    }
+
+    /// Share of the variance of the centred trace that the list leaves, 0…1.
+    pub fn unexplained(&self) -> f64 {
+        (self.left_rms_mm / self.centred_rms_mm.max(f64::MIN_POSITIVE)).powi(2).min(1.0)
+    }
+
+    /// What is left beyond the noise of the readings, mm rms.
+    pub fn unexplained_beyond_noise_mm(&self) -> f64 {
+        (self.left_rms_mm.powi(2) - self.noise_mm.powi(2)).max(0.0).sqrt()
+    }
+}
+
+impl Iso {
+    fn of(method: &Method, trace: &Trace, as_read: &[(f64, Contour)]) -> Result<Self, MethodError> {
+        let r_mm = trace.radius_mm;
+        let place =
+            |(angle, deviation): &(f64, f64)| Vector2::new(angle.cos(), angle.sin()) * (r_mm + deviation);
+        let circle = |places: Vec<Vector2<f64>>| {
+            geometry::circle(&places)
+                .map_err(|error| method.lacks(format!("plane {}: {error}", trace.name), ""))
+        };
+        let mut g_mm = Vec::new();
+        for (way, contour) in as_read {
+            let round = circle(contour.iter().map(place).collect())?;
+            g_mm.push((*way, range(round.deviation_mm.iter().copied())));
+        }
+        let both = circle(as_read.iter().flat_map(|(_, contour)| contour.iter().map(place)).collect())?;
+        let known = trace.calibrated;
+        let d_mm = both.radius_mm - r_mm;
+        let (low, high) = extent(both.deviation_mm.iter().map(|v| v + d_mm));
+        Ok(Self {
+            g_b_mm: (g_mm.len() > 1).then(|| range(both.deviation_mm.iter().copied())),
+            d_mm: known.then_some(d_mm),
+            f_mm: known.then_some([high, low]),
+            g_mm,
+        })
+    }
+}
+
+fn centre_row(sample: &Sample) -> [f64; 3] {
+    let (sin, cos) = sample.angle_rad.sin_cos();
+    [1.0, cos, sin]
+}
+
+fn design(trace: &Trace, list: &[Listed], decay_mm: [f64; 2]) -> DMatrix<f64> {
+    let row = |sample: &Sample| -> Vec<f64> {
+        let errors = list.iter().flat_map(|item| columns(item.kind, trace, decay_mm, sample));
+        centre_row(sample).into_iter().chain(errors).collect()
+    };
+    let rows: Vec<Vec<f64>> = trace.samples.iter().map(row).collect();
+    DMatrix::from_fn(rows.len(), rows[0].len(), |i, k| rows[i][k])
+}
+
+/// s₀ of the spikes of both axes by which the whole list leaves least: one axis after the other, twice over shares of the
+/// radius, then in ever smaller steps.
+fn decays(trace: &Trace, list: &[Listed], deviation: &DVector<f64>) -> [f64; 2] {
+    let left = |decay_mm: [f64; 2]| {
+        let design = design(trace, list, decay_mm);
+        let fit = least_squares(&design, deviation, TOLERANCE);
+        (deviation - design * fit.x).norm()
+    };
+    let spikes = [0, 1].into_iter().filter(|&k| list.iter().any(|l| l.kind == ListedKind::ReversalSpike(k)));
+    let spikes: Vec<usize> = spikes.collect();
+    let mut best = [0.02 * trace.radius_mm; 2];
+    let least_of = |tried: &[f64], best: [f64; 2], k: usize| {
+        let with = tried.iter().map(|&of_k| {
+            let mut decay_mm = best;
+            decay_mm[k] = of_k;
+            (left(decay_mm), decay_mm)
+        });
+        with.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(best, |(_, decay_mm)| decay_mm)
+    };
+    for _ in 0..2 {
+        for &k in &spikes {
+            best = least_of(&DECAYS.map(|share| share * trace.radius_mm), best, k);
+        }
+    }
+    for step in [1.2, 1.1, 1.05, 1.02] {
+        for &k in &spikes {
+            let longer_mm = (best[k] * step).min(LONGEST_DECAY * trace.radius_mm);
+            best = least_of(&[best[k] / step, best[k], longer_mm], best, k);
+        }
+    }
+    best
+}
+
+/// A spike whose decay was sought may be fitted to noise and then spoils the backlash: kept only where it stands out.
+fn without_doubtful_spikes(
+    trace: &Trace,
+    list: Vec<Listed>,
+    deviation: &DVector<f64>,
+) -> (Vec<Listed>, [f64; 2]) {
+    let mut list = list;
+    loop {
+        let decay_mm = decays(trace, &list, deviation);
+        let fit = least_squares(&design(trace, &list, decay_mm), deviation, TOLERANCE);
+        let (mut first, mut weakest) = (3, None);
+        for (i, item) in list.iter().enumerate() {
+            let stands_out = fit.x[first].abs() / fit.u[first].max(f64::MIN_POSITIVE);
+            if matches!(item.kind, ListedKind::ReversalSpike(_))
+                && stands_out < SPIKE_STANDS_OUT
+                && weakest.is_none_or(|(_, least)| stands_out < least)
+            {
+                weakest = Some((i, stands_out));
+            }
+            first += columns(item.kind, trace, decay_mm, &trace.samples[0]).len();
+        }
+        let Some((i, _)) = weakest else { return (list, decay_mm) };
+        list.remove(i);
+    }
+}
+
+fn contour(stations: &Stations, samples: &[Sample], way: f64, of: &DVector<f64>) -> Contour {
+    let mut sums = vec![(0.0, 0.0); stations.angles_rad.len()];
+    for (sample, value) in samples.iter().zip(of.iter()).filter(|(s, _)| s.way == way) {
+        if let Some(i) = stations.at(sample.angle_rad) {
+            sums[i] = (sums[i].0 + value, sums[i].1 + 1.0);
+        }
+    }
+    let read = sums.iter().zip(&stations.angles_rad).filter(|((_, count), _)| *count > 0.0);
+    read.map(|((sum, count), &angle)| (angle, sum / count)).collect()
+}
+
+/// How much wider uncertainties are than of white noise: root of the integrated autocorrelation of what is left, up to where it
+/// first falls into the noise (Sokal 1989). One for white noise.
+fn widened(left: &DVector<f64>) -> f64 {
+    let (n, all) = (left.len(), left.norm_squared().max(f64::MIN_POSITIVE));
+    let correlation = |lag: usize| left.rows(lag, n - lag).dot(&left.rows(0, n - lag)) / all;
+    let in_noise = 2.0 / (n as f64).sqrt();
+    let correlated: f64 = (1..n / 4).map(correlation).take_while(|rho| *rho > in_noise).sum();
+    (1.0 + 2.0 * correlated).sqrt()
+}
+
+/// Noise by successive differences within a way (von Neumann 1941); robust against anything slow.
+fn successive(samples: &[Sample], left: &DVector<f64>) -> f64 {
+    let pairs = (1..samples.len()).filter(|&i| samples[i].way == samples[i - 1].way);
+    let (squares, count) =
+        pairs.fold((0.0, 0.0), |(sum, count), i| (sum + (left[i] - left[i - 1]).powi(2), count + 1.0));
+    if count > 0.0 { (squares / count / 2.0_f64).sqrt() } else { 0.0 }
+}
+
+fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
+fn range(values: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = extent(values);
+    (high - low).max(0.0)
+}

@@ -1,0 +1,103 @@
+//! The classical errors of a circle, each as columns over the trace (header of `circular`).
+
+use super::trace::{Sample, Trace};
+use std::f64::consts::TAU;
+use trunnion_core::AxisLetter;
+use trunnion_effects::Unit;
+use trunnion_machine::Machine;
+
+/// One error of the list.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Listed {
+    pub kind: ListedKind,
+    /// E.g. `backlash X`.
+    pub name: String,
+    pub unit: Unit,
+    /// What a positive value means, or where it comes from.
+    pub about: &'static str,
+}
+
+/// Which error; the number is the index of the axis in the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum ListedKind {
+    Squareness,
+    ScaleMismatch,
+    ServoMismatch,
+    Backlash(usize),
+    LateralPlay(usize),
+    ReversalSpike(usize),
+    Cyclic(usize, f64),
+    Straightness(usize),
+}
+
+/// Every error that this trace can hold.
+pub(super) fn listed(machine: &Machine, trace: &Trace) -> Vec<Listed> {
+    let [a, b] = trace.plane;
+    let both_ways = [1.0, -1.0].iter().all(|way| trace.samples.iter().any(|s| s.way == *way));
+    let speed = trace.samples.iter().all(|s| s.speed_mm_per_s > 0.0);
+    let item = |kind, name: String, unit, about| Listed { kind, name, unit, about };
+    let squareness = ["EC0Y", "EA0Z", "EB0Z"][a as usize];
+    let mut list = vec![
+        item(
+            ListedKind::Squareness,
+            squareness.into(),
+            Unit::URAD,
+            "squareness: oval at 45°, alike both ways",
+        ),
+        item(
+            ListedKind::ScaleMismatch,
+            format!("scale {a}−{b}"),
+            Unit::UM_PER_M,
+            "scale mismatch, first axis longer: oval at 0° or 90°, alike both ways",
+        ),
+    ];
+    if both_ways && speed {
+        let about = "servo mismatch, first axis later: oval at 45° that flips with the way";
+        list.push(item(ListedKind::ServoMismatch, format!("servo {a}−{b}"), Unit::MS, about));
+    }
+    for (k, letter) in trace.plane.into_iter().enumerate() {
+        let screw_lead_mm = machine.axis(letter).and_then(|axis| axis.facts.screw_lead_mm);
+        if both_ways {
+            let about = "lost motion, positive where the axis lags: steps where it reverses";
+            list.push(item(ListedKind::Backlash(k), format!("backlash {letter}"), Unit::UM, about));
+            let about = "sideways shift with the direction of the axis";
+            list.push(item(ListedKind::LateralPlay(k), format!("lateral play {letter}"), Unit::UM, about));
+        }
+        let about = "sticks after it reverses, positive where it lags";
+        list.push(item(ListedKind::ReversalSpike(k), format!("reversal spike {letter}"), Unit::UM, about));
+        if let Some(lead_mm) = screw_lead_mm.filter(|lead| *lead < trace.radius_mm) {
+            let about = "amplitude of one wave a screw lead";
+            list.push(item(ListedKind::Cyclic(k, lead_mm), format!("cyclic {letter}"), Unit::UM, about));
+        }
+        let about = "bow of the guide over ±R: three lobes, alike both ways";
+        list.push(item(ListedKind::Straightness(k), format!("straightness {letter}"), Unit::UM, about));
+    }
+    list
+}
+
+/// Sign of r = ± γ R sin φ cos φ: the later axis leans about the third direction (EC0Y, EA0Z, EB0Z).
+fn squareness_sign(a: AxisLetter) -> f64 {
+    if a == AxisLetter::Z { 1.0 } else { -1.0 }
+}
+
+/// The columns of an error at one reading, mm per inside unit of the error. `decay_mm`: s₀ of the spikes of a and b.
+pub(super) fn columns(kind: ListedKind, trace: &Trace, decay_mm: [f64; 2], sample: &Sample) -> Vec<f64> {
+    let (sin, cos) = sample.angle_rad.sin_cos();
+    let r_mm = trace.radius_mm;
+    let [along, across] = [[cos, sin], [sin, cos]];
+    match kind {
+        ListedKind::Squareness => vec![squareness_sign(trace.plane[0]) * r_mm * sin * cos],
+        ListedKind::ScaleMismatch => vec![0.5 * r_mm * (cos * cos - sin * sin)],
+        ListedKind::ServoMismatch => vec![sample.speed_mm_per_s * sample.way * sin * cos],
+        ListedKind::Backlash(k) => vec![-0.5 * sample.direction[k] * along[k]],
+        ListedKind::LateralPlay(k) => vec![0.5 * sample.direction[k] * across[k]],
+        ListedKind::ReversalSpike(k) => {
+            vec![-sample.direction[k] * (-sample.since_reversal_mm[k] / decay_mm[k]).exp() * along[k]]
+        }
+        ListedKind::Cyclic(k, lead_mm) => {
+            let (s, c) = (TAU * sample.position_mm[k] / lead_mm).sin_cos();
+            vec![c * along[k], s * along[k]]
+        }
+        ListedKind::Straightness(k) => vec![along[k] * along[k] * across[k]],
+    }
+}

@@ -1,0 +1,177 @@
+//! Circles among the readings: bar in a coordinate plane, two linear axes moving, nothing else.
+
+use crate::common::{Mounted, mounted};
+use crate::recipes::{Method, MethodError};
+use nalgebra::Vector3;
+use trunnion_core::{AxisLetter, InstrumentKind, Point, Setup};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_instruments::predict;
+use trunnion_machine::{Errors, JointErrors, Machine};
+
+/// Axes that move less than this stand still, mm or rad.
+const STILL_MM: f64 = 0.05;
+const STILL_RAD: f64 = 1e-4;
+/// Sine of the angle by which a bar may leave its plane.
+const FLAT: f64 = 1e-3;
+/// The list has some twenty unknowns.
+const LEAST_READINGS: usize = 60;
+
+/// The planes, first letter to the right.
+const PLANES: [[AxisLetter; 2]; 3] =
+    [[AxisLetter::X, AxisLetter::Y], [AxisLetter::Y, AxisLetter::Z], [AxisLetter::Z, AxisLetter::X]];
+
+/// The circles.
+pub(super) struct Traces {
+    pub all: Vec<Trace>,
+    /// What was left out, one sentence each.
+    pub left_out: Vec<String>,
+}
+
+/// One setup of one run.
+pub(super) struct Trace {
+    /// `XY`, with the setup's name when several setups have this plane.
+    pub name: String,
+    pub plane: [AxisLetter; 2],
+    pub radius_mm: f64,
+    /// The bar's length is known.
+    pub calibrated: bool,
+    pub on_the_fly: bool,
+    /// In the order they were read.
+    pub samples: Vec<Sample>,
+}
+
+/// One reading.
+#[derive(Clone, Copy)]
+pub(super) struct Sample {
+    /// φ, −π…π.
+    pub angle_rad: f64,
+    /// d: +1 counter-clockwise (from the first letter to the second), −1 clockwise.
+    pub way: f64,
+    /// Reading less that of the nominal machine, mm.
+    pub deviation_mm: f64,
+    /// Of a and b: ±1 by the way the tool moves against the table along the letter.
+    pub direction: [f64; 2],
+    /// Travel of a and b since they last reversed, mm.
+    pub since_reversal_mm: [f64; 2],
+    /// Commanded positions of a and b, mm.
+    pub position_mm: [f64; 2],
+    /// Speed along the path, mm/s; zero when the run does not tell.
+    pub speed_mm_per_s: f64,
+}
+
+impl Traces {
+    /// Every circle of the runs.
+    ///
+    /// # Errors
+    /// No circle.
+    pub fn of(method: &Method, runs: &[Run]) -> Result<Self, MethodError> {
+        let mut traces = Self { all: Vec::new(), left_out: Vec::new() };
+        for Mounted { name, run, setup, points } in mounted(runs) {
+            match circle(&run.machine, setup, &points) {
+                Ok(trace) => {
+                    let on_the_fly = run.kind == RunKind::OnTheFly;
+                    let taken = traces.all.iter().any(|other| other.plane == trace.plane);
+                    let name = if taken { format!("{} {name}", trace.name) } else { trace.name };
+                    traces.all.push(Trace { name, on_the_fly, ..trace });
+                }
+                Err(why) => traces.left_out.push(format!("setup {name}: {why}")),
+            }
+        }
+        if traces.all.is_empty() {
+            let why =
+                if traces.left_out.is_empty() { "no readings".into() } else { traces.left_out.join("; ") };
+            let next = "Run a cycle such as config/cycles/circle-xy.toml; rotary axes under a ball bar are for --method ball-bar.";
+            return Err(method.lacks(format!("no setup holds a circle of two linear axes ({why})"), next));
+        }
+        Ok(traces)
+    }
+}
+
+fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, String> {
+    if setup.instrument != InstrumentKind::BallBar {
+        return Err(format!("is read by a {}, not by a ball bar", setup.instrument.name()));
+    }
+    if points.len() < LEAST_READINGS {
+        return Err(format!("has {} readings; {LEAST_READINGS} or more tell the errors apart", points.len()));
+    }
+    let moves = |letter: &AxisLetter| {
+        let positions = || points.iter().map(|p| p.state.position[*letter]);
+        let (low, high) =
+            positions().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        high - low > if letter.is_rotary() { STILL_RAD } else { STILL_MM }
+    };
+    let moving: Vec<AxisLetter> = AxisLetter::ALL.into_iter().filter(moves).collect();
+    let plane =
+        PLANES.into_iter().find(|plane| moving.len() == 2 && plane.iter().all(|l| moving.contains(l)));
+    let Some([a, b]) = plane else {
+        let names: Vec<_> = moving.iter().map(|letter| letter.as_str()).collect();
+        return Err(match names.is_empty() {
+            true => "nothing moves".into(),
+            false => format!("{} move, not two linear axes alone", names.join(", ")),
+        });
+    };
+    let bars: Vec<Vector3<f64>> = points.iter().map(|p| bar_mm(machine, setup, p)).collect();
+    let out_of_plane = 3 - a as usize - b as usize;
+    if let Some(bar) = bars.iter().find(|bar| bar[out_of_plane].abs() > FLAT * bar.norm()) {
+        return Err(format!("the bar leaves the plane {a}{b} by {:.3} mm", bar[out_of_plane].abs()));
+    }
+    let angles: Vec<f64> = bars.iter().map(|bar| bar[b as usize].atan2(bar[a as usize])).collect();
+    let quadrants = [0, 1, 2, 3].map(|q| {
+        let middle = std::f64::consts::FRAC_PI_4 + std::f64::consts::FRAC_PI_2 * f64::from(q);
+        angles.iter().any(|angle| (angle - middle).cos() > 0.9)
+    });
+    if quadrants.iter().filter(|seen| **seen).count() < 2 {
+        return Err("the bar turns by less than half a circle".into());
+    }
+    let radius_mm = bars.iter().map(|bar| bar.norm()).sum::<f64>() / bars.len() as f64;
+    // Whether a positive coordinate moves the tool against the table along its letter, or the other way.
+    let sense = [a, b].map(|letter| {
+        let mean = points.iter().map(|p| p.state.position[letter]).sum::<f64>() / points.len() as f64;
+        let together =
+            points.iter().zip(&bars).map(|(p, bar)| (p.state.position[letter] - mean) * bar[letter as usize]);
+        together.sum::<f64>().signum()
+    });
+    let samples = (0..points.len()).map(|i| {
+        let (state, angle_rad) = (&points[i].state, angles[i]);
+        let (from, to) = if i + 1 < angles.len() { (i, i + 1) } else { (i - 1, i) };
+        // Between passes the angle jumps back: the directions of the axes tell the way there.
+        let stated =
+            sense[1] * state.direction[b] * angle_rad.cos() - sense[0] * state.direction[a] * angle_rad.sin();
+        let step = if stated.abs() > 0.1 { stated } else { (angles[to] - angles[from]).sin() };
+        let way = if step < 0.0 { -1.0 } else { 1.0 };
+        let along = [-way * angle_rad.sin(), way * angle_rad.cos()];
+        let reading_mm = points[i].reading_mm[0] - predict(machine, setup, state, &Errors::default()).x;
+        Sample {
+            angle_rad,
+            way,
+            deviation_mm: reading_mm,
+            direction: [0, 1].map(|k| match sense[k] * state.direction[[a, b][k]] {
+                stated if stated != 0.0 => stated.signum(),
+                _ => along[k].signum(),
+            }),
+            since_reversal_mm: [0, 1].map(|k| match state.since_reversal[[a, b][k]].abs() {
+                stated if stated > 0.0 => stated,
+                // From the last end of the diameter.
+                _ => radius_mm * (1.0 + along[k].signum() * [angle_rad.cos(), angle_rad.sin()][k]),
+            }),
+            position_mm: [a, b].map(|letter| state.position[letter]),
+            speed_mm_per_s: state.velocity[a].hypot(state.velocity[b]),
+        }
+    });
+    let name = format!("{a}{b}");
+    Ok(Trace {
+        name,
+        plane: [a, b],
+        radius_mm,
+        calibrated: setup.calibrated,
+        on_the_fly: true,
+        samples: samples.collect(),
+    })
+}
+
+/// Tool ball − table ball of the nominal machine, machine axes, mm.
+fn bar_mm(machine: &Machine, setup: &Setup, point: &Point) -> Vector3<f64> {
+    let (position, none) = (&point.state.position, JointErrors::default());
+    machine.machine_from_tool(position, &none) * setup.ball_in_tool_mm
+        - machine.machine_from_table(position, &none) * setup.ball_in_table_mm
+}

@@ -1,0 +1,180 @@
+//! What the circular method reports.
+
+use super::METHOD;
+use super::charts::charts;
+use super::fit::{Fitted, FittedError};
+use super::planes::together;
+use super::trace::Traces;
+use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
+use crate::recipes::Convention;
+use trunnion_core::convert::um_from_mm;
+use trunnion_cycles::Run;
+use trunnion_effects::Unit;
+use trunnion_machine::Machine;
+
+/// What is left may be this much more than noise before it says that the list lacks something.
+const NOISE_AND_MORE: f64 = 1.5;
+
+pub(super) fn findings(machine: &Machine, runs: &[Run], traces: &Traces, fits: &[Fitted<'_>]) -> Findings {
+    let mut values: Vec<FoundValue> = fits.iter().flat_map(of_plane).collect();
+    let common = together(fits);
+    values.extend(common.iter().map(|found| {
+        let disagreement = found.disagreement * found.unit.per_inside;
+        let note = format!(
+            "all planes together ({} of them see it); they disagree by up to {disagreement:.2} {}",
+            found.planes,
+            found.unit.text()
+        );
+        FoundValue::new(format!("{} of all planes", found.name), found.value, found.unit, Some(found.u))
+            .note(note)
+    }));
+    Findings {
+        method: METHOD.name,
+        source: METHOD.source,
+        convention: Convention::RightHanded,
+        machine: machine.name.clone(),
+        runs: runs.iter().map(|run| run.name.clone()).collect(),
+        values,
+        tables: fits.iter().map(ranking).collect(),
+        charts: fits.iter().flat_map(charts).collect(),
+        notes: notes(machine, traces, fits),
+    }
+}
+
+fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
+    let plane = &fit.trace.name;
+    let mut values = Vec::new();
+    let mut iso = |name: &str, value: f64, note: &str| {
+        values.push(FoundValue::new(format!("{plane} {name}"), value, Unit::UM, None).note(note));
+    };
+    for (way, g_mm) in &fit.iso.g_mm {
+        let (sign, words) = if *way < 0.0 { ("−", "clockwise") } else { ("+", "counter-clockwise") };
+        iso(&format!("G({sign})"), *g_mm, &format!("circular deviation, {words}"));
+    }
+    if let Some(g_b_mm) = fit.iso.g_b_mm {
+        iso("G(b)", g_b_mm, "bidirectional circular deviation");
+    }
+    if let Some(d_mm) = fit.iso.d_mm {
+        iso("D", d_mm, "mean bidirectional radial deviation");
+    }
+    if let Some([high, low]) = fit.iso.f_mm {
+        iso("F max", high, "radial deviation, largest");
+        iso("F min", low, "radial deviation, smallest");
+    }
+    let share = fit.unexplained();
+    let lacks = fit.left_rms_mm > NOISE_AND_MORE * fit.noise_mm;
+    let verdict = if lacks {
+        "more than noise: something is not on the list"
+    } else {
+        "no more than the noise of the readings"
+    };
+    let note = format!(
+        "{:.1} % of the variance of the trace is left by the whole list, {:.2} µm rms of {:.2} µm; noise of the readings {:.2} µm; {verdict}",
+        100.0 * share,
+        um_from_mm(fit.left_rms_mm),
+        um_from_mm(fit.centred_rms_mm),
+        um_from_mm(fit.noise_mm)
+    );
+    values.push(FoundValue::new(format!("{plane} unexplained share"), share, Unit::ONE, None).note(note));
+    let beyond_mm = fit.unexplained_beyond_noise_mm();
+    let value = FoundValue::new(format!("{plane} unexplained beyond noise"), beyond_mm, Unit::UM, None);
+    values.push(value.note("rms of what neither the list nor the noise of the readings explains"));
+    let value =
+        FoundValue::new(format!("{plane} unexplained circularity"), fit.left_circularity_mm, Unit::UM, None);
+    values.push(value.note("range of what is left, noise included"));
+    for error in &fit.errors {
+        let name = format!("{plane} {}", error.listed.name);
+        let value = FoundValue::new(name, error.value, error.listed.unit, Some(error.u));
+        let circularity_um = um_from_mm(error.circularity_mm);
+        let doubt = if seen(error) { "" } else { "; below twice its uncertainty" };
+        values.push(value.note(format!("makes {circularity_um:.2} µm; {}{doubt}", error.listed.about)));
+    }
+    values
+}
+
+fn seen(error: &FittedError) -> bool {
+    error.value.abs() > 2.0 * error.u
+}
+
+/// The list by its circularity, and what it leaves.
+fn ranking(fit: &Fitted<'_>) -> FoundTable {
+    let columns = vec![
+        Column::plain("rank"),
+        Column::plain("error"),
+        Column::of("circularity", Unit::UM),
+        Column::plain("value"),
+        Column::plain("u"),
+        Column::plain("unit"),
+        Column::of("decay", Unit::MM),
+    ];
+    let mut rows: Vec<Vec<Cell>> = Vec::new();
+    for (i, error) in fit.errors.iter().enumerate() {
+        let scale = error.listed.unit.per_inside;
+        rows.push(vec![
+            Cell::Text((i + 1).to_string()),
+            Cell::Text(error.listed.name.clone()),
+            Cell::Number(error.circularity_mm),
+            Cell::Number(error.value * scale),
+            Cell::Number(error.u * scale),
+            Cell::Text(error.listed.unit.text()),
+            error.decay_mm.map_or(Cell::Missing, Cell::Number),
+        ]);
+    }
+    for (name, circularity_mm) in
+        [("unexplained", fit.left_circularity_mm), ("whole trace", fit.centred_circularity_mm)]
+    {
+        let mut row = vec![Cell::Missing, Cell::Text(name.into()), Cell::Number(circularity_mm)];
+        row.resize(columns.len(), Cell::Missing);
+        rows.push(row);
+    }
+    FoundTable {
+        caption: format!("What the trace in {} is made of, by circularity", fit.trace.name),
+        columns,
+        rows,
+    }
+}
+
+fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String> {
+    let mut notes = vec![
+        "All errors of the list are fitted together to both ways; circularities of errors do not add up to that of the trace."
+            .to_string(),
+    ];
+    for fit in fits {
+        let plane = &fit.trace.name;
+        if fit.left_rms_mm > NOISE_AND_MORE * fit.noise_mm {
+            notes.push(format!(
+                "{plane}: the list does not explain everything. See the chart of what is left: where it stands out, and whether both ways alike. \
+                 The joint fit and `diagnose` look for what is missing."
+            ));
+        }
+        if fit.iso.g_mm.len() < 2 {
+            notes.push(format!(
+                "{plane} was read one way only: G(b), backlash, lateral play and servo mismatch are not seen. Run it both ways."
+            ));
+        } else if fit.trace.samples.iter().any(|s| s.speed_mm_per_s == 0.0) {
+            notes.push(format!(
+                "{plane}: speeds are not known or zero, so servo mismatch is not on the list."
+            ));
+        }
+        if !fit.trace.calibrated {
+            notes.push(format!(
+                "{plane}: the bar has no calibrated length (calibrated = true), so D, F and the mean scale are not known."
+            ));
+        }
+        for letter in fit.trace.plane {
+            let spike = format!("reversal spike {letter}");
+            if fit.errors.iter().all(|error| error.listed.name != spike) {
+                notes.push(format!(
+                    "{plane}: no {spike} stands out of the noise; it was left out of the list."
+                ));
+            }
+            if machine.axis(letter).is_some_and(|axis| axis.facts.screw_lead_mm.is_none()) {
+                notes.push(format!(
+                    "Axis {letter} has no screw_lead_mm in the machine file, so cyclic error is not on the list."
+                ));
+            }
+        }
+    }
+    notes.extend(traces.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes
+}

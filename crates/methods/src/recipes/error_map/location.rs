@@ -1,0 +1,117 @@
+//! Location errors of both axes as constants of the map of the tilting axis.
+//!
+//! A constant error (δ, ω) of the turning axis at its joint looks, over the tilts, like the error of the tilting axis
+//! `R_Bᵀ [R_C δ + (R_C ω) × (o_B − o_C)], R_Bᵀ R_C ω`: that is how S1 reads a shift of C's line off its Fig. 6. All constants that the
+//! joint fit can see are fitted to the map together, with the two offsets of the zero pose (along and about the turning
+//! axis) that no reading sees.
+
+use super::b_errors::BErrors;
+use super::grid::Grid;
+use nalgebra::{DMatrix, DVector, Vector3};
+use trunnion_core::{AxisLetter, Twist};
+use trunnion_effects::Unit;
+use trunnion_effects::catalogue::BASE;
+use trunnion_engine::solve::linear::least_squares;
+use trunnion_engine::{FittedParameter, Identification};
+use trunnion_machine::propagation::JointFrame;
+
+/// Arm at which a rotation counts like a translation, mm.
+const ARM_MM: f64 = 100.0;
+
+/// Location errors by maps and by the joint fit.
+pub(super) struct Locations {
+    pub rows: Vec<Location>,
+    /// What the offsets of the zero pose add to the map at each tilt.
+    pub gauge: Vec<Twist>,
+    /// What the location errors make of the map at each tilt.
+    pub constants: Vec<Twist>,
+}
+
+/// One location error, inside units.
+pub(super) struct Location {
+    pub name: String,
+    pub unit: Unit,
+    pub by_map: f64,
+    /// Standard uncertainty by how far the map is from constants.
+    pub u_by_map: f64,
+    pub by_joint_fit: f64,
+    pub u_by_joint_fit: Option<f64>,
+}
+
+impl Locations {
+    pub fn of(grid: &Grid<'_>, b_errors: &BErrors, joint: &Identification) -> Self {
+        let observable: Vec<(&FittedParameter, AxisLetter, Twist)> = joint
+            .parameters
+            .iter()
+            .filter(|p| p.effect == BASE[0] && p.observable())
+            .filter_map(|p| constant(&p.name).map(|(axis, twist)| (p, axis, twist)))
+            .filter(|(_, axis, _)| [grid.tilting, grid.turning].contains(axis))
+            .collect();
+        let along = Vector3::ith(grid.turning as usize % 3, 1.0);
+        let offsets = [Twist::translation(along), Twist::rotation(along)].map(|twist| (grid.turning, twist));
+        let constants: Vec<(AxisLetter, Twist)> =
+            observable.iter().map(|(_, axis, twist)| (*axis, *twist)).chain(offsets).collect();
+        let frames: Vec<(JointFrame, JointFrame)> = (0..grid.tilts_rad.len())
+            .filter_map(|tilt| grid.at_tilt(tilt).next().map(|(.., cell)| (cell.tilting, cell.turning)))
+            .collect();
+        let seen = |(axis, twist): &(AxisLetter, Twist), frames: &(JointFrame, JointFrame)| {
+            if *axis == grid.tilting { *twist } else { as_tilting(frames, twist) }
+        };
+        let rows = 6 * frames.len();
+        let mut a = DMatrix::zeros(rows, constants.len());
+        let mut b = DVector::zeros(rows);
+        for (i, (of_tilt, twist)) in frames.iter().zip(&b_errors.at_tilt).enumerate() {
+            b.fixed_rows_mut::<6>(6 * i).copy_from(&stacked(twist));
+            for (k, constant) in constants.iter().enumerate() {
+                a.fixed_view_mut::<6, 1>(6 * i, k).copy_from(&stacked(&seen(constant, of_tilt)));
+            }
+        }
+        let fit = least_squares(&a, &b, 1e-7);
+        let found = |(k, (parameter, ..)): (usize, &(&FittedParameter, AxisLetter, Twist))| Location {
+            name: parameter.name.clone(),
+            unit: parameter.unit,
+            by_map: fit.x[k],
+            u_by_map: fit.u[k],
+            by_joint_fit: parameter.value.unwrap_or_default(),
+            u_by_joint_fit: parameter.u,
+        };
+        let first = observable.len();
+        let part = |of: std::ops::Range<usize>| {
+            let at = |frames| {
+                of.clone()
+                    .map(|k| seen(&constants[k], frames) * fit.x[k])
+                    .fold(Twist::default(), |a, b| a + b)
+            };
+            frames.iter().map(at).collect()
+        };
+        Self {
+            rows: observable.iter().enumerate().map(found).collect(),
+            gauge: part(first..constants.len()),
+            constants: part(0..first),
+        }
+    }
+}
+
+/// Axis and unit twist of a location error by its name, `EX0C`.
+fn constant(name: &str) -> Option<(AxisLetter, Twist)> {
+    let letters: Vec<char> = name.chars().collect();
+    let &['E', direction, '0', axis] = &letters[..] else { return None };
+    let direction = AxisLetter::parse(&direction.to_string())?;
+    let unit = Vector3::ith(direction as usize % 3, 1.0);
+    let twist = if direction.is_rotary() { Twist::rotation(unit) } else { Twist::translation(unit) };
+    Some((AxisLetter::parse(&axis.to_string())?, twist))
+}
+
+/// An error at the joint of the turning axis as one at the joint of the tilting axis.
+fn as_tilting((tilting, turning): &(JointFrame, JointFrame), twist: &Twist) -> Twist {
+    let omega = turning.machine_from_carrier * twist.rotation_rad;
+    let between = tilting.origin_in_machine_mm - turning.origin_in_machine_mm;
+    let delta = turning.machine_from_carrier * twist.translation_mm + omega.cross(&between);
+    let carrier_from_machine = tilting.machine_from_carrier.inverse();
+    Twist { translation_mm: carrier_from_machine * delta, rotation_rad: carrier_from_machine * omega }
+}
+
+fn stacked(twist: &Twist) -> nalgebra::Vector6<f64> {
+    let (delta, omega) = (twist.translation_mm, twist.rotation_rad * ARM_MM);
+    nalgebra::Vector6::new(delta.x, delta.y, delta.z, omega.x, omega.y, omega.z)
+}

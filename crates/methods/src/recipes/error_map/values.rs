@@ -1,0 +1,214 @@
+//! What the error map reports.
+
+use super::b_errors::BErrors;
+use super::c_errors::CErrors;
+use super::charts::charts;
+use super::grid::Grid;
+use super::location::Locations;
+use super::{Found, METHOD};
+use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
+use crate::recipes::Convention;
+use nalgebra::Vector3;
+use trunnion_core::{AxisLetter, Twist};
+use trunnion_cycles::Run;
+use trunnion_effects::Unit;
+use trunnion_engine::Identification;
+
+pub(super) fn findings(runs: &[Run], found: &Found<'_>, convention: Convention) -> Findings {
+    let Found { grid, b_errors, c_errors, locations, joint, calibration } = found;
+    let mut values: Vec<FoundValue> = locations
+        .rows
+        .iter()
+        .map(|row| {
+            let joint = row.by_joint_fit * row.unit.per_inside;
+            let note = format!("joint fit {joint:.2} {}", row.unit.text()).replace('-', "−");
+            FoundValue::new(row.name.clone(), row.by_map, row.unit, Some(row.u_by_map)).note(note)
+        })
+        .collect();
+    values.extend(variations(grid, b_errors, c_errors, locations));
+    values.extend(left(grid, b_errors, c_errors, joint));
+    let mut tables = vec![compared(locations), map_of_tilting(grid, b_errors)];
+    tables.push(map_of_turning(grid, c_errors));
+    tables.extend(calibration.table.clone());
+    let mut notes = notes(grid, b_errors);
+    notes.push(calibration.note.clone());
+    Findings {
+        method: METHOD.name,
+        source: METHOD.source,
+        convention,
+        machine: grid.machine.name.clone(),
+        runs: runs.iter().map(|run| run.name.clone()).collect(),
+        values,
+        tables,
+        charts: charts(grid, b_errors, c_errors),
+        notes,
+    }
+}
+
+/// Symbol, unit, and how to take it from an error.
+type Component = (String, Unit, fn(&Twist) -> f64);
+
+/// The six components of the error of an axis.
+pub(super) fn components(axis: AxisLetter) -> [Component; 6] {
+    let symbol = |direction: AxisLetter| format!("E{direction}{axis}");
+    [
+        (symbol(AxisLetter::X), Unit::UM, |t| t.translation_mm.x),
+        (symbol(AxisLetter::Y), Unit::UM, |t| t.translation_mm.y),
+        (symbol(AxisLetter::Z), Unit::UM, |t| t.translation_mm.z),
+        (symbol(AxisLetter::A), Unit::URAD, |t| t.rotation_rad.x),
+        (symbol(AxisLetter::B), Unit::URAD, |t| t.rotation_rad.y),
+        (symbol(AxisLetter::C), Unit::URAD, |t| t.rotation_rad.z),
+    ]
+}
+
+/// How far each component varies beyond what constant location errors make of it.
+fn variations(
+    grid: &Grid<'_>,
+    b_errors: &BErrors,
+    c_errors: &CErrors,
+    locations: &Locations,
+) -> Vec<FoundValue> {
+    let range = |numbers: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        high - low
+    };
+    let mut values = Vec::new();
+    for (name, unit, of) in components(grid.tilting) {
+        let u = b_errors.u_at_tilt.iter().map(of).fold(0.0, f64::max);
+        let value = range(&mut b_errors.at_tilt.iter().zip(&locations.constants).map(|(t, c)| of(t) - of(c)));
+        let note = format!(
+            "range over {} beyond location errors; u of one value at most {:.2}",
+            grid.tilting,
+            u * unit.per_inside
+        );
+        values.push(
+            FoundValue::new(format!("{name} variation"), value, unit, Some(u * std::f64::consts::SQRT_2))
+                .note(note),
+        );
+    }
+    for (name, unit, of) in components(grid.turning).into_iter().filter(|(name, ..)| !is_about_itself(name)) {
+        let value = range(&mut c_errors.at.iter().flatten().flatten().map(of));
+        let note = format!("range over {} and {}", grid.tilting, grid.turning);
+        values.push(FoundValue::new(format!("{name} variation"), value, unit, None).note(note));
+    }
+    values
+}
+
+/// `ECC`, which is taken as zero.
+pub(super) fn is_about_itself(symbol: &str) -> bool {
+    symbol.chars().nth(1) == symbol.chars().nth(2)
+}
+
+/// What each step leaves of the readings, rms per component.
+fn left(grid: &Grid<'_>, b_errors: &BErrors, c_errors: &CErrors, joint: &Identification) -> Vec<FoundValue> {
+    let rms = |residuals: &mut dyn Iterator<Item = Vector3<f64>>| {
+        let (sum, count) =
+            residuals.fold((0.0, 0.0), |(sum, count), r| (sum + r.norm_squared(), count + 3.0));
+        (sum / f64::max(count, 1.0)).sqrt()
+    };
+    let (tilting, turning) = (grid.tilting, grid.turning);
+    let of_b = rms(&mut b_errors.residual_mm.iter().flatten().copied());
+    let of_c = rms(&mut c_errors.residual_mm.iter().copied());
+    let value = |name: &str, rms, note: String| FoundValue::new(name, rms, Unit::UM, None).note(note);
+    vec![
+        value(
+            "left by location errors",
+            joint.rms_mm,
+            "joint fit: location errors and settings; single readings".into(),
+        ),
+        value(
+            "left by map of tilting axis",
+            of_b,
+            format!("{} unknowns over {tilting}; repeats averaged", 6 * grid.tilts_rad.len()),
+        ),
+        value(
+            "left by both maps",
+            of_c,
+            format!(
+                "five more at each pose of {turning} to {} readings: little freedom is left",
+                3 * grid.nests.len()
+            ),
+        ),
+    ]
+}
+
+fn compared(locations: &Locations) -> FoundTable {
+    let head = ["by maps", "u by maps", "by joint fit", "u by joint fit", "difference"];
+    let mut columns = vec![Column::plain("location error"), Column::plain("unit")];
+    columns.extend(head.map(Column::plain));
+    let row = |row: &super::location::Location| {
+        let scale = row.unit.per_inside;
+        let number = |value: f64| Cell::Number(value * scale);
+        vec![
+            Cell::Text(row.name.clone()),
+            Cell::Text(row.unit.text()),
+            number(row.by_map),
+            number(row.u_by_map),
+            number(row.by_joint_fit),
+            row.u_by_joint_fit.map_or(Cell::Missing, number),
+            number(row.by_map - row.by_joint_fit),
+        ]
+    };
+    let caption = "Location errors by constants of the map and by the joint fit of the same readings".into();
+    FoundTable { caption, columns, rows: locations.rows.iter().map(row).collect() }
+}
+
+fn map_of_tilting(grid: &Grid<'_>, b_errors: &BErrors) -> FoundTable {
+    let components = components(grid.tilting);
+    let mut columns = vec![Column::of(grid.tilting.as_str(), Unit::DEG)];
+    columns.extend(components.iter().map(|(name, unit, _)| Column::of(name.clone(), *unit)));
+    let row = |(angle, twist): (&f64, &Twist)| {
+        let mut row = vec![Cell::Number(*angle)];
+        row.extend(components.iter().map(|(.., of)| Cell::Number(of(twist))));
+        row
+    };
+    let rows = grid.tilts_rad.iter().zip(&b_errors.at_tilt).map(row).collect();
+    FoundTable { caption: format!("Errors of {} (S1 Fig. 6)", grid.tilting), columns, rows }
+}
+
+fn map_of_turning(grid: &Grid<'_>, c_errors: &CErrors) -> FoundTable {
+    let components = components(grid.turning);
+    let shown = || components.iter().filter(|(name, ..)| !is_about_itself(name));
+    let mut columns = [grid.tilting, grid.turning].map(|axis| Column::of(axis.as_str(), Unit::DEG)).to_vec();
+    columns.extend(shown().map(|(name, unit, _)| Column::of(name.clone(), *unit)));
+    let mut rows = Vec::new();
+    for (tilt, of_tilt) in grid.tilts_rad.iter().zip(&c_errors.at) {
+        for (turn, twist) in grid.turns_rad.iter().zip(of_tilt) {
+            let mut row = vec![Cell::Number(*tilt), Cell::Number(*turn)];
+            row.extend(shown().map(|(.., of)| twist.as_ref().map_or(Cell::Missing, |t| Cell::Number(of(t)))));
+            rows.push(row);
+        }
+    }
+    FoundTable { caption: format!("Errors of {} at each pose (S1 Fig. 7)", grid.turning), columns, rows }
+}
+
+fn notes(grid: &Grid<'_>, b_errors: &BErrors) -> Vec<String> {
+    let (b, c) = (grid.tilting, grid.turning);
+    let repeats = match grid.repeat_mm {
+        Some(mm) => format!(
+            "Readings of one pose and nest repeat to {:.2} µm (standard deviation; directions of approach included).",
+            mm * Unit::UM.per_inside
+        ),
+        None => "No pose was read twice, so nothing tells how well readings repeat.".into(),
+    };
+    let offsets = grid.nests.iter().zip(&b_errors.offsets_mm).map(|(nest, offset)| {
+        let um = offset * Unit::UM.per_inside;
+        format!("{nest} ({:.1}, {:.1}, {:.1}) µm", um.x, um.y, um.z)
+    });
+    let mut notes = vec![
+        format!(
+            "{} angles of {b}, {} of {c}, nest positions {}. Errors are in the axes of what carries each axis, actual minus nominal.",
+            grid.tilts_rad.len(),
+            grid.turns_rad.len(),
+            grid.nests.join(", ")
+        ),
+        format!(
+            "The errors of {b} hold what is alike at all {c} of a {b} angle: constant errors of {c} too (S1 §5.3 reads them off as averages). \
+             E{c}{c} is taken as zero."
+        ),
+        repeats,
+        format!("Offsets of the zero pose: {}.", offsets.collect::<Vec<_>>().join(", ").replace('-', "−")),
+    ];
+    notes.extend(grid.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes
+}

@@ -1,0 +1,262 @@
+//! Which signals are judged, and what is reported of them.
+
+use super::METHOD;
+use super::contour::{Contour, Signal};
+use crate::common::stations::Stations;
+use crate::common::turning::{Turned, Turning, TurningSet};
+use crate::findings::{AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot};
+use crate::recipes::{Convention, MethodError};
+use trunnion_cycles::Run;
+use trunnion_effects::Unit;
+
+/// Heights nearer than this give no tilt, mm.
+const APART_MM: f64 = 5.0;
+/// Share of the stations that a turn must have to count.
+const WHOLE: f64 = 0.9;
+
+/// One signal, both directions.
+struct Judged {
+    /// First part of the names of its values, e.g. `low.radial-x`.
+    name: String,
+    /// Title of its charts.
+    title: String,
+    unit: Unit,
+    ways: [Option<Contour>; 2],
+    /// True when total and asynchronous values are upper bounds.
+    bound: bool,
+    /// True when the once-a-turn part is error motion (axial).
+    fundamental: bool,
+}
+
+pub(super) fn findings(
+    turning: &Turning,
+    runs: &[Run],
+    convention: Convention,
+) -> Result<Findings, MethodError> {
+    let turn = turning.whole_turn();
+    let of_set = |set: &TurningSet| -> Vec<f64> { set.readings.iter().map(|r| r.angle_rad).collect() };
+    let stations = match turning.on_the_fly {
+        true => Stations::of_sweeps(&of_set(&turning.sets[0]), turn),
+        false => Stations::of_grid(turning.sets.iter().flat_map(of_set), turn),
+    };
+    let judged = judged(turning, &stations);
+    if judged.is_empty() {
+        let found = format!("no turn of {} is read at {:.0} % of its angles", turning.axis, 100.0 * WHOLE);
+        return Err(METHOD.lacks(found, "Run config/cycles/rotary-values-c.toml."));
+    }
+    Ok(Findings {
+        method: METHOD.name,
+        source: METHOD.source,
+        convention,
+        machine: runs.first().map_or(String::new(), |run| run.machine.name.clone()),
+        runs: runs.iter().map(|run| run.name.clone()).collect(),
+        values: judged.iter().flat_map(values).collect(),
+        tables: vec![table(&judged)],
+        charts: judged.iter().flat_map(|signal| charts(turning, signal)).collect(),
+        notes: notes(turning, &judged, &stations),
+    })
+}
+
+/// Every signal of every height, and the tilts of the lowest against the highest.
+fn judged(turning: &Turning, stations: &Stations) -> Vec<Judged> {
+    let mut judged = Vec::new();
+    let [u, v, w] = turning.frame;
+    for set in &turning.sets {
+        let mut judge = |name: String, title: String, fundamental: bool, of: &dyn Fn(&Turned) -> f64| {
+            let ways = ways(set, stations, of).map(|signal| Contour::of(&stations.angles_rad, &signal));
+            if ways.iter().any(Option::is_some) {
+                let (name, title) = (format!("{}.{name}", set.name), format!("{title}, setup {}", set.name));
+                judged.push(Judged { name, title, unit: Unit::UM, ways, bound: false, fundamental });
+            }
+        };
+        for (k, letter) in [u, v].into_iter().enumerate() {
+            let title = format!("Radial along {letter}");
+            judge(format!("radial-{}", letter.lower()), title, false, &|r| r.moved_mm[k]);
+        }
+        judge("radial-rotating".into(), "Radial, rotating direction".into(), false, &|r| {
+            let (sin, cos) = r.turned_rad.sin_cos();
+            r.moved_mm.x * cos + r.moved_mm.y * sin
+        });
+        judge("axial".into(), format!("Axial along {w}"), true, &|r| r.moved_mm.z);
+    }
+    judged.extend(tilts(turning, stations));
+    judged
+}
+
+/// Tilts about u and v: every turn of the highest against every turn of the lowest in the same direction.
+fn tilts(turning: &Turning, stations: &Stations) -> Vec<Judged> {
+    let by_height = |a: &&TurningSet, b: &&TurningSet| a.height_mm.total_cmp(&b.height_mm);
+    let Some((low, high)) = turning.sets.iter().min_by(by_height).zip(turning.sets.iter().max_by(by_height))
+    else {
+        return Vec::new();
+    };
+    let apart_mm = high.height_mm - low.height_mm;
+    if apart_mm < APART_MM {
+        return Vec::new();
+    }
+    let [tilt_u, tilt_v, _] = turning.rotations();
+    // ω_u = −(v high − v low)/Δh, ω_v = (u high − u low)/Δh
+    let of = |k: usize, sign: f64| {
+        let [low, high] = [low, high].map(|set| ways(set, stations, &|r| sign * r.moved_mm[k] / apart_mm));
+        [0, 1].map(|way| Contour::of(&stations.angles_rad, &differences(&high[way], &low[way])))
+    };
+    let judge = |(letter, ways): (trunnion_core::AxisLetter, [Option<Contour>; 2])| {
+        ways.iter().any(Option::is_some).then(|| Judged {
+            name: format!("tilt-{}", letter.lower()),
+            title: format!("Tilt {}", turning.symbol(letter, false)),
+            unit: Unit::URAD,
+            ways,
+            bound: true,
+            fundamental: false,
+        })
+    };
+    [(tilt_u, of(1, -1.0)), (tilt_v, of(0, 1.0))].into_iter().filter_map(judge).collect()
+}
+
+/// The turns forward and the turns back; a turn with holes is left out.
+fn ways(set: &TurningSet, stations: &Stations, of: &dyn Fn(&Turned) -> f64) -> [Signal; 2] {
+    let mut ways = [Signal::default(), Signal::default()];
+    for pass in 0..set.passes {
+        let readings = || set.readings.iter().filter(|r| r.pass == pass);
+        let mut sums = vec![(0.0, 0.0); stations.angles_rad.len()];
+        for reading in readings() {
+            if let Some(i) = stations.at(reading.angle_rad) {
+                sums[i].0 += of(reading);
+                sums[i].1 += 1.0;
+            }
+        }
+        let filled = sums.iter().filter(|(_, count)| *count > 0.0).count() as f64;
+        if filled >= WHOLE * sums.len() as f64 {
+            let back = readings().next().is_some_and(|r| r.direction < 0.0);
+            let turn = sums.iter().map(|(sum, count)| (*count > 0.0).then(|| sum / count)).collect();
+            ways[usize::from(back)].turns.push(turn);
+        }
+    }
+    ways
+}
+
+fn differences(high: &Signal, low: &Signal) -> Signal {
+    let pairs = high.turns.iter().flat_map(|high| low.turns.iter().map(move |low| (high, low)));
+    let less = |(high, low): (&Vec<Option<f64>>, &Vec<Option<f64>>)| -> Vec<Option<f64>> {
+        high.iter().zip(low).map(|(high, low)| Some((*high)? - (*low)?)).collect()
+    };
+    Signal { turns: pairs.map(less).collect() }
+}
+
+/// The larger of both directions, and how far they are apart.
+fn values(signal: &Judged) -> Vec<FoundValue> {
+    let number = |value: Option<f64>| {
+        value.map_or("—".into(), |v| format!("{:.2}", v * signal.unit.per_inside).replace('-', "−"))
+    };
+    let mut values = Vec::new();
+    let mut value = |what: &str, bound: bool, of: &dyn Fn(&Contour) -> Option<f64>| {
+        let ways = [0, 1].map(|way| signal.ways[way].as_ref().and_then(of));
+        let Some(largest) = ways.into_iter().flatten().max_by(f64::total_cmp) else { return };
+        let mut note = format!("forward {}, back {}", number(ways[0]), number(ways[1]));
+        if bound {
+            note += "; upper bound, the heights were not read at once";
+        }
+        values
+            .push(FoundValue::new(format!("{}.{what}", signal.name), largest, signal.unit, None).note(note));
+    };
+    value("total", signal.bound, &|c| Some(c.total));
+    value("synchronous", false, &|c| c.synchronous);
+    value("asynchronous", signal.bound, &|c| c.asynchronous);
+    if signal.fundamental {
+        value("fundamental", false, &|c| Some(c.fundamental));
+    }
+    if let [Some(forward), Some(back)] = &signal.ways {
+        let name = format!("{}.reversal", signal.name);
+        let note = "largest distance of the mean contours of both directions";
+        values.push(FoundValue::new(name, forward.apart(back), signal.unit, None).note(note));
+    }
+    values
+}
+
+fn table(judged: &[Judged]) -> FoundTable {
+    let names =
+        ["error motion", "unit", "direction", "turns", "total", "synchronous", "asynchronous", "once a turn"];
+    let mut rows = Vec::new();
+    for signal in judged {
+        for (contour, way) in signal.ways.iter().zip(["forward", "back"]) {
+            let Some(contour) = contour else { continue };
+            let number = |value: f64| Cell::Number(value * signal.unit.per_inside);
+            rows.push(vec![
+                Cell::Text(signal.title.clone()),
+                Cell::Text(signal.unit.text()),
+                Cell::Text(way.into()),
+                Cell::Text(contour.turns.to_string()),
+                number(contour.total),
+                contour.synchronous.map_or(Cell::Missing, number),
+                contour.asynchronous.map_or(Cell::Missing, number),
+                number(contour.fundamental),
+            ]);
+        }
+    }
+    FoundTable {
+        caption: "Error motion values about the least-squares centre, each direction by itself".into(),
+        columns: names.map(Column::plain).to_vec(),
+        rows,
+    }
+}
+
+fn charts(turning: &Turning, signal: &Judged) -> Vec<Chart> {
+    let mut charts = Vec::new();
+    for (contour, way) in signal.ways.iter().zip(["forward", "back"]) {
+        let Some(contour) = contour else { continue };
+        let mut curves = vec![Curve::new("mean", contour.mean.clone())];
+        if contour.turns > 1 {
+            curves.push(Curve::new("highest", contour.highest.clone()));
+            curves.push(Curve::new("lowest", contour.lowest.clone()));
+        }
+        charts.push(Chart {
+            group: signal.title.clone(),
+            title: format!("{}, {} {way}, {} turns", signal.title, turning.axis, contour.turns),
+            plot: Plot::Polar { unit: signal.unit, curves },
+        });
+    }
+    let means = signal.ways.iter().zip(["forward", "back"]);
+    let means: Vec<Curve> =
+        means.filter_map(|(contour, way)| Some(Curve::new(way, contour.as_ref()?.mean.clone()))).collect();
+    if means.len() == 2 {
+        charts.push(Chart {
+            group: signal.title.clone(),
+            title: format!("{}, mean contours of both directions", signal.title),
+            plot: Plot::Xy {
+                x: AxisName { name: turning.axis.to_string(), unit: Unit::DEG },
+                y: AxisName { name: String::new(), unit: signal.unit },
+                curves: means,
+            },
+        });
+    }
+    charts
+}
+
+fn notes(turning: &Turning, judged: &[Judged], stations: &Stations) -> Vec<String> {
+    let axis = turning.axis;
+    let contours = || judged.iter().filter(|s| !s.bound).flat_map(|s| s.ways.iter().flatten());
+    let turns = contours().map(|c| c.turns).min().unwrap_or(0);
+    let mut notes = vec![format!(
+        "{} stations around {axis}; values are peak to valley, about the least-squares centre, without the noise of the readings taken off.",
+        stations.angles_rad.len()
+    )];
+    if turns < 2 {
+        notes.push(
+            "A direction has a single turn: what repeats and what does not cannot be told apart there; only the total is given. \
+             Turn twice or more in each direction."
+                .into(),
+        );
+    }
+    if !turning.whole_turn() {
+        notes.push(format!(
+            "{axis} does not go around: the values hold over the arc it turned, and the centre takes more of a slow motion with it than over a whole turn."
+        ));
+    }
+    if judged.iter().all(|signal| !signal.bound) {
+        notes.push(
+            "All balls sit at one height: tilt error motion cannot be seen. Measure a second height.".into(),
+        );
+    }
+    notes.extend(turning.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes
+}

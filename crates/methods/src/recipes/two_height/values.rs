@@ -1,0 +1,202 @@
+//! What the two-height method reports.
+
+use super::charts::charts;
+use super::circle::Circle;
+use super::fit::{HeightFit, Heights};
+use super::{METHOD, Turning};
+use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
+use crate::recipes::Convention;
+use nalgebra::{Vector2, Vector3};
+use trunnion_core::convert::deg_from_rad;
+use trunnion_cycles::Run;
+use trunnion_effects::Unit;
+
+/// Signs by which right-handed values become those that are shown.
+pub(super) struct Signs {
+    /// Of the error motions in u, v, w.
+    pub translation: f64,
+    /// Of the tilt of the average line about u, the one that v over height gives.
+    pub tilt_u_of_line: f64,
+}
+
+impl Signs {
+    /// S0 eq. 1–2: translations opposite; eq. 3: E_A0C opposite, E_Y0C the same number.
+    pub fn of(convention: Convention) -> Self {
+        let sign = match convention {
+            Convention::RightHanded => 1.0,
+            Convention::Source => -1.0,
+        };
+        Self { translation: sign, tilt_u_of_line: sign }
+    }
+}
+
+pub(super) fn findings(
+    turning: &Turning,
+    heights: &Heights,
+    runs: &[Run],
+    convention: Convention,
+) -> Findings {
+    let signs = Signs::of(convention);
+    let mut values = location(turning, heights, &signs);
+    values.extend(settings(turning, heights));
+    values.extend(motions(turning, heights, &signs));
+    Findings {
+        method: METHOD.name,
+        source: METHOD.source,
+        convention,
+        machine: runs.first().map_or(String::new(), |run| run.machine.name.clone()),
+        runs: runs.iter().map(|run| run.name.clone()).collect(),
+        values,
+        tables: vec![passes(turning, heights)],
+        charts: charts(turning, heights, &signs),
+        notes: notes(turning, heights),
+    }
+}
+
+/// Location errors of the axis average line.
+fn location(turning: &Turning, heights: &Heights, signs: &Signs) -> Vec<FoundValue> {
+    let [u, v] = heights.centre;
+    let [u_name, v_name, _] = turning.frame;
+    let [tilt_u, tilt_v, _] = turning.rotations();
+    let value = |direction, value: f64, unit, u| {
+        let found = FoundValue::new(turning.symbol(direction, true), value, unit, Some(u));
+        if unit == Unit::URAD {
+            found.note(format!("{:.5}°", deg_from_rad(value)).replace('-', "−"))
+        } else {
+            found
+        }
+    };
+    vec![
+        value(tilt_u, -v.slope * signs.tilt_u_of_line, Unit::URAD, v.u_slope),
+        value(tilt_v, u.slope, Unit::URAD, u.u_slope),
+        value(u_name, u.at_zero, Unit::UM, u.u_at_zero),
+        value(v_name, v.at_zero, Unit::UM, v.u_at_zero),
+    ]
+}
+
+fn settings(turning: &Turning, heights: &Heights) -> Vec<FoundValue> {
+    let of_set = |set: &HeightFit| {
+        [0, 1].map(|k| {
+            let name = format!("setting.{}.{}", set.name, turning.frame[k].lower());
+            FoundValue::new(name, set.all.setting_mm[k], Unit::UM, Some(set.u.setting_mm[k]))
+        })
+    };
+    heights.sets.iter().flat_map(of_set).collect()
+}
+
+/// Range and rms of each error motion.
+fn motions(turning: &Turning, heights: &Heights, signs: &Signs) -> Vec<FoundValue> {
+    let mut values = Vec::new();
+    for ErrorMotion { name, unit, points, u } in error_motions(turning, heights, signs) {
+        let numbers = || points.iter().map(|(_, value)| *value);
+        let (low, high) =
+            numbers().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let rms = (numbers().map(|v| v * v).sum::<f64>() / points.len().max(1) as f64).sqrt();
+        if points.is_empty() {
+            continue;
+        }
+        // The ends of a range are two values.
+        let u_range = u.map(|u| u * std::f64::consts::SQRT_2);
+        let point =
+            u.map_or(String::new(), |u| format!("u of one angle {:.3} {}", u * unit.per_inside, unit.text()));
+        values.push(FoundValue::new(format!("{name} range"), high - low, unit, u_range).note(point));
+        values.push(FoundValue::new(format!("{name} rms"), rms, unit, None));
+    }
+    values
+}
+
+/// One error motion over the angle.
+pub(super) struct ErrorMotion {
+    pub name: String,
+    pub unit: Unit,
+    /// Angle and value.
+    pub points: Vec<(f64, f64)>,
+    /// Standard uncertainty of one value.
+    pub u: Option<f64>,
+}
+
+/// The five error motions, in the signs that are shown.
+pub(super) fn error_motions(turning: &Turning, heights: &Heights, signs: &Signs) -> Vec<ErrorMotion> {
+    let over_angle = |of: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+        heights.angles_rad.iter().enumerate().map(|(i, &angle)| (angle, of(i))).collect()
+    };
+    let mut motions = Vec::new();
+    for k in 0..3 {
+        let points = over_angle(&|i| signs.translation * heights.translation_mm[i][k]);
+        let u = heights.u_translation_mm.map(|u: Vector3<f64>| u[k]);
+        let name = turning.symbol(turning.frame[k], false);
+        motions.push(ErrorMotion { name, unit: Unit::UM, points, u });
+    }
+    for k in 0..2 {
+        let points = over_angle(&|i| heights.tilt_rad[i][k]);
+        let u = heights.u_tilt_rad.map(|u: Vector2<f64>| u[k]);
+        let name = turning.symbol(turning.rotations()[k], false);
+        motions.push(ErrorMotion { name, unit: Unit::URAD, points, u });
+    }
+    motions
+}
+
+/// Setting and centre of each pass: what repeats, and what the direction changes.
+fn passes(turning: &Turning, heights: &Heights) -> FoundTable {
+    let [u, v, _] = turning.frame;
+    let mut columns = vec![Column::plain("setup"), Column::of("height", Unit::MM), Column::plain("pass")];
+    columns.extend(
+        [format!("centre {u}"), format!("centre {v}"), format!("setting {u}"), format!("setting {v}")]
+            .map(|name| Column::of(name, Unit::UM)),
+    );
+    let mut rows = Vec::new();
+    for set in &heights.sets {
+        let row = |name: String, circle: &Circle| {
+            let mut row = vec![Cell::Text(set.name.clone()), Cell::Number(set.height_mm), Cell::Text(name)];
+            row.extend(
+                [circle.centre_mm, circle.setting_mm].iter().flat_map(|v| [v.x, v.y]).map(Cell::Number),
+            );
+            row
+        };
+        for (i, (direction, circle)) in set.passes.iter().enumerate() {
+            let way = if *direction < 0.0 { "back" } else { "forward" };
+            rows.push(row(format!("{} {way}", i + 1), circle));
+        }
+        rows.push(row("all".into(), &set.all));
+        rows.push(row(if set.repeated { "u, by the passes" } else { "u, by the residual" }.into(), &set.u));
+    }
+    FoundTable { caption: "Centre and setting of each pass".into(), columns, rows }
+}
+
+fn notes(turning: &Turning, heights: &Heights) -> Vec<String> {
+    let axis = turning.axis;
+    let places: Vec<_> = heights.sets.iter().map(|s| format!("{} {:.1} mm", s.name, s.height_mm)).collect();
+    let mut notes = vec![format!(
+        "Axis {axis} turns alone; heights of the ball along it: {}. Positioning error E{}{axis} cannot be seen with the ball on the axis.",
+        places.join(", "),
+        turning.rotations()[2]
+    )];
+    let others = trunnion_core::AxisLetter::ROTARY
+        .into_iter()
+        .filter(|&letter| letter != axis && turning.sets[0].position[letter] != 0.0)
+        .map(|letter| format!("{letter} = {:.4}°", deg_from_rad(turning.sets[0].position[letter])));
+    let others: Vec<_> = others.collect();
+    let at = if others.is_empty() { String::new() } else { format!(" at {}", others.join(", ")) };
+    notes.push(format!(
+        "Location errors hold{at} where the linear axes stood: errors of what carries {axis} and of the linear axes there are part of them."
+    ));
+    if !turning.whole_turn() {
+        notes.push(format!(
+            "{axis} did not go around: slow error motions and the setting are told apart less well than over a whole turn."
+        ));
+    }
+    if heights.sets.iter().all(|set| set.repeated) {
+        notes.push(
+            "Uncertainties hold what changes from pass to pass; a slow drift from one height to the next is not in them.".into(),
+        );
+    }
+    if heights.sets.iter().any(|set| !set.repeated) {
+        notes.push(
+            "A height has a single pass: its uncertainties come from the residual, which holds the error motions too; \
+             the error motions have none. Turn twice both ways."
+                .into(),
+        );
+    }
+    notes.extend(turning.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes
+}

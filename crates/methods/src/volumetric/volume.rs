@@ -1,0 +1,167 @@
+//! A volume of axis positions and its grid.
+
+use trunnion_core::{AxisLetter, AxisValues, convert};
+use trunnion_effects::Scene;
+use trunnion_machine::Machine;
+
+/// Most places of a grid.
+const MOST_PLACES: usize = 10_000;
+/// Beyond the measured range by no more than this counts as inside, mm and rad.
+const INSIDE: f64 = 1e-6;
+
+/// Ranges of the axes, and how many places of each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Volume {
+    /// Smallest and largest position, mm and rad; an axis at one place has both alike.
+    pub range: AxisValues<(f64, f64)>,
+    /// Places of each axis that moves.
+    pub steps: usize,
+    /// Point of the tool looked at, tool axes, mm; zero is the tool point of the machine file.
+    pub point_in_tool_mm: [f64; 3],
+}
+
+/// A volume that cannot be had.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VolumeError {
+    /// A part of the text that is no range.
+    #[error(
+        "--volume: \"{part}\" is no range of an axis; write e.g. X=-200..200 (mm), B=-90..90 (degrees) or C=30, with commas between"
+    )]
+    NoRange {
+        /// What was found.
+        part: String,
+    },
+    /// An axis that the machine has not.
+    #[error("--volume: the machine {machine} has no axis {letter}; allowed: {allowed}")]
+    NoAxis {
+        /// What was found.
+        letter: AxisLetter,
+        /// Name of the machine.
+        machine: String,
+        /// Its axes.
+        allowed: String,
+    },
+    /// An axis given twice.
+    #[error("--volume: axis {0} is given twice; keep one")]
+    Twice(AxisLetter),
+    /// Beyond what was measured.
+    #[error(
+        "--volume: {asked} reaches beyond what these runs measured ({measured}); the model says nothing there: ask for less, or measure more"
+    )]
+    Beyond {
+        /// The axis and range asked for.
+        asked: String,
+        /// The measured range.
+        measured: String,
+    },
+    /// Too many places.
+    #[error(
+        "--volume: {places} places are too many (allowed: up to {MOST_PLACES}); take fewer --steps or axes"
+    )]
+    TooMany {
+        /// Number of places asked for.
+        places: f64,
+    },
+    /// Nothing to look at.
+    #[error("--volume: no axis of the volume moves; give at least one a range, e.g. X=-200..200")]
+    Empty,
+}
+
+impl Volume {
+    /// The measured range of every linear axis, rotary axes at zero; `text` replaces some of it: `X=-200..200,B=-90..90,C=30`.
+    ///
+    /// # Errors
+    /// A text that is no list of ranges, axes the machine has not, ranges beyond the measured ones, too many places.
+    pub fn parse(text: &str, steps: usize, scene: &Scene) -> Result<Self, VolumeError> {
+        let machine = &scene.machine;
+        let measured =
+            |letter: AxisLetter| machine.axis(letter).map_or((0.0, 0.0), |_| scene.position_range[letter]);
+        let mut range =
+            AxisValues::from_fn(|letter| if letter.is_rotary() { (0.0, 0.0) } else { measured(letter) });
+        let mut given = Vec::new();
+        for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
+            let (letter, inside) = read(part).ok_or_else(|| VolumeError::NoRange { part: part.into() })?;
+            if machine.axis(letter).is_none() {
+                return Err(no_axis(machine, letter));
+            }
+            if given.contains(&letter) {
+                return Err(VolumeError::Twice(letter));
+            }
+            given.push(letter);
+            let (low, high) = measured(letter);
+            if high > low && (inside.0 < low - INSIDE || inside.1 > high + INSIDE) {
+                return Err(VolumeError::Beyond { asked: part.into(), measured: spelt(letter, (low, high)) });
+            }
+            range[letter] = inside;
+        }
+        let volume = Self { range, steps, point_in_tool_mm: [0.0; 3] };
+        let places = (steps as f64).powi(volume.moving().count() as i32);
+        match () {
+            () if places <= 1.0 => Err(VolumeError::Empty),
+            () if places > MOST_PLACES as f64 => Err(VolumeError::TooMany { places }),
+            () => Ok(volume),
+        }
+    }
+
+    /// Axes with more than one place.
+    pub fn moving(&self) -> impl Iterator<Item = AxisLetter> + '_ {
+        AxisLetter::ALL.into_iter().filter(|&letter| self.range[letter].1 > self.range[letter].0)
+    }
+
+    /// Places of an axis, mm or rad.
+    pub fn places(&self, letter: AxisLetter) -> Vec<f64> {
+        let (low, high) = self.range[letter];
+        if high <= low {
+            return vec![low];
+        }
+        (0..self.steps).map(|k| low + (high - low) * k as f64 / (self.steps - 1) as f64).collect()
+    }
+
+    /// All positions, the last axis fastest.
+    pub fn grid(&self) -> Vec<AxisValues<f64>> {
+        AxisLetter::ALL.into_iter().fold(vec![AxisValues::default()], |grid, letter| {
+            let places = self.places(letter);
+            let with = |at: AxisValues<f64>, place: f64| {
+                let mut at = at;
+                at[letter] = place;
+                at
+            };
+            grid.into_iter()
+                .flat_map(|at| places.iter().map(move |&place| with(at, place)).collect::<Vec<_>>())
+                .collect()
+        })
+    }
+
+    /// E.g. `X −240..240 mm, B 0°`, of the axes of a machine.
+    pub fn words(&self, machine: &Machine) -> String {
+        let axes = AxisLetter::ALL.into_iter().filter(|&letter| machine.axis(letter).is_some());
+        axes.map(|letter| spelt(letter, self.range[letter])).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// `X=-200..200` or `C=30`, mm or degrees, as inside units.
+fn read(part: &str) -> Option<(AxisLetter, (f64, f64))> {
+    let (name, range) = part.split_once('=')?;
+    let letter = AxisLetter::parse(name.trim())?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    let (low, high) = match range.split_once("..") {
+        Some((low, high)) => (number(low)?, number(high)?),
+        None => (number(range)?, number(range)?),
+    };
+    let inside = |x: f64| if letter.is_rotary() { convert::rad_from_deg(x) } else { x };
+    (low <= high).then(|| (letter, (inside(low), inside(high))))
+}
+
+fn no_axis(machine: &Machine, letter: AxisLetter) -> VolumeError {
+    let allowed: Vec<&str> = machine.axes().map(|axis| axis.letter.as_str()).collect();
+    VolumeError::NoAxis { letter, machine: machine.name.clone(), allowed: allowed.join(", ") }
+}
+
+fn spelt(letter: AxisLetter, (low, high): (f64, f64)) -> String {
+    let round = |x: f64| (x * 1e3).round() / 1e3 + 0.0;
+    let (unit, low, high) = match letter.is_rotary() {
+        true => ("°", round(convert::deg_from_rad(low)), round(convert::deg_from_rad(high))),
+        false => (" mm", round(low), round(high)),
+    };
+    if low == high { format!("{letter} {low}{unit}") } else { format!("{letter} {low}..{high}{unit}") }
+}

@@ -1,0 +1,7 @@
+//! The service: configuration, wiring of devices to recording to analysis, MQTT status.
+
+pub mod clock;
+pub mod config;
+pub mod daemon;
+pub mod live;
+pub mod mqtt;

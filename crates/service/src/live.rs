@@ -1,0 +1,264 @@
+//! One cycle, live: messages of the devices become run time, recorded items and points.
+//!
+//! Everything is recorded before it is interpreted. The points that come out are recorded too.
+
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::mpsc;
+use tokio_util::sync::CancellationToken;
+use trunnion_core::reading::Message;
+use trunnion_core::{Channel, Clock, Event, Gap, HostTime, Role};
+use trunnion_record::{Item, RecordSender, Temperature};
+use trunnion_sync::forming::{Formed, Forming};
+use trunnion_sync::{Bound, CycleBounds, EndReason, Progress, TimeBase, Timed};
+
+pub use trunnion_sync::plan::{Plan, PlanError, check};
+
+/// How a measured cycle ended.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Points recorded. They are not kept: a cycle may last for hours.
+    pub points: u64,
+    /// Why it ended.
+    pub reason: EndReason,
+    /// Holes in the data.
+    pub gaps: Vec<Gap>,
+    /// Most messages that waited to be taken.
+    pub most_waiting: usize,
+}
+
+/// A cycle that has begun.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// When its beginning was seen.
+    pub at: HostTime,
+    /// By what.
+    pub why: String,
+    /// Temperature channels that had told a value by then; later ones take no part in the run.
+    pub temperature_channels: Vec<String>,
+}
+
+/// The controller shows the end before the last samples are through: how long to go on, s.
+const AFTERMATH_S: f64 = 1.0;
+/// No program moves sooner after its start, s.
+const FIRST_MOTION_S: f64 = 0.05;
+/// A channel without a sample for so long at the end of a run was away, s; the slowest indicators speak every second.
+const AWAY_S: f64 = 2.5;
+/// With no message of any device for so long the cycle ends.
+const SILENCE: Duration = Duration::from_secs(60);
+
+/// Waits until a cycle begins, by the rule of `bounds`. `None` when cancelled or when all devices are gone.
+pub async fn wait_for_start(
+    messages: &mut mpsc::Receiver<Message>,
+    timebase: &mut TimeBase,
+    bounds: &mut CycleBounds,
+    cancel: &CancellationToken,
+) -> Option<Start> {
+    bounds.ended_otherwise();
+    let mut temperature_channels: Vec<String> = Vec::new();
+    loop {
+        let message = tokio::select! {
+            biased;
+            () = cancel.cancelled() => return None,
+            message = messages.recv() => message?,
+        };
+        if let Some(Timed::Temperature { name, .. }) = timebase.translate(&message)
+            && !temperature_channels.contains(&name)
+        {
+            temperature_channels.push(name);
+        }
+        if let Some(Bound::Begins { at, why }) = bounds.take(&message.reading) {
+            return Some(Start { at, why, temperature_channels });
+        }
+    }
+}
+
+/// Measures one cycle until it ends. Run time zero is `start`.
+///
+/// # Errors
+/// When the plan cannot be measured.
+#[expect(clippy::too_many_arguments, reason = "the parts of a running service, borrowed separately")]
+pub async fn measure(
+    plan: &Plan,
+    start: &Start,
+    messages: &mut mpsc::Receiver<Message>,
+    timebase: &mut TimeBase,
+    bounds: &mut CycleBounds,
+    recorder: &RecordSender,
+    clock: &Arc<dyn Clock>,
+    cancel: &CancellationToken,
+    progress: &mut (dyn FnMut(Progress) + Send),
+) -> Result<Measured, PlanError> {
+    timebase.begin_run(start.at);
+    let mut measurement = Measurement::new(plan, &start.temperature_channels, recorder)?;
+    let begun = Event { time_s: 0.0, kind: "cycle-start".into(), text: start.why.clone() };
+    measurement.record(Item::Event(begun), clock.now());
+    let mut last_progress = 0;
+    while measurement.forming.ended().is_none() {
+        let message = tokio::select! {
+            biased;
+            () = cancel.cancelled() => None,
+            received = tokio::time::timeout(SILENCE, messages.recv()) => match received {
+                Ok(message) => message,
+                Err(_) => {
+                    measurement.finish(EndReason::NoMotion, clock.now());
+                    break;
+                }
+            },
+        };
+        measurement.most_waiting = measurement.most_waiting.max(messages.len() + 1);
+        let Some(message) = message else {
+            measurement.finish(EndReason::Stopped, clock.now());
+            break;
+        };
+        if let Some(Bound::Ends { at, why }) = bounds.take(&message.reading) {
+            measurement.told_end(timebase.seconds(at), why, clock.now());
+        }
+        measurement.take(&message, timebase, clock.now());
+        let now = measurement.forming.progress();
+        if now.done != last_progress {
+            last_progress = now.done;
+            progress(now);
+        }
+    }
+    measurement.record_open_gaps(clock.now());
+    Ok(measurement.into_measured())
+}
+
+/// A cycle being measured.
+struct Measurement<'m> {
+    forming: Forming,
+    recorder: &'m RecordSender,
+    channels: &'m [Channel],
+    points: u64,
+    gaps: Vec<Gap>,
+    temperature_channels: Vec<String>,
+    controller_ended_s: Option<f64>,
+    /// Newest sample of every channel, then of the axes, s.
+    newest_s: Vec<f64>,
+    most_waiting: usize,
+}
+
+impl<'m> Measurement<'m> {
+    fn new(
+        plan: &'m Plan,
+        temperature_channels: &[String],
+        recorder: &'m RecordSender,
+    ) -> Result<Self, PlanError> {
+        Ok(Self {
+            forming: Forming::new(plan, temperature_channels.len())?,
+            recorder,
+            channels: &plan.channels,
+            points: 0,
+            gaps: Vec::new(),
+            temperature_channels: temperature_channels.to_vec(),
+            controller_ended_s: None,
+            newest_s: vec![0.0; plan.channels.len() + 1],
+            most_waiting: 0,
+        })
+    }
+
+    fn take(&mut self, message: &Message, timebase: &mut TimeBase, now: HostTime) {
+        let Some(timed) = timebase.translate(message) else { return };
+        for (device, jump) in timebase.take_jumps() {
+            let named = self.channels.iter().find(|channel| channel.device == device);
+            let source = named.map_or_else(|| "controller".into(), |channel| channel.name.clone());
+            self.gap(timebase.jump_gap(&source, &jump), now);
+        }
+        let formed = match timed {
+            Timed::Probe(sample) => {
+                if let Some(newest_s) = self.newest_s.get_mut(usize::from(sample.channel)) {
+                    *newest_s = newest_s.max(sample.time_s);
+                }
+                self.record(Item::Probes(vec![sample]), now);
+                self.forming.probe(&sample)
+            }
+            Timed::Axes(sample) => {
+                if let Some(newest_s) = self.newest_s.last_mut() {
+                    *newest_s = newest_s.max(sample.time_s);
+                }
+                self.record(Item::Axes(vec![sample]), now);
+                self.forming.axes(&sample)
+            }
+            Timed::Gap(gap) => {
+                self.gap(gap, now);
+                Vec::new()
+            }
+            Timed::Temperature { name, degc, time_s } => {
+                if let Some(channel) = self.temperature_channels.iter().position(|known| *known == name) {
+                    self.forming.temperature(channel, degc);
+                    let channel = channel as u16;
+                    self.record(Item::Temperature(Temperature { time_s, channel, value_degc: degc }), now);
+                }
+                Vec::new()
+            }
+            Timed::Event(event) => {
+                self.record(Item::Event(event), now);
+                Vec::new()
+            }
+        };
+        self.keep(formed, now);
+        if self.controller_ended_s.is_some_and(|ended_s| self.forming.newest_s() > ended_s + AFTERMATH_S) {
+            self.finish(EndReason::ControllerEnded, now);
+        }
+    }
+
+    /// The controller, or a long stand, shows the end; samples under way are still taken.
+    fn told_end(&mut self, time_s: f64, why: String, now: HostTime) {
+        self.record(Item::Event(Event { time_s, kind: "end-seen".into(), text: why }), now);
+        self.controller_ended_s = Some(time_s);
+    }
+
+    /// A device that is away when the run ends would close its gap only in the next one.
+    fn record_open_gaps(&mut self, now: HostTime) {
+        let end_s = self.forming.newest_s();
+        let samples = |channel: &&Channel| channel.role != Role::Temperature;
+        let named = self.channels.iter().enumerate().filter(|(_, channel)| samples(channel));
+        let sources = named.map(|(k, channel)| (k, channel.name.clone()));
+        let sources: Vec<_> = sources.chain([(self.channels.len(), "controller".into())]).collect();
+        for (k, source) in sources {
+            let from_s = self.newest_s[k];
+            if end_s - from_s > AWAY_S {
+                let reason = "no sample until the end of the run; the state of the device says why".into();
+                self.gap(Gap { source, from_s, to_s: end_s, lost_samples: None, reason }, now);
+            }
+        }
+    }
+
+    fn finish(&mut self, reason: EndReason, now: HostTime) {
+        let formed = self.forming.finish(reason);
+        self.keep(formed, now);
+    }
+
+    fn keep(&mut self, formed: Vec<Formed>, now: HostTime) {
+        for formed in formed {
+            match formed {
+                Formed::Point(point) => {
+                    self.record(Item::Point(point), now);
+                    self.points += 1;
+                }
+                Formed::Event(event) => self.record(Item::Event(event), now),
+            }
+        }
+    }
+
+    fn gap(&mut self, gap: Gap, now: HostTime) {
+        self.record(Item::Gap(gap.clone()), now);
+        // What was missing before the program ran is no loss of this run.
+        if gap.to_s > FIRST_MOTION_S {
+            self.gaps.push(gap);
+        }
+    }
+
+    /// The recorder counts what it cannot take and records it as a gap itself; here nothing more can be done.
+    fn record(&self, item: Item, arrival: HostTime) {
+        if !self.recorder.try_send(item, arrival) {
+            tracing::debug!("the recorder is full; the loss is counted in the recording");
+        }
+    }
+
+    fn into_measured(self) -> Measured {
+        let reason = self.forming.ended().unwrap_or(EndReason::Stopped);
+        Measured { points: self.points, reason, gaps: self.gaps, most_waiting: self.most_waiting }
+    }
+}

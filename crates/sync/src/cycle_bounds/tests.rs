@@ -1,0 +1,196 @@
+use super::*;
+use trunnion_core::input::Document;
+use trunnion_core::reading::AxisReading;
+use trunnion_core::{AxisLetter, AxisValues};
+
+fn at(time_s: f64) -> HostTime {
+    HostTime((time_s * 1e9) as i64)
+}
+
+/// A controller as last told.
+fn told(time_s: f64, execution: Execution, program: &str, block: &str) -> Reading {
+    Reading::Controller(ControllerReading {
+        execution,
+        program: program.into(),
+        block: block.into(),
+        signal: None,
+        stamp_ns: 0,
+        arrival: at(time_s),
+    })
+}
+
+fn axes(time_s: f64, c_rad: f64) -> Reading {
+    let mut position = AxisValues::default();
+    position[AxisLetter::C] = c_rad;
+    Reading::Axes(AxisReading {
+        stamp_ns: 0,
+        arrival: at(time_s),
+        position,
+        present: AxisValues::from_fn(|_| true),
+        sequence: 0,
+        held: false,
+        skew_ns: 0,
+    })
+}
+
+/// Begins (+) and ends (−) with their times, s.
+fn bounds(rule: StartRule, readings: &[Reading]) -> Vec<f64> {
+    let mut bounds = CycleBounds::new(rule);
+    let signed = |bound| match bound {
+        Bound::Begins { at, .. } => at.0 as f64 / 1e9,
+        Bound::Ends { at, .. } => -at.0 as f64 / 1e9,
+    };
+    readings.iter().filter_map(|reading| bounds.take(reading)).map(signed).collect()
+}
+
+use Execution::{Active, Ended, Held, Ready, Unknown};
+
+#[test]
+fn a_program_begins_and_ends_the_cycle_and_a_hold_or_a_lost_link_does_not() {
+    let story = [
+        told(0.0, Ready, "", ""),
+        told(1.0, Active, "P", "N1"),
+        told(2.0, Held, "P", "N1"),
+        told(3.0, Active, "P", "N2"),
+        told(4.0, Unknown, "", ""),
+        told(5.0, Active, "P", "N3"),
+        told(6.0, Ended, "P", ""),
+        told(7.0, Ready, "P", ""),
+        told(8.0, Active, "P", ""),
+    ];
+    assert_eq!(bounds(StartRule::Execution, &story), [1.0, -6.0, 8.0]);
+}
+
+#[test]
+fn a_program_that_goes_on_after_the_last_pose_is_not_the_next_cycle() {
+    let mut bounds = CycleBounds::new(StartRule::Execution);
+    assert!(bounds.take(&told(1.0, Active, "P", "N1")).is_some());
+    bounds.ended_otherwise();
+    assert_eq!(bounds.take(&told(2.0, Active, "P", "N99")), None);
+    assert_eq!(bounds.take(&told(3.0, Ended, "P", "")), None);
+    assert!(matches!(bounds.take(&told(4.0, Active, "P", "N1")), Some(Bound::Begins { .. })));
+}
+
+#[test]
+fn only_the_named_program_begins_it() {
+    let rule = || StartRule::Program(Pattern::new("*trunnion*"));
+    let story = [
+        told(1.0, Active, "WARM_UP", ""),
+        told(2.0, Ended, "WARM_UP", ""),
+        told(3.0, Active, "/_N_MPF_DIR/_N_TRUNNION_MPF", ""),
+        // The actual program is a subprogram.
+        told(4.0, Active, "L100", ""),
+        told(5.0, Ready, "L100", ""),
+    ];
+    assert_eq!(bounds(rule(), &story), [3.0, -5.0]);
+    // Without an execution state the name alone decides.
+    let silent =
+        [told(1.0, Unknown, "", ""), told(2.0, Unknown, "trunnion1", ""), told(3.0, Unknown, "main", "")];
+    assert_eq!(bounds(rule(), &silent), [2.0, -3.0]);
+}
+
+#[test]
+fn blocks_begin_and_end_it() {
+    let rule = StartRule::Block { begin: Pattern::new("*begin*"), end: Some(Pattern::new("*end*")) };
+    let story = [
+        told(1.0, Active, "P", "N1 G1"),
+        told(2.0, Active, "P", "MSG(\"CYCLE BEGIN\")"),
+        told(3.0, Active, "P", "N2 G1"),
+        told(4.0, Active, "P", "MSG(\"CYCLE END\")"),
+        told(5.0, Active, "P", "N3"),
+        told(6.0, Active, "P", "MSG(\"CYCLE BEGIN\")"),
+        told(7.0, Ended, "P", ""),
+    ];
+    assert_eq!(bounds(rule, &story), [2.0, -4.0, 6.0, -7.0]);
+}
+
+#[test]
+fn a_signal_begins_it_when_it_comes_on_and_ends_it_when_it_goes_off() {
+    let signal = |time_s, on| match told(time_s, Unknown, "", "") {
+        Reading::Controller(controller) => {
+            Reading::Controller(ControllerReading { signal: on, ..controller })
+        }
+        other => other,
+    };
+    let story = [
+        signal(1.0, Some(false)),
+        signal(2.0, Some(true)),
+        signal(3.0, None),
+        signal(4.0, Some(true)),
+        signal(5.0, Some(false)),
+    ];
+    assert_eq!(bounds(StartRule::Signal, &story), [2.0, -5.0]);
+}
+
+/// Stands and motions one after the other at 50 Hz; C goes 1 rad in 0.4 s.
+fn moving(stands_s: &[f64]) -> Vec<Reading> {
+    let (mut readings, mut time_s, mut c_rad) = (Vec::new(), 0.0, 0.0);
+    for stand_s in stands_s {
+        for _ in 0..(stand_s * 50.0) as usize {
+            readings.push(axes(time_s, c_rad));
+            time_s += 0.02;
+        }
+        for _ in 0..20 {
+            c_rad += 0.05;
+            readings.push(axes(time_s, c_rad));
+            time_s += 0.02;
+        }
+    }
+    readings
+}
+
+#[test]
+fn motion_after_a_rest_begins_it_and_a_long_stand_ends_it() {
+    let rule = StartRule::Motion { rest_s: 2.0, still_s: 5.0 };
+    let found = bounds(rule, &moving(&[1.0, 3.0, 2.5, 4.0, 7.0, 1.0]));
+    // 1.0 + 0.4 + 3.0; the last motion before the long stand ends at 1.0 + 3.0 + 2.5 + 4.0 + 4·0.4.
+    let expected = [4.4, -(12.1 + 5.0 - 0.02), 19.1];
+    assert_eq!(found.len(), 3, "{found:?}");
+    assert!(found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 0.1), "{found:?}");
+}
+
+#[test]
+fn stands_of_the_given_lengths_begin_it_and_others_do_not() {
+    let rule = || StartRule::Dwells { dwells_s: vec![2.0, 1.0, 2.0], still_s: 30.0 };
+    assert_eq!(bounds(rule(), &moving(&[2.0, 2.0, 1.0, 1.0, 2.0])), [0.0; 0]);
+    // 2.0 twice: the second is the first of the pattern.
+    let found = bounds(rule(), &moving(&[0.7, 2.0, 2.0, 1.0, 2.0, 3.0]));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!((found[0] - (0.7 + 2.0 + 2.0 + 1.0 + 2.0 + 4.0 * 0.4)).abs() < 0.1, "{found:?}");
+}
+
+#[test]
+fn patterns_match_whole_names() {
+    let check = |pattern: &str, text: &str, expected: bool| {
+        assert_eq!(Pattern::new(pattern).matches(text), expected, "{pattern} {text}");
+    };
+    check("r-test", "R-TEST", true);
+    check("r-test", "r-test.ngc", false);
+    check("r-test*", "r-test.ngc", true);
+    check("*r*t*.ngc", "/home/r-test.ngc", true);
+    check("*a*b*", "ba", false);
+    check("aa*aa", "aaa", false);
+    check("*", "", true);
+}
+
+#[test]
+fn the_table_is_read_and_its_mistakes_are_told() {
+    let read = |text: &str| {
+        let document = Document::parse("t.toml", text).unwrap();
+        let root = document.root();
+        let rule = StartRule::read(&root);
+        drop(root);
+        document.finish(rule).map_err(|problems| problems.to_string())
+    };
+    assert_eq!(read(""), Ok(StartRule::Execution));
+    let motion = "[cycle_start]\nby = \"motion\"\nstill_s = 20\n";
+    assert_eq!(read(motion), Ok(StartRule::Motion { rest_s: 2.0, still_s: 20.0 }));
+    let expect = |text: &str, piece: &str| {
+        let shown = read(text).unwrap_err();
+        assert!(shown.contains(piece), "{piece:?} not in:\n{shown}");
+    };
+    expect("[cycle_start]\nby = \"magic\"\n", "execution, program, block, signal, dwells, motion");
+    expect("[cycle_start]\nby = \"program\"\n", "program is missing in [cycle_start]");
+    expect("[cycle_start]\nby = \"dwells\"\ndwells_s = [0.1]\n", "0.5..=60");
+    expect("[cycle_start]\nby = \"signal\"\nstill_s = 3\n", "still_s");
+}

@@ -1,0 +1,88 @@
+//! What a cycle needs of machine and devices before it can be measured.
+
+use crate::NestCalibration;
+use trunnion_core::channel::instrument_channels;
+use trunnion_core::{Channel, InstrumentKind};
+use trunnion_cycles::Cycle;
+use trunnion_cycles::cycle::Motion;
+use trunnion_machine::Machine;
+
+/// What is measured and how.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The machine.
+    pub machine: Machine,
+    /// The cycle.
+    pub cycle: Cycle,
+    /// Probe directions.
+    pub nest: NestCalibration,
+    /// Channels of all devices.
+    pub channels: Vec<Channel>,
+}
+
+/// A plan that cannot be measured.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The linear axes cannot follow the ball.
+    #[error(
+        "machine {machine} cannot bring its tool to the ball with its linear axes; check the machine file"
+    )]
+    CannotFollow {
+        /// Machine name.
+        machine: String,
+    },
+    /// A probe is missing.
+    #[error(
+        "the cycle measures with {instrument}, but the configuration lacks {needed}; add [[device]] with these roles"
+    )]
+    NoChannels {
+        /// Instrument name.
+        instrument: &'static str,
+        /// Roles needed.
+        needed: &'static str,
+    },
+    /// Something the service cannot read from its own devices.
+    #[error(
+        "cycle {cycle} measures with {what}, which is not read live; measure with its own software and bring the points with `trunnion import`"
+    )]
+    NotLive {
+        /// Cycle name.
+        cycle: String,
+        /// What is not read live.
+        what: String,
+    },
+    /// Two kinds of instrument.
+    #[error("cycle {cycle} mixes instruments; measure each instrument in a cycle of its own")]
+    MixedInstruments {
+        /// Cycle name.
+        cycle: String,
+    },
+}
+
+/// Checks that the configured channels can measure the cycle.
+///
+/// # Errors
+/// When they cannot, or when the machine cannot follow the ball.
+pub fn check(plan: &Plan) -> Result<Vec<u16>, PlanError> {
+    let kind = plan.cycle.setups[0].instrument;
+    if plan.cycle.setups.iter().any(|setup| setup.instrument != kind) {
+        return Err(PlanError::MixedInstruments { cycle: plan.cycle.name.clone() });
+    }
+    let (bar, needed) = match kind {
+        InstrumentKind::BallBar => (true, "bar"),
+        InstrumentKind::RTest => (false, "probe-1, probe-2, probe-3"),
+        other => {
+            let cycle = plan.cycle.name.clone();
+            return Err(PlanError::NotLive { cycle, what: format!("the instrument {}", other.name()) });
+        }
+    };
+    if let Motion::Path { .. } = plan.cycle.motion {
+        let cycle = plan.cycle.name.clone();
+        return Err(PlanError::NotLive { cycle, what: "a curve of several axes".into() });
+    }
+    let instrument = kind.name();
+    plan.cycle
+        .poses(&plan.machine)
+        .ok_or_else(|| PlanError::CannotFollow { machine: plan.machine.name.clone() })?;
+    instrument_channels(&plan.channels, bar).ok_or(PlanError::NoChannels { instrument, needed })
+}

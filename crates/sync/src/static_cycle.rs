@@ -1,0 +1,369 @@
+//! The static cycle: a point is read when all axes stand at the next pose and the reading has settled.
+//!
+//! Pure: all inputs carry their times, so a recording gives the same points as the live run. A point is *good* when,
+//! over one window, the axes stood, every channel had samples throughout, its halves agree within the drift limit and
+//! its robust spread (1.4826 · median absolute deviation) is within the noise limit. A pose that was left early or never
+//! settled is marked `Unsettled` with what was read; one that was passed by, or without a probe value, `NoReading` with
+//! NaN. Every pose gives exactly one point.
+//!
+//! Two poses at one place one after the other (the grid turns back) may be one stand: the second is read from a window
+//! of its own behind the first. Should the machine leave and come back to it, the later reading counts.
+
+mod stand;
+
+use crate::align::{Aligned, AxisState};
+use crate::nest::NestCalibration;
+use stand::Stand;
+use trunnion_core::{AxisLetter, AxisValues, Point, Quality};
+use trunnion_cycles::cycle::{Pose, Settle};
+
+/// Rules of a static cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StaticRules {
+    /// When a point may be read (from the cycle file).
+    pub settle: Settle,
+    /// Largest distance of a linear axis from the pose, mm.
+    pub near_mm: f64,
+    /// Largest distance of a rotary axis from the pose, rad.
+    pub near_rad: f64,
+    /// Longest distance of two samples inside a window, s.
+    pub sample_gap_s: f64,
+    /// Fewest samples of a point.
+    pub fewest_samples: usize,
+    /// Standing longer than this with nothing left to read ends the cycle, s.
+    pub end_after_still_s: f64,
+}
+
+impl StaticRules {
+    /// Usual rules around those of the cycle file.
+    pub fn new(settle: Settle) -> Self {
+        Self {
+            settle,
+            near_mm: 0.5,
+            near_rad: 0.01,
+            sample_gap_s: 0.05,
+            fewest_samples: 5,
+            end_after_still_s: 120.0,
+        }
+    }
+
+    /// For a cycle whose program waits so long between two rounds, s: that standing still is not its end.
+    pub fn with_wait(self, wait_s: f64) -> Self {
+        Self { end_after_still_s: self.end_after_still_s + wait_s, ..self }
+    }
+
+    fn is_near(&self, position: &AxisValues<f64>, pose: &Pose, axes: &[AxisLetter]) -> bool {
+        axes.iter().all(|&letter| {
+            let off = position[letter] - pose.position[letter];
+            if letter.is_rotary() {
+                whole_turns_off(off).abs() <= self.near_rad
+            } else {
+                off.abs() <= self.near_mm
+            }
+        })
+    }
+}
+
+/// A controller may show an angle modulo a turn.
+fn whole_turns_off(angle_rad: f64) -> f64 {
+    angle_rad - (angle_rad / std::f64::consts::TAU).round() * std::f64::consts::TAU
+}
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a few events a minute, nearly all of them points")]
+pub enum CycleEvent {
+    /// The point of a pose; poses come in order, each once.
+    Point {
+        /// Index of the pose.
+        pose: usize,
+        /// What was read.
+        point: Point,
+        /// When it was decided, s since the run began.
+        time_s: f64,
+    },
+    /// A stand at none of the poses to come, for the log.
+    UnknownStand {
+        /// When it began, s since the run began.
+        time_s: f64,
+        /// Where.
+        position: AxisValues<f64>,
+    },
+    /// The cycle is over; nothing comes after it.
+    Ended {
+        /// Why.
+        reason: EndReason,
+        /// When, s since the run began.
+        time_s: f64,
+    },
+}
+
+/// Why a cycle ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EndReason {
+    /// Every pose has its point.
+    Complete,
+    /// The controller says that its program ended.
+    ControllerEnded,
+    /// No axis moved for too long.
+    NoMotion,
+    /// The recording ended or a person stopped it.
+    Stopped,
+}
+
+/// How far a cycle is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Points decided.
+    pub done: usize,
+    /// Points in all.
+    pub total: usize,
+    /// At the pace so far; `None` before the second point.
+    pub seconds_left: Option<f64>,
+}
+
+/// The state machine.
+#[derive(Clone, Debug)]
+pub struct StaticCycle {
+    rules: StaticRules,
+    poses: Vec<Pose>,
+    /// By setup.
+    calibrations: Vec<NestCalibration>,
+    /// Axes of the machine.
+    axes: Vec<AxisLetter>,
+    temperature_degc: Vec<f64>,
+    next: usize,
+    stand: Stand,
+    /// Reading of pose `next` taken in the stand of the pose before it.
+    early: Option<Point>,
+    /// A point was decided in this stand, and the machine has not left since.
+    served: bool,
+    told_unknown: bool,
+    pace: Option<(f64, usize, f64)>,
+    ended: bool,
+}
+
+impl StaticCycle {
+    /// For poses in order ([`trunnion_cycles::Cycle::poses`]), one calibration for each setup (the last stands
+    /// for those missing; none means orthogonal probes), and the axes the controller reports.
+    pub fn new(
+        poses: Vec<Pose>,
+        rules: StaticRules,
+        calibrations: Vec<NestCalibration>,
+        axes: Vec<AxisLetter>,
+        temperature_channels: usize,
+    ) -> Self {
+        Self {
+            stand: Stand::new(&rules),
+            rules,
+            poses,
+            calibrations,
+            axes,
+            temperature_degc: vec![f64::NAN; temperature_channels],
+            next: 0,
+            early: None,
+            served: false,
+            told_unknown: false,
+            pace: None,
+            ended: false,
+        }
+    }
+
+    /// Sets a temperature channel to its latest value, °C; channels not announced are ignored.
+    pub fn set_temperature(&mut self, channel: usize, degc: f64) {
+        if let Some(value) = self.temperature_degc.get_mut(channel) {
+            *value = degc;
+        }
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Progress {
+        let seconds_left = self.pace.and_then(|(first_s, first, last_s)| {
+            let (steps, left) = (self.next.checked_sub(first + 1)?, self.poses.len() - self.next);
+            (steps > 0).then(|| (last_s - first_s) / steps as f64 * left as f64)
+        });
+        Progress { done: self.next, total: self.poses.len(), seconds_left }
+    }
+
+    /// True once it has ended.
+    pub fn is_ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Takes the next step of the alignment; steps come in order of time.
+    pub fn push(&mut self, step: &Aligned) -> Vec<CycleEvent> {
+        let mut events = Vec::new();
+        match step {
+            _ if self.ended => {}
+            Aligned::Sample(sample) => self.stand.push_sample(sample),
+            Aligned::Axes(state) => self.push_axes(state, &mut events),
+        }
+        events
+    }
+
+    /// Ends the cycle from outside; the poses left get points without reading.
+    pub fn finish(&mut self, reason: EndReason, time_s: f64) -> Vec<CycleEvent> {
+        let mut events = Vec::new();
+        if !self.ended {
+            self.leave(time_s, &mut events);
+        }
+        if !self.ended {
+            self.end(reason, time_s, &mut events);
+        }
+        events
+    }
+
+    fn push_axes(&mut self, state: &AxisState, events: &mut Vec<CycleEvent>) {
+        if self.stand.is_left_by(state, &self.axes) {
+            self.leave(state.time_s, events);
+        }
+        self.stand.push_axes(state, &self.axes);
+        if self.ended || !self.stand.is_standing() {
+            return;
+        }
+        if self.served {
+            self.read_early(state, events);
+        } else {
+            self.read(state, events);
+        }
+        let still_s = state.time_s - self.stand.began_s();
+        if !self.ended && still_s > self.rules.end_after_still_s && !self.awaits_a_person() {
+            self.end(EndReason::NoMotion, state.time_s, events);
+        }
+    }
+
+    /// Finds the pose the machine stands at and decides its point when it is time.
+    fn read(&mut self, state: &AxisState, events: &mut Vec<CycleEvent>) {
+        let timed_out = state.time_s - self.stand.began_s() >= self.rules.settle.timeout_s;
+        let Some(ahead) = self.find_pose(&state.position) else {
+            if !std::mem::replace(&mut self.told_unknown, true) {
+                let time_s = self.stand.began_s();
+                events.push(CycleEvent::UnknownStand { time_s, position: state.position });
+            }
+            return;
+        };
+        let quality = match self.stand.is_settled() {
+            true => Quality::Good,
+            false if timed_out => Quality::Unsettled,
+            false => return,
+        };
+        self.skip(ahead, state.time_s, events);
+        let fresh = self.point(self.next, quality);
+        let early = self.early.take().filter(|_| quality != Quality::Good);
+        self.served = true;
+        self.stand.mark_read();
+        self.decide(early.unwrap_or(fresh), state.time_s, events);
+    }
+
+    /// How many poses ahead of the next one the machine stands. Coming back to a pose just read is no jump to the
+    /// pose at the same place in a later pass.
+    fn find_pose(&self, position: &AxisValues<f64>) -> Option<usize> {
+        let near = |pose: &Pose| self.rules.is_near(position, pose, &self.axes);
+        let ahead = self.poses[self.next..].iter().position(near)?;
+        let just_read = self.next.checked_sub(1).map(|last| &self.poses[last]);
+        (ahead == 0 || !just_read.is_some_and(near)).then_some(ahead)
+    }
+
+    /// The next pose may be where the machine stands already: it gets a window of its own.
+    fn read_early(&mut self, state: &AxisState, events: &mut Vec<CycleEvent>) {
+        let Some(pose) = self.poses.get(self.next).filter(|_| self.early.is_none()) else { return };
+        if !self.rules.is_near(&state.position, pose, &self.axes) || !self.stand.is_settled() {
+            return;
+        }
+        let point = self.point(self.next, Quality::Good);
+        if self.next + 1 < self.poses.len() {
+            self.early = Some(point);
+        } else {
+            self.decide(point, state.time_s, events); // no later stand could tell more
+        }
+    }
+
+    /// The machine leaves: a pose stood at but not read is marked.
+    fn leave(&mut self, time_s: f64, events: &mut Vec<CycleEvent>) {
+        let here = self.stand.latest().filter(|_| self.stand.is_standing() && !self.served).copied();
+        if let (Some(state), Some(pose)) = (here, self.poses.get(self.next))
+            && self.early.is_none()
+            && self.rules.is_near(&state.position, pose, &self.axes)
+        {
+            let point = self.point(self.next, Quality::Unsettled);
+            self.decide(point, time_s, events);
+        }
+        self.served = false;
+        self.told_unknown = false;
+        self.stand = Stand::new(&self.rules);
+    }
+
+    /// Between two setups a person mounts the nest anew; that may take long.
+    fn awaits_a_person(&self) -> bool {
+        let setup = |index: usize| self.poses.get(index).map(|pose| pose.setup);
+        self.next > 0 && setup(self.next) != setup(self.next - 1)
+    }
+
+    /// Points for the poses passed by before the one `ahead` of the next.
+    fn skip(&mut self, ahead: usize, time_s: f64, events: &mut Vec<CycleEvent>) {
+        for _ in 0..ahead {
+            let point = self.early.take().unwrap_or_else(|| self.missing(self.next));
+            self.decide(point, time_s, events);
+        }
+    }
+
+    fn decide(&mut self, point: Point, time_s: f64, events: &mut Vec<CycleEvent>) {
+        events.push(CycleEvent::Point { pose: self.next, point, time_s });
+        let (first_s, first, _) = self.pace.unwrap_or((time_s, self.next, time_s));
+        self.pace = Some((first_s, first, time_s));
+        self.next += 1;
+        if self.next == self.poses.len() {
+            self.ended = true;
+            events.push(CycleEvent::Ended { reason: EndReason::Complete, time_s });
+        }
+    }
+
+    fn end(&mut self, reason: EndReason, time_s: f64, events: &mut Vec<CycleEvent>) {
+        while self.next < self.poses.len() {
+            let point = self.early.take().unwrap_or_else(|| self.missing(self.next));
+            events.push(CycleEvent::Point { pose: self.next, point, time_s });
+            self.next += 1;
+        }
+        self.ended = true;
+        events.push(CycleEvent::Ended { reason, time_s });
+    }
+
+    /// The point of a pose from the window of this stand.
+    fn point(&self, index: usize, quality: Quality) -> Point {
+        let mut point = self.missing(index);
+        let calibration =
+            self.calibrations.get(self.poses[index].setup).or(self.calibrations.last()).copied();
+        let calibration = calibration.unwrap_or_else(NestCalibration::orthogonal);
+        let Some(summary) = self.stand.summary(&calibration) else { return point };
+        let (direction, since_reversal) = self.stand.approach();
+        point.state.direction = direction;
+        point.state.since_reversal = since_reversal;
+        point.state.time_s = Some(summary.time_s);
+        point.state.deflection_mm = summary.reading_mm.into();
+        point.reading_mm = summary.reading_mm;
+        point.spread_mm = summary.spread_mm;
+        point.samples = summary.samples;
+        point.quality = quality;
+        point
+    }
+
+    /// The point of a pose without a reading: NaN, with the direction the cycle asked for.
+    fn missing(&self, index: usize) -> Point {
+        let pose = &self.poses[index];
+        let mut point = Point {
+            state: Default::default(),
+            reading_mm: [f64::NAN; 3],
+            spread_mm: [f64::NAN; 3],
+            samples: 0,
+            quality: Quality::NoReading,
+        };
+        point.state.position = pose.position;
+        point.state.direction = pose.direction;
+        point.state.setup = pose.setup;
+        point.state.temperature_degc = self.temperature_degc.clone();
+        point
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,197 @@
+//! A recording on its way into an analysis. The same for a live run, a replay and every command.
+//!
+//! The points of a run on the fly are formed anew from its samples, which the clocks of the whole run and the sync gestures time
+//! better than was possible while it went on. They become blocks while they are read, so that a long run needs no more memory
+//! than a short one. Points at rest, and points without samples, are as recorded.
+
+use crate::timing;
+use crate::timing::Timing;
+use std::path::Path;
+use std::sync::mpsc;
+use trunnion_core::Point;
+use trunnion_cycles::{Run, RunKind};
+use trunnion_engine::Nominal;
+use trunnion_machine::Machine;
+use trunnion_record::{Damage, Item, RecordError, RunHeader, RunStart};
+use trunnion_sync::EndReason;
+use trunnion_sync::blocks::{Limits, Reducer, Reduction};
+use trunnion_sync::forming::{Formed, Forming};
+use trunnion_sync::time_quality::TimeQuality;
+
+/// A recording as read.
+pub struct Recording {
+    /// Its points, or blocks of them.
+    pub run: Run,
+    /// How the blocks were made; `None` when every point is as recorded.
+    pub reduction: Option<Reduction>,
+    /// What is wrong with the file.
+    pub damage: Option<Damage>,
+    /// How well it is known in time; `None` without stamps.
+    pub timing: Option<TimeQuality>,
+}
+
+/// Points in one batch between the threads, and batches waiting.
+const BATCH: usize = 256;
+const QUEUE: usize = 16;
+
+/// Reads a recording whose machine is shipped with it or found by name in `machine`. With `limits` a run on the fly of more
+/// points than its blocks is reduced. One thread unpacks the file, the other reduces; at most `QUEUE` batches wait between
+/// them.
+///
+/// # Errors
+/// A file that cannot be read or is no recording.
+pub fn read(
+    path: &Path,
+    machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
+    limits: Option<Limits>,
+) -> Result<Recording, RecordError> {
+    let header = trunnion_record::read_header(path)?;
+    let plan = crate::recorded::plan_of(&header);
+    let timing = timing::survey(path, plan.as_ref())?;
+    let forming = plan
+        .filter(|plan| plan.cycle.run_kind() == RunKind::OnTheFly)
+        .and_then(|plan| Forming::new(&plan, header.temperature_channels.len()).ok());
+    let (send, batches) = mpsc::sync_channel::<Batch>(QUEUE);
+    let mut points = Points { limits, kept: Vec::new(), reducer: None };
+    let read = std::thread::scope(|scope| {
+        let unpack = scope.spawn(|| match (forming, &timing) {
+            (Some(forming), Some(timing)) => form_anew(path, &header, machine, forming, timing, send),
+            _ => unpack(path, machine, send),
+        });
+        batches.into_iter().for_each(|batch| points.take(batch));
+        unpack.join().expect("a panic of the reading thread ends the program")
+    });
+    let (start, damage) = read?;
+    let (points, reduction) = points.finish();
+    Ok(Recording { run: start.run(points), reduction, damage, timing: timing.map(|timing| timing.quality) })
+}
+
+/// Hands over the points that the samples give with the clocks of the whole run.
+fn form_anew(
+    path: &Path,
+    header: &RunHeader,
+    machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
+    mut forming: Forming,
+    timing: &Timing,
+    send: mpsc::SyncSender<Batch>,
+) -> Result<(RunStart, Option<Damage>), RecordError> {
+    let start = RunStart::new(path, header.clone(), machine)?;
+    let mut batches = Batches::new(send);
+    batches.start = Some(start.clone());
+    let mut index = 0;
+    let mut hand_over = |formed: Vec<Formed>| {
+        for formed in formed {
+            if let Formed::Point(point) = formed {
+                batches.push(index, point);
+                index += 1;
+            }
+        }
+    };
+    let (_, damage) = trunnion_record::visit_samples(path, &mut |item| {
+        match item {
+            Item::Probes(samples) => {
+                samples.into_iter().for_each(|sample| hand_over(forming.probe(&timing.probe(sample))))
+            }
+            Item::Axes(samples) => {
+                samples.into_iter().for_each(|sample| hand_over(forming.axes(&timing.axes(sample))))
+            }
+            Item::Temperature(reading) => forming.temperature(reading.channel.into(), reading.value_degc),
+            _ => {}
+        }
+        true
+    })?;
+    hand_over(forming.finish(EndReason::Stopped));
+    batches.finish();
+    Ok((start, damage))
+}
+
+/// Points on their way from the file; the first batch says what run they are of.
+struct Batch {
+    start: Option<RunStart>,
+    points: Vec<(u64, Point)>,
+}
+
+/// Points gathered into batches, handed to the other thread when full.
+struct Batches {
+    send: mpsc::SyncSender<Batch>,
+    start: Option<RunStart>,
+    points: Vec<(u64, Point)>,
+}
+
+impl Batches {
+    fn new(send: mpsc::SyncSender<Batch>) -> Self {
+        Self { send, start: None, points: Vec::with_capacity(BATCH) }
+    }
+
+    fn push(&mut self, index: u64, point: Point) {
+        self.points.push((index, point));
+        if self.points.len() == BATCH {
+            self.hand_over();
+        }
+    }
+
+    fn hand_over(&mut self) {
+        let points = std::mem::replace(&mut self.points, Vec::with_capacity(BATCH));
+        let batch = Batch { start: self.start.take(), points };
+        self.send.send(batch).expect("batches are taken until the end of the file");
+    }
+
+    fn finish(mut self) {
+        self.hand_over();
+    }
+}
+
+fn unpack(
+    path: &Path,
+    machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
+    send: mpsc::SyncSender<Batch>,
+) -> Result<(RunStart, Option<Damage>), RecordError> {
+    let mut batches = Batches::new(send);
+    let mut first = true;
+    let read = trunnion_record::visit_points(path, &|name| machine(name), &mut |start, index, point| {
+        if std::mem::take(&mut first) {
+            batches.start = Some(start.clone());
+        }
+        batches.push(index, point);
+    })?;
+    batches.finish();
+    Ok(read)
+}
+
+/// Points of a run as they are read: kept, or reduced to blocks when they are many and were taken on the fly.
+struct Points {
+    limits: Option<Limits>,
+    kept: Vec<(u64, Point)>,
+    reducer: Option<(RunStart, Option<Reducer<Nominal>>)>,
+}
+
+impl Points {
+    fn take(&mut self, batch: Batch) {
+        if let Some(start) = batch.start {
+            self.reducer = Some((start, None));
+        }
+        for (index, point) in batch.points {
+            match &mut self.reducer {
+                Some((_, Some(reducer))) => reducer.push(index, point),
+                _ => self.kept.push((index, point)),
+            }
+            if let (Some(limits), Some((start, empty @ None))) = (self.limits, &mut self.reducer)
+                && start.header.kind == RunKind::OnTheFly
+                && self.kept.len() > limits.most_blocks
+            {
+                let mut reducer = trunnion_engine::reducer(&start.machine, &start.header.setups, limits);
+                self.kept.drain(..).for_each(|(index, point)| reducer.push(index, point));
+                *empty = Some(reducer);
+            }
+        }
+    }
+
+    fn finish(mut self) -> (Vec<Point>, Option<Reduction>) {
+        if let Some((_, Some(reducer))) = self.reducer {
+            let mut reduction = reducer.finish();
+            return (std::mem::take(&mut reduction.points), Some(reduction));
+        }
+        self.kept.sort_by_key(|(index, _)| *index);
+        (self.kept.into_iter().map(|(_, point)| point).collect(), None)
+    }
+}

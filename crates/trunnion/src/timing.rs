@@ -1,0 +1,252 @@
+//! How well a recording is known in time: clocks fitted over the whole run, delays from its sync gestures, gaps and losses.
+
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use std::path::Path;
+use trunnion_core::{AxisLetter, AxisSample, AxisValues, Gap, NestSide, ProbeSample};
+use trunnion_cycles::RunKind;
+use trunnion_effects::{Model, ModelEffect};
+use trunnion_engine::{Experiment, IdentifyError};
+use trunnion_record::{Item, RecordError, RunHeader, visit_samples};
+use trunnion_sync::plan::Plan;
+use trunnion_sync::time_quality::{Gesture, StreamTiming, TimeQuality};
+use trunnion_sync::{GestureFinder, Retiming, Stream, Survey, mean_delays};
+
+/// Gaps that were over by then were before the run, s.
+const BEGIN_S: f64 = 0.05;
+/// Delays at the start and at the end differ when they do by so many standard uncertainties.
+const DIFFERS: f64 = 5.0;
+/// Feeds that differ by this factor are two feeds.
+const TWO_FEEDS: f64 = 1.3;
+/// Share of the stroke by which a probe may miss what the nest calibration expects of it.
+const GAIN_SLACK: f64 = 0.25;
+
+/// What the stamps of a recording tell.
+pub struct Timing {
+    /// For the report.
+    pub quality: TimeQuality,
+    retiming: Retiming,
+    /// Delay of each channel against the axes, s.
+    delays_s: BTreeMap<u16, f64>,
+    usual_delay_s: f64,
+}
+
+impl Timing {
+    /// The sample at the time it was taken, by the lines of the whole run and the delay of its channel.
+    pub fn probe(&self, mut sample: ProbeSample) -> ProbeSample {
+        if let Some(time_s) = self.retiming.time_s(Stream::Probe(sample.channel), &sample.stamp) {
+            let delay_s = self.delays_s.get(&sample.channel).copied().unwrap_or(self.usual_delay_s);
+            sample.time_s = time_s - delay_s;
+        }
+        sample
+    }
+
+    /// The positions at the time the controller took them.
+    pub fn axes(&self, mut sample: AxisSample) -> AxisSample {
+        if let Some(time_s) = self.retiming.time_s(Stream::Axes, &sample.stamp) {
+            sample.time_s = time_s;
+        }
+        sample
+    }
+}
+
+/// Reads the stamps of a recording; `None` when it holds none (an import, a simulation, a recording of an older version).
+/// `plan` tells what the probes should have seen of a gesture.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, RecordError> {
+    let mut survey = Survey::default();
+    let mut finder = GestureFinder::default();
+    let (mut gestures, mut gaps, mut stamped) = (Vec::new(), Vec::new(), false);
+    let mut at_gesture = AxisValues::default();
+    let (header, _) = visit_samples(path, &mut |item| {
+        match item {
+            Item::Probes(samples) => {
+                for sample in samples {
+                    stamped |= !sample.stamp.arrival_s.is_nan();
+                    survey.probe(&sample);
+                    finder.probe(&sample);
+                }
+            }
+            Item::Axes(samples) => {
+                for sample in samples {
+                    stamped |= !sample.stamp.arrival_s.is_nan();
+                    survey.axes(&sample);
+                    if let Some(gesture) = finder.axes(&sample) {
+                        at_gesture = sample.position;
+                        gestures.push(gesture);
+                    }
+                }
+            }
+            Item::Gap(gap) if gap.to_s > BEGIN_S => gaps.push(gap),
+            _ => {}
+        }
+        true
+    })?;
+    if !stamped {
+        return Ok(None);
+    }
+    let (retiming, mut streams) = survey.finish();
+    let mut notes = Vec::new();
+    let delays = mean_delays(&gestures);
+    for (stream, timing) in &mut streams {
+        timing.name = name(*stream, &header);
+        timing.delay_s = match stream {
+            Stream::Probe(channel) => delays.get(channel).map(|delay| (delay.delay_s, delay.u_s)),
+            Stream::Axes => None,
+        };
+    }
+    share_out(&gaps, &mut streams);
+    for channel in delays.iter().filter(|(_, delay)| delay.birge_ratio > DIFFERS).map(|(channel, _)| *channel)
+    {
+        notes.push(format!(
+            "{}: the delay against the axes is not the same in all sync gestures; its uncertainty says by how much.",
+            name(Stream::Probe(channel), &header)
+        ));
+    }
+    if header.kind == RunKind::OnTheFly && delays.is_empty() {
+        notes.push(
+            "No sync gesture was seen: what readings come later than the axes by is not taken out. Let `trunnion nc-program` write \
+             the program; it begins and ends with one."
+                .into(),
+        );
+    }
+    if let (Some(plan), Some(gesture)) = (plan, gestures.last()) {
+        notes.extend(unexpected_gains(plan, gesture, &at_gesture, &header));
+    }
+    let known: Vec<f64> = delays.values().map(|delay| delay.delay_s).collect();
+    let usual_delay_s = known.iter().sum::<f64>() / (known.len() as f64).max(1.0);
+    let quality =
+        TimeQuality { run: header.name.clone(), streams: streams.into_values().collect(), gestures, notes };
+    let delays_s = delays.into_iter().map(|(channel, delay)| (channel, delay.delay_s)).collect();
+    Ok(Some(Timing { quality, retiming, delays_s, usual_delay_s }))
+}
+
+fn name(stream: Stream, header: &RunHeader) -> String {
+    match stream {
+        Stream::Axes => "controller".into(),
+        Stream::Probe(channel) => {
+            header.probes.get(usize::from(channel)).cloned().unwrap_or_else(|| format!("channel {channel}"))
+        }
+    }
+}
+
+/// Gaps to the streams they are gaps of; those of no probe are the controller's.
+fn share_out(gaps: &[Gap], streams: &mut BTreeMap<Stream, StreamTiming>) {
+    for gap in gaps {
+        let is_of = |timing: &StreamTiming| {
+            timing.name == gap.source
+                || timing.name.strip_prefix(&gap.source).is_some_and(|rest| rest.starts_with('.'))
+        };
+        let mut owners: Vec<&mut StreamTiming> =
+            streams.values_mut().filter(|timing| is_of(timing)).collect();
+        if owners.is_empty() {
+            owners = streams.get_mut(&Stream::Axes).into_iter().collect();
+        }
+        for owner in owners {
+            owner.gaps.0 += 1;
+            owner.gaps.1 += (gap.to_s - gap.from_s).max(0.0);
+            owner.lost += gap.lost_samples.unwrap_or(0);
+        }
+    }
+}
+
+/// Probes whose reading moved otherwise than the nest calibration and the machine file say: reversed, or in each other's place.
+fn unexpected_gains(
+    plan: &Plan,
+    gesture: &Gesture,
+    position: &AxisValues<f64>,
+    header: &RunHeader,
+) -> Vec<String> {
+    let Ok(channels) = trunnion_sync::plan::check(plan) else { return Vec::new() };
+    let Some(probes_from_nest) = plan.nest.nest_from_probes.try_inverse().filter(|_| channels.len() == 3)
+    else {
+        return Vec::new();
+    };
+    let expected = probes_from_nest * nest_motion(plan, gesture.axis, position);
+    let unexpected = |(k, channel): (usize, &u16)| {
+        let seen = gesture.seen.iter().find(|seen| seen.channel == *channel)?;
+        ((seen.gain - expected[k]).abs() > GAIN_SLACK).then(|| {
+            format!(
+                "{}: moved by {:+.2} of the stroke of {} where machine file and nest calibration expect {:+.2}; look for a probe \
+                 that is reversed or in another's place, and check [nest] in the configuration.",
+                name(Stream::Probe(*channel), header),
+                seen.gain,
+                gesture.axis,
+                expected[k]
+            )
+        })
+    };
+    channels.iter().enumerate().filter_map(unexpected).collect()
+}
+
+/// Change of the reading in nest axes by a motion of one axis, mm/mm.
+fn nest_motion(plan: &Plan, axis: AxisLetter, position: &AxisValues<f64>) -> Vector3<f64> {
+    let mut moved = *position;
+    moved[axis] += 1.0;
+    let none = trunnion_machine::JointErrors::default();
+    let in_table = plan.machine.tool_in_table(&moved).0 - plan.machine.tool_in_table(position).0;
+    match plan.cycle.setups[0].nest {
+        NestSide::Table => in_table,
+        NestSide::Spindle => {
+            let tool_from_table = plan.machine.machine_from_tool(position, &none).inverse()
+                * plan.machine.machine_from_table(position, &none);
+            tool_from_table.rotation * -in_table
+        }
+    }
+}
+
+/// What the sweeps of an experiment tell of the delay between rotary and linear axes, and of the probes where their motion shows
+/// it; `None` at rest. With one feed, or in one direction, a delay looks like backlash or the phase of a once-per-turn error:
+/// then it is only said what is missing [METHODS §9].
+///
+/// # Errors
+/// When the fit fails.
+pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, IdentifyError> {
+    let scene = &experiment.scene;
+    let turning: Vec<AxisLetter> = AxisLetter::ROTARY
+        .into_iter()
+        .filter(|&letter| scene.machine.axis(letter).is_some() && scene.speed_range[letter].1 > 0.0)
+        .collect();
+    if !scene.on_the_fly || turning.is_empty() {
+        return Ok(None);
+    }
+    let both_ways = turning.iter().all(|&letter| scene.direction_range[letter] == (-1.0, 1.0));
+    let two_feeds =
+        turning.iter().all(|&letter| scene.speed_range[letter].1 > TWO_FEEDS * scene.speed_range[letter].0);
+    if !(both_ways && two_feeds) {
+        let missing = if both_ways { "a second feed" } else { "the other direction of travel" };
+        return Ok(Some(format!(
+            "The delay between the axes cannot be told from backlash and the phase of a once-per-turn error without {missing}."
+        )));
+    }
+    let mut model = Model::base(&scene.machine.name);
+    let beside =
+        turning.iter().flat_map(|axis| [format!("backlash:{axis}"), format!("encoder-eccentricity:{axis}")]);
+    for id in std::iter::once("sync-delay".to_owned()).chain(beside) {
+        model.effects.push(ModelEffect { id, ..ModelEffect::default() });
+    }
+    let fit = trunnion_engine::identify(experiment, &model, &trunnion_engine::fit::Options::default())?;
+    let told: Vec<String> = fit
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.effect == "sync-delay")
+        .filter_map(|parameter| {
+            let (value, u) = (parameter.value?, parameter.u?);
+            let what = if parameter.name.contains("rotary") {
+                "the rotary axes come later than the linear axes"
+            } else {
+                "the readings come later than the axes"
+            };
+            let duration = |inside: f64| trunnion_report::duration(inside * parameter.unit.per_inside * 1e-3);
+            Some(format!("{what} by {} (u {})", duration(value), duration(u)))
+        })
+        .collect();
+    Ok((!told.is_empty()).then(|| {
+        format!(
+            "From both directions at two feeds, told apart from backlash and once-per-turn error: {}.",
+            told.join("; ")
+        )
+    }))
+}
