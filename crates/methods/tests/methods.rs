@@ -47,13 +47,13 @@ fn every_method_says_what_it_is_and_is_in_the_guide() {
         assert!(header.contains('['), "{} names no source", method.name);
         assert!(guide.contains(&format!("## {}", method.name)), "docs/methods.md lacks {}", method.name);
         assert!(guide.contains(&format!("--method {}", method.name)), "no command for {}", method.name);
-        assert_eq!(methods::find(method.name).unwrap().name, method.name);
+        assert_eq!(recipes::find(method.name).unwrap().name, method.name);
     }
 }
 
 #[test]
 fn an_unknown_name_is_answered_with_the_allowed_ones() {
-    let error = methods::find("two-hight").unwrap_err().to_string();
+    let error = recipes::find("two-hight").unwrap_err().to_string();
     assert!(error.contains("two-hight"), "{error}");
     assert!(REGISTRY.iter().all(|method| error.contains(method.name)), "{error}");
 }

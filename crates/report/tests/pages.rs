@@ -116,7 +116,7 @@ fn every_page_is_well_formed_and_needs_nothing_from_outside() {
 
 #[test]
 fn the_page_of_a_named_method_shows_values_charts_and_tables() {
-    let method = methods::find("error-map").unwrap();
+    let method = recipes::find("error-map").unwrap();
     let mut run = run();
     for point in &mut run.points {
         let ball = run.setups[point.state.setup].ball_in_table_mm;
