@@ -52,7 +52,7 @@ fn angle(state: &State) -> f64 {
 }
 
 fn circular(run: Run) -> Findings {
-    let method = methods::find("circular").unwrap();
+    let method = recipes::find("circular").unwrap();
     (method.run)(&[run], &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 

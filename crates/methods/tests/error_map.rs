@@ -12,7 +12,7 @@ use trunnion_methods::recipes::MethodOptions;
 use trunnion_methods::{Findings, recipes};
 
 fn error_map(run: Run) -> Findings {
-    let method = methods::find("error-map").expect("registered");
+    let method = recipes::find("error-map").expect("registered");
     (method.run)(&[run], &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -120,7 +120,7 @@ fn linear_steps_calibrate_the_nest() {
 fn a_ball_beside_the_nest_is_refused() {
     let mut run = points_run("points-nothing-hidden");
     run.points[7].state.position.0[0] += 12.0;
-    let method = methods::find("error-map").expect("registered");
+    let method = recipes::find("error-map").expect("registered");
     let error = (method.run)(&[run], &MethodOptions::default()).unwrap_err().to_string();
     assert!(error.contains("12.0 mm beside the nest") && error.contains("linear axes"), "{error}");
 }
