@@ -11,13 +11,15 @@ mod from_results;
 mod html;
 mod input;
 mod markup;
-mod number;
+
 mod svg;
 mod text;
 mod time_quality;
 mod views;
 mod volumetric;
 mod words;
+
+use trunnion_results::number;
 
 pub use from_results::{ladder_of, points_of};
 pub use html::{compare_html, findings_html, ladder_html, trial_html, volumetric_html};
