@@ -5,6 +5,7 @@
 mod commands;
 mod load;
 mod outcome;
+mod terminal;
 mod virtual_setup;
 
 use clap::{Parser, Subcommand};
@@ -72,7 +73,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::DataLoss) => ExitCode::from(3),
         Err(error) => {
-            eprintln!("trunnion: {error:#}");
+            terminal::remark(&format!("{error:#}"));
             ExitCode::FAILURE
         }
     }

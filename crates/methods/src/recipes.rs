@@ -10,7 +10,7 @@ mod rotary_values;
 mod two_height;
 
 use crate::Findings;
-use trunnion_core::AxisLetter;
+use trunnion_core::{AxisLetter, names};
 use trunnion_cycles::Run;
 use trunnion_engine::{ExperimentError, IdentifyError};
 
@@ -105,7 +105,7 @@ pub enum MethodError {
 pub fn find(name: &str) -> Result<&'static Method, MethodError> {
     REGISTRY.into_iter().find(|method| method.name == name).ok_or_else(|| MethodError::Unknown {
         name: name.into(),
-        allowed: REGISTRY.map(|method| method.name).join(", "),
+        allowed: names::allowed(name, REGISTRY.map(|method| method.name)),
     })
 }
 

@@ -2,7 +2,7 @@
 
 use crate::load::{ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 use trunnion_core::AxisLetter;
@@ -81,9 +81,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         write(path, &error_map_csv(&map, &axes))?;
     }
     if args.json {
-        outcome::print_json(&json(&map, &axes))?;
+        terminal::print_json(&json(&map, &axes))?;
     } else {
-        outcome::print(&volumetric_text(&map, &words))?;
+        terminal::print(&volumetric_text(&map, &words))?;
     }
     Ok(outcome)
 }
