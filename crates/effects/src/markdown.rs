@@ -1,4 +1,4 @@
-//! The catalogue as a document for people, `docs/catalogue.md`, with a picture of each effect in `docs/catalogue/`.
+//! The catalogue as a document for people, `docs/design/catalogue.md`, with a picture of each effect in `docs/design/catalogue/`.
 
 use crate::catalogue::{BASE, REGISTRY};
 use crate::{Effect, Instance, Need, PLACES_OF_A_VOLUME, Parameter, Scene, SceneSetup, Subject};
@@ -53,7 +53,7 @@ grid = { start = [0.2, 0.4, 0.6] }
   One inside a function, a power or a divisor is a shape number: give its value as `shape = [..]` or values to try as `grid = { NAME = [..] }`.
 ";
 
-/// Text of `docs/catalogue.md`. Written with its pictures by `cargo run -p trunnion-effects --example catalogue`;
+/// Text of `docs/design/catalogue.md`. Written with its pictures by `cargo run -p trunnion-effects --example catalogue`;
 /// a test compares them.
 pub fn catalogue_markdown() -> String {
     let sources = SOURCES.map(|(number, source)| format!("{number} {source}")).join(", ");
