@@ -24,8 +24,8 @@ const HEADER: &str = "\
 Everything that Trunnion can name as the cause of an error. R stands for a rotary axis, L for a linear one, K for any
 axis, LL for a pair of linear axes. Anything else can be written as a `formula:NAME` effect in a model file (at the end).
 
-Sources: @SOURCES@,
-METHODS (formulas collected for this project), ISO standards by number.
+Sources: @SOURCES@, ISO standards by number;
+all in [references](references.md). Where physics.md is named, the equation is derived in [physics](physics.md).
 
 Each picture shows a typical case as an instrument reads it. Over poses (B and C) and turns it shows what is left of the
 effect after location errors and ball setting have taken their share: the shape to look for in a residual. Circles are

@@ -109,7 +109,7 @@ fn every_effect_says_what_it_is() {
 
 #[test]
 fn the_catalogue_has_every_id_of_the_design() {
-    // DESIGN §3.1, with the axes each belongs to on a machine with tilting B and turning C.
+    // docs/design/contracts.md §1, with the axes each belongs to on a machine with tilting B and turning C.
     let (rotary, linear, all) = (["B", "C"], ["X", "Y", "Z"], ["X", "Y", "Z", "B", "C"]);
     let of = |phenomena: &[&str], axes: &[&str]| -> Vec<String> {
         phenomena.iter().flat_map(|p| axes.iter().map(move |axis| format!("{p}:{axis}"))).collect()

@@ -6,7 +6,7 @@ use trunnion_machine::{State, shipped};
 use trunnion_measurement::{Point, Quality, Run, RunKind, direction, setup};
 use trunnion_units::{AxisLetter, AxisValues};
 
-/// Reads a committed points set (DESIGN §3.2).
+/// Reads a committed points set (docs/design/contracts.md §2).
 pub fn points_set(name: &str) -> Run {
     let folder = format!("{}/../../tests/data/{name}", env!("CARGO_MANIFEST_DIR"));
     let read = |file: &str| std::fs::read_to_string(format!("{folder}/{file}")).unwrap();
