@@ -1,5 +1,7 @@
 //! Licences and duplicates of the dependencies: what deny.toml allows, what THIRD-PARTY.md lists.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
