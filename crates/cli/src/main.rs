@@ -1,6 +1,6 @@
 //! `trunnion`: the one binary. Each command is one file under `commands`.
 //!
-//! Exit codes (DESIGN §3.5): 0 done, 1 failed, 2 usage, 3 done with data loss.
+//! Exit codes (docs/design/contracts.md §5): 0 done, 1 failed, 2 usage, 3 done with data loss.
 
 mod commands;
 mod load;

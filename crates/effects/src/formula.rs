@@ -1,5 +1,5 @@
 //! Formula effects, `formula:NAME`: an expression over the state with named parameters, written in a model file
-//! or found by a diagnosis (DESIGN §3.4).
+//! or found by a diagnosis (docs/design/contracts.md §4).
 //!
 //! Symbols, inside units: `A B C` rad, `X Y Z` mm, `vB` and `aB` velocity and acceleration (per s, per s²), `dirB` −1, 0, 1,
 //! `sinceB` travel since B last turned round, `t` s since the first point, `T_NAME` change of temperature channel NAME since

@@ -17,7 +17,7 @@ use trunnion_report::{
 /// Identify the machine's errors from recordings
 ///
 /// Without --method all effects of the model are fitted together. With --method a closed recipe of the literature is
-/// applied (docs/methods.md).
+/// applied (docs/use/methods.md).
 ///
 /// Example: trunnion identify run.mcap --model machine.model.toml
 ///
