@@ -15,6 +15,7 @@ mod plan;
 mod prediction;
 mod preview;
 mod schema;
+pub mod sentences;
 mod time_quality;
 mod volumetric;
 

@@ -38,7 +38,9 @@ pub enum Error {
     #[error(transparent)]
     Problems(#[from] Problems),
     /// A machine that is neither shipped nor a file.
-    #[error("there is no machine \"{name}\"; allowed: {allowed}, or the path of a machine file ending in .toml")]
+    #[error(
+        "there is no machine \"{name}\"; allowed: {allowed}, or the path of a machine file ending in .toml"
+    )]
     NoSuchMachine {
         /// As asked.
         name: String,
@@ -60,8 +62,19 @@ pub enum Error {
     /// No cycle could be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// A named method cannot be applied.
+    #[error(transparent)]
+    Method(#[from] trunnion_methods::recipes::MethodError),
+    /// The deviation of a recording cannot be attributed to its axes.
+    #[error(transparent)]
+    Attribution(#[from] trunnion_methods::attribution::AttributionError),
+    /// A volume that the machine does not have.
+    #[error(transparent)]
+    Volume(#[from] trunnion_methods::volumetric::VolumeError),
     /// A model of another machine than that of the runs to predict.
-    #[error("the model was fitted on machine {fitted}, run {run} was measured on machine {found}; predict runs of one machine")]
+    #[error(
+        "the model was fitted on machine {fitted}, run {run} was measured on machine {found}; predict runs of one machine"
+    )]
     OtherMachine {
         /// Machine of the fit.
         fitted: String,
@@ -71,7 +84,9 @@ pub enum Error {
         found: String,
     },
     /// The effect is in the model file already.
-    #[error("{effect} is in the model already; remove it first, or delete its [effect.ladder] to measure it again")]
+    #[error(
+        "{effect} is in the model already; remove it first, or delete its [effect.ladder] to measure it again"
+    )]
     InModel {
         /// Effect id.
         effect: String,

@@ -134,11 +134,7 @@ impl Experiment {
     /// # Errors
     /// When the fit behind the delays fails.
     pub fn time_quality(&self) -> Result<Vec<results::TimeQuality>, Error> {
-        Ok(self.timing()?.iter().map(results::TimeQuality::from).collect())
-    }
-
-    pub(crate) fn timing(&self) -> Result<Vec<TimeQuality>, Error> {
-        let mut timing = self.opened.timing.clone();
+        let mut timing: Vec<_> = self.opened.timing.iter().map(results::TimeQuality::from).collect();
         if let Some(last) = timing.last_mut() {
             last.notes.extend(timing::delay_by_feeds(self.points())?);
         }

@@ -3,6 +3,7 @@
 use crate::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use trunnion_core::names;
 use trunnion_machine::{Machine, shipped};
 
 /// A machine file by path, or a shipped machine by name.
@@ -18,7 +19,7 @@ pub fn machine(name: &str) -> Result<Machine, Error> {
     }
     shipped::machine(name).ok_or_else(|| Error::NoSuchMachine {
         name: name.into(),
-        allowed: shipped::FILES.map(|(name, _)| name).join(", "),
+        allowed: names::allowed(name, shipped::FILES.map(|(name, _)| name)),
     })
 }
 

@@ -1,7 +1,7 @@
 //! A model fitted to runs, and everything that can be asked of it.
 
 use crate::analysis::FormulaText;
-use crate::{Diagnosed, Error, Experiment, Model, Step, analysis, page, prediction};
+use crate::{Compared, Diagnosed, Error, Experiment, Model, Step, Trial, analysis, prediction};
 use std::sync::Arc;
 use trunnion_engine::{Identification, diagnosis, fit, next_cycle};
 use trunnion_results as results;
@@ -51,7 +51,7 @@ impl Fit {
 
     /// The answer as text.
     pub fn summary(&self) -> String {
-        trunnion_report::identification_text(&self.identification().into())
+        trunnion_report::identification_text(&self.results())
     }
 
     /// Which effect the model lacks; where candidates are confused, the cycle that separates them is planned too.
@@ -77,7 +77,7 @@ impl Fit {
     /// # Errors
     /// As [`Fit::add`].
     pub fn add_as(&self, effect: &str, told: &FormulaText) -> Result<Step, Error> {
-        Step::add(self, effect, told)
+        Step::of(self, effect, told)
     }
 
     /// Takes an effect out of the model, fits again and measures the ladder rows after it again; `date` goes into them.
@@ -90,7 +90,9 @@ impl Fit {
         let mut model = self.model.without(effect)?;
         for entry in &smaller.effects {
             let old = self.model.entries().effects.iter().find(|old| old.id == entry.id);
-            if let Some(row) = entry.ladder.as_ref().filter(|_| old.is_none_or(|old| old.ladder != entry.ladder)) {
+            if let Some(row) =
+                entry.ladder.as_ref().filter(|_| old.is_none_or(|old| old.ladder != entry.ladder))
+            {
                 model = model.with_ladder_row(&entry.id, row)?;
             }
         }
@@ -106,21 +108,20 @@ impl Fit {
         prediction::predict(self, other)
     }
 
-    /// Where the model fails, with what is missing from it; as tables and page too.
+    /// Where the model fails, with what is missing from it.
     ///
     /// # Errors
     /// When the diagnosis fails.
-    pub fn compare(&self) -> Result<trunnion_report::CompareInput, Error> {
-        let diagnosis = analysis::diagnose_and_plan(self.experiment.points(), self.model.entries())?;
-        let timing = self.experiment.timing()?;
-        Ok(page::compare_input(
-            self.experiment.points(),
-            self.identification(),
-            Some(&diagnosis),
-            self.model.entries(),
-            &[],
-            &timing,
-        ))
+    pub fn compare(&self) -> Result<Compared, Error> {
+        Compared::of(self)
+    }
+
+    /// What one more effect would do; the model stays as it is. `told` is what a user says of the expression of a formula.
+    ///
+    /// # Errors
+    /// As [`Fit::add`].
+    pub fn try_effect(&self, effect: &str, told: &FormulaText) -> Result<Trial, Error> {
+        Trial::of(self, effect, told)
     }
 
     /// The cycle that separates these effects; without any, those that the diagnosis leaves open. `None` when it leaves none open.
@@ -132,7 +133,8 @@ impl Fit {
         let rivals = if rivals.is_empty() {
             next_cycle::wanted(&trunnion_engine::diagnose(points, model, &diagnosis::Options::default())?)
         } else {
-            next_cycle::rivals_named(rivals, self.experiment.machine()).map_err(next_cycle::PlanError::from)?
+            next_cycle::rivals_named(rivals, self.experiment.machine())
+                .map_err(next_cycle::PlanError::from)?
         };
         if matches!(&rivals, next_cycle::Rivals::Reveal(effects) if effects.is_empty()) {
             return Ok(None);

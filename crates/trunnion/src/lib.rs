@@ -18,11 +18,13 @@
 //! [`Diagnosed::results`] and [`Step::results`] give it, `summary` gives the same as text.
 
 pub mod analysis;
+mod compared;
 mod diagnosed;
 mod error;
 mod experiment;
 pub mod files;
 mod fit;
+mod methods;
 mod model;
 pub mod page;
 mod prediction;
@@ -31,10 +33,12 @@ pub mod recording;
 mod step;
 pub mod timing;
 
+pub use compared::{Compared, Trial};
 pub use diagnosed::Diagnosed;
 pub use error::Error;
 pub use experiment::{Experiment, open, open_all, open_with, read, read_points};
 pub use fit::Fit;
+pub use methods::{Attributed, Volumetric, attribute_run};
 pub use model::Model;
 pub use step::Step;
 pub use trunnion_results as results;

@@ -6,6 +6,9 @@ use trunnion_effects as effects;
 use trunnion_effects::{LadderRow, ModelEffect};
 use trunnion_results as results;
 
+/// Name of a model in problems of its edited text, which is read again so that the model always is what its file will hold.
+const EDITED: &str = "model";
+
 /// The effects that explain a machine, in the order they were added (`trunnion-model/1`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
@@ -26,6 +29,14 @@ impl Model {
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         Self::parse(&path.display().to_string(), files::read(path)?)
+    }
+
+    /// Reads a model file; the base model where there is none yet.
+    ///
+    /// # Errors
+    /// As [`Model::load`].
+    pub fn load_or_base(path: impl AsRef<Path>, machine: &str) -> Result<Self, Error> {
+        if path.as_ref().exists() { Self::load(path) } else { Ok(Self::base(machine)) }
     }
 
     /// Reads the text of a model file; `file` is the name in problems.
@@ -66,30 +77,19 @@ impl Model {
 
     /// With more entries at the end.
     pub(crate) fn with(&self, entries: &[ModelEffect]) -> Result<Self, Error> {
-        let mut longer = self.clone();
-        for entry in entries {
-            longer.text = effects::Model::append(&longer.text, entry)?;
-            longer.entries.effects.push(entry.clone());
-        }
-        Ok(longer)
+        let text =
+            entries.iter().try_fold(self.text.clone(), |text, entry| effects::Model::append(&text, entry))?;
+        Self::parse(EDITED, text)
     }
 
     /// With another ladder row of the entry `id`.
     pub(crate) fn with_ladder_row(&self, id: &str, row: &LadderRow) -> Result<Self, Error> {
-        let mut changed = self.clone();
-        changed.text = effects::Model::with_ladder_row(&self.text, id, row)?;
-        for entry in changed.entries.effects.iter_mut().filter(|entry| entry.id == id) {
-            entry.ladder = Some(row.clone());
-        }
-        Ok(changed)
+        Self::parse(EDITED, effects::Model::with_ladder_row(&self.text, id, row)?)
     }
 
     /// Without the entry `id`.
     pub(crate) fn without(&self, id: &str) -> Result<Self, Error> {
-        let mut shorter = self.clone();
-        shorter.text = effects::Model::without(&self.text, id)?;
-        shorter.entries.effects.retain(|entry| entry.id != id);
-        Ok(shorter)
+        Self::parse(EDITED, effects::Model::without(&self.text, id)?)
     }
 }
 

@@ -35,7 +35,8 @@ pub(crate) fn predict(fit: &Fit, other: &Experiment) -> Result<results::Predicti
         let experiment = trunnion_engine::Experiment::new(std::slice::from_ref(run))?;
         runs.push(predict_run(fit, &experiment, &run.name)?);
     }
-    let not_determined = |parameter: &&FittedParameter| !parameter.observable() && parameter.effect != BASE[1];
+    let not_determined =
+        |parameter: &&FittedParameter| !parameter.observable() && parameter.effect != BASE[1];
     Ok(results::Prediction {
         format: results::PredictionFormat::V1,
         machine: fitted.machine.clone(),
@@ -92,13 +93,16 @@ impl Frozen {
             let instance =
                 Instance::from_model_effect(entry, experiment.machine()).map_err(IdentifyError::from)?;
             let columns = experiment.columns(&instance, &effect.shape);
-            let mut frozen = ModelEffect { shape: effect.shape.clone(), fixed: vec![], prior: vec![], ..entry.clone() };
+            let mut frozen =
+                ModelEffect { shape: effect.shape.clone(), fixed: vec![], prior: vec![], ..entry.clone() };
             for (j, parameter) in instance.parameters(&experiment.scene).iter().enumerate() {
                 let known = index(fitted, &entry.id, &parameter.name).filter(|_| entry.id != BASE[1]);
                 let column = columns.column(j).into_owned();
                 match known {
                     Some(k) => {
-                        frozen.fixed.push((parameter.name.clone(), fitted.solution[k] * parameter.unit.per_inside));
+                        frozen
+                            .fixed
+                            .push((parameter.name.clone(), fitted.solution[k] * parameter.unit.per_inside));
                         held.push(column);
                         indices.push(k);
                     }
@@ -140,7 +144,8 @@ fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
         return columns.clone();
     }
     let svd = columns.clone().svd(true, false);
-    let kept: Vec<usize> =
-        (0..svd.singular_values.len()).filter(|&k| svd.singular_values[k] > INDEPENDENT * svd.singular_values[0]).collect();
+    let kept: Vec<usize> = (0..svd.singular_values.len())
+        .filter(|&k| svd.singular_values[k] > INDEPENDENT * svd.singular_values[0])
+        .collect();
     svd.u.map_or_else(|| DMatrix::zeros(columns.nrows(), 0), |u| u.select_columns(&kept))
 }

@@ -10,6 +10,8 @@ use trunnion_results as results;
 #[derive(Clone)]
 pub struct Step {
     effect: String,
+    /// What was added, with the ladder row of all of it.
+    whole: ModelEffect,
     row: LadderRow,
     entries: Vec<ModelEffect>,
     before: Fit,
@@ -17,7 +19,7 @@ pub struct Step {
 }
 
 impl Step {
-    pub(crate) fn add(fit: &Fit, effect: &str, told: &FormulaText) -> Result<Self, Error> {
+    pub(crate) fn of(fit: &Fit, effect: &str, told: &FormulaText) -> Result<Self, Error> {
         let (experiment, model) = (fit.experiment(), fit.model());
         let held = model.entries().effects.iter().position(|entry| entry.id == effect);
         let (step, larger) = match held {
@@ -40,6 +42,7 @@ impl Step {
         Ok(Self {
             effect: effect.into(),
             row: row_of(&step),
+            whole: step.entry,
             after: Fit::of(experiment, larger, step.identification),
             entries: step.entries,
             before,
@@ -88,9 +91,18 @@ impl Step {
         &self.entries
     }
 
-    /// What adding it did to the error.
+    /// What was added as one entry, with the ladder row of all of it.
+    pub(crate) fn whole_entry(&self) -> &ModelEffect {
+        &self.whole
+    }
+
+    /// What adding it did to the error: as the model file holds it, or of all entries of a formula of several components.
     pub fn row(&self) -> results::LadderRow {
-        (&self.row).into()
+        let of_model = self.model().entries().effects.iter().find(|entry| entry.id == self.effect);
+        match of_model.and_then(|entry| entry.ladder.as_ref()).filter(|_| self.entries.len() == 1) {
+            Some(row) => row.into(),
+            None => (&self.row).into(),
+        }
     }
 
     /// The ladder of the model with it.

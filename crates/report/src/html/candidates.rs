@@ -3,10 +3,10 @@
 use super::trial;
 use crate::CompareInput;
 use crate::markup::{element, escape, table};
-use crate::number::{percent, um, value_and_u};
+use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::svg::{Bar, bars};
 use crate::words::{about, effect_name, formula_shape, formula_site, sources};
-use trunnion_engine::{Candidate, Diagnosis, FormulaProposal};
+use trunnion_results::{Candidate, Diagnosis, FormulaProposal, Parameter};
 
 pub fn section(input: &CompareInput) -> String {
     let body = match &input.diagnosis {
@@ -27,7 +27,7 @@ fn found(input: &CompareInput, diagnosis: &Diagnosis) -> String {
         "Error before and after each candidate",
         "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: noise floor.",
         &steps(input, diagnosis),
-        Some(diagnosis.residual.noise_um),
+        diagnosis.residual.noise_um,
     );
     if let Some(formula) = &diagnosis.formula {
         body += &formula_paragraph(formula);
@@ -62,7 +62,7 @@ fn steps(input: &CompareInput, diagnosis: &Diagnosis) -> Vec<Bar> {
     let candidates = diagnosis
         .candidates
         .iter()
-        .map(|c| bar(format!("with {}", c.effect), c.rms_um_after, Some(c.holdout_rms_um_after)));
+        .map(|c| bar(format!("with {}", c.effect), c.rms_um_after, c.holdout_rms_um_after));
     std::iter::once(now).chain(candidates).chain(formula).collect()
 }
 
@@ -70,7 +70,7 @@ fn size_table(best: &Candidate) -> String {
     if best.parameters.is_empty() {
         return String::new();
     }
-    let row = |p: &trunnion_engine::CandidateParameter| {
+    let row = |p: &Parameter| {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         vec![p.name.clone(), value, u]
     };
@@ -87,7 +87,7 @@ fn candidates_table(candidates: &[Candidate]) -> String {
                 effect_name(&c.effect),
                 format!("{:.1}", c.evidence).replace('-', "−"),
                 um(c.rms_um_after),
-                um(c.holdout_rms_um_after),
+                um_or_dash(c.holdout_rms_um_after),
                 percent(c.explains_fraction),
                 if c.adequate { "yes" } else { "no" }.into(),
                 about(&c.effect).map_or(String::new(), |about| sources(about.source)),

@@ -2,9 +2,9 @@
 
 use crate::CompareInput;
 use crate::markup::{element, escape};
-use crate::number::{percent, um};
+use crate::number::{percent_or_dash, um, um_or_dash};
 use crate::words::{beyond_figures, effect_name, evidence_words, formula_leads, planned_words};
-use trunnion_engine::{Candidate, Diagnosis};
+use trunnion_results::{Candidate, Diagnosis};
 
 pub fn section(input: &CompareInput) -> String {
     let Some(diagnosis) = &input.diagnosis else { return String::new() };
@@ -41,25 +41,25 @@ pub fn section(input: &CompareInput) -> String {
 }
 
 fn noise(input: &CompareInput, diagnosis: &Diagnosis) -> String {
-    let origin = &input.identification.noise.origin;
-    let share = percent(diagnosis.residual.unexplained_fraction);
-    let floor = um(diagnosis.residual.noise_um);
+    let origin = &input.noise.origin;
+    let share = percent_or_dash(diagnosis.residual.unexplained_fraction);
+    let floor = um_or_dash(diagnosis.residual.noise_um);
     format!("{share} of what is left (mean square) lies above the noise floor of {floor}: {origin}.")
 }
 
 fn held_out(input: &CompareInput, best: &Candidate) -> Option<String> {
-    let before = input.identification.holdout_rms_um?;
+    let (before, after) = input.identification.holdout_rms_um.zip(best.holdout_rms_um_after)?;
     Some(format!(
         "It also predicts what it has not seen: on passes left out of the fit the error falls from {} to {}.",
         um(before),
-        um(best.holdout_rms_um_after)
+        um(after)
     ))
-    .filter(|_| best.holdout_rms_um_after < 0.97 * before)
+    .filter(|_| after < 0.97 * before)
     .or_else(|| {
         Some(format!(
             "On passes left out of the fit the error does not fall ({} before, {} after): take it with care.",
             um(before),
-            um(best.holdout_rms_um_after)
+            um(after)
         ))
     })
 }
