@@ -1,8 +1,9 @@
-//! Effects against figures and identities from outside this program.
+//! The golden case of every effect, and identities of the literature that are no reading of one effect.
 
 use nalgebra::{Point3, Vector3};
 use std::slice::from_ref;
-use trunnion_effects::{Instance, Scene, SceneSetup};
+use trunnion_effects::catalogue::{self, REGISTRY};
+use trunnion_effects::{Checked, Instance, Scene, SceneSetup};
 use trunnion_machine::{Machine, Site, State, shipped};
 use trunnion_units::{AxisLetter, AxisValues, Twist};
 
@@ -27,28 +28,20 @@ fn twists(id: &str, shape: &[f64], scene_states: &[State], state: &State) -> Vec
 }
 
 #[test]
-fn squareness_has_the_signs_of_the_review_model() {
-    // S2 eq. 1 with constant angles: ex = EB0Z·z − EC0Y·y, ey = −EA0Z·z.
-    let (y_mm, z_mm) = (168.0, 100.0);
-    for (id, letter, travel_mm, expected) in [
-        ("squareness:YX", AxisLetter::Y, y_mm, Vector3::new(-y_mm, 0.0, 0.0)),
-        ("squareness:ZX", AxisLetter::Z, z_mm, Vector3::new(z_mm, 0.0, 0.0)),
-        ("squareness:ZY", AxisLetter::Z, z_mm, Vector3::new(0.0, -z_mm, 0.0)),
-    ] {
-        let state = at(letter, travel_mm);
-        assert_eq!(twists(id, &[], from_ref(&state), &state)[0].translation_mm, expected, "{id}");
+fn every_effect_has_a_golden_case_and_reads_what_it_says() {
+    for effect in REGISTRY {
+        let (id, golden) = (effect.phenomenon, &effect.golden);
+        assert!(catalogue::effect(golden.id).is_some_and(|own| own.phenomenon == id), "{id}: {}", golden.id);
+        assert!(golden.source.len() > 2 && golden.derivation.len() > 20, "{id} names no source");
+        let checked = golden.check();
+        let largest_um = checked.iter().map(|one| one.expected_um.amax()).fold(0.0, f64::max);
+        assert!(largest_um > 0.0, "{id}: nothing is expected anywhere");
+        assert!((1e-9..=0.1 * largest_um).contains(&golden.within_um), "{id}: within {} µm", golden.within_um);
+        for Checked { expected_um, found_um } in checked {
+            let off_um = (found_um - expected_um).amax();
+            assert!(off_um <= golden.within_um, "{id}: {expected_um} expected, {found_um} found");
+        }
     }
-}
-
-#[test]
-fn a_two_micrometre_reversal_shift_moves_b_by_two_micrometres_between_directions() {
-    // S4 §4.3, measurement B-Y: 2 µm axial displacement when B changes its direction.
-    let way = |direction: f64| {
-        let mut state = State::default();
-        state.direction[AxisLetter::B] = direction;
-        (twists("direction-shift:B", &[], from_ref(&state), &state)[1] * 2.0).translation_mm.y
-    };
-    assert_eq!(way(1.0) - way(-1.0), 2.0);
 }
 
 #[test]
@@ -72,18 +65,6 @@ fn eleven_lobes_read_as_one_on_a_30_degree_grid() {
         assert!((fine[0].rotation_rad - coarse[0].rotation_rad).norm() < 1e-12);
         assert!((fine[1].rotation_rad + coarse[1].rotation_rad).norm() < 1e-12);
     }
-}
-
-#[test]
-fn a_warm_up_has_done_63_percent_after_one_time_constant() {
-    // 1 − 1/e = 0.6321: definition of the time constant of a first-order system.
-    let timed = |time_s: f64| State { time_s: Some(time_s), ..State::default() };
-    let states = [timed(100.0), timed(700.0)];
-    let seen = twists("thermal-drift", &[600.0, 1e12], &states, &states[1]);
-    assert!((seen[0].translation_mm.x - 0.6321).abs() < 1e-4);
-    assert!(seen[3].translation_mm.norm() < 1e-8);
-    let grown = twists("spindle-growth", &[600.0], &states, &states[1])[0].translation_mm;
-    assert!((grown.z + 0.6321).abs() < 1e-4, "the tool tip moves away from the spindle");
 }
 
 #[test]

@@ -7,13 +7,16 @@
 //! Probe triads: `triad` 0 along the nest's x, y, z; 1 three probes under the ball, square to each other, 120° apart.
 //! Limits: probes square to each other; ball not turned in its holder or by the spindle; the probes touch flat.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::{UnitQuaternion, Vector3};
 use trunnion_machine::{JointErrors, Machine, Side, Site, State};
 use trunnion_units::Twist;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "ball-form",
+    role: Role::CAUSE,
     about: About {
         title: "Form of the measured ball",
         source: "METHODS §9; ISO 3290-1 (deviation from spherical form); Abramowitz & Stegun ch. 8 (surface harmonics)",
@@ -42,6 +45,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[2.0, 1.0],
         values: &[("c0", 0.1), ("c2", 0.2)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "ISO 3290-1 (grade 5: deviation from spherical form 0.13 µm)",
+        derivation: "An oval ball, P₂ = 1 at the pole and −½ at the equator, amplitude 0.13/1.5 µm: z reads the pole, and after B = 90° the equator, 0.13 µm less.",
+        id: "ball-form",
+        shape: &[2.0, 0.0],
+        values: &[("c0", 0.13 / 1.5)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([-0.0433, -0.0433, 0.0867]), ..Moment::AT_REST },
+            Moment { position: &[("B", 90.0)], read_um: Some([0.0867, -0.0433, -0.0433]), ..Moment::AT_REST },
+        ],
+        within_um: 0.0005,
     },
 };
 
