@@ -9,7 +9,7 @@ mod clock;
 mod travel;
 
 use crate::evidence::Natural;
-use trunnion_effects::{Instance, ModelEffect};
+use trunnion_effects::{Formula, Instance, ModelEffect};
 use trunnion_identify::Experiment;
 use trunnion_identify::machine_noise::Order;
 use trunnion_units::AxisLetter;
@@ -171,7 +171,7 @@ fn family(draft: Draft, experiment: &Experiment) -> Option<Family> {
     };
     let expression = terms.map(term).collect::<Vec<_>>().join(" + ");
     let entry = ModelEffect {
-        id: "formula:factor".into(),
+        id: Formula::id_of("factor"),
         site: Some("spindle".into()),
         component: Some("dx".into()),
         expression: Some(expression.clone()),

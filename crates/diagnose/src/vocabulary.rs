@@ -8,7 +8,7 @@ use crate::families::{Carriers, Family, families};
 use crate::refine::readable;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-use trunnion_effects::ModelEffect;
+use trunnion_effects::{Formula, ModelEffect};
 use trunnion_identify::Experiment;
 use trunnion_identify::machine_noise::{Order, ground_joint, modulated, unit_columns};
 use trunnion_machine::Site;
@@ -178,7 +178,7 @@ impl Vocabulary {
             let site = site_text(*site);
             let component = COMPONENTS[*component];
             ModelEffect {
-                id: format!("formula:{}-{component}", site.replace(':', "-").to_lowercase()),
+                id: Formula::id_of(&format!("{}-{component}", site.replace(':', "-").to_lowercase())),
                 site: Some(site),
                 component: Some(component.into()),
                 expression: Some(family.expression.clone()),

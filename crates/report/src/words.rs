@@ -4,7 +4,7 @@ use crate::number::{degrees, percent, plain, um, um_or_dash, unit_on_screen};
 use crate::{CompareInput, ParameterRow, Trial};
 use trunnion_diagnose::plan::PlannedCycle;
 use trunnion_diagnose::{Candidate, Diagnosis, FormulaProposal, ShapeNumber, Verdict};
-use trunnion_effects::catalogue::REGISTRY;
+use trunnion_effects::catalogue::effect;
 use trunnion_effects::{About, Moved, SOURCES};
 
 /// A parameter is worth telling when it exceeds this many standard uncertainties.
@@ -14,8 +14,7 @@ const LEVER_MM: f64 = 100.0;
 
 /// What the catalogue knows of an effect id; `None` for a formula or a foreign id.
 pub fn about(id: &str) -> Option<&'static About> {
-    let phenomenon = id.split(':').next()?;
-    REGISTRY.iter().find(|effect| effect.phenomenon == phenomenon).map(|effect| &effect.about)
+    effect(id).map(|effect| &effect.about)
 }
 
 /// `Title (id)`, or the id alone.

@@ -9,7 +9,7 @@ use trunnion_daemon::analysis::{self, FormulaText, Step};
 use trunnion_daemon::page;
 use trunnion_diagnose::views::Place;
 use trunnion_diagnose::{Diagnosis, Verdict};
-use trunnion_effects::Model;
+use trunnion_effects::{Formula, Model};
 use trunnion_identify::Experiment;
 use trunnion_measurement::time_quality::TimeQuality;
 use trunnion_report::{
@@ -70,7 +70,7 @@ fn compare(
         if let Some(effect) = best(&diagnosis) {
             // The page shows the best candidate at work.
             let entries = match &diagnosis.formula {
-                Some(formula) if effect.starts_with("formula:") => formula.entries.clone(),
+                Some(formula) if Formula::name_of(&effect).is_some() => formula.entries.clone(),
                 _ => analysis::entries(experiment, model, &effect, &FormulaText::default())?,
             };
             let step = analysis::put(experiment, model, entries, &today()?)?;
@@ -140,7 +140,7 @@ fn best(diagnosis: &Diagnosis) -> Option<String> {
         Verdict::NoiseFloor => None,
         Verdict::MissingEffect => diagnosis.candidates.first().map(|candidate| candidate.effect.clone()),
         Verdict::UnnamedStructure => {
-            diagnosis.formula.as_ref().map(|formula| format!("formula:{}", formula.name))
+            diagnosis.formula.as_ref().map(|formula| Formula::id_of(&formula.name))
         }
     }
 }

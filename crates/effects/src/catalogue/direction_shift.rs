@@ -59,7 +59,7 @@ pub(crate) static EFFECT: Effect = Effect {
             },
             Moment { position: &[("B", -30.0)], ..Moment::AT_REST },
         ],
-        within_um: 0.5,
+        within_um: 0.05,
     },
 };
 

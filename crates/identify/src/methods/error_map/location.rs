@@ -11,7 +11,7 @@ use crate::linear::least_squares;
 use crate::{FittedParameter, Identification};
 use nalgebra::{DMatrix, DVector, Vector3};
 use trunnion_effects::Unit;
-use trunnion_effects::catalogue::BASE;
+use trunnion_effects::catalogue::LOCATION_ERRORS;
 use trunnion_machine::propagation::JointFrame;
 use trunnion_units::{AxisLetter, Twist};
 
@@ -43,7 +43,7 @@ impl Locations {
         let observable: Vec<(&FittedParameter, AxisLetter, Twist)> = joint
             .parameters
             .iter()
-            .filter(|p| p.effect == BASE[0] && p.observable())
+            .filter(|p| p.effect == LOCATION_ERRORS && p.observable())
             .filter_map(|p| constant(&p.name).map(|(axis, twist)| (p, axis, twist)))
             .filter(|(_, axis, _)| [grid.tilting, grid.turning].contains(axis))
             .collect();
