@@ -117,7 +117,7 @@ impl Golden {
         }
         let found_um = |state: &State| {
             let mut read_mm = Vector3::zeros();
-            r_test_reading(&instance, &scene, self.shape, state, &mut |i, per_unit| {
+            r_test_reading(&instance, &scene, self.shape, state, Point3::origin(), &mut |i, per_unit| {
                 read_mm += per_unit * values[i]
             });
             read_mm.map(convert::um_from_mm)

@@ -13,6 +13,7 @@ pub fn r_test_reading(
     scene: &Scene,
     shape: &[f64],
     state: &State,
+    spindle_ball_in_tool_mm: Point3<f64>,
     each: &mut dyn FnMut(usize, Vector3<f64>),
 ) {
     let none = JointErrors::default();
@@ -20,7 +21,7 @@ pub fn r_test_reading(
     let machine_from_tool = scene.machine.machine_from_tool(&state.position, &none);
     let table_ball =
         machine_from_table * scene.setups.get(state.setup).map_or(Point3::origin(), |s| s.ball_in_table_mm);
-    let spindle_ball = machine_from_tool * Point3::origin();
+    let spindle_ball = machine_from_tool * spindle_ball_in_tool_mm;
     instance.motions(scene, shape, state, &mut |i, site, twist| {
         let tool_against_table = match site {
             Site::Reading => return each(i, twist.translation_mm),

@@ -79,9 +79,14 @@ impl<'a> Placed<'a> {
     /// Error of the reading, mm.
     fn reading_mm(&self, state: &State) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
-        r_test_reading(&self.instance, &self.scene, self.shape, state, &mut |i, reading| {
-            sum += reading * self.values[i]
-        });
+        r_test_reading(
+            &self.instance,
+            &self.scene,
+            self.shape,
+            state,
+            Point3::origin(),
+            &mut |i, reading| sum += reading * self.values[i],
+        );
         sum
     }
 
@@ -104,7 +109,7 @@ impl<'a> Placed<'a> {
         for (k, instance) in base.iter().enumerate() {
             let first: usize = widths[..k].iter().sum();
             for (point, state) in states.iter().enumerate() {
-                r_test_reading(instance, &self.scene, &[], state, &mut |i, reading| {
+                r_test_reading(instance, &self.scene, &[], state, Point3::origin(), &mut |i, reading| {
                     let mut rows = columns.view_mut((3 * point, first + i), (3, 1));
                     rows += reading;
                 });
