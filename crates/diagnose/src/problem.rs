@@ -56,7 +56,10 @@ impl<'a> Problem<'a> {
         let mut out_of_reach = Vec::new();
         let (mut instances, mut shapes, mut groups) = (Vec::new(), Vec::new(), Vec::new());
         for instance in Instance::all(experiment.machine()) {
-            if instance.role() == Role::Description || in_model(&instance.id()) || without.contains(&instance.id()) {
+            if instance.role() == Role::Description
+                || in_model(&instance.id())
+                || without.contains(&instance.id())
+            {
                 continue;
             }
             let grid = instance.shapes(&experiment.scene);

@@ -139,9 +139,7 @@ fn best(diagnosis: &Diagnosis) -> Option<String> {
     match diagnosis.verdict {
         Verdict::NoiseFloor => None,
         Verdict::MissingEffect => diagnosis.candidates.first().map(|candidate| candidate.effect.clone()),
-        Verdict::UnnamedStructure => {
-            diagnosis.formula.as_ref().map(|formula| Formula::id_of(&formula.name))
-        }
+        Verdict::UnnamedStructure => diagnosis.formula.as_ref().map(|formula| Formula::id_of(&formula.name)),
     }
 }
 
