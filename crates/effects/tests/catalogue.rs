@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use trunnion_effects::catalogue::{BASE, LOCATION_ERRORS, REGISTRY};
 use trunnion_effects::{Instance, Need, Role, Scene, SceneSetup, r_test_reading};
-use trunnion_machine::{Machine, Site, State, shipped};
+use trunnion_machine::{Errors, JointErrors, Machine, Site, State, shipped};
 use trunnion_units::{AxisLetter, AxisValues, Twist};
 
 const DIRECTORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/catalogue");
@@ -365,6 +365,73 @@ fn effects_that_start_at_zero_are_zero_at_the_start() {
                     let size = twist.translation_mm.norm() + twist.rotation_rad.norm();
                     assert!(size < 1e-12, "{id} {shape:?} parameter {i}: {size}");
                 });
+            }
+        }
+    }
+}
+
+/// What the exact kinematics read: spindle-side against table-side ball in table axes, mm.
+fn exact_reading(
+    machine: &Machine,
+    state: &State,
+    [table_ball, spindle_ball]: [Point3<f64>; 2],
+    errors: &Errors,
+) -> Vector3<f64> {
+    let machine_from_table = machine.machine_from_table(&state.position, &errors.joints);
+    let machine_from_tool = machine.machine_from_tool(&state.position, &errors.joints);
+    let spindle_ball_in_machine = machine_from_tool * (spindle_ball + errors.spindle_ball_mm);
+    let apart = machine_from_table.inverse() * spindle_ball_in_machine - table_ball;
+    apart - errors.table_ball.translation_mm + errors.reading_mm
+}
+
+#[test]
+fn columns_match_differences_of_the_exact_kinematics() {
+    /// Size of the twists that are put in, mm and rad. Central differences are exact to its square, rounding to 1e-8.
+    const STEP: f64 = 1e-5;
+    for machine in machines() {
+        let states = rich_states(&machine);
+        let scene = scene(&machine, &states);
+        let table_ball = scene.setups[0].ball_in_table_mm;
+        for (instance, state) in Instance::all(&machine)
+            .iter()
+            .flat_map(|instance| states.iter().step_by(7).map(move |s| (instance, s)))
+        {
+            // The balls are together, as the nest holds them.
+            let none = JointErrors::default();
+            let machine_from_table = machine.machine_from_table(&state.position, &none);
+            let machine_from_tool = machine.machine_from_tool(&state.position, &none);
+            let spindle_ball = machine_from_tool.inverse() * (machine_from_table * table_ball);
+            for shape in instance.shapes(&scene).grid.iter().step_by(3) {
+                let parameters = instance.parameters(&scene).len();
+                let (mut columns, mut twists) =
+                    (vec![Vector3::zeros(); parameters], vec![Vec::new(); parameters]);
+                r_test_reading(instance, &scene, shape, state, spindle_ball, &mut |i, read| {
+                    columns[i] += read
+                });
+                instance.motions(&scene, shape, state, &mut |i, site, twist| twists[i].push((site, twist)));
+                for (column, twists) in columns.iter().zip(&twists) {
+                    let size = |twist: &Twist| twist.translation_mm.norm() + twist.rotation_rad.norm();
+                    let largest = twists.iter().map(|(_, twist)| size(twist)).fold(0.0, f64::max);
+                    if largest == 0.0 {
+                        continue;
+                    }
+                    let read = |way: f64| {
+                        let mut errors = Errors::default();
+                        twists
+                            .iter()
+                            .for_each(|(site, twist)| errors.add(*site, *twist * (way * STEP / largest)));
+                        exact_reading(&machine, state, [table_ball, spindle_ball], &errors)
+                    };
+                    let difference = (read(1.0) - read(-1.0)) * (largest / (2.0 * STEP));
+                    let off = (column - difference).norm();
+                    let size = largest * (1.0 + table_ball.coords.norm() + spindle_ball.coords.norm());
+                    assert!(
+                        off < 1e-7 * size,
+                        "{} {} {shape:?}: {column} by columns, {difference} by differences",
+                        machine.name,
+                        instance.id()
+                    );
+                }
             }
         }
     }
