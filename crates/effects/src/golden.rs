@@ -100,6 +100,38 @@ pub struct Checked {
 impl Golden {
     /// Every expected reading with the computed one.
     pub fn check(&self) -> Vec<Checked> {
+        let (instance, scene, states) = self.placed();
+        let parameters = instance.parameters(&scene);
+        let on_screen =
+            |name: &str| self.values.iter().find(|(known, _)| *known == name).map_or(0.0, |v| v.1);
+        let values: Vec<f64> = parameters.iter().map(|p| on_screen(&p.name) / p.unit.per_inside).collect();
+        let found_um = |state: &State| {
+            let mut read_mm = Vector3::zeros();
+            r_test_reading(&instance, &scene, self.shape, state, Point3::origin(), &mut |i, per_unit| {
+                read_mm += per_unit * values[i];
+            });
+            read_mm.map(convert::um_from_mm)
+        };
+        let expected = self.moments.iter().zip(&states).filter_map(|(moment, state)| {
+            Some(Checked { expected_um: moment.read_um?.into(), found_um: found_um(state) })
+        });
+        expected.collect()
+    }
+
+    /// Names among `values` that the effect does not have in the scene of the case, and those it has.
+    pub fn unknown_values(&self) -> Option<(Vec<&'static str>, Vec<String>)> {
+        let (instance, scene, _) = self.placed();
+        let names: Vec<String> = instance.parameters(&scene).into_iter().map(|p| p.name).collect();
+        let unknown: Vec<&str> = self
+            .values
+            .iter()
+            .map(|(name, _)| *name)
+            .filter(|name| names.iter().all(|n| n != name))
+            .collect();
+        (!unknown.is_empty()).then_some((unknown, names))
+    }
+
+    fn placed(&self) -> (Instance, Scene, Vec<State>) {
         let machine = shipped::machine("table-bc").expect("shipped machines parse (tested)");
         let instance = Instance::find(self.id, &machine).expect("golden cases are on table-bc (tested)");
         let setup = |(name, &ball_mm): (&str, &[f64; 3])| {
@@ -108,24 +140,7 @@ impl Golden {
         let setups = ["low", "high"].into_iter().zip(self.balls_mm).map(setup).collect();
         let states: Vec<State> = self.moments.iter().map(Moment::state).collect();
         let scene = Scene::new(machine, setups, vec!["frame".into()], states.iter());
-        let parameters = instance.parameters(&scene);
-        let mut values = vec![0.0; parameters.len()];
-        for (name, on_screen) in self.values {
-            let at =
-                parameters.iter().position(|p| p.name == *name).expect("a parameter of the effect (tested)");
-            values[at] = on_screen / parameters[at].unit.per_inside;
-        }
-        let found_um = |state: &State| {
-            let mut read_mm = Vector3::zeros();
-            r_test_reading(&instance, &scene, self.shape, state, Point3::origin(), &mut |i, per_unit| {
-                read_mm += per_unit * values[i]
-            });
-            read_mm.map(convert::um_from_mm)
-        };
-        let expected = self.moments.iter().zip(&states).filter_map(|(moment, state)| {
-            Some(Checked { expected_um: moment.read_um?.into(), found_um: found_um(state) })
-        });
-        expected.collect()
+        (instance, scene, states)
     }
 }
 

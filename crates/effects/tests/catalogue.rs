@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use trunnion_effects::catalogue::{BASE, LOCATION_ERRORS, REGISTRY};
-use trunnion_effects::{Instance, Need, Role, Scene, SceneSetup, r_test_reading};
+use trunnion_effects::catalogue::{BASE, LOCATION_ERRORS, REGISTRY, effect as effect_of};
+use trunnion_effects::{Checked, Instance, Need, Role, Scene, SceneSetup, r_test_reading};
 use trunnion_machine::{Errors, JointErrors, Machine, Site, State, shipped};
 use trunnion_units::{AxisLetter, AxisValues, Twist};
 
@@ -79,7 +79,13 @@ fn every_file_of_the_directory_is_registered_under_its_name() {
         .map(|entry| entry.unwrap().path().file_stem().unwrap().to_str().unwrap().replace('_', "-"))
         .collect();
     let registered: Vec<String> = REGISTRY.iter().map(|effect| effect.phenomenon.into()).collect();
-    assert_eq!(files, registered.iter().cloned().collect());
+    let registry: BTreeSet<String> = registered.iter().cloned().collect();
+    let missing: Vec<&String> = files.difference(&registry).collect();
+    assert!(
+        missing.is_empty(),
+        "{missing:?}: no line in REGISTRY, or phenomenon is not the name of the file"
+    );
+    assert_eq!(files, registry);
     assert_eq!(files.len(), registered.len(), "an effect is registered twice");
 }
 
@@ -111,7 +117,7 @@ fn every_effect_says_what_it_is() {
 
 #[test]
 fn the_base_model_is_location_errors_and_setting() {
-    let roles = BASE.map(|id| trunnion_effects::catalogue::effect(id).unwrap().role);
+    let roles = BASE.map(|id| effect_of(id).unwrap().role);
     assert_eq!((BASE[0], roles), (LOCATION_ERRORS, [Role::Location, Role::Setting]));
     let first: Vec<&str> = REGISTRY.iter().take(2).map(|effect| effect.phenomenon).collect();
     assert_eq!(first, BASE, "{first:?}");
@@ -120,6 +126,43 @@ fn the_base_model_is_location_errors_and_setting() {
         // Beyond odds of a million no data would ever name it.
         assert!((0.0..14.0).contains(&price_ln), "{}: {price_ln}", effect.phenomenon);
     }
+}
+
+#[test]
+fn every_effect_has_a_golden_case_and_reads_what_it_says() {
+    let mut wrong = Vec::new();
+    for effect in REGISTRY {
+        let (id, golden) = (effect.phenomenon, &effect.golden);
+        if effect_of(golden.id).is_none_or(|own| own.phenomenon != id) {
+            wrong.push(format!("{id}: its case is of {}", golden.id));
+            continue;
+        }
+        if golden.source.len() < 3 || golden.derivation.len() < 20 {
+            wrong.push(format!("{id}: no source or no derivation"));
+        }
+        if let Some((unknown, known)) = golden.unknown_values() {
+            wrong.push(format!(
+                "{id}: values of {unknown:?}, but in the scene of its moments it has {known:?}"
+            ));
+        }
+        let checked = golden.check();
+        let largest_um = checked.iter().map(|one| one.expected_um.amax()).fold(0.0, f64::max);
+        if largest_um == 0.0 {
+            wrong.push(format!("{id}: no moment expects a reading other than zero"));
+            continue;
+        }
+        // A tenth: a case that looser numbers would pass proves no sign and no unit.
+        if !(1e-9..=0.1 * largest_um).contains(&golden.within_um) {
+            wrong.push(format!("{id}: {largest_um} µm within {} µm is no proof", golden.within_um));
+        }
+        for (k, Checked { expected_um, found_um }) in checked.iter().enumerate() {
+            if (found_um - expected_um).amax() > golden.within_um {
+                let [expected_um, found_um] = [expected_um, found_um].map(|v| [v.x, v.y, v.z]);
+                wrong.push(format!("{id}, reading {k}: {expected_um:?} µm expected, {found_um:?} found"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
