@@ -118,17 +118,19 @@ impl Golden {
         expected.collect()
     }
 
-    /// Names among `values` that the effect does not have in the scene of the case, and those it has.
-    pub fn unknown_values(&self) -> Option<(Vec<&'static str>, Vec<String>)> {
+    /// Why the case cannot be checked: its moments do not show the effect, or it gives numbers that the effect does not have.
+    pub fn flaw(&self) -> Option<String> {
         let (instance, scene, _) = self.placed();
+        if let Some(why) = instance.out_of_reach(&scene) {
+            return Some(format!("its moments do not show it: it {why}"));
+        }
+        let shapes = instance.shapes(&scene).names;
+        if shapes.len() != self.shape.len() {
+            return Some(format!("{} shape numbers, the effect has {shapes:?}", self.shape.len()));
+        }
         let names: Vec<String> = instance.parameters(&scene).into_iter().map(|p| p.name).collect();
-        let unknown: Vec<&str> = self
-            .values
-            .iter()
-            .map(|(name, _)| *name)
-            .filter(|name| names.iter().all(|n| n != name))
-            .collect();
-        (!unknown.is_empty()).then_some((unknown, names))
+        let unknown = self.values.iter().find(|(name, _)| names.iter().all(|known| known != name));
+        unknown.map(|(name, _)| format!("a value of \"{name}\", the effect has {names:?}"))
     }
 
     fn placed(&self) -> (Instance, Scene, Vec<State>) {

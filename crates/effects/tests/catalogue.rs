@@ -130,20 +130,26 @@ fn the_base_model_is_location_errors_and_setting() {
 
 #[test]
 fn every_effect_has_a_golden_case_and_reads_what_it_says() {
+    let bc = Instance::all(&shipped::machine("table-bc").unwrap());
     let mut wrong = Vec::new();
     for effect in REGISTRY {
         let (id, golden) = (effect.phenomenon, &effect.golden);
-        if effect_of(golden.id).is_none_or(|own| own.phenomenon != id) {
-            wrong.push(format!("{id}: its case is of {}", golden.id));
+        let own: Vec<String> = bc
+            .iter()
+            .filter(|instance| effect_of(&instance.id()).unwrap().phenomenon == id)
+            .map(Instance::id)
+            .collect();
+        if let Some(foreign) = [golden.id, effect.example.id].iter().find(|one| own.iter().all(|o| o != *one))
+        {
+            wrong.push(format!("{id}: \"{foreign}\" is none of its ids on machine table-bc, {own:?}"));
             continue;
         }
         if golden.source.len() < 3 || golden.derivation.len() < 20 {
             wrong.push(format!("{id}: no source or no derivation"));
         }
-        if let Some((unknown, known)) = golden.unknown_values() {
-            wrong.push(format!(
-                "{id}: values of {unknown:?}, but in the scene of its moments it has {known:?}"
-            ));
+        if let Some(flaw) = golden.flaw() {
+            wrong.push(format!("{id}: {flaw}"));
+            continue;
         }
         let checked = golden.check();
         let largest_um = checked.iter().map(|one| one.expected_um.amax()).fold(0.0, f64::max);
@@ -253,13 +259,22 @@ fn an_effect_is_out_of_reach_exactly_when_the_data_lack_one_of_its_needs() {
 fn every_example_is_an_effect_of_the_machine_and_can_be_drawn() {
     let pictures = trunnion_effects::catalogue_pictures();
     assert_eq!(pictures.len(), REGISTRY.len());
+    let machine = shipped::machine("table-bc").unwrap();
+    let scene = scene(&machine, &rich_states(&machine));
     for (effect, picture) in REGISTRY.iter().zip(&pictures) {
         assert_eq!(effect.example.id.split(':').next(), Some(effect.phenomenon));
         let svg = &picture.svg;
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{}", effect.phenomenon);
         // A flat line of nothing would be no signature: some path leaves its first height.
         assert!(svg.contains("<path") && svg.len() > 1500, "{}", effect.phenomenon);
+        let instance = Instance::find(effect.example.id, &machine).unwrap();
+        let names: Vec<String> = instance.parameters(&scene).into_iter().map(|p| p.name).collect();
         for (name, value) in effect.example.values {
+            assert!(
+                names.iter().any(|known| known == name),
+                "{}: {name} is none of {names:?}",
+                effect.phenomenon
+            );
             assert!(*value != 0.0, "{}: {name}", effect.phenomenon);
         }
     }
