@@ -35,8 +35,8 @@ pub(crate) static EFFECT: Effect = Effect {
     motions,
     example: Example { id: "probe-nonlinearity", shape: &[], values: &[("x", 4.0)], view: View::Deflection },
     golden: Golden {
-        source: "Vishay Tech Note TN-507 (quarter bridge, gauge factor 2: reading 0.1 % low at 1000 µε)",
-        derivation: "A bending probe strained by 1000 µε per mm: 1 µm low at 1 mm, 0.05 % of 0.5 mm = 0.25 µm low there, and low again on the other side.",
+        source: "Vishay Tech Note TN-507, eq. 507.1 (quarter bridge: output × 2/(2 + F ε))",
+        derivation: "F = 2 and 1000 µε per mm: 0.1 % = 1 µm low at 1 mm, 0.05 % of 0.5 mm = 0.25 µm low there, and low again on the other side.",
         id: "probe-nonlinearity",
         shape: &[],
         values: &[("x", -1.0)],

@@ -40,7 +40,7 @@ pub(crate) static EFFECT: Effect = Effect {
         view: View::Circle(&[3000.0]),
     },
     golden: Golden {
-        source: "Siemens SINUMERIK 840D sl, function manual, Kv factor (Kv 1: following error 1 mm at 1 m/min)",
+        source: "Siemens SINUMERIK 840Di sl Manual 01/2007, 11.5 (Kv factor 1: following error 1 mm at 1 m/min)",
         derivation: "Kv = 1 (m/min)/mm is a lag of 60 ms: 1000 µm behind at 16.667 mm/s, and the other way coming back.",
         id: "servo-lag:X",
         shape: &[],
