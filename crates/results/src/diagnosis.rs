@@ -4,6 +4,7 @@ use crate::identification::Parameter;
 use crate::number::finite;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trunnion_effects::Formula;
 use trunnion_engine as engine;
 
 /// `trunnion-diagnosis/1`: the answer of a diagnosis.
@@ -182,9 +183,7 @@ impl Diagnosis {
     pub fn best(&self) -> Option<String> {
         match self.verdict {
             Verdict::MissingEffect => self.candidates.first().map(|candidate| candidate.effect.clone()),
-            Verdict::UnnamedStructure => {
-                self.formula.as_ref().map(|formula| format!("formula:{}", formula.name))
-            }
+            Verdict::UnnamedStructure => self.formula.as_ref().map(|formula| Formula::id_of(&formula.name)),
             Verdict::NoiseFloor | Verdict::Undecided | Verdict::NotJudged => None,
         }
     }

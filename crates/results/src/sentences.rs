@@ -5,7 +5,7 @@ use crate::{
     Candidate, Diagnosis, FormulaProposal, Identification, Moved, NoiseOrigin, Parameter, PlannedCycle,
     ShapeNumber, Verdict,
 };
-use trunnion_effects::catalogue::REGISTRY;
+use trunnion_effects::catalogue::effect;
 use trunnion_effects::{About, SOURCES};
 
 /// A parameter is worth telling when it exceeds this many standard uncertainties.
@@ -15,8 +15,7 @@ const LEVER_MM: f64 = 100.0;
 
 /// What the catalogue knows of an effect id; `None` for a formula or a foreign id.
 pub fn about(id: &str) -> Option<&'static About> {
-    let phenomenon = id.split(':').next()?;
-    REGISTRY.iter().find(|effect| effect.phenomenon == phenomenon).map(|effect| &effect.about)
+    effect(id).map(|effect| &effect.about)
 }
 
 /// `Title (id)`, or the id alone.

@@ -2,6 +2,7 @@
 
 use crate::analysis::FormulaText;
 use crate::{Error, Fit, Step, analysis, page};
+use trunnion_effects::Formula;
 use trunnion_effects::catalogue::BASE;
 use trunnion_engine::{Diagnosis, compare};
 use trunnion_report::CompareInput;
@@ -55,7 +56,7 @@ impl Compared {
         if let Some(effect) = results::Diagnosis::from(&self.diagnosis).best() {
             let (points, model) = (self.fit.experiment().points(), self.fit.model().entries());
             let entries = match &self.diagnosis.formula {
-                Some(formula) if effect.starts_with("formula:") => formula.entries.clone(),
+                Some(formula) if Formula::name_of(&effect).is_some() => formula.entries.clone(),
                 _ => analysis::entries(points, model, &effect, &FormulaText::default())?,
             };
             let step = analysis::put(points, model, entries, "")?;
