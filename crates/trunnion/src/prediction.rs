@@ -9,8 +9,8 @@
 use crate::{Error, Experiment, Fit};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::convert::um_from_mm;
-use trunnion_effects::catalogue::BASE;
-use trunnion_effects::{Instance, Model, ModelEffect};
+use trunnion_effects::catalogue::effect;
+use trunnion_effects::{Instance, Model, ModelEffect, Role};
 use trunnion_engine::fit::Options;
 use trunnion_engine::{FittedParameter, Identification, IdentifyError};
 use trunnion_results as results;
@@ -36,7 +36,7 @@ pub(crate) fn predict(fit: &Fit, other: &Experiment) -> Result<results::Predicti
         runs.push(predict_run(fit, &experiment, &run.name)?);
     }
     let not_determined =
-        |parameter: &&FittedParameter| !parameter.observable() && parameter.effect != BASE[1];
+        |parameter: &&FittedParameter| !parameter.observable() && !is_setting(&parameter.effect);
     Ok(results::Prediction {
         format: results::PredictionFormat::V1,
         machine: fitted.machine.clone(),
@@ -96,7 +96,7 @@ impl Frozen {
             let mut frozen =
                 ModelEffect { shape: effect.shape.clone(), fixed: vec![], prior: vec![], ..entry.clone() };
             for (j, parameter) in instance.parameters(&experiment.scene).iter().enumerate() {
-                let known = index(fitted, &entry.id, &parameter.name).filter(|_| entry.id != BASE[1]);
+                let known = index(fitted, &entry.id, &parameter.name).filter(|_| !is_setting(&entry.id));
                 let column = columns.column(j).into_owned();
                 match known {
                     Some(k) => {
@@ -131,6 +131,11 @@ impl Frozen {
             COVERAGE_95 * (of_values + scatter_mm * scatter_mm * free).sqrt()
         })
     }
+}
+
+/// True for what mounting and artefact leave unknown: it belongs to a run, not to the machine.
+fn is_setting(id: &str) -> bool {
+    effect(id).is_some_and(|effect| effect.role == Role::Setting)
 }
 
 /// Index of a parameter of the fit.
