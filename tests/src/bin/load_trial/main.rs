@@ -123,7 +123,6 @@ async fn trial(seconds: f64, folder: &Path, recordings: &Path) -> anyhow::Result
     let child = Command::new(program)
         .arg("service")
         .arg(&floor.config)
-        .env("RUST_LOG", "info")
         .stdin(Stdio::null())
         .stderr(output)
         .spawn()
