@@ -4,7 +4,8 @@ use crate::probe::{Answer, Probing};
 use crate::supervisor::SessionEnd;
 
 /// How to get the driver.
-pub(super) const REMEDY: &str = "Build with `cargo build --release --features full`; the shipped binary has it.";
+pub(super) const REMEDY: &str =
+    "Build with `cargo build --release --features full`; the shipped binary has it.";
 
 /// Asks nothing.
 pub(super) fn run(url: &str) -> Probing<'_> {
