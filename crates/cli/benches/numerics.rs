@@ -215,7 +215,7 @@ fn fit(samples: u32) -> Box<dyn FnOnce() -> String> {
     Box::new(move || {
         let experiment = Experiment::of_points(std::slice::from_ref(&run)).unwrap();
         let fit = identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap();
-        format!("{} points, rms {:.3} µm", run.points.len(), fit.rms_um)
+        format!("{} points, rms {:.3} µm", run.points.len(), 1e3 * fit.rms_mm)
     })
 }
 
@@ -233,7 +233,7 @@ fn identify_recording(folder: &Path) -> Box<dyn FnOnce() -> String> {
         let recording = trunnion_daemon::recording::read(&path, &shipped::machine, limits).unwrap();
         let experiment = Experiment::new(std::slice::from_ref(&recording.run)).unwrap();
         let fit = identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap();
-        format!("{} blocks, rms {:.3} µm", recording.run.points.len(), fit.rms_um)
+        format!("{} blocks, rms {:.3} µm", recording.run.points.len(), 1e3 * fit.rms_mm)
     })
 }
 

@@ -27,6 +27,9 @@ const SWEEP: &str = include_str!("../../../config/cycles/demo-sweep-c.toml");
 /// Two shop floors at once are more than a small computer simulates in real time.
 static ONE_FLOOR: tokio::sync::Mutex<()> = tokio::sync::Mutex::const_new(());
 
+/// Longest wait for a report; the computer may be busy.
+const REPORT_LIMIT: Duration = Duration::from_secs(600);
+
 /// Lets the service measure one cycle on this floor until its report is there; the path of the recording.
 async fn measured(
     folder: &Path,
@@ -58,7 +61,7 @@ async fn measured(
     tokio::time::sleep_until(begin).await;
     let service = tokio::spawn(serve(config, plan, texts, Model::base("table-bc"), clock, cancel.clone()));
 
-    let recording = first_report(&runs, Duration::from_secs(180)).await;
+    let recording = first_report(&runs, REPORT_LIMIT).await;
     cancel.cancel();
     service.await.expect("no panic").expect("no failure");
     cell.shutdown().await;

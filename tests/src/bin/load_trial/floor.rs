@@ -12,6 +12,7 @@ use trunnion_hil_sim::devices::{
 };
 use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine, scenario};
 use trunnion_machine::shipped;
+use trunnion_tests::SILENCE_MS;
 use trunnion_units::AxisLetter::C;
 use trunnion_units::AxisValues;
 
@@ -40,8 +41,6 @@ const WARM_UP: Duration = Duration::from_secs(5);
 /// In the trial with faults the second probe is silent from here on, for so long, s: below [`SILENCE_MS`].
 const SILENT_FROM_S: f64 = 4.0;
 const SILENT_FOR_S: f64 = 1.0;
-/// The simulated devices share a computer with whatever else runs on it: they may pause.
-const SILENCE_MS: u32 = 3000;
 /// Left out at both ends when the encoder's values are counted, s.
 pub const EDGE_S: f64 = 1.0;
 
