@@ -1,0 +1,13 @@
+//! The integration tests of this crate, one file per subject.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod axis_errors;
+mod ball_bar;
+mod certification;
+mod circular;
+#[path = "../../../engine/tests/all/common.rs"]
+mod common;
+mod error_map;
+mod geometry;
+mod methods;
