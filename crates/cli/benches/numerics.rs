@@ -45,18 +45,18 @@ const WORKS: [Work; 10] = [
     Work { name: "diagnose-336", about: "diagnosis of 336 points at rest", prepare: |_| diagnosis(7, 12) },
     Work { name: "diagnose-3000", about: "diagnosis of 3000 points at rest", prepare: |_| diagnosis(25, 30) },
     Work {
-        name: "journal-1e6",
-        about: "10⁶ readings of three probes with stamps into the journal",
+        name: "journal-1e7",
+        about: "10⁷ readings of three probes with stamps into the journal",
         prepare: |folder| journal(folder, false),
     },
     Work {
-        name: "finish-1e6",
+        name: "finish-1e7",
         about: "the same, and the journal rewritten, compressed and verified",
         prepare: |folder| journal(folder, true),
     },
-    Work { name: "read-1e6", about: "reading the finished 10⁶ readings", prepare: read_samples },
+    Work { name: "read-1e7", about: "reading the finished 10⁷ readings", prepare: read_samples },
     Work { name: "read-points-1e6", about: "reading 10⁶ points on the fly", prepare: read_points },
-    Work { name: "import-1e5", about: "import of a table of 10⁵ rows", prepare: |_| import() },
+    Work { name: "import-1e6", about: "import of a table of 10⁶ rows", prepare: |_| import() },
 ];
 
 /// What one process measured.
@@ -267,7 +267,7 @@ fn diagnosis(tilts: u32, turns: u32) -> Box<dyn FnOnce() -> String> {
 }
 
 /// So many readings of three probes at 4 kHz.
-const READINGS: u64 = 1_000_000;
+const READINGS: u64 = 10_000_000;
 
 fn record(folder: &Path) -> Recorder {
     let run = run(RunKind::OnTheFly, "servo-lag:X", |_| Vec::new());
@@ -277,7 +277,7 @@ fn record(folder: &Path) -> Recorder {
     Recorder::create(folder, "bench", &header).unwrap()
 }
 
-/// Readings of a millisecond as a driver hands them over: noise of some counts on a slow swing.
+/// Readings of a millisecond as a driver hands them over: noise of 16 counts on a slow swing.
 fn fill(recorder: &mut Recorder) -> HostTime {
     let (tick_s, mut now) = (1.0 / 4000.0, HostTime(0));
     for first in (0..READINGS / 3).step_by(4) {
@@ -286,7 +286,7 @@ fn fill(recorder: &mut Recorder) -> HostTime {
             let sample = |ticks: u64| {
                 let time_s = ticks as f64 * tick_s;
                 let swing = 20_000.0 * (0.3 * time_s + f64::from(channel)).sin();
-                let raw = 130_000 + swing as i64 + (ticks * 7919 % 11) as i64;
+                let raw = 130_000 + swing as i64 + (noise(3 * ticks + u64::from(channel)) >> 60) as i64;
                 let stamp = Stamp { epoch: 1, ticks, tick_s, arrival_s: now.seconds_since(HostTime(0)) };
                 ProbeSample { channel, time_s, stamp, raw, value_mm: raw as f64 * 7.6e-6 }
             };
@@ -294,6 +294,14 @@ fn fill(recorder: &mut Recorder) -> HostTime {
         }
     }
     now
+}
+
+/// Splitmix64: the same on every computer.
+fn noise(seed: u64) -> u64 {
+    let z = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
 }
 
 fn journal(folder: &Path, finishes: bool) -> Box<dyn FnOnce() -> String> {
@@ -325,7 +333,7 @@ fn read_samples(folder: &Path) -> Box<dyn FnOnce() -> String> {
 }
 
 fn import() -> Box<dyn FnOnce() -> String> {
-    let run = on_the_fly(100_000);
+    let run = on_the_fly(1_000_000);
     let table = export::points_csv(&Run { kind: RunKind::Static, ..run.clone() });
     Box::new(move || {
         let imported = points_csv::import("bench", "points.csv", &table, run.setups, run.machine).unwrap();
