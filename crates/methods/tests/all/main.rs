@@ -6,6 +6,7 @@ mod axis_errors;
 mod ball_bar;
 mod certification;
 mod circular;
+#[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../engine/tests/all/common.rs"]
 mod common;
 mod error_map;
