@@ -1,7 +1,5 @@
 //! Answers on committed data are written as JSON and read back without a change.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt::Debug;
@@ -84,7 +82,7 @@ fn findings_plan_preview_ladder_and_volume_return() {
     let rivals = next_cycle::rivals_named(&rivals, experiment.machine()).unwrap();
     let plan = next_cycle::plan(&experiment, &model, &rivals, &next_cycle::Options::default()).unwrap();
     returns(&Plan::from(&plan));
-    let text = include_str!("../../../config/cycles/demo-static.toml");
+    let text = include_str!("../../../../config/cycles/demo-static.toml");
     let cycle = Cycle::parse("demo-static.toml", text).unwrap();
     let machine = shipped::machine(&cycle.machine).unwrap();
     returns(&Preview::from(&next_cycle::preview(&machine, &cycle, &next_cycle::Options::default()).unwrap()));

@@ -1,7 +1,5 @@
 //! The way a user of the library goes, on committed runs.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use std::path::PathBuf;
 use trunnion::results::{Identification, Verdict};
 use trunnion::{Error, Model};

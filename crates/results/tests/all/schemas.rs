@@ -1,7 +1,5 @@
 //! The committed schemas are those of the types.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
