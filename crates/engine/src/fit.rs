@@ -5,6 +5,7 @@
 //! (`structured`; else from clusters, `uncertainty`), noise, held-out proof.
 
 pub(crate) mod gauss_newton;
+mod holdout;
 pub mod identification;
 pub mod options;
 mod shape;
@@ -15,17 +16,19 @@ mod uncertainty;
 pub use options::Options;
 
 use crate::fit::gauss_newton::{Settled, settle};
-use crate::fit::identification::{FittedEffect, FittedParameter, Identification, Outlier, Status};
+use crate::fit::holdout::holdout;
+use crate::fit::identification::{FittedEffect, FittedParameter, Identification, Outlier};
 use crate::fit::shape::search_shapes;
 use crate::fit::structured::structured;
-use crate::fit::uncertainty::{covariance, holdout, sums};
-use crate::noise::outliers::without_outliers;
-use crate::noise::repeatability::{noise, noise_of_residual};
+use crate::fit::uncertainty::{covariance, sums};
+use crate::noise::outliers::excluded;
+use crate::noise::repeatability::repeatability;
 use crate::noise::weights::{Weights, weigh};
 use crate::problem::design::Design;
 use crate::problem::joint::Joint;
 use crate::problem::passes::passes;
-use crate::solve::combinations::{Named, seen_together};
+use crate::solve::combinations::seen_together;
+use crate::solve::direction::{Named, Status};
 use crate::solve::null_space::describe;
 use crate::{Experiment, HoldoutWanted, IdentifyError, Outliers, Uncertainties};
 use nalgebra::{DMatrix, DVector};
@@ -35,8 +38,6 @@ use trunnion_machine::Axis;
 
 /// Effects that say nothing of the machine.
 const OF_THE_INSTRUMENT: [&str; 2] = ["ball-setting", "artefact-form"];
-/// Rounds of setting points aside.
-const MOST_ROUNDS: usize = 6;
 /// Rounds of weighing.
 const MOST_WEIGHINGS: usize = 3;
 
@@ -72,20 +73,12 @@ pub fn identify(
 }
 
 fn settle_robustly(design: &Design<'_>, options: &Options) -> Result<(Vec<bool>, Settled), IdentifyError> {
-    let mut used = vec![true; design.experiment.points.len()];
-    let mut fit = settle(design, &used, options)?;
     if options.outliers == Outliers::Keep {
+        let used = vec![true; design.experiment.points.len()];
+        let fit = settle(design, &used, options)?;
         return Ok((used, fit));
     }
-    for _ in 0..MOST_ROUNDS {
-        let kept = without_outliers(design.experiment, &fit.weighted_mm);
-        if kept == used {
-            break;
-        }
-        used = kept;
-        fit = settle(design, &used, options)?;
-    }
-    Ok((used, fit))
+    excluded(design.experiment, |used| settle(design, used, options), |fit| &fit.weighted_mm)
 }
 
 fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -> Identification {
@@ -118,8 +111,6 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
     let degrees_of_freedom = fit.degrees_of_freedom();
     let used_rows = (0..used.len()).filter(|&i| used[i]).flat_map(|i| experiment.rows_of(i));
     let squares: f64 = used_rows.map(|row| fit.residual_mm[row].powi(2)).sum();
-    let sigma_mm = (squares / degrees_of_freedom.max(1) as f64).sqrt();
-    let of_residual = noise_of_residual(sigma_mm, degrees_of_freedom);
     let (_, noise_by_run) = weigh(experiment, &fit.residual_mm, used, determined.len());
     Identification {
         machine: experiment.machine().name.clone(),
@@ -138,7 +129,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
         unobservable,
         seen_together,
         covariance,
-        noise: noise(experiment, &passes, &fit.residual_mm, used, of_residual),
+        repeatability: repeatability(experiment, &passes),
         holdout: match options.holdout {
             HoldoutWanted::Yes => holdout(&sums),
             HoldoutWanted::No => None,

@@ -26,6 +26,7 @@ pub use answer::{Considered, LeftOpen, Plan};
 pub use preview::{Alias, Preview, preview};
 pub use wanted::{Rivals, rivals_named, wanted};
 
+use crate::problem::Problem;
 use crate::{Experiment, ExperimentError, IdentifyError};
 use candidates::candidates;
 use desk::Desk;
@@ -97,6 +98,15 @@ pub fn plan(
     rivals: &Rivals,
     options: &Options,
 ) -> Result<Plan, PlanError> {
+    plan_problem(&Problem::new(experiment, model)?, rivals, options)
+}
+
+/// The same for a model that is fitted already.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_problem(problem: &Problem<'_>, rivals: &Rivals, options: &Options) -> Result<Plan, PlanError> {
+    let (experiment, model) = (problem.experiment(), problem.model());
     let entries = rivals.entries();
     if let Some(entry) = entries.iter().find(|entry| model.effects.iter().any(|own| own.id == entry.id)) {
         return Err(PlanError::InModel { effect: entry.id.clone() });
@@ -109,7 +119,7 @@ pub fn plan(
         .iter()
         .map(|entry| Instance::from_model_effect(entry, machine))
         .collect::<Result<_, UnknownEffect>>()?;
-    let present = Present::new(experiment, model, options.most_points)?;
+    let present = Present::new(problem, options.most_points)?;
     let (entries, instances) = credible(&present.experiment, rivals, entries, instances);
     let (entries, instances) = (&entries[..], instances);
     let most_shapes = if entries.len() > 4 { FEW_SHAPES } else { MOST_SHAPES };

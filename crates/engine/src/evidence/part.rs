@@ -1,7 +1,7 @@
 //! Score of one group of columns under one noise model.
 
 use super::SURVIVAL;
-use super::member::{Blocks, Soft};
+use super::context::{Blocks, Soft};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 

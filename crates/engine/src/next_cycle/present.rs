@@ -2,12 +2,13 @@
 
 use super::PlanError;
 use super::survey::finite;
-use crate::fit::Options as FitOptions;
-use crate::{Experiment, HoldoutWanted, Identification, identify};
+use crate::fit::identification::Identification;
+use crate::problem::Problem;
+use crate::problem::experiment::Experiment;
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::{Point, Quality, Setup, State};
 use trunnion_cycles::{Run, RunKind};
-use trunnion_effects::{Instance, Model};
+use trunnion_effects::Instance;
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
 
@@ -31,9 +32,8 @@ struct ModelPart {
 }
 
 impl Present {
-    pub fn new(experiment: &Experiment, model: &Model, most_points: usize) -> Result<Self, PlanError> {
-        let options = FitOptions { holdout: HoldoutWanted::No, ..FitOptions::default() };
-        let fit = identify(experiment, model, &options)?;
+    pub fn new(problem: &Problem<'_>, most_points: usize) -> Result<Self, PlanError> {
+        let (experiment, model, fit) = (problem.experiment(), problem.model(), problem.fit().clone());
         let (mut runs, mut residual) = (Vec::new(), Vec::new());
         for run in 0..experiment.runs.len() {
             let own: Vec<usize> = (0..experiment.points.len())

@@ -17,6 +17,7 @@ pub use motions::{modulated, repeatable_motions, unit_columns};
 pub use whitener::Whitener;
 
 use crate::Experiment;
+use crate::problem::sequence::{in_order_taken, run_and_time};
 use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
 use std::ops::Range;
 use trunnion_core::{AxisLetter, AxisValues, Twist};
@@ -73,14 +74,8 @@ pub(crate) struct Visit {
 impl Order {
     /// Orders the points of an experiment by run and time; without time the order of the points is the time.
     pub fn new(experiment: &Experiment) -> Self {
-        let time = |i: usize| experiment.points[i].state.time_s.unwrap_or(i as f64);
-        let timed = experiment.scene.time_range_s.is_some();
-        let key = |i: usize| (experiment.run_of_point[i], if timed { time(i) } else { i as f64 });
-        let mut order: Vec<usize> = (0..experiment.points.len()).collect();
-        order.sort_by(|&i, &j| {
-            let ((run_i, time_i), (run_j, time_j)) = (key(i), key(j));
-            run_i.cmp(&run_j).then(time_i.total_cmp(&time_j))
-        });
+        let key = |i: usize| run_and_time(experiment, i);
+        let order = in_order_taken(experiment);
         let (slow, fast) = slow_and_fast(experiment, &order);
         let mut visits = Vec::with_capacity(order.len());
         for (k, &i) in order.iter().enumerate() {
@@ -106,11 +101,6 @@ impl Order {
             }
         }
         self
-    }
-
-    /// Points in the order they were taken.
-    pub fn points(&self) -> impl Iterator<Item = usize> + '_ {
-        self.visits.iter().map(|visit| visit.point)
     }
 
     /// Sequence number of the positioning of the slow axis at each point (indexed by point).

@@ -95,6 +95,23 @@ impl Reduced {
         (svd.singular_values, svd.v_t.expect("asked for").transpose())
     }
 
+    /// T with A T orthonormal: the directions with a singular value above `tolerance` of the largest. T Tᵀ Aᵀ b solves
+    /// min ‖A x − b‖ in the directions that A sees, with zero in the others.
+    pub fn orthonormal(&self, tolerance: f64) -> DMatrix<f64> {
+        let all: Vec<usize> = (0..self.scale.len()).collect();
+        if all.is_empty() {
+            return DMatrix::zeros(0, 0);
+        }
+        let (sigma, v) = self.singular(&all);
+        let kept: Vec<usize> =
+            all.into_iter().filter(|&k| sigma[k] > 0.0 && sigma[k] > tolerance * sigma[0]).collect();
+        let mut turn = DMatrix::from_diagonal(&self.scale) * v.select_columns(&kept);
+        for (mut direction, &k) in turn.column_iter_mut().zip(&kept) {
+            direction.unscale_mut(sigma[k]);
+        }
+        turn
+    }
+
     /// Solver for the columns `of`, which must be independent.
     pub fn solver(&self, of: &[usize]) -> Solver {
         let scale = DVector::from_iterator(of.len(), of.iter().map(|&j| self.scale[j]));

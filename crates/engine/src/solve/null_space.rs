@@ -6,8 +6,7 @@
 //! involved ones. Every pivot is held at zero, which leaves independent columns. A conventional pivot lets the
 //! others of its direction stand for it; any other pivot leaves its whole direction without numbers.
 
-use crate::fit::identification::{Status, Unobservable};
-use crate::solve::combinations::Named;
+use crate::solve::direction::{Named, Status, Unobservable};
 use crate::solve::linear::Reduced;
 use nalgebra::DMatrix;
 use trunnion_effects::{Parameter, Unit};

@@ -1,8 +1,8 @@
 //! The residual of every point in the frames and bins that the scan needs.
 
-use super::scan::{Found, Way};
+use super::found::{Found, Way};
 use crate::Experiment;
-use crate::compare::in_frames;
+use crate::compare::frames::in_frames;
 use nalgebra::{DVector, Matrix3, Vector3};
 use std::collections::HashMap;
 use trunnion_core::{AxisLetter, State, convert};
@@ -175,7 +175,7 @@ impl Readings {
 
     /// Takes the mean of a place out of the points in it.
     pub fn subtract(&mut self, found: &Found) {
-        let inside: Vec<Option<f64>> = self.points.iter().map(|point| found.weight(self, point)).collect();
+        let inside: Vec<Option<f64>> = self.points.iter().map(|point| self.weight(found, point)).collect();
         for (point, weight) in self.points.iter_mut().zip(inside) {
             let Some(weight) = weight else { continue };
             let shift = found.mean_um * weight;
@@ -191,6 +191,11 @@ impl Readings {
                 Residual::Single(_) | Residual::Vector { .. } => {}
             }
         }
+    }
+
+    /// +1, −1 for a point in the box, `None` outside.
+    pub fn weight(&self, found: &Found, point: &Reading) -> Option<f64> {
+        if found.holds(&point.bins, point.setup) { self.way_weight(found.way, point) } else { None }
     }
 
     /// Mean size of the clusters that `component` comes in, and the share of its mean square by which a cluster deviates from

@@ -1,28 +1,27 @@
-//! An experiment and a model, laid out for scans: readings, base columns, libraries, noise bank.
+//! A problem laid out for a scan: what its fit leaves, the columns of its model, libraries of columns that compete, noise bank.
 
 use crate::diagnosis::columns::credible_columns;
-use crate::diagnosis::least_squares::solve;
+use crate::diagnosis::options::DiagnoseError;
+use crate::diagnosis::thinning;
 use crate::diagnosis::vocabulary::Vocabulary;
-use crate::evidence::{Bank, Blocks, Entry, Library, Natural, WHITE, stacked};
-use crate::fit::Options;
+use crate::evidence::{Bank, Blocks, Entry, Library, Natural, WHITE};
+use crate::fit::options::IdentifyError;
 use crate::noise::machine_noise::{Order, repeatable_motions};
-use crate::{DiagnoseError, Experiment, Identification, identify};
+use crate::noise::weights::weigh;
+use crate::problem::Problem;
+use crate::problem::experiment::Experiment;
+use crate::solve::direction::Status;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 use std::sync::OnceLock;
-use trunnion_cycles::RunKind;
 use trunnion_effects::catalogue::BASE;
-use trunnion_effects::{Instance, Model, Shapes};
-use trunnion_instruments::predict;
-use trunnion_machine::Errors;
+use trunnion_effects::{Instance, Shapes};
 
 /// What every rotary axis has a little of.
 const NATURAL: [&str; 3] = ["-error-motion:", "encoder-eccentricity:", "drive-pitch:"];
 
 /// What describes an axis by many numbers and names no cause: for a person to choose, never a candidate.
 const DESCRIPTIONS: [&str; 1] = ["component-errors:"];
-
-/// Second-order part of a prediction that counts, mm.
-const LEAST_BEND_MM: f64 = 0.05e-3;
 
 /// Share in the repeatable motions above which an effect looks like one of them.
 const ALIKE: f64 = 0.9;
@@ -32,8 +31,9 @@ const ALIKE: f64 = 0.9;
 const UNUSUAL_LN: [(&str, f64); 1] = [("spindle-growth", 3.0)];
 
 /// Everything a search needs.
-pub struct Problem<'a> {
-    pub experiment: &'a Experiment,
+pub struct Scan<'a> {
+    /// The points scanned.
+    pub experiment: Cow<'a, Experiment>,
     /// Catalogue instances that compete, one for each group of `named`.
     pub instances: Vec<Instance>,
     /// Shape grids of `instances`.
@@ -46,21 +46,18 @@ pub struct Problem<'a> {
     open_blocks: Vec<OnceLock<Blocks>>,
     /// Base columns, column × row.
     pub base: DMatrix<f64>,
-    /// Readings minus the nominal prediction and what the model holds fixed, mm, weighted.
+    /// What the fit of the problem leaves, weighted, mm: exact, so that nothing of second order is taken for an effect.
     pub readings: DVector<f64>,
-    pub order: Order,
     pub bank: Bank,
     /// Root of the weight of each row: base, readings and every column are multiplied by it.
     pub root: DVector<f64>,
 }
 
-impl<'a> Problem<'a> {
-    pub fn new(experiment: &'a Experiment, model: &Model, without: &[String]) -> Result<Self, DiagnoseError> {
-        // A model that does not settle is judged with all rows alike, by its columns alone; `identify` says so itself.
-        let fit = identify(experiment, model, &Options::quick()).ok();
-        let root = roots(experiment, fit.as_ref());
-        let (mut base, mut readings) = base_columns(experiment, model, fit.as_ref())?;
-        base.row_iter_mut().for_each(|mut row| row.component_mul_assign(&root.transpose()));
+impl<'a> Scan<'a> {
+    pub fn new(problem: &Problem<'a>, without: &[String]) -> Result<Self, DiagnoseError> {
+        let (experiment, mut readings, root) = points(problem);
+        let model = problem.model();
+        let base = weighted(base_columns(&experiment, problem)?, &root).transpose();
         readings.component_mul_assign(&root);
         let in_model = |id: &str| BASE.contains(&id) || model.effects.iter().any(|entry| entry.id == id);
         let mut out_of_reach = Vec::new();
@@ -78,7 +75,7 @@ impl<'a> Problem<'a> {
             let parts: Vec<DMatrix<f64>> = grid
                 .grid
                 .iter()
-                .map(|shape| weighted(credible_columns(experiment, &instance, shape), &root))
+                .map(|shape| weighted(credible_columns(&experiment, &instance, shape), &root))
                 .collect();
             let natural = NATURAL.iter().any(|phenomenon| instance.id().contains(phenomenon));
             let natural = if natural { Natural::Yes } else { Natural::No };
@@ -92,10 +89,10 @@ impl<'a> Problem<'a> {
             group.prior_ln = prior - unusual.map_or(0.0, |(_, price_ln)| *price_ln);
         }
         let mut named = Library::new(experiment.rows(), groups);
-        let order = Order::new(experiment).weighted(&root);
-        let vocabulary = Vocabulary::new(experiment, &order, &root);
+        let order = Order::new(&experiment).weighted(&root);
+        let vocabulary = Vocabulary::new(&experiment, &order, &root);
         let bare = model.effects.iter().all(|entry| BASE.contains(&entry.id.as_str()));
-        let motions = weighted(repeatable_motions(experiment).transpose(), &root).transpose();
+        let motions = weighted(repeatable_motions(&experiment).transpose(), &root).transpose();
         let bank = Bank::new(&order, &base, &motions, bare);
         let parameters = bank.base_rank();
         if experiment.rows() < 2 * parameters {
@@ -123,7 +120,6 @@ impl<'a> Problem<'a> {
             open_blocks,
             base,
             readings,
-            order,
             bank,
             root,
         })
@@ -131,7 +127,7 @@ impl<'a> Problem<'a> {
 
     /// Columns of an instance, column × row; rows count with their weights.
     pub fn columns(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
-        weighted(credible_columns(self.experiment, instance, shape), &self.root).transpose()
+        weighted(credible_columns(&self.experiment, instance, shape), &self.root).transpose()
     }
 
     /// Blocks of the named effects under every member.
@@ -150,14 +146,21 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Roots of the weights of the rows: blocks of a stream and runs of several kinds are worth what `identify` finds; points at rest of
-/// one run count alike.
-fn roots(experiment: &Experiment, fit: Option<&Identification>) -> DVector<f64> {
-    let alike = DVector::from_element(experiment.rows(), 1.0);
-    if experiment.kinds.iter().all(|kind| *kind == RunKind::Static) && experiment.runs.len() == 1 {
-        return alike;
-    }
-    fit.map_or(alike, |fit| fit.row_weights.clone())
+/// The points scanned, what the fit leaves of them (mm), and the roots of the weights of their rows.
+fn points<'a>(problem: &Problem<'a>) -> (Cow<'a, Experiment>, DVector<f64>, DVector<f64>) {
+    let (experiment, fit) = (problem.experiment(), problem.fit());
+    let Some(keep) = thinning::kept(experiment) else {
+        return (Cow::Borrowed(experiment), fit.residual_mm.clone(), fit.row_weights.clone());
+    };
+    let kept: Vec<usize> = (0..keep.len()).filter(|&i| keep[i]).collect();
+    let rows: Vec<usize> = kept.iter().flat_map(|&i| experiment.rows_of(i)).collect();
+    let residual_mm = fit.residual_mm.select_rows(&rows);
+    let used: Vec<bool> = kept.iter().map(|&i| fit.used[i]).collect();
+    let thinned = experiment.kept(&keep);
+    // Blocks farther apart err less alike, so that each of them counts for more.
+    let determined = fit.parameters.iter().filter(|p| p.status == Status::Identified).count();
+    let (weights, _) = weigh(&thinned, &residual_mm, &used, determined);
+    (Cow::Owned(thinned), residual_mm, weights.root)
 }
 
 /// Columns (rows × columns) multiplied by the roots of the weights.
@@ -166,68 +169,18 @@ fn weighted(mut columns: DMatrix<f64>, root: &DVector<f64>) -> DMatrix<f64> {
     columns
 }
 
-/// What the exact prediction of the fitted model has beyond its columns, mm: stations and artefacts are a millimetre off
-/// their places, and the square of that over their distance shows. `None` when it is too little to count.
-fn nonlinear_mm(
-    experiment: &Experiment,
-    model: &Model,
-    fit: &Identification,
-    nominal_mm: &DVector<f64>,
-) -> Option<DVector<f64>> {
-    let mut beyond_mm = &fit.predicted_mm - nominal_mm;
-    let mut first = 0;
-    for (entry, effect) in model.effects.iter().zip(&fit.effects) {
-        let instance = Instance::from_model_effect(entry, experiment.machine()).ok()?;
-        let columns = experiment.columns(&instance, &effect.shape);
-        beyond_mm -= &columns * fit.solution.rows(first, columns.ncols());
-        first += columns.ncols();
-    }
-    (beyond_mm.amax() > LEAST_BEND_MM).then_some(beyond_mm)
-}
-
-/// Columns of the model (column × row) and readings minus nominal prediction, its second-order part and held parameters.
-fn base_columns(
-    experiment: &Experiment,
-    model: &Model,
-    fit: Option<&Identification>,
-) -> Result<(DMatrix<f64>, DVector<f64>), DiagnoseError> {
-    let machine = experiment.machine();
-    let mut readings = experiment.readings_mm();
-    for (i, point) in experiment.points.iter().enumerate() {
-        let setup = &experiment.setups[point.state.setup];
-        let nominal = predict(machine, setup, &point.state, &Errors::default());
-        for (k, row) in experiment.rows_of(i).enumerate() {
-            readings[row] -= nominal[k];
-        }
-    }
-    let nominal_mm = experiment.readings_mm() - &readings;
-    if let Some(bent_mm) = fit.and_then(|fit| nonlinear_mm(experiment, model, fit, &nominal_mm)) {
-        readings -= bent_mm;
-    }
-    let mut base = DMatrix::zeros(0, experiment.rows());
-    for entry in &model.effects {
-        let instance = Instance::from_model_effect(entry, machine)?;
-        let grid = if entry.shape.is_empty() {
-            instance.shapes(&experiment.scene).grid
-        } else {
-            vec![entry.shape.clone()]
-        };
-        let used = vec![true; experiment.rows()];
-        let parts = grid.iter().map(|shape| credible_columns(experiment, &instance, shape).transpose());
-        let left = |part: &DMatrix<f64>| (&readings - solve(&stacked(&base, part), &readings, &used)).norm();
-        let best = parts.map(|part| (left(&part), part)).min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, columns)) = best else { continue };
+/// Columns of the free parameters of the model at the shapes fitted, rows × columns.
+fn base_columns(experiment: &Experiment, problem: &Problem<'_>) -> Result<DMatrix<f64>, IdentifyError> {
+    let mut base = DMatrix::zeros(experiment.rows(), 0);
+    for (entry, fitted) in problem.model().effects.iter().zip(&problem.fit().effects) {
+        let instance = Instance::from_model_effect(entry, experiment.machine())?;
+        let columns = credible_columns(experiment, &instance, &fitted.shape);
         let parameters = instance.parameters(&experiment.scene);
-        let mut free = Vec::new();
-        for (j, parameter) in parameters.iter().enumerate() {
-            match entry.fixed.iter().find(|(name, _)| *name == parameter.name) {
-                Some((_, value)) => {
-                    readings -= columns.row(j).transpose() * (value / parameter.unit.per_inside)
-                }
-                None => free.push(j),
-            }
-        }
-        base = stacked(&base, &columns.select_rows(&free));
+        let is_free = |j: &usize| entry.fixed.iter().all(|(name, _)| *name != parameters[*j].name);
+        let free: Vec<usize> = (0..parameters.len()).filter(is_free).collect();
+        let first = base.ncols();
+        base = base.resize_horizontally(first + free.len(), 0.0);
+        base.columns_mut(first, free.len()).copy_from(&columns.select_columns(&free));
     }
-    Ok((base, readings))
+    Ok(base)
 }
