@@ -1,4 +1,4 @@
-//! The live path at full rate for a short while; `docs/load.md` has the long one, of an optimised build.
+//! The live path at full rate for a short while; `docs/measured/load.md` has the long one, of an optimised build.
 
 use std::process::Command;
 

@@ -23,11 +23,11 @@ fn machine(mode: &str, peer_tty: Option<&str>) -> String {
     text
 }
 
-/// Writes the line into docs/alignment.md when TRUNNION_WRITE_DOCS is set.
+/// Writes the line into docs/measured/alignment.md when TRUNNION_WRITE_DOCS is set.
 fn alignment_line(line: &str) {
     println!("{line}");
     if is_writing() {
-        write_or_compare("docs/alignment.md", SOCKETCAN, &format!("{HEAD}{line}\n"));
+        write_or_compare("docs/measured/alignment.md", SOCKETCAN, &format!("{HEAD}{line}\n"));
     }
 }
 
@@ -39,7 +39,7 @@ fn readings_keep_the_stamps_of_the_kernel_and_whatever_happens_to_the_interface_
     assert_eq!(rows.len(), 5, "{told}");
     let head = "| fault | end of the session | recorded gap | message |\n|---|---|---|---|\n";
     let table = format!("{head}{}\n", rows.join("\n"));
-    write_or_compare("docs/faults.md", SOCKETCAN, &table);
+    write_or_compare("docs/measured/faults.md", SOCKETCAN, &table);
 }
 
 /// Times differ from run to run.

@@ -1,5 +1,5 @@
 //! Formula effects, `formula:NAME`: an expression over the state with named parameters, written in a model file
-//! or found by a diagnosis (DESIGN §3.4).
+//! or found by a diagnosis (docs/design/contracts.md §4).
 //!
 //! Symbols, inside units: `A B C` rad, `X Y Z` mm, `vB` and `aB` velocity and acceleration (per s, per s²), `dirB` −1, 0, 1,
 //! `sinceB` travel since B last turned round, `t` s since the first point, `T_NAME` change of temperature channel NAME since
@@ -10,7 +10,6 @@
 mod check;
 mod error;
 mod expression;
-mod nearest;
 mod parser;
 mod symbol;
 
@@ -107,7 +106,7 @@ impl Formula {
             Symbol::Time if !scene.has_time() => Some("needs time stamps, for t".into()),
             Symbol::Temperature(channel) if !scene.channels.iter().any(|c| c == channel) => {
                 let known = scene.channels.iter().map(String::as_str);
-                let meant = nearest::nearest(channel, known)
+                let meant = trunnion_core::names::nearest(channel, known)
                     .map_or(String::new(), |near| format!("; did you mean T_{near}?"));
                 let names: Vec<String> = scene.channels.iter().map(|c| format!("T_{c}")).collect();
                 let known = if names.is_empty() { "none".into() } else { names.join(" ") };

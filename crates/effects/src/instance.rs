@@ -5,7 +5,7 @@ use crate::formula::{Formula, FormulaError};
 use crate::{About, Effect, Emit, ModelEffect, Need, Parameter, Scene, Shapes, Subject};
 use std::fmt;
 use std::sync::Arc;
-use trunnion_core::State;
+use trunnion_core::{State, names};
 use trunnion_machine::Machine;
 
 /// One effect on one subject, e.g. `gravity-sag:B`, or a formula out of a model file.
@@ -68,7 +68,7 @@ impl Instance {
         all.iter().find(|instance| instance.id() == id).cloned().ok_or_else(|| UnknownEffect::Id {
             id: id.into(),
             machine: machine.name.clone(),
-            allowed: all.iter().map(Self::id).collect::<Vec<_>>().join(", "),
+            allowed: names::allowed(id, all.iter().map(Self::id)),
         })
     }
 

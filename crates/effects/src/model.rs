@@ -1,4 +1,4 @@
-//! The model: the effects in the order they were added. File format `trunnion-model/1` (DESIGN §3.4).
+//! The model: the effects in the order they were added. File format `trunnion-model/1` (docs/design/contracts.md §4).
 //!
 //! ```toml
 //! format = "trunnion-model/1"

@@ -109,7 +109,7 @@ fn every_effect_says_what_it_is() {
 
 #[test]
 fn the_catalogue_has_every_id_of_the_design() {
-    // DESIGN §3.1, with the axes each belongs to on a machine with tilting B and turning C.
+    // docs/design/contracts.md §1, with the axes each belongs to on a machine with tilting B and turning C.
     let (rotary, linear, all) = (["B", "C"], ["X", "Y", "Z"], ["X", "Y", "Z", "B", "C"]);
     let of = |phenomena: &[&str], axes: &[&str]| -> Vec<String> {
         phenomena.iter().flat_map(|p| axes.iter().map(move |axis| format!("{p}:{axis}"))).collect()
@@ -357,18 +357,18 @@ fn effects_that_start_at_zero_are_zero_at_the_start() {
 
 #[test]
 fn the_catalogue_document_and_its_pictures_are_current() {
-    const DOCS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs");
+    const DOCS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/design");
     let found = |file: String| std::fs::read_to_string(Path::new(DOCS).join(file)).unwrap_or_default();
     let again = "is not current: cargo run -p trunnion-effects --example catalogue";
     assert!(
         found("catalogue.md".into()) == trunnion_effects::catalogue_markdown(),
-        "docs/catalogue.md {again}"
+        "docs/design/catalogue.md {again}"
     );
     let pictures = trunnion_effects::catalogue_pictures();
     for picture in &pictures {
         let file = format!("catalogue/{}", picture.file);
-        assert!(found(file.clone()) == picture.svg, "docs/{file} {again}");
+        assert!(found(file.clone()) == picture.svg, "docs/design/{file} {again}");
     }
     let files = std::fs::read_dir(Path::new(DOCS).join("catalogue")).unwrap().count();
-    assert_eq!(files, pictures.len(), "docs/catalogue holds pictures of no effect");
+    assert_eq!(files, pictures.len(), "docs/design/catalogue holds pictures of no effect");
 }

@@ -64,7 +64,7 @@ fn forward_and_backward_phasors_make_any_fourier_term() {
 
 #[test]
 fn eleven_lobes_read_as_one_on_a_30_degree_grid() {
-    // DIAGNOSIS §4: harmonic n is identical to 12 − n on the S1 grid.
+    // docs/design/statistics.md §4.4: harmonic n is identical to 12 − n on the S1 grid.
     for i in 0..12 {
         let state = at(AxisLetter::C, f64::from(i) * 30f64.to_radians());
         let fine = twists("drive-pitch:C", &[11.0], from_ref(&state), &state);
@@ -120,7 +120,7 @@ fn following(machine: &Machine, ball_in_table_mm: &Point3<f64>) -> Vec<State> {
 
 #[test]
 fn rotary_axes_one_millisecond_late_on_a_followed_path_read_21_um_and_a_common_delay_reads_nothing() {
-    // METHODS §9: 21 µm per ms at 360°/min, R 200 mm (2π·200 mm/60 s·1 ms = 20.94 µm).
+    // docs/design/physics.md §9.8: 21 µm per ms at 360°/min, R 200 mm (2π·200 mm/60 s·1 ms = 20.94 µm).
     let machine = table_bc();
     let ball = Point3::new(200.0, 0.0, 0.0);
     let states = following(&machine, &ball);
@@ -208,7 +208,7 @@ fn each_run_has_its_own_course_of_temperature() {
 
 #[test]
 fn without_a_clamp_signal_a_clamp_shows_only_between_rest_and_motion() {
-    // Every stop shifts alike in static data: that is a location error (METHODS §9, clamp or brake: "offset when clamped").
+    // Every stop shifts alike in static data: that is a location error (docs/design/physics.md §9.14).
     let machine = table_bc();
     let still = [at(AxisLetter::C, 0.0), at(AxisLetter::C, 1.0)];
     let mut moving = at(AxisLetter::C, 2.0);

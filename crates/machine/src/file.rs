@@ -1,4 +1,4 @@
-//! The machine file, `format = "trunnion-machine/1"` (DESIGN §3.3).
+//! The machine file, `format = "trunnion-machine/1"` (docs/design/contracts.md §3).
 
 mod legs;
 

@@ -1,7 +1,7 @@
 //! Machines: a chain of joints from the table down to the bed and from the bed up to the tool; three of the tool's may be legs
 //! in parallel ([`tripod`], S3).
 //!
-//! Every joint carries an error twist before its motion, `T_k = D(errors)·Motion(q)` (METHODS §2,
+//! Every joint carries an error twist before its motion, `T_k = D(errors)·Motion(q)` (docs/design/physics.md §2,
 //! S1 eq. 6–7). [`kinematics`] multiplies the transforms exactly; [`propagation`] gives the same to
 //! first order, which is what the columns of a fit are made of.
 
@@ -20,7 +20,7 @@ pub use tripod::{Leg, Tripod};
 use nalgebra::{Point3, Unit, Vector3};
 use trunnion_core::{AxisLetter, Twist};
 
-/// A machine as its file describes it (DESIGN §3.3).
+/// A machine as its file describes it (docs/design/contracts.md §3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
     /// Name of the file without its ending, e.g. `table-bc`.

@@ -124,7 +124,7 @@ fn s4_tables_3_and_4_give_its_printed_tilts() {
     near(value(&source, "EA0C") * 100.0 / UM, 5.5, 0.05, "eq. 2, α_CZ");
     near(value(&source, "EC0B") * 271.0 / UM, 2.7, 0.05, "eq. 6, γ_BY");
     near(value(&source, "EA0B") * 271.0 / UM, 1.4, 0.05, "eq. 7, α_BY");
-    // The sign slip of eq. 1 [METHODS §8.4]: right-handed it is +4.2, the other three stay.
+    // The sign slip of eq. 1 [docs/design/physics.md §8.4]: right-handed it is +4.2, the other three stay.
     let right = by(&[s4_c(), s4_b()], Convention::RightHanded);
     near(value(&right, "EB0C") * 100.0 / UM, 4.2, 0.05, "right-handed β_CZ");
     near(value(&right, "EA0C") * 100.0 / UM, 5.5, 0.05, "right-handed α_CZ");

@@ -1,4 +1,4 @@
-//! The certification table: its floors, and that docs/certification.md is what the program writes.
+//! The certification table: its floors, and that docs/measured/certification.md is what the program writes.
 
 #[path = "../examples/certify/document.rs"]
 mod document;
@@ -98,13 +98,13 @@ fn same(document: &str, fresh: &str) -> Result<(), String> {
 
 #[test]
 fn the_certification_document_is_current() {
-    const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/certification.md");
+    const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/measured/certification.md");
     let document = std::fs::read_to_string(FILE).unwrap_or_default();
     let fresh = document::document(20);
     let before = |text: &str| text.split(document::MONTE_CARLO).next().unwrap_or_default().to_string();
     if let Err(why) = same(&before(&document), &before(&fresh)) {
         panic!(
-            "docs/certification.md is not current: cargo run --release -p trunnion-methods --example certify\n{why}"
+            "docs/measured/certification.md is not current: cargo run --release -p trunnion-methods --example certify\n{why}"
         );
     }
     let parameters = |text: &str| -> Vec<String> {

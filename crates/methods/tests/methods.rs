@@ -36,7 +36,7 @@ fn every_file_of_the_directory_is_registered_under_its_name() {
 #[test]
 fn every_method_says_what_it_is_and_is_in_the_guide() {
     let guide =
-        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/methods.md")).unwrap();
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/use/methods.md")).unwrap();
     for method in REGISTRY {
         let texts = [method.title, method.source, method.about, method.needs, method.gives];
         assert!(texts.iter().all(|text| text.len() > 10), "{}", method.name);
@@ -45,7 +45,7 @@ fn every_method_says_what_it_is_and_is_in_the_guide() {
         let header: String = code.lines().take_while(|line| line.starts_with("//!")).collect();
         assert!(header.contains("Limits:"), "{} states no limits", method.name);
         assert!(header.contains('['), "{} names no source", method.name);
-        assert!(guide.contains(&format!("## {}", method.name)), "docs/methods.md lacks {}", method.name);
+        assert!(guide.contains(&format!("## {}", method.name)), "docs/use/methods.md lacks {}", method.name);
         assert!(guide.contains(&format!("--method {}", method.name)), "no command for {}", method.name);
         assert_eq!(recipes::find(method.name).unwrap().name, method.name);
     }

@@ -1,4 +1,4 @@
-//! Import of static points measured elsewhere: `points.csv` and `setup.toml` (DESIGN §3.2).
+//! Import of static points measured elsewhere: `points.csv` and `setup.toml` (docs/design/contracts.md §2).
 //!
 //! Columns in any order, units in their names. Every problem of the file is reported at once, with line,
 //! column, what was found and what is allowed.

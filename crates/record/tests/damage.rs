@@ -122,7 +122,7 @@ fn short_and_boastful_files_are_refused_with_offset_and_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("odd.mcap");
     let magic = mcap::MAGIC;
-    // NUMERICS "Recording": a 17-byte file panics mcap 0.26: magic and the frame of an empty attachment.
+    // docs/design/numerics.md §2.3: a 17-byte file panics mcap 0.26: magic and the frame of an empty attachment.
     let attachment = [magic, &[9], &0_u64.to_le_bytes()].concat();
     assert_eq!(attachment.len(), 17);
     let boastful = [magic, &[6], &u64::MAX.to_le_bytes(), &[0; 40]].concat();

@@ -1,4 +1,4 @@
-//! The points file of DESIGN §3.2: golden import, every problem at once, round trip.
+//! The points file of docs/design/contracts.md §2: golden import, every problem at once, round trip.
 
 use trunnion_core::{AxisLetter, Problems};
 use trunnion_cycles::Run;

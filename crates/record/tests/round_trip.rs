@@ -229,7 +229,7 @@ fn importing_twice_gives_the_same_bytes_and_points_of_a_machine_only_named() {
     assert!(read_run(Path::new("nowhere.mcap"), &unknown).is_err());
 }
 
-/// NUMERICS "Recording": 6.8–15 bytes a sample with 256 samples a message.
+/// docs/design/numerics.md §2.2: 6.8–15 bytes a sample with 256 samples a message.
 #[test]
 fn a_probe_sample_takes_under_fifteen_bytes_in_the_journal_and_under_eight_when_finished() {
     let folder = tempfile::tempdir().unwrap();

@@ -286,7 +286,7 @@ pub fn explanation(id: &str) -> Vec<(&'static str, String)> {
 
 /// The sources of an effect with their authors instead of the catalogue's numbers; empty where it has none of its own.
 pub fn sources(source: &str) -> String {
-    let public = source.split("; ").filter(|part| !part.starts_with("METHODS"));
+    let public = source.split("; ").filter(|part| !part.starts_with("docs/"));
     let named = |part: &str| {
         let known = SOURCES.iter().find_map(|(number, author)| Some((author, part.strip_prefix(number)?)));
         known.map_or(part.to_string(), |(author, rest)| format!("{author}{rest}"))

@@ -66,7 +66,7 @@ fn a_perfect_bar_of_any_direction_reads_zero() {
     }
 }
 
-/// S1 eq. 8–9 with the signs mended (METHODS §4, §8): the reading is minus the printed deviations, at the ball.
+/// S1 eq. 8–9 with the signs mended (docs/design/physics.md §4, §8): the reading is minus the printed deviations, at the ball.
 #[test]
 fn small_errors_read_as_equations_8_and_9_of_s1() {
     let mut truth = Truth::perfect("table-bc", &low_and_high(), 1.0);

@@ -112,7 +112,7 @@ fn every_effect_is_finite_over_the_volume() {
 
 #[test]
 fn servo_lag_of_c_is_21_um_a_millisecond_at_360_degrees_a_minute_and_200_mm() {
-    // METHODS §9.
+    // docs/design/physics.md §9.
     let (kind, place) = hidden::find("servo-lag:C").unwrap();
     let lag = Hidden { kind, place, amplitude: 1e-3, shape: vec![1.0] };
     let mut truth = Truth::perfect("table-bc", &low_and_high(), RUN_S);

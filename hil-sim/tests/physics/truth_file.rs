@@ -56,7 +56,7 @@ fn location_errors_are_the_minimum_set() {
         names.sort();
         names
     };
-    // METHODS §2: eight for two rotary axes.
+    // docs/design/physics.md §2.3: eight for two rotary axes.
     assert_eq!(names("table-bc"), ["EA0B", "EA0C", "EB0B", "EC0B", "EX0B", "EX0C", "EY0C", "EZ0B"]);
     assert_eq!(names("table-ac"), ["EA0A", "EB0A", "EB0C", "EC0A", "EX0C", "EY0A", "EY0C", "EZ0A"]);
 }

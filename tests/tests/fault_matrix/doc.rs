@@ -1,11 +1,11 @@
-//! docs/faults.md from the cells.
+//! docs/measured/faults.md from the cells.
 
 use crate::matrix::{Case, Cell, GapOf, Lost, Subject, Trouble};
 use trunnion_tests::section::write_or_compare;
 
 /// Compares the file with the cells, or writes it when TRUNNION_WRITE_DOCS is set.
 pub fn check(subjects: &[&Subject]) {
-    write_or_compare("docs/faults.md", "fault_matrix", &tables(subjects));
+    write_or_compare("docs/measured/faults.md", "fault_matrix", &tables(subjects));
 }
 
 fn tables(subjects: &[&Subject]) -> String {

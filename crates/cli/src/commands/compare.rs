@@ -3,7 +3,7 @@
 use super::add::{FormulaArgs, today};
 use crate::load::{ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion::analysis::{FormulaText, Step};
@@ -79,7 +79,7 @@ fn compare(
         write(path, &compare_html(&input))?;
     }
     if args.json {
-        outcome::print_json(&serde_json::json!({
+        terminal::print_json(&serde_json::json!({
             "format": "trunnion-comparison/1",
             "time_quality": timing.iter().map(time_quality_json).collect::<Vec<_>>(),
             "places": places_json(&input.places),
@@ -88,7 +88,7 @@ fn compare(
             "html": args.html.as_ref().map(|path| path.display().to_string()),
         }))?;
     } else {
-        outcome::print(&compare_text(&input))?;
+        terminal::print(&compare_text(&input))?;
         told_page(args)?;
     }
     Ok(())
@@ -113,7 +113,7 @@ fn try_effect(
         write(path, &trial_html(&input, &trial))?;
     }
     if args.json {
-        outcome::print_json(&serde_json::json!({
+        terminal::print_json(&serde_json::json!({
             "format": "trunnion-trial/1",
             "effect": effect,
             "rms_um": { "before": trial.fit_um[0], "after": trial.fit_um[1] },
@@ -128,7 +128,7 @@ fn try_effect(
             "html": args.html.as_ref().map(|path| path.display().to_string()),
         }))?;
     } else {
-        outcome::print(&trial_text(&trial))?;
+        terminal::print(&trial_text(&trial))?;
         told_page(args)?;
     }
     Ok(())
@@ -168,7 +168,7 @@ fn write(path: &Path, page: &str) -> anyhow::Result<()> {
 
 fn told_page(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.html {
-        outcome::print(&format!("page: {}\n", path.display()))?;
+        terminal::print(&format!("page: {}\n", path.display()))?;
     }
     Ok(())
 }

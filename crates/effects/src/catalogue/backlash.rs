@@ -1,6 +1,6 @@
 //! Backlash: lost motion of the drive when the direction turns.
 //!
-//! e = ½ h · direction on the positioning error of the axis, direction −1, 0, +1       [METHODS §5, §9; ISO 230-2 reversal value, ISO 230-4]
+//! e = ½ h · direction on the positioning error of the axis, direction −1, 0, +1       [docs/design/physics.md §5, §9.6; ISO 230-2 reversal value, ISO 230-4]
 //! h = mean deviation coming up minus coming down: negative for lost motion (the axis stops short), positive for an
 //! over-compensated control. Limits: direction known; both directions measured; no dependence on load.
 
@@ -13,7 +13,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "backlash",
     about: About {
         title: "Backlash of the drive",
-        source: "METHODS §5, §9; ISO 230-2; S4 table 2 (positioning mechanism)",
+        source: "docs/design/physics.md §5, §9.6; ISO 230-2; S4 table 2 (positioning mechanism)",
         equation: "e = ½ h · direction on the positioning error",
         symbols: "e positioning error, µm or µrad; h reversal value, µm or µrad: negative when the axis stops short, positive when the control over-compensates; direction −1, 0, +1",
         validity: "The direction of approach is known and both occur; the same at every place.",

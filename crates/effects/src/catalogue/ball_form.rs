@@ -1,6 +1,6 @@
 //! Form of the measured ball: the probes touch other places of it as it turns against the nest.
 //!
-//! d = Σ_i n_i f(R n_i),  f(u) = Σ_m a_m Y_lm(u),  l = 2 (oval) or 3 (three-lobed)       [METHODS §9: function of contact direction; ISO 3290-1]
+//! d = Σ_i n_i f(R n_i),  f(u) = Σ_m a_m Y_lm(u),  l = 2 (oval) or 3 (three-lobed)       [docs/design/physics.md §9.16: function of contact direction; ISO 3290-1]
 //! n_i direction from the ball centre to where probe i touches, nest axes; R = ball from nest, which changes with every
 //! rotary axis between the two. l = 1 is the place of the ball's centre: a location error or the ball setting.
 //! Y_lm: real surface harmonics of order m = 0…l about the ball's Z, P_l^m scaled to 1 where it is largest.
@@ -16,7 +16,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "ball-form",
     about: About {
         title: "Form of the measured ball",
-        source: "METHODS §9; ISO 3290-1 (deviation from spherical form); Abramowitz & Stegun ch. 8 (surface harmonics)",
+        source: "docs/design/physics.md §9.16; ISO 3290-1 (deviation from spherical form); Abramowitz & Stegun ch. 8 (surface harmonics)",
         equation: "d = Σ_i n_i f(R n_i), f = Σ a_m Y_lm, l = 2 (oval) or 3 (three-lobed)",
         symbols: "d error of the reading in nest axes; n_i direction from the ball to probe i; R ball from nest; f radius of the ball minus its mean, µm; a_m peak of each surface harmonic, µm (c0 about the ball's Z, c1 s1 … around it); shape numbers lobes = l, triad = 0 probes along x, y, z, 1 three probes under the ball",
         validity: "R-test with probes square to each other; the ball stays fixed in its holder; l = 1 is a place of the ball and belongs to location errors and setting.",

@@ -1,6 +1,6 @@
 //! Cyclic error of a ball screw or linear scale.
 //!
-//! e(x) = a cos(2πx/p) + b sin(2πx/p) on the positioning error, p the period        [METHODS §9; ISO 230-4 cyclic error]
+//! e(x) = a cos(2πx/p) + b sin(2πx/p) on the positioning error, p the period        [docs/design/physics.md §9.10; ISO 230-4 cyclic error]
 //! p: lead and half the lead of the machine file; without it a list of usual leads. Limits: aliases on coarse grids of poses.
 
 use crate::subjects::{axis_of, every_linear};
@@ -13,7 +13,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "ballscrew-pitch",
     about: About {
         title: "Cyclic error of the ball screw",
-        source: "METHODS §5, §9; ISO 230-4",
+        source: "docs/design/physics.md §5, §9.10; ISO 230-4",
         equation: "e = a cos(2πx/p) + b sin(2πx/p); p = lead, lead/2",
         symbols: "e positioning error, µm; a, b amplitudes, µm; x coordinate, mm; p period, mm (shape number period_mm)",
         validity: "Same at every turn of the screw; aliases on a coarse grid of poses.",

@@ -1,6 +1,6 @@
 //! Shift of a rotary axis when its clamp or brake closes.
 //!
-//! At rest: δ = (EXR, EYR, EZR) and an angle about the axis; moving: nothing            [METHODS §9; S4 §4.3 axial shift of B]
+//! At rest: δ = (EXR, EYR, EZR) and an angle about the axis; moving: nothing            [docs/design/physics.md §9.14; S4 §4.3 axial shift of B]
 //! The state has no clamp signal. A clamp that closes at every stop shifts every static reading alike, which is a
 //! location error; so the shift exists only against readings in motion, and an axis at rest (no velocity, no
 //! acceleration) counts as clamped. Limits: out of reach where the same experiment does not read the axis both
@@ -16,7 +16,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "clamp-shift",
     about: About {
         title: "Shift when the clamp closes",
-        source: "METHODS §9",
+        source: "docs/design/physics.md §9.14",
         equation: "at rest: δ = (EXR, EYR, EZR) and a turn about the axis; in motion: 0",
         symbols: "δ shift of the axis in the axes of what carries it, µm; turn about the axis, µrad; at rest = no velocity and no acceleration",
         validity: "There is no clamp signal: the clamp is taken as closed whenever the axis stands still. Static data alone cannot show it: a shift at every stop is a location error.",

@@ -1,6 +1,6 @@
 //! The axis line of a rotary axis shifts with the direction of rotation.
 //!
-//! δ = ½ s · direction, s = (X, Y, Z) in the carrier of the axis        [METHODS §9; S4 §4.3: 2 µm axial on reversing B]
+//! δ = ½ s · direction, s = (X, Y, Z) in the carrier of the axis        [docs/design/physics.md §9.6; S4 §4.3: 2 µm axial on reversing B]
 //! Limits: direction known; both directions measured.
 
 use crate::subjects::{axis_of, every_rotary};
@@ -13,7 +13,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "direction-shift",
     about: About {
         title: "Shift of the axis with the direction of rotation",
-        source: "S4 §4.3 (2 µm axial shift of B on reversal); METHODS §9",
+        source: "S4 §4.3 (2 µm axial shift of B on reversal); docs/design/physics.md §9.6",
         equation: "δ = ½ s · direction, s = (EXR, EYR, EZR)",
         symbols: "δ displacement of the axis line, µm; s shift between the two directions in the axes of what carries it, µm; direction −1, 0, +1",
         validity: "The direction of rotation is known and both occur.",

@@ -13,7 +13,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "drive-pitch",
     about: About {
         title: "Pitch error of worm or gear",
-        source: "S4 table 2; METHODS §9",
+        source: "S4 table 2; docs/design/physics.md §9.5",
         equation: "e = a cos Nq + b sin Nq on the positioning error; N = 3…12, teeth, teeth ± 1, 2 × teeth",
         symbols: "e positioning error, µrad; q angle of the axis; a, b amplitudes, µrad; N cycles a turn (shape number cycles_per_turn)",
         validity: "N known or small; aliases on a coarse grid of poses.",

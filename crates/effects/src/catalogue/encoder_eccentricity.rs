@@ -1,6 +1,6 @@
 //! Eccentric graduation of the angular encoder.
 //!
-//! e(q) = a₁ cos q + b₁ sin q + a₂ cos 2q + b₂ sin 2q on the positioning error        [S4 table 2; METHODS §9]
+//! e(q) = a₁ cos q + b₁ sin q + a₂ cos 2q + b₂ sin 2q on the positioning error        [S4 table 2; docs/design/physics.md §9.4]
 //! One reading head on a disc of diameter D whose centre is e off: amplitude 2e/D = 412.5·e[µm]/D[mm] arcsec, once a turn;
 //! an oval or tilted disc, or two heads, give the second order. Limits: graduation fixed to the axis.
 
@@ -13,7 +13,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "encoder-eccentricity",
     about: About {
         title: "Eccentric or oval angular encoder",
-        source: "S4 table 2 (rotary encoder); METHODS §9",
+        source: "S4 table 2 (rotary encoder); docs/design/physics.md §9.4",
         equation: "e = a₁ cos q + b₁ sin q + a₂ cos 2q + b₂ sin 2q; an eccentricity e on diameter D gives 2e/D",
         symbols: "e positioning error, µrad; q angle of the axis; a, b amplitudes, µrad; e eccentricity and D diameter of the graduation",
         validity: "Graduation fixed to the axis; first and second order.",

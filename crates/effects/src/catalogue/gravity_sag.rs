@@ -1,6 +1,6 @@
 //! Sag of the tilting frame under its own weight, and wind-up of its drive.
 //!
-//! u(B) = R K⁻¹ Rᵀ g − K⁻¹ g,  g = −z unit vector in the carrier of the tilting axis, R = rotation by B    [METHODS §9; S1 §5.3; S4 table 2]
+//! u(B) = R K⁻¹ Rᵀ g − K⁻¹ g,  g = −z unit vector in the carrier of the tilting axis, R = rotation by B    [docs/design/physics.md §9.1; S1 §5.3; S4 table 2]
 //! K⁻¹ = [[p, q], [q, −p]] across the axis line: an equal compliance in all directions gives a constant, which is a
 //! location error, so only the anisotropy p and the skewness q survive (1 − cos 2B and sin 2B terms).
 //! Wind-up of the drive: ω = (s·(sin B) + c·(cos B − 1)) along the axis, ∝ sin(B + φ) − sin φ of the centre of mass.
@@ -16,7 +16,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "gravity-sag",
     about: About {
         title: "Sag of the tilting frame under its own weight",
-        source: "S1 §5.3; S4 table 2; METHODS §9",
+        source: "S1 §5.3; S4 table 2; docs/design/physics.md §9.1",
         equation: "u = R K⁻¹ Rᵀ g − K⁻¹ g (terms 1 − cos 2B and sin 2B across the axis) and wind-up ω ∝ sin(B + φ) − sin φ about it",
         symbols: "u displacement of the frame, µm; K⁻¹ its compliance across the axis with anisotropy p and skewness q times the weight, µm; R turn by B; g unit vector of gravity; ω turn about the axis, µrad; φ place of the centre of mass",
         validity: "The load on the table stays the same; gravity along −Z; zero at the zero position.",

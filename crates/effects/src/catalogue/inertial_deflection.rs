@@ -1,7 +1,7 @@
 //! Deflection under the inertia of an accelerating axis.
 //!
 //! Positioning: e = −c a, c compliance × mass, s².  Linear axis: tilts ω = k a across it (mass above its drive).
-//! Rotary axis: δ = R(C) f v², the off-centre mass pulls outward.         [METHODS §9: acceleration, centrifugal, cross-talk]
+//! Rotary axis: δ = R(C) f v², the off-centre mass pulls outward.         [docs/design/physics.md §9.9: acceleration, centrifugal, cross-talk]
 //! Limits: on the fly; below the first resonance.
 
 use crate::subjects::{across, axis_of, carrier_from_carried, every_axis, linear_name, rotary_name};
@@ -13,7 +13,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "inertial-deflection",
     about: About {
         title: "Deflection under acceleration",
-        source: "METHODS §9; ISO 230-1 annex on cross-talk",
+        source: "docs/design/physics.md §9.9; ISO 230-1 annex on cross-talk",
         equation: "e = −c a; linear: ω = k a across the axis; rotary: δ = R f v² outward",
         symbols: "e positioning error; c compliance × mass, µm per m/s²; k tilt, µrad per m/s²; f outward pull of an off-centre mass, µm per (rad/s)²; v velocity, a acceleration",
         validity: "Read on the fly; slow against the first resonance.",

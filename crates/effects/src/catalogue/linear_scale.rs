@@ -1,6 +1,6 @@
 //! Scale error of a linear axis.
 //!
-//! EXX = s · x on the positioning error, s a ratio             [S2 eq. 1; METHODS §5 (0/90° oval), §9]
+//! EXX = s · x on the positioning error, s a ratio             [S2 eq. 1; docs/design/physics.md §5 (0/90° oval), docs/design/physics.md §9.11]
 //! Limits: proportional to the coordinate; with one ball radius a common scale of all axes hides.
 
 use crate::subjects::{axis_of, every_linear};

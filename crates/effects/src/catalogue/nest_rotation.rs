@@ -1,6 +1,6 @@
 //! The nest is turned against the axes it should read in.
 //!
-//! m = −ω × d, d the deflection in nest axes, ω the turn of the nest        [METHODS §3, §9: direction vectors of the probes; S1 §3.2]
+//! m = −ω × d, d the deflection in nest axes, ω the turn of the nest        [docs/design/physics.md §3, §9.15: direction vectors of the probes; S1 §3.2]
 //! Limits: three-component instruments; visible only as far as the probes are deflected.
 
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
@@ -12,7 +12,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "nest-rotation",
     about: About {
         title: "Nest turned against the axes",
-        source: "METHODS §9; S1 §3.2 (direction vectors)",
+        source: "docs/design/physics.md §9.15; S1 §3.2 (direction vectors)",
         equation: "m = −ω × d",
         symbols: "m error of the reading; ω turn of the nest about its x, y, z, µrad; d deflection",
         validity: "Small turn; same in all setups.",

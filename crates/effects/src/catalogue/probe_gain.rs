@@ -1,6 +1,6 @@
 //! Gain error of the probes.
 //!
-//! m = g · d for each component of the reading, d the deflection           [METHODS §9; S1 §3.2]
+//! m = g · d for each component of the reading, d the deflection           [docs/design/physics.md §9.15; S1 §3.2]
 //! Limits: nest axes, not the single probe; visible only as far as the probes are deflected, and a gain common to
 //! all that never deflects hides.
 
@@ -13,7 +13,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "probe-gain",
     about: About {
         title: "Gain of the probes",
-        source: "METHODS §9; S1 §3.2 (nest calibration)",
+        source: "docs/design/physics.md §9.15; S1 §3.2 (nest calibration)",
         equation: "m = g · d for each component",
         symbols: "m error of the reading; g gain error, µm/mm; d deflection",
         validity: "Small deflections; components in nest axes.",

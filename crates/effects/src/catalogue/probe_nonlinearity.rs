@@ -1,6 +1,6 @@
 //! Non-linearity of the probes.
 //!
-//! m = q · d² for each component of the reading, d the deflection       [METHODS §9: m = g·d + q·d²]
+//! m = q · d² for each component of the reading, d the deflection       [docs/design/physics.md §9.15: m = g·d + q·d²]
 //! Limits: nest axes, not the single probe; second order only.
 
 use super::probe_gain::{COMPONENTS, deflected};
@@ -13,7 +13,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "probe-nonlinearity",
     about: About {
         title: "Non-linearity of the probes",
-        source: "METHODS §9",
+        source: "docs/design/physics.md §9.15",
         equation: "m = q · d² for each component",
         symbols: "m error of the reading; q curvature, µm/mm²; d deflection, mm",
         validity: "Second order; components in nest axes.",

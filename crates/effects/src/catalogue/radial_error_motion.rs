@@ -1,6 +1,6 @@
 //! Radial error motion: the axis line wanders across while it turns.
 //!
-//! δ(q) = R(+nq) f + R(−nq) b,  f and b across the axis, n = 1…4         [ISO 230-7 §3; S0 §3; METHODS §9]
+//! δ(q) = R(+nq) f + R(−nq) b,  f and b across the axis, n = 1…4         [ISO 230-7 §3; S0 §3; docs/design/physics.md §9.3]
 //! Every Fourier term of EXC and EYC is a sum of one phasor that turns n times forward and one that turns n times backward.
 //! n = 1 forward turns with the table: it *is* the ball setting (or the place of the next axis) and gives no motion here.
 //! Limits: repeats every turn.

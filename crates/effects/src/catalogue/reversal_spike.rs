@@ -1,6 +1,6 @@
 //! Reversal spike: the axis sticks when its direction turns and catches up with travel.
 //!
-//! e = −h · direction · e^(−s/s₀) on the positioning error, s travel since the reversal, s₀ its decay     [METHODS §5, §9; ISO 230-4 quadrant glitch]
+//! e = −h · direction · e^(−s/s₀) on the positioning error, s travel since the reversal, s₀ its decay     [docs/design/physics.md §5, §9.7; ISO 230-4 quadrant glitch]
 //! Limits: read on the fly; feed and friction constant.
 
 use crate::subjects::{axis_of, every_axis};
@@ -12,7 +12,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "reversal-spike",
     about: About {
         title: "Spike after a reversal",
-        source: "METHODS §5, §9; ISO 230-4",
+        source: "docs/design/physics.md §5, §9.7; ISO 230-4",
         equation: "e = −h · direction · e^(−s/s₀), s travel since the reversal",
         symbols: "e positioning error, µm or µrad; h height of the spike, µm or µrad; s travel since the reversal; s₀ travel after which it has fallen to 37 %, mm or rad (shape number decay)",
         validity: "Read on the fly; constant feed and friction.",

@@ -1,6 +1,6 @@
 //! Slip of the ball or nest on the table at some moment.
 //!
-//! s(t) = (x, y, z) in table axes from t₁ on, 0 before            [METHODS §9: setting slip]
+//! s(t) = (x, y, z) in table axes from t₁ on, 0 before            [docs/design/physics.md §9.13: setting slip]
 //! Limits: one slip; needs time stamps.
 
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
@@ -12,7 +12,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "setup-slip",
     about: About {
         title: "Slip of ball or nest",
-        source: "METHODS §9",
+        source: "docs/design/physics.md §9.13",
         equation: "s = (x, y, z) in table axes from t₁ on, 0 before",
         symbols: "s displacement of the table-side ball or nest in table axes, µm; t₁ moment of the slip, s (shape number slip_after_s)",
         validity: "One slip; needs time stamps.",

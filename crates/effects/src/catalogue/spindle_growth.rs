@@ -1,6 +1,6 @@
 //! Growth of the spindle along its axis while it warms up.
 //!
-//! z(t) = −a (1 − e^(−(t − t₀)/τ)) z_tool at the spindle-side ball: a growing spindle pushes the tool tip out      [METHODS §9; ISO 230-3 §6]
+//! z(t) = −a (1 − e^(−(t − t₀)/τ)) z_tool at the spindle-side ball: a growing spindle pushes the tool tip out      [docs/design/physics.md §9.12; ISO 230-3 §6]
 //! Limits: one change of speed or load at the first point; needs time stamps.
 
 use super::thermal_drift::{TAU_OF_DURATION, warmed_up};
@@ -13,7 +13,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "spindle-growth",
     about: About {
         title: "Growth of the spindle",
-        source: "METHODS §9; ISO 230-3 §6",
+        source: "docs/design/physics.md §9.12; ISO 230-3 §6",
         equation: "z(t) = −a (1 − e^(−t/τ)) along the spindle",
         symbols: "a final growth, µm; t time since the first point, s; τ time constant, s (shape number tau_s)",
         validity: "One change of spindle heat at the beginning; needs time stamps.",

@@ -1,6 +1,6 @@
 //! Straightness errors of a linear axis: bow and S-shape, both lateral directions.
 //!
-//! EYX(x) = a₂ P₂(s) + a₃ P₃(s), s = x scaled to −1…1 over the measured range, P₂, P₃ Legendre        [S2 eq. 1; METHODS §5 (three lobes), §9]
+//! EYX(x) = a₂ P₂(s) + a₃ P₃(s), s = x scaled to −1…1 over the measured range, P₂, P₃ Legendre        [S2 eq. 1; docs/design/physics.md §5 (three lobes), docs/design/physics.md §9.11]
 //! The straight part is squareness. Limits: smooth guideway; the amplitude belongs to the measured range.
 
 use crate::legendre::legendre;

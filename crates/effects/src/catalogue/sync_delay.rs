@@ -1,6 +1,6 @@
 //! Delays in time between rotary axes, linear axes and probes.
 //!
-//! probes: e_k = −T_p v_k on every axis: the reading belongs to where the machine was T_p earlier   [DESIGN §4; METHODS §9]
+//! probes: e_k = −T_p v_k on every axis: the reading belongs to where the machine was T_p earlier   [docs/design/contracts.md §9; docs/design/physics.md §9.8]
 //! rotary: e_k = −T_r v_k on the rotary axes only: they are interpolated, or answer, later than the linear axes   [S4 §2]
 //! Linear axes that follow a rotary one keep ball and nest together, Σ J_k v_k = 0: T_p then moves nothing (a reading
 //! taken late on a path that reads zero throughout still reads zero), T_r moves J_r v_r. Where only rotary axes move
@@ -15,7 +15,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "sync-delay",
     about: About {
         title: "Delay between rotary axes, linear axes and probes",
-        source: "METHODS §9; S4 §2 (synchronisation error)",
+        source: "docs/design/physics.md §9.8; S4 §2 (synchronisation error)",
         equation: "probes: e = −T_p v on every axis; rotary: e = −T_r v on the rotary axes only",
         symbols: "T_p time by which the probes are read late against all axis positions, ms; T_r time by which the rotary axes come later than the linear axes, ms; v velocity of each axis",
         validity: "Read on the fly; one delay for the whole experiment. T_p shows only where the motion changes the distance of ball and nest (never while linear axes follow a rotary one exactly); T_r only where linear and rotary axes move together.",

@@ -1,6 +1,6 @@
 //! Thermal drift of the tool side against the table after a change of heat.
 //!
-//! u(t) = Σ_i a_i (1 − e^(−(t − t₀)/τ_i)), i = 1, 2 for each of x, y, z in machine axes    [METHODS §9]
+//! u(t) = Σ_i a_i (1 − e^(−(t − t₀)/τ_i)), i = 1, 2 for each of x, y, z in machine axes    [docs/design/physics.md §9.12]
 //! Two time constants: drive and spindle warm up in minutes, castings in hours. One time constant is the case where
 //! one term is small.
 //! Limits: one step of heat at the first point; needs time stamps.
@@ -14,7 +14,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "thermal-drift",
     about: About {
         title: "Thermal drift of the tool side",
-        source: "METHODS §9; ISO 230-3",
+        source: "docs/design/physics.md §9.12; ISO 230-3",
         equation: "u(t) = Σ a_i (1 − e^(−t/τ_i)) for x, y, z, two time constants",
         symbols: "u displacement of the tool side in machine axes, µm; a_i final values, µm; t time since the first point, s; τ_i time constants, s (shape numbers tau1_s, tau2_s)",
         validity: "One change of heat at the beginning; needs time stamps.",

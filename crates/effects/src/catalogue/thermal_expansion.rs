@@ -1,6 +1,6 @@
 //! Displacement of the tool side that follows a temperature channel, with a lag.
 //!
-//! u = Σ_channels a_channel (θ_channel − θ_channel,first),  τ dθ/dt = T_channel − θ           [METHODS §9; ISO 230-3; ISO/TR 16015]
+//! u = Σ_channels a_channel (θ_channel − θ_channel,first),  τ dθ/dt = T_channel − θ           [docs/design/physics.md §9.12; ISO 230-3; ISO/TR 16015]
 //! for x, y, z in machine axes; τ one shape number for all channels, 0 follows at once. See `History` for the filter.
 //! Limits: proportional; the structure is soaked at the first point of each run; only channels that change take part;
 //! without time stamps no lag.
@@ -15,7 +15,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "thermal-expansion",
     about: About {
         title: "Expansion with a measured temperature",
-        source: "METHODS §9; ISO 230-3; ISO/TR 16015",
+        source: "docs/design/physics.md §9.12; ISO 230-3; ISO/TR 16015",
         equation: "u = Σ a·(θ − θ_first) for x, y, z and each temperature channel, τ dθ/dt = T − θ",
         symbols: "T temperature of the channel, K; θ temperature of the structure, which follows with time constant τ, s (shape number tau_s, 0 = at once); a displacement of the tool side in machine axes, µm/K",
         validity: "Proportional to θ; the structure is soaked at the first point; one lag for all channels; without time stamps no lag.",

@@ -1,6 +1,6 @@
 //! Off-centre mass on a turning table that tilts: its weight turns and tilts the table.
 //!
-//! M(C) = e(C) × g,  e(C) = R(C) e_i the place of the mass, g the unit vector of gravity in the carrier of C   [METHODS §9]
+//! M(C) = e(C) × g,  e(C) = R(C) e_i the place of the mass, g the unit vector of gravity in the carrier of C   [docs/design/physics.md §9.2]
 //! ω = twist · (M·d) d + tilt · (M − (M·d) d): about the axis d ∝ sin B·sin(C + φ), across it ∝ cos B.
 //! Limits: one load for the whole experiment; position held by a drive of constant stiffness.
 
@@ -13,7 +13,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "unbalance",
     about: About {
         title: "Off-centre mass on the turning table",
-        source: "METHODS §9; S4 table 2 (gravity influence)",
+        source: "docs/design/physics.md §9.2; S4 table 2 (gravity influence)",
         equation: "ω = twist·(M·d) d + tilt·(M − (M·d) d), M = R(C) e_i × g",
         symbols: "ω turn of the table, µrad; d its axis; e_i place of the mass, unit vector; g unit vector of gravity in the carrier of the axis; twist, tilt compliance × weight × distance, µrad",
         validity: "Same load during the whole experiment; needs a tilted table to turn it.",

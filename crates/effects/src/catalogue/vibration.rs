@@ -17,7 +17,7 @@ pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "vibration",
     about: About {
         title: "Vibration of the tool against the table",
-        source: "ISO/TR 230-8; METHODS §9",
+        source: "ISO/TR 230-8; docs/design/physics.md §9.17",
         equation: "u(t) = a cos 2πft + b sin 2πft for x, y, z",
         symbols: "a, b amplitudes in machine axes, µm; f frequency, Hz (shape number frequency_hz); t time since the first point, s",
         validity: "Read on the fly with time stamps; constant frequency and phase in one run; below half the rate of the points, else its alias.",

@@ -1,4 +1,4 @@
-//! The factors of the open grammar: how a motion without a name may depend on angle, direction, place and time (DIAGNOSIS §4).
+//! The factors of the open grammar: how a motion without a name may depend on angle, direction, place and time (docs/design/statistics.md §4.3).
 //!
 //! A family is one expression with shape numbers (where, how wide, how fast). Only a coarse grid of them is scanned for every carrier;
 //! the shape numbers of what does well are then refined, and its kin (the same idea in another form, such as the soft form of a step)

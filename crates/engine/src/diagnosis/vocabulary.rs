@@ -1,4 +1,4 @@
-//! The open grammar on one experiment: families of factors at every carrier (DIAGNOSIS §4).
+//! The open grammar on one experiment: families of factors at every carrier (docs/design/statistics.md §4.3).
 //!
 //! A carrier is a unit displacement or rotation at a site; a saying multiplies one or more carriers of one site by the factors of a
 //! family at one shape.

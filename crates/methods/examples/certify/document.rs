@@ -35,7 +35,7 @@ pub fn fewest(found: &[f64], certified: &[f64]) -> f64 {
     found.iter().zip(certified).map(|(f, c)| digits(*f, *c)).fold(16.0, f64::min)
 }
 
-/// docs/certification.md.
+/// docs/measured/certification.md.
 pub fn document(trials: usize) -> String {
     let mut text = String::from(
         "# Certification of the arithmetic\n\n\

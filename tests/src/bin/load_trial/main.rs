@@ -2,7 +2,7 @@
 //! to 3600 °/min. Simulated devices live in this process, the service in another, so that its time and memory are its own.
 //!
 //! `floor` has the devices, `service` is the other process, `watch` reads its time and memory from /proc, `count` what is
-//! in the finished recording, `table` writes `docs/load.md`.
+//! in the finished recording, `table` writes `docs/measured/load.md`.
 
 mod count;
 mod floor;

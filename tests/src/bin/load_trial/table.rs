@@ -1,4 +1,4 @@
-//! `docs/load.md`.
+//! `docs/measured/load.md`.
 
 use crate::Trial;
 use crate::floor::{AXES_HZ, ENCODER_HZ, FEEDS_DEG_PER_MIN, PROBE_HZ};
@@ -8,7 +8,7 @@ use std::fmt::Write;
 pub fn document(trial: &Trial) -> String {
     let mut text = String::from("# The service under load\n\n");
     text += &format!(
-        "Written by `cargo run --release -p trunnion-tests --bin load-trial -- --markdown docs/load.md`. Simulated devices \
+        "Written by `cargo run --release -p trunnion-tests --bin load-trial -- --markdown docs/measured/load.md`. Simulated devices \
          on pseudo-terminals and a network port of one process; the service (`serve`, as `trunnion daemon` runs it) in \
          another: three optoNCDT probes at {PROBE_HZ} Hz each, a CANopen encoder read by SYNC at {ENCODER_HZ} Hz behind a \
          serial adapter, five axes at {AXES_HZ} Hz from an MTConnect agent, while C turns forward and back at {} °/min. {} \
