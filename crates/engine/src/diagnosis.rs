@@ -7,10 +7,10 @@
 
 mod answer;
 pub(crate) mod columns;
-mod contest;
+mod expressions;
 mod families;
+mod model_comparison;
 pub mod options;
-mod phrases;
 mod refine;
 mod refits;
 mod scan;

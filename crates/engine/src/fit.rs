@@ -1,7 +1,7 @@
 //! Joint least squares over all effects of a model.
 //!
-//! shapes (grid) → settle (Gauss–Newton to the exact prediction) → outliers set aside, until they stay the same → readings
-//! weighted by the noise of their run and their samples, and settled again → uncertainties under the parts of the machine's noise
+//! shapes (grid) → converge (Gauss–Newton to the exact prediction) → outliers excluded, until they stay the same → readings
+//! weighted by the noise of their run and their samples, and fitted again → uncertainties under the parts of the machine's noise
 //! (`structured`; else from clusters, `uncertainty`), noise, held-out proof.
 
 pub(crate) mod gauss_newton;
@@ -15,7 +15,7 @@ mod uncertainty;
 
 pub use options::Options;
 
-use crate::fit::gauss_newton::{Settled, settle};
+use crate::fit::gauss_newton::{Converged, converge};
 use crate::fit::holdout::holdout;
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification, Outlier};
 use crate::fit::shape::search_shapes;
@@ -45,7 +45,7 @@ const MOST_WEIGHINGS: usize = 3;
 ///
 /// # Errors
 /// The model does not fit the machine or the runs, a reading is no number, there are too few readings, or the fit
-/// does not settle.
+/// does not converge.
 pub fn identify(
     experiment: &Experiment,
     model: &Model,
@@ -55,37 +55,40 @@ pub fn identify(
     let everything = vec![true; experiment.points.len()];
     let mut weights = Weights::even(experiment);
     let searched = search_shapes(experiment, &mut joint, &everything, &weights, options)?;
-    let (mut used, mut fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+    let (mut used, mut fit) = converge_robustly(&Design::new(experiment, &joint, &weights), options)?;
     for _ in 0..MOST_WEIGHINGS {
-        let (next, _) = weigh(experiment, &fit.residual_mm, &used, fit.gauge.determined.len());
+        let (next, _) = weigh(experiment, &fit.residual_mm, &used, fit.datum.determined.len());
         if next.like(&weights) {
             weights.reference_mm = next.reference_mm;
             break;
         }
         weights = next;
-        (used, fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+        (used, fit) = converge_robustly(&Design::new(experiment, &joint, &weights), options)?;
     }
     if searched && (used != everything || !weights.even) {
         search_shapes(experiment, &mut joint, &used, &weights, options)?;
-        (used, fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+        (used, fit) = converge_robustly(&Design::new(experiment, &joint, &weights), options)?;
     }
     Ok(gather(&Design::new(experiment, &joint, &weights), &used, fit, options))
 }
 
-fn settle_robustly(design: &Design<'_>, options: &Options) -> Result<(Vec<bool>, Settled), IdentifyError> {
+fn converge_robustly(
+    design: &Design<'_>,
+    options: &Options,
+) -> Result<(Vec<bool>, Converged), IdentifyError> {
     if options.outliers == Outliers::Keep {
         let used = vec![true; design.experiment.points.len()];
-        let fit = settle(design, &used, options)?;
+        let fit = converge(design, &used, options)?;
         return Ok((used, fit));
     }
-    excluded(design.experiment, |used| settle(design, used, options), |fit| &fit.weighted_mm)
+    excluded(design.experiment, |used| converge(design, used, options), |fit| &fit.weighted_mm)
 }
 
-fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -> Identification {
+fn gather(design: &Design<'_>, used: &[bool], fit: Converged, options: &Options) -> Identification {
     let (experiment, joint) = (design.experiment, design.joint);
     let passes = passes(experiment);
     let sums = sums(design, &passes, &fit, used);
-    let determined = &fit.gauge.determined;
+    let determined = &fit.datum.determined;
     let structured = match options.uncertainties {
         Uncertainties::NoiseParts => structured(design, &passes, &fit, used),
         Uncertainties::Clusters => None,
@@ -100,13 +103,13 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
     }
     let names = names(joint);
     let without_number: Vec<usize> = (0..joint.width())
-        .filter(|&j| fit.gauge.status[j] == Status::Unobservable)
+        .filter(|&j| fit.datum.status[j] == Status::Unobservable)
         .filter(|&j| !OF_THE_INSTRUMENT.contains(&joint.effects[joint.effect_of[j]].id.as_str()))
         .collect();
     let seen_together =
-        seen_together(&fit.gauge.directions, &without_number, &names, &fit.solution, &covariance);
+        seen_together(&fit.datum.directions, &without_number, &names, &fit.solution, &covariance);
     let unobservable: Vec<_> =
-        fit.gauge.directions.iter().map(|direction| describe(direction, &names, &fit.gauge.status)).collect();
+        fit.datum.directions.iter().map(|direction| describe(direction, &names, &fit.datum.status)).collect();
     let parameters = (0..joint.width()).map(|j| parameter(joint, &fit, &covariance, j)).collect();
     let degrees_of_freedom = fit.degrees_of_freedom();
     let used_rows = (0..used.len()).filter(|&i| used[i]).flat_map(|i| experiment.rows_of(i));
@@ -140,7 +143,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
         rms_mm: (squares / fit.rows_used as f64).sqrt(),
         outliers: outliers(experiment, used, &fit.residual_mm),
         used: used.to_vec(),
-        rank: fit.gauge.rank,
+        rank: fit.datum.rank,
         condition: fit.condition,
         iterations: fit.iterations,
         degrees_of_freedom,
@@ -164,18 +167,18 @@ fn names(joint: &Joint) -> Vec<Named> {
     joint.parameters.iter().enumerate().map(named).collect()
 }
 
-fn parameter(joint: &Joint, fit: &Settled, covariance: &DMatrix<f64>, j: usize) -> FittedParameter {
-    let status = fit.gauge.status[j];
+fn parameter(joint: &Joint, fit: &Converged, covariance: &DMatrix<f64>, j: usize) -> FittedParameter {
+    let status = fit.datum.status[j];
     let name = |k: usize| joint.parameters[k].name.as_str();
     let stands_for: Vec<&str> = fit
-        .gauge
+        .datum
         .directions
         .iter()
         .filter(|direction| direction.conventional && !direction.standing)
         .filter(|direction| direction.terms[1..].iter().any(|(k, _)| *k == j))
         .map(|direction| name(direction.terms[0].0))
         .collect();
-    let of_standing = fit.gauge.directions.iter().any(|d| d.standing && d.terms[0].0 == j);
+    let of_standing = fit.datum.directions.iter().any(|d| d.standing && d.terms[0].0 == j);
     let note = match status {
         Status::Held => "held by the model".into(),
         Status::ZeroByConvention if of_standing => "its axis stands still in these runs".into(),

@@ -21,7 +21,7 @@ use readings::{Dimension, Readings};
 
 pub use found::Way;
 
-/// Most places told.
+/// Most places reported.
 const MOST_PLACES: usize = 3;
 /// A place explains at least this share of the residual's sum of squares.
 const LEAST_SHARE: f64 = 0.04;

@@ -1,7 +1,7 @@
 //! From scans to the answer: candidates in order, what each would do, what it could be mistaken for, the verdict.
 
-use crate::diagnosis::contest::named_item;
 use crate::diagnosis::families::Number;
+use crate::diagnosis::model_comparison::named_item;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::refits::{Explained, Refit, refits};
 use crate::diagnosis::scan::Scan;
@@ -174,7 +174,7 @@ impl Context<'_> {
                 shape: item.shape.clone(),
                 ..ModelEffect::default()
             }],
-            What::Open(saying) => self.scan.vocabulary.entries(saying, &item.shape),
+            What::Open(term) => self.scan.vocabulary.entries(term, &item.shape),
         }
     }
 
@@ -250,10 +250,10 @@ impl Context<'_> {
     /// What was kept without a name, the strongest first; several components of one site are one proposal.
     fn formula(&self, refit: Option<&Refit>, explained: &Explained) -> Option<FormulaProposal> {
         let (item, refit) = (self.strongest(true)?, refit?);
-        let What::Open(saying) = &item.what else { return None };
+        let What::Open(term) = &item.what else { return None };
         let vocabulary = &self.scan.vocabulary;
-        let family = &vocabulary.families[saying.family];
-        let entries = vocabulary.entries(saying, &item.shape);
+        let family = &vocabulary.families[term.family];
+        let entries = vocabulary.entries(term, &item.shape);
         let first = entries.first()?.clone();
         let scores = &self.first.named;
         let resembles = (0..scores.len())
@@ -289,7 +289,7 @@ impl Context<'_> {
     fn formula_leads(&self, listed: &[(usize, Item)]) -> bool {
         let Some(open) = self.strongest(true) else { return false };
         let named = self.strongest(false).map_or(f64::NEG_INFINITY, |item| item.ln_odds);
-        // A named effect beside a phrase that had to be kept is only believed when it explains most on its own.
+        // A named effect next to a term that had to be kept is only believed when it explains most on its own.
         let scanned = Explained { before_mm: self.first.fit.rms_mm, least_mm: self.floor_mm };
         let explains =
             listed.first().map_or(0.0, |(_, item)| scanned.by(self.scan.fit(&item.columns).rms_mm));

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::view::Item;
-use crate::diagnosis::vocabulary::{SIBLING_LN, Saying};
+use crate::diagnosis::vocabulary::{SIBLING_LN, Term};
 use crate::evidence::Score;
 
 /// Effects and expressions this far behind the best (ln) are not brought to their best shape.
@@ -24,11 +24,11 @@ pub fn shape_price_ln(grid: usize, shape: &[f64]) -> f64 {
     (grid.max(1) as f64).ln() + NUMBER_LN * shape.len() as f64
 }
 
-pub fn saying_price_ln(scan: &Scan<'_>, saying: &Saying, shape: &[f64]) -> f64 {
+pub fn term_price_ln(scan: &Scan<'_>, term: &Term, shape: &[f64]) -> f64 {
     let vocabulary = &scan.vocabulary;
-    let family = &vocabulary.families[saying.family];
+    let family = &vocabulary.families[term.family];
     vocabulary.price_ln
         + family.price_ln
         + shape_price_ln(family.grid.len(), shape)
-        + SIBLING_LN * (saying.carriers.len() - 1) as f64
+        + SIBLING_LN * (term.carriers.len() - 1) as f64
 }

@@ -1,7 +1,7 @@
-//! Several missing effects at once: add the best, score again, try to swap each; at every step the open grammar duels with
+//! Several missing effects at once: add the best, score again, try to swap each; at every step the open grammar is compared with
 //! the catalogue (docs/design/statistics.md §3, §4).
 
-use crate::diagnosis::contest::{odds_to_beat, winner};
+use crate::diagnosis::model_comparison::{best_addition, ln_odds_required};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::view::{Item, View, What, columns_of};
 
@@ -10,11 +10,11 @@ const SWEEPS: usize = 2;
 /// Additions tried for each that may stay.
 const ROUNDS_PER_ITEM: usize = 2;
 
-/// The set of additions that together explain what is left, at most `most`, and true when nothing worth claiming is left beside it.
+/// The set of additions that together explain what is left, at most `most`, and true when nothing worth claiming is left next to it.
 pub fn search(scan: &Scan<'_>, first: &View, claim_ln: f64, most: usize) -> (Vec<Item>, bool) {
     let rows = scan.experiment.rows();
     let mut items: Vec<Item> = Vec::new();
-    let mut next = winner(scan, first, &[], claim_ln);
+    let mut next = best_addition(scan, first, &[], claim_ln);
     // Swapping may drop an item that comes back: the rounds are counted, not the items.
     for _ in 0..ROUNDS_PER_ITEM * most {
         let Some(item) = next else { return (items, true) };
@@ -26,7 +26,7 @@ pub fn search(scan: &Scan<'_>, first: &View, claim_ln: f64, most: usize) -> (Vec
             swap(scan, &mut items, claim_ln);
         }
         let view = View::of(scan, columns_of(items.iter(), rows));
-        next = winner(scan, &view, &taken(&items, usize::MAX), claim_ln);
+        next = best_addition(scan, &view, &taken(&items, usize::MAX), claim_ln);
     }
     (items, false)
 }
@@ -39,7 +39,7 @@ fn swap(scan: &Scan<'_>, items: &mut Vec<Item>, claim_ln: f64) {
         while i < items.len() {
             let others = columns_of(items.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, x)| x), rows);
             let view = View::of(scan, others);
-            match winner(scan, &view, &taken(items, i), claim_ln) {
+            match best_addition(scan, &view, &taken(items, i), claim_ln) {
                 // The others explain it by now.
                 None => {
                     items.remove(i);
@@ -48,7 +48,7 @@ fn swap(scan: &Scan<'_>, items: &mut Vec<Item>, claim_ln: f64) {
                 }
                 Some(item) if item.what == items[i].what => items[i] = item,
                 Some(item) => {
-                    let stays = odds_to_beat(scan, &view, &items[i], &item);
+                    let stays = ln_odds_required(scan, &view, &items[i], &item);
                     if item.ln_odds > stays {
                         items[i] = item;
                         changed = true;

@@ -20,7 +20,7 @@ pub struct Diagnosis {
     pub set: Vec<ModelEffect>,
     /// An expression that describes the structure better than any named effect, ready to add.
     pub formula: Option<FormulaProposal>,
-    /// What to measure next to tell rivals apart.
+    /// What to measure next to separates rivals.
     pub next_cycle: Option<NextCycle>,
     /// Effects that this cycle cannot show: the model imitates them.
     pub not_visible: Vec<String>,
@@ -71,7 +71,7 @@ pub struct Candidate {
     pub parameters: Vec<CandidateParameter>,
     /// Effects that the data cannot well tell from it.
     pub confused_with: Vec<String>,
-    /// The measurement that would tell them apart; empty when nothing is confused.
+    /// The measurement that would separates them; empty when nothing is confused.
     pub separate_by: String,
     /// True when nothing structured is left after adding it alone.
     pub adequate: bool,
@@ -121,7 +121,7 @@ pub struct FormulaProposal {
     pub resembles: Option<String>,
 }
 
-/// What to measure next to tell rivals apart.
+/// What to measure next to separates rivals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NextCycle {
     /// What to do, for a person.

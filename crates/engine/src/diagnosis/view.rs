@@ -2,7 +2,7 @@
 
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scan_fit::Fit;
-use crate::diagnosis::vocabulary::Saying;
+use crate::diagnosis::vocabulary::Term;
 use crate::evidence::{Score, Situation, stacked};
 use nalgebra::DMatrix;
 
@@ -12,7 +12,7 @@ pub enum What {
     /// Index of a named effect.
     Named(usize),
     /// Something without a name.
-    Open(Saying),
+    Open(Term),
 }
 
 /// One addition with its columns.
@@ -33,7 +33,7 @@ impl Item {
     }
 }
 
-/// The readings with some columns in the model, and what the catalogue scores beside them.
+/// The readings with some columns in the model, and what the catalogue scores next to them.
 pub struct View {
     /// Column × row.
     pub chosen: DMatrix<f64>,

@@ -54,7 +54,7 @@ pub fn separate_by(instance: &Instance, rivals: &[&Instance]) -> String {
     format!("{}.", parts.join("; "))
 }
 
-/// Where a phrase of the grammar lives.
+/// Where a term of the grammar lives.
 pub fn lives(site: &str, components: &[&str], words: &str) -> String {
     let along = |prefix: &str, names: [&str; 3]| {
         let of_sort = components.iter().filter_map(|component| component.strip_prefix(prefix));

@@ -9,7 +9,7 @@ use crate::noise::machine_noise::Order;
 use nalgebra::{DMatrix, DVector};
 
 /// Repeatable motions of a rotary axis are natural up to this share of the noise variance: every bearing, encoder and gear has some.
-/// Not quite half the standard deviation where nothing else is at work; beside a larger effect they are not what is missing.
+/// Not quite half the standard deviation where nothing else is at work; next to a larger effect they are not what is missing.
 const NATURAL_SHARE: f64 = 0.2;
 const ALIKE_SHARE: f64 = 0.12;
 const NATURAL_SHARE_BESIDE: f64 = 0.6;

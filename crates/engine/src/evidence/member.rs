@@ -241,7 +241,7 @@ impl Prepared {
     }
 }
 
-/// Half-Cauchy prior on the standard deviation of a part of the noise, beside the white one: small parts are usual, parts larger than
+/// Half-Cauchy prior on the standard deviation of a part of the noise, next to the white one: small parts are usual, parts larger than
 /// the white noise are not. Blocks on the fly have hardly any white noise.
 fn less_likely_ln(variance: f64, on_the_fly: bool) -> f64 {
     if on_the_fly { 0.0 } else { -(variance / USUAL_VARIANCE).ln_1p() }

@@ -38,7 +38,7 @@ pub struct Identification {
     pub residual_mm: DVector<f64>,
     /// True for each point that took part in the fit; false for outliers.
     pub used: Vec<bool>,
-    /// Points set aside by the robust loss.
+    /// Points excluded by the robust loss.
     pub outliers: Vec<Outlier>,
     /// Root mean square of the scalar residuals of the points used, mm.
     pub rms_mm: f64,
@@ -93,7 +93,7 @@ pub struct FittedParameter {
     pub note: String,
 }
 
-/// A point set aside by the robust loss.
+/// A point excluded by the robust loss.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outlier {
     /// Index in [`crate::Experiment::points`].

@@ -2,11 +2,11 @@
 //! values in between make sense.
 //!
 //! For one effect at a time, the others projected out: score(θ) = ‖Q_θᵀ z‖², Q_θ an orthonormal basis of the effect's columns
-//! at θ beside those of the others, z the readings without the small non-linear part. Effects take turns until nothing
+//! at θ next to those of the others, z the readings without the small non-linear part. Effects take turns until nothing
 //! changes; continuous numbers are refined by golden section between neighbours of the grid, coordinate by coordinate.
 //! Limits: long experiments are searched on every k-th point.
 
-use crate::fit::gauss_newton::settle;
+use crate::fit::gauss_newton::converge;
 use crate::fit::options::Options;
 use crate::noise::weights::Weights;
 use crate::problem::design::Design;
@@ -76,7 +76,7 @@ fn linear_readings(
     options: &Options,
 ) -> Result<DVector<f64>, IdentifyError> {
     let design = Design::new(experiment, joint, weights);
-    let fit = settle(&design, used, options)?;
+    let fit = converge(&design, used, options)?;
     let mut linear = fit.weighted_mm;
     design.blocks(&mut |_, rows, columns| {
         let mut part = linear.rows_mut(rows.start, rows.len());

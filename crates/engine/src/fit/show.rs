@@ -40,7 +40,7 @@ impl Identification {
             .filter(|effect| !effect.shape.is_empty())
             .map(|effect| json!({"effect": effect.id, "names": effect.shape_names, "values": effect.shape}))
             .collect();
-        let set_aside: Vec<Value> = self
+        let outlier_points: Vec<Value> = self
             .outliers
             .iter()
             .map(|o| {
@@ -61,7 +61,7 @@ impl Identification {
             "shapes": shapes,
             "points": self.points,
             "outliers": self.outliers.len(),
-            "outlier_points": set_aside,
+            "outlier_points": outlier_points,
             "rms_um": um_from_mm(self.rms_mm),
             "noise_um": self.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
             "noise_origin": self.repeatability.map(|_| "repeats"),
@@ -160,7 +160,7 @@ impl fmt::Display for Identification {
             let size = um_from_mm(o.residual_mm);
             writeln!(
                 f,
-                "set aside: point {} of {}, setup {}, {}: {size:.1} µm",
+                "excluded: point {} of {}, setup {}, {}: {size:.1} µm",
                 o.point, o.run, o.setup, o.pose
             )?;
         }

@@ -9,7 +9,7 @@
 //! Limits: an error that lasts longer than a cluster, or comes back in every pass, passes for several: under slow drift and
 //! offsets of passes 95 % intervals hold the truth in 50–80 % of runs.
 
-use crate::fit::gauss_newton::Settled;
+use crate::fit::gauss_newton::Converged;
 use crate::noise::weights::Weights;
 use crate::problem::design::Design;
 use crate::problem::folds::{LeftOut, folds};
@@ -71,8 +71,8 @@ impl Plain {
     }
 }
 
-pub(crate) fn sums(design: &Design<'_>, passes: &Passes, fit: &Settled, used: &[bool]) -> Sums {
-    let determined = &fit.gauge.determined;
+pub(crate) fn sums(design: &Design<'_>, passes: &Passes, fit: &Converged, used: &[bool]) -> Sums {
+    let determined = &fit.datum.determined;
     let width = determined.len();
     let folds = folds(design.experiment, passes);
     let mut scores = DMatrix::zeros(width, passes.clusters);
@@ -112,7 +112,7 @@ pub(crate) fn sums(design: &Design<'_>, passes: &Passes, fit: &Settled, used: &[
 }
 
 /// Covariance of the determined parameters from clusters.
-pub(crate) fn covariance(fit: &Settled, sums: &Sums, weights: &Weights) -> DMatrix<f64> {
+pub(crate) fn covariance(fit: &Converged, sums: &Sums, weights: &Weights) -> DMatrix<f64> {
     let cofactor = fit.solver.cofactor();
     let classical = &cofactor * fit.sigma_mm.max(weights.reference_mm).powi(2);
     let clusters = (0..sums.scores.ncols()).filter(|&c| sums.scores.column(c).amax() > 0.0).count();

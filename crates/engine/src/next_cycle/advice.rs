@@ -1,4 +1,4 @@
-//! A diagnosis that leaves rivals open gets the cycle that tells them apart.
+//! A diagnosis that leaves rivals open gets the cycle that separates them.
 
 use super::{Options, Plan, Rivals, plan_problem, wanted};
 use crate::Diagnosis;
@@ -6,7 +6,7 @@ use crate::problem::Problem;
 use std::error::Error;
 use std::f64::consts::LN_10;
 
-/// A cycle that tells rivals apart, with what may be expected of it.
+/// A cycle that separates rivals, with what may be expected of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedCycle {
     /// Its name.

@@ -1,7 +1,7 @@
 //! The data at hand, thinned for planning, and the same together with a run that has not been measured yet.
 
 use super::PlanError;
-use super::survey::finite;
+use super::information::finite;
 use crate::fit::identification::Identification;
 use crate::problem::Problem;
 use crate::problem::experiment::Experiment;
@@ -71,7 +71,7 @@ impl Present {
         DMatrix::from_columns(&columns)
     }
 
-    /// The data at hand and one more run in these states, its ball mounted anew.
+    /// The data at hand and one more run in these states, its ball mounted again.
     pub fn with(&self, setups: &[Setup], states: &[State], kind: RunKind) -> Result<Experiment, PlanError> {
         let scene = &self.experiment.scene;
         let machine = self.experiment.machine().clone();

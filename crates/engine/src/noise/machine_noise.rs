@@ -1,7 +1,7 @@
 //! Noise as real machines make it, and how to whiten it in one pass over time.
 //!
 //! Σ = σ² (I + a·K_pass + c·K_axis + w·K_drift)                                    [docs/design/statistics.md §1.1, §1.2]
-//! - K_pass: the slow rotary axis is positioned anew with an angle of its own, constant until it moves again;
+//! - K_pass: the slow rotary axis is positioned again with an angle of its own, constant until it moves again;
 //! - K_axis: the fast rotary axis scatters at every point;
 //! - K_drift: tool against table drifts in machine axes, Ornstein–Uhlenbeck with correlation time τ.
 //!
@@ -24,9 +24,9 @@ use trunnion_core::{AxisLetter, AxisValues, Twist};
 use trunnion_instruments::Projector;
 use trunnion_machine::{Machine, Side, Site};
 
-/// Travel below which an axis has not been positioned anew, rad.
+/// Travel below which an axis has not been positioned again, rad.
 const SAME_STATION_RAD: f64 = 1e-7;
-/// How much larger the correlated parts may be, beside the white noise, for blocks on the fly.
+/// How much larger the correlated parts may be, next to the white noise, for blocks on the fly.
 const BLOCK_TIMES: f64 = 8.0;
 
 /// One member of the bank: variances relative to the white noise.
@@ -117,7 +117,7 @@ impl Order {
     /// The bank over which evidence is averaged.
     pub fn bank(&self) -> Vec<Noise> {
         let seen = |lever: fn(&Visit) -> &Vector3<f64>| self.visits.iter().any(|v| lever(v).norm() > 0.0);
-        // A block of many samples has hardly any white noise: what correlates is larger beside it.
+        // A block of many samples has hardly any white noise: what correlates is larger next to it.
         let times = if self.on_the_fly { BLOCK_TIMES } else { 1.0 };
         let passes: &[f64] = if seen(|v| &v.slow_lever) { &[0.0, 0.1, 0.4, 1.6] } else { &[0.0] };
         let axes: &[f64] = if seen(|v| &v.fast_lever) { &[0.0, 0.08] } else { &[0.0] };

@@ -22,7 +22,7 @@ const TAKES_PART: f64 = 1e-6;
 const TAKES_PART_WEAKLY: f64 = 1e-3;
 
 /// How the null space is fixed.
-pub(crate) struct Gauge {
+pub(crate) struct Datum {
     /// Columns left to determine; independent.
     pub determined: Vec<usize>,
     /// Status of every parameter.
@@ -81,13 +81,13 @@ pub(crate) struct Zero {
     pub standing: bool,
 }
 
-pub(crate) fn gauge(
+pub(crate) fn datum(
     reduced: &Reduced,
     free: &[usize],
     parameters: &[Parameter],
     zeros: &[Zero],
     limits: &Limits,
-) -> Gauge {
+) -> Datum {
     let mut status = vec![Status::Held; parameters.len()];
     let mut directions = Vec::new();
     let (faint, free): (Vec<usize>, Vec<usize>) =
@@ -101,7 +101,7 @@ pub(crate) fn gauge(
         status[j] = Status::Identified;
     }
     if free.is_empty() {
-        return Gauge { determined: vec![], status, directions, rank: 0 };
+        return Datum { determined: vec![], status, directions, rank: 0 };
     }
     let (sigma, v) = reduced.singular(&free);
     let null_below = limits.tolerance.max(reduced.floor) * sigma[0];
@@ -133,7 +133,7 @@ pub(crate) fn gauge(
     }
     let pivots: Vec<usize> = directions.iter().map(|direction| direction.terms[0].0).collect();
     let determined = free.iter().copied().filter(|j| !pivots.contains(j)).collect();
-    Gauge { determined, status, directions, rank: free.len() - null.len() }
+    Datum { determined, status, directions, rank: free.len() - null.len() }
 }
 
 /// Reduced row echelon form; pivots from `preferred` while they take part, then the largest entries.

@@ -13,7 +13,7 @@ const MOST_BINS: usize = 13;
 const TIME_BINS: usize = 8;
 /// A direction counts as measured when at least this share of the points has it.
 const LEAST_OF_A_DIRECTION: f64 = 0.1;
-/// Two axes that went the same way in this share of the points cannot be told apart by their directions.
+/// Two axes that went the same way in this share of the points cannot be separated by their directions.
 const SAME_WAY: f64 = 0.97;
 /// Longer runs are looked at in every n-th point.
 const MOST_POINTS: usize = 20_000;

@@ -1,24 +1,24 @@
-//! The best that the open grammar has to say: scanned on its grid, then brought to its best shape with its kin and its further
+//! The best that the open grammar has to say: scanned on its grid, then brought to its best shape with its relatives and its further
 //! components.
 
 use crate::diagnosis::refine::{Shaped, refined, stretches};
 use crate::diagnosis::scan::Scan;
-use crate::diagnosis::scored::{NAMED_WITHIN_LN, SHAPE_MAY_ADD_LN, Scored, saying_price_ln};
+use crate::diagnosis::scored::{NAMED_WITHIN_LN, SHAPE_MAY_ADD_LN, Scored, term_price_ln};
 use crate::diagnosis::view::{Item, View, What};
-use crate::diagnosis::vocabulary::Saying;
+use crate::diagnosis::vocabulary::Term;
 use crate::evidence::{Score, WHITE};
 use nalgebra::DMatrix;
 
-/// Noise models under which the whole grammar is scored; its best phrases are then scored under all.
+/// Noise models under which the whole grammar is scored; its best terms are then scored under all.
 const OPEN_MEMBERS: usize = 3;
-/// Best phrases of the grammar that are scored under the whole bank.
+/// Best terms of the grammar that are scored under the whole bank.
 const OPEN_FINALISTS: usize = 10;
-/// Of these, how many are brought to their best shape, with their kin.
+/// Of these, how many are brought to their best shape, with their relatives.
 const SHAPED_FINALISTS: usize = 3;
-/// Of their kin, how many.
-const SHAPED_KIN: usize = 3;
-/// The best phrase of the grammar at its best shape; none where none can come near `beat_ln`.
-pub fn phrase(scan: &Scan<'_>, view: &View, beat_ln: f64) -> Option<Scored> {
+/// Of their relatives, how many.
+const SHAPED_RELATIVES: usize = 3;
+/// The best term of the grammar at its best shape; none where none can come near `beat_ln`.
+pub fn best_term(scan: &Scan<'_>, view: &View, beat_ln: f64) -> Option<Scored> {
     let finalists = finalists(scan, view);
     let best = finalists.first()?.1.ln_odds;
     if best < beat_ln - SHAPE_MAY_ADD_LN {
@@ -27,20 +27,20 @@ pub fn phrase(scan: &Scan<'_>, view: &View, beat_ln: f64) -> Option<Scored> {
     let worth = finalists.iter().filter(|(_, score)| score.ln_odds > best - NAMED_WITHIN_LN);
     let mut shaped: Vec<Scored> = Vec::new();
     let mut seen: Vec<(&str, usize)> = Vec::new();
-    for &(phrase, score) in worth {
-        let Saying { family, carriers } = &scan.vocabulary.phrases[phrase];
-        let idea = (scan.vocabulary.families[*family].kin.as_str(), carriers[0]);
+    for &(term, score) in worth {
+        let Term { family, carriers } = &scan.vocabulary.terms[term];
+        let idea = (scan.vocabulary.families[*family].idea.as_str(), carriers[0]);
         if seen.contains(&idea) || seen.len() == SHAPED_FINALISTS {
             continue;
         }
         seen.push(idea);
-        shaped.extend(shaped_kin(scan, view, *family, carriers, &score));
+        shaped.extend(shaped_relatives(scan, view, *family, carriers, &score));
     }
     let best = shaped.into_iter().max_by(|a, b| a.item.ln_odds.total_cmp(&b.item.ln_odds))?;
     Some(with_siblings(scan, view, best))
 }
 
-/// The best phrases on the grid, scored under the whole bank, best first.
+/// The best terms on the grid, scored under the whole bank, best first.
 fn finalists(scan: &Scan<'_>, view: &View) -> Vec<(usize, Score)> {
     let library = &scan.vocabulary.library;
     let bank = &scan.bank;
@@ -67,32 +67,38 @@ fn finalists(scan: &Scan<'_>, view: &View) -> Vec<(usize, Score)> {
     finalists
 }
 
-/// A family and its kin at their best shapes; of the kin only the most promising on their grids.
-fn shaped_kin(scan: &Scan<'_>, view: &View, family: usize, carriers: &[usize], like: &Score) -> Vec<Scored> {
-    let saying = |family: usize| Saying { family, carriers: carriers.to_vec() };
+/// A family and its relatives at their best shapes; of the relatives only the most promising on their grids.
+fn shaped_relatives(
+    scan: &Scan<'_>,
+    view: &View,
+    family: usize,
+    carriers: &[usize],
+    like: &Score,
+) -> Vec<Scored> {
+    let term = |family: usize| Term { family, carriers: carriers.to_vec() };
     let own = &scan.vocabulary.families[family];
-    let Some(form) = Form::new(scan, view, saying(family), like, &own.grid) else { return Vec::new() };
+    let Some(form) = Form::new(scan, view, term(family), like, &own.grid) else { return Vec::new() };
     let parent = form.shaped(scan, view);
     let numbers: Vec<(&str, f64)> =
         own.numbers.iter().zip(&parent.item.shape).map(|(number, value)| (number.name, *value)).collect();
-    let mut kin: Vec<Form<'_>> = scan
+    let mut relatives: Vec<Form<'_>> = scan
         .vocabulary
-        .kin(family)
+        .relatives(family)
         .into_iter()
-        .filter_map(|kin| {
-            let grid = scan.vocabulary.families[kin].grid_at(&numbers);
-            Form::new(scan, view, saying(kin), like, &grid)
+        .filter_map(|relative| {
+            let grid = scan.vocabulary.families[relative].grid_at(&numbers);
+            Form::new(scan, view, term(relative), like, &grid)
         })
         .collect();
-    kin.sort_by(|a, b| b.start.gain_ln.total_cmp(&a.start.gain_ln));
-    kin.truncate(SHAPED_KIN);
-    kin.into_iter().map(|form| form.shaped(scan, view)).chain([parent]).collect()
+    relatives.sort_by(|a, b| b.start.gain_ln.total_cmp(&a.start.gain_ln));
+    relatives.truncate(SHAPED_RELATIVES);
+    relatives.into_iter().map(|form| form.shaped(scan, view)).chain([parent]).collect()
 }
 
-/// A saying on its way to its best shape.
+/// A term on its way to its best shape.
 struct Form<'a> {
     view: &'a View,
-    saying: Saying,
+    term: Term,
     /// Best of its grid.
     start: Shaped,
     /// The noise under which it is shaped.
@@ -100,15 +106,9 @@ struct Form<'a> {
 }
 
 impl<'a> Form<'a> {
-    fn new(
-        scan: &Scan<'_>,
-        view: &'a View,
-        saying: Saying,
-        like: &'a Score,
-        grid: &[Vec<f64>],
-    ) -> Option<Self> {
+    fn new(scan: &Scan<'_>, view: &'a View, term: Term, like: &'a Score, grid: &[Vec<f64>]) -> Option<Self> {
         let none = Shaped { shape: Vec::new(), columns: DMatrix::zeros(0, 0), gain_ln: f64::NEG_INFINITY };
-        let mut form = Self { view, saying, start: none, like };
+        let mut form = Self { view, term, start: none, like };
         for shape in grid {
             let Some(columns) = form.columns(scan, shape) else { continue };
             let gain_ln = form.gain_ln(scan, &columns);
@@ -120,7 +120,7 @@ impl<'a> Form<'a> {
     }
 
     fn columns(&self, scan: &Scan<'_>, shape: &[f64]) -> Option<DMatrix<f64>> {
-        let columns = scan.vocabulary.columns(&scan.experiment, &self.saying, shape);
+        let columns = scan.vocabulary.columns(&scan.experiment, &self.term, shape);
         columns.iter().all(|x| x.is_finite()).then_some(columns)
     }
 
@@ -129,29 +129,29 @@ impl<'a> Form<'a> {
     }
 
     fn shaped(self, scan: &Scan<'_>, view: &View) -> Scored {
-        let family = &scan.vocabulary.families[self.saying.family];
+        let family = &scan.vocabulary.families[self.term.family];
         let limits: Vec<(f64, f64)> = family.numbers.iter().map(|number| (number.low, number.high)).collect();
         let within = stretches(&family.grid, &self.start.shape, Some(&limits));
         let columns = |shape: &[f64]| self.columns(scan, shape);
         let gain_ln = |columns: &DMatrix<f64>| self.gain_ln(scan, columns);
         let Shaped { shape, columns, .. } = refined(self.start.clone(), &within, columns, gain_ln);
-        weighed(scan, view, self.saying.clone(), shape, columns)
+        weighed(scan, view, self.term.clone(), shape, columns)
     }
 }
 
-/// The evidence of a saying at one shape.
-fn weighed(scan: &Scan<'_>, view: &View, saying: Saying, shape: Vec<f64>, columns: DMatrix<f64>) -> Scored {
-    let price_ln = saying_price_ln(scan, &saying, &shape);
-    let natural = scan.vocabulary.families[saying.family].natural;
+/// The evidence of a term at one shape.
+fn weighed(scan: &Scan<'_>, view: &View, term: Term, shape: Vec<f64>, columns: DMatrix<f64>) -> Scored {
+    let price_ln = term_price_ln(scan, &term, &shape);
+    let natural = scan.vocabulary.families[term.family].natural;
     let all = scan.bank.all();
     let score = scan.bank.weigh(&columns, -price_ln, natural, &all, &view.situation);
-    Scored { item: Item { what: What::Open(saying), shape, columns, ln_odds: score.ln_odds }, score }
+    Scored { item: Item { what: What::Open(term), shape, columns, ln_odds: score.ln_odds }, score }
 }
 
 /// The same with fewer or further components of the same site, as long as that pays.
 fn with_siblings(scan: &Scan<'_>, view: &View, mut best: Scored) -> Scored {
-    let What::Open(saying) = best.item.what.clone() else { return best };
-    for sibling in saying.carriers.iter().copied().chain(scan.vocabulary.siblings(saying.carriers[0])) {
+    let What::Open(term) = best.item.what.clone() else { return best };
+    for sibling in term.carriers.iter().copied().chain(scan.vocabulary.siblings(term.carriers[0])) {
         let What::Open(mut other) = best.item.what.clone() else { return best };
         match other.carriers.iter().position(|c| *c == sibling) {
             Some(_) if other.carriers.len() == 1 => continue,
@@ -168,8 +168,8 @@ fn with_siblings(scan: &Scan<'_>, view: &View, mut best: Scored) -> Scored {
     best
 }
 
-fn shaped_at(scan: &Scan<'_>, view: &View, saying: Saying, like: &Scored) -> Scored {
+fn shaped_at(scan: &Scan<'_>, view: &View, term: Term, like: &Scored) -> Scored {
     let shape = like.item.shape.clone();
-    let columns = scan.vocabulary.columns(&scan.experiment, &saying, &shape);
-    weighed(scan, view, saying, shape, columns)
+    let columns = scan.vocabulary.columns(&scan.experiment, &term, &shape);
+    weighed(scan, view, term, shape, columns)
 }

@@ -1,56 +1,56 @@
-//! The duel of the catalogue with the open grammar, each at its best shape (docs/design/statistics.md §4.3).
+//! Comparison of the catalogue with the open grammar, each at its best shape (docs/design/statistics.md §4.3).
 //!
-//! A phrase wins only when it leads clearly, when no named effect fits as well (the phrase is then a part of it at a lower price), and
+//! A term wins only when it leads clearly, when no named effect fits as well (the term is then a part of it at a lower price), and
 //! when no two named effects together do better.
 
-use crate::diagnosis::phrases::phrase;
+use crate::diagnosis::expressions::best_term;
 use crate::diagnosis::refine::{Shaped, refined, stretches};
 use crate::diagnosis::scan::Scan;
-use crate::diagnosis::scored::{NAMED_WITHIN_LN, SHAPE_MAY_ADD_LN, Scored, saying_price_ln, shape_price_ln};
+use crate::diagnosis::scored::{NAMED_WITHIN_LN, SHAPE_MAY_ADD_LN, Scored, shape_price_ln, term_price_ln};
 use crate::diagnosis::view::{Item, View, What};
 use crate::evidence::{Natural, Score, stacked};
 use nalgebra::DMatrix;
 
 /// Named effects that are brought to their best shape, at most.
 const NAMED_FINALISTS: usize = 4;
-/// A phrase beats the catalogue when it leads by more than this.
+/// A term beats the catalogue when it leads by more than this.
 const CLEAR_LEAD_LN: f64 = 3.0;
-/// A named effect that fits as well as the phrase, up to this, is the plainer explanation of the same shape.
+/// A named effect that fits as well as the term, up to this, is the plainer explanation of the same shape.
 const SAME_FIT_LN: f64 = 3.0;
-/// Share of a phrase's gain at which a natural motion accounts for it.
+/// Share of a term's gain at which a natural motion accounts for it.
 const MOSTLY: f64 = 0.6;
 /// Named effects that are tried as the first of two.
 const FIRST_OF_TWO: usize = 3;
 
 /// The best addition, if any is worth claiming; `taken` are named effects that are in already.
-pub fn winner(scan: &Scan<'_>, view: &View, taken: &[usize], claim_ln: f64) -> Option<Item> {
+pub fn best_addition(scan: &Scan<'_>, view: &View, taken: &[usize], claim_ln: f64) -> Option<Item> {
     let named = named(scan, view, taken, claim_ln);
     let beat = named.first().map_or(claim_ln, |best| best.item.ln_odds);
-    let phrase = phrase(scan, view, beat)
-        .filter(|phrase| phrase.item.ln_odds > claim_ln && !is_natural(scan, view, phrase));
-    let (best, phrase) = match (named.first(), phrase) {
+    let term = best_term(scan, view, beat)
+        .filter(|term| term.item.ln_odds > claim_ln && !is_natural(scan, view, term));
+    let (best, term) = match (named.first(), term) {
         (best, None) => return best.map(|best| best.item.clone()),
-        (None, Some(phrase)) => return Some(phrase.item),
-        (Some(best), Some(phrase)) => (best, phrase),
+        (None, Some(term)) => return Some(term.item),
+        (Some(best), Some(term)) => (best, term),
     };
-    if phrase.item.ln_odds <= best.item.ln_odds + CLEAR_LEAD_LN {
+    if term.item.ln_odds <= best.item.ln_odds + CLEAR_LEAD_LN {
         return Some(best.item.clone());
     }
-    let covers = |contender: &&Scored| contender.score.fit_ln > phrase.score.fit_ln - SAME_FIT_LN;
+    let covers = |scored: &&Scored| scored.score.fit_ln > term.score.fit_ln - SAME_FIT_LN;
     if let Some(covering) = named.iter().find(covers) {
         return Some(covering.item.clone());
     }
-    two_do_better(scan, view, &named, taken, &phrase, claim_ln).or(Some(phrase.item))
+    two_do_better(scan, view, &named, taken, &term, claim_ln).or(Some(term.item))
 }
 
-/// True where a repeatable motion that is too small to be claimed does most of what the phrase does.
-fn is_natural(scan: &Scan<'_>, view: &View, phrase: &Scored) -> bool {
+/// True where a repeatable motion that is too small to be claimed does most of what the term does.
+fn is_natural(scan: &Scan<'_>, view: &View, term: &Scored) -> bool {
     let scores = view.named.iter().zip(&scan.named.groups);
     let too_small =
         scores.filter(|(score, group)| group.natural != Natural::No && score.ln_odds == f64::NEG_INFINITY);
     let nothing = view.situation.nothing.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let enough = MOSTLY * (phrase.score.fit_ln - nothing);
-    too_small.into_iter().any(|(score, _)| score.fit_ln - nothing > enough)
+    let most = MOSTLY * (term.score.fit_ln - nothing);
+    too_small.into_iter().any(|(score, _)| score.fit_ln - nothing > most)
 }
 
 /// Named effects worth claiming, best first, at their best shapes.
@@ -63,10 +63,10 @@ fn named(scan: &Scan<'_>, view: &View, taken: &[usize], claim_ln: f64) -> Vec<Sc
     let best = order.first().map_or(0.0, |&g| scores[g].ln_odds);
     order.retain(|&g| scores[g].ln_odds > best - NAMED_WITHIN_LN);
     order.truncate(NAMED_FINALISTS);
-    let mut contenders: Vec<Scored> = order.into_iter().map(|g| shaped_named(scan, view, g)).collect();
-    contenders.retain(|contender| contender.item.ln_odds > claim_ln);
-    contenders.sort_by(|a, b| b.item.ln_odds.total_cmp(&a.item.ln_odds));
-    contenders
+    let mut scored: Vec<Scored> = order.into_iter().map(|g| shaped_named(scan, view, g)).collect();
+    scored.retain(|scored| scored.item.ln_odds > claim_ln);
+    scored.sort_by(|a, b| b.item.ln_odds.total_cmp(&a.item.ln_odds));
+    scored
 }
 
 /// A named effect at its best shape in a view.
@@ -104,7 +104,7 @@ fn shaped_named(scan: &Scan<'_>, view: &View, group: usize) -> Scored {
 }
 
 /// ln odds of an item as it is in another view, and how much they must be beaten by: a plainer explanation may cost a little.
-pub fn odds_to_beat(scan: &Scan<'_>, view: &View, item: &Item, by: &Item) -> f64 {
+pub fn ln_odds_required(scan: &Scan<'_>, view: &View, item: &Item, by: &Item) -> f64 {
     let (prior_ln, natural) = match &item.what {
         What::Named(group) => {
             let group_of = &scan.named.groups[*group];
@@ -113,8 +113,8 @@ pub fn odds_to_beat(scan: &Scan<'_>, view: &View, item: &Item, by: &Item) -> f64
                 group_of.natural,
             )
         }
-        What::Open(saying) => {
-            (-saying_price_ln(scan, saying, &item.shape), scan.vocabulary.families[saying.family].natural)
+        What::Open(term) => {
+            (-term_price_ln(scan, term, &item.shape), scan.vocabulary.families[term.family].natural)
         }
     };
     let all = scan.bank.all();
@@ -122,30 +122,30 @@ pub fn odds_to_beat(scan: &Scan<'_>, view: &View, item: &Item, by: &Item) -> f64
     if item.is_open() && !by.is_open() { now - CLEAR_LEAD_LN } else { now }
 }
 
-/// The first of two named effects that together beat the phrase and whatever goes best with it.
+/// The first of two named effects that together beat the term and whatever goes best with it.
 fn two_do_better(
     scan: &Scan<'_>,
     view: &View,
     named: &[Scored],
     taken: &[usize],
-    phrase: &Scored,
+    term: &Scored,
     claim_ln: f64,
 ) -> Option<Item> {
-    let beside = |item: &Item| view.with(scan, item);
+    let next_to = |item: &Item| view.with(scan, item);
     let best_named = |view: &View, also: Option<usize>| {
         let scores = view.named.iter().enumerate();
         let free = scores.filter(|(g, _)| !taken.contains(g) && also != Some(*g));
         free.map(|(_, score)| score.ln_odds).filter(|ln_odds| *ln_odds > claim_ln).fold(0.0, f64::max)
     };
-    let with_phrase = phrase.item.ln_odds + best_named(&beside(&phrase.item), None);
+    let with_term = term.item.ln_odds + best_named(&next_to(&term.item), None);
     let pairs = named.iter().take(FIRST_OF_TWO).map(|first| {
         let What::Named(group) = first.item.what else { return (f64::NEG_INFINITY, first) };
-        let second = best_named(&beside(&first.item), Some(group));
+        let second = best_named(&next_to(&first.item), Some(group));
         let both = if second > 0.0 { first.item.ln_odds + second } else { f64::NEG_INFINITY };
         (both, first)
     });
     let (both, first) = pairs.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (both > with_phrase).then(|| first.item.clone())
+    (both > with_term).then(|| first.item.clone())
 }
 
 impl View {
