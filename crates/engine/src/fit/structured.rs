@@ -13,9 +13,10 @@
 
 use crate::fit::gauss_newton::Converged;
 use crate::fit::identification::NoisePart;
+use crate::noise::likelihood::Residual;
 use crate::noise::machine_noise::Order;
 use crate::noise::random_columns::{Levers, kinds};
-use crate::noise::variances::{Residual, variances};
+use crate::noise::variances::variances;
 use crate::problem::design::Design;
 use crate::problem::passes::Passes;
 use nalgebra::DMatrix;
