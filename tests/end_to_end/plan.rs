@@ -1,7 +1,5 @@
 //! From a confused diagnosis to the cycle that settles it, measured on the virtual machine.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;

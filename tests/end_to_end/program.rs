@@ -1,5 +1,4 @@
 //! The program, run as a person would.
-#![allow(dead_code, reason = "each test file uses its part")]
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,6 @@
 //! Every measurement scheme of the sources, from the command line on files that ship: simulated with one truth, identified, and
 //! every number compared with the truth. The table of docs/use/schemes.md is written from these rows.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;

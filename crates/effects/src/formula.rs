@@ -66,7 +66,20 @@ const COMPONENTS: [(&str, Component); 6] = [
 /// Most points of the product grid of all shape numbers.
 const MOST_GRID_POINTS: usize = 10_000;
 
+/// First part of the id of a formula.
+const OWN: &str = "formula:";
+
 impl Formula {
+    /// The id of a formula, `formula:NAME`.
+    pub fn id_of(name: &str) -> String {
+        format!("{OWN}{name}")
+    }
+
+    /// The name in the id of a formula; `None` for the id of a catalogue effect.
+    pub fn name_of(id: &str) -> Option<&str> {
+        id.strip_prefix(OWN)
+    }
+
     /// Reads the formula of a model entry.
     ///
     /// # Errors
@@ -75,7 +88,7 @@ impl Formula {
         let required = |key: &'static str, text: &Option<String>, allowed: &str| {
             text.clone().ok_or_else(|| wrong(key, "missing", allowed))
         };
-        let name = entry.id.strip_prefix("formula:").unwrap_or_default().to_string();
+        let name = Self::name_of(&entry.id).unwrap_or_default().to_string();
         if name.is_empty() {
             return Err(wrong("id", &format!("\"{}\"", entry.id), "formula:NAME"));
         }

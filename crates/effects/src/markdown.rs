@@ -106,6 +106,8 @@ fn section(text: &mut String, effect: &Effect) {
         ("Parameters", &parameters(effect)),
         ("Valid", about.validity),
         ("Source", about.source),
+        ("Role", effect.role.text()),
+        ("Checked against", &format!("{}. {}", effect.golden.source, effect.golden.derivation)),
     ] {
         line(text, format_args!("- **{name}:** {content}"));
     }

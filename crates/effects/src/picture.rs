@@ -20,7 +20,7 @@ pub struct Picture {
 /// One picture for each effect of the catalogue, in registry order.
 pub fn catalogue_pictures() -> Vec<Picture> {
     REGISTRY
-        .into_iter()
+        .iter()
         .map(|effect| Picture {
             file: format!("{}.svg", effect.phenomenon),
             svg: svg::draw(&views::drawing(effect)),

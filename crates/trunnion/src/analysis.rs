@@ -3,8 +3,8 @@
 //! The same path for a live run, a replay, an import and the demo. Pure: the caller writes the files.
 
 use trunnion_core::convert;
-use trunnion_effects::catalogue::BASE;
-use trunnion_effects::{LadderRow, Model, ModelEffect, Moved};
+use trunnion_effects::catalogue::{BASE, LOCATION_ERRORS};
+use trunnion_effects::{Formula, LadderRow, Model, ModelEffect, Moved};
 use trunnion_engine::{
     DiagnoseError, Diagnosis, Experiment, FittedParameter, FormulaProposal, Identification, IdentifyError,
     Problem, Verdict, diagnose_problem, next_cycle,
@@ -298,7 +298,7 @@ fn moved(before: &Identification, after: &Identification) -> Vec<Moved> {
         if let (Some((before, after)), Some(u)) = (values, now.screen_u()) {
             let unit = now.unit.symbol.into();
             let one = Moved { name: now.name.clone(), before, after, u, unit };
-            moved.push((now.effect == BASE[0], one));
+            moved.push((now.effect == LOCATION_ERRORS, one));
         }
     }
     moved.sort_by(|a, b| b.1.in_u().total_cmp(&a.1.in_u()));
@@ -328,12 +328,12 @@ pub fn entries(
 /// True for what can be added as it is.
 fn is_complete(entry: &ModelEffect) -> bool {
     let described = entry.site.is_some() && entry.component.is_some() && entry.expression.is_some();
-    !entry.id.starts_with("formula:") || described
+    Formula::name_of(&entry.id).is_none() || described
 }
 
 /// An effect as far as the user describes it.
 fn entry(id: &str, told: &FormulaText) -> Result<ModelEffect, AnalysisError> {
-    if !id.starts_with("formula:") && *told != FormulaText::default() {
+    if Formula::name_of(id).is_none() && *told != FormulaText::default() {
         return Err(AnalysisError::NoFormula { id: id.into() });
     }
     Ok(ModelEffect {
@@ -352,7 +352,7 @@ fn proposed(
     entry: ModelEffect,
     told: &FormulaText,
 ) -> Result<Vec<ModelEffect>, AnalysisError> {
-    let name = entry.id.trim_start_matches("formula:");
+    let name = Formula::name_of(&entry.id).unwrap_or_default();
     match proposal {
         Some(formula) if formula.name == name && *told == FormulaText::default() => Ok(formula.entries),
         Some(formula) if formula.name == name => Ok(vec![ModelEffect {
@@ -368,7 +368,7 @@ fn proposed(
         }]),
         other => Err(AnalysisError::NoSuchFormula {
             id: entry.id,
-            proposed: other.map_or("none now".into(), |formula| format!("formula:{}", formula.name)),
+            proposed: other.map_or("none now".into(), |formula| Formula::id_of(&formula.name)),
         }),
     }
 }

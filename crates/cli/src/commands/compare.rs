@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion::analysis::{FormulaText, Step};
 use trunnion::{analysis, page};
-use trunnion_effects::Model;
+use trunnion_effects::{Formula, Model};
 use trunnion_engine::compare::Place;
 use trunnion_engine::{Diagnosis, Experiment, Verdict};
 use trunnion_report::{
@@ -70,7 +70,7 @@ fn compare(
         if let Some(effect) = best(&diagnosis) {
             // The page shows the best candidate at work.
             let entries = match &diagnosis.formula {
-                Some(formula) if effect.starts_with("formula:") => formula.entries.clone(),
+                Some(formula) if Formula::name_of(&effect).is_some() => formula.entries.clone(),
                 _ => analysis::entries(experiment, model, &effect, &FormulaText::default())?,
             };
             let step = analysis::put(experiment, model, entries, &today()?)?;
@@ -139,9 +139,7 @@ fn best(diagnosis: &Diagnosis) -> Option<String> {
     match diagnosis.verdict {
         Verdict::NoiseFloor => None,
         Verdict::MissingEffect => diagnosis.candidates.first().map(|candidate| candidate.effect.clone()),
-        Verdict::UnnamedStructure => {
-            diagnosis.formula.as_ref().map(|formula| format!("formula:{}", formula.name))
-        }
+        Verdict::UnnamedStructure => diagnosis.formula.as_ref().map(|formula| Formula::id_of(&formula.name)),
     }
 }
 

@@ -4,12 +4,15 @@
 //! Limits: on the fly; velocity changes slowly against T. A lag common to all axes keeps the path; one of all rotary axes is `sync-delay`.
 
 use crate::subjects::{axis_of, every_axis};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::State;
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "servo-lag",
+    role: Role::CAUSE,
     about: About {
         title: "Lag of one axis behind the others",
         source: "docs/design/physics.md §5, §9.8; ISO 230-4; S4 §2 (synchronisation of linear and rotary axes)",
@@ -35,6 +38,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("lag", 0.2)],
         view: View::Circle(&[3000.0]),
+    },
+    golden: Golden {
+        source: "Siemens SINUMERIK 840Di sl Manual 01/2007, 11.5 (Kv factor 1: following error 1 mm at 1 m/min)",
+        derivation: "Kv = 1 (m/min)/mm is a lag of 60 ms: 1000 µm behind at 16.667 mm/s, and the other way coming back.",
+        id: "servo-lag:X",
+        shape: &[],
+        values: &[("lag", 60.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { velocity: &[("X", 16.6667)], read_um: Some([-1000.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { velocity: &[("X", -16.6667)], read_um: Some([1000.0, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.5,
     },
 };
 

@@ -7,12 +7,15 @@
 //! the two are one, and only T_p is carried. Each parameter is carried where the motion of the scene can show it.
 //! Limits: on the fly; first order in T; while one rotary axis turns alone T_r is that axis' servo lag.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::State;
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "sync-delay",
+    role: Role::CAUSE,
     about: About {
         title: "Delay between rotary axes, linear axes and probes",
         source: "docs/design/physics.md §9.8; S4 §2 (synchronisation error)",
@@ -31,6 +34,29 @@ pub(crate) static EFFECT: Effect = Effect {
     shapes: |_, _| Shapes::none(),
     motions,
     example: Example { id: "sync-delay", shape: &[], values: &[("rotary", 0.2)], view: View::Turn },
+    golden: Golden {
+        source: "Circumference 2πR",
+        derivation: "A table at 1 turn a minute moves 2π · 200 mm/60 s = 20.94 mm/s at R = 200 mm: 1 ms late it is 20.94 µm behind the tool that follows it.",
+        id: "sync-delay",
+        shape: &[],
+        values: &[("rotary", 1.0)],
+        balls_mm: &[[200.0, 0.0, 0.0]],
+        moments: &[
+            Moment {
+                position: &[("X", 200.0)],
+                velocity: &[("C", 6.0), ("Y", 20.943951)],
+                read_um: Some([0.0, 20.94, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment {
+                position: &[("X", 200.0)],
+                velocity: &[("C", -6.0), ("Y", -20.943951)],
+                read_um: Some([0.0, -20.94, 0.0]),
+                ..Moment::AT_REST
+            },
+        ],
+        within_um: 0.005,
+    },
 };
 
 #[derive(Clone, Copy)]

@@ -6,12 +6,15 @@
 //! Limits: one step of heat at the first point; needs time stamps.
 
 use crate::subjects::whole_tool_side;
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "thermal-drift",
+    role: Role::CAUSE,
     about: About {
         title: "Thermal drift of the tool side",
         source: "docs/design/physics.md §9.12; ISO 230-3",
@@ -34,6 +37,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[600.0, 5400.0],
         values: &[("x.1", 4.0), ("y.2", -6.0), ("z.1", -5.0), ("z.2", 20.0)],
         view: View::Time(7200.0),
+    },
+    golden: Golden {
+        source: "IEC 60050-351 (time constant of a first-order lag element: 63.2 % of the final value)",
+        derivation: "10 µm final, τ = 600 s: 6.32 µm 600 s after the first point; the tool side moves, so the reading has its sign.",
+        id: "thermal-drift",
+        shape: &[600.0, 1e9],
+        values: &[("z.1", 10.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { time_s: 100.0, read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { time_s: 700.0, read_um: Some([0.0, 0.0, 6.32]), ..Moment::AT_REST },
+        ],
+        within_um: 0.005,
     },
 };
 

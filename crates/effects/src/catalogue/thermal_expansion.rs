@@ -7,12 +7,15 @@
 
 use super::thermal_drift::TAU_OF_DURATION;
 use crate::subjects::whole_tool_side;
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "thermal-expansion",
+    role: Role::CAUSE,
     about: About {
         title: "Expansion with a measured temperature",
         source: "docs/design/physics.md §9.12; ISO 230-3; ISO/TR 16015",
@@ -35,6 +38,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[1200.0],
         values: &[("frame.x", 2.0), ("frame.z", 5.0)],
         view: View::Time(7200.0),
+    },
+    golden: Golden {
+        source: "ISO 3650 (steel: 11.5 µm/(m·K))",
+        derivation: "A column of 500 mm of steel grows 5.75 µm/K: 11.5 µm when it is 2 K warmer.",
+        id: "thermal-expansion",
+        shape: &[0.0],
+        values: &[("frame.z", 5.75)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { time_s: 60.0, frame_degc: 22.0, read_um: Some([0.0, 0.0, 11.5]), ..Moment::AT_REST },
+        ],
+        within_um: 0.05,
     },
 };
 

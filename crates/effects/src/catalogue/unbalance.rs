@@ -5,12 +5,15 @@
 //! Limits: one load for the whole experiment; position held by a drive of constant stiffness.
 
 use crate::subjects::{across, axis_of, carrier_from_carried, gravity_in_carrier, rotary_below};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::{State, Twist};
 use trunnion_machine::{Machine, Side, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "unbalance",
+    role: Role::CAUSE,
     about: About {
         title: "Off-centre mass on the turning table",
         source: "docs/design/physics.md §9.2; S4 table 2 (gravity influence)",
@@ -41,6 +44,29 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("twist.1", 20.0), ("tilt.2", 10.0)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "Meriam & Kraige, Statics, ch. 2 (moment of a force, M = r × F)",
+        derivation: "On a vertical table a weight beside the axis at half height pulls with its full moment: 20 µrad at 150 mm are 3 µm; above the axis with none.",
+        id: "unbalance:C",
+        shape: &[],
+        values: &[("twist.1", 20.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("B", 90.0)], read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment {
+                position: &[("B", 90.0), ("C", 90.0)],
+                read_um: Some([0.0, 3.0, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment {
+                position: &[("B", 90.0), ("C", -90.0)],
+                read_um: Some([0.0, -3.0, 0.0]),
+                ..Moment::AT_REST
+            },
+        ],
+        within_um: 0.005,
     },
 };
 

@@ -16,7 +16,7 @@ use crate::problem::Problem;
 use nalgebra::DMatrix;
 use std::f64::consts::LN_10;
 use trunnion_core::convert::um_from_mm;
-use trunnion_effects::ModelEffect;
+use trunnion_effects::{Formula, ModelEffect};
 
 /// Rivals within this ln of the posterior odds are confused (a factor of 20).
 const CONFUSED_LN: f64 = 3.0;
@@ -270,7 +270,7 @@ impl Context<'_> {
         let shape: Vec<ShapeNumber> = family.numbers.iter().zip(&item.shape).map(number).collect();
         let lives = words::lives(&site, &components, &words::placed(&family.words, &shape));
         Some(FormulaProposal {
-            name: first.id.trim_start_matches("formula:").into(),
+            name: Formula::name_of(&first.id).unwrap_or(&first.id).into(),
             component: first.component.unwrap_or_default(),
             expression: first.expression.unwrap_or_default(),
             shape,

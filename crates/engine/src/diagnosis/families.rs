@@ -12,7 +12,7 @@ use crate::Experiment;
 use crate::evidence::Natural;
 use crate::noise::machine_noise::Order;
 use trunnion_core::AxisLetter;
-use trunnion_effects::{Instance, ModelEffect};
+use trunnion_effects::{Formula, Instance, ModelEffect};
 
 /// One way to depend on the state.
 #[derive(Clone, Debug)]
@@ -171,7 +171,7 @@ fn family(draft: Draft, experiment: &Experiment) -> Option<Family> {
     };
     let expression = terms.map(term).collect::<Vec<_>>().join(" + ");
     let entry = ModelEffect {
-        id: "formula:factor".into(),
+        id: Formula::id_of("factor"),
         site: Some("spindle".into()),
         component: Some("dx".into()),
         expression: Some(expression.clone()),

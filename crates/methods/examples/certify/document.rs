@@ -1,6 +1,6 @@
 //! The certification document, from its parts.
 
-use crate::{guides, monte_carlo, pairs, shapes, strd};
+use super::{guides, monte_carlo, pairs, shapes, strd};
 use std::fmt::Write;
 use std::path::PathBuf;
 
