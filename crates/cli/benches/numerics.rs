@@ -56,7 +56,7 @@ const WORKS: [Work; 10] = [
     },
     Work { name: "read-1e7", about: "reading the finished 10⁷ readings", prepare: read_samples },
     Work { name: "read-points-1e6", about: "reading 10⁶ points on the fly", prepare: read_points },
-    Work { name: "import-1e6", about: "import of a table of 10⁶ rows", prepare: |_| import() },
+    Work { name: "import-1e5", about: "import of a table of 10⁵ rows", prepare: |_| import() },
 ];
 
 /// What one process measured.
@@ -333,7 +333,7 @@ fn read_samples(folder: &Path) -> Box<dyn FnOnce() -> String> {
 }
 
 fn import() -> Box<dyn FnOnce() -> String> {
-    let run = on_the_fly(1_000_000);
+    let run = on_the_fly(100_000);
     let table = export::points_csv(&Run { kind: RunKind::Static, ..run.clone() });
     Box::new(move || {
         let imported = points_csv::import("bench", "points.csv", &table, run.setups, run.machine).unwrap();

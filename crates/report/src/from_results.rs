@@ -18,17 +18,7 @@ impl CompareInput {
     /// The report of one fit. Label, ladder, losses and timing are the caller's to fill in.
     pub fn new(experiment: &Experiment, fit: &Identification, diagnosis: Option<Diagnosis>) -> Self {
         let identification = results::Identification::from(fit);
-        let mut noise = Noise::of(&identification);
-        if let Some(noise_um) = diagnosis.as_ref().and_then(|d| d.residual.noise_um).filter(|um| *um > 0.0) {
-            let repeats = match (noise.rms_um, identification.noise_degrees_of_freedom) {
-                (Some(um), Some(n)) => {
-                    format!("; poses measured more than once repeat within {um:.2} µm ({n} repeats)")
-                }
-                _ => "; no pose was measured twice".into(),
-            };
-            let origin = format!("what would be left if nothing were missing{repeats}");
-            noise = Noise { rms_um: Some(noise_um), origin };
-        }
+        let noise = Noise::of(&identification);
         // Where the diagnosis hears nothing but noise, no place is blamed.
         let silent = diagnosis.as_ref().is_some_and(|d| d.verdict == Verdict::NoiseFloor);
         let places = if silent { Vec::new() } else { worst_places(experiment, &fit.residual_mm, &fit.used) };
@@ -98,7 +88,7 @@ pub fn ladder_of(model: &Model) -> Vec<LadderRow> {
             fit_after_um: ladder.error_after_um,
             holdout_before_um: ladder.holdout_before_um,
             holdout_after_um: ladder.holdout_after_um,
-            noise_um: Some(ladder.noise_um),
+            noise_um: ladder.noise_um,
             moved: ladder.moved.iter().map(results::Moved::from).collect(),
         })
     };
@@ -228,9 +218,8 @@ impl From<&Setup> for SetupView {
 }
 
 impl Noise {
-    /// A noise figure taken from the residual itself is no floor: it contains whatever the model lacks.
+    /// The repeatability of a fit, with its origin.
     pub fn of(fit: &results::Identification) -> Self {
-        let of_repeats = fit.noise_origin == Some(results::NoiseOrigin::Repeats);
-        Self { rms_um: fit.noise_um.filter(|_| of_repeats), origin: noise_origin(fit) }
+        Self { rms_um: fit.noise_um, origin: noise_origin(fit) }
     }
 }

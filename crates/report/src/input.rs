@@ -10,7 +10,7 @@ use trunnion_results::{Diagnosis, Identification, Moved, Parameter, TimeQuality}
 pub struct CompareInput {
     /// The fit, with its parameters.
     pub identification: Identification,
-    /// The noise floor.
+    /// The repeatability.
     pub noise: Noise,
     /// Date, software version or whatever else the caller wants under the headline; may be empty.
     pub label: String,
@@ -47,7 +47,7 @@ pub struct Trial {
     pub fit_um: [f64; 2],
     /// Held-out residual without and with it, µm rms.
     pub holdout_um: [Option<f64>; 2],
-    /// The noise floor.
+    /// The repeatability.
     pub noise: Noise,
     /// Parameters of the effect.
     pub parameters: Vec<Parameter>,
@@ -61,7 +61,7 @@ pub struct Trial {
     pub then: Option<Diagnosis>,
 }
 
-/// What would remain if nothing were missing.
+/// Repeatability of a reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Noise {
     /// µm rms per component; `None` when the cycle has nothing to estimate it from.
@@ -133,7 +133,7 @@ pub struct LadderRow {
     pub holdout_before_um: Option<f64>,
     /// Held-out residual after, µm rms.
     pub holdout_after_um: Option<f64>,
-    /// Noise floor at this step, µm rms.
+    /// Repeatability at this step, µm rms.
     pub noise_um: Option<f64>,
     /// Parameters of the effects before it that moved when it came in, most moved first.
     pub moved: Vec<Moved>,

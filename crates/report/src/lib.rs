@@ -30,3 +30,4 @@ pub use text::{
 };
 pub use time_quality::duration;
 pub use volumetric::error_map_csv;
+pub use words::repeatability;

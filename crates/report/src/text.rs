@@ -16,7 +16,7 @@ use crate::number::{percent, percent_or_dash, plain, um, um_or_dash, unit_on_scr
 use crate::views::cuts;
 use crate::words::{
     NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, formula_shape,
-    formula_site, headline, planned_words, trial_verdict, verdict,
+    formula_site, headline, planned_words, repeatability, trial_verdict, verdict,
 };
 use crate::{CompareInput, Noise, Trial};
 use std::iter::once;
@@ -34,7 +34,7 @@ pub fn identification_text(view: &Identification) -> String {
         &[
             vec!["points".into(), format!("{} ({} set aside)", view.points, view.outliers)],
             vec!["error left".into(), format!("{} rms", um(view.rms_um))],
-            vec!["noise floor".into(), noise(&Noise::of(view))],
+            vec!["repeatability".into(), noise(&Noise::of(view))],
             vec!["held-out".into(), um_or_dash(view.holdout_rms_um)],
         ],
         &[],
@@ -101,7 +101,7 @@ pub fn trial_text(trial: &Trial) -> String {
             row("fit after", Some(trial.fit_um[1])),
             row("held-out before", trial.holdout_um[0]),
             row("held-out after", trial.holdout_um[1]),
-            row("noise floor", trial.noise.rms_um),
+            row("repeatability", trial.noise.rms_um),
         ],
         &[1],
     );
@@ -127,9 +127,9 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
     let residual = &diagnosis.residual;
     let mut out = format!("{}\n", clean(&headline(&input)));
     out += &format!(
-        "{} rms left, noise floor {}: {} of the mean square is above the noise.\n",
+        "{} rms left ({}); what was found explains {} of the mean square.\n",
         um(residual.rms_um),
-        um_or_dash(residual.noise_um),
+        repeatability(residual.noise_um),
         percent_or_dash(residual.unexplained_fraction)
     );
     if !diagnosis.candidates.is_empty() {

@@ -45,7 +45,7 @@ pub struct Trial {
     pub rms_um: BeforeAfter,
     /// Held-out error, µm rms.
     pub holdout_rms_um: BeforeAfter,
-    /// Noise of a reading, µm; null when it is not known.
+    /// Repeatability of a reading, µm; null where no pose was measured twice.
     pub noise_um: Option<f64>,
     /// What the diagnosis finds with the effect in the model.
     pub then: Option<Then>,

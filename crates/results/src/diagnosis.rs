@@ -1,6 +1,6 @@
 //! A diagnosis: which effect is missing from the model, as far as the data can say.
 
-use crate::identification::Parameter;
+use crate::identification::{LeftOut, Parameter};
 use crate::number::finite;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -48,9 +48,13 @@ pub enum DiagnosisFormat {
 pub struct Residual {
     /// Root mean square without outliers, µm per component.
     pub rms_um: f64,
-    /// What would remain if nothing were missing, µm per component; null when it is not known.
+    /// Held-out error, µm rms; null when nothing could be left out.
+    pub holdout_rms_um: Option<f64>,
+    /// The unit that was left out in turn.
+    pub holdout_unit: Option<LeftOut>,
+    /// Repeatability of a reading, µm per component; null where no pose was measured twice.
     pub noise_um: Option<f64>,
-    /// Share of the residual's mean square above the noise, 0…1.
+    /// Share of the residual's mean square that what was found explains, 0…1.
     pub unexplained_fraction: Option<f64>,
 }
 
@@ -206,7 +210,9 @@ impl From<&engine::Diagnosis> for Diagnosis {
             model: diagnosis.model.clone(),
             residual: Residual {
                 rms_um: diagnosis.residual.rms_um,
-                noise_um: finite(diagnosis.residual.noise_um),
+                holdout_rms_um: diagnosis.residual.holdout_rms_um.and_then(finite),
+                holdout_unit: diagnosis.residual.holdout_unit.map(LeftOut::from),
+                noise_um: diagnosis.residual.noise_um.and_then(finite),
                 unexplained_fraction: finite(diagnosis.residual.unexplained_fraction),
             },
             verdict: diagnosis.verdict.into(),
@@ -235,7 +241,7 @@ impl From<&engine::Candidate> for Candidate {
             effect: candidate.effect.clone(),
             evidence: candidate.evidence,
             rms_um_after: candidate.rms_um_after,
-            holdout_rms_um_after: finite(candidate.holdout_rms_um_after),
+            holdout_rms_um_after: candidate.holdout_rms_um_after.and_then(finite),
             explains_fraction: candidate.explains_fraction,
             parameters: candidate.parameters.iter().map(parameter).collect(),
             confused_with: candidate.confused_with.clone(),

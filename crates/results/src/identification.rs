@@ -29,10 +29,12 @@ pub struct Identification {
     pub outlier_points: Vec<Outlier>,
     /// Root mean square of the scalar residuals, outliers left out, µm.
     pub rms_um: f64,
-    /// Noise of one scalar reading, µm; null when it is not known.
+    /// Repeatability of one scalar reading, µm; null where no pose was measured twice.
     pub noise_um: Option<f64>,
     /// Where `noise_um` comes from.
     pub noise_origin: Option<NoiseOrigin>,
+    /// How many times a pose was measured again.
+    pub repeats: Option<usize>,
     /// Degrees of freedom behind `noise_um`.
     pub noise_degrees_of_freedom: Option<usize>,
     /// Where the standard uncertainties come from.
@@ -43,8 +45,10 @@ pub struct Identification {
     pub noise_by_run: Vec<NoiseOfRun>,
     /// Held-out error, µm rms; null when nothing could be left out.
     pub holdout_rms_um: Option<f64>,
-    /// What was left out in turn for the held-out error.
-    pub holdout: Option<Holdout>,
+    /// The unit that was left out in turn for the held-out error.
+    pub holdout_unit: Option<LeftOut>,
+    /// How many of them were left out in turn.
+    pub holdout_parts: Option<usize>,
     /// Rank of the scaled design.
     pub rank: usize,
     /// Condition number of the scaled design within its rank.
@@ -106,8 +110,6 @@ pub struct Outlier {
 pub enum NoiseOrigin {
     /// Scatter of poses that were measured more than once.
     Repeats,
-    /// The residual of the fit: contains whatever the model lacks.
-    Residual,
 }
 
 /// Where the standard uncertainties come from.
@@ -147,23 +149,18 @@ pub struct NoiseOfRun {
     pub samples_um: f64,
 }
 
-/// What was left out in turn for the held-out error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct Holdout {
-    /// The unit.
-    pub left_out: LeftOut,
-    /// How many were left out in turn.
-    pub parts: usize,
-}
-
-/// The unit that is left out in turn.
+/// The unit that is left out of a fit in turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LeftOut {
-    /// One setup in one combination of directions.
-    Passes,
+    /// Whole runs: each was measured in one pass.
+    Run,
+    /// Whole setups: each was measured in one pass.
+    Setup,
+    /// Whole passes: one setup in one combination of directions and feed.
+    Pass,
     /// Blocks of equal position of the slowest axis.
-    Blocks,
+    Block,
 }
 
 /// One parameter of a model or a candidate.
@@ -238,12 +235,10 @@ impl From<&engine::Identification> for Identification {
             outliers: fit.outliers.len(),
             outlier_points: fit.outliers.iter().map(outlier).collect(),
             rms_um: um_from_mm(fit.rms_mm),
-            noise_um: finite(um_from_mm(fit.noise.sigma_mm)),
-            noise_origin: Some(match fit.noise.origin {
-                engine::NoiseOrigin::Repeats => NoiseOrigin::Repeats,
-                engine::NoiseOrigin::Residual => NoiseOrigin::Residual,
-            }),
-            noise_degrees_of_freedom: Some(fit.noise.degrees_of_freedom),
+            noise_um: fit.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
+            noise_origin: fit.repeatability.map(|_| NoiseOrigin::Repeats),
+            repeats: fit.repeatability.map(|noise| noise.repeats),
+            noise_degrees_of_freedom: fit.repeatability.map(|noise| noise.degrees_of_freedom),
             u_origin: match fit.noise_parts.is_empty() {
                 true => UncertaintyOrigin::Clusters,
                 false => UncertaintyOrigin::NoiseParts,
@@ -251,7 +246,8 @@ impl From<&engine::Identification> for Identification {
             noise_parts: fit.noise_parts.iter().map(noise_part).collect(),
             noise_by_run: fit.noise_by_run.iter().map(noise_of_run).collect(),
             holdout_rms_um: fit.holdout_rms_mm().map(um_from_mm).and_then(finite),
-            holdout: fit.holdout.map(holdout),
+            holdout_unit: fit.holdout.map(|holdout| holdout.left_out.into()),
+            holdout_parts: fit.holdout.map(|holdout| holdout.parts),
             rank: fit.rank,
             condition: finite(fit.condition),
             degrees_of_freedom: fit.degrees_of_freedom,
@@ -260,6 +256,29 @@ impl From<&engine::Identification> for Identification {
             seen_together: fit.seen_together.iter().map(combination).collect(),
             location_errors: None,
             time_quality: Vec::new(),
+        }
+    }
+}
+
+impl LeftOut {
+    /// Several of them, in a word.
+    pub fn plural(self) -> &'static str {
+        match self {
+            Self::Run => "runs",
+            Self::Setup => "setups",
+            Self::Pass => "passes",
+            Self::Block => "blocks",
+        }
+    }
+}
+
+impl From<engine::LeftOut> for LeftOut {
+    fn from(unit: engine::LeftOut) -> Self {
+        match unit {
+            engine::LeftOut::Runs => Self::Run,
+            engine::LeftOut::Setups => Self::Setup,
+            engine::LeftOut::Passes => Self::Pass,
+            engine::LeftOut::Blocks => Self::Block,
         }
     }
 }
@@ -305,14 +324,6 @@ fn noise_of_run(group: &engine::GroupNoise) -> NoiseOfRun {
         floor_um: um_from_mm(group.floor_mm),
         samples_um: um_from_mm(group.samples_mm),
     }
-}
-
-fn holdout(holdout: engine::Holdout) -> Holdout {
-    let left_out = match holdout.left_out {
-        engine::LeftOut::Passes => LeftOut::Passes,
-        engine::LeftOut::Blocks => LeftOut::Blocks,
-    };
-    Holdout { left_out, parts: holdout.parts }
 }
 
 fn unobservable(direction: &engine::Unobservable) -> Unobservable {

@@ -47,7 +47,10 @@ pub struct LadderRow {
     pub holdout_before_um: Option<f64>,
     /// Held-out error after, µm rms.
     pub holdout_after_um: Option<f64>,
-    /// Noise of a reading, µm; null when it is not known.
+    /// The unit that was left out in turn: `run`, `setup`, `pass` or `block`.
+    #[serde(default)]
+    pub holdout_unit: Option<String>,
+    /// Repeatability of a reading, µm; null where no pose was measured twice.
     pub noise_um: Option<f64>,
     /// Parameters of the effects before it that moved, most moved first.
     pub moved: Vec<Moved>,
@@ -121,7 +124,8 @@ impl From<&effects::LadderRow> for LadderRow {
             error_after_um: row.error_after_um,
             holdout_before_um: row.holdout_before_um,
             holdout_after_um: row.holdout_after_um,
-            noise_um: Some(row.noise_um),
+            holdout_unit: row.holdout_unit.clone(),
+            noise_um: row.noise_um,
             moved: row.moved.iter().map(Moved::from).collect(),
         }
     }

@@ -31,8 +31,8 @@ pub use findings::{
     AxisName, Cell, Chart, Column, Curve, Findings, FindingsFormat, FoundValue, MapPlace, Plot, Table,
 };
 pub use identification::{
-    Combination, Holdout, Identification, IdentificationFormat, LeftOut, NoiseOfRun, NoiseOrigin, NoisePart,
-    Outlier, Parameter, Shape, Term, UncertaintyOrigin, Unobservable,
+    Combination, Identification, IdentificationFormat, LeftOut, NoiseOfRun, NoiseOrigin, NoisePart, Outlier,
+    Parameter, Shape, Term, UncertaintyOrigin, Unobservable,
 };
 pub use ladder::{Added, Ladder, LadderEntry, LadderFormat, LadderRow, Moved, Removed};
 pub use location::{LocationError, LocationErrors};

@@ -1,9 +1,9 @@
 //! What the numbers say, in sentences: shared by page, terminal and every other surface. Each thing is said once.
 
-use crate::number::{degrees, plain, unit_on_screen};
+use crate::number::{degrees, plain, um, unit_on_screen};
 use crate::{
-    Candidate, Diagnosis, FormulaProposal, Identification, Moved, NoiseOrigin, Parameter, PlannedCycle,
-    ShapeNumber, Verdict,
+    Candidate, Diagnosis, FormulaProposal, Identification, Moved, Parameter, PlannedCycle, ShapeNumber,
+    Verdict,
 };
 use trunnion_effects::catalogue::effect;
 use trunnion_effects::{About, SOURCES};
@@ -177,13 +177,18 @@ pub fn formula_shape(formula: &FormulaProposal) -> String {
     formula.shape.iter().map(number).collect::<Vec<_>>().join(", ")
 }
 
-/// Where the noise figure of a fit comes from.
+/// Where the repeatability of a fit comes from.
 pub fn noise_origin(fit: &Identification) -> String {
-    match (fit.noise_origin, fit.noise_degrees_of_freedom) {
-        (Some(NoiseOrigin::Repeats), Some(n)) => {
-            format!("poses measured more than once, {n} degrees of freedom")
-        }
-        (Some(NoiseOrigin::Repeats), None) => "poses measured more than once".into(),
-        _ => "unknown: no pose was measured twice, so nothing separates noise from error".into(),
-    }
+    fit.repeats.map_or_else(
+        || "not known: no pose was measured twice".into(),
+        |repeats| format!("poses measured more than once, {repeats} repeats"),
+    )
+}
+
+/// How well readings repeat, for a bracket.
+pub fn repeatability(noise_um: Option<f64>) -> String {
+    noise_um.map_or_else(
+        || "repeatability not known: no pose was measured twice".into(),
+        |noise_um| format!("repeatability {}", um(noise_um)),
+    )
 }

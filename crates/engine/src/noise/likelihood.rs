@@ -6,8 +6,22 @@
 //! ln det of both = ln det(I + D^½ Zᵀ M Z D^½) + const, rss = yᵀMy − bᵀ(I + D^½ Zᵀ M Z D^½)⁻¹ b, b = D^½ Zᵀ M y [Woodbury]: readings
 //! appear only in inner products, formed once.
 
-use crate::noise::variances::Residual;
+use crate::noise::random_columns::{Kind, Levers};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// What the variances are estimated from. Rows of readings not used are zero in all.
+pub(crate) struct Residual<'a> {
+    /// Columns of the fit, weighted.
+    pub fitted: &'a DMatrix<f64>,
+    /// Weighted residual, mm.
+    pub residual_mm: &'a DVector<f64>,
+    /// Random columns.
+    pub kinds: &'a [Kind],
+    /// Scatter of the fast axis.
+    pub levers: &'a Levers,
+    /// Readings used minus parameters determined, more than 2.
+    pub degrees_of_freedom: usize,
+}
 
 /// A part of which the readings show fewer directions than this, after the fit took its share, cannot be sized.
 const FEWEST_DIRECTIONS: usize = 3;

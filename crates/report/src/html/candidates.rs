@@ -25,7 +25,7 @@ fn found(input: &CompareInput, diagnosis: &Diagnosis) -> String {
     }
     let mut body = bars(
         "Error before and after each candidate",
-        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: noise floor.",
+        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: repeatability.",
         &steps(input, diagnosis),
         diagnosis.residual.noise_um,
     );

@@ -4,3 +4,4 @@
 
 mod examples;
 mod library;
+mod one_answer;
