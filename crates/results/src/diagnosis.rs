@@ -122,6 +122,8 @@ pub struct FormulaProposal {
     pub evidence: f64,
     /// Residual with it in the model, µm rms.
     pub rms_um_after: f64,
+    /// Held-out error with it in the model, µm rms; null when nothing could be left out.
+    pub holdout_rms_um_after: Option<f64>,
     /// Share of the explainable mean square that it explains, 0…1.
     pub explains_fraction: f64,
     /// What it does, and where, in words.
@@ -269,6 +271,7 @@ impl From<&engine::FormulaProposal> for FormulaProposal {
             components: formula.entries.iter().filter_map(|entry| entry.component.clone()).collect(),
             evidence: formula.evidence,
             rms_um_after: formula.rms_um_after,
+            holdout_rms_um_after: formula.holdout_rms_um_after.and_then(finite),
             explains_fraction: formula.explains_fraction,
             lives: formula.lives.clone(),
             resembles: formula.resembles.clone(),

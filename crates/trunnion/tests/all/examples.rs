@@ -7,7 +7,9 @@ use std::process::Command;
 fn printed(example: &str) -> String {
     let tests = std::env::current_exe().unwrap();
     let program: PathBuf = tests.parent().unwrap().parent().unwrap().join("examples").join(example);
-    let output = Command::new(&program).output().unwrap_or_else(|why| panic!("{}: {why}", program.display()));
+    let output = Command::new(&program).output().unwrap_or_else(|why| {
+        panic!("{}: {why}; `cargo build -p trunnion --examples` builds it", program.display())
+    });
     assert!(output.status.success(), "{example}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }

@@ -47,7 +47,7 @@ fn every_surface_shows_the_same_figures() {
     let json = trunnion::results::to_json(&answer).unwrap();
     assert_eq!(serde_json::from_str::<Identification>(&json).unwrap(), answer);
     assert!(fit.summary().contains(&trunnion::results::number::um(answer.rms_um)));
-    assert_eq!(fit.compare().unwrap().identification, answer);
+    assert_eq!(fit.compare().unwrap().results().identification, answer);
 }
 
 #[test]
