@@ -54,7 +54,7 @@ pub(super) fn apply(runs: &[Run]) -> (Calibration, Vec<Run>) {
     };
     if !unusable.is_empty() {
         note += &format!(
-            " The steps of {} do not span three directions and were set aside: move the ball in X, Y and Z.",
+            " The steps of {} do not span three directions and are excluded: move the ball in X, Y and Z.",
             unusable.join(", ")
         );
     }
