@@ -4,6 +4,7 @@
 
 mod common;
 mod excluded_points;
+mod held_out;
 mod intervals;
 mod nothing_hidden;
 mod null;
