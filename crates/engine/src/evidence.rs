@@ -13,14 +13,15 @@
 
 mod algebra;
 mod bank;
+mod context;
 mod library;
 mod member;
 mod part;
 
 pub use algebra::{parallel, stacked};
-pub use bank::{Bank, Scan, Score, Situation, WHITE};
+pub use bank::{Bank, Score, Situation, WHITE};
+pub use context::Blocks;
 pub use library::{Entry, Group, Library, Natural};
-pub use member::Blocks;
 
 /// Directions that keep less than this share of their norm are taken as imitated by the model.
 pub const SURVIVAL: f64 = 0.03;

@@ -106,12 +106,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             "effect": args.effect, "model": args.model.display().to_string(),
             "error_before_um": row.error_before_um, "error_after_um": row.error_after_um,
             "holdout_before_um": row.holdout_before_um, "holdout_after_um": row.holdout_after_um,
-            "noise_um": row.noise_um, "moved": super::ladder::moved_json(row),
+            "holdout_unit": row.holdout_unit, "noise_um": row.noise_um, "moved": super::ladder::moved_json(row),
             "identification": step.identification.to_json(),
         }))?;
     } else {
         let ladder = trunnion::page::ladder(&step.model);
-        terminal::print(&trunnion_report::ladder_text(&ladder, Some(row.noise_um)))?;
+        terminal::print(&trunnion_report::ladder_text(&ladder, row.noise_um))?;
         terminal::print("\n")?;
         terminal::print(&trunnion_report::identification_text(&(&step.identification).into()))?;
     }

@@ -129,11 +129,13 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         timing.extend(sweep_timing);
         tell(&format!(
             "Recorded {}; {} points while turning. The model of the static cycle leaves {:.2} µm there, \
-             the noise is {:.2} µm.\n",
+             {}.\n",
             swept.path.display(),
             fit.points,
             convert::um_from_mm(fit.rms_mm),
-            convert::um_from_mm(fit.noise.sigma_mm),
+            trunnion_report::repeatability(
+                fit.repeatability.map(|noise| convert::um_from_mm(noise.sigma_mm))
+            ),
         ))?;
         Some(fit)
     };

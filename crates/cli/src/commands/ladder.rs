@@ -40,7 +40,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
                         "date": row.date, "run": row.run,
                         "error_before_um": row.error_before_um, "error_after_um": row.error_after_um,
                         "holdout_before_um": row.holdout_before_um, "holdout_after_um": row.holdout_after_um,
-                        "noise_um": row.noise_um, "moved": moved_json(row),
+                        "holdout_unit": row.holdout_unit, "noise_um": row.noise_um, "moved": moved_json(row),
                     })
                 });
                 serde_json::json!({ "effect": entry.id, "ladder": ladder })

@@ -50,8 +50,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }))?;
     } else {
         terminal::print(&format!("{} is out of {}\n\n", args.effect, args.model.display()))?;
-        let noise_um = trunnion_core::convert::um_from_mm(fit.noise.sigma_mm);
-        terminal::print(&trunnion_report::ladder_text(&page::ladder(&smaller), Some(noise_um)))?;
+        let noise_um = fit.repeatability.map(|noise| trunnion_core::convert::um_from_mm(noise.sigma_mm));
+        terminal::print(&trunnion_report::ladder_text(&page::ladder(&smaller), noise_um))?;
         terminal::print("\n")?;
         terminal::print(&trunnion_report::identification_text(&(&fit).into()))?;
     }

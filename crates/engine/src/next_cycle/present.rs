@@ -1,14 +1,15 @@
 //! The data at hand, thinned for planning, and the same together with a run that has not been measured yet.
 
 use super::PlanError;
-use super::survey::finite;
-use crate::fit::Options as FitOptions;
-use crate::{Experiment, HoldoutWanted, Identification, identify};
+use super::information::finite;
+use crate::fit::identification::Identification;
+use crate::problem::Problem;
+use crate::problem::experiment::Experiment;
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::{Point, Quality, Setup, State};
 use trunnion_cycles::{Run, RunKind};
+use trunnion_effects::Instance;
 use trunnion_effects::catalogue::LOCATION_ERRORS;
-use trunnion_effects::{Instance, Model};
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
 
@@ -32,9 +33,8 @@ struct ModelPart {
 }
 
 impl Present {
-    pub fn new(experiment: &Experiment, model: &Model, most_points: usize) -> Result<Self, PlanError> {
-        let options = FitOptions { holdout: HoldoutWanted::No, ..FitOptions::default() };
-        let fit = identify(experiment, model, &options)?;
+    pub fn new(problem: &Problem<'_>, most_points: usize) -> Result<Self, PlanError> {
+        let (experiment, model, fit) = (problem.experiment(), problem.model(), problem.fit().clone());
         let (mut runs, mut residual) = (Vec::new(), Vec::new());
         for run in 0..experiment.runs.len() {
             let own: Vec<usize> = (0..experiment.points.len())
@@ -72,7 +72,7 @@ impl Present {
         DMatrix::from_columns(&columns)
     }
 
-    /// The data at hand and one more run in these states, its ball mounted anew.
+    /// The data at hand and one more run in these states, its ball mounted again.
     pub fn with(&self, setups: &[Setup], states: &[State], kind: RunKind) -> Result<Experiment, PlanError> {
         let scene = &self.experiment.scene;
         let machine = self.experiment.machine().clone();

@@ -1,4 +1,4 @@
-//! How well two effects would be told apart: expected ln Bayes factor.
+//! How well two effects would be separated: expected ln Bayes factor.
 //!
 //! If effect A with parameters a is the truth, the best that B can do leaves `aᵀ G a`, `G = (S_AA − S_AB S_BB⁺ S_BA)/σ²`, and
 //! the expected ln Bayes factor is half of it (T-optimality; Atkinson & Fedorov 1975). a is known from the present data only

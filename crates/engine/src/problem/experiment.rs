@@ -62,7 +62,7 @@ pub enum ExperimentError {
 }
 
 impl Experiment {
-    /// Puts runs together; one on the fly with more points than [`Limits::most_blocks`] is reduced to blocks first. Setups of different runs stay apart (the ball was set anew); with several runs
+    /// Puts runs together; one on the fly with more points than [`Limits::most_blocks`] is reduced to blocks first. Setups of different runs stay apart (the ball was set again); with several runs
     /// their names are prefixed by the run's number, e.g. `1.low`.
     ///
     /// # Errors

@@ -3,8 +3,9 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod common;
+mod excluded_points;
+mod held_out;
 mod intervals;
-mod mishaps;
 mod nothing_hidden;
 mod null;
 mod outside_data;

@@ -3,7 +3,7 @@
 use crate::common;
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
-use trunnion_engine::{Experiment, Identification, NoiseOrigin, identify};
+use trunnion_engine::{Experiment, Identification, identify};
 
 fn fitted() -> Identification {
     let experiment = Experiment::new(&[common::points_run("points-nothing-hidden")]).expect("points");
@@ -55,8 +55,9 @@ fn conventional_zeros_get_no_number_and_are_named() {
 #[test]
 fn noise_comes_from_repeats_and_the_held_out_error_is_near_it() {
     let fit = fitted();
-    assert_eq!(fit.noise.origin, NoiseOrigin::Repeats);
-    let (noise, rms, held_out) = (fit.noise.sigma_mm, fit.rms_mm, fit.holdout.unwrap().rms_mm);
+    let repeatability = fit.repeatability.expect("every pose was measured in both directions");
+    assert_eq!(repeatability.repeats, 168);
+    let (noise, rms, held_out) = (repeatability.sigma_mm, fit.rms_mm, fit.holdout.unwrap().rms_mm);
     println!("noise {noise} rms {rms} held out {held_out}");
     // Put in: noise 0.3 µm, error motions 0.2 µm.
     assert!((0.27e-3..0.35e-3).contains(&noise), "noise {noise}");

@@ -60,7 +60,8 @@ fn entry() -> ModelEffect {
             error_after_um: 1.0,
             holdout_before_um: Some(2.4),
             holdout_after_um: Some(1.2),
-            noise_um: 0.5,
+            holdout_unit: Some("pass".into()),
+            noise_um: Some(0.5),
             moved: vec![moved],
         }),
         ..ModelEffect::default()

@@ -33,7 +33,7 @@ impl Part<'_> {
 }
 
 /// The effects' columns under every noise model.
-pub(super) struct Survey {
+pub(super) struct Information {
     /// Columns of each part in the matrices.
     pub parts: Vec<Range<usize>>,
     /// One for each noise model.
@@ -54,7 +54,7 @@ pub(super) struct View {
     pub rank: usize,
 }
 
-impl Survey {
+impl Information {
     /// Columns of `model` are projected out; `readings`, if any, are whatever the model left of them.
     pub fn new(
         experiment: &Experiment,

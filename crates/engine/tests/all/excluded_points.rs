@@ -155,7 +155,7 @@ fn an_open_shape_number_is_found_between_grid_points() {
 /// Turns of C on the fly at two feeds, its axes not of one instant. The mean of a block lies some micrometres inside the
 /// arc, and only by that are some directions told apart: following them leads astray.
 #[test]
-fn a_sweep_whose_axes_are_out_of_step_still_settles() {
+fn a_sweep_whose_axes_are_out_of_step_still_converges() {
     for every in [1, 2] {
         let mut run = common::points_run("sweep-out-of-step");
         run.kind = RunKind::OnTheFly;

@@ -1,13 +1,13 @@
 //! What stays the same for all candidate cycles: the data at hand, the rivals, and the shapes they may take.
 
+use super::information::Part;
 use super::present::Present;
-use super::survey::Part;
-use super::wanted::Rivals;
+use super::rivals::Rivals;
 use std::ops::Range;
 use trunnion_effects::{Instance, ModelEffect, Scene};
 
 /// Everything that stays the same for all candidates.
-pub(super) struct Desk<'a> {
+pub(super) struct CycleDesign<'a> {
     pub present: &'a Present,
     pub entries: &'a [ModelEffect],
     pub instances: &'a [Instance],
@@ -16,13 +16,13 @@ pub(super) struct Desk<'a> {
     pub separated_ln: f64,
 }
 
-/// The parts of a survey that belong to one rival: the chosen shape first, then others it may take.
+/// The parts of a information that belong to one rival: the chosen shape first, then others it may take.
 pub(super) struct Shaped<'a> {
     pub parts: Vec<Part<'a>>,
     pub of_rival: Vec<Range<usize>>,
 }
 
-impl Desk<'_> {
+impl CycleDesign<'_> {
     pub(super) fn ids(&self) -> Vec<String> {
         self.entries.iter().map(|entry| entry.id.clone()).collect()
     }

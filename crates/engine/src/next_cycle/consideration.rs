@@ -2,16 +2,16 @@
 
 use super::answer::Considered;
 use super::candidates::Candidate;
-use super::desk::Desk;
+use super::design::CycleDesign;
 use super::knowledge::Knowledge;
-use super::value::Value;
+use super::utility::Utility;
 use super::{HOPELESS_LN, Options, PlanError};
 use trunnion_core::{Setup, State};
 use trunnion_cycles::cycle::Pace;
 use trunnion_cycles::{Cycle, RunKind};
 use trunnion_machine::Machine;
 
-impl Desk<'_> {
+impl CycleDesign<'_> {
     /// One candidate cycle; `None` when the machine cannot run it.
     pub(super) fn consider(
         &self,
@@ -26,8 +26,8 @@ impl Desk<'_> {
             return Ok(None);
         }
         let states = thinned(visits.states, options.most_points);
-        let value = self.after(&cycle.setups, &states, cycle.run_kind(), knowledge)?;
-        Ok(Some(self.row(&candidate.what, Some(cycle), visits.duration_s, value)))
+        let utility = self.after(&cycle.setups, &states, cycle.run_kind(), knowledge)?;
+        Ok(Some(self.row(&candidate.what, Some(cycle), visits.duration_s, utility)))
     }
 
     /// The same cycle measured once more: the baseline.
@@ -37,8 +37,8 @@ impl Desk<'_> {
         let duration_s = times().fold(f64::NEG_INFINITY, f64::max) - times().fold(f64::INFINITY, f64::min);
         let duration_s = if duration_s.is_finite() { duration_s } else { 4.0 * states.len() as f64 };
         let setups = self.present.last_setups();
-        let value = self.after(setups, &states, self.present.last_kind(), knowledge)?;
-        Ok(self.row("the same once more", None, duration_s + options.pace.mount_s, value))
+        let utility = self.after(setups, &states, self.present.last_kind(), knowledge)?;
+        Ok(self.row("the same once more", None, duration_s + options.pace.mount_s, utility))
     }
 
     fn after(
@@ -47,13 +47,13 @@ impl Desk<'_> {
         states: &[State],
         kind: RunKind,
         knowledge: &Knowledge,
-    ) -> Result<Value, PlanError> {
+    ) -> Result<Utility, PlanError> {
         let both = self.present.with(setups, states, kind)?;
-        Ok(self.value(&both, knowledge))
+        Ok(self.utility(&both, knowledge))
     }
 
-    fn row(&self, what: &str, cycle: Option<&Cycle>, duration_s: f64, value: Value) -> Considered {
-        let pairs = value.pairs();
+    fn row(&self, what: &str, cycle: Option<&Cycle>, duration_s: f64, utility: Utility) -> Considered {
+        let pairs = utility.pairs();
         let hardest = pairs.iter().min_by(|a, b| a.2.total_cmp(&b.2));
         let id = |i: usize| self.entries[i].id.clone();
         let ids =
@@ -63,12 +63,12 @@ impl Desk<'_> {
             name: cycle.map_or("again".into(), |cycle| cycle.name.clone()),
             what: what.into(),
             minutes: duration_s / 60.0,
-            separation_ln: hardest.map_or(value.seen_ln[0], |pair| pair.2),
+            separation_ln: hardest.map_or(utility.seen_ln[0], |pair| pair.2),
             hardest: hardest.map_or([id(0), id(0)], |&(a, b, _)| [id(a), id(b)]),
             apart: pairs.iter().filter(apart).map(|&(a, b, _)| [id(a), id(b)]).collect(),
-            gain: self.gain(&value),
-            shows: ids(&|i| value.seen_ln[i] > HOPELESS_LN),
-            tells: ids(&|i| value.told_ln(i) > HOPELESS_LN),
+            gain: self.gain(&utility),
+            shows: ids(&|i| utility.seen_ln[i] > HOPELESS_LN),
+            tells: ids(&|i| utility.discriminated_ln(i) > HOPELESS_LN),
             cycle: cycle.cloned(),
         }
     }
