@@ -106,7 +106,8 @@ pub fn of_toml(text: &str) -> Vec<Passage> {
     passages
 }
 
-/// String literals outside comments, attributes and test modules, and doc comments that clap prints.
+/// String literals outside comments, attributes and test modules, and doc comments that clap prints. Names of JSON objects are no
+/// text: their schemas hold them.
 pub fn of_rust(text: &str) -> Vec<Passage> {
     let mut source = Source { rest: text, line: 1 };
     let mut passages = Vec::new();
@@ -116,7 +117,9 @@ pub fn of_rust(text: &str) -> Vec<Passage> {
             source.skip_item();
         } else if has_help && source.rest.starts_with("///") {
             passages.push(Passage::new(&source.help()));
-        } else if let Some(text) = source.token() {
+        } else if let Some(text) = source.token()
+            && !source.rest.trim_start().starts_with(':')
+        {
             let text: Vec<(usize, &str)> = text.iter().map(|(line, text)| (*line, text.as_str())).collect();
             passages.push(Passage { is_head: true, ..Passage::new(&text) });
         }
