@@ -10,7 +10,6 @@
 mod check;
 mod error;
 mod expression;
-mod nearest;
 mod parser;
 mod symbol;
 
@@ -20,6 +19,7 @@ pub use expression::{Expression, Function, Node, Operator};
 use crate::{Emit, ModelEffect, Parameter, Scene, Shapes, Unit};
 use nalgebra::Vector3;
 use symbol::{Symbol, symbol};
+use trunnion_core::nearest::nearest;
 use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::{Machine, Site};
 
@@ -107,7 +107,7 @@ impl Formula {
             Symbol::Time if !scene.has_time() => Some("needs time stamps, for t".into()),
             Symbol::Temperature(channel) if !scene.channels.iter().any(|c| c == channel) => {
                 let known = scene.channels.iter().map(String::as_str);
-                let meant = nearest::nearest(channel, known)
+                let meant = nearest(channel, known)
                     .map_or(String::new(), |near| format!("; did you mean T_{near}?"));
                 let names: Vec<String> = scene.channels.iter().map(|c| format!("T_{c}")).collect();
                 let known = if names.is_empty() { "none".into() } else { names.join(" ") };

@@ -18,7 +18,7 @@ fn machines() -> Vec<Machine> {
 fn rich_states(machine: &Machine) -> Vec<State> {
     let place = |i: usize, letter: AxisLetter| {
         let (low, high) = machine.axis(letter).map_or((0.0, 0.0), |axis| axis.travel);
-        let golden = (0.5 + (i * (letter as usize + 1)) as f64 * 0.618_033_988_75).fract();
+        let golden = (0.5 + (i * (letter.index() + 1)) as f64 * 0.618_033_988_75).fract();
         low + (high - low)
             * if i == 0 {
                 0.0
@@ -37,9 +37,9 @@ fn rich_states(machine: &Machine) -> Vec<State> {
                 position: AxisValues::from_fn(
                     |l| if l.is_rotary() { place(i.min(60), l) } else { place(i, l) },
                 ),
-                direction: AxisValues::from_fn(|l| if (l as usize).is_multiple_of(2) { way } else { -way }),
-                velocity: AxisValues::from_fn(|l| moving * way * (l as usize + 1) as f64 * 0.1),
-                acceleration: AxisValues::from_fn(|l| moving * (i as f64 * 0.7 + l as usize as f64).sin()),
+                direction: AxisValues::from_fn(|l| if (l.index()).is_multiple_of(2) { way } else { -way }),
+                velocity: AxisValues::from_fn(|l| moving * way * (l.index() + 1) as f64 * 0.1),
+                acceleration: AxisValues::from_fn(|l| moving * (i as f64 * 0.7 + l.index() as f64).sin()),
                 since_reversal: AxisValues::from_fn(|_| i as f64 * 0.01),
                 time_s: Some(i as f64 * 60.0),
                 temperature_degc: vec![20.0 + (i as f64 / 10.0).sin()],

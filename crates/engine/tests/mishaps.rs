@@ -2,7 +2,7 @@
 
 mod common;
 
-use trunnion_core::AxisLetter::{B, C};
+use trunnion_core::axis::iso::{B, C};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{Model, ModelEffect, Prior};
 use trunnion_engine::fit::Options;

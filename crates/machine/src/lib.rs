@@ -13,11 +13,13 @@ pub mod shipped;
 mod site;
 pub mod tripod;
 
+pub use file::QUANTITY_PREFIXES;
 pub use kinematics::JointErrors;
 pub use site::{Errors, MOST_INNER, Site};
 pub use tripod::{Leg, Tripod};
 
 use nalgebra::{Point3, Unit, Vector3};
+use trunnion_core::nearest::distance;
 use trunnion_core::{AxisLetter, Twist};
 
 /// A machine as its file describes it (DESIGN §3.3).
@@ -64,6 +66,9 @@ pub struct AxisFacts {
     pub feed_limit: Option<f64>,
 }
 
+/// Names shown as the nearest to one that no joint has.
+const NEAR_SHOWN: usize = 3;
+
 /// Which branch of the chain an axis belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -85,6 +90,40 @@ impl Machine {
     /// Every axis: table side from the bed, then tool side from the bed.
     pub fn axes(&self) -> impl Iterator<Item = &Axis> {
         self.table.iter().rev().chain(&self.tool)
+    }
+
+    /// Its joints in the order of their slots: X Y Z A B C U V W, others among them.
+    pub fn joints(&self) -> Vec<AxisLetter> {
+        let mut joints: Vec<AxisLetter> = self.axes().map(|axis| axis.letter).collect();
+        joints.sort();
+        joints
+    }
+
+    /// Its linear joints in the order of their slots.
+    pub fn linear_joints(&self) -> Vec<AxisLetter> {
+        self.joints().into_iter().filter(|joint| !joint.is_rotary()).collect()
+    }
+
+    /// Its rotary joints in the order of their slots.
+    pub fn rotary_joints(&self) -> Vec<AxisLetter> {
+        self.joints().into_iter().filter(|joint| joint.is_rotary()).collect()
+    }
+
+    /// The joint called `name`, in upper or lower case.
+    pub fn joint(&self, name: &str) -> Option<AxisLetter> {
+        self.axes().map(|axis| axis.letter).find(|joint| joint.as_str().eq_ignore_ascii_case(name))
+    }
+
+    /// What to say of a `name` that no joint has: the joints there are, and the nearest ones first.
+    pub fn joints_near(&self, name: &str) -> String {
+        let joints = self.joints();
+        let off = |joint: &AxisLetter| distance(&name.to_lowercase(), joint.lower());
+        let least = joints.iter().map(off).min().unwrap_or_default();
+        let near: Vec<&str> =
+            joints.iter().filter(|joint| off(joint) == least).map(|joint| joint.as_str()).take(NEAR_SHOWN).collect();
+        let all: Vec<&str> = joints.iter().map(|joint| joint.as_str()).collect();
+        let all = all.join(", ");
+        if least <= name.len() / 2 { format!("{all}; nearest: {}", near.join(", ")) } else { all }
     }
 
     /// The axis with this letter.

@@ -181,7 +181,7 @@ pub(crate) fn state_at(scene: &Scene, position: impl Fn(AxisLetter) -> f64) -> S
 fn along(scene: &Scene, letter: AxisLetter, probe: usize) -> f64 {
     let (low, high) = scene.position_range[letter];
     // Fractions of multiples of the golden ratio never repeat.
-    let u = (0.61803 * (probe + 1) as f64 + 0.1731 * letter as usize as f64).fract();
+    let u = (0.61803 * (probe + 1) as f64 + 0.1731 * letter.index() as f64).fract();
     low + (high - low) * u
 }
 

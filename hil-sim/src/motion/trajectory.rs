@@ -218,7 +218,7 @@ mod tests {
     use super::super::Follow;
     use super::*;
     use std::f64::consts::{PI, TAU};
-    use trunnion_core::AxisLetter::{B, C, X, Y};
+    use trunnion_core::axis::iso::{B, C, X, Y};
 
     /// The ball on a table turning about Z by C, at radius 100.
     fn circle() -> Follow {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 use tokio::time::Instant;
-use trunnion_core::AxisLetter::{B, C, X, Y};
+use trunnion_core::axis::iso::{B, C, X, Y};
 use trunnion_core::AxisValues;
 use trunnion_hil_sim::devices::SimulatedCell;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig, start};

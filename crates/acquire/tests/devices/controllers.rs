@@ -4,7 +4,7 @@ use crate::shop::{PROGRAM, SinceStart, find, program, read, state, turning};
 use std::sync::Arc;
 use std::time::Instant;
 use trunnion_acquire::{Acquisition, DeviceState, DeviceStatus};
-use trunnion_core::AxisLetter::{B, C, X};
+use trunnion_core::axis::iso::{B, C, X};
 use trunnion_core::AxisValues;
 use trunnion_core::reading::{AxisReading, Execution, Reading, SourceGap};
 use trunnion_hil_sim::devices::linuxcncrsh::ServerConfig;

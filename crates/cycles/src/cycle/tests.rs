@@ -232,7 +232,7 @@ proptest! {
             }
             Motion::Path { path, from_to_rad, feeds_mm_per_s, passes } => {
                 let shape = match path {
-                    Path::Circle { plane } => plane.map(|letter| letter as usize as f64),
+                    Path::Circle { plane } => plane.map(|letter| letter.index() as f64),
                     Path::Cone { half_angle_rad, tilt_rad } => [*half_angle_rad, *tilt_rad],
                 };
                 let mut all = vec![from_to_rad.0, from_to_rad.1];

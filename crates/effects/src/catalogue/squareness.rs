@@ -5,7 +5,7 @@
 
 use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
 use nalgebra::Vector3;
-use trunnion_core::AxisLetter::{X, Y, Z};
+use trunnion_core::axis::iso::{X, Y, Z};
 use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::{Machine, Site};
 

@@ -2,10 +2,11 @@
 
 use super::error::{FormulaError, Hundredths};
 use super::expression::{Expression, Function, Node, Operator};
-use super::nearest::{distance, nearest};
+
 use super::symbol::{Quantity, Symbol, names, symbol};
 use std::f64::consts::TAU;
 use trunnion_core::AxisLetter;
+use trunnion_core::nearest::{distance, nearest};
 use trunnion_machine::Machine;
 
 /// Names shorter than this are anybody's parameters unless they differ from a symbol by an underscore.
@@ -160,11 +161,11 @@ fn sampled(symbol: Symbol<'_>, machine: &Machine, sample: usize) -> f64 {
     match symbol {
         Symbol::Of(Quantity::Position, letter) => {
             let (low, high) = machine.axis(letter).map_or((-1.0, 1.0), |axis| axis.travel);
-            low + (high - low) * share(letter as usize)
+            low + (high - low) * share(letter.index())
         }
-        Symbol::Of(Quantity::Direction, letter) => [-1.0, 0.0, 1.0][(sample + letter as usize) % 3],
-        Symbol::Of(Quantity::SinceReversal, letter) => share(letter as usize),
-        Symbol::Of(Quantity::Velocity | Quantity::Acceleration, letter) => 2.0 * share(letter as usize) - 1.0,
+        Symbol::Of(Quantity::Direction, letter) => [-1.0, 0.0, 1.0][(sample + letter.index()) % 3],
+        Symbol::Of(Quantity::SinceReversal, letter) => share(letter.index()),
+        Symbol::Of(Quantity::Velocity | Quantity::Acceleration, letter) => 2.0 * share(letter.index()) - 1.0,
         Symbol::Time => 3600.0 * share(6),
         Symbol::Temperature(_) => 4.0 * share(7) - 2.0,
     }

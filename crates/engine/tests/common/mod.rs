@@ -3,7 +3,7 @@
 
 use nalgebra::{Point3, Vector3};
 use std::path::PathBuf;
-use trunnion_core::AxisLetter::{A, B, C};
+use trunnion_core::axis::iso::{A, B, C};
 use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, NestSide, Point, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::{Machine, shipped};

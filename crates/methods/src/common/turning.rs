@@ -115,7 +115,7 @@ impl Turning {
 
     /// The letters of the rotations about u, v, w.
     pub fn rotations(&self) -> [AxisLetter; 3] {
-        self.frame.map(|letter| AxisLetter::ROTARY[letter as usize])
+        self.frame.map(|letter| AxisLetter::ROTARY[letter.index()])
     }
 
     /// True when a pass goes once around.

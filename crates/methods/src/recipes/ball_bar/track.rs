@@ -67,7 +67,7 @@ impl Axis {
 
     /// The letters of the rotations about u, v, w.
     pub fn rotations(self) -> [AxisLetter; 3] {
-        self.frame.map(|letter| AxisLetter::ROTARY[letter as usize])
+        self.frame.map(|letter| AxisLetter::ROTARY[letter.index()])
     }
 }
 
@@ -289,7 +289,7 @@ struct Placed<'a> {
 
 impl<'a> Placed<'a> {
     fn of(machine: &'a Machine, letter: AxisLetter) -> Option<Self> {
-        let along = letter as usize % 3;
+        let along = letter.index() % 3;
         let frame = [(along + 1) % 3, (along + 2) % 3, along].map(|k| AxisLetter::LINEAR[k]);
         let joint = machine.axis(letter)?;
         let (cosine, side) = (joint.direction[along], machine.side(letter)?);

@@ -128,7 +128,7 @@ fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, 
     let sense = [a, b].map(|letter| {
         let mean = points.iter().map(|p| p.state.position[letter]).sum::<f64>() / points.len() as f64;
         let together =
-            points.iter().zip(&bars).map(|(p, bar)| (p.state.position[letter] - mean) * bar[letter as usize]);
+            points.iter().zip(&bars).map(|(p, bar)| (p.state.position[letter] - mean) * bar[letter.index()]);
         together.sum::<f64>().signum()
     });
     let samples = (0..points.len()).map(|i| {

@@ -97,7 +97,7 @@ fn constant(name: &str) -> Option<(AxisLetter, Twist)> {
     let letters: Vec<char> = name.chars().collect();
     let &['E', direction, '0', axis] = &letters[..] else { return None };
     let direction = AxisLetter::parse(&direction.to_string())?;
-    let unit = Vector3::ith(direction as usize % 3, 1.0);
+    let unit = Vector3::ith(direction.index() % 3, 1.0);
     let twist = if direction.is_rotary() { Twist::rotation(unit) } else { Twist::translation(unit) };
     Some((AxisLetter::parse(&axis.to_string())?, twist))
 }

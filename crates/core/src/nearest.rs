@@ -2,7 +2,7 @@
 
 /// The candidate that differs least, when that is little enough to be a slip: capitals and underscores, one letter in
 /// three, or a longer or shorter form (sinus for sin).
-pub(super) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |text: &str| text.to_lowercase().replace('_', "");
     let far = |candidate: &str| {
         let (a, b) = (plain(name), plain(candidate));
@@ -14,7 +14,7 @@ pub(super) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
 }
 
 /// Letters to change, leave out, put in, or swap with a neighbour.
-pub(super) fn distance(a: &str, b: &str) -> usize {
+pub fn distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
     for i in 1..=a.len() {
