@@ -7,7 +7,7 @@
 
 use std::fmt;
 use std::ops::{Index, IndexMut};
-use std::sync::{Mutex, PoisonError};
+use std::sync::OnceLock;
 
 /// Places for the joints of one machine: X Y Z A B C U V W, and four more for rotary joints.
 pub const SLOTS: usize = 13;
@@ -37,8 +37,8 @@ const RESERVED: [&str; 15] = [
     "direction",
 ];
 
-/// Names other than letters, as written and in lower case; only ever added to.
-static NAMES: Mutex<Vec<[&'static str; 2]>> = Mutex::new(Vec::new());
+/// Names other than letters, as written and in lower case; filled from the front and never changed.
+static NAMES: [OnceLock<[&'static str; 2]>; MOST_NAMES] = [const { OnceLock::new() }; MOST_NAMES];
 
 /// The name of a joint (of a machine axis) with its place.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -183,7 +183,7 @@ impl AxisLetter {
         let k = usize::from(self.name);
         match LETTERS.get(k) {
             Some(names) => *names,
-            None => NAMES.lock().unwrap_or_else(PoisonError::into_inner)[k - LETTERS.len()],
+            None => NAMES[k - LETTERS.len()].get().copied().unwrap_or_default(),
         }
     }
 
@@ -210,18 +210,12 @@ fn interned(name: &str) -> Result<u8, JointError> {
     if !word || name.len() > LONGEST_NAME || RESERVED.contains(&name.to_ascii_lowercase().as_str()) {
         return Err(JointError::Name(name.into()));
     }
-    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = names.iter().position(|[written, _]| *written == name);
-    if known.is_none() && names.len() >= MOST_NAMES {
-        return Err(JointError::TooManyNames);
-    }
-    let at = known.unwrap_or_else(|| {
-        // Kept for the life of the process, at most `MOST_NAMES` of them.
-        let written: &'static str = Box::leak(name.into());
-        let lower: &'static str = Box::leak(name.to_ascii_lowercase().into());
-        names.push([written, lower]);
-        names.len() - 1
-    });
+    // Kept for the life of the process, at most `MOST_NAMES` of them.
+    let kept = || -> [&'static str; 2] {
+        [Box::leak(name.into()), Box::leak(name.to_ascii_lowercase().into())]
+    };
+    let known = NAMES.iter().position(|names| names.get_or_init(kept)[0] == name);
+    let at = known.ok_or(JointError::TooManyNames)?;
     u8::try_from(LETTERS.len() + at).map_err(|_| JointError::TooManyNames)
 }
 
@@ -264,6 +258,11 @@ impl<T> AxisValues<T> {
     /// The value of each slot.
     pub fn from_fn(value: impl FnMut(Slot) -> T) -> Self {
         Self(Slot::ALL.map(value))
+    }
+
+    /// Slots and values.
+    pub fn iter(&self) -> impl Iterator<Item = (Slot, &T)> {
+        Slot::ALL.into_iter().zip(&self.0)
     }
 
     /// The value of each joint in `joints`, the default elsewhere.

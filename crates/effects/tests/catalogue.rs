@@ -34,9 +34,9 @@ fn rich_states(machine: &Machine) -> Vec<State> {
             let way = if i % 2 == 0 { 1.0 } else { -1.0 };
             let moving = f64::from(u8::from(i % 3 != 0));
             State {
-                position: AxisValues::from_fn(
-                    |l| if l.is_rotary() { place(i.min(60), l) } else { place(i, l) },
-                ),
+                position: AxisValues::of(machine.joints(), |l| {
+                    if l.is_rotary() { place(i.min(60), l) } else { place(i, l) }
+                }),
                 direction: AxisValues::from_fn(|l| if (l.index()).is_multiple_of(2) { way } else { -way }),
                 velocity: AxisValues::from_fn(|l| moving * way * (l.index() + 1) as f64 * 0.1),
                 acceleration: AxisValues::from_fn(|l| moving * (i as f64 * 0.7 + l.index() as f64).sin()),

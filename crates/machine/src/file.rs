@@ -104,7 +104,8 @@ fn joints(
 
 /// Two joints of which one name is a prefix of expressions (v, a, dir, since) and the other.
 fn alike(joints: &[AxisLetter]) -> Option<(AxisLetter, AxisLetter)> {
-    let pairs = joints.iter().flat_map(|&a| joints.iter().map(move |&b| (a, b)));
+    let letters = AxisLetter::ISO;
+    let pairs = letters.iter().chain(joints).flat_map(|&a| joints.iter().map(move |&b| (a, b)));
     pairs.into_iter().find(|(a, b)| QUANTITY_PREFIXES.iter().any(|prefix| format!("{prefix}{}", a.as_str()) == b.as_str()))
 }
 

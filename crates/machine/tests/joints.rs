@@ -92,6 +92,8 @@ fn names_that_mean_something_else_are_refused() {
     assert!(text.contains("\"pi\" is not a name for a joint"), "{text}");
     let text = problems(&ROBOT.replace("j6", "vj1"));
     assert!(text.contains("vj1 is also a quantity of j1"), "{text}");
+    let text = problems(&ROBOT.replace("j6", "dirB"));
+    assert!(text.contains("dirB is also a quantity of B"), "{text}");
     let text = problems(&ROBOT.replace("\"j6\"]", "\"J5\"]"));
     assert!(text.contains("names J5 twice"), "{text}");
 }

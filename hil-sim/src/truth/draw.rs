@@ -50,10 +50,10 @@ impl LocationError {
 /// EX0B EZ0B EA0B EB0B EC0B EX0C EY0C EA0C.
 pub fn minimum_set(machine: &Machine) -> Vec<LocationError> {
     let mut set: Vec<LocationError> = Vec::new();
-    let mut carrier: Option<(AxisLetter, trunnion_machine::Side)> = None;
+    let mut carrier: Option<(AxisLetter, usize, trunnion_machine::Side)> = None;
     for axis in machine.rotary() {
         let side = machine.side(axis.letter);
-        let along = axis.letter.index() % 3;
+        let along = axis.direction.iamax();
         let across = (0..3).filter(|&k| k != along);
         set.extend(
             across.clone().map(|k| LocationError { axis: axis.letter, direction: AxisLetter::LINEAR[k] }),
@@ -61,13 +61,13 @@ pub fn minimum_set(machine: &Machine) -> Vec<LocationError> {
         for k in across {
             let tilt = LocationError { axis: axis.letter, direction: AxisLetter::ROTARY[k] };
             match carrier {
-                Some((carrier, of)) if Some(of) == side && carrier as usize % 3 == k => {
+                Some((carrier, about, of)) if Some(of) == side && about == k => {
                     set.push(LocationError { axis: carrier, direction: AxisLetter::ROTARY[k] });
                 }
                 _ => set.push(tilt),
             }
         }
-        carrier = side.map(|side| (axis.letter, side));
+        carrier = side.map(|side| (axis.letter, along, side));
     }
     set
 }

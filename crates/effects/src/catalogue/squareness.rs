@@ -50,7 +50,7 @@ fn subjects(machine: &Machine) -> Vec<Subject> {
 
 /// The coordinate direction about which the pair leans, by index.
 fn about(first: AxisLetter, second: AxisLetter) -> usize {
-    3 - first as usize - second as usize
+    3 - first.index() - second.index()
 }
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
