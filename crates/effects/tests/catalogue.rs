@@ -11,7 +11,12 @@ use trunnion_machine::{Machine, Site, shipped};
 const DIRECTORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/catalogue");
 
 fn machines() -> Vec<Machine> {
-    shipped::FILES.iter().map(|(name, _)| shipped::machine(name).expect("shipped")).collect()
+    let other = [
+        ("robot", include_str!("../../machine/tests/data/robot.toml")),
+        ("two-carriages", include_str!("../../machine/tests/data/two-carriages.toml")),
+    ]
+    .map(|(name, text)| Machine::parse(name, name, text).expect("a machine of other joints"));
+    shipped::FILES.iter().map(|(name, _)| shipped::machine(name).expect("shipped")).chain(other).collect()
 }
 
 /// States all over the travels of the machine, at rest and in motion, both ways, with time and a temperature.
