@@ -32,8 +32,8 @@ const LETTERS: [[&str; 2]; 9] = [
 ];
 
 /// What a joint cannot be called: names of expressions and of columns that mean something else.
-const RESERVED: [&str; 15] = [
-    "t", "pi", "sin", "cos", "tan", "abs", "sqrt", "exp", "ln", "min", "max", "sign", "setup", "target",
+const RESERVED: [&str; 16] = [
+    "t", "pi", "sin", "cos", "tan", "abs", "sqrt", "exp", "log", "min", "max", "sign", "step", "setup", "target",
     "direction",
 ];
 
