@@ -33,7 +33,21 @@ const LETTERS: [[&str; 2]; 9] = [
 
 /// What a joint cannot be called: names of expressions and of columns that mean something else.
 const RESERVED: [&str; 16] = [
-    "t", "pi", "sin", "cos", "tan", "abs", "sqrt", "exp", "log", "min", "max", "sign", "step", "setup", "target",
+    "t",
+    "pi",
+    "sin",
+    "cos",
+    "tan",
+    "abs",
+    "sqrt",
+    "exp",
+    "log",
+    "min",
+    "max",
+    "sign",
+    "step",
+    "setup",
+    "target",
     "direction",
 ];
 
@@ -150,8 +164,10 @@ impl AxisLetter {
     /// # Errors
     /// A name that a joint cannot have, or more joints of a kind than there are slots.
     pub fn chain(joints: &[(&str, bool)]) -> Result<Vec<Self>, JointError> {
-        let letters: Vec<Option<Self>> =
-            joints.iter().map(|(name, rotary)| Self::parse(name).filter(|l| l.is_rotary() == *rotary)).collect();
+        let letters: Vec<Option<Self>> = joints
+            .iter()
+            .map(|(name, rotary)| Self::parse(name).filter(|l| l.is_rotary() == *rotary))
+            .collect();
         let mut free: Vec<Slot> =
             Slot::ALL.into_iter().filter(|&slot| letters.iter().flatten().all(|l| l.slot != slot)).collect();
         let mut chain = Vec::new();
@@ -211,9 +227,8 @@ fn interned(name: &str) -> Result<u8, JointError> {
         return Err(JointError::Name(name.into()));
     }
     // Kept for the life of the process, at most `MOST_NAMES` of them.
-    let kept = || -> [&'static str; 2] {
-        [Box::leak(name.into()), Box::leak(name.to_ascii_lowercase().into())]
-    };
+    let kept =
+        || -> [&'static str; 2] { [Box::leak(name.into()), Box::leak(name.to_ascii_lowercase().into())] };
     let known = NAMES.iter().position(|names| names.get_or_init(kept)[0] == name);
     let at = known.ok_or(JointError::TooManyNames)?;
     u8::try_from(LETTERS.len() + at).map_err(|_| JointError::TooManyNames)
@@ -241,9 +256,15 @@ impl fmt::Display for JointError {
                 LONGEST_NAME - 1,
                 RESERVED.join(", ")
             ),
-            Self::TooMany { rotary: true } => write!(f, "a machine has at most {} rotary joints", of_kind(true)),
-            Self::TooMany { rotary: false } => write!(f, "a machine has at most {} linear joints", of_kind(false)),
-            Self::TooManyNames => write!(f, "machines read so far name {MOST_NAMES} joints, the most one process keeps"),
+            Self::TooMany { rotary: true } => {
+                write!(f, "a machine has at most {} rotary joints", of_kind(true))
+            }
+            Self::TooMany { rotary: false } => {
+                write!(f, "a machine has at most {} linear joints", of_kind(false))
+            }
+            Self::TooManyNames => {
+                write!(f, "machines read so far name {MOST_NAMES} joints, the most one process keeps")
+            }
         }
     }
 }
@@ -311,7 +332,8 @@ mod tests {
     #[test]
     fn letters_keep_their_slots_whatever_else_a_machine_has() {
         let chain =
-            AxisLetter::chain(&[("j1", true), ("x", false), ("B", true), ("S", true), ("track", false)]).unwrap();
+            AxisLetter::chain(&[("j1", true), ("x", false), ("B", true), ("S", true), ("track", false)])
+                .unwrap();
         assert_eq!((chain[1], chain[2]), (AxisLetter::X, AxisLetter::B));
         let slots: std::collections::HashSet<Slot> = chain.iter().map(|joint| joint.slot()).collect();
         assert_eq!(slots.len(), chain.len(), "{chain:?}");

@@ -107,8 +107,8 @@ impl Formula {
             Symbol::Time if !scene.has_time() => Some("needs time stamps, for t".into()),
             Symbol::Temperature(channel) if !scene.channels.iter().any(|c| c == channel) => {
                 let known = scene.channels.iter().map(String::as_str);
-                let meant = nearest(channel, known)
-                    .map_or(String::new(), |near| format!("; did you mean T_{near}?"));
+                let meant =
+                    nearest(channel, known).map_or(String::new(), |near| format!("; did you mean T_{near}?"));
                 let names: Vec<String> = scene.channels.iter().map(|c| format!("T_{c}")).collect();
                 let known = if names.is_empty() { "none".into() } else { names.join(" ") };
                 Some(format!(

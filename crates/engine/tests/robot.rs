@@ -13,8 +13,12 @@ use trunnion_instruments::predict;
 use trunnion_machine::{Errors, Machine};
 
 /// Where the stations stand, mm.
-const STATIONS_MM: [[f64; 3]; 4] =
-    [[-2500.0, -1500.0, 300.0], [2000.0, -1800.0, 1200.0], [300.0, 2400.0, -600.0], [-1800.0, 1900.0, 1700.0]];
+const STATIONS_MM: [[f64; 3]; 4] = [
+    [-2500.0, -1500.0, 300.0],
+    [2000.0, -1800.0, 1200.0],
+    [300.0, 2400.0, -600.0],
+    [-1800.0, 1900.0, 1700.0],
+];
 /// Reflectors on the flange, from its centre, mm: three places show how the flange turns.
 const REFLECTORS_MM: [[f64; 3]; 3] = [[80.0, -60.0, 0.0], [-70.0, -40.0, 60.0], [0.0, -90.0, -80.0]];
 const FLANGE_MM: [f64; 3] = [-817.25, -191.45, -5.491];
@@ -46,9 +50,8 @@ fn setups() -> Vec<Setup> {
 fn measured(machine: &Machine, errors: &Errors, noise_mm: f64) -> Run {
     let (mut places, mut noise) = (ChaCha8Rng::seed_from_u64(6), ChaCha8Rng::seed_from_u64(7));
     let setups = setups();
-    let poses: Vec<AxisValues<f64>> = (0..POSES)
-        .map(|_| AxisValues::of(machine.joints(), |_| places.random_range(-2.6..2.6)))
-        .collect();
+    let poses: Vec<AxisValues<f64>> =
+        (0..POSES).map(|_| AxisValues::of(machine.joints(), |_| places.random_range(-2.6..2.6))).collect();
     let mut points = Vec::new();
     for (k, setup) in setups.iter().enumerate() {
         for position in &poses {

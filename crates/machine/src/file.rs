@@ -106,7 +106,9 @@ fn joints(
 fn alike(joints: &[AxisLetter]) -> Option<(AxisLetter, AxisLetter)> {
     let letters = AxisLetter::ISO;
     let pairs = letters.iter().chain(joints).flat_map(|&a| joints.iter().map(move |&b| (a, b)));
-    pairs.into_iter().find(|(a, b)| QUANTITY_PREFIXES.iter().any(|prefix| format!("{prefix}{}", a.as_str()) == b.as_str()))
+    pairs
+        .into_iter()
+        .find(|(a, b)| QUANTITY_PREFIXES.iter().any(|prefix| format!("{prefix}{}", a.as_str()) == b.as_str()))
 }
 
 /// The table of a joint, or a problem with the nearest name of those there are.
@@ -126,7 +128,12 @@ fn axis(tables: &Table<'_>, letter: AxisLetter) -> Option<Axis> {
     let kind = table.one_of("kind", &["linear", "rotary"]);
     let rotary = letter.is_rotary();
     if kind.as_deref().is_some_and(|kind| (kind == "rotary") != rotary) {
-        table.problem("kind", "does not fit the letter", "linear for X, Y, Z, U, V, W; rotary for A, B, C", "");
+        table.problem(
+            "kind",
+            "does not fit the letter",
+            "linear for X, Y, Z, U, V, W; rotary for A, B, C",
+            "",
+        );
     }
     let direction = table.vector3("direction");
     if direction.is_some_and(|d| d.norm() < 1e-6) {

@@ -119,8 +119,12 @@ impl Machine {
         let joints = self.joints();
         let off = |joint: &AxisLetter| distance(&name.to_lowercase(), joint.lower());
         let least = joints.iter().map(off).min().unwrap_or_default();
-        let near: Vec<&str> =
-            joints.iter().filter(|joint| off(joint) == least).map(|joint| joint.as_str()).take(NEAR_SHOWN).collect();
+        let near: Vec<&str> = joints
+            .iter()
+            .filter(|joint| off(joint) == least)
+            .map(|joint| joint.as_str())
+            .take(NEAR_SHOWN)
+            .collect();
         let all: Vec<&str> = joints.iter().map(|joint| joint.as_str()).collect();
         let all = all.join(", ");
         if least <= name.len() / 2 { format!("{all}; nearest: {}", near.join(", ")) } else { all }

@@ -63,14 +63,10 @@ fn second_axes_and_a_spindle_are_joints() {
     let machine = parse(TWO_CARRIAGES);
     let spindle = machine.joint("spindle").unwrap();
     assert!(spindle.is_rotary());
-    assert_eq!(machine.linear_joints(), [
-        AxisLetter::X,
-        AxisLetter::Y,
-        AxisLetter::Z,
-        AxisLetter::U,
-        AxisLetter::V,
-        AxisLetter::W
-    ]);
+    assert_eq!(
+        machine.linear_joints(),
+        [AxisLetter::X, AxisLetter::Y, AxisLetter::Z, AxisLetter::U, AxisLetter::V, AxisLetter::W]
+    );
     let mut position = AxisValues::default();
     (position[AxisLetter::X], position[AxisLetter::U], position[spindle]) = (100.0, 7.0, 0.5);
     let tool = machine.machine_from_tool(&position, &JointErrors::default());
@@ -107,7 +103,9 @@ fn a_joint_that_nobody_has_is_answered_with_the_nearest() {
 #[test]
 fn eight_rotary_joints_are_one_too_many() {
     let extra = |name: &str| {
-        format!("\n[axis.{name}]\nkind = \"rotary\"\ndirection = [0, 0, 1]\nthrough_mm = [0, 0, 0]\nsense = 1\ntravel_deg = [-90, 90]\n")
+        format!(
+            "\n[axis.{name}]\nkind = \"rotary\"\ndirection = [0, 0, 1]\nthrough_mm = [0, 0, 0]\nsense = 1\ntravel_deg = [-90, 90]\n"
+        )
     };
     let seven = ROBOT.replace("\"j6\"]", "\"j6\", \"j7\"]") + &extra("j7");
     assert_eq!(parse(&seven).joints().len(), 7);

@@ -17,9 +17,7 @@ pub fn points_csv(run: &Run) -> String {
     let mut names = vec!["setup".to_string()];
     names.extend(targets.then(|| "target".into()));
     names.extend(run.has_time().then(|| "time_s".into()));
-    names.extend(
-        axes.iter().copied().map(position_column),
-    );
+    names.extend(axes.iter().copied().map(position_column));
     names.extend(rotary.iter().map(|letter| format!("direction_{}", letter.lower())));
     names.extend(columns.iter().map(|column| column.name().into()));
     names.extend(run.channels.iter().map(|channel| format!("{channel}_degc")));

@@ -146,10 +146,17 @@ fn read_header(
     let mut required = vec![Column::Setup];
     required.extend(joints.iter().copied().map(Column::Position));
     let readings = reading_columns(kinds.iter().copied());
-    if let Some(name) = readings.iter().map(|column| column.name()).find(|name| required.iter().any(|c| c.name() == *name))
+    if let Some(name) =
+        readings.iter().map(|column| column.name()).find(|name| required.iter().any(|c| c.name() == *name))
     {
         let found = format!("{name} is a reading of an instrument and the position of a joint");
-        notes.add(line, 1, &found, "a machine without a joint of that name", "Rename the joint in the machine file.");
+        notes.add(
+            line,
+            1,
+            &found,
+            "a machine without a joint of that name",
+            "Rename the joint in the machine file.",
+        );
     }
     required.extend(readings.into_iter().map(Column::Reading));
     if setups.is_none_or(|setups| setups.iter().any(|setup| setup.artefact.is_some())) {
@@ -164,7 +171,10 @@ fn read_header(
     for (at, cell) in cells(header) {
         let column = Column::parse(cell, &allowed);
         if column.is_none() && (machine.is_some() || !may_be_joint(cell)) {
-            let advice = match nearest(cell, allowed.iter().map(Column::name).collect::<Vec<_>>().iter().map(String::as_str)) {
+            let advice = match nearest(
+                cell,
+                allowed.iter().map(Column::name).collect::<Vec<_>>().iter().map(String::as_str),
+            ) {
                 _ if header.contains(';') => "Separate the columns by commas.".into(),
                 Some(near) => format!("Did you mean {near}?"),
                 None => String::new(),

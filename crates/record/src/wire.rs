@@ -491,3 +491,47 @@ fn from_places(list: &[f64]) -> Option<AxisValues<f64>> {
 fn three(list: &[f64]) -> Option<[f64; 3]> {
     <[f64; 3]>::try_from(list).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of recordings that knew six axes.
+    #[test]
+    fn a_point_of_six_axes_is_read() {
+        let six = |first: f64| vec![first, 0.0, 0.0, 0.0, 0.0, -0.0];
+        let message = pb::Point {
+            position_mm_rad: six(7.0),
+            direction: six(1.0),
+            velocity_per_s: six(0.0),
+            acceleration_per_s2: six(0.0),
+            since_reversal_mm_rad: six(3.0),
+            deflection_mm: vec![0.0; 3],
+            reading_mm: vec![0.0; 3],
+            spread_mm: vec![0.0; 3],
+            quality: "good".into(),
+            ..pb::Point::default()
+        };
+        let point = point_from(message.clone()).unwrap();
+        assert_eq!((point.state.position.0[0], point.state.since_reversal.0[0]), (7.0, 3.0));
+        assert_eq!(point.state.position.0[6..], [0.0; 7]);
+        for wrong in [5, 14] {
+            let wrong = pb::Point { direction: vec![0.0; wrong], ..message.clone() };
+            assert!(point_from(wrong).is_err());
+        }
+    }
+
+    #[test]
+    fn a_list_for_a_place_that_does_not_exist_is_refused() {
+        let batch = |place| pb::AxisBatch {
+            time_ns_delta: vec![0],
+            arrival_ns_delta: vec![0],
+            more: vec![pb::JointBatch { place, position_mm_rad: vec![0.25] }],
+            ..pb::AxisBatch::default()
+        };
+        assert_eq!(axes_from(batch(12)).unwrap()[0].position.0[12], 0.25);
+        for place in [5, 13] {
+            assert!(axes_from(batch(place)).is_err());
+        }
+    }
+}

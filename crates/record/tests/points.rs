@@ -155,13 +155,17 @@ fn second_linear_axes_and_a_spindle_are_columns() {
 fn a_column_of_no_joint_is_refused_with_the_nearest() {
     let points = ROBOT_POINTS.replace("direction_j1", "direction_j7");
     let shown = import_of(ROBOT, &points, ROBOT_SETUP).unwrap_err().to_string();
-    assert!(shown.contains("column \"direction_j7\"") && shown.contains("Did you mean direction_j1?"), "{shown}");
+    assert!(
+        shown.contains("column \"direction_j7\"") && shown.contains("Did you mean direction_j1?"),
+        "{shown}"
+    );
 }
 
 /// `j1_deg` is a reading of a passive arm unless the machine has a joint of that name.
 #[test]
 fn a_passive_arm_on_a_machine_with_joints_of_its_names_is_refused() {
-    let setup = ROBOT_SETUP.replace("tracker", "passive-arm").replace("bar_length_mm = 0", "arms_mm = [200, 200]");
+    let setup =
+        ROBOT_SETUP.replace("tracker", "passive-arm").replace("bar_length_mm = 0", "arms_mm = [200, 200]");
     let shown = import_of(ROBOT, ROBOT_POINTS, &setup).unwrap_err().to_string();
     assert!(shown.contains("j1_deg is a reading of an instrument and the position of a joint"), "{shown}");
 }

@@ -27,8 +27,8 @@ use cell::Cell;
 use mishaps::Hampel;
 use pass::{PassKey, PassSums};
 use std::collections::HashMap;
-use trunnion_core::convert::um_from_mm;
 use trunnion_core::axis::SLOTS;
+use trunnion_core::convert::um_from_mm;
 use trunnion_core::{AxisValues, Point, Quality, Slot, State};
 
 pub use pass::{Band, PassSummary};

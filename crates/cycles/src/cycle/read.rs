@@ -233,7 +233,8 @@ fn read_axis(table: &Table<'_>, key: &str, allowed: &[AxisLetter]) -> Option<Axi
     let letter = allowed.iter().copied().find(|letter| letter.as_str() == name);
     if letter.is_none() {
         let allowed: Vec<&str> = allowed.iter().map(|letter| letter.as_str()).collect();
-        let advice = "Cycles and NC programs move no other joint; import what was measured with one as points.";
+        let advice =
+            "Cycles and NC programs move no other joint; import what was measured with one as points.";
         table.problem(key, format!("= \"{name}\""), allowed.join(", "), advice);
     }
     letter

@@ -45,8 +45,12 @@ fn a_cycle_refuses_joints_it_cannot_move() {
     let robot = Machine::parse("robot", "robot.toml", robot).unwrap();
     let cycle = Cycle::parse("s1.toml", STATIC).unwrap();
     let visits = cycle.visits(&robot, &Pace::default()).unwrap_err().to_string();
-    assert!(visits.contains("which machine robot does not have; its axes: j1, j2, j3, j4, j5, j6"), "{visits}");
-    let program = crate::Program::of_cycle(&cycle, &robot, &CourseRules::default()).unwrap_err().to_string();
+    assert!(
+        visits.contains("which machine robot does not have; its axes: j1, j2, j3, j4, j5, j6"),
+        "{visits}"
+    );
+    let program =
+        crate::nc::Program::of_cycle(&cycle, &robot, &CourseRules::default()).unwrap_err().to_string();
     assert_eq!(program, visits);
 }
 

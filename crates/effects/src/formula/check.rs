@@ -39,8 +39,10 @@ pub(super) fn parameters(expression: &Expression, machine: &Machine) -> Result<V
 /// What a name that is no symbol was probably meant to be; `None` for a parameter.
 fn slip(name: &str, letters: &[AxisLetter]) -> Option<String> {
     let rename = "Give the parameter another name if it is one.";
-    let unit =
-        |suffix: &str| name.strip_suffix(suffix).and_then(|name| letters.iter().find(|l| l.lower().eq_ignore_ascii_case(name)));
+    let unit = |suffix: &str| {
+        name.strip_suffix(suffix)
+            .and_then(|name| letters.iter().find(|l| l.lower().eq_ignore_ascii_case(name)))
+    };
     if let Some(letter) = unit("_deg") {
         return Some(format!("{letter} is in rad; in degrees it is {letter}*180/pi. {rename}"));
     }

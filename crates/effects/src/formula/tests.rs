@@ -61,8 +61,7 @@ fn joints_of_other_names_are_symbols_of_their_machine() {
     let robot = include_str!("../../../machine/tests/data/robot.toml");
     let robot = Machine::parse("robot", "robot.toml", robot).unwrap();
     let sag = entry("axis:j2", "dz", "a*cos(j2) + b*sin(j2 + j3) + c*dirj6 + d*U");
-    let formula =
-        Formula::from_model_effect(&ModelEffect { shape: vec![1.0], ..sag.clone() }, &robot);
+    let formula = Formula::from_model_effect(&ModelEffect { shape: vec![1.0], ..sag.clone() }, &robot);
     // U is an axis of other machines: a parameter here, which is multiplied by another.
     let formula = formula.unwrap();
     assert_eq!((formula.linear.join(" "), formula.nonlinear.join(" ")), ("a b c d".into(), "U".to_string()));

@@ -44,7 +44,9 @@ impl Items {
             };
         }
         if axes.0.iter().all(Option::is_none) {
-            return Err("actual positions of axes named X, Y, Z, A, B, C, U, V or W (or name them in `axes`)".into());
+            return Err(
+                "actual positions of axes named X, Y, Z, A, B, C, U, V or W (or name them in `axes`)".into(),
+            );
         }
         let signal = match signal {
             Some(name) => Some(by_name(name).ok_or(format!("a data item {name} for the signal"))?.id.clone()),
