@@ -11,7 +11,7 @@ pub mod convert;
 pub mod direction;
 pub mod input;
 mod kind;
-pub mod nearest;
+pub mod names;
 mod point;
 pub mod problem;
 pub mod reading;

@@ -1,5 +1,5 @@
 //! Formula effects, `formula:NAME`: an expression over the state with named parameters, written in a model file
-//! or found by a diagnosis (DESIGN §3.4).
+//! or found by a diagnosis (docs/design/contracts.md §4).
 //!
 //! Symbols, inside units: `A B C` rad, `X Y Z` mm, other joints of the machine by name (`j1`, `vj1`), `vB` and `aB` velocity and acceleration (per s, per s²), `dirB` −1, 0, 1,
 //! `sinceB` travel since B last turned round, `t` s since the first point, `T_NAME` change of temperature channel NAME since
@@ -19,7 +19,6 @@ pub use expression::{Expression, Function, Node, Operator};
 use crate::{Emit, ModelEffect, Parameter, Scene, Shapes, Unit};
 use nalgebra::Vector3;
 use symbol::{Symbol, symbol};
-use trunnion_core::nearest::nearest;
 use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::{Machine, Site};
 
@@ -67,7 +66,20 @@ const COMPONENTS: [(&str, Component); 6] = [
 /// Most points of the product grid of all shape numbers.
 const MOST_GRID_POINTS: usize = 10_000;
 
+/// First part of the id of a formula.
+const OWN: &str = "formula:";
+
 impl Formula {
+    /// The id of a formula, `formula:NAME`.
+    pub fn id_of(name: &str) -> String {
+        format!("{OWN}{name}")
+    }
+
+    /// The name in the id of a formula; `None` for the id of a catalogue effect.
+    pub fn name_of(id: &str) -> Option<&str> {
+        id.strip_prefix(OWN)
+    }
+
     /// Reads the formula of a model entry.
     ///
     /// # Errors
@@ -76,7 +88,7 @@ impl Formula {
         let required = |key: &'static str, text: &Option<String>, allowed: &str| {
             text.clone().ok_or_else(|| wrong(key, "missing", allowed))
         };
-        let name = entry.id.strip_prefix("formula:").unwrap_or_default().to_string();
+        let name = Self::name_of(&entry.id).unwrap_or_default().to_string();
         if name.is_empty() {
             return Err(wrong("id", &format!("\"{}\"", entry.id), "formula:NAME"));
         }
@@ -107,8 +119,8 @@ impl Formula {
             Symbol::Time if !scene.has_time() => Some("needs time stamps, for t".into()),
             Symbol::Temperature(channel) if !scene.channels.iter().any(|c| c == channel) => {
                 let known = scene.channels.iter().map(String::as_str);
-                let meant =
-                    nearest(channel, known).map_or(String::new(), |near| format!("; did you mean T_{near}?"));
+                let meant = trunnion_core::names::nearest(channel, known)
+                    .map_or(String::new(), |near| format!("; did you mean T_{near}?"));
                 let names: Vec<String> = scene.channels.iter().map(|c| format!("T_{c}")).collect();
                 let known = if names.is_empty() { "none".into() } else { names.join(" ") };
                 Some(format!(

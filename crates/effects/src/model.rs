@@ -1,4 +1,4 @@
-//! The model: the effects in the order they were added. File format `trunnion-model/1` (DESIGN §3.4).
+//! The model: the effects in the order they were added. File format `trunnion-model/1` (docs/design/contracts.md §4).
 //!
 //! ```toml
 //! format = "trunnion-model/1"
@@ -29,6 +29,7 @@
 //! grid = { start = [0.2, 0.4, 0.6] }
 //! ```
 
+use crate::Formula;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table as Written, Value, value};
 use trunnion_core::input::{Document, Table};
 use trunnion_core::{Problem, Problems};
@@ -223,7 +224,7 @@ fn read(document: &Document<'_>) -> Option<Model> {
 
 fn read_effect(table: &Table<'_>) -> Option<ModelEffect> {
     let id = table.string("id");
-    let is_formula = id.as_deref().is_some_and(|id| id.starts_with("formula:"));
+    let is_formula = id.as_deref().and_then(Formula::name_of).is_some();
     let texts = ["site", "component", "expression"].map(|key| {
         if is_formula {
             return table.string(key);

@@ -1,6 +1,6 @@
 //! Evidence of one group of columns against nothing, averaged over the noise bank.
 //!
-//! ln BF = ½(ν − k) ln(1 + g) − ½ ν ln(1 + g(1 − R²))                                            [DIAGNOSIS §2]
+//! ln BF = ½(ν − k) ln(1 + g) − ½ ν ln(1 + g(1 − R²))                                            [docs/design/statistics.md §2]
 //!
 //! R²: share of the whitened, projected residual that the k surviving columns explain. Everything that is already in the
 //! model is projected out first, so that what the model can imitate scores nothing. g: information of one unit in what survives,

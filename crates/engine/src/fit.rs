@@ -30,11 +30,9 @@ use crate::solve::null_space::describe;
 use crate::{Experiment, HoldoutWanted, IdentifyError, Outliers, Uncertainties};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::convert;
-use trunnion_effects::{Model, Parameter};
+use trunnion_effects::{Model, Parameter, Role};
 use trunnion_machine::Axis;
 
-/// Effects that say nothing of the machine.
-const OF_THE_INSTRUMENT: [&str; 2] = ["ball-setting", "artefact-form"];
 /// Rounds of setting points aside.
 const MOST_ROUNDS: usize = 6;
 /// Rounds of weighing.
@@ -108,7 +106,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
     let names = names(joint);
     let without_number: Vec<usize> = (0..joint.width())
         .filter(|&j| fit.gauge.status[j] == Status::Unobservable)
-        .filter(|&j| !OF_THE_INSTRUMENT.contains(&joint.effects[joint.effect_of[j]].id.as_str()))
+        .filter(|&j| joint.effects[joint.effect_of[j]].instance.role() != Role::Setting)
         .collect();
     let seen_together =
         seen_together(&fit.gauge.directions, &without_number, &names, &fit.solution, &covariance);

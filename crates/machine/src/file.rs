@@ -1,11 +1,11 @@
-//! The machine file, `format = "trunnion-machine/1"` (DESIGN §3.3).
+//! The machine file, `format = "trunnion-machine/1"` (docs/design/contracts.md §3).
 
 mod legs;
 
 use crate::{Axis, AxisFacts, Machine};
 use nalgebra::{Point3, Unit, Vector3};
 use trunnion_core::input::{Document, Table};
-use trunnion_core::nearest::nearest;
+use trunnion_core::names::nearest;
 use trunnion_core::{AxisLetter, Problems, convert};
 
 /// What stands before the name of a joint in an expression for its velocity, acceleration, direction and travel since it

@@ -1,7 +1,7 @@
 //! Machines: a chain of joints from the table down to the bed and from the bed up to the tool; three of the tool's may be legs
 //! in parallel ([`tripod`], S3).
 //!
-//! Every joint carries an error twist before its motion, `T_k = D(errors)·Motion(q)` (METHODS §2,
+//! Every joint carries an error twist before its motion, `T_k = D(errors)·Motion(q)` (docs/design/physics.md §2,
 //! S1 eq. 6–7). [`kinematics`] multiplies the transforms exactly; [`propagation`] gives the same to
 //! first order, which is what the columns of a fit are made of.
 
@@ -19,10 +19,9 @@ pub use site::{Errors, MOST_INNER, Site};
 pub use tripod::{Leg, Tripod};
 
 use nalgebra::{Point3, Unit, Vector3};
-use trunnion_core::nearest::distance;
-use trunnion_core::{AxisLetter, Twist};
+use trunnion_core::{AxisLetter, Twist, names};
 
-/// A machine as its file describes it (DESIGN §3.3).
+/// A machine as its file describes it (docs/design/contracts.md §3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
     /// Name of the file without its ending, e.g. `table-bc`.
@@ -65,9 +64,6 @@ pub struct AxisFacts {
     /// Largest feed, mm/s or rad/s.
     pub feed_limit: Option<f64>,
 }
-
-/// Names shown as the nearest to one that no joint has.
-const NEAR_SHOWN: usize = 3;
 
 /// Which branch of the chain an axis belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,20 +110,9 @@ impl Machine {
         self.axes().map(|axis| axis.letter).find(|joint| joint.as_str().eq_ignore_ascii_case(name))
     }
 
-    /// What to say of a `name` that no joint has: the joints there are, and the nearest ones first.
+    /// What may stand in place of a `name` that no joint has.
     pub fn joints_near(&self, name: &str) -> String {
-        let joints = self.joints();
-        let off = |joint: &AxisLetter| distance(&name.to_lowercase(), joint.lower());
-        let least = joints.iter().map(off).min().unwrap_or_default();
-        let near: Vec<&str> = joints
-            .iter()
-            .filter(|joint| off(joint) == least)
-            .map(|joint| joint.as_str())
-            .take(NEAR_SHOWN)
-            .collect();
-        let all: Vec<&str> = joints.iter().map(|joint| joint.as_str()).collect();
-        let all = all.join(", ");
-        if least <= name.len() / 2 { format!("{all}; nearest: {}", near.join(", ")) } else { all }
+        names::allowed(name, self.joints().iter().map(|joint| joint.as_str()))
     }
 
     /// The axis with this letter.

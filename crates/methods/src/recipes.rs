@@ -1,6 +1,6 @@
 //! Named methods: closed recipes of the literature, one file each, one line in [`REGISTRY`].
 //!
-//! A method takes runs and returns [`Findings`]; it does what its source does, with the source's slips mended (METHODS §8),
+//! A method takes runs and returns [`Findings`]; it does what its source does, with the source's slips mended (docs/design/physics.md §8),
 //! so that its figures can be compared with the source and with the joint fit. A test walks the directory and the list.
 
 mod ball_bar;
@@ -10,7 +10,7 @@ mod rotary_values;
 mod two_height;
 
 use crate::Findings;
-use trunnion_core::AxisLetter;
+use trunnion_core::{AxisLetter, names};
 use trunnion_cycles::Run;
 use trunnion_engine::{ExperimentError, IdentifyError};
 
@@ -49,7 +49,7 @@ pub struct MethodOptions {
 /// Signs of the values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Convention {
-    /// Actual minus nominal, rotations right-handed (METHODS §1).
+    /// Actual minus nominal, rotations right-handed (docs/design/physics.md §1).
     #[default]
     RightHanded,
     /// As the source of the method prints them.
@@ -105,7 +105,7 @@ pub enum MethodError {
 pub fn find(name: &str) -> Result<&'static Method, MethodError> {
     REGISTRY.into_iter().find(|method| method.name == name).ok_or_else(|| MethodError::Unknown {
         name: name.into(),
-        allowed: REGISTRY.map(|method| method.name).join(", "),
+        allowed: names::allowed(name, REGISTRY.map(|method| method.name)),
     })
 }
 

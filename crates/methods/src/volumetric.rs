@@ -1,6 +1,6 @@
 //! Volumetric accuracy: what a fitted model says of tool against table all over a volume.
 //!
-//! e(q) = R_t⁻¹ (Σ_tool d(p) − Σ_table d(p)),  d(p) = R δ + (R ω) × (p − o) at every joint      [S2 eq. 1–4; METHODS §2]
+//! e(q) = R_t⁻¹ (Σ_tool d(p) − Σ_table d(p)),  d(p) = R δ + (R ω) × (p − o) at every joint      [S2 eq. 1–4; docs/design/physics.md §2.1, §2.4]
 //! p tool point in machine axes, R_t nominal rotation of the table: deviation of tool against table, actual − nominal, in the axes
 //! of the table (at zero of the rotary axes those of the machine); orientation likewise from ω. e is linear in the parameters,
 //! e = J x, so that u²(e) = J Σ Jᵀ.

@@ -1,4 +1,4 @@
-//! Import of static points measured elsewhere: `points.csv` and `setup.toml` (DESIGN §3.2).
+//! Import of static points measured elsewhere: `points.csv` and `setup.toml` (docs/design/contracts.md §2).
 //!
 //! Columns in any order, units in their names. Every problem of the file is reported at once, with line,
 //! column, what was found and what is allowed.
@@ -6,7 +6,7 @@
 use crate::export::{position_column, reading_columns};
 use std::collections::HashSet;
 use trunnion_core::direction::fill_directions;
-use trunnion_core::nearest::nearest;
+use trunnion_core::names::nearest;
 use trunnion_core::setup::parse_setup_file;
 use trunnion_core::{
     AxisLetter, InstrumentKind, Point, Problem, Problems, Quality, ReadingColumn, Setup, State, convert,

@@ -24,8 +24,6 @@ use trunnion_engine::{Candidate, Diagnosis, FormulaProposal};
 
 /// Longest bar, characters.
 const BAR: f64 = 30.0;
-/// Widest paragraph, characters.
-const LINE: usize = 100;
 
 /// Fit, parameters with uncertainty, and what cannot be told apart.
 pub fn identification_text(view: &IdentificationView) -> String {
@@ -254,21 +252,12 @@ fn bar(value: f64, largest: f64) -> String {
     if share.is_finite() { "#".repeat((share * BAR).round().clamp(0.0, BAR) as usize) } else { String::new() }
 }
 
-/// Indented lines of at most [`LINE`] characters.
+/// One indented line; the terminal wraps it.
 fn paragraph(text: &str) -> String {
-    let mut out = String::new();
-    let mut line = String::new();
-    for word in clean(text).split_whitespace() {
-        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > LINE - 2 {
-            out += &format!("  {line}\n");
-            line.clear();
-        }
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        line += word;
+    match clean(text).split_whitespace().collect::<Vec<_>>().join(" ") {
+        line if line.is_empty() => line,
+        line => format!("  {line}\n"),
     }
-    if line.is_empty() { out } else { out + &format!("  {line}\n") }
 }
 
 /// Columns two blanks apart; those in `right` are aligned right.

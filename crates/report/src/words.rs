@@ -2,7 +2,7 @@
 
 use crate::number::{degrees, percent, plain, um, um_or_dash, unit_on_screen};
 use crate::{CompareInput, ParameterRow, Trial};
-use trunnion_effects::catalogue::REGISTRY;
+use trunnion_effects::catalogue::effect;
 use trunnion_effects::{About, Moved, SOURCES};
 use trunnion_engine::next_cycle::PlannedCycle;
 use trunnion_engine::{Candidate, Diagnosis, FormulaProposal, ShapeNumber, Verdict};
@@ -14,8 +14,7 @@ const LEVER_MM: f64 = 100.0;
 
 /// What the catalogue knows of an effect id; `None` for a formula or a foreign id.
 pub fn about(id: &str) -> Option<&'static About> {
-    let phenomenon = id.split(':').next()?;
-    REGISTRY.iter().find(|effect| effect.phenomenon == phenomenon).map(|effect| &effect.about)
+    effect(id).map(|effect| &effect.about)
 }
 
 /// `Title (id)`, or the id alone.
@@ -287,7 +286,7 @@ pub fn explanation(id: &str) -> Vec<(&'static str, String)> {
 
 /// The sources of an effect with their authors instead of the catalogue's numbers; empty where it has none of its own.
 pub fn sources(source: &str) -> String {
-    let public = source.split("; ").filter(|part| !part.starts_with("METHODS"));
+    let public = source.split("; ").filter(|part| !part.starts_with("docs/"));
     let named = |part: &str| {
         let known = SOURCES.iter().find_map(|(number, author)| Some((author, part.strip_prefix(number)?)));
         known.map_or(part.to_string(), |(author, rest)| format!("{author}{rest}"))

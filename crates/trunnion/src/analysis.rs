@@ -3,8 +3,8 @@
 //! The same path for a live run, a replay, an import and the demo. Pure: the caller writes the files.
 
 use trunnion_core::convert;
-use trunnion_effects::catalogue::BASE;
-use trunnion_effects::{LadderRow, Model, ModelEffect, Moved};
+use trunnion_effects::catalogue::{BASE, LOCATION_ERRORS};
+use trunnion_effects::{Formula, LadderRow, Model, ModelEffect, Moved};
 use trunnion_engine::{
     DiagnoseError, Diagnosis, Experiment, FittedParameter, Identification, IdentifyError, Verdict, next_cycle,
 };
@@ -279,7 +279,7 @@ fn moved(before: &Identification, after: &Identification) -> Vec<Moved> {
         if let (Some((before, after)), Some(u)) = (values, now.screen_u()) {
             let unit = now.unit.symbol.into();
             let one = Moved { name: now.name.clone(), before, after, u, unit };
-            moved.push((now.effect == BASE[0], one));
+            moved.push((now.effect == LOCATION_ERRORS, one));
         }
     }
     moved.sort_by(|a, b| b.1.in_u().total_cmp(&a.1.in_u()));
@@ -299,7 +299,7 @@ pub fn entries(
     id: &str,
     told: &FormulaText,
 ) -> Result<Vec<ModelEffect>, AnalysisError> {
-    let Some(name) = id.strip_prefix("formula:") else {
+    let Some(name) = Formula::name_of(id) else {
         if *told != FormulaText::default() {
             return Err(AnalysisError::NoFormula { id: id.into() });
         }
@@ -332,7 +332,7 @@ pub fn entries(
         }]),
         other => Err(AnalysisError::NoSuchFormula {
             id: id.into(),
-            proposed: other.map_or("none now".into(), |formula| format!("formula:{}", formula.name)),
+            proposed: other.map_or("none now".into(), |formula| Formula::id_of(&formula.name)),
         }),
     }
 }

@@ -199,7 +199,7 @@ fn nest_motion(plan: &Plan, axis: AxisLetter, position: &AxisValues<f64>) -> Vec
 
 /// What the sweeps of an experiment tell of the delay between rotary and linear axes, and of the probes where their motion shows
 /// it; `None` at rest. With one feed, or in one direction, a delay looks like backlash or the phase of a once-per-turn error:
-/// then it is only said what is missing [METHODS §9].
+/// then it is only said what is missing [docs/design/physics.md §9.8].
 ///
 /// # Errors
 /// When the fit fails.

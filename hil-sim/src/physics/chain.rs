@@ -1,7 +1,7 @@
 //! Poses of table and tool with errors, by 4×4 matrices of this crate's own.
 //!
 //! `machine_from_tip = Π T_k`, `T_k = Trans(o)·Dx Dy Dz·Da Db Dc(δ, ω)·Trans(−o)·Motion(q)` from the bed
-//! outward [METHODS §2; S1 eq. 6–7], a platform of parallel legs before the joints in series; o a point of a rotary axis' line, or the travelling carriage of a linear one.
+//! outward [docs/design/physics.md §2.1; S1 eq. 6–7], a platform of parallel legs before the joints in series; o a point of a rotary axis' line, or the travelling carriage of a linear one.
 
 use super::legs;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};

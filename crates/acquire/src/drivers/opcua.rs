@@ -31,6 +31,9 @@ mod instants;
 mod nodes;
 #[cfg(feature = "opcua")]
 mod probe;
+#[cfg(not(feature = "opcua"))]
+#[path = "opcua/not_built.rs"]
+mod probe;
 #[cfg(feature = "opcua")]
 mod session;
 #[cfg(feature = "opcua")]
@@ -39,7 +42,7 @@ mod status;
 #[cfg(feature = "opcua")]
 use super::Session;
 use super::{Device, Driver};
-use crate::probe::Probe;
+use crate::probe::{Medium, Probe, Scheme};
 #[cfg(feature = "opcua")]
 use crate::supervisor::Link;
 use std::path::PathBuf;
@@ -56,13 +59,15 @@ pub const DRIVER: Driver = Driver {
     about: "controllers with an OPC UA server (SINUMERIK, OPC 40502, any nodes)",
     default_silence_ms: 2000.0,
     read,
-    probe: PROBE,
+    probe: Some(Probe {
+        medium: Medium::Network(Scheme { name: "opc.tcp", port: PORT }),
+        asks: "OPC UA: endpoints, CncAxisList below Objects, SINUMERIK's measPos1",
+        run: probe::run,
+    }),
 };
 
-#[cfg(feature = "opcua")]
-const PROBE: Option<Probe> = Some(probe::PROBE);
-#[cfg(not(feature = "opcua"))]
-const PROBE: Option<Probe> = None;
+/// Where such servers listen unless told otherwise.
+const PORT: u16 = 4840;
 
 /// Where positions and states are.
 #[derive(Debug, Clone)]
@@ -118,8 +123,7 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     #[cfg(not(feature = "opcua"))]
     {
         drop(device);
-        let advice = "Build with `cargo build --release --features opcua`.";
-        table.problem("driver", "= \"opcua\" is not part of this build", "the other drivers", advice);
+        table.problem("driver", "= \"opcua\" is not part of this build", "the other drivers", probe::REMEDY);
         None
     }
     #[cfg(feature = "opcua")]

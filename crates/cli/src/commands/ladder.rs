@@ -1,7 +1,7 @@
 //! `trunnion ladder`: the effects added so far, with the error after each.
 
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion_effects::LadderRow;
@@ -46,11 +46,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
                 serde_json::json!({ "effect": entry.id, "ladder": ladder })
             })
             .collect();
-        outcome::print_json(&serde_json::json!({ "format": "trunnion-ladder/1", "rows": rows }))?;
+        terminal::print_json(&serde_json::json!({ "format": "trunnion-ladder/1", "rows": rows }))?;
     } else {
-        outcome::print(&ladder_text(&ladder, None))?;
+        terminal::print(&ladder_text(&ladder, None))?;
         if let Some(path) = &args.html {
-            outcome::print(&format!("page: {}\n", path.display()))?;
+            terminal::print(&format!("page: {}\n", path.display()))?;
         }
     }
     Ok(Outcome::Done)

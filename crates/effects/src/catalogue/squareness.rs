@@ -3,7 +3,9 @@
 //! EC0Y (Y to X), EB0Z (Z to X), EA0Z (Z to Y): δ = angle × travel of the later axis        [S2 tables 2–5; S4 table 1]
 //! A machine without rotary axes carries them in `location-errors` already. Limits: constant over the run.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::axis::iso::{X, Y, Z};
 use trunnion_core::{AxisLetter, State, Twist};
@@ -11,6 +13,7 @@ use trunnion_machine::{Machine, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "squareness",
+    role: Role::Location,
     about: About {
         title: "Squareness of two linear axes",
         source: "S2 tables 2–5; S4 table 1",
@@ -33,6 +36,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("EC0Y", 40.0)],
         view: View::Circle(&[3000.0]),
+    },
+    golden: Golden {
+        source: "S2 eq. 1 (ex = −EC0Y · y)",
+        derivation: "50 µm/m over 200 mm of Y: 10 µm towards −X.",
+        id: "squareness:YX",
+        shape: &[],
+        values: &[("EC0Y", 50.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { position: &[("Y", 200.0)], read_um: Some([-10.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("Y", -200.0)], read_um: Some([10.0, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.05,
     },
 };
 

@@ -2,11 +2,10 @@
 
 use super::error::{FormulaError, Hundredths};
 use super::expression::{Expression, Function, Node, Operator};
-
 use super::symbol::{Quantity, Symbol, names, symbol};
 use std::f64::consts::TAU;
 use trunnion_core::AxisLetter;
-use trunnion_core::nearest::{distance, nearest};
+use trunnion_core::names::{distance, nearest};
 use trunnion_machine::Machine;
 
 /// Names shorter than this are anybody's parameters unless they differ from a symbol by an underscore.

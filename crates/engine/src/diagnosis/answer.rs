@@ -12,7 +12,7 @@ use crate::diagnosis::{Options, words};
 use crate::evidence::Score;
 use nalgebra::DMatrix;
 use std::f64::consts::LN_10;
-use trunnion_effects::{Model, ModelEffect, Unit};
+use trunnion_effects::{Formula, Model, ModelEffect, Unit};
 
 /// Rivals within this ln of the posterior odds are confused (a factor of 20).
 const CONFUSED_LN: f64 = 3.0;
@@ -252,7 +252,7 @@ impl Context<'_> {
         let shape: Vec<ShapeNumber> = family.numbers.iter().zip(&item.shape).map(number).collect();
         let lives = words::lives(&site, &components, &words::placed(&family.words, &shape));
         Some(FormulaProposal {
-            name: first.id.trim_start_matches("formula:").into(),
+            name: Formula::name_of(&first.id).unwrap_or(&first.id).into(),
             component: first.component.unwrap_or_default(),
             expression: first.expression.unwrap_or_default(),
             shape,

@@ -1,4 +1,4 @@
-//! The duel of the catalogue with the open grammar, each at its best shape (DIAGNOSIS §4).
+//! The duel of the catalogue with the open grammar, each at its best shape (docs/design/statistics.md §4.3).
 //!
 //! A phrase wins only when it leads clearly, when no named effect fits as well (the phrase is then a part of it at a lower price), and
 //! when no two named effects together do better.

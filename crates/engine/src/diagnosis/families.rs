@@ -1,4 +1,4 @@
-//! The factors of the open grammar: how a motion without a name may depend on angle, direction, place and time (DIAGNOSIS §4).
+//! The factors of the open grammar: how a motion without a name may depend on angle, direction, place and time (docs/design/statistics.md §4.3).
 //!
 //! A family is one expression with shape numbers (where, how wide, how fast). Only a coarse grid of them is scanned for every carrier;
 //! the shape numbers of what does well are then refined, and its kin (the same idea in another form, such as the soft form of a step)
@@ -12,7 +12,7 @@ use crate::Experiment;
 use crate::evidence::Natural;
 use crate::noise::machine_noise::Order;
 use trunnion_core::AxisLetter;
-use trunnion_effects::{Instance, ModelEffect};
+use trunnion_effects::{Formula, Instance, ModelEffect};
 
 /// One way to depend on the state.
 #[derive(Clone, Debug)]
@@ -171,7 +171,7 @@ fn family(draft: Draft, experiment: &Experiment) -> Option<Family> {
     };
     let expression = terms.map(term).collect::<Vec<_>>().join(" + ");
     let entry = ModelEffect {
-        id: "formula:factor".into(),
+        id: Formula::id_of("factor"),
         site: Some("spindle".into()),
         component: Some("dx".into()),
         expression: Some(expression.clone()),

@@ -11,25 +11,15 @@ use nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;
 use trunnion_cycles::RunKind;
 use trunnion_effects::catalogue::BASE;
-use trunnion_effects::{Instance, Model, Shapes};
+use trunnion_effects::{Instance, Model, Role, Shapes};
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
-
-/// What every rotary axis has a little of.
-const NATURAL: [&str; 3] = ["-error-motion:", "encoder-eccentricity:", "drive-pitch:"];
-
-/// What describes an axis by many numbers and names no cause: for a person to choose, never a candidate.
-const DESCRIPTIONS: [&str; 1] = ["component-errors:"];
 
 /// Second-order part of a prediction that counts, mm.
 const LEAST_BEND_MM: f64 = 0.05e-3;
 
 /// Share in the repeatable motions above which an effect looks like one of them.
 const ALIKE: f64 = 0.9;
-
-/// What takes a special circumstance, with its price, ln: a spindle stands still while a ball is measured, and grows only when it ran
-/// just before.
-const UNUSUAL_LN: [(&str, f64); 1] = [("spindle-growth", 3.0)];
 
 /// Everything a search needs.
 pub struct Problem<'a> {
@@ -66,8 +56,10 @@ impl<'a> Problem<'a> {
         let mut out_of_reach = Vec::new();
         let (mut instances, mut shapes, mut groups) = (Vec::new(), Vec::new(), Vec::new());
         for instance in Instance::all(experiment.machine()) {
-            let describes = DESCRIPTIONS.iter().any(|phenomenon| instance.id().starts_with(phenomenon));
-            if describes || in_model(&instance.id()) || without.contains(&instance.id()) {
+            if instance.role() == Role::Description
+                || in_model(&instance.id())
+                || without.contains(&instance.id())
+            {
                 continue;
             }
             let grid = instance.shapes(&experiment.scene);
@@ -80,16 +72,14 @@ impl<'a> Problem<'a> {
                 .iter()
                 .map(|shape| weighted(credible_columns(experiment, &instance, shape), &root))
                 .collect();
-            let natural = NATURAL.iter().any(|phenomenon| instance.id().contains(phenomenon));
-            let natural = if natural { Natural::Yes } else { Natural::No };
+            let natural = if instance.role() == Role::Natural { Natural::Yes } else { Natural::No };
             groups.push(Entry { parts, prior_ln: 0.0, natural });
             instances.push(instance);
             shapes.push(grid);
         }
         let prior = -(groups.len().max(1) as f64).ln();
         for (group, instance) in groups.iter_mut().zip(&instances) {
-            let unusual = UNUSUAL_LN.iter().find(|(id, _)| *id == instance.id());
-            group.prior_ln = prior - unusual.map_or(0.0, |(_, price_ln)| *price_ln);
+            group.prior_ln = prior - instance.role().price_ln();
         }
         let mut named = Library::new(experiment.rows(), groups);
         let order = Order::new(experiment).weighted(&root);

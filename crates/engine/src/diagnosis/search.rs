@@ -1,5 +1,5 @@
 //! Several missing effects at once: add the best, score again, try to swap each; at every step the open grammar duels with
-//! the catalogue (DIAGNOSIS §3, §4).
+//! the catalogue (docs/design/statistics.md §3, §4).
 
 use crate::diagnosis::contest::{odds_to_beat, winner};
 use crate::diagnosis::least_squares::Fit;

@@ -1,4 +1,4 @@
-//! The answer of a diagnosis and its JSON form (DESIGN §3.7).
+//! The answer of a diagnosis and its JSON form (docs/design/contracts.md §7).
 
 use crate::next_cycle::PlannedCycle;
 use serde_json::{Value, json};
@@ -87,7 +87,7 @@ pub struct CandidateParameter {
     pub unit: String,
 }
 
-/// An expression for structure that has no name, as a `formula:NAME` effect of a model file (DESIGN §3.4).
+/// An expression for structure that has no name, as a `formula:NAME` effect of a model file (docs/design/contracts.md §4).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormulaProposal {
     /// Name of the effect.
@@ -153,7 +153,7 @@ impl Verdict {
 }
 
 impl Diagnosis {
-    /// The JSON of DESIGN §3.7.
+    /// The JSON of docs/design/contracts.md §7.
     pub fn to_json(&self) -> Value {
         json!({
             "format": "trunnion-diagnosis/1",

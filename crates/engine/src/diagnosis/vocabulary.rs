@@ -1,4 +1,4 @@
-//! The open grammar on one experiment: families of factors at every carrier (DIAGNOSIS §4).
+//! The open grammar on one experiment: families of factors at every carrier (docs/design/statistics.md §4.3).
 //!
 //! A carrier is a unit displacement or rotation at a site; a saying multiplies one or more carriers of one site by the factors of a
 //! family at one shape.
@@ -11,7 +11,7 @@ use crate::noise::machine_noise::{Order, ground_joint, modulated, unit_columns};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use trunnion_core::AxisValues;
-use trunnion_effects::ModelEffect;
+use trunnion_effects::{Formula, ModelEffect};
 use trunnion_machine::Site;
 
 /// Names of the components in formulas.
@@ -178,7 +178,7 @@ impl Vocabulary {
             let site = site_text(*site);
             let component = COMPONENTS[*component];
             ModelEffect {
-                id: format!("formula:{}-{component}", site.replace(':', "-").to_lowercase()),
+                id: Formula::id_of(&format!("{}-{component}", site.replace(':', "-").to_lowercase())),
                 site: Some(site),
                 component: Some(component.into()),
                 expression: Some(family.expression.clone()),

@@ -1,4 +1,4 @@
-//! An identification for machines (JSON of DESIGN §3.6) and for people (a table).
+//! An identification for machines (JSON of docs/design/contracts.md §6) and for people (a table).
 
 use crate::fit::identification::{Identification, LeftOut, NoiseOrigin, NoisePart, Status};
 use serde_json::{Value, json};

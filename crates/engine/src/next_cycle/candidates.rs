@@ -1,7 +1,7 @@
 //! Cycles worth considering next, made from the machine and from what has been measured so far.
 //!
-//! One cycle for each thing that tells effects apart [METHODS §9, last paragraph; DIAGNOSIS "What the S1 grid cannot tell
-//! apart"]: both directions, finer and offset steps, another height and radius, interleaved heights, wait and repeat, and on
+//! One cycle for each thing that tells effects apart [docs/design/physics.md §9.18;
+//! docs/design/statistics.md §4.4]: both directions, finer and offset steps, another height and radius, interleaved heights, wait and repeat, and on
 //! the fly both directions at one, two and three feeds, tilted, twice round.
 
 use nalgebra::Vector3;

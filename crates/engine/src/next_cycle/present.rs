@@ -7,6 +7,7 @@ use crate::{Experiment, HoldoutWanted, Identification, identify};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::{Point, Quality, Setup, State};
 use trunnion_cycles::{Run, RunKind};
+use trunnion_effects::catalogue::LOCATION_ERRORS;
 use trunnion_effects::{Instance, Model};
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
@@ -107,10 +108,10 @@ impl Present {
     /// The location errors found so far: what the next readings will mostly be.
     fn errors_at(&self, state: &State) -> Errors {
         let mut errors = Errors::default();
-        let Some(part) = self.model.iter().find(|part| part.instance.id() == "location-errors") else {
+        let Some(part) = self.model.iter().find(|part| part.instance.id() == LOCATION_ERRORS) else {
             return errors;
         };
-        let of_effect = |k: &usize| self.fit.parameters[*k].effect == "location-errors";
+        let of_effect = |k: &usize| self.fit.parameters[*k].effect == LOCATION_ERRORS;
         let indices: Vec<usize> = (0..self.fit.parameters.len()).filter(of_effect).collect();
         part.instance.motions(&self.experiment.scene, &part.shape, state, &mut |j, site, twist| {
             if let Some(&k) = indices.get(j) {

@@ -12,7 +12,6 @@ use nalgebra::DMatrix;
 use serde_json::{Value, json};
 use trunnion_core::{AxisValues, Point, Quality, Setup, State};
 use trunnion_cycles::{Cycle, Run, RunKind};
-use trunnion_effects::catalogue::BASE;
 use trunnion_effects::{Instance, Model};
 use trunnion_machine::Machine;
 
@@ -67,10 +66,8 @@ pub fn preview(machine: &Machine, cycle: &Cycle, options: &Options) -> Result<Pr
     let states = thinned(visits.states, options.most_points);
     let experiment = imagined(machine, &cycle.setups, &states, cycle.run_kind())?;
     let scene = &experiment.scene;
-    let all: Vec<Instance> = Instance::all(machine)
-        .into_iter()
-        .filter(|instance| !BASE.contains(&instance.id().as_str()))
-        .collect();
+    let all: Vec<Instance> =
+        Instance::all(machine).into_iter().filter(|instance| !instance.is_base()).collect();
     let reachable = |i: &&Instance| !i.parameters(scene).is_empty() && !i.shapes(scene).grid.is_empty();
     let advice = |i: &Instance| i.about().map_or_else(String::new, |about| about.seen_by.to_string());
     let out_of_reach = all

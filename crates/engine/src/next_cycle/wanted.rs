@@ -1,7 +1,7 @@
 //! Which effects to tell apart: those a diagnosis confuses, or those the present cycle cannot see.
 
 use crate::{Diagnosis, FormulaProposal};
-use trunnion_effects::{Instance, ModelEffect, UnknownEffect};
+use trunnion_effects::{Formula, Instance, ModelEffect, UnknownEffect};
 use trunnion_machine::Machine;
 
 /// What a plan is for.
@@ -60,7 +60,7 @@ fn named(id: &str) -> ModelEffect {
 
 fn formula_entry(formula: &FormulaProposal) -> ModelEffect {
     ModelEffect {
-        id: format!("formula:{}", formula.name),
+        id: Formula::id_of(&formula.name),
         site: Some(formula.site.clone()),
         component: Some(formula.component.clone()),
         expression: Some(formula.expression.clone()),

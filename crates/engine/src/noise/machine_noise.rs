@@ -1,6 +1,6 @@
 //! Noise as real machines make it, and how to whiten it in one pass over time.
 //!
-//! Σ = σ² (I + a·K_pass + c·K_axis + w·K_drift)                                    [DIAGNOSIS §1]
+//! Σ = σ² (I + a·K_pass + c·K_axis + w·K_drift)                                    [docs/design/statistics.md §1.1, §1.2]
 //! - K_pass: the slow rotary axis is positioned anew with an angle of its own, constant until it moves again;
 //! - K_axis: the fast rotary axis scatters at every point;
 //! - K_drift: tool against table drifts in machine axes, Ornstein–Uhlenbeck with correlation time τ.

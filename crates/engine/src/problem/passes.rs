@@ -1,7 +1,7 @@
 //! How the points of an experiment group: passes (run × setup × directions × feed) and blocks of the slowest axis within them.
 //!
 //! Errors that stay alike within a pass or at one position of the slow axis make residuals depend on each other; these
-//! groups are what uncertainties and held-out proof count as independent (DIAGNOSIS §5).
+//! groups are what uncertainties and held-out proof count as independent (docs/design/statistics.md §5).
 
 use crate::Experiment;
 use std::collections::HashMap;

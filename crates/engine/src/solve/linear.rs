@@ -2,7 +2,7 @@
 //!
 //! min ‖A x − b‖.  Columns are scaled by powers of two to norms near one (exact), `A S = Q R`. Everything after that
 //! (rank, null space, subsets of columns, covariance) works on the small triangle R: `A_F = Q R_F` for any subset F of columns.
-//! Long designs are not held in memory: `G = S AᵀA S = V Λ Vᵀ` gives `R = Λ^½ Vᵀ` (NUMERICS "Solver"); the
+//! Long designs are not held in memory: `G = S AᵀA S = V Λ Vᵀ` gives `R = Λ^½ Vᵀ` (docs/design/numerics.md §1.2); the
 //! Gauss–Newton steps, which compute the residual anew from the data, are the refinement.
 //! Limits: the Gram form sees directions down to 3·10⁻⁷ of the largest singular value, the triangle down to 10⁻¹⁴.
 

@@ -68,7 +68,7 @@ proptest! {
     }
 }
 
-/// S1 eq. 8–9 with the mended sign (METHODS §4: the reading is minus the printed equations):
+/// S1 eq. 8–9 with the mended sign (docs/design/physics.md §4: the reading is minus the printed equations):
 /// change of the ball in table axes, for B errors (δ, α β γ) and C errors.
 #[test]
 fn the_reading_is_minus_equations_8_and_9_of_oyama() {

@@ -1,4 +1,4 @@
-//! docs/alignment.md.
+//! docs/measured/alignment.md.
 
 use crate::floor::Floor;
 use crate::promise;
@@ -24,7 +24,7 @@ fn introduction(seconds: f64) -> String {
     format!(
         "# Alignment in time\n\n\
          How far the time of a sample is from the truth, measured on the simulated devices through real ports and the real drivers:\n\
-         `cargo run --release -p trunnion-tests --bin alignment-trial -- --output docs/alignment.md` ({seconds:.0} s, all devices at once;\n\
+         `cargo run --release -p trunnion-tests --bin alignment-trial -- --output docs/measured/alignment.md` ({seconds:.0} s, all devices at once;\n\
          the figures are of the computer it ran on, written by that command). C turns at 3600°/min; at {RADIUS_MM} mm from it 1 µs is\n\
          {um_per_us:.3} µm of path. That is the cost where something is computed from axis positions and readings of different\n\
          instants. A reading of an R-test whose linear axes follow the ball costs only |de/dθ|·ω·δt, some hundred times less.\n\n\

@@ -1,4 +1,4 @@
-//! The tables of `docs/blind-trial.md`.
+//! The tables of `docs/measured/blind-trial.md`.
 
 use crate::Args;
 use crate::cases::{Group, SIZES, Visible};
@@ -117,7 +117,7 @@ fn introduction(args: &Args, visible: &Visible) -> String {
     if args.coverage_only {
         command.push_str(" --coverage-only");
     }
-    command.push_str(" --markdown docs/blind-trial.md");
+    command.push_str(" --markdown docs/measured/blind-trial.md");
     format!(
         "# Blind trial\n\n\
         The simulator hides physics in a five-axis machine and measures it with an R-test on the S1 grid: two heights, both \

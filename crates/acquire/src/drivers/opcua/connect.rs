@@ -1,6 +1,6 @@
 //! From a URL to a session: endpoint, security, user, and the words for what goes wrong.
 
-use super::{OpcUa, Password};
+use super::{OpcUa, PORT, Password};
 use crate::supervisor::{Link, SessionEnd};
 use crate::transport::tcp;
 use opcua::client::{Client, ClientBuilder, IdentityToken, Session};
@@ -14,8 +14,6 @@ use tokio::time::timeout;
 
 /// Finding endpoints, and opening a session, must not take longer.
 const LIMIT: Duration = Duration::from_secs(10);
-/// Port of OPC UA when the address names none.
-pub(super) const PORT: u16 = 4840;
 
 /// A session with the task that drives it; the task ends with it.
 pub(super) struct Connection {

@@ -1,7 +1,7 @@
 //! `trunnion devices --config`: the devices of a configuration, connected as the service connects them.
 
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::bail;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -73,9 +73,9 @@ pub async fn run(path: &Path, as_json: bool) -> anyhow::Result<Outcome> {
     }
     acquisition.stop().await;
     if as_json {
-        outcome::print_json(&to_json(&checked))?
+        terminal::print_json(&to_json(&checked))?
     } else {
-        outcome::print(&to_text(&checked))?
+        terminal::print(&to_text(&checked))?
     }
     let missing = checked.iter().filter(|device| !device.is_good()).count();
     if missing > 0 {

@@ -10,7 +10,7 @@ use super::grid::Grid;
 use nalgebra::{DMatrix, DVector, Vector3};
 use trunnion_core::{AxisLetter, Twist};
 use trunnion_effects::Unit;
-use trunnion_effects::catalogue::BASE;
+use trunnion_effects::catalogue::LOCATION_ERRORS;
 use trunnion_engine::solve::linear::least_squares;
 use trunnion_engine::{FittedParameter, Identification};
 use trunnion_machine::propagation::JointFrame;
@@ -43,7 +43,7 @@ impl Locations {
         let observable: Vec<(&FittedParameter, AxisLetter, Twist)> = joint
             .parameters
             .iter()
-            .filter(|p| p.effect == BASE[0] && p.observable())
+            .filter(|p| p.effect == LOCATION_ERRORS && p.observable())
             .filter_map(|p| {
                 let axes = [grid.tilting, grid.turning];
                 constant(&p.name, axes).map(|(axis, twist)| (p, axis, twist))

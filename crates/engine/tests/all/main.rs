@@ -1,0 +1,12 @@
+//! The integration tests of this crate, one file per subject.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod common;
+mod intervals;
+mod mishaps;
+mod nothing_hidden;
+mod null;
+mod outside_data;
+mod robot;
+mod single_error_tables;
