@@ -23,7 +23,7 @@ pub(crate) static EFFECT: Effect = Effect {
         typical: "10–50 µm/m",
         explanation: "Two linear axes do not meet at a right angle.",
         cause: "Alignment of the guideways, or a machine standing unevenly on its feet.",
-        seen_by: "A circle in the plane of the two axes (45° oval alike in both directions); rotary cycles at two heights.",
+        seen_by: "A circle in the plane of the two axes (45° oval, the same in both directions); rotary cycles at two heights.",
         needs: &[Need::Travel],
         helps: &[Need::TwoHeights],
     },

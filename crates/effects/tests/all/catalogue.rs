@@ -178,7 +178,7 @@ fn every_effect_has_a_golden_case_and_reads_what_it_says() {
 
 #[test]
 fn ids_that_model_files_hold_stay_in_the_catalogue() {
-    // On a machine with tilting B and turning C. A new effect needs no entry here; docs/catalogue.md lists all.
+    // On a machine with tilting B and turning C. A new effect needs no entry here; docs/design/catalogue.md lists all.
     let (rotary, linear, all) = (["B", "C"], ["X", "Y", "Z"], ["X", "Y", "Z", "B", "C"]);
     let of = |phenomena: &[&str], axes: &[&str]| -> Vec<String> {
         phenomena.iter().flat_map(|p| axes.iter().map(move |axis| format!("{p}:{axis}"))).collect()

@@ -92,7 +92,7 @@ fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, 
         return Err(format!("is read by a {}, not by a ball bar", setup.instrument.name()));
     }
     if points.len() < LEAST_READINGS {
-        return Err(format!("has {} readings; {LEAST_READINGS} or more tell the errors apart", points.len()));
+        return Err(format!("has {} readings; {LEAST_READINGS} or more separate the errors", points.len()));
     }
     let moves = |letter: &AxisLetter| {
         let positions = || points.iter().map(|p| p.state.position[*letter]);
