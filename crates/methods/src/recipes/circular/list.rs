@@ -36,7 +36,7 @@ pub(super) fn listed(machine: &Machine, trace: &Trace) -> Vec<Listed> {
     let both_ways = [1.0, -1.0].iter().all(|way| trace.samples.iter().any(|s| s.way == *way));
     let speed = trace.samples.iter().all(|s| s.speed_mm_per_s > 0.0);
     let item = |kind, name: String, unit, about| Listed { kind, name, unit, about };
-    let squareness = ["EC0Y", "EA0Z", "EB0Z"][a as usize];
+    let squareness = ["EC0Y", "EA0Z", "EB0Z"][a.index()];
     let mut list = vec![
         item(
             ListedKind::Squareness,
