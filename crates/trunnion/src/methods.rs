@@ -76,8 +76,7 @@ impl Fit {
             volume,
             datum,
         )?;
-        let machine = experiment.machine();
-        let axes = AxisLetter::ALL.into_iter().filter(|&axis| machine.axis(axis).is_some()).collect();
+        let axes = experiment.machine().joints();
         Ok(Volumetric { map, axes, words })
     }
 }

@@ -4,8 +4,10 @@
 
 mod common;
 mod excluded_points;
+mod held_out;
 mod intervals;
 mod nothing_hidden;
 mod null;
 mod outside_data;
+mod robot;
 mod single_error_tables;
