@@ -8,7 +8,8 @@ mod interpreter;
 use interpreter::{Event, interpret};
 use trunnion_core::{AxisLetter, AxisSample, AxisValues, ProbeSample, Quality, convert};
 use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::{CourseRules, Motion};
+use trunnion_cycles::cycle::Motion;
+use trunnion_cycles::CourseRules;
 use trunnion_cycles::nc::{DIALECTS, Program};
 use trunnion_machine::{Machine, shipped};
 use trunnion_sync::{

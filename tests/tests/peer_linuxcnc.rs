@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::Command;
 use trunnion_core::{AxisLetter, AxisValues};
 use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::CourseRules;
+use trunnion_cycles::CourseRules;
 use trunnion_cycles::nc::{Program, dialect};
 use trunnion_machine::shipped;
 use trunnion_tests::workspace_root;

@@ -16,7 +16,7 @@ use trunnion_acquire::config::channels;
 use trunnion_core::AxisLetter::{B, C, X, Y, Z};
 use trunnion_core::{AxisLetter, AxisValues, Clock, State, convert};
 use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::CourseRules;
+use trunnion_cycles::CourseRules;
 use trunnion_cycles::nc::{Program, dialect};
 use trunnion_effects::Model;
 use trunnion_hil_sim::devices::cell::CellConfig;

@@ -31,7 +31,7 @@ use candidates::candidates;
 use desk::Desk;
 use present::Present;
 use survey::Part;
-use trunnion_cycles::cycle::{Pace, VisitError};
+use trunnion_cycles::{Pace, VisitError};
 use trunnion_effects::{Instance, Model, ModelEffect, UnknownEffect};
 
 /// What a plan may assume.

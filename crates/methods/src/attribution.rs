@@ -16,7 +16,7 @@ use nalgebra::{Point3, Vector3};
 use std::ops::Range;
 use trunnion_core::{AxisLetter, AxisSample, AxisValues};
 use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::VisitError;
+use trunnion_cycles::VisitError;
 use trunnion_machine::{JointErrors, Machine};
 
 /// A motion that can be judged.

@@ -1,36 +1,18 @@
 //! Reading a recording: finished, still a journal, or damaged.
 
 use crate::container::{Record, walk};
+use crate::damage::Damage;
 use crate::error::RecordError;
-use crate::finish::FINISHED_METADATA;
 use crate::item::{ControllerState, Item, LogLine, RunHeader, Temperature};
-use crate::journal::{CONFIG_TEXT, CYCLE_TEXT, MACHINE_TEXT};
+use crate::journal::{CONFIG_TEXT, CYCLE_TEXT, FINISHED_METADATA, MACHINE_TEXT};
 use crate::wire::{Decoded, POINT_SCHEMA, SAMPLE_SCHEMAS, decode};
 use std::collections::HashMap;
-use std::fmt;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 use trunnion_core::{AxisSample, Event, Gap, Point, ProbeSample};
 use trunnion_cycles::Run;
 use trunnion_machine::Machine;
-
-/// What of a recording cannot be read.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Damage {
-    /// Byte at which the first damage was found.
-    pub offset: u64,
-    /// What is wrong there.
-    pub reason: String,
-    /// What is missing because of it.
-    pub lost: String,
-}
-
-impl fmt::Display for Damage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "damaged at byte {}: {}; lost: {}", self.offset, self.reason, self.lost)
-    }
-}
 
 /// Everything a recording holds.
 #[derive(Clone, Debug, PartialEq)]

@@ -385,7 +385,7 @@ fn point_from(m: pb::Point) -> Result<Point, WireError> {
             temperature_degc: m.temperature_degc.clone(),
             setup: usize::try_from(m.setup).ok()?,
             target: usize::try_from(m.target).ok()?,
-            deflection_mm: Vector3::from(three(&m.deflection_mm)?),
+            deflection_mm: Vector3::from(setup::three(&m.deflection_mm)?),
         };
         let quality = match m.quality.as_str() {
             "good" => Quality::Good,
@@ -393,7 +393,7 @@ fn point_from(m: pb::Point) -> Result<Point, WireError> {
             "no-reading" => Quality::NoReading,
             _ => return None,
         };
-        let (reading_mm, spread_mm) = (three(&m.reading_mm)?, three(&m.spread_mm)?);
+        let (reading_mm, spread_mm) = (setup::three(&m.reading_mm)?, setup::three(&m.spread_mm)?);
         Some(Point { state, reading_mm, spread_mm, samples: m.samples, quality })
     };
     point().ok_or(WireError::Inconsistent("Point"))
@@ -456,8 +456,4 @@ pub fn encode_plot_axes(sample: &AxisSample) -> Encoded {
     let [x_mm, y_mm, z_mm, a, b, c] = sample.position.0;
     let [a_deg, b_deg, c_deg] = [a, b, c].map(convert::deg_from_rad);
     encoded(Topic::PlotAxes, sample.time_s, 0, &pb::PlotAxes { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg })
-}
-
-fn three(list: &[f64]) -> Option<[f64; 3]> {
-    <[f64; 3]>::try_from(list).ok()
 }

@@ -7,9 +7,6 @@
 mod batches;
 #[cfg(test)]
 mod tests;
-mod whole_run;
-
-pub use whole_run::{write_run, write_run_with_axes};
 
 use crate::error::RecordError;
 use crate::finish::{FinishedFile, finish_journal};

@@ -21,7 +21,10 @@
 mod cell;
 mod mishaps;
 mod pass;
+mod sample;
 pub mod spectrum;
+
+use sample::{FINEST, Sample, UNIT};
 
 use cell::Cell;
 use mishaps::Hampel;
@@ -32,13 +35,6 @@ use trunnion_core::{AxisValues, Point, Quality, State};
 
 pub use pass::{Band, PassSummary};
 
-/// Travel that counts as one unit: 2 mm and 1° (rad).
-pub(crate) const UNIT: AxisValues<f64> = {
-    let degree = std::f64::consts::PI / 180.0;
-    AxisValues([2.0, 2.0, 2.0, degree, degree, degree])
-};
-/// Width of a block before any merging, units.
-const FINEST: f64 = 0.125;
 /// From this width on directions that flicker may be averaged, if nothing else helps, units.
 const LAST_RESORT: f64 = 256.0;
 
@@ -103,14 +99,6 @@ struct Last {
     position: AxisValues<f64>,
     pass: usize,
     feed: f64,
-}
-
-/// One sample on its way into a block.
-pub(crate) struct Sample {
-    pub index: u64,
-    pub point: Point,
-    /// Reading − nominal reading, mm.
-    pub departure_mm: [f64; 3],
 }
 
 impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {

@@ -1,3 +1,4 @@
+use super::visit::Pace;
 use super::*;
 use proptest::prelude::*;
 use trunnion_core::convert::rad_from_deg;

@@ -7,7 +7,7 @@ use serde_json::{Value as Json, json};
 use std::f64::consts::LN_10;
 use trunnion_core::convert;
 use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::Pace;
+use trunnion_cycles::Pace;
 use trunnion_effects::{Instance, Need};
 
 /// What to measure next, and why.

@@ -1,9 +1,9 @@
 //! Recordings of runs that are already in memory.
 
-use super::Recorder;
 use crate::error::RecordError;
 use crate::finish::FinishedFile;
 use crate::item::{Item, RunHeader};
+use crate::writer::Recorder;
 use std::path::Path;
 use trunnion_core::AxisSample;
 use trunnion_cycles::Run;
