@@ -4,8 +4,10 @@
 
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::mpsc;
+use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
+use trunnion_acquire::supervisor::QUEUE_LENGTH;
+use trunnion_acquire::{Acquisition, DeviceConfig, DeviceStatus};
 use trunnion_core::reading::Message;
 use trunnion_core::{Channel, Clock, Event, Gap, HostTime, Role};
 use trunnion_record::{Item, RecordSender, Temperature};
@@ -47,82 +49,113 @@ const AWAY_S: f64 = 2.5;
 /// With no message of any device for so long the cycle ends.
 const SILENCE: Duration = Duration::from_secs(60);
 
-/// Waits until a cycle begins, by the rule of `bounds`. `None` when cancelled or when all devices are gone.
-pub async fn wait_for_start(
-    messages: &mut mpsc::Receiver<Message>,
-    timebase: &mut TimeBase,
-    bounds: &mut CycleBounds,
-    cancel: &CancellationToken,
-) -> Option<Start> {
-    bounds.ended_otherwise();
-    let mut temperature_channels: Vec<String> = Vec::new();
-    loop {
-        let message = tokio::select! {
-            biased;
-            () = cancel.cancelled() => return None,
-            message = messages.recv() => message?,
-        };
-        if let Some(Timed::Temperature { name, .. }) = timebase.translate(&message)
-            && !temperature_channels.contains(&name)
-        {
-            temperature_channels.push(name);
-        }
-        if let Some(Bound::Begins { at, why }) = bounds.take(&message.reading) {
-            return Some(Start { at, why, temperature_channels });
-        }
-    }
+/// Told how far a cycle is.
+pub type OnProgress<'a> = &'a mut (dyn FnMut(Progress) + Send);
+
+/// The devices of a running service, their clocks, and the rule by which cycles begin and end.
+pub struct Live {
+    acquisition: Acquisition,
+    timebase: TimeBase,
+    bounds: CycleBounds,
+    clock: Arc<dyn Clock>,
+    cancel: CancellationToken,
 }
 
-/// Measures one cycle until it ends. Run time zero is `start`.
-///
-/// # Errors
-/// When the plan cannot be measured.
-#[expect(clippy::too_many_arguments, reason = "the parts of a running service, borrowed separately")]
-pub async fn measure(
-    plan: &Plan,
-    start: &Start,
-    messages: &mut mpsc::Receiver<Message>,
-    timebase: &mut TimeBase,
-    bounds: &mut CycleBounds,
-    recorder: &RecordSender,
-    clock: &Arc<dyn Clock>,
-    cancel: &CancellationToken,
-    progress: &mut (dyn FnMut(Progress) + Send),
-) -> Result<Measured, PlanError> {
-    timebase.begin_run(start.at);
-    let mut measurement = Measurement::new(plan, &start.temperature_channels, recorder)?;
-    let begun = Event { time_s: 0.0, kind: "cycle-start".into(), text: start.why.clone() };
-    measurement.record(Item::Event(begun), clock.now());
-    let mut last_progress = 0;
-    while measurement.forming.ended().is_none() {
-        let message = tokio::select! {
-            biased;
-            () = cancel.cancelled() => None,
-            received = tokio::time::timeout(SILENCE, messages.recv()) => match received {
-                Ok(message) => message,
-                Err(_) => {
-                    measurement.finish(EndReason::NoMotion, clock.now());
-                    break;
-                }
-            },
-        };
-        measurement.most_waiting = measurement.most_waiting.max(messages.len() + 1);
-        let Some(message) = message else {
-            measurement.finish(EndReason::Stopped, clock.now());
-            break;
-        };
-        if let Some(Bound::Ends { at, why }) = bounds.take(&message.reading) {
-            measurement.told_end(timebase.seconds(at), why, clock.now());
-        }
-        measurement.take(&message, timebase, clock.now());
-        let now = measurement.forming.progress();
-        if now.done != last_progress {
-            last_progress = now.done;
-            progress(now);
+impl Live {
+    /// Starts a session for every device, on the current tokio runtime. Cancelling `cancel` stops them.
+    pub fn start(
+        devices: Vec<DeviceConfig>,
+        bounds: CycleBounds,
+        clock: Arc<dyn Clock>,
+        cancel: CancellationToken,
+    ) -> Self {
+        let acquisition = trunnion_acquire::start(devices, clock.clone(), cancel.clone(), QUEUE_LENGTH);
+        Self { acquisition, timebase: TimeBase::new(clock.now()), bounds, clock, cancel }
+    }
+
+    /// Status of each device, in the order of the configuration.
+    pub fn states(&self) -> Vec<watch::Receiver<DeviceStatus>> {
+        self.acquisition.states.clone()
+    }
+
+    /// The clocks of the host.
+    pub fn clock(&self) -> &Arc<dyn Clock> {
+        &self.clock
+    }
+
+    /// Stops all sessions and waits for them.
+    pub async fn stop(self) {
+        self.acquisition.stop().await;
+    }
+
+    /// Waits until a cycle begins. `None` when cancelled or when all devices are gone.
+    pub async fn wait_for_start(&mut self) -> Option<Start> {
+        self.bounds.ended_otherwise();
+        let mut temperature_channels: Vec<String> = Vec::new();
+        loop {
+            let message = tokio::select! {
+                biased;
+                () = self.cancel.cancelled() => return None,
+                message = self.acquisition.messages.recv() => message?,
+            };
+            if let Some(Timed::Temperature { name, .. }) = self.timebase.translate(&message)
+                && !temperature_channels.contains(&name)
+            {
+                temperature_channels.push(name);
+            }
+            if let Some(Bound::Begins { at, why }) = self.bounds.take(&message.reading) {
+                return Some(Start { at, why, temperature_channels });
+            }
         }
     }
-    measurement.record_open_gaps(clock.now());
-    Ok(measurement.into_measured())
+
+    /// Measures one cycle until it ends. Run time zero is `start`.
+    ///
+    /// # Errors
+    /// When the plan cannot be measured.
+    pub async fn measure(
+        &mut self,
+        plan: &Plan,
+        start: &Start,
+        recorder: &RecordSender,
+        progress: OnProgress<'_>,
+    ) -> Result<Measured, PlanError> {
+        self.timebase.begin_run(start.at);
+        let mut measurement = Measurement::new(plan, &start.temperature_channels, recorder)?;
+        let begun = Event { time_s: 0.0, kind: "cycle-start".into(), text: start.why.clone() };
+        measurement.record(Item::Event(begun), self.clock.now());
+        let mut last_progress = 0;
+        while measurement.forming.ended().is_none() {
+            let messages = &mut self.acquisition.messages;
+            let message = tokio::select! {
+                biased;
+                () = self.cancel.cancelled() => None,
+                received = tokio::time::timeout(SILENCE, messages.recv()) => match received {
+                    Ok(message) => message,
+                    Err(_) => {
+                        measurement.finish(EndReason::NoMotion, self.clock.now());
+                        break;
+                    }
+                },
+            };
+            measurement.most_waiting = measurement.most_waiting.max(messages.len() + 1);
+            let Some(message) = message else {
+                measurement.finish(EndReason::Stopped, self.clock.now());
+                break;
+            };
+            if let Some(Bound::Ends { at, why }) = self.bounds.take(&message.reading) {
+                measurement.end_seen(self.timebase.seconds(at), why, self.clock.now());
+            }
+            measurement.take(&message, &mut self.timebase, self.clock.now());
+            let now = measurement.forming.progress();
+            if now.done != last_progress {
+                last_progress = now.done;
+                progress(now);
+            }
+        }
+        measurement.record_open_gaps(self.clock.now());
+        Ok(measurement.into_measured())
+    }
 }
 
 /// A cycle being measured.
@@ -204,7 +237,7 @@ impl<'m> Measurement<'m> {
     }
 
     /// The controller, or a long stand, shows the end; samples under way are still taken.
-    fn told_end(&mut self, time_s: f64, why: String, now: HostTime) {
+    fn end_seen(&mut self, time_s: f64, why: String, now: HostTime) {
         self.record(Item::Event(Event { time_s, kind: "end-seen".into(), text: why }), now);
         self.controller_ended_s = Some(time_s);
     }
