@@ -103,14 +103,19 @@ fn sources(folder: &Path) -> Vec<Source> {
                 module.pop();
             }
             let text = std::fs::read_to_string(&path).unwrap();
-            files.push(Source::read(path.strip_prefix(workspace_root()).unwrap().to_path_buf(), module, &text));
+            files.push(Source::read(
+                path.strip_prefix(workspace_root()).unwrap().to_path_buf(),
+                module,
+                &text,
+            ));
         }
     }
     files
 }
 
 fn arrows(sources: &[Source]) -> Arrows {
-    let by_module: BTreeMap<&Names, &Source> = sources.iter().map(|source| (&source.module, source)).collect();
+    let by_module: BTreeMap<&Names, &Source> =
+        sources.iter().map(|source| (&source.module, source)).collect();
     let taken = |source: &Source| {
         let imported = source.imports.iter().filter_map(|(_, path)| path.as_ref());
         let files = imported.chain(&source.paths).filter_map(|path| file_of(path, &by_module, 0));
@@ -126,7 +131,9 @@ fn file_of(path: &[String], by_module: &BTreeMap<&Names, &Source>, depth: usize)
     let source = by_module[&path[..length].to_vec()];
     let passed_on = path.get(length).and_then(|name| source.imports.iter().find(|(here, _)| here == name));
     match passed_on {
-        Some((_, from)) if depth < 10 => file_of(&[from.as_ref()?, &path[length + 1..]].concat(), by_module, depth + 1),
+        Some((_, from)) if depth < 10 => {
+            file_of(&[from.as_ref()?, &path[length + 1..]].concat(), by_module, depth + 1)
+        }
         _ => Some(source.path.clone()),
     }
 }
@@ -213,7 +220,9 @@ fn tokens(text: &str) -> Vec<String> {
         let count = |is: fn(&char) -> bool| rest.iter().take_while(|c| is(c)).count();
         match rest {
             ['/', '/', ..] => at += count(|c| *c != '\n'),
-            ['/', '*', ..] => at += rest.windows(2).position(|pair| pair == ['*', '/']).unwrap_or(rest.len()) + 2,
+            ['/', '*', ..] => {
+                at += rest.windows(2).position(|pair| pair == ['*', '/']).unwrap_or(rest.len()) + 2
+            }
             ['r', '#', '"', ..] => {
                 at += 3 + rest[3..].windows(2).position(|pair| pair == ['"', '#']).unwrap_or(rest.len()) + 2;
             }
@@ -252,11 +261,14 @@ fn circles(arrows: &Arrows) -> Vec<String> {
     let reach = |from: &PathBuf| {
         let (mut reached, mut stack) = (BTreeSet::new(), vec![from]);
         while let Some(file) = stack.pop() {
-            stack.extend(arrows.get(file).into_iter().flatten().filter(|next| reached.insert((*next).clone())));
+            stack.extend(
+                arrows.get(file).into_iter().flatten().filter(|next| reached.insert((*next).clone())),
+            );
         }
         reached
     };
-    let reached: BTreeMap<&PathBuf, BTreeSet<PathBuf>> = arrows.keys().map(|file| (file, reach(file))).collect();
+    let reached: BTreeMap<&PathBuf, BTreeSet<PathBuf>> =
+        arrows.keys().map(|file| (file, reach(file))).collect();
     let mut circles = BTreeSet::new();
     for (file, to) in &reached {
         if to.contains(*file) {

@@ -26,7 +26,7 @@ pub use damage::Damage;
 pub use error::RecordError;
 pub use finish::{FinishedFile, recover_orphans};
 pub use handle::{RecordSender, RecorderHandle, RecorderStatus};
-pub use item::{ControllerState, Item, LogLine, RunHeader, Temperature};
+pub use item::{Item, RunHeader, Temperature};
 pub use reader::{OnPoint, Recording, RunStart, read_header, read_run, visit, visit_points, visit_samples};
 pub use schema::FILE_DESCRIPTOR_SET;
 pub use whole_run::{write_run, write_run_with_axes};

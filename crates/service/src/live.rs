@@ -11,8 +11,8 @@ use trunnion_acquire::{Acquisition, DeviceConfig, DeviceStatus};
 use trunnion_core::reading::Message;
 use trunnion_core::{Channel, Clock, Event, Gap, HostTime, Role};
 use trunnion_record::{Item, RecordSender, Temperature};
-use trunnion_sync::forming::{Formed, Forming};
-use trunnion_sync::{Bound, CycleBounds, EndReason, Progress, TimeBase, Timed};
+use trunnion_sync::forming::Forming;
+use trunnion_sync::{Bound, CycleBounds, CycleEvent, EndReason, Progress, TimeBase, Timed};
 
 pub use trunnion_sync::plan::{Plan, PlanError, check};
 
@@ -161,6 +161,8 @@ impl Live {
 /// A cycle being measured.
 struct Measurement<'m> {
     forming: Forming,
+    /// What the last sample gave, until it is recorded.
+    formed: Vec<CycleEvent>,
     recorder: &'m RecordSender,
     channels: &'m [Channel],
     points: u64,
@@ -180,6 +182,7 @@ impl<'m> Measurement<'m> {
     ) -> Result<Self, PlanError> {
         Ok(Self {
             forming: Forming::new(plan, temperature_channels.len())?,
+            formed: Vec::new(),
             recorder,
             channels: &plan.channels,
             points: 0,
@@ -198,39 +201,32 @@ impl<'m> Measurement<'m> {
             let source = named.map_or_else(|| "controller".into(), |channel| channel.name.clone());
             self.gap(timebase.jump_gap(&source, &jump), now);
         }
-        let formed = match timed {
+        match timed {
             Timed::Probe(sample) => {
                 if let Some(newest_s) = self.newest_s.get_mut(usize::from(sample.channel)) {
                     *newest_s = newest_s.max(sample.time_s);
                 }
-                self.record(Item::Probes(vec![sample]), now);
-                self.forming.probe(&sample)
+                self.record(Item::Probe(sample), now);
+                self.forming.probe(&sample, &mut self.formed);
             }
             Timed::Axes(sample) => {
                 if let Some(newest_s) = self.newest_s.last_mut() {
                     *newest_s = newest_s.max(sample.time_s);
                 }
-                self.record(Item::Axes(vec![sample]), now);
-                self.forming.axes(&sample)
+                self.record(Item::Axes(sample), now);
+                self.forming.axes(&sample, &mut self.formed);
             }
-            Timed::Gap(gap) => {
-                self.gap(gap, now);
-                Vec::new()
-            }
+            Timed::Gap(gap) => self.gap(gap, now),
             Timed::Temperature { name, degc, time_s } => {
                 if let Some(channel) = self.temperature_channels.iter().position(|known| *known == name) {
                     self.forming.temperature(channel, degc);
                     let channel = channel as u16;
                     self.record(Item::Temperature(Temperature { time_s, channel, value_degc: degc }), now);
                 }
-                Vec::new()
             }
-            Timed::Event(event) => {
-                self.record(Item::Event(event), now);
-                Vec::new()
-            }
-        };
-        self.keep(formed, now);
+            Timed::Event(event) => self.record(Item::Event(event), now),
+        }
+        self.keep(now);
         if self.controller_ended_s.is_some_and(|ended_s| self.forming.newest_s() > ended_s + AFTERMATH_S) {
             self.finish(EndReason::ControllerEnded, now);
         }
@@ -259,20 +255,23 @@ impl<'m> Measurement<'m> {
     }
 
     fn finish(&mut self, reason: EndReason, now: HostTime) {
-        let formed = self.forming.finish(reason);
-        self.keep(formed, now);
+        self.forming.finish(reason, &mut self.formed);
+        self.keep(now);
     }
 
-    fn keep(&mut self, formed: Vec<Formed>, now: HostTime) {
-        for formed in formed {
-            match formed {
-                Formed::Point(point) => {
+    /// Records what was formed.
+    fn keep(&mut self, now: HostTime) {
+        let mut formed = std::mem::take(&mut self.formed);
+        for event in formed.drain(..) {
+            match event.into_point() {
+                Ok(point) => {
                     self.record(Item::Point(point), now);
                     self.points += 1;
                 }
-                Formed::Event(event) => self.record(Item::Event(event), now),
+                Err(event) => self.record(Item::Event(event), now),
             }
         }
+        self.formed = formed;
     }
 
     fn gap(&mut self, gap: Gap, now: HostTime) {

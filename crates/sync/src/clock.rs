@@ -17,6 +17,7 @@ pub use track::{ClockTrack, Jump};
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trunnion_core::HostTime;
     use proptest::prelude::*;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;

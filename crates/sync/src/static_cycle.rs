@@ -15,63 +15,11 @@ mod stand;
 pub use rules::StaticRules;
 
 use crate::align::{Aligned, AxisState};
+use crate::cycle_event::{CycleEvent, EndReason, Progress};
 use crate::nest::NestCalibration;
 use stand::Stand;
 use trunnion_core::{AxisLetter, AxisValues, Point, Quality};
 use trunnion_cycles::cycle::Pose;
-
-/// What happened.
-#[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "a few events a minute, nearly all of them points")]
-pub enum CycleEvent {
-    /// The point of a pose; poses come in order, each once.
-    Point {
-        /// Index of the pose.
-        pose: usize,
-        /// What was read.
-        point: Point,
-        /// When it was decided, s since the run began.
-        time_s: f64,
-    },
-    /// A stand at none of the poses to come, for the log.
-    UnknownStand {
-        /// When it began, s since the run began.
-        time_s: f64,
-        /// Where.
-        position: AxisValues<f64>,
-    },
-    /// The cycle is over; nothing comes after it.
-    Ended {
-        /// Why.
-        reason: EndReason,
-        /// When, s since the run began.
-        time_s: f64,
-    },
-}
-
-/// Why a cycle ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EndReason {
-    /// Every pose has its point.
-    Complete,
-    /// The controller says that its program ended.
-    ControllerEnded,
-    /// No axis moved for too long.
-    NoMotion,
-    /// The recording ended or a person stopped it.
-    Stopped,
-}
-
-/// How far a cycle is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// Points decided.
-    pub done: usize,
-    /// Points in all.
-    pub total: usize,
-    /// At the pace so far; `None` before the second point.
-    pub seconds_left: Option<f64>,
-}
 
 /// The state machine.
 #[derive(Clone, Debug)]
@@ -141,27 +89,23 @@ impl StaticCycle {
         self.ended
     }
 
-    /// Takes the next step of the alignment; steps come in order of time.
-    pub fn push(&mut self, step: &Aligned) -> Vec<CycleEvent> {
-        let mut events = Vec::new();
-        match step {
+    /// Takes the next step of the alignment; steps come in order of time. What happened goes to the end of `events`.
+    pub fn push(&mut self, step: &Aligned, events: &mut Vec<CycleEvent>) {
+        match step.channels_mm {
             _ if self.ended => {}
-            Aligned::Sample(sample) => self.stand.push_sample(sample),
-            Aligned::Axes(state) => self.push_axes(state, &mut events),
+            Some(channels_mm) => self.stand.push_sample(step.state.time_s, channels_mm),
+            None => self.push_axes(&step.state, events),
         }
-        events
     }
 
     /// Ends the cycle from outside; the poses left get points without reading.
-    pub fn finish(&mut self, reason: EndReason, time_s: f64) -> Vec<CycleEvent> {
-        let mut events = Vec::new();
+    pub fn finish(&mut self, reason: EndReason, time_s: f64, events: &mut Vec<CycleEvent>) {
         if !self.ended {
-            self.leave(time_s, &mut events);
+            self.leave(time_s, events);
         }
         if !self.ended {
-            self.end(reason, time_s, &mut events);
+            self.end(reason, time_s, events);
         }
-        events
     }
 
     fn push_axes(&mut self, state: &AxisState, events: &mut Vec<CycleEvent>) {
@@ -189,7 +133,7 @@ impl StaticCycle {
         let Some(ahead) = self.find_pose(&state.position) else {
             if !std::mem::replace(&mut self.told_unknown, true) {
                 let time_s = self.stand.began_s();
-                events.push(CycleEvent::UnknownStand { time_s, position: state.position });
+                events.push(CycleEvent::UnknownDwell { time_s, position: state.position });
             }
             return;
         };

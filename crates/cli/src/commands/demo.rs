@@ -31,11 +31,11 @@ use trunnion_hil_sim::{HiddenChoice, SimSetup, Truth, VirtualMachine, scenario};
 use trunnion_machine::shipped;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
+use trunnion_service::daemon;
 use trunnion_service::daemon::{NewRun, Recorded, Texts};
 use trunnion_service::live::{Live, Plan};
-use trunnion_service::daemon;
-use trunnion_sync::time_quality::TimeQuality;
 use trunnion_sync::CycleBounds;
+use trunnion_sync::time_quality::TimeQuality;
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
 ///
