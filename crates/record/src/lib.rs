@@ -17,6 +17,7 @@ mod journal;
 mod lossless;
 pub mod points_csv;
 mod reader;
+mod rows;
 mod schema;
 mod whole_run;
 mod wire;

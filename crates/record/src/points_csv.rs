@@ -4,6 +4,7 @@
 //! column, what was found and what is allowed.
 
 use crate::export::reading_columns;
+use crate::rows::{Cell, Row, rows};
 use std::collections::HashSet;
 use trunnion_core::direction::fill_directions;
 use trunnion_core::setup::parse_setup_file;
@@ -97,16 +98,14 @@ fn read(
     machine: Option<&Machine>,
 ) -> Result<(Vec<Point>, Vec<String>), Vec<Problem>> {
     let mut notes = Notes { file, list: Vec::new(), more: 0 };
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
-    let Some((header_line, header)) = lines.next() else {
+    let mut rows = rows(text).into_iter();
+    let Some(Row { line: header_line, cells: header }) = rows.next() else {
         notes.add(0, 0, "the file is empty", "a header row and a row for each point", "");
         return Err(notes.finish());
     };
-    let columns = read_header(&mut notes, header_line, header, setups, machine);
+    let columns = read_header(&mut notes, header_line, &header, setups, machine);
     let mut points = Vec::new();
-    for (line, row) in lines {
-        let cells: Vec<(usize, &str)> = cells(row).collect();
+    for Row { line, cells } in rows {
         if cells.len() != columns.len() {
             let found = format!("{} cells", cells.len());
             let advice = "A decimal mark must be a point; cells are separated by commas.";
@@ -134,7 +133,7 @@ fn read(
 fn read_header(
     notes: &mut Notes<'_>,
     line: usize,
-    header: &str,
+    header: &[Cell],
     setups: Option<&[Setup]>,
     machine: Option<&Machine>,
 ) -> Vec<Option<Column>> {
@@ -153,11 +152,12 @@ fn read_header(
     let names = allowed.iter().map(Column::name).collect::<Vec<_>>().join(", ") + ", NAME_degc";
 
     let mut columns: Vec<Option<Column>> = Vec::new();
-    for (at, cell) in cells(header) {
+    let semicolons = header.iter().any(|(_, cell)| cell.contains(';'));
+    for &(at, ref cell) in header {
         let column =
             Column::parse(cell).filter(|c| matches!(c, Column::Temperature(_)) || allowed.contains(c));
         if column.is_none() {
-            let advice = if header.contains(';') { "Separate the columns by commas." } else { "" };
+            let advice = if semicolons { "Separate the columns by commas." } else { "" };
             notes.add(line, at, &format!("column \"{cell}\""), &names, advice);
         } else if columns.contains(&column) {
             notes.add(line, at, &format!("column \"{cell}\" appears twice"), "each column once", "");
@@ -177,13 +177,13 @@ fn read_row(
     notes: &mut Notes<'_>,
     line: usize,
     columns: &[Option<Column>],
-    cells: &[(usize, &str)],
+    cells: &[Cell],
     setups: Option<&[Setup]>,
 ) -> Option<Point> {
     let before = notes.count();
-    let setup_cell = columns.iter().position(|column| *column == Some(Column::Setup)).map(|at| cells[at]);
-    let setup = setups.zip(setup_cell).and_then(|(setups, (at, name))| {
-        let setup = setups.iter().position(|setup| setup.name == name);
+    let setup_cell = columns.iter().position(|column| *column == Some(Column::Setup)).map(|at| &cells[at]);
+    let setup = setups.zip(setup_cell).and_then(|(setups, &(at, ref name))| {
+        let setup = setups.iter().position(|setup| setup.name == *name);
         if setup.is_none() {
             let names = setups.iter().map(|setup| setup.name.as_str()).collect::<Vec<_>>().join(", ");
             notes.add(line, at, &format!("setup \"{name}\""), &names, "Each setup needs a [[setup]] table.");
@@ -193,7 +193,7 @@ fn read_row(
     let mounted = setups.zip(setup).map(|(setups, setup)| &setups[setup]);
     let mut state = State { setup: setup.unwrap_or(0), ..State::default() };
     let mut reading_mm = [0.0; 3];
-    for (column, &(at, cell)) in columns.iter().zip(cells) {
+    for (column, &(at, ref cell)) in columns.iter().zip(cells) {
         let Some(column) = column else { continue };
         let foreign = match column {
             Column::Setup => continue,
@@ -287,18 +287,6 @@ impl Column {
             Self::Temperature(name) => format!("{name}_degc"),
         }
     }
-}
-
-/// Cells of a row with the column (in characters, from 1) at which each begins.
-fn cells(row: &str) -> impl Iterator<Item = (usize, &str)> {
-    let mut at = 1;
-    row.split(',').map(move |cell| {
-        let begins = at + cell.chars().take_while(|c| c.is_whitespace()).count();
-        at += cell.chars().count() + 1;
-        let cell = cell.trim();
-        let bare = cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"'));
-        (begins, bare.unwrap_or(cell))
-    })
 }
 
 struct Notes<'a> {

@@ -21,7 +21,7 @@ use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
 use trunnion_core::Clock;
 use trunnion_effects::Model;
-use trunnion_protocol::mtconnect::format_timestamp;
+use trunnion_protocol::mtconnect::timestamp;
 use trunnion_sync::{CycleBounds, Progress};
 
 /// Runs until `cancel`. Cycles that fail are reported and do not end the service.
@@ -137,12 +137,10 @@ fn chain(failure: &dyn std::error::Error) -> String {
 
 /// `YYYYMMDDThhmmssZ`.
 pub fn file_stamp(wall_ns: i64) -> String {
-    let stamp: String =
-        format_timestamp(wall_ns).chars().filter(char::is_ascii_alphanumeric).take(15).collect();
-    stamp + "Z"
+    timestamp(wall_ns).strftime("%Y%m%dT%H%M%SZ").to_string()
 }
 
 /// `YYYY-MM-DD`.
 pub fn day(wall_ns: i64) -> String {
-    format_timestamp(wall_ns).chars().take(10).collect()
+    timestamp(wall_ns).strftime("%Y-%m-%d").to_string()
 }
