@@ -33,7 +33,7 @@ pub use kind::{Circumstances, Kind, Place, Scene, SeenIn};
 
 use super::disturbance::Disturbance;
 use rand::seq::IndexedRandom;
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trunnion_machine::Machine;
 
