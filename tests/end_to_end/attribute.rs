@@ -1,12 +1,10 @@
 //! Which axis made the deviation, through the binary: on the simulator, and S3's example on the hybrid machine.
 
-mod program;
-
+use crate::program::output;
 use nalgebra::{Point3, Vector3};
-use program::output;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use trunnion_core::AxisLetter::{A, Y};
+use trunnion_core::axis::iso::{A, Y};
 use trunnion_core::{AxisSample, AxisValues};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::shipped;

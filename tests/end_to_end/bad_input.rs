@@ -1,7 +1,5 @@
 //! Bad input through the binary: file, line, what was found, what is allowed; exit codes of the contract.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

@@ -1,10 +1,6 @@
 //! Three instruments on one machine: an R-test, a ball-bar and a tracker run in one fit say more than each alone.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
-mod program;
-
-use program::trunnion;
+use crate::program::trunnion;
 use serde_json::Value;
 use std::path::Path;
 

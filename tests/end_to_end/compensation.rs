@@ -3,11 +3,7 @@
 //! Through the binary: a machine whose truth is known is measured, identified and exported; the simulated controller, which
 //! shares no code with the estimator, reads the file back and moves its axes; the machine is measured again.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
-mod program;
-
-use program::{output, trunnion};
+use crate::program::{output, trunnion};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

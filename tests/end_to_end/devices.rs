@@ -1,7 +1,5 @@
 //! `trunnion devices` through the binary, against virtual devices on pseudo-terminals and servers on the network.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};

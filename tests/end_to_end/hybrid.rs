@@ -1,9 +1,7 @@
 //! The hybrid machine of S3 through the binary: simulated by the simulator's own kinematics, identified and diagnosed with the
 //! program's.
 
-mod program;
-
-use program::{json, output};
+use crate::program::{json, output};
 use std::path::{Path, PathBuf};
 /// A leg whose scale is 50 µm/m long, and location errors of A and C.
 const TRUTH: &str = r#"format = "trunnion-truth/1"

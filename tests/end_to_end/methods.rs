@@ -1,7 +1,5 @@
 //! Named methods through the binary: simulate or import, identify by method, text, JSON, page.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};

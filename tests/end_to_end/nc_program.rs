@@ -1,7 +1,5 @@
 //! NC programs through the binary: a file in the dialect asked for, and clear words for what cannot be.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use std::path::Path;
 use std::process::{Command, Output};
 

@@ -1,8 +1,6 @@
 //! Points from an independent simulator, through the binary: import, diagnose, add.
 
-mod program;
-
-use program::{data, import, json, trunnion};
+use crate::program::{data, import, json, trunnion};
 use serde_json::Value;
 #[test]
 fn gravity_is_named_first_and_adding_it_lowers_the_error_also_on_held_out_passes() {

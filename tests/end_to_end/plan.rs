@@ -1,7 +1,5 @@
 //! From a confused diagnosis to the cycle that settles it, measured on the virtual machine.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -214,7 +212,7 @@ fn before_measuring_the_grid_of_oyama_is_known_to_hide_and_to_mix() {
         list.iter().map(|entry| entry["effect"].as_str().unwrap().to_string()).collect()
     };
     assert!(ids("out_of_reach").contains(&"servo-lag:C".to_string()), "{preview}");
-    // DIAGNOSIS: sag that twists B is the first harmonic of B's encoder; on a 30° grid n = 11 of C reads as 1.
+    // docs/design/statistics.md §4.4: sag that twists B is the first harmonic of B's encoder; on a 30° grid n = 11 of C reads as 1.
     let alias = |one: &str, other: &str| {
         preview["aliases"].as_array().unwrap().iter().find(|alias| {
             let (a, b) = (alias["one"].as_str().unwrap(), alias["other"].as_str().unwrap());

@@ -1,5 +1,4 @@
 //! The program, run as a person would.
-#![allow(dead_code, reason = "each test file uses its part")]
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -7,8 +6,11 @@ use std::process::Command;
 
 /// Runs `trunnion`: whether it exits with 0, standard output, standard error.
 pub fn output(args: &[&str]) -> (bool, String, String) {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().expect("the program starts");
+    let output = Command::new(env!("CARGO_BIN_EXE_trunnion"))
+        .args(args)
+        .env("COLUMNS", "1000") // sentences are searched for in one piece
+        .output()
+        .expect("the program starts");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("it writes UTF-8");
     (output.status.success(), text(output.stdout), text(output.stderr))
 }

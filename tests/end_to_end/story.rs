@@ -1,8 +1,6 @@
 //! The story a user reads, through the binary: where the model fails, an effect on trial, the ladder, and taking it back.
 
-mod program;
-
-use program::{import, json, refused, trunnion};
+use crate::program::{import, json, refused, trunnion};
 use serde_json::Value;
 #[test]
 fn compare_says_in_words_where_the_model_fails_and_blames_no_place_for_noise() {

@@ -1,14 +1,10 @@
 //! On-the-fly runs: blocks against samples, three instruments in one fit, and hidden effects of motion, through files.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
-mod program;
-
+use crate::program::json;
 use nalgebra::{Point3, Vector3};
-use program::json;
 use serde_json::Value;
 use std::path::Path;
-use trunnion_core::AxisLetter::{B, C};
+use trunnion_core::axis::iso::{B, C};
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Quality, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::Model;

@@ -1,7 +1,5 @@
 //! Volumetric accuracy through the binary: the map of a measured volume against the virtual machine's own chain.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde_json::Value;
 use std::path::Path;

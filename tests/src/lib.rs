@@ -1,6 +1,7 @@
 //! What end-to-end tests share: paths, the log, waiting for a report.
 
 pub mod alignment;
+pub mod pauses;
 pub mod peer;
 pub mod section;
 
@@ -41,6 +42,9 @@ pub async fn first_report(recordings: &Path, limit: Duration) -> PathBuf {
     written.unwrap_or_else(|_| panic!("no report in {} after {limit:?}", recordings.display()))
 }
 
+/// Simulated devices share a computer with whatever else runs on it: they may pause.
+pub const SILENCE_MS: u32 = 3000;
+
 /// A configuration of three optoNCDT probes on ports of this folder in an orthogonal nest; `tables` stand before the devices,
 /// `controller` is the table of the controller.
 pub fn three_probes(ports: &Path, tables: &str, controller: &str) -> String {
@@ -52,7 +56,8 @@ pub fn three_probes(ports: &Path, tables: &str, controller: &str) -> String {
     }
     for k in 1..=3 {
         text += &format!(
-            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n",
+            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n\
+             silence_ms = {SILENCE_MS}\n",
             ports.display()
         );
     }

@@ -1,10 +1,12 @@
 //! Machines, runs and models from the names and paths a user gives.
 
 use crate::outcome::Outcome;
+use crate::terminal;
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion::recording;
 use trunnion::recording::Recording;
+use trunnion_core::names;
 use trunnion_cycles::Run;
 use trunnion_effects::Model;
 use trunnion_engine::Experiment;
@@ -57,7 +59,7 @@ pub fn machine(name: &str) -> anyhow::Result<Machine> {
         return Ok(Machine::parse(&stem, name, &text)?);
     }
     shipped::machine(name).with_context(|| {
-        let names = shipped::FILES.map(|(name, _)| name).join(", ");
+        let names = names::allowed(name, shipped::FILES.map(|(name, _)| name));
         format!(
             "there is no machine \"{name}\"; allowed: {names}, or the path of a machine file ending in .toml"
         )
@@ -104,7 +106,7 @@ fn reduced_runs(args: &RunArgs, usual_blocks: usize) -> anyhow::Result<Loaded> {
     for path in &args.runs {
         let (recording, outcome) = read_one(path, Some(limits))?;
         if let Some(reduction) = &recording.reduction {
-            eprintln!("trunnion: {}: {}", path.display(), reduction.summary());
+            terminal::remark(&format!("{}: {}", path.display(), reduction.summary()));
         }
         loaded.runs.push(recording.run);
         loaded.timing.extend(recording.timing);
@@ -133,7 +135,7 @@ fn read_one(path: &Path, limits: Option<Limits>) -> anyhow::Result<(Recording, O
         .with_context(|| format!("cannot read the recording {}", path.display()))?;
     let mut outcome = Outcome::Done;
     if let Some(damage) = &recording.damage {
-        eprintln!("trunnion: {}: {damage}", path.display());
+        terminal::remark(&format!("{}: {damage}", path.display()));
         outcome = Outcome::DataLoss;
     }
     Ok((recording, outcome))

@@ -1,10 +1,11 @@
 //! `trunnion`: the one binary. Each command is one file under `commands`.
 //!
-//! Exit codes (DESIGN §3.5): 0 done, 1 failed, 2 usage, 3 done with data loss.
+//! Exit codes (docs/design/contracts.md §5): 0 done, 1 failed, 2 usage, 3 done with data loss.
 
 mod commands;
 mod load;
 mod outcome;
+mod terminal;
 mod virtual_setup;
 
 use clap::{Parser, Subcommand};
@@ -72,7 +73,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::DataLoss) => ExitCode::from(3),
         Err(error) => {
-            eprintln!("trunnion: {error:#}");
+            terminal::remark(&format!("{error:#}"));
             ExitCode::FAILURE
         }
     }

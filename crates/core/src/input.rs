@@ -4,6 +4,7 @@
 //! [`Document::finish`] turns the notes into `Problems`. Keys nobody asked for are problems too, so a
 //! misspelt key is never silently ignored.
 
+use crate::names;
 use crate::problem::{Problem, Problems};
 use nalgebra::Vector3;
 use std::cell::RefCell;
@@ -264,7 +265,7 @@ impl<'d> Table<'d> {
         let asked = self.asked.borrow();
         for (key, _) in self.table {
             if !asked.iter().any(|known| known == key.get_ref()) {
-                let allowed = asked.join(", ");
+                let allowed = names::allowed(key.get_ref(), asked.iter());
                 self.document.note(
                     key.span(),
                     format!("{}{} is not known here", self.path, key.get_ref()),
@@ -317,7 +318,7 @@ impl<'d> Table<'d> {
         if allowed.contains(&value.as_str()) {
             return Some(value);
         }
-        self.problem(key, format!("= \"{value}\""), allowed.join(", "), "");
+        self.problem(key, format!("= \"{value}\""), names::allowed(&value, allowed), "");
         None
     }
 

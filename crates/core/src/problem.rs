@@ -43,13 +43,44 @@ impl fmt::Display for Problem {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Problems(pub Vec<Problem>);
 
+impl Problem {
+    /// What makes two problems the same one: everything but where, and which value was found.
+    fn kind(&self) -> (&str, String, &str, &str) {
+        let mut quoted = false;
+        let mut shape = String::new();
+        for letter in self.found.chars() {
+            if letter == '"' {
+                quoted = !quoted;
+            }
+            if !quoted && !letter.is_ascii_digit() && !"+-.,".contains(letter) {
+                shape.push(letter);
+            }
+        }
+        (&self.file, shape, &self.allowed, &self.advice)
+    }
+}
+
+/// The same problem in many lines is said once, where it first occurs, with how often it comes again.
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, problem) in self.0.iter().enumerate() {
+        let mut groups: Vec<(&Problem, usize, usize)> = Vec::new();
+        for problem in &self.0 {
+            match groups.iter_mut().find(|(first, ..)| first.kind() == problem.kind()) {
+                Some((_, again, last)) => {
+                    *again += 1;
+                    *last = problem.line;
+                }
+                None => groups.push((problem, 0, problem.line)),
+            }
+        }
+        for (i, (problem, again, last)) in groups.into_iter().enumerate() {
             if i > 0 {
                 writeln!(f)?;
             }
             write!(f, "{problem}")?;
+            if again > 0 {
+                write!(f, "\n  The same {again} more times, the last in line {last}.")?;
+            }
         }
         Ok(())
     }

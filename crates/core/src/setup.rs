@@ -1,4 +1,4 @@
-//! A setup: one instrument mounted in one way. The `[[setup]]` tables of DESIGN §3.2.
+//! A setup: one instrument mounted in one way. The `[[setup]]` tables of docs/design/contracts.md §2.
 
 use crate::artefact::{Artefact, read_artefact};
 use crate::input::{Document, Table};

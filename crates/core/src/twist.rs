@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use std::ops::{Add, AddAssign, Mul};
 
-/// A small displacement of a body: (δ, ω) of METHODS §2. The frame is the owner's to name.
+/// A small displacement of a body: (δ, ω) of docs/design/physics.md §2. The frame is the owner's to name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twist {
     /// δ, translation of the frame origin, mm.

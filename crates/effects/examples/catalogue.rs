@@ -3,7 +3,7 @@
 use std::path::Path;
 
 fn main() -> std::io::Result<()> {
-    let docs = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs"));
+    let docs = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/design"));
     std::fs::create_dir_all(docs.join("catalogue"))?;
     std::fs::write(docs.join("catalogue.md"), trunnion_effects::catalogue_markdown())?;
     for picture in trunnion_effects::catalogue_pictures() {

@@ -40,7 +40,7 @@ pub use location_errors::conventional_zeros;
 use crate::Effect;
 
 /// Every effect; the two base effects first.
-pub static REGISTRY: [&Effect; 33] = [
+pub static REGISTRY: &[&Effect] = &[
     &location_errors::EFFECT,
     &ball_setting::EFFECT,
     &gravity_sag::EFFECT,
@@ -76,5 +76,14 @@ pub static REGISTRY: [&Effect; 33] = [
     &vibration::EFFECT,
 ];
 
+/// Id of the effect that holds the location errors of the rotary axes.
+pub const LOCATION_ERRORS: &str = "location-errors";
+
 /// Ids of the effects that are always in the model.
-pub const BASE: [&str; 2] = ["location-errors", "ball-setting"];
+pub const BASE: [&str; 2] = [LOCATION_ERRORS, "ball-setting"];
+
+/// The effect that an id names, `gravity-sag` of `gravity-sag:B`; `None` for an expression or a foreign id.
+pub fn effect(id: &str) -> Option<&'static Effect> {
+    let phenomenon = id.split(':').next()?;
+    REGISTRY.iter().copied().find(|effect| effect.phenomenon == phenomenon)
+}

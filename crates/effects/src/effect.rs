@@ -1,6 +1,6 @@
 //! What an effect file provides.
 
-use crate::{Need, Scene};
+use crate::{Golden, Need, Scene};
 use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::{Machine, Site};
 
@@ -12,6 +12,8 @@ pub type Emit<'a> = &'a mut dyn FnMut(usize, Site, Twist);
 pub struct Effect {
     /// First part of the id and name of the file (with `-` for `_`), e.g. `gravity-sag`.
     pub phenomenon: &'static str,
+    /// What kind of thing it is.
+    pub role: Role,
     /// What a person should know.
     pub about: About,
     /// On what this machine could show it: one instance each.
@@ -25,6 +27,51 @@ pub struct Effect {
     pub motions: fn(&Scene, Subject, &[f64], &State, Emit<'_>),
     /// A typical case, drawn in the catalogue.
     pub example: Example,
+    /// A case whose readings come from outside this program.
+    pub golden: Golden,
+}
+
+/// What kind of thing an effect is: who proposes it, and at which price.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Role {
+    /// Place and direction of the axis average lines, squareness included: constants that ISO 230-1 names.
+    Location,
+    /// What mounting and artefact leave unknown; without a number it is no loss.
+    Setting,
+    /// What every rotary axis has a little of: alone it names no fault.
+    Natural,
+    /// Describes an axis by many numbers and names no cause: for a person to choose, never a candidate.
+    Description,
+    /// A cause of error.
+    Cause {
+        /// What its prior costs beyond that of an everyday cause, ln of odds; 0 for an everyday cause.
+        price_ln: f64,
+    },
+}
+
+impl Role {
+    /// A cause that needs no special circumstance.
+    pub const CAUSE: Self = Self::Cause { price_ln: 0.0 };
+
+    /// What the prior costs, ln of odds.
+    pub fn price_ln(self) -> f64 {
+        match self {
+            Self::Cause { price_ln } => price_ln,
+            Self::Location | Self::Setting | Self::Natural | Self::Description => 0.0,
+        }
+    }
+
+    /// In words, for the catalogue.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Location => "location error",
+            Self::Setting => "mounting or artefact",
+            Self::Natural => "error motion that every axis has a little of",
+            Self::Description => "description, no cause",
+            Self::Cause { price_ln } if price_ln > 0.0 => "cause, in special circumstances",
+            Self::Cause { .. } => "cause",
+        }
+    }
 }
 
 /// Documentation of an effect, used by reports and the generated catalogue.

@@ -1,11 +1,11 @@
 //! An effect placed on a subject: what a model lists and a diagnosis scores.
 
-use crate::catalogue::REGISTRY;
+use crate::catalogue::{BASE, REGISTRY};
 use crate::formula::{Formula, FormulaError};
-use crate::{About, Effect, Emit, ModelEffect, Need, Parameter, Scene, Shapes, Subject};
+use crate::{About, Effect, Emit, ModelEffect, Need, Parameter, Role, Scene, Shapes, Subject};
 use std::fmt;
 use std::sync::Arc;
-use trunnion_core::State;
+use trunnion_core::{State, names};
 use trunnion_machine::Machine;
 
 /// One effect on one subject, e.g. `gravity-sag:B`, or a formula out of a model file.
@@ -52,7 +52,8 @@ impl Instance {
     /// Every catalogue instance this machine can have, in registry order.
     pub fn all(machine: &Machine) -> Vec<Self> {
         REGISTRY
-            .into_iter()
+            .iter()
+            .copied()
             .flat_map(|effect| {
                 (effect.subjects)(machine).into_iter().map(move |subject| Self::Catalogue { effect, subject })
             })
@@ -68,7 +69,7 @@ impl Instance {
         all.iter().find(|instance| instance.id() == id).cloned().ok_or_else(|| UnknownEffect::Id {
             id: id.into(),
             machine: machine.name.clone(),
-            allowed: all.iter().map(Self::id).collect::<Vec<_>>().join(", "),
+            allowed: names::allowed(id, all.iter().map(Self::id)),
         })
     }
 
@@ -77,7 +78,7 @@ impl Instance {
     /// # Errors
     /// When the machine has no such effect, or the formula cannot be read.
     pub fn from_model_effect(entry: &ModelEffect, machine: &Machine) -> Result<Self, UnknownEffect> {
-        if !entry.id.starts_with("formula:") {
+        if Formula::name_of(&entry.id).is_none() {
             return Self::find(&entry.id, machine);
         }
         let formula = Formula::from_model_effect(entry, machine)
@@ -88,7 +89,7 @@ impl Instance {
     /// `phenomenon`, `phenomenon:SUBJECT` or `formula:NAME`.
     pub fn id(&self) -> String {
         match self {
-            Self::Formula(formula) => format!("formula:{}", formula.name),
+            Self::Formula(formula) => Formula::id_of(&formula.name),
             Self::Catalogue { effect, subject } => match subject {
                 Subject::Whole => effect.phenomenon.into(),
                 Subject::Axis(letter) => format!("{}:{letter}", effect.phenomenon),
@@ -103,6 +104,19 @@ impl Instance {
             Self::Catalogue { effect, .. } => Some(&effect.about),
             Self::Formula(_) => None,
         }
+    }
+
+    /// What kind of thing it is; an expression describes and names no cause.
+    pub fn role(&self) -> Role {
+        match self {
+            Self::Catalogue { effect, .. } => effect.role,
+            Self::Formula(_) => Role::Description,
+        }
+    }
+
+    /// True when every model has it.
+    pub fn is_base(&self) -> bool {
+        matches!(self, Self::Catalogue { effect, .. } if BASE.contains(&effect.phenomenon))
     }
 
     /// What it is about; a formula belongs to its site only.

@@ -1,4 +1,4 @@
-//! The catalogue as a document for people, `docs/catalogue.md`, with a picture of each effect in `docs/catalogue/`.
+//! The catalogue as a document for people, `docs/design/catalogue.md`, with a picture of each effect in `docs/design/catalogue/`.
 
 use crate::catalogue::{BASE, REGISTRY};
 use crate::{Effect, Instance, Need, PLACES_OF_A_VOLUME, Parameter, Scene, SceneSetup, Subject};
@@ -24,11 +24,11 @@ const HEADER: &str = "\
 Everything that Trunnion can name as the cause of an error. R stands for a rotary axis, L for a linear one, K for any
 axis, LL for a pair of linear axes. Anything else can be written as a `formula:NAME` effect in a model file (at the end).
 
-Sources: @SOURCES@,
-METHODS (formulas collected for this project), ISO standards by number.
+Sources: @SOURCES@, ISO standards by number;
+all in [references](references.md). Where physics.md is named, the equation is derived in [physics](physics.md).
 
-Each picture shows a typical case as an instrument reads it. Over poses (B and C) and turns it shows what is left of the
-effect after location errors and ball setting have taken their share: the shape to look for in a residual. Circles are
+Each picture shows a typical case as an instrument reads it. Over poses (B and C) and turns it shows the residual of the
+effect after a fit of location errors and ball setting: the shape to look for in a residual. Circles are
 drawn enlarged around their nominal radius, after centring.
 ";
 
@@ -53,7 +53,7 @@ grid = { start = [0.2, 0.4, 0.6] }
   One inside a function, a power or a divisor is a shape number: give its value as `shape = [..]` or values to try as `grid = { NAME = [..] }`.
 ";
 
-/// Text of `docs/catalogue.md`. Written with its pictures by `cargo run -p trunnion-effects --example catalogue`;
+/// Text of `docs/design/catalogue.md`. Written with its pictures by `cargo run -p trunnion-effects --example catalogue`;
 /// a test compares them.
 pub fn catalogue_markdown() -> String {
     let sources = SOURCES.map(|(number, source)| format!("{number} {source}")).join(", ");
@@ -100,12 +100,14 @@ fn section(text: &mut String, effect: &Effect) {
         ("Typical size", about.typical),
         ("Seen by", about.seen_by),
         ("Needs", &texts(about.needs)),
-        ("Told from its likes by", &texts(about.helps)),
+        ("Separated from similar effects by", &texts(about.helps)),
         ("Equation", about.equation),
         ("Symbols", about.symbols),
         ("Parameters", &parameters(effect)),
         ("Valid", about.validity),
         ("Source", about.source),
+        ("Role", effect.role.text()),
+        ("Checked against", &format!("{}. {}", effect.golden.source, effect.golden.derivation)),
     ] {
         line(text, format_args!("- **{name}:** {content}"));
     }

@@ -1,4 +1,4 @@
-//! The model: the effects in the order they were added. File format `trunnion-model/1` (DESIGN §3.4).
+//! The model: the effects in the order they were added. File format `trunnion-model/1` (docs/design/contracts.md §4).
 //!
 //! ```toml
 //! format = "trunnion-model/1"
@@ -29,6 +29,7 @@
 //! grid = { start = [0.2, 0.4, 0.6] }
 //! ```
 
+use crate::Formula;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table as Written, Value, value};
 use trunnion_core::input::{Document, Table};
 use trunnion_core::{Problem, Problems};
@@ -89,8 +90,10 @@ pub struct LadderRow {
     pub holdout_before_um: Option<f64>,
     /// rms residual of left-out data after, µm.
     pub holdout_after_um: Option<f64>,
-    /// Noise floor, µm.
-    pub noise_um: f64,
+    /// The unit that was left out in turn: `run`, `setup`, `pass` or `block`.
+    pub holdout_unit: Option<String>,
+    /// Repeatability of a reading, µm; `None` where no pose was measured twice.
+    pub noise_um: Option<f64>,
     /// Parameters of the effects before it that moved when it came in, most moved first.
     pub moved: Vec<Moved>,
 }
@@ -223,7 +226,7 @@ fn read(document: &Document<'_>) -> Option<Model> {
 
 fn read_effect(table: &Table<'_>) -> Option<ModelEffect> {
     let id = table.string("id");
-    let is_formula = id.as_deref().is_some_and(|id| id.starts_with("formula:"));
+    let is_formula = id.as_deref().and_then(Formula::name_of).is_some();
     let texts = ["site", "component", "expression"].map(|key| {
         if is_formula {
             return table.string(key);
@@ -282,7 +285,8 @@ fn read_ladder(table: &Table<'_>) -> Option<LadderRow> {
         error_after_um: table.number("error_after_um", error.clone()).unwrap_or_default(),
         holdout_before_um: table.optional_number("holdout_before_um", error.clone()),
         holdout_after_um: table.optional_number("holdout_after_um", error.clone()),
-        noise_um: table.number("noise_um", error.clone()).unwrap_or_default(),
+        holdout_unit: table.optional_string("holdout_unit"),
+        noise_um: table.optional_number("noise_um", error.clone()),
         moved: named(table, "moved", |values, name| {
             let moved = values.table(name)?;
             let [before, after] = ["before", "after"].map(|key| moved.number(key, ANY));
@@ -337,12 +341,15 @@ fn written_ladder(row: &LadderRow) -> Written {
         ("error_after_um", Some(row.error_after_um)),
         ("holdout_before_um", row.holdout_before_um),
         ("holdout_after_um", row.holdout_after_um),
-        ("noise_um", Some(row.noise_um)),
+        ("noise_um", row.noise_um),
     ];
     for (key, number) in numbers {
         if let Some(number) = number {
             table[key] = value(rounded(number));
         }
+    }
+    if let Some(unit) = &row.holdout_unit {
+        table["holdout_unit"] = value(unit);
     }
     if !row.moved.is_empty() {
         let mut moved = Written::new();
@@ -380,7 +387,8 @@ mod tests {
                 error_before_um: 4.1,
                 error_after_um: 1.25,
                 holdout_after_um: Some(1.5),
-                noise_um: 0.9,
+                holdout_unit: Some("pass".into()),
+                noise_um: Some(0.9),
                 moved: vec![Moved {
                     name: "ball-setting.low.x".into(),
                     before: -3.2,

@@ -1,6 +1,6 @@
 //! How the axes move together while they are read: what a delay can show depends on it.
 //!
-//! v_rel = Σ_tool J_k v_k − Σ_table J_k v_k, the nominal velocity of spindle-side against table-side ball [METHODS §2].
+//! v_rel = Σ_tool J_k v_k − Σ_table J_k v_k, the nominal velocity of spindle-side against table-side ball [docs/design/physics.md §2].
 //! An R-test whose linear axes follow the rotary one keeps v_rel = 0: a delay common to all axes moves nothing there.
 
 use crate::SceneSetup;

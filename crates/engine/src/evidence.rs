@@ -1,6 +1,6 @@
 //! Evidence of one group of columns against nothing, averaged over the noise bank.
 //!
-//! ln BF = ½(ν − k) ln(1 + g) − ½ ν ln(1 + g(1 − R²))                                            [DIAGNOSIS §2]
+//! ln BF = ½(ν − k) ln(1 + g) − ½ ν ln(1 + g(1 − R²))                                            [docs/design/statistics.md §2]
 //!
 //! R²: share of the whitened, projected residual that the k surviving columns explain. Everything that is already in the
 //! model is projected out first, so that what the model can imitate scores nothing. g: information of one unit in what survives,
@@ -13,14 +13,15 @@
 
 mod algebra;
 mod bank;
+mod context;
 mod library;
 mod member;
 mod part;
 
 pub use algebra::{parallel, stacked};
-pub use bank::{Bank, Scan, Score, Situation, WHITE};
+pub use bank::{Bank, Score, Situation, WHITE};
+pub use context::Blocks;
 pub use library::{Entry, Group, Library, Natural};
-pub use member::Blocks;
 
 /// Directions that keep less than this share of their norm are taken as imitated by the model.
 pub const SURVIVAL: f64 = 0.03;

@@ -1,10 +1,11 @@
 //! Joint least squares over all effects of a model.
 //!
-//! shapes (grid) → settle (Gauss–Newton to the exact prediction) → outliers set aside, until they stay the same → readings
-//! weighted by the noise of their run and their samples, and settled again → uncertainties under the parts of the machine's noise
+//! shapes (grid) → converge (Gauss–Newton to the exact prediction) → outliers excluded, until they stay the same → readings
+//! weighted by the noise of their run and their samples, and fitted again → uncertainties under the parts of the machine's noise
 //! (`structured`; else from clusters, `uncertainty`), noise, held-out proof.
 
 pub(crate) mod gauss_newton;
+mod holdout;
 pub mod identification;
 pub mod options;
 mod shape;
@@ -14,29 +15,27 @@ mod uncertainty;
 
 pub use options::Options;
 
-use crate::fit::gauss_newton::{Settled, settle};
-use crate::fit::identification::{FittedEffect, FittedParameter, Identification, Outlier, Status};
+use crate::fit::gauss_newton::{Converged, converge};
+use crate::fit::holdout::holdout;
+use crate::fit::identification::{FittedEffect, FittedParameter, Identification, Outlier};
 use crate::fit::shape::search_shapes;
 use crate::fit::structured::structured;
-use crate::fit::uncertainty::{covariance, holdout, sums};
-use crate::noise::outliers::without_outliers;
-use crate::noise::repeatability::{noise, noise_of_residual};
+use crate::fit::uncertainty::{covariance, sums};
+use crate::noise::outliers::excluded;
+use crate::noise::repeatability::repeatability;
 use crate::noise::weights::{Weights, weigh};
 use crate::problem::design::Design;
 use crate::problem::joint::Joint;
 use crate::problem::passes::passes;
-use crate::solve::combinations::{Named, seen_together};
+use crate::solve::combinations::seen_together;
+use crate::solve::direction::{Named, Status};
 use crate::solve::null_space::describe;
 use crate::{Experiment, HoldoutWanted, IdentifyError, Outliers, Uncertainties};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::convert;
-use trunnion_effects::{Model, Parameter};
+use trunnion_effects::{Model, Parameter, Role};
 use trunnion_machine::Axis;
 
-/// Effects that say nothing of the machine.
-const OF_THE_INSTRUMENT: [&str; 2] = ["ball-setting", "artefact-form"];
-/// Rounds of setting points aside.
-const MOST_ROUNDS: usize = 6;
 /// Rounds of weighing.
 const MOST_WEIGHINGS: usize = 3;
 
@@ -44,7 +43,7 @@ const MOST_WEIGHINGS: usize = 3;
 ///
 /// # Errors
 /// The model does not fit the machine or the runs, a reading is no number, there are too few readings, or the fit
-/// does not settle.
+/// does not converge.
 pub fn identify(
     experiment: &Experiment,
     model: &Model,
@@ -54,45 +53,40 @@ pub fn identify(
     let everything = vec![true; experiment.points.len()];
     let mut weights = Weights::even(experiment);
     let searched = search_shapes(experiment, &mut joint, &everything, &weights, options)?;
-    let (mut used, mut fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+    let (mut used, mut fit) = converge_robustly(&Design::new(experiment, &joint, &weights), options)?;
     for _ in 0..MOST_WEIGHINGS {
-        let (next, _) = weigh(experiment, &fit.residual_mm, &used, fit.gauge.determined.len());
+        let (next, _) = weigh(experiment, &fit.residual_mm, &used, fit.datum.determined.len());
         if next.like(&weights) {
             weights.reference_mm = next.reference_mm;
             break;
         }
         weights = next;
-        (used, fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+        (used, fit) = converge_robustly(&Design::new(experiment, &joint, &weights), options)?;
     }
     if searched && (used != everything || !weights.even) {
         search_shapes(experiment, &mut joint, &used, &weights, options)?;
-        (used, fit) = settle_robustly(&Design::new(experiment, &joint, &weights), options)?;
+        (used, fit) = converge_robustly(&Design::new(experiment, &joint, &weights), options)?;
     }
     Ok(gather(&Design::new(experiment, &joint, &weights), &used, fit, options))
 }
 
-fn settle_robustly(design: &Design<'_>, options: &Options) -> Result<(Vec<bool>, Settled), IdentifyError> {
-    let mut used = vec![true; design.experiment.points.len()];
-    let mut fit = settle(design, &used, options)?;
+fn converge_robustly(
+    design: &Design<'_>,
+    options: &Options,
+) -> Result<(Vec<bool>, Converged), IdentifyError> {
     if options.outliers == Outliers::Keep {
+        let used = vec![true; design.experiment.points.len()];
+        let fit = converge(design, &used, options)?;
         return Ok((used, fit));
     }
-    for _ in 0..MOST_ROUNDS {
-        let kept = without_outliers(design.experiment, &fit.weighted_mm);
-        if kept == used {
-            break;
-        }
-        used = kept;
-        fit = settle(design, &used, options)?;
-    }
-    Ok((used, fit))
+    excluded(design.experiment, |used| converge(design, used, options), |fit| &fit.weighted_mm)
 }
 
-fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -> Identification {
+fn gather(design: &Design<'_>, used: &[bool], fit: Converged, options: &Options) -> Identification {
     let (experiment, joint) = (design.experiment, design.joint);
     let passes = passes(experiment);
     let sums = sums(design, &passes, &fit, used);
-    let determined = &fit.gauge.determined;
+    let determined = &fit.datum.determined;
     let structured = match options.uncertainties {
         Uncertainties::NoiseParts => structured(design, &passes, &fit, used),
         Uncertainties::Clusters => None,
@@ -107,19 +101,17 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
     }
     let names = names(joint);
     let without_number: Vec<usize> = (0..joint.width())
-        .filter(|&j| fit.gauge.status[j] == Status::Unobservable)
-        .filter(|&j| !OF_THE_INSTRUMENT.contains(&joint.effects[joint.effect_of[j]].id.as_str()))
+        .filter(|&j| fit.datum.status[j] == Status::Unobservable)
+        .filter(|&j| joint.effects[joint.effect_of[j]].instance.role() != Role::Setting)
         .collect();
     let seen_together =
-        seen_together(&fit.gauge.directions, &without_number, &names, &fit.solution, &covariance);
+        seen_together(&fit.datum.directions, &without_number, &names, &fit.solution, &covariance);
     let unobservable: Vec<_> =
-        fit.gauge.directions.iter().map(|direction| describe(direction, &names, &fit.gauge.status)).collect();
+        fit.datum.directions.iter().map(|direction| describe(direction, &names, &fit.datum.status)).collect();
     let parameters = (0..joint.width()).map(|j| parameter(joint, &fit, &covariance, j)).collect();
     let degrees_of_freedom = fit.degrees_of_freedom();
     let used_rows = (0..used.len()).filter(|&i| used[i]).flat_map(|i| experiment.rows_of(i));
     let squares: f64 = used_rows.map(|row| fit.residual_mm[row].powi(2)).sum();
-    let sigma_mm = (squares / degrees_of_freedom.max(1) as f64).sqrt();
-    let of_residual = noise_of_residual(sigma_mm, degrees_of_freedom);
     let (_, noise_by_run) = weigh(experiment, &fit.residual_mm, used, determined.len());
     Identification {
         machine: experiment.machine().name.clone(),
@@ -138,7 +130,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
         unobservable,
         seen_together,
         covariance,
-        noise: noise(experiment, &passes, &fit.residual_mm, used, of_residual),
+        repeatability: repeatability(experiment, &passes),
         holdout: match options.holdout {
             HoldoutWanted::Yes => holdout(&sums),
             HoldoutWanted::No => None,
@@ -149,7 +141,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Settled, options: &Options) -
         rms_mm: (squares / fit.rows_used as f64).sqrt(),
         outliers: outliers(experiment, used, &fit.residual_mm),
         used: used.to_vec(),
-        rank: fit.gauge.rank,
+        rank: fit.datum.rank,
         condition: fit.condition,
         iterations: fit.iterations,
         degrees_of_freedom,
@@ -173,18 +165,18 @@ fn names(joint: &Joint) -> Vec<Named> {
     joint.parameters.iter().enumerate().map(named).collect()
 }
 
-fn parameter(joint: &Joint, fit: &Settled, covariance: &DMatrix<f64>, j: usize) -> FittedParameter {
-    let status = fit.gauge.status[j];
+fn parameter(joint: &Joint, fit: &Converged, covariance: &DMatrix<f64>, j: usize) -> FittedParameter {
+    let status = fit.datum.status[j];
     let name = |k: usize| joint.parameters[k].name.as_str();
     let stands_for: Vec<&str> = fit
-        .gauge
+        .datum
         .directions
         .iter()
         .filter(|direction| direction.conventional && !direction.standing)
         .filter(|direction| direction.terms[1..].iter().any(|(k, _)| *k == j))
         .map(|direction| name(direction.terms[0].0))
         .collect();
-    let of_standing = fit.gauge.directions.iter().any(|d| d.standing && d.terms[0].0 == j);
+    let of_standing = fit.datum.directions.iter().any(|d| d.standing && d.terms[0].0 == j);
     let note = match status {
         Status::Held => "held by the model".into(),
         Status::ZeroByConvention if of_standing => "its axis stands still in these runs".into(),

@@ -14,18 +14,21 @@ pub mod noise;
 pub mod problem;
 pub mod solve;
 
+pub use diagnosis::options::DiagnoseError;
 pub use diagnosis::verdict::{
     Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
     Verdict,
 };
-pub use diagnosis::{DiagnoseError, diagnose};
+pub use diagnosis::{diagnose, diagnose_problem};
 pub use fit::identification::{
-    FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, LeftOut, Noise, NoiseOrigin,
-    NoisePart, Outlier, Status, Unobservable,
+    FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, NoisePart, Outlier, Repeatability,
 };
 pub use fit::identify;
 pub use fit::options::{HoldoutWanted, IdentifyError, Outliers, Uncertainties};
+pub use problem::Problem;
 pub use problem::experiment::{Experiment, ExperimentError};
+pub use problem::folds::LeftOut;
 pub use problem::stream::{Nominal, blocks_of, reducer};
 pub use solve::combinations::Combination;
+pub use solve::direction::{Status, Unobservable};
 pub use solve::golden_section::golden_section;

@@ -1,8 +1,8 @@
-//! What to measure next: the cycle that tells rival effects apart, per minute of machine time (DIAGNOSIS §6).
+//! What to measure next: the cycle that tells rival effects apart, per minute of machine time (docs/design/statistics.md §6).
 //!
 //! Rivals are effects that the data cannot tell apart, or that the present cycle cannot see at all. Candidate cycles are made
 //! from the machine and the present setups (`candidates`); for each the states it visits, the columns of rivals and model there
-//! together with the present data (same location errors, ball mounted anew), whitened under a few noise models (`survey`),
+//! together with the present data (same location errors, ball mounted again), whitened under a few noise models (`information`),
 //! and from these the expected ln Bayes factor of every two rivals: T-optimality (`separation`). Cycles that tell every pair
 //! apart come first, then those that tell the first rival from most others, then those that separate the pairs farthest on
 //! average, per minute.
@@ -11,26 +11,27 @@
 mod advice;
 mod answer;
 mod candidates;
-mod desk;
+mod consideration;
+mod design;
+mod information;
 mod knowledge;
 mod present;
 mod preview;
+mod rivals;
 mod separation;
-mod survey;
-mod value;
-mod wanted;
-mod weigh;
+mod utility;
 
 pub use advice::{PlannedCycle, advise};
 pub use answer::{Considered, LeftOpen, Plan};
 pub use preview::{Alias, Preview, preview};
-pub use wanted::{Rivals, rivals_named, wanted};
+pub use rivals::{Rivals, rivals_named, wanted};
 
+use crate::problem::Problem;
 use crate::{Experiment, ExperimentError, IdentifyError};
 use candidates::candidates;
-use desk::Desk;
+use design::CycleDesign;
+use information::Part;
 use present::Present;
-use survey::Part;
 use trunnion_cycles::{Pace, VisitError};
 use trunnion_effects::{Instance, Model, ModelEffect, UnknownEffect};
 
@@ -97,6 +98,15 @@ pub fn plan(
     rivals: &Rivals,
     options: &Options,
 ) -> Result<Plan, PlanError> {
+    plan_problem(&Problem::new(experiment, model)?, rivals, options)
+}
+
+/// The same for a model that is fitted already.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_problem(problem: &Problem<'_>, rivals: &Rivals, options: &Options) -> Result<Plan, PlanError> {
+    let (experiment, model) = (problem.experiment(), problem.model());
     let entries = rivals.entries();
     if let Some(entry) = entries.iter().find(|entry| model.effects.iter().any(|own| own.id == entry.id)) {
         return Err(PlanError::InModel { effect: entry.id.clone() });
@@ -109,22 +119,23 @@ pub fn plan(
         .iter()
         .map(|entry| Instance::from_model_effect(entry, machine))
         .collect::<Result<_, UnknownEffect>>()?;
-    let present = Present::new(experiment, model, options.most_points)?;
+    let present = Present::new(problem, options.most_points)?;
     let (entries, instances) = credible(&present.experiment, rivals, entries, instances);
     let (entries, instances) = (&entries[..], instances);
     let most_shapes = if entries.len() > 4 { FEW_SHAPES } else { MOST_SHAPES };
     let separated_ln = options.separated_ln.min(ENOUGH_LN);
-    let desk = Desk { present: &present, entries, instances: &instances, rivals, most_shapes, separated_ln };
-    let knowledge = desk.knowledge();
-    let before = desk.value(&present.experiment, &knowledge);
+    let design =
+        CycleDesign { present: &present, entries, instances: &instances, rivals, most_shapes, separated_ln };
+    let knowledge = design.knowledge();
+    let before = design.utility(&present.experiment, &knowledge);
 
-    let again = desk.again(&knowledge, options)?;
+    let again = design.again(&knowledge, options)?;
     let states = present.last_states();
     let mut considered = vec![again];
     for candidate in candidates(machine, present.last_setups(), &states, &options.pace) {
-        considered.extend(desk.consider(&candidate, &knowledge, options)?);
+        considered.extend(design.consider(&candidate, &knowledge, options)?);
     }
-    Ok(answer::answer(&desk, &before, considered, options))
+    Ok(answer::answer(&design, &before, considered, options))
 }
 
 /// Without the rivals that move nothing in the present data at any credible size: they explain nothing there.

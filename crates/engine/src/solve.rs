@@ -1,6 +1,7 @@
 //! The arithmetic of a fit: rank-revealing least squares, directions without number, line search.
 
 pub(crate) mod combinations;
+pub(crate) mod direction;
 pub(crate) mod golden_section;
 pub mod linear;
 pub mod null_space;

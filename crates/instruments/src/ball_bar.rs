@@ -1,4 +1,4 @@
-//! Ball bar: change of the distance between two balls, `r = |p_tool − p_table| − L` [S4; S2 §3.1; METHODS §5].
+//! Ball bar: change of the distance between two balls, `r = |p_tool − p_table| − L` [S4; S2 §3.1; docs/design/physics.md §5].
 //!
 //! Limits: the bar must have a direction, i.e. the balls must be apart at every position.
 

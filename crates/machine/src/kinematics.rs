@@ -1,7 +1,7 @@
 //! Exact forward kinematics with an error twist at every joint.
 //!
 //! `machine_from_tip = Π_k  T_k`,  `T_k = Trans(o_k)·Dx Dy Dz Da Db Dc(δ_k, ω_k)·Trans(−o_k)·Motion_k(q_k)`
-//! from the bed outward [METHODS §2; S1 eq. 6–7; S2 eq. 4]. `o_k` is the point in the axes of the carrying
+//! from the bed outward [docs/design/physics.md §2.1; S1 eq. 6–7; S2 eq. 4]. `o_k` is the point in the axes of the carrying
 //! component about which the error acts: a point of the axis line for a rotary axis; the carriage itself, which travels
 //! with the axis, for a linear one (so that angular errors act with the arms of S2 eq. 1).
 //! Legs in parallel come first: of their twists what acts along the leg is an error of the stroke [S3 eq. 4–6].

@@ -1,6 +1,6 @@
 //! The linear rule: how a small twist at one joint moves a point that the joint carries.
 //!
-//! `d(p) = R δ + (R ω) × (p − o)` [METHODS §2], R and o the nominal axes and origin of the joint in the
+//! `d(p) = R δ + (R ω) × (p − o)` [docs/design/physics.md §2.1], R and o the nominal axes and origin of the joint in the
 //! machine frame, p in the machine frame. The sign by which `d` enters a reading belongs to the instrument:
 //! tool side +, table side − when the table carries the nest. The stroke of a leg moves the platform by the Jacobian of
 //! [`crate::tripod`] instead.

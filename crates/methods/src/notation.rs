@@ -15,7 +15,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use trunnion_core::AxisLetter;
-use trunnion_effects::Unit;
+use trunnion_effects::{Role, Unit};
 use trunnion_engine::{Identification, Status};
 use trunnion_machine::{Axis, Machine, Side};
 
@@ -96,7 +96,7 @@ impl Component {
         match notation {
             Notation::Absolute => self.parameter(),
             Notation::Relative => {
-                let what = ["δx", "δy", "δz", "α", "β", "γ"][self.direction as usize];
+                let what = ["δx", "δy", "δz", "α", "β", "γ"][self.direction.index()];
                 format!("{what}_{}{}", self.axis, self.against)
             }
         }
@@ -249,7 +249,7 @@ impl Layout {
 }
 
 fn of_location(effect: &str) -> bool {
-    effect == "location-errors" || effect.starts_with("squareness:")
+    trunnion_effects::catalogue::effect(effect).is_some_and(|effect| effect.role == Role::Location)
 }
 
 #[cfg(test)]

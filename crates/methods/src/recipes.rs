@@ -1,6 +1,6 @@
 //! Named methods: closed recipes of the literature, one file each, one line in [`REGISTRY`].
 //!
-//! A method takes runs and returns [`Findings`]; it does what its source does, with the source's slips mended (METHODS §8),
+//! A method takes runs and returns [`Findings`]; it does what its source does, with the source's slips mended (docs/design/physics.md §8),
 //! so that its figures can be compared with the source and with the joint fit. A test walks the directory and the list.
 
 mod ball_bar;
@@ -16,6 +16,8 @@ pub use convention::Convention;
 pub(crate) use method::one_machine;
 pub use method::{Method, MethodError, MethodOptions};
 
+use trunnion_core::names;
+
 /// Every named method.
 pub static REGISTRY: [&Method; 5] =
     [&two_height::METHOD, &error_map::METHOD, &rotary_values::METHOD, &ball_bar::METHOD, &circular::METHOD];
@@ -27,6 +29,6 @@ pub static REGISTRY: [&Method; 5] =
 pub fn find(name: &str) -> Result<&'static Method, MethodError> {
     REGISTRY.into_iter().find(|method| method.name == name).ok_or_else(|| MethodError::Unknown {
         name: name.into(),
-        allowed: REGISTRY.map(|method| method.name).join(", "),
+        allowed: names::allowed(name, REGISTRY.map(|method| method.name)),
     })
 }

@@ -1,6 +1,6 @@
 //! Volumetric accuracy: what a fitted model says of tool against table all over a volume.
 //!
-//! e(q) = R_t⁻¹ (Σ_tool d(p) − Σ_table d(p)),  d(p) = R δ + (R ω) × (p − o) at every joint      [S2 eq. 1–4; METHODS §2]
+//! e(q) = R_t⁻¹ (Σ_tool d(p) − Σ_table d(p)),  d(p) = R δ + (R ω) × (p − o) at every joint      [S2 eq. 1–4; docs/design/physics.md §2.1, §2.4]
 //! p tool point in machine axes, R_t nominal rotation of the table: deviation of tool against table, actual − nominal, in the axes
 //! of the table (at zero of the rotary axes those of the machine); orientation likewise from ω. e is linear in the parameters,
 //! e = J x, so that u²(e) = J Σ Jᵀ.
@@ -205,7 +205,7 @@ fn unseen(fit: &Identification, columns: &Columns, map: &DMatrix<f64>) -> Vec<Un
         let (shift_mm, turn_rad) = (part(0..3), part(3..6));
         let moved = |letter: &AxisLetter| {
             let part = if letter.is_rotary() { turn_rad } else { shift_mm };
-            let component = *letter as usize;
+            let component = letter.index();
             part > 0.0 && largest(&whole, component..component + 1) > MOVES * part
         };
         AxisLetter::ALL.into_iter().filter(moved).collect()

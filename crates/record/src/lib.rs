@@ -1,4 +1,4 @@
-//! Recordings: one run is one MCAP file (DESIGN §3.8).
+//! Recordings: one run is one MCAP file (docs/design/contracts.md §8).
 //!
 //! While a run is recorded, [`Recorder`] writes an unchunked journal `NAME.mcap.active`, one system call a
 //! message, so that a kill loses nothing that was written. [`Recorder::finish`] rewrites it sorted by

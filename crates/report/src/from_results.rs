@@ -11,23 +11,13 @@ use trunnion_core::{AxisValues, Point, Setup};
 use trunnion_cycles::RunKind;
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_engine::compare::places as worst_places;
-use trunnion_engine::{Diagnosis, Experiment, Identification, NoiseOrigin, Verdict};
+use trunnion_engine::{Diagnosis, Experiment, Identification, Repeatability, Verdict};
 use trunnion_machine::{JointErrors, Machine};
 
 impl CompareInput {
     /// The report of one fit. Label, ladder, losses and timing are the caller's to fill in.
     pub fn new(experiment: &Experiment, fit: &Identification, diagnosis: Option<Diagnosis>) -> Self {
-        let mut identification = IdentificationView::from(fit);
-        if let Some(noise_um) = diagnosis.as_ref().map(|d| d.residual.noise_um).filter(|um| *um > 0.0) {
-            let repeats = match (identification.noise.rms_um, fit.noise.degrees_of_freedom) {
-                (Some(um), n) => {
-                    format!("; poses measured more than once repeat within {um:.2} µm ({n} repeats)")
-                }
-                (None, _) => "; no pose was measured twice".into(),
-            };
-            let origin = format!("what would be left if nothing were missing{repeats}");
-            identification.noise = Noise { rms_um: Some(noise_um), origin };
-        }
+        let identification = IdentificationView::from(fit);
         // Where the diagnosis hears nothing but noise, no place is blamed.
         let silent = diagnosis.as_ref().is_some_and(|d| d.verdict == Verdict::NoiseFloor);
         let places = if silent { Vec::new() } else { worst_places(experiment, &fit.residual_mm, &fit.used) };
@@ -38,6 +28,7 @@ impl CompareInput {
             points: points_of(experiment, &fit.predicted_mm, &fit.used),
             every: every(experiment),
             on_the_fly: experiment.kinds.contains(&RunKind::OnTheFly),
+            rotary: experiment.machine().rotary_joints(),
             places,
             ladder: Vec::new(),
             diagnosis,
@@ -96,7 +87,7 @@ pub fn ladder_of(model: &Model) -> Vec<LadderRow> {
             fit_after_um: ladder.error_after_um,
             holdout_before_um: ladder.holdout_before_um,
             holdout_after_um: ladder.holdout_after_um,
-            noise_um: Some(ladder.noise_um),
+            noise_um: ladder.noise_um,
             moved: ladder.moved.clone(),
         })
     };
@@ -254,7 +245,7 @@ impl From<&Identification> for IdentificationView {
             points: fit.points,
             outliers: fit.outliers.len(),
             rms_um: um_from_mm(fit.rms_mm),
-            noise: noise_view(fit.noise),
+            noise: noise_view(fit.repeatability),
             holdout_rms_um: fit.holdout_rms_mm().map(um_from_mm),
             parameters: fit.parameters.iter().map(parameter).collect(),
             unobservable: fit.unobservable.iter().map(unobservable).collect(),
@@ -262,16 +253,12 @@ impl From<&Identification> for IdentificationView {
     }
 }
 
-/// A noise figure taken from the residual itself is no floor: it contains whatever the model lacks.
-fn noise_view(noise: trunnion_engine::Noise) -> Noise {
-    match noise.origin {
-        NoiseOrigin::Repeats => Noise {
-            rms_um: Some(um_from_mm(noise.sigma_mm)),
-            origin: format!("poses measured more than once, {} degrees of freedom", noise.degrees_of_freedom),
+fn noise_view(repeatability: Option<Repeatability>) -> Noise {
+    match repeatability {
+        Some(found) => Noise {
+            rms_um: Some(um_from_mm(found.sigma_mm)),
+            origin: format!("poses measured more than once, {} repeats", found.repeats),
         },
-        NoiseOrigin::Residual => Noise {
-            rms_um: None,
-            origin: "unknown: no pose was measured twice, so nothing separates noise from error".into(),
-        },
+        None => Noise { rms_um: None, origin: "not known: no pose was measured twice".into() },
     }
 }

@@ -78,7 +78,7 @@ pub fn ladder_html(machine: &str, rows: &[LadderRow]) -> String {
 fn ladder_verdict(machine: &str, rows: &[LadderRow]) -> String {
     let Some((first, last)) = rows.first().zip(rows.last()) else { return format!("Machine {machine}") };
     let effects = if rows.len() == 1 { "one effect".into() } else { format!("{} effects", rows.len()) };
-    let floor = last.noise_um.map_or(String::new(), |noise| format!(" (noise floor {})", um(noise)));
+    let floor = last.noise_um.map_or(String::new(), |noise| format!(" (repeatability {})", um(noise)));
     format!(
         "Machine {machine}: {effects} took the error from {} to {}{floor}",
         um(first.fit_before_um),

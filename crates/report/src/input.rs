@@ -1,7 +1,7 @@
 //! What a report shows: plain data, whoever computed it.
 
 use nalgebra::{Matrix3, Vector3};
-use trunnion_core::AxisValues;
+use trunnion_core::{AxisLetter, AxisValues};
 use trunnion_effects::Moved;
 use trunnion_engine::Diagnosis;
 use trunnion_engine::compare::Place as WorstPlace;
@@ -22,6 +22,8 @@ pub struct CompareInput {
     pub every: usize,
     /// True when the points were sampled while an axis turned.
     pub on_the_fly: bool,
+    /// Rotary joints of the machine.
+    pub rotary: Vec<AxisLetter>,
     /// Where the model fails most, worst first; empty when no place stands out of the noise.
     pub places: Vec<WorstPlace>,
     /// The list of effects added, with the error after each.
@@ -47,7 +49,7 @@ pub struct Trial {
     pub fit_um: [f64; 2],
     /// Held-out residual without and with it, µm rms.
     pub holdout_um: [Option<f64>; 2],
-    /// The noise floor.
+    /// The repeatability.
     pub noise: Noise,
     /// Parameters of the effect.
     pub parameters: Vec<ParameterRow>,
@@ -76,7 +78,7 @@ pub struct IdentificationView {
     pub outliers: usize,
     /// Root mean square of the residual, µm per component, outliers left out.
     pub rms_um: f64,
-    /// The noise floor.
+    /// The repeatability.
     pub noise: Noise,
     /// Residual on data left out of the fit, µm rms.
     pub holdout_rms_um: Option<f64>,
@@ -88,7 +90,7 @@ pub struct IdentificationView {
     pub seen_together: Vec<ParameterRow>,
 }
 
-/// What would remain if nothing were missing.
+/// Repeatability of a reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Noise {
     /// µm rms per component; `None` when the cycle has nothing to estimate it from.
@@ -186,7 +188,7 @@ pub struct LadderRow {
     pub holdout_before_um: Option<f64>,
     /// Held-out residual after, µm rms.
     pub holdout_after_um: Option<f64>,
-    /// Noise floor at this step, µm rms.
+    /// Repeatability at this step, µm rms.
     pub noise_um: Option<f64>,
     /// Parameters of the effects before it that moved when it came in, most moved first.
     pub moved: Vec<Moved>,

@@ -31,3 +31,4 @@ pub use text::{
 };
 pub use time_quality::{duration, time_quality_json};
 pub use volumetric::error_map_csv;
+pub use words::repeatability;

@@ -14,7 +14,7 @@ use crate::number::{percent, plain, um, um_or_dash, unit_on_screen, value_and_u}
 use crate::views::cuts;
 use crate::words::{
     NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, formula_shape,
-    formula_site, headline, planned_words, trial_verdict, verdict,
+    formula_site, headline, planned_words, repeatability, trial_verdict, verdict,
 };
 use crate::{CompareInput, IdentificationView, Noise, ParameterRow, Trial};
 use std::iter::once;
@@ -24,8 +24,6 @@ use trunnion_engine::{Candidate, Diagnosis, FormulaProposal};
 
 /// Longest bar, characters.
 const BAR: f64 = 30.0;
-/// Widest paragraph, characters.
-const LINE: usize = 100;
 
 /// Fit, parameters with uncertainty, and what cannot be told apart.
 pub fn identification_text(view: &IdentificationView) -> String {
@@ -35,7 +33,7 @@ pub fn identification_text(view: &IdentificationView) -> String {
         &[
             vec!["points".into(), format!("{} ({} set aside)", view.points, view.outliers)],
             vec!["error left".into(), format!("{} rms", um(view.rms_um))],
-            vec!["noise floor".into(), noise(&view.noise)],
+            vec!["repeatability".into(), noise(&view.noise)],
             vec!["held-out".into(), um_or_dash(view.holdout_rms_um)],
         ],
         &[],
@@ -102,7 +100,7 @@ pub fn trial_text(trial: &Trial) -> String {
             row("fit after", Some(trial.fit_um[1])),
             row("held-out before", trial.holdout_um[0]),
             row("held-out after", trial.holdout_um[1]),
-            row("noise floor", trial.noise.rms_um),
+            row("repeatability", trial.noise.rms_um),
         ],
         &[1],
     );
@@ -128,9 +126,9 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
     let residual = &diagnosis.residual;
     let mut out = format!("{}\n", clean(&headline(&input)));
     out += &format!(
-        "{} rms left, noise floor {}: {} of the mean square is above the noise.\n",
+        "{} rms left ({}); what was found explains {} of the mean square.\n",
         um(residual.rms_um),
-        um(residual.noise_um),
+        repeatability(residual.noise_um),
         percent(residual.unexplained_fraction)
     );
     if !diagnosis.candidates.is_empty() {
@@ -141,7 +139,7 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
                 c.effect.clone(),
                 format!("10^{:.1}", c.evidence),
                 um(c.rms_um_after),
-                um(c.holdout_rms_um_after),
+                um_or_dash(c.holdout_rms_um_after),
                 percent(c.explains_fraction),
                 if c.adequate { "yes" } else { "no" }.into(),
                 c.confused_with.join(", "),
@@ -254,21 +252,12 @@ fn bar(value: f64, largest: f64) -> String {
     if share.is_finite() { "#".repeat((share * BAR).round().clamp(0.0, BAR) as usize) } else { String::new() }
 }
 
-/// Indented lines of at most [`LINE`] characters.
+/// One indented line; the terminal wraps it.
 fn paragraph(text: &str) -> String {
-    let mut out = String::new();
-    let mut line = String::new();
-    for word in clean(text).split_whitespace() {
-        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > LINE - 2 {
-            out += &format!("  {line}\n");
-            line.clear();
-        }
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        line += word;
+    match clean(text).split_whitespace().collect::<Vec<_>>().join(" ") {
+        line if line.is_empty() => line,
+        line => format!("  {line}\n"),
     }
-    if line.is_empty() { out } else { out + &format!("  {line}\n") }
 }
 
 /// Columns two blanks apart; those in `right` are aligned right.

@@ -2,7 +2,7 @@
 
 use crate::number::{degrees, percent, plain, um, um_or_dash, unit_on_screen};
 use crate::{CompareInput, ParameterRow, Trial};
-use trunnion_effects::catalogue::REGISTRY;
+use trunnion_effects::catalogue::effect;
 use trunnion_effects::{About, Moved, SOURCES};
 use trunnion_engine::next_cycle::PlannedCycle;
 use trunnion_engine::{Candidate, Diagnosis, FormulaProposal, ShapeNumber, Verdict};
@@ -14,8 +14,7 @@ const LEVER_MM: f64 = 100.0;
 
 /// What the catalogue knows of an effect id; `None` for a formula or a foreign id.
 pub fn about(id: &str) -> Option<&'static About> {
-    let phenomenon = id.split(':').next()?;
-    REGISTRY.iter().find(|effect| effect.phenomenon == phenomenon).map(|effect| &effect.about)
+    effect(id).map(|effect| &effect.about)
 }
 
 /// `Title (id)`, or the id alone.
@@ -30,10 +29,13 @@ pub fn headline(input: &CompareInput) -> String {
     let Some(diagnosis) = &input.diagnosis else {
         return match input.identification.noise.rms_um {
             Some(noise_um) if rms_um > 1.25 * noise_um => {
-                format!("Something is missing from the model: {left} rms left, noise floor {}", um(noise_um))
+                format!(
+                    "Something is missing from the model: {left} rms left, repeatability {}",
+                    um(noise_um)
+                )
             }
             Some(noise_um) => {
-                format!("The model reaches the noise: {left} rms left, noise floor {}", um(noise_um))
+                format!("The model reaches the noise: {left} rms left, repeatability {}", um(noise_um))
             }
             None => format!("The model leaves {left} rms; how much of it is noise is not known"),
         };
@@ -59,10 +61,10 @@ pub fn verdict(input: &CompareInput) -> Vec<String> {
             (Verdict::MissingEffect, Some(best), _) => sentences.extend(named(diagnosis, best)),
             (_, _, formula) => {
                 sentences.push(format!(
-                    "The readings differ from what the model predicts by {} rms, while a reading repeats within {}: \
+                    "The readings differ from what the model predicts by {} rms ({}): \
                      part of this is no chance, and no effect of the catalogue describes it.",
                     um(diagnosis.residual.rms_um),
-                    um(diagnosis.residual.noise_um)
+                    repeatability(diagnosis.residual.noise_um)
                 ));
                 if let Some(formula) = formula {
                     sentences.push(unnamed(diagnosis, formula));
@@ -73,6 +75,14 @@ pub fn verdict(input: &CompareInput) -> Vec<String> {
     let besides = if sentences.is_empty() { "" } else { "Besides, " };
     sentences.extend(location_sentence(&input.identification.parameters, besides));
     sentences
+}
+
+/// How well readings repeat, for a bracket.
+pub fn repeatability(noise_um: Option<f64>) -> String {
+    noise_um.map_or_else(
+        || "repeatability not known: no pose was measured twice".into(),
+        |noise_um| format!("repeatability {}", um(noise_um)),
+    )
 }
 
 fn nothing_left(input: &CompareInput, diagnosis: &Diagnosis) -> Vec<String> {
@@ -95,9 +105,9 @@ fn nothing_left(input: &CompareInput, diagnosis: &Diagnosis) -> Vec<String> {
         ));
     }
     sentences.push(format!(
-        "What the model leaves ({} rms) is what the readings scatter by ({}); nothing in it points at a further cause.",
+        "The model leaves {} rms ({}); nothing in it points at a further cause.",
         um(diagnosis.residual.rms_um),
-        um(diagnosis.residual.noise_um)
+        repeatability(diagnosis.residual.noise_um)
     ));
     sentences
 }
@@ -109,10 +119,10 @@ fn named(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
         sentences.push(format!("Likely cause: {}", about.cause));
     }
     sentences.push(format!(
-        "With this effect in the model the error left falls from {} to {} rms; readings scatter by {}.",
+        "With this effect in the model the error left falls from {} to {} rms ({}).",
         um(diagnosis.residual.rms_um),
         um(best.rms_um_after),
-        um(diagnosis.residual.noise_um)
+        repeatability(diagnosis.residual.noise_um)
     ));
     sentences.push(match (best.adequate, best.confused_with.is_empty()) {
         (true, true) => {
@@ -127,9 +137,10 @@ fn named(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
 }
 
 fn unnamed(diagnosis: &Diagnosis, formula: &FormulaProposal) -> String {
-    let part = match formula.rms_um_after > 1.25 * diagnosis.residual.noise_um {
-        true => "so a part remains even then",
-        false => "which is down to the noise",
+    let part = match diagnosis.residual.noise_um {
+        Some(noise_um) if formula.rms_um_after > 1.25 * noise_um => "so a part remains even then",
+        Some(_) => "which is down to the repeatability",
+        None => "and how much of that is noise is not known",
     };
     let resembles = formula.resembles.as_ref().map_or(String::new(), |id| {
         format!(" The named effect closest to it is {}, which does not fit fully.", effect_name(id))
@@ -169,11 +180,12 @@ fn location_sentence(parameters: &[ParameterRow], besides: &str) -> Option<Strin
 
 /// `axis B lies 13.6 µm off along Z` from `EZ0B`; `None` for what is no location error.
 fn location_words(name: &str, value: f64) -> Option<String> {
-    let [b'E', direction, b'0', axis] = name.as_bytes() else { return None };
-    let (direction, axis) = (char::from(*direction), char::from(*axis));
+    let (direction, axis) = name.strip_prefix('E')?.split_once('0')?;
+    let ([direction], false) = (direction.as_bytes(), axis.is_empty()) else { return None };
+    let direction = char::from(*direction);
     match direction {
         'X' | 'Y' | 'Z' => Some(format!("axis {axis} lies {} µm off along {direction}", plain(value))),
-        'A' | 'B' | 'C' if direction == axis => {
+        'A' | 'B' | 'C' if axis.strip_prefix(direction) == Some("") => {
             Some(format!("the zero of {axis} is off by {} µrad", plain(value)))
         }
         'A' | 'B' | 'C' => {
@@ -251,7 +263,7 @@ pub fn trial_verdict(trial: &Trial) -> String {
         ratio if ratio <= 1.01 => "It does not help: what it has not seen it predicts no better.",
         _ => "It harms: what it has not seen it predicts worse.",
     };
-    format!("{fit}, {out} (noise floor {}). {word}{then}", um_or_dash(trial.noise.rms_um))
+    format!("{fit}, {out} (repeatability {}). {word}{then}", um_or_dash(trial.noise.rms_um))
 }
 
 /// Said where no place can be blamed: nothing is left, or it is spread over everything.
@@ -286,7 +298,7 @@ pub fn explanation(id: &str) -> Vec<(&'static str, String)> {
 
 /// The sources of an effect with their authors instead of the catalogue's numbers; empty where it has none of its own.
 pub fn sources(source: &str) -> String {
-    let public = source.split("; ").filter(|part| !part.starts_with("METHODS"));
+    let public = source.split("; ").filter(|part| !part.starts_with("docs/"));
     let named = |part: &str| {
         let known = SOURCES.iter().find_map(|(number, author)| Some((author, part.strip_prefix(number)?)));
         known.map_or(part.to_string(), |(author, rest)| format!("{author}{rest}"))

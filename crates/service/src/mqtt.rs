@@ -1,4 +1,4 @@
-//! Plant status over MQTT: plain JSON topics with retained state and a last will (HARDWARE §5).
+//! Plant status over MQTT: plain JSON topics with retained state and a last will (docs/design/protocols.md §5).
 //!
 //! One task polls the connection. Publishing never waits for the broker: each topic keeps its latest value, and every
 //! latest value is sent again after each CONNACK, because a broker that forgot the session drops what

@@ -31,7 +31,7 @@ use mishaps::Hampel;
 use pass::{PassKey, PassSums};
 use std::collections::HashMap;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::{AxisValues, Point, Quality, State};
+use trunnion_core::{AxisValues, Point, Quality, Slot, State};
 
 pub use pass::{Band, PassSummary};
 
@@ -288,7 +288,7 @@ fn goes_on(last: &Last, state: &State, pause_s: f64) -> bool {
         (Some(before), Some(now)) => (0.0..=pause_s).contains(&(now - before)),
         _ => true,
     };
-    let travelled = |letter| (state.position[letter] - last.position[letter]).abs() / UNIT[letter];
+    let travelled = |letter: Slot| (state.position[letter] - last.position[letter]).abs() / UNIT[letter];
     in_time && state.position.iter().all(|(letter, _)| travelled(letter) <= 8.0)
 }
 

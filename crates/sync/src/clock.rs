@@ -1,5 +1,5 @@
 //! Device clock to host clock by the lower convex hull.
-//! y = a·x + b + d, d ≥ d_min                                                             [HARDWARE §4]
+//! y = a·x + b + d, d ≥ d_min                                                             [docs/design/protocols.md §4.1]
 //! x device ticks (unwrapped), y arrival on the host's monotonic clock, ns; a = a₀·(1 + drift); d the delay of one
 //! arrival. The line is the edge of the lower hull above the mean of x: of all lines below every point the one with
 //! the least sum of distances [Moon, Skelly, Towsley, "Estimation and removal of clock skew", INFOCOM 1999].
@@ -17,10 +17,10 @@ pub use track::{ClockTrack, Jump};
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trunnion_core::HostTime;
     use proptest::prelude::*;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
+    use trunnion_core::HostTime;
 
     /// A device that measures every `period_s` with a clock off by `drift`, read through a timer of `timer_s`.
     struct Link {
@@ -66,7 +66,7 @@ mod tests {
             let fitted: Vec<f64> =
                 run.iter().map(|&(ticks, truth, _)| fit.to_host(ticks).0 as f64 * 1e-9 - truth).collect();
             let raw: Vec<f64> = run.iter().map(|&(_, truth, y)| y.0 as f64 * 1e-9 - truth).collect();
-            // HARDWARE §4: 4.6 ms by arrival, 17 µs by the hull.
+            // docs/design/protocols.md §4.1: 4.6 ms by arrival, 17 µs by the hull.
             assert!(rms(&raw) > 4e-3, "{}", rms(&raw));
             assert!(rms(&fitted) < 50e-6, "{}", rms(&fitted));
             assert!((fit.drift - 30e-6).abs() < 2e-6, "{}", fit.drift);

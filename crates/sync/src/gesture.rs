@@ -1,5 +1,5 @@
 //! Sync gestures: strokes of one linear axis that the axes and the probes see alike.
-//! p(t) = a + g·x(t − τ)                                                                     [HARDWARE §4]
+//! p(t) = a + g·x(t − τ)                                                                     [docs/design/protocols.md §4.3]
 //! p reading of a channel at its own time t, x position of the axis, g change of the reading by the motion, τ by how much the
 //! readings come after the axes. At a velocity v and a noise σ every reading tells τ to σ/(g·v).
 //! The least delay of each line of transport (`d_min`, clock) is in τ, and so is the delay inside probe and control.
@@ -328,7 +328,7 @@ mod tests {
                 }
             }
         }
-        // 24 delays; HARDWARE §4 speaks of 20 µs.
+        // 24 delays; docs/design/protocols.md §4.3 speaks of 20 µs.
         assert!(worst < 4.0 && largest_u < 60e-6, "worst {worst} u, largest u {largest_u}");
     }
 

@@ -1,7 +1,7 @@
 //! The clocks of a whole run, once it is over.
 //!
 //! While a run goes on a line knows only the past: its first seconds are timed by the first arrivals. Afterwards every sample
-//! is timed by the line through the whole run [HARDWARE §4]. Two readings of the run: [`Survey`] takes every stamp, then
+//! is timed by the line through the whole run [docs/design/protocols.md §4.1]. Two readings of the run: [`Survey`] takes every stamp, then
 //! [`Retiming`] gives every sample its time. One line for each connection, and one more after each jump of a clock.
 
 use crate::clock::{ClockLine, ClockTrack, Jump, Translation};

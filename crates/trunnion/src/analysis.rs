@@ -3,10 +3,11 @@
 //! The same path for a live run, a replay, an import and the demo. Pure: the caller writes the files.
 
 use trunnion_core::convert;
-use trunnion_effects::catalogue::BASE;
-use trunnion_effects::{LadderRow, Model, ModelEffect, Moved};
+use trunnion_effects::catalogue::{BASE, LOCATION_ERRORS};
+use trunnion_effects::{Formula, LadderRow, Model, ModelEffect, Moved};
 use trunnion_engine::{
-    DiagnoseError, Diagnosis, Experiment, FittedParameter, Identification, IdentifyError, Verdict, next_cycle,
+    DiagnoseError, Diagnosis, Experiment, FittedParameter, FormulaProposal, Identification, IdentifyError,
+    Problem, Verdict, diagnose_problem, next_cycle,
 };
 
 /// What an analysis can fail on.
@@ -110,31 +111,40 @@ const MOST_STEPS: usize = 5;
 /// # Errors
 /// When a fit or a diagnosis fails.
 pub fn climb(experiment: &Experiment, model: &Model, date: &str) -> Result<Analysis, AnalysisError> {
-    let mut analysis = ascend(experiment, model, date)?;
+    let first = Problem::new(experiment, model)?;
+    let (mut analysis, last) = ascend(&first, date)?;
     // What is reported is planned for: the first diagnosis and the last.
     let steps = analysis.diagnoses.len();
     if steps > 1 {
-        advise(experiment, model, &mut analysis.diagnoses[0]);
+        advise(&first, &mut analysis.diagnoses[0]);
     }
-    advise(experiment, &analysis.model, &mut analysis.diagnoses[steps - 1]);
+    advise(&last, &mut analysis.diagnoses[steps - 1]);
     Ok(analysis)
 }
 
-fn ascend(experiment: &Experiment, model: &Model, date: &str) -> Result<Analysis, AnalysisError> {
-    let before = fit(experiment, model)?;
-    let mut analysis = Analysis { before, steps: Vec::new(), diagnoses: Vec::new(), model: model.clone() };
+fn ascend<'a>(first: &Problem<'a>, date: &str) -> Result<(Analysis, Problem<'a>), AnalysisError> {
+    let mut problem = first.clone();
+    let (mut steps, mut diagnoses) = (Vec::new(), Vec::new());
     loop {
-        let diagnosis = diagnose(experiment, &analysis.model)?;
+        let diagnosis = diagnosed(&problem)?;
         let best = match diagnosis.verdict {
             Verdict::MissingEffect => diagnosis.candidates.first().map(|candidate| candidate.effect.clone()),
             Verdict::UnnamedStructure | Verdict::NoiseFloor => None,
         };
-        analysis.diagnoses.push(diagnosis);
-        let Some(effect) = best.filter(|_| analysis.steps.len() < MOST_STEPS) else { return Ok(analysis) };
-        let step = add(experiment, &analysis.model, &effect, date)?;
-        analysis.model = step.model.clone();
-        analysis.steps.push(step);
+        diagnoses.push(diagnosis);
+        let Some(effect) = best.filter(|_| steps.len() < MOST_STEPS) else {
+            let (before, model) = (first.fit().clone(), problem.model().clone());
+            return Ok((Analysis { before, steps, diagnoses, model }, problem));
+        };
+        let added = ModelEffect { id: effect, ..ModelEffect::default() };
+        let (step, larger) = put_on(&problem, vec![added], date)?;
+        problem = larger;
+        steps.push(step);
     }
+}
+
+fn diagnosed(problem: &Problem<'_>) -> Result<Diagnosis, DiagnoseError> {
+    diagnose_problem(problem, &trunnion_engine::diagnosis::Options::default())
 }
 
 /// Diagnoses with the default options.
@@ -142,7 +152,7 @@ fn ascend(experiment: &Experiment, model: &Model, date: &str) -> Result<Analysis
 /// # Errors
 /// When the model does not fit the runs.
 pub fn diagnose(experiment: &Experiment, model: &Model) -> Result<Diagnosis, DiagnoseError> {
-    trunnion_engine::diagnose(experiment, model, &trunnion_engine::diagnosis::Options::default())
+    diagnosed(&Problem::new(experiment, model)?)
 }
 
 /// Diagnoses, and where candidates are confused plans the cycle that tells them apart.
@@ -150,13 +160,14 @@ pub fn diagnose(experiment: &Experiment, model: &Model) -> Result<Diagnosis, Dia
 /// # Errors
 /// When the model does not fit the runs.
 pub fn diagnose_and_plan(experiment: &Experiment, model: &Model) -> Result<Diagnosis, DiagnoseError> {
-    let mut diagnosis = diagnose(experiment, model)?;
-    advise(experiment, model, &mut diagnosis);
+    let problem = Problem::new(experiment, model)?;
+    let mut diagnosis = diagnosed(&problem)?;
+    advise(&problem, &mut diagnosis);
     Ok(diagnosis)
 }
 
-fn advise(experiment: &Experiment, model: &Model, diagnosis: &mut Diagnosis) {
-    next_cycle::advise(experiment, model, diagnosis, &next_cycle::Options::default());
+fn advise(problem: &Problem<'_>, diagnosis: &mut Diagnosis) {
+    next_cycle::advise(problem, diagnosis, &next_cycle::Options::default());
 }
 
 /// Adds one effect to a model and refits. A `formula:NAME` takes the expression the diagnosis proposes.
@@ -164,8 +175,13 @@ fn advise(experiment: &Experiment, model: &Model, diagnosis: &mut Diagnosis) {
 /// # Errors
 /// When a fit fails or nobody proposed the formula.
 pub fn add(experiment: &Experiment, model: &Model, id: &str, date: &str) -> Result<Step, AnalysisError> {
-    let entries = entries(experiment, model, id, &FormulaText::default())?;
-    put(experiment, model, entries, date)
+    let problem = Problem::new(experiment, model)?;
+    let entry = entry(id, &FormulaText::default())?;
+    let entries = match is_complete(&entry) {
+        true => vec![entry],
+        false => proposed(diagnosed(&problem)?.formula, entry, &FormulaText::default())?,
+    };
+    Ok(put_on(&problem, entries, date)?.0)
 }
 
 /// Puts entries, one at least, at the end of a model, refits, and measures their ladder rows.
@@ -178,21 +194,27 @@ pub fn put(
     entries: Vec<ModelEffect>,
     date: &str,
 ) -> Result<Step, AnalysisError> {
-    let first = model.effects.len();
-    let mut larger = model.clone();
-    let before = fit(experiment, model)?;
-    let mut identification = before.clone();
-    for entry in entries {
-        larger.effects.push(entry);
-        let after = fit(experiment, &larger)?;
-        let last = larger.effects.len() - 1;
-        larger.effects[last].ladder = Some(ladder_row(experiment, &identification, &after, date));
-        identification = after;
+    Ok(put_on(&Problem::new(experiment, model)?, entries, date)?.0)
+}
+
+fn put_on<'a>(
+    problem: &Problem<'a>,
+    mut entries: Vec<ModelEffect>,
+    date: &str,
+) -> Result<(Step, Problem<'a>), AnalysisError> {
+    let (experiment, before) = (problem.experiment(), problem.fit());
+    let mut larger = problem.clone();
+    for entry in &mut entries {
+        let with = larger.with(std::slice::from_ref(entry))?;
+        entry.ladder = Some(ladder_row(experiment, larger.fit(), with.fit(), date));
+        larger = with;
     }
-    let entries = larger.effects[first..].to_vec();
+    let mut model = problem.model().clone();
+    model.effects.extend(entries.iter().cloned());
     let mut entry = entries.first().cloned().unwrap_or_default();
-    entry.ladder = Some(ladder_row(experiment, &before, &identification, date));
-    Ok(Step { entry, entries, model: larger, before, identification })
+    entry.ladder = Some(ladder_row(experiment, before, larger.fit(), date));
+    let step = Step { entry, entries, model, before: before.clone(), identification: larger.fit().clone() };
+    Ok((step, larger))
 }
 
 /// A model without one of its effects. The ladder rows of the effects after it are measured anew, because they said what
@@ -227,10 +249,10 @@ fn measure_ladder(
         |last: usize| Model { machine: model.machine.clone(), effects: model.effects[..last].to_vec() };
     let mut rows = Vec::new();
     if first < model.effects.len() {
-        let mut before = fit(experiment, &until(first))?;
-        for at in first..model.effects.len() {
-            let after = fit(experiment, &until(at + 1))?;
-            rows.push(ladder_row(experiment, &before, &after, date));
+        let mut before = Problem::new(experiment, &until(first))?;
+        for entry in &model.effects[first..] {
+            let after = before.with(std::slice::from_ref(entry))?;
+            rows.push(ladder_row(experiment, before.fit(), after.fit(), date));
             before = after;
         }
     }
@@ -240,10 +262,6 @@ fn measure_ladder(
         }
     }
     Ok(())
-}
-
-fn fit(experiment: &Experiment, model: &Model) -> Result<Identification, IdentifyError> {
-    trunnion_engine::identify(experiment, model, &trunnion_engine::fit::Options::default())
 }
 
 fn ladder_row(
@@ -260,7 +278,8 @@ fn ladder_row(
         error_after_um: convert::um_from_mm(after.rms_mm),
         holdout_before_um: holdout_um(before),
         holdout_after_um: holdout_um(after),
-        noise_um: convert::um_from_mm(after.noise.sigma_mm),
+        holdout_unit: after.holdout.map(|holdout| holdout.left_out.name().into()),
+        noise_um: after.repeatability.map(|noise| convert::um_from_mm(noise.sigma_mm)),
         moved: moved(before, after),
     }
 }
@@ -279,7 +298,7 @@ fn moved(before: &Identification, after: &Identification) -> Vec<Moved> {
         if let (Some((before, after)), Some(u)) = (values, now.screen_u()) {
             let unit = now.unit.symbol.into();
             let one = Moved { name: now.name.clone(), before, after, u, unit };
-            moved.push((now.effect == BASE[0], one));
+            moved.push((now.effect == LOCATION_ERRORS, one));
         }
     }
     moved.sort_by(|a, b| b.1.in_u().total_cmp(&a.1.in_u()));
@@ -299,24 +318,41 @@ pub fn entries(
     id: &str,
     told: &FormulaText,
 ) -> Result<Vec<ModelEffect>, AnalysisError> {
-    let Some(name) = id.strip_prefix("formula:") else {
-        if *told != FormulaText::default() {
-            return Err(AnalysisError::NoFormula { id: id.into() });
-        }
-        return Ok(vec![ModelEffect { id: id.into(), ..ModelEffect::default() }]);
-    };
-    let entry = ModelEffect {
+    let entry = entry(id, told)?;
+    if is_complete(&entry) {
+        return Ok(vec![entry]);
+    }
+    proposed(diagnose(experiment, model)?.formula, entry, told)
+}
+
+/// True for what can be added as it is.
+fn is_complete(entry: &ModelEffect) -> bool {
+    let described = entry.site.is_some() && entry.component.is_some() && entry.expression.is_some();
+    Formula::name_of(&entry.id).is_none() || described
+}
+
+/// An effect as far as the user describes it.
+fn entry(id: &str, told: &FormulaText) -> Result<ModelEffect, AnalysisError> {
+    if Formula::name_of(id).is_none() && *told != FormulaText::default() {
+        return Err(AnalysisError::NoFormula { id: id.into() });
+    }
+    Ok(ModelEffect {
         id: id.into(),
         site: told.site.clone(),
         component: told.component.clone(),
         expression: told.expression.clone(),
         grid: told.grid.clone(),
         ..ModelEffect::default()
-    };
-    if entry.site.is_some() && entry.component.is_some() && entry.expression.is_some() {
-        return Ok(vec![entry]);
-    }
-    let proposal = diagnose(experiment, model)?.formula;
+    })
+}
+
+/// What is not told of a formula, from the one that a diagnosis proposes.
+fn proposed(
+    proposal: Option<FormulaProposal>,
+    entry: ModelEffect,
+    told: &FormulaText,
+) -> Result<Vec<ModelEffect>, AnalysisError> {
+    let name = Formula::name_of(&entry.id).unwrap_or_default();
     match proposal {
         Some(formula) if formula.name == name && *told == FormulaText::default() => Ok(formula.entries),
         Some(formula) if formula.name == name => Ok(vec![ModelEffect {
@@ -331,8 +367,8 @@ pub fn entries(
             ..entry
         }]),
         other => Err(AnalysisError::NoSuchFormula {
-            id: id.into(),
-            proposed: other.map_or("none now".into(), |formula| format!("formula:{}", formula.name)),
+            id: entry.id,
+            proposed: other.map_or("none now".into(), |formula| Formula::id_of(&formula.name)),
         }),
     }
 }

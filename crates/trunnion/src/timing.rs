@@ -195,15 +195,17 @@ fn nest_motion(plan: &Plan, axis: AxisLetter, position: &AxisValues<f64>) -> Vec
 
 /// What the sweeps of an experiment tell of the delay between rotary and linear axes, and of the probes where their motion shows
 /// it; `None` at rest. With one feed, or in one direction, a delay looks like backlash or the phase of a once-per-turn error:
-/// then it is only said what is missing [METHODS §9].
+/// then it is only said what is missing [docs/design/physics.md §9.8].
 ///
 /// # Errors
 /// When the fit fails.
 pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, IdentifyError> {
     let scene = &experiment.scene;
-    let turning: Vec<AxisLetter> = AxisLetter::ROTARY
+    let turning: Vec<AxisLetter> = scene
+        .machine
+        .rotary_joints()
         .into_iter()
-        .filter(|&letter| scene.machine.axis(letter).is_some() && scene.speed_range[letter].1 > 0.0)
+        .filter(|&letter| scene.speed_range[letter].1 > 0.0)
         .collect();
     if !scene.on_the_fly || turning.is_empty() {
         return Ok(None);

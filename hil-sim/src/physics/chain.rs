@@ -1,7 +1,7 @@
 //! Poses of table and tool with errors, by 4×4 matrices of this crate's own.
 //!
 //! `machine_from_tip = Π T_k`, `T_k = Trans(o)·Dx Dy Dz·Da Db Dc(δ, ω)·Trans(−o)·Motion(q)` from the bed
-//! outward [METHODS §2; S1 eq. 6–7], a platform of parallel legs before the joints in series; o a point of a rotary axis' line, or the travelling carriage of a linear one.
+//! outward [docs/design/physics.md §2.1; S1 eq. 6–7], a platform of parallel legs before the joints in series; o a point of a rotary axis' line, or the travelling carriage of a linear one.
 
 use super::legs;
 use super::rotation::turned;
@@ -56,5 +56,5 @@ fn about_point(point_mm: &Point3<f64>, rotation: &Matrix3<f64>) -> Matrix4<f64> 
 
 /// Unit vector of an axis letter: X and A along x, Y and B along y, Z and C along z.
 pub fn unit(letter: AxisLetter) -> Vector3<f64> {
-    Vector3::ith(letter as usize % 3, 1.0)
+    Vector3::ith(letter.index() % 3, 1.0)
 }

@@ -1,7 +1,7 @@
 //! The poses of the usual cycles on a B–C table: the grid of S1 at rest, and a C sweep on the fly.
 //!
 //! S1 grid: B −90…90° step 30°, C 0…330° step 30° in one direction, then everything backwards, one setup
-//! after the other; the linear axes follow the ball [METHODS §4]. Times as on a real machine.
+//! after the other; the linear axes follow the ball [docs/design/physics.md §4.1]. Times as on a real machine.
 
 use crate::truth::SimSetup;
 use nalgebra::Point3;

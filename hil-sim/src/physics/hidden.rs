@@ -37,7 +37,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trunnion_machine::Machine;
 
-/// Raw rms of an effect of `sigma` = 1 over the readings of the cycle in which it is seen, mm [METHODS §9: 4–8 µm].
+/// Raw rms of an effect of `sigma` = 1 over the readings of the cycle in which it is seen, mm [docs/design/physics.md §9: 4–8 µm].
 pub const TYPICAL_RMS_MM: f64 = 5e-3;
 
 /// The registry.
@@ -150,7 +150,7 @@ pub fn random(machine: &Machine, seed: u64) -> HiddenChoice {
 }
 
 /// Catalogued effects of which the S1 grid keeps most after location errors and settings are fitted, and that it
-/// can tell from each other (DIAGNOSIS: what the S1 grid cannot tell apart).
+/// can tell from each other (docs/design/statistics.md §4.4).
 const SHOWN_BY_A_STATIC_RUN: [&str; 13] = [
     "gravity-sag:B",
     "gravity-sag:A",

@@ -1,6 +1,6 @@
 //! What each instrument reads of actual poses, exactly.
 //!
-//! R-test, nest on the table: `table_from_machine·p_tool − nominal nest + setting`, table axes [METHODS §1, S1 eq. 4]; nest in the
+//! R-test, nest on the table: `table_from_machine·p_tool − nominal nest + setting`, table axes [docs/design/physics.md §1, S1 eq. 4]; nest in the
 //! spindle: `p_table − p_tool`, machine axes [S0]. Ball bar: `|p_tool − p_table| − L`. Length: `|p_tool − p_table| − zero` [S2 eq. 8].
 //! Line: along the beam, or what a tilted flat mirror reflects [S2 §3.2]. Centre, face: where a probe finds them. Cut: where the
 //! tool leaves the surface. Arm: joint angles by the law of cosines, elbow right [S2 §3.4].

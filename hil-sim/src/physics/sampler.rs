@@ -1,4 +1,4 @@
-//! Noisy readings: what DIAGNOSIS calls real noise.
+//! Noisy readings: the parts of docs/design/statistics.md §1.1.
 //!
 //! white + pass offset + Ornstein–Uhlenbeck drift `x ← a x + √(1 − a²) σ ξ`, `a = exp(−Δt/τ)`, + scatter of
 //! the tilting axis at each positioning + outliers. Offsets and drift are in machine axes at the tool. Same seed, same noise.

@@ -61,7 +61,7 @@ impl Noise {
     /// White noise of 0.3 µm only.
     pub const WHITE: Self = Self { white_mm: 0.3e-3, ..Self::NONE };
 
-    /// What a good machine in a good room does (DIAGNOSIS: "real" noise). The drift wanders over a quarter of the run.
+    /// What a good machine in a good room does (docs/design/statistics.md §1.1). The drift wanders over a quarter of the run.
     pub fn real(run_duration_s: f64) -> Self {
         Self {
             white_mm: 0.3e-3,

@@ -11,5 +11,5 @@ pub use read::read;
 pub use row::{HEAD, row};
 pub use world::{ClockWorld, MARGIN_S, OMEGA, RADIUS_MM};
 
-/// Name of the section of docs/alignment.md that the emulated computer writes.
+/// Name of the section of docs/measured/alignment.md that the emulated computer writes.
 pub const SOCKETCAN: &str = "canopen-socketcan";

@@ -21,7 +21,7 @@ use std::convert::Infallible;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use trunnion_core::input::Table;
-use trunnion_core::{AxisValues, Role};
+use trunnion_core::{AxisLetter, AxisValues, Role};
 use trunnion_protocol::mtconnect;
 use trunnion_protocol::mtconnect::{DevicesDocument, Document, MultipartDecoder, StreamsDocument};
 
@@ -61,7 +61,7 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     let signal = table.optional_string("signal");
     let mut axes = AxisValues::default();
     if let Some(named) = table.optional_table("axes") {
-        axes = AxisValues::from_fn(|letter| named.optional_string(letter.as_str()));
+        axes = AxisValues::of(AxisLetter::ISO, |letter| named.optional_string(letter.as_str()));
         named.no_other_keys();
     }
     Some(Arc::new(MtConnect {

@@ -31,6 +31,9 @@ mod instants;
 mod nodes;
 #[cfg(feature = "opcua")]
 mod probe;
+#[cfg(not(feature = "opcua"))]
+#[path = "opcua/not_built.rs"]
+mod probe;
 #[cfg(feature = "opcua")]
 mod session;
 mod settings;
@@ -42,7 +45,7 @@ use crate::driver::Session;
 use crate::driver::{Device, Driver};
 #[cfg(feature = "opcua")]
 use crate::link::Link;
-use crate::probe::Probe;
+use crate::probe::{Medium, Probe, Scheme};
 #[cfg(feature = "opcua")]
 use settings::OpcUa;
 use std::sync::Arc;
@@ -56,21 +59,19 @@ pub const DRIVER: Driver = Driver {
     about: "controllers with an OPC UA server (SINUMERIK, OPC 40502, any nodes)",
     default_silence_ms: 2000.0,
     read,
-    probe: PROBE,
+    probe: Some(Probe {
+        medium: Medium::Network(Scheme { name: "opc.tcp", port: settings::PORT }),
+        asks: "OPC UA: endpoints, CncAxisList below Objects, SINUMERIK's measPos1",
+        run: probe::run,
+    }),
 };
-
-#[cfg(feature = "opcua")]
-const PROBE: Option<Probe> = Some(probe::PROBE);
-#[cfg(not(feature = "opcua"))]
-const PROBE: Option<Probe> = None;
 
 fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     let device = settings::read(table);
     #[cfg(not(feature = "opcua"))]
     {
         drop(device);
-        let advice = "Build with `cargo build --release --features opcua`.";
-        table.problem("driver", "= \"opcua\" is not part of this build", "the other drivers", advice);
+        table.problem("driver", "= \"opcua\" is not part of this build", "the other drivers", probe::REMEDY);
         None
     }
     #[cfg(feature = "opcua")]

@@ -2,7 +2,7 @@
 
 use crate::load::RunArgs;
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
 use trunnion::analysis;
@@ -102,18 +102,18 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     std::fs::write(&args.model, longer).with_context(|| format!("cannot write {}", args.model.display()))?;
     let row = ladder_row(&step)?;
     if args.json {
-        outcome::print_json(&serde_json::json!({
+        terminal::print_json(&serde_json::json!({
             "effect": args.effect, "model": args.model.display().to_string(),
             "error_before_um": row.error_before_um, "error_after_um": row.error_after_um,
             "holdout_before_um": row.holdout_before_um, "holdout_after_um": row.holdout_after_um,
-            "noise_um": row.noise_um, "moved": super::ladder::moved_json(row),
+            "holdout_unit": row.holdout_unit, "noise_um": row.noise_um, "moved": super::ladder::moved_json(row),
             "identification": step.identification.to_json(),
         }))?;
     } else {
         let ladder = trunnion::page::ladder(&step.model);
-        outcome::print(&trunnion_report::ladder_text(&ladder, Some(row.noise_um)))?;
-        outcome::print("\n")?;
-        outcome::print(&trunnion_report::identification_text(&(&step.identification).into()))?;
+        terminal::print(&trunnion_report::ladder_text(&ladder, row.noise_um))?;
+        terminal::print("\n")?;
+        terminal::print(&trunnion_report::identification_text(&(&step.identification).into()))?;
     }
     Ok(outcome)
 }

@@ -1,7 +1,7 @@
 //! `trunnion attribute`: which axis made the deviation, from the axes' own encoders.
 
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion_cycles::Cycle;
@@ -39,7 +39,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         .with_context(|| format!("cannot read the recording {}", args.run.display()))?;
     let mut outcome = Outcome::Done;
     if let Some(damage) = &recording.damage {
-        eprintln!("trunnion: {}: {damage}", args.run.display());
+        terminal::remark(&format!("{}: {damage}", args.run.display()));
         outcome = Outcome::DataLoss;
     }
     let text = &recording.header.cycle_text;
@@ -61,11 +61,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        outcome::print_json(&findings.to_json())?;
+        terminal::print_json(&findings.to_json())?;
     } else {
-        outcome::print(&findings_text(&findings))?;
+        terminal::print(&findings_text(&findings))?;
         if let Some(path) = &args.html {
-            outcome::print(&format!("page: {}\n", path.display()))?;
+            terminal::print(&format!("page: {}\n", path.display()))?;
         }
     }
     Ok(outcome)

@@ -1,8 +1,8 @@
 //! `trunnion check-config`: every problem of the configuration and the files it names, before anything runs.
 
 use crate::commands::daemon::prepare;
-use crate::outcome;
 use crate::outcome::Outcome;
+use crate::terminal;
 use std::path::PathBuf;
 
 /// Check a configuration and the files it names
@@ -20,7 +20,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     trunnion_service::live::check(&prepared.plan)?;
     let (machine, cycle) = (&prepared.plan.machine.name, &prepared.plan.cycle.name);
     let devices = prepared.config.devices.len();
-    outcome::print(&format!(
+    terminal::print(&format!(
         "{}: good; machine {machine}, cycle {cycle}, {devices} devices\n",
         args.config.display()
     ))?;

@@ -3,12 +3,12 @@
 use super::add::{FormulaArgs, today};
 use crate::load::{ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion::analysis::{FormulaText, Step};
 use trunnion::{analysis, page};
-use trunnion_effects::Model;
+use trunnion_effects::{Formula, Model};
 use trunnion_engine::compare::Place;
 use trunnion_engine::{Diagnosis, Experiment, Verdict};
 use trunnion_report::{
@@ -70,7 +70,7 @@ fn compare(
         if let Some(effect) = best(&diagnosis) {
             // The page shows the best candidate at work.
             let entries = match &diagnosis.formula {
-                Some(formula) if effect.starts_with("formula:") => formula.entries.clone(),
+                Some(formula) if Formula::name_of(&effect).is_some() => formula.entries.clone(),
                 _ => analysis::entries(experiment, model, &effect, &FormulaText::default())?,
             };
             let step = analysis::put(experiment, model, entries, &today()?)?;
@@ -79,7 +79,7 @@ fn compare(
         write(path, &compare_html(&input))?;
     }
     if args.json {
-        outcome::print_json(&serde_json::json!({
+        terminal::print_json(&serde_json::json!({
             "format": "trunnion-comparison/1",
             "time_quality": timing.iter().map(time_quality_json).collect::<Vec<_>>(),
             "places": places_json(&input.places),
@@ -88,7 +88,7 @@ fn compare(
             "html": args.html.as_ref().map(|path| path.display().to_string()),
         }))?;
     } else {
-        outcome::print(&compare_text(&input))?;
+        terminal::print(&compare_text(&input))?;
         told_page(args)?;
     }
     Ok(())
@@ -113,7 +113,7 @@ fn try_effect(
         write(path, &trial_html(&input, &trial))?;
     }
     if args.json {
-        outcome::print_json(&serde_json::json!({
+        terminal::print_json(&serde_json::json!({
             "format": "trunnion-trial/1",
             "effect": effect,
             "rms_um": { "before": trial.fit_um[0], "after": trial.fit_um[1] },
@@ -128,7 +128,7 @@ fn try_effect(
             "html": args.html.as_ref().map(|path| path.display().to_string()),
         }))?;
     } else {
-        outcome::print(&trial_text(&trial))?;
+        terminal::print(&trial_text(&trial))?;
         told_page(args)?;
     }
     Ok(())
@@ -139,9 +139,7 @@ fn best(diagnosis: &Diagnosis) -> Option<String> {
     match diagnosis.verdict {
         Verdict::NoiseFloor => None,
         Verdict::MissingEffect => diagnosis.candidates.first().map(|candidate| candidate.effect.clone()),
-        Verdict::UnnamedStructure => {
-            diagnosis.formula.as_ref().map(|formula| format!("formula:{}", formula.name))
-        }
+        Verdict::UnnamedStructure => diagnosis.formula.as_ref().map(|formula| Formula::id_of(&formula.name)),
     }
 }
 
@@ -168,7 +166,7 @@ fn write(path: &Path, page: &str) -> anyhow::Result<()> {
 
 fn told_page(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.html {
-        outcome::print(&format!("page: {}\n", path.display()))?;
+        terminal::print(&format!("page: {}\n", path.display()))?;
     }
     Ok(())
 }

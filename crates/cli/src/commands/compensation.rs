@@ -2,7 +2,7 @@
 
 use crate::load::{ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
 use trunnion_core::convert::{um_from_mm, urad_from_rad};
@@ -50,12 +50,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let values = if args.corrections { Values::Corrections } else { Values::Errors };
     let text = (format.write)(&errors, values);
     let Some(path) = &args.output else {
-        outcome::print(&text)?;
+        terminal::print(&text)?;
         return Ok(outcome);
     };
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
     if args.json {
-        outcome::print_json(&serde_json::json!({
+        terminal::print_json(&serde_json::json!({
             "format": "trunnion-compensation-summary/1",
             "machine": errors.machine,
             "runs": errors.runs,
@@ -70,7 +70,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             "written": path.display().to_string(),
         }))?;
     } else {
-        outcome::print(&summary(&errors, &path.display().to_string()))?;
+        terminal::print(&summary(&errors, &path.display().to_string()))?;
     }
     Ok(outcome)
 }

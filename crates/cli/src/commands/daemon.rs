@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio_util::sync::CancellationToken;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::prelude::*;
 use trunnion_acquire::config::channels;
 use trunnion_cycles::Cycle;
 use trunnion_effects::Model;
@@ -71,7 +73,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 /// Log lines on standard error; `RUST_LOG` chooses, the usual level is info.
 pub fn log_to_stderr() {
-    let filter =
-        tracing_subscriber::EnvFilter::try_from_default_env().unwrap_or_else(|_| "info,rumqttc=warn".into());
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    let usual = Targets::new().with_default(LevelFilter::INFO).with_target("rumqttc", LevelFilter::WARN);
+    let chosen: Option<Targets> = std::env::var("RUST_LOG").ok().and_then(|text| text.parse().ok());
+    let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    tracing_subscriber::registry().with(lines).with(chosen.unwrap_or(usual)).init();
 }

@@ -7,8 +7,8 @@ mod progress_bar;
 mod story;
 
 use crate::commands::daemon::log_to_stderr;
-use crate::outcome;
 use crate::outcome::Outcome;
+use crate::terminal;
 use crate::virtual_setup::sim_setup;
 use anyhow::{Context, bail};
 use progress_bar::ProgressBar;
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 async fn demo(args: &Args) -> anyhow::Result<Outcome> {
-    let tell = |text: &str| if args.json { Ok(()) } else { outcome::print(text) };
+    let tell = |text: &str| if args.json { Ok(()) } else { terminal::print(text) };
     let static_cycle = Cycle::parse("demo-static.toml", STATIC_CYCLE)?;
     let machine = shipped::machine(&static_cycle.machine).context("the demo machine is shipped")?;
     let poses = static_cycle.poses(&machine).context("the demo machine follows the ball")?;
@@ -129,11 +129,13 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         timing.extend(sweep_timing);
         tell(&format!(
             "Recorded {}; {} points while turning. The model of the static cycle leaves {:.2} µm there, \
-             the noise is {:.2} µm.\n",
+             {}.\n",
             swept.path.display(),
             fit.points,
             convert::um_from_mm(fit.rms_mm),
-            convert::um_from_mm(fit.noise.sigma_mm),
+            trunnion_report::repeatability(
+                fit.repeatability.map(|noise| convert::um_from_mm(noise.sigma_mm))
+            ),
         ))?;
         Some(fit)
     };
@@ -148,7 +150,7 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     tell(&format!("\nReport: {}\nModel:  {}\n", report.display(), model_path.display()))?;
     tell(&format!("\nThe seal is broken. {}\n", truth_text(&virtual_machine, &analysis, &truth_path)))?;
     if args.json {
-        outcome::print_json(&serde_json::json!({
+        terminal::print_json(&serde_json::json!({
             "format": "trunnion-demo/1",
             "seed": args.seed,
             "hidden": virtual_machine.truth().hidden.iter().map(hidden::Hidden::id).collect::<Vec<_>>(),

@@ -3,8 +3,8 @@
 mod check;
 mod show;
 
-use crate::outcome;
 use crate::outcome::Outcome;
+use crate::terminal;
 use anyhow::Context;
 use std::path::PathBuf;
 use tokio::task::JoinSet;
@@ -55,9 +55,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     let looks = runtime.block_on(look_at(chosen, args.driver.clone()));
     if args.json {
-        outcome::print_json(&show::json(&looks))?
+        terminal::print_json(&show::json(&looks))?
     } else {
-        outcome::print(&show::text(&looks))?
+        terminal::print(&show::text(&looks))?
     }
     Ok(Outcome::Done)
 }

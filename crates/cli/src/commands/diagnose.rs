@@ -2,7 +2,7 @@
 
 use crate::load::{ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use trunnion::analysis;
 use trunnion_report::diagnosis_text;
 
@@ -27,9 +27,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let (experiment, model) = load::experiment(&runs, &args.model)?;
     let diagnosis = analysis::diagnose_and_plan(&experiment, &model)?;
     if args.json {
-        outcome::print_json(&diagnosis.to_json())?;
+        terminal::print_json(&diagnosis.to_json())?;
     } else {
-        outcome::print(&diagnosis_text(&diagnosis))?;
+        terminal::print(&diagnosis_text(&diagnosis))?;
     }
     Ok(outcome)
 }

@@ -1,7 +1,7 @@
 //! `trunnion export`: the points of a recording as a table.
 
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let (run, outcome) = load::run(&args.run)?;
     let table = trunnion_record::export::points_csv(&run);
     match &args.output {
-        None => outcome::print(&table)?,
+        None => terminal::print(&table)?,
         Some(path) => {
             std::fs::write(path, table).with_context(|| format!("cannot write {}", path.display()))?
         }

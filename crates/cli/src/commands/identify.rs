@@ -3,7 +3,7 @@
 
 use crate::load::{ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion_core::AxisLetter;
@@ -17,7 +17,7 @@ use trunnion_report::{
 /// Identify the machine's errors from recordings
 ///
 /// Without --method all effects of the model are fitted together. With --method a closed recipe of the literature is
-/// applied (docs/methods.md).
+/// applied (docs/use/methods.md).
 ///
 /// Example: trunnion identify run.mcap --model machine.model.toml
 ///
@@ -97,14 +97,14 @@ fn jointly(args: &Args) -> anyhow::Result<Outcome> {
         if !timing.is_empty() {
             json["time_quality"] = timing.iter().map(time_quality_json).collect();
         }
-        outcome::print_json(&json)?;
+        terminal::print_json(&json)?;
     } else {
         let mut text = identification_text(&(&identification).into());
         if let Some((notation, errors)) = &located {
             text += &location_text(errors, *notation);
         }
         text += &timing_text(&timing);
-        outcome::print(&text)?;
+        terminal::print(&text)?;
     }
     Ok(outcome)
 }
@@ -134,9 +134,9 @@ fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        outcome::print_json(&findings.to_json())?;
+        terminal::print_json(&findings.to_json())?;
     } else {
-        outcome::print(&findings_text(&findings))?;
+        terminal::print(&findings_text(&findings))?;
     }
     Ok(outcome)
 }

@@ -1,7 +1,7 @@
 //! `trunnion import`: static points measured elsewhere become a recording.
 
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 
@@ -43,10 +43,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.json {
         let summary = serde_json::json!({ "run": args.output.display().to_string(), "points": run.points.len(),
             "setups": run.setups.len(), "machine": run.machine.name });
-        outcome::print_json(&summary)?;
+        terminal::print_json(&summary)?;
     } else {
         let (points, setups) = (run.points.len(), run.setups.len());
-        outcome::print(&format!("{points} points of {setups} setups -> {}\n", args.output.display()))?;
+        terminal::print(&format!("{points} points of {setups} setups -> {}\n", args.output.display()))?;
     }
     Ok(Outcome::Done)
 }

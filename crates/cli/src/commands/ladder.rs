@@ -1,7 +1,7 @@
 //! `trunnion ladder`: the effects added so far, with the error after each.
 
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion_effects::LadderRow;
@@ -40,17 +40,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
                         "date": row.date, "run": row.run,
                         "error_before_um": row.error_before_um, "error_after_um": row.error_after_um,
                         "holdout_before_um": row.holdout_before_um, "holdout_after_um": row.holdout_after_um,
-                        "noise_um": row.noise_um, "moved": moved_json(row),
+                        "holdout_unit": row.holdout_unit, "noise_um": row.noise_um, "moved": moved_json(row),
                     })
                 });
                 serde_json::json!({ "effect": entry.id, "ladder": ladder })
             })
             .collect();
-        outcome::print_json(&serde_json::json!({ "format": "trunnion-ladder/1", "rows": rows }))?;
+        terminal::print_json(&serde_json::json!({ "format": "trunnion-ladder/1", "rows": rows }))?;
     } else {
-        outcome::print(&ladder_text(&ladder, None))?;
+        terminal::print(&ladder_text(&ladder, None))?;
         if let Some(path) = &args.html {
-            outcome::print(&format!("page: {}\n", path.display()))?;
+            terminal::print(&format!("page: {}\n", path.display()))?;
         }
     }
     Ok(Outcome::Done)

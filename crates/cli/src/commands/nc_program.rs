@@ -1,7 +1,7 @@
 //! `trunnion nc-program`: a cycle as a program of the machine's controller.
 
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
 use trunnion_core::{State, convert};
@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let text = (dialect.write)(&program, decimals);
     if args.json {
         let visits = cycle.visits(&machine, &rules.pace)?;
-        outcome::print_json(&serde_json::json!({
+        terminal::print_json(&serde_json::json!({
             "format": "trunnion-nc-program/1",
             "cycle": cycle.name,
             "dialect": dialect.name,
@@ -73,13 +73,13 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let Some(path) = &args.output else {
-        outcome::print(&text)?;
+        terminal::print(&text)?;
         return Ok(Outcome::Done);
     };
     std::fs::write(path, &text).with_context(|| format!("cannot write {}", path.display()))?;
     let lines = text.lines().count();
     let minutes = program.duration_s / 60.0;
-    outcome::print(&format!(
+    terminal::print(&format!(
         "{lines} lines, about {minutes:.0} minutes without stops -> {}\n",
         path.display()
     ))?;

@@ -1,7 +1,7 @@
 //! `trunnion plan`: what to measure next, or what a cycle would not show.
 
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion_cycles::Cycle;
@@ -49,9 +49,9 @@ fn look_at(path: &Path, json: bool) -> anyhow::Result<Outcome> {
     let machine = load::machine(&cycle.machine)?;
     let preview = next_cycle::preview(&machine, &cycle, &Options::default())?;
     if json {
-        outcome::print_json(&preview.to_json())?;
+        terminal::print_json(&preview.to_json())?;
     } else {
-        outcome::print(&preview_text(&preview))?;
+        terminal::print(&preview_text(&preview))?;
     }
     Ok(Outcome::Done)
 }
@@ -82,12 +82,12 @@ fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
     if args.json {
         let mut value = plan.to_json();
         value["written"] = written.map(|path| path.display().to_string()).into();
-        outcome::print_json(&value)?;
+        terminal::print_json(&value)?;
     } else {
-        outcome::print(&plan_text(&plan))?;
+        terminal::print(&plan_text(&plan))?;
         match (written, &args.output) {
-            (Some(path), _) => outcome::print(&format!("\ncycle file: {}\n", path.display()))?,
-            (None, Some(path)) => outcome::print(&format!(
+            (Some(path), _) => terminal::print(&format!("\ncycle file: {}\n", path.display()))?,
+            (None, Some(path)) => terminal::print(&format!(
                 "\n{} was not written: there is no cycle that would help.\n",
                 path.display()
             ))?,

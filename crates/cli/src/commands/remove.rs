@@ -3,7 +3,7 @@
 use crate::commands::add::today;
 use crate::load::RunArgs;
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion::{analysis, page};
@@ -43,17 +43,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let fit = trunnion_engine::identify(&experiment, &smaller, &trunnion_engine::fit::Options::default())?;
     std::fs::write(&args.model, shorter).with_context(|| format!("cannot write {}", args.model.display()))?;
     if args.json {
-        outcome::print_json(&serde_json::json!({
+        terminal::print_json(&serde_json::json!({
             "removed": args.effect, "model": args.model.display().to_string(),
             "effects": smaller.effects.iter().map(|entry| entry.id.as_str()).collect::<Vec<_>>(),
             "identification": fit.to_json(),
         }))?;
     } else {
-        outcome::print(&format!("{} is out of {}\n\n", args.effect, args.model.display()))?;
-        let noise_um = trunnion_core::convert::um_from_mm(fit.noise.sigma_mm);
-        outcome::print(&trunnion_report::ladder_text(&page::ladder(&smaller), Some(noise_um)))?;
-        outcome::print("\n")?;
-        outcome::print(&trunnion_report::identification_text(&(&fit).into()))?;
+        terminal::print(&format!("{} is out of {}\n\n", args.effect, args.model.display()))?;
+        let noise_um = fit.repeatability.map(|noise| trunnion_core::convert::um_from_mm(noise.sigma_mm));
+        terminal::print(&trunnion_report::ladder_text(&page::ladder(&smaller), noise_um))?;
+        terminal::print("\n")?;
+        terminal::print(&trunnion_report::identification_text(&(&fit).into()))?;
     }
     Ok(outcome)
 }

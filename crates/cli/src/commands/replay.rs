@@ -2,7 +2,7 @@
 
 use crate::load::ModelArgs;
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion::analysis;
@@ -30,8 +30,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let identification = format!("{:#}\n", analysis.identification().to_json());
     let diagnosis = format!("{:#}\n", analysis.diagnoses[0].to_json());
     let Some(folder) = &args.output else {
-        outcome::print(&identification)?;
-        outcome::print(&diagnosis)?;
+        terminal::print(&identification)?;
+        terminal::print(&diagnosis)?;
         return Ok(outcome);
     };
     let name = args.run.file_name().context("the recording has no name")?;
@@ -39,7 +39,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     for (ending, text) in [("identification.json", identification), ("diagnosis.json", diagnosis)] {
         let path = folder.join(name).with_extension(ending);
         std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
-        outcome::print(&format!("{}\n", path.display()))?;
+        terminal::print(&format!("{}\n", path.display()))?;
     }
     Ok(outcome)
 }

@@ -2,7 +2,7 @@
 
 use crate::outcome::Outcome;
 use crate::virtual_setup::sim_setup;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion_core::{AxisSample, InstrumentKind, NestSide, Point, Quality, Setup, State};
@@ -85,14 +85,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     trunnion_record::write_run_with_axes(&args.output, &header, &run, &axes)
         .with_context(|| format!("cannot write {}", args.output.display()))?;
     if args.json {
-        outcome::print_json(&serde_json::json!({
+        terminal::print_json(&serde_json::json!({
             "format": "trunnion-simulation/1",
             "points": run.points.len(),
             "minutes": simulated.duration_s / 60.0,
             "run": args.output.display().to_string(),
         }))?;
     } else {
-        outcome::print(&format!("{} points -> {}\n", run.points.len(), args.output.display()))?;
+        terminal::print(&format!("{} points -> {}\n", run.points.len(), args.output.display()))?;
     }
     Ok(Outcome::Done)
 }

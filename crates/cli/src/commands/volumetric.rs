@@ -2,7 +2,7 @@
 
 use crate::load::{ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 use trunnion_core::AxisLetter;
@@ -13,7 +13,7 @@ use trunnion_report::{error_map_csv, volumetric_html, volumetric_text};
 /// Volumetric accuracy and error map of a volume, by a model fitted to recordings
 ///
 /// The largest range of the deviation of tool against table in X, Y, Z and of its orientation in A, B, C over the volume
-/// (ISO 230-1), with uncertainties, and what is not in it because these recordings do not show it (docs/volumetric.md).
+/// (ISO 230-1), with uncertainties, and what is not in it because these recordings do not show it (docs/use/volumetric.md).
 ///
 /// Example: trunnion volumetric tracker.mcap --model volume.toml --volume "X=-200..200,Y=-200..200" --csv map.csv
 #[derive(clap::Args)]
@@ -72,8 +72,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let words = volume.words(experiment.machine());
     let fit = trunnion_engine::identify(&experiment, &model, &trunnion_engine::fit::Options::default())?;
     let map = VolumetricMap::new(&experiment, &model, &fit, volume, args.datum)?;
-    let axes: Vec<AxisLetter> =
-        AxisLetter::ALL.into_iter().filter(|&letter| experiment.machine().axis(letter).is_some()).collect();
+    let axes = experiment.machine().joints();
     if let Some(path) = &args.html {
         write(path, &volumetric_html(&map, &words, &trunnion::page::label()))?;
     }
@@ -81,9 +80,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         write(path, &error_map_csv(&map, &axes))?;
     }
     if args.json {
-        outcome::print_json(&json(&map, &axes))?;
+        terminal::print_json(&json(&map, &axes))?;
     } else {
-        outcome::print(&volumetric_text(&map, &words))?;
+        terminal::print(&volumetric_text(&map, &words))?;
     }
     Ok(outcome)
 }

@@ -6,13 +6,16 @@
 use super::straightness::scaled;
 use crate::legendre::legendre;
 use crate::subjects::{axis_of, every_slide};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "angular-motion",
+    role: Role::CAUSE,
     about: About {
         title: "Pitch, yaw and roll of a linear axis",
         source: "S2 eq. 1–2; S4 table 2 (pitch, yaw, roll changes)",
@@ -35,6 +38,28 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("EBX.P1", 20.0), ("ECX.P2", 20.0)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "S2 eq. 1 (ey = −EAX · z); Abbe's principle",
+        derivation: "A roll of 20 µrad at the end of the range moves a tool 100 mm above the carriage by 2 µm towards −Y.",
+        id: "angular-motion:X",
+        shape: &[],
+        values: &[("EAX.P1", 20.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment {
+                position: &[("X", -200.0), ("Z", 100.0)],
+                read_um: Some([0.0, 2.0, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment {
+                position: &[("X", 200.0), ("Z", 100.0)],
+                read_um: Some([0.0, -2.0, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment { position: &[("X", 200.0)], read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 1e-06,
     },
 };
 

@@ -5,8 +5,8 @@
 //! placements or a known length: fix the targets that define them.
 
 use crate::{
-    About, Effect, Emit, Example, Need, Parameter, Scene, SceneArtefact, SceneSetup, Shapes, Subject, Unit,
-    View,
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, SceneArtefact, SceneSetup,
+    Shapes, Subject, Unit, View,
 };
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
@@ -14,6 +14,7 @@ use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "artefact-form",
+    role: Role::Setting,
     about: About {
         title: "Form of an uncalibrated artefact",
         source: "S2 §3.3 (self-calibration)",
@@ -36,6 +37,25 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("plate.1.x", 10.0), ("plate.1.z", 5.0)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "ISO 3650 (steel: 11.5 µm/(m·K))",
+        derivation: "A steel plate 2 K warmer than its calibration: the ball 400 mm from the fixed one is 9.2 µm further out, the fixed one stays.",
+        id: "artefact-form",
+        shape: &[],
+        values: &[("plate.2.x", 9.2)],
+        balls_mm: &[[0.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { target: 1, read_um: Some([-9.2, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment {
+                position: &[("C", 90.0)],
+                target: 1,
+                read_um: Some([-9.2, 0.0, 0.0]),
+                ..Moment::AT_REST
+            },
+        ],
+        within_um: 0.05,
     },
 };
 

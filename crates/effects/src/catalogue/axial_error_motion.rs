@@ -4,12 +4,15 @@
 //! Limits: repeats every turn.
 
 use crate::subjects::{axis_of, every_rotary};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::{State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "axial-error-motion",
+    role: Role::Natural,
     about: About {
         title: "Axial error motion",
         source: "ISO 230-7; S4 §4.2.2 (measurement C-Z) and table 2",
@@ -19,7 +22,7 @@ pub(crate) static EFFECT: Effect = Effect {
         typical: "1 µm",
         explanation: "The table rises and falls while it turns.",
         cause: "Axial run-out of the bearing: wavy rings, rollers of unequal size.",
-        seen_by: "Turning the axis with the ball on its line (one radius tells it from a tilt only for n > 1).",
+        seen_by: "Turning the axis with the ball on its line (one radius separates it from a tilt only for n > 1).",
         needs: &[Need::Travel],
         helps: &[Need::TwoRadii],
     },
@@ -28,6 +31,20 @@ pub(crate) static EFFECT: Effect = Effect {
     shapes: |_, _| Shapes::one("lobes", (1..=4).map(f64::from), false),
     motions,
     example: Example { id: "axial-error-motion:C", shape: &[2.0], values: &[("cos", 1.0)], view: View::Turn },
+    golden: Golden {
+        source: "ISO 230-7 (axial error motion value: largest minus smallest)",
+        derivation: "Two lobes with a value of 2 µm: the table is 1 µm up at C = 0 and 180°, 1 µm down at ±90°.",
+        id: "axial-error-motion:C",
+        shape: &[2.0],
+        values: &[("cos", 1.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, -1.0]), ..Moment::AT_REST },
+            Moment { position: &[("C", 90.0)], read_um: Some([0.0, 0.0, 1.0]), ..Moment::AT_REST },
+            Moment { position: &[("C", 180.0)], read_um: Some([0.0, 0.0, -1.0]), ..Moment::AT_REST },
+        ],
+        within_um: 1e-06,
+    },
 };
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

@@ -1,22 +1,25 @@
 //! Form of the measured ball: the probes touch other places of it as it turns against the nest.
 //!
-//! d = Σ_i n_i f(R n_i),  f(u) = Σ_m a_m Y_lm(u),  l = 2 (oval) or 3 (three-lobed)       [METHODS §9: function of contact direction; ISO 3290-1]
+//! d = Σ_i n_i f(R n_i),  f(u) = Σ_m a_m Y_lm(u),  l = 2 (oval) or 3 (three-lobed)       [docs/design/physics.md §9.16: function of contact direction; ISO 3290-1]
 //! n_i direction from the ball centre to where probe i touches, nest axes; R = ball from nest, which changes with every
 //! rotary axis between the two. l = 1 is the place of the ball's centre: a location error or the ball setting.
 //! Y_lm: real surface harmonics of order m = 0…l about the ball's Z, P_l^m scaled to 1 where it is largest.
 //! Probe triads: `triad` 0 along the nest's x, y, z; 1 three probes under the ball, square to each other, 120° apart.
 //! Limits: probes square to each other; ball not turned in its holder or by the spindle; the probes touch flat.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::{UnitQuaternion, Vector3};
 use trunnion_core::{State, Twist};
 use trunnion_machine::{JointErrors, Machine, Side, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "ball-form",
+    role: Role::CAUSE,
     about: About {
         title: "Form of the measured ball",
-        source: "METHODS §9; ISO 3290-1 (deviation from spherical form); Abramowitz & Stegun ch. 8 (surface harmonics)",
+        source: "docs/design/physics.md §9.16; ISO 3290-1 (deviation from spherical form); Abramowitz & Stegun ch. 8 (surface harmonics)",
         equation: "d = Σ_i n_i f(R n_i), f = Σ a_m Y_lm, l = 2 (oval) or 3 (three-lobed)",
         symbols: "d error of the reading in nest axes; n_i direction from the ball to probe i; R ball from nest; f radius of the ball minus its mean, µm; a_m peak of each surface harmonic, µm (c0 about the ball's Z, c1 s1 … around it); shape numbers lobes = l, triad = 0 probes along x, y, z, 1 three probes under the ball",
         validity: "R-test with probes square to each other; the ball stays fixed in its holder; l = 1 is a place of the ball and belongs to location errors and setting.",
@@ -42,6 +45,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[2.0, 1.0],
         values: &[("c0", 0.1), ("c2", 0.2)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "ISO 3290-1 (grade 5: deviation from spherical form 0.13 µm)",
+        derivation: "An oval ball, P₂ = 1 at the pole and −½ at the equator, amplitude 0.13/1.5 µm: z reads the pole, and after B = 90° the equator, 0.13 µm less.",
+        id: "ball-form",
+        shape: &[2.0, 0.0],
+        values: &[("c0", 0.13 / 1.5)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([-0.0433, -0.0433, 0.0867]), ..Moment::AT_REST },
+            Moment { position: &[("B", 90.0)], read_um: Some([0.0867, -0.0433, -0.0433]), ..Moment::AT_REST },
+        ],
+        within_um: 0.0005,
     },
 };
 
@@ -133,10 +149,6 @@ fn surface_harmonics(lobes: f64, u: &Vector3<f64>) -> [f64; 7] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Instance, SceneSetup};
-    use nalgebra::Point3;
-    use trunnion_core::AxisLetter;
-    use trunnion_machine::shipped;
 
     #[test]
     fn surface_harmonics_have_the_values_of_the_tables() {
@@ -172,31 +184,6 @@ mod tests {
                 assert!((most / peak - 1.0).abs() < 2e-3, "{lobes} {most} {peak}");
             }
         }
-    }
-
-    #[test]
-    fn a_grade_5_ball_tilted_by_90_degrees_reads_its_0_13_um_of_form() {
-        // ISO 3290-1, grade 5: deviation from spherical form 0.13 µm, for an oval ball the difference of pole and equator.
-        let machine = shipped::machine("table-bc").unwrap();
-        let setup = SceneSetup::r_test("low", Point3::new(150.0, 0.0, 60.0));
-        let states = [0.0f64, 90.0].map(|b_deg| {
-            let mut state = State::default();
-            state.position[AxisLetter::B] = b_deg.to_radians();
-            state
-        });
-        let scene = Scene::new(machine.clone(), vec![setup], Vec::new(), states.iter());
-        let instance = Instance::find("ball-form", &machine).unwrap();
-        let along_z = |state: &State| {
-            let mut z = 0.0;
-            instance.motions(&scene, &[2.0, 0.0], state, &mut |m, _, twist| {
-                z += if m == 0 { twist.translation_mm.z } else { 0.0 };
-            });
-            z
-        };
-        // Pole minus equator is 3/2 of the amplitude.
-        let amplitude_um = 0.13 / 1.5;
-        let read_um = (along_z(&states[0]) - along_z(&states[1])) * amplitude_um;
-        assert!((read_um - 0.13).abs() < 1e-12, "{read_um}");
     }
 
     #[test]

@@ -6,12 +6,14 @@
 //! Limits: constant within a setup.
 
 use crate::{
-    About, Effect, Emit, Example, Need, Parameter, Scene, SceneSetting, SceneSetup, Shapes, Subject, View,
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, SceneSetting, SceneSetup,
+    Shapes, Subject, View,
 };
 use trunnion_core::State;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "ball-setting",
+    role: Role::Setting,
     about: About {
         title: "Setting of ball and nest",
         source: "S0 §3; S1 eq. 14",
@@ -34,6 +36,20 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("ball-setting.low.x", 50.0), ("ball-setting.low.z", 30.0)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "ISO 230-7 (setting error of the artefact: once a turn, its amplitude the eccentricity)",
+        derivation: "A ball 50 µm off along the table's x turns with the table: −50 µm in table axes at every angle of C.",
+        id: "ball-setting",
+        shape: &[],
+        values: &[("ball-setting.low.x", 50.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([-50.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("C", 90.0)], read_um: Some([-50.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("C", 180.0)], read_um: Some([-50.0, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.5,
     },
 };
 

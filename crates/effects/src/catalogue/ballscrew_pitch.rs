@@ -1,19 +1,22 @@
 //! Cyclic error of a ball screw or linear scale.
 //!
-//! e(x) = a cos(2πx/p) + b sin(2πx/p) on the positioning error, p the period        [METHODS §9; ISO 230-4 cyclic error]
+//! e(x) = a cos(2πx/p) + b sin(2πx/p) on the positioning error, p the period        [docs/design/physics.md §9.10; ISO 230-4 cyclic error]
 //! p: lead and half the lead of the machine file; without it a list of usual leads. Limits: aliases on coarse grids of poses.
 
 use crate::subjects::{axis_of, every_linear};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use std::f64::consts::TAU;
 use trunnion_core::State;
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "ballscrew-pitch",
+    role: Role::CAUSE,
     about: About {
         title: "Cyclic error of the ball screw",
-        source: "METHODS §5, §9; ISO 230-4",
+        source: "docs/design/physics.md §5, §9.10; ISO 230-4",
         equation: "e = a cos(2πx/p) + b sin(2πx/p); p = lead, lead/2",
         symbols: "e positioning error, µm; a, b amplitudes, µm; x coordinate, mm; p period, mm (shape number period_mm)",
         validity: "Same at every turn of the screw; aliases on a coarse grid of poses.",
@@ -33,6 +36,21 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[12.0],
         values: &[("cos", 2.0)],
         view: View::Circle(&[3000.0]),
+    },
+    golden: Golden {
+        source: "JIS B 1192 (ball screws; e₂π, variation of travel in one turn, grade C5: 8 µm)",
+        derivation: "8 µm from crest to trough within a lead of 12 mm: ±4 µm half a lead apart, and again a lead later.",
+        id: "ballscrew-pitch:X",
+        shape: &[12.0],
+        values: &[("cos", 4.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([4.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("X", 3.0)], read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("X", 6.0)], read_um: Some([-4.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("X", 12.0)], read_um: Some([4.0, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.05,
     },
 };
 

@@ -9,7 +9,9 @@ use super::straightness::scaled;
 use crate::legendre::legendre;
 use crate::scene::MOST_PLACES;
 use crate::subjects::{across, axis_of, every_slide, linear_name};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::{Axis, Site};
@@ -23,6 +25,7 @@ fn highest(scene: &Scene, letter: AxisLetter) -> usize {
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "component-errors",
+    role: Role::Description,
     about: About {
         title: "Component errors of a linear axis over its travel",
         source: "S2 eq. 1–2, §3.5; ISO 230-1",
@@ -30,8 +33,8 @@ pub(crate) static EFFECT: Effect = Effect {
         symbols: "E errors of position, straightness (µm), roll, pitch and yaw (µrad); aₙ amplitudes; Pₙ Legendre polynomials; s coordinate scaled to −1…1",
         validity: "Smooth guideways over the measured range. Takes the place of linear-scale, straightness and angular-motion of the same axis.",
         typical: "1–10 µm, 10–30 µrad",
-        explanation: "The carriage leaves its ideal line and turns a little while it travels; told for every position. Fewer than six places carry fewer orders.",
-        cause: "Guideways, scale or screw; the course over the travel tells which.",
+        explanation: "The carriage leaves its ideal line and turns a little while it travels; the error is given for every position. Fewer than six places carry fewer orders.",
+        cause: "Guideways, scale or screw; the course over the travel shows which.",
         seen_by: "A measurement of the volume: tracking interferometer, ball plate, diagonals with other tests.",
         needs: &[Need::Travel, Need::Volume],
         helps: &[Need::TwoHeights],
@@ -45,6 +48,23 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("EXX.P1", 8.0), ("EYX.P2", 4.0), ("ECX.P3", 15.0)],
         view: View::Circle(&[3000.0]),
+    },
+    golden: Golden {
+        source: "Abramowitz & Stegun table 8.1 (P₄(0.5) = −0.28906)",
+        derivation: "10 µm of P₄ over −200…200 mm: 10 µm at the ends, −2.8906 µm at three quarters of the range.",
+        id: "component-errors:X",
+        shape: &[],
+        values: &[("EYX.P4", 10.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { position: &[("X", -200.0)], read_um: Some([0.0, 10.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("X", -100.0)], read_um: Some([0.0, -2.8906, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("X", 0.0)], ..Moment::AT_REST },
+            Moment { position: &[("X", 50.0)], ..Moment::AT_REST },
+            Moment { position: &[("X", 100.0)], read_um: Some([0.0, -2.8906, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("X", 200.0)], read_um: Some([0.0, 10.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.0005,
     },
 };
 

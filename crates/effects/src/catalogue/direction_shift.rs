@@ -1,19 +1,22 @@
 //! The axis line of a rotary axis shifts with the direction of rotation.
 //!
-//! δ = ½ s · direction, s = (X, Y, Z) in the carrier of the axis        [METHODS §9; S4 §4.3: 2 µm axial on reversing B]
+//! δ = ½ s · direction, s = (X, Y, Z) in the carrier of the axis        [docs/design/physics.md §9.6; S4 §4.3: 2 µm axial on reversing B]
 //! Limits: direction known; both directions measured.
 
 use crate::subjects::{axis_of, every_rotary};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "direction-shift",
+    role: Role::CAUSE,
     about: About {
         title: "Shift of the axis with the direction of rotation",
-        source: "S4 §4.3 (2 µm axial shift of B on reversal); METHODS §9",
+        source: "S4 §4.3 (2 µm axial shift of B on reversal); docs/design/physics.md §9.6",
         equation: "δ = ½ s · direction, s = (EXR, EYR, EZR)",
         symbols: "δ displacement of the axis line, µm; s shift between the two directions in the axes of what carries it, µm; direction −1, 0, +1",
         validity: "The direction of rotation is known and both occur.",
@@ -33,6 +36,30 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("EXC", 2.0), ("EZC", 1.0)],
         view: View::Turn,
+    },
+    golden: Golden {
+        source: "S4 §4.3 (measurement B-Y: 2 µm axial displacement when B changes its direction)",
+        derivation: "The table side shifts by ±1 µm along Y about the mean of both directions.",
+        id: "direction-shift:B",
+        shape: &[],
+        values: &[("EYB", 2.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment {
+                position: &[("B", 30.0)],
+                direction: &[("B", 1.0)],
+                read_um: Some([0.0, -1.0, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment {
+                position: &[("B", 30.0)],
+                direction: &[("B", -1.0)],
+                read_um: Some([0.0, 1.0, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment { position: &[("B", -30.0)], ..Moment::AT_REST },
+        ],
+        within_um: 0.05,
     },
 };
 

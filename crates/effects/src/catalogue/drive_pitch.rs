@@ -5,15 +5,18 @@
 //! Limits: on a grid of poses with step Δ, N is the same as 2π/Δ ± N: only N ≤ π/Δ is tried, teeth need on-the-fly data.
 
 use crate::subjects::{axis_of, every_rotary};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::State;
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "drive-pitch",
+    role: Role::Natural,
     about: About {
         title: "Pitch error of worm or gear",
-        source: "S4 table 2; METHODS §9",
+        source: "S4 table 2; docs/design/physics.md §9.5",
         equation: "e = a cos Nq + b sin Nq on the positioning error; N = 3…12, teeth, teeth ± 1, 2 × teeth",
         symbols: "e positioning error, µrad; q angle of the axis; a, b amplitudes, µrad; N cycles a turn (shape number cycles_per_turn)",
         validity: "N known or small; aliases on a coarse grid of poses.",
@@ -29,6 +32,20 @@ pub(crate) static EFFECT: Effect = Effect {
     shapes,
     motions,
     example: Example { id: "drive-pitch:C", shape: &[12.0], values: &[("cos", 15.0)], view: View::Turn },
+    golden: Golden {
+        source: "BIPM SI Brochure, table 8 (1″ = π/648 000 rad)",
+        derivation: "10″ at 150 mm from C are 7.272 µm along the tangent; a wheel of 72 teeth repeats them every 5° and reverses them after 2.5°.",
+        id: "drive-pitch:C",
+        shape: &[72.0],
+        values: &[("cos", 48.481368)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, -7.272, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("C", 2.5)], read_um: Some([0.0, 7.272, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("C", 5.0)], read_um: Some([0.0, -7.272, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.0005,
+    },
 };
 
 /// Cycles a turn below which the encoder or the wheel's run-out is meant.

@@ -1,26 +1,29 @@
 //! Eccentric graduation of the angular encoder.
 //!
-//! e(q) = a₁ cos q + b₁ sin q + a₂ cos 2q + b₂ sin 2q on the positioning error        [S4 table 2; METHODS §9]
+//! e(q) = a₁ cos q + b₁ sin q + a₂ cos 2q + b₂ sin 2q on the positioning error        [S4 table 2; docs/design/physics.md §9.4]
 //! One reading head on a disc of diameter D whose centre is e off: amplitude 2e/D = 412.5·e[µm]/D[mm] arcsec, once a turn;
 //! an oval or tilted disc, or two heads, give the second order. Limits: graduation fixed to the axis.
 
 use crate::subjects::{axis_of, every_rotary};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::State;
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "encoder-eccentricity",
+    role: Role::Natural,
     about: About {
         title: "Eccentric or oval angular encoder",
-        source: "S4 table 2 (rotary encoder); METHODS §9",
+        source: "S4 table 2 (rotary encoder); docs/design/physics.md §9.4",
         equation: "e = a₁ cos q + b₁ sin q + a₂ cos 2q + b₂ sin 2q; an eccentricity e on diameter D gives 2e/D",
         symbols: "e positioning error, µrad; q angle of the axis; a, b amplitudes, µrad; e eccentricity and D diameter of the graduation",
         validity: "Graduation fixed to the axis; first and second order.",
         typical: "412.5·e[µm]/D[mm] arcsec: 20 µrad for 1 µm on 100 mm",
         explanation: "The axis turns a little too far and then too little, once or twice a turn.",
         cause: "Errors in the rotary encoder: disc mounted off centre or tilted, or one of two heads out of use.",
-        seen_by: "The axis turned over its whole range with the ball far from its line; another load tells it from gravity wind-up.",
+        seen_by: "The axis turned over its whole range with the ball far from its line; another load separates it from gravity wind-up.",
         needs: &[Need::Travel],
         helps: &[Need::TwoRadii, Need::AnotherLoad],
     },
@@ -33,6 +36,20 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("cos1", 20.0), ("sin2", 10.0)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "Heidenhain, Angle Encoders, measuring accuracy (±412 · e[µm]/D[mm] arcsec)",
+        derivation: "1 µm on 100 mm: 4.12″ = 20 µrad; at 150 mm from C 3 µm along the tangent, the other way half a turn later.",
+        id: "encoder-eccentricity:C",
+        shape: &[],
+        values: &[("cos1", 20.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, -3.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("C", 90.0)], read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("C", 180.0)], read_um: Some([0.0, 3.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.005,
     },
 };
 

@@ -1,29 +1,32 @@
 //! Sag of the tilting frame under its own weight, and wind-up of its drive.
 //!
-//! u(B) = R K⁻¹ Rᵀ g − K⁻¹ g,  g = −z unit vector in the carrier of the tilting axis, R = rotation by B    [METHODS §9; S1 §5.3; S4 table 2]
+//! u(B) = R K⁻¹ Rᵀ g − K⁻¹ g,  g = −z unit vector in the carrier of the tilting axis, R = rotation by B    [docs/design/physics.md §9.1; S1 §5.3; S4 table 2]
 //! K⁻¹ = [[p, q], [q, −p]] across the axis line: an equal compliance in all directions gives a constant, which is a
 //! location error, so only the anisotropy p and the skewness q survive (1 − cos 2B and sin 2B terms).
 //! Wind-up of the drive: ω = (s·(sin B) + c·(cos B − 1)) along the axis, ∝ sin(B + φ) − sin φ of the centre of mass.
 //! Limits: the load on the table does not change; a frame symmetric about the plane across its axis.
 
 use crate::subjects::{across, axis_of, carrier_from_carried, gravity_in_carrier, tilts_the_table};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::{Matrix3, Vector3};
 use trunnion_core::{State, Twist};
 use trunnion_machine::{Machine, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "gravity-sag",
+    role: Role::CAUSE,
     about: About {
         title: "Sag of the tilting frame under its own weight",
-        source: "S1 §5.3; S4 table 2; METHODS §9",
+        source: "S1 §5.3; S4 table 2; docs/design/physics.md §9.1",
         equation: "u = R K⁻¹ Rᵀ g − K⁻¹ g (terms 1 − cos 2B and sin 2B across the axis) and wind-up ω ∝ sin(B + φ) − sin φ about it",
         symbols: "u displacement of the frame, µm; K⁻¹ its compliance across the axis with anisotropy p and skewness q times the weight, µm; R turn by B; g unit vector of gravity; ω turn about the axis, µrad; φ place of the centre of mass",
         validity: "The load on the table stays the same; gravity along −Z; zero at the zero position.",
         typical: "5–10 µm",
         explanation: "The tilting frame and its drive give way under the weight, differently at every tilt.",
         cause: "Deformation of the rotating unit and angular error of its positioning under gravity: an uneven stiffness of frame and bearings, missing counterbalance.",
-        seen_by: "Static poses over the whole tilt at two heights; another load on the table tells it from radial error motion and encoder error.",
+        seen_by: "Static poses over the whole tilt at two heights; another load on the table separates it from radial error motion and encoder error.",
         needs: &[Need::Travel],
         helps: &[Need::TwoHeights, Need::AnotherLoad],
     },
@@ -43,6 +46,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("anisotropy", 4.0), ("windup.sin", 20.0)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "S1 §5.3 (δz of B: 13 µm at B = 0, 19 µm at B = −90°)",
+        derivation: "Upright to lying changes the sag by 2p = 6 µm along machine Z, so p = 3 µm; at B = −90° the table's x is machine Z.",
+        id: "gravity-sag:B",
+        shape: &[],
+        values: &[("anisotropy", 3.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("B", -90.0)], read_um: Some([-6.0, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.5,
     },
 };
 

@@ -1,15 +1,18 @@
 //! Scale error of a linear axis.
 //!
-//! EXX = s · x on the positioning error, s a ratio             [S2 eq. 1; METHODS §5 (0/90° oval), §9]
+//! EXX = s · x on the positioning error, s a ratio             [S2 eq. 1; docs/design/physics.md §5 (0/90° oval), docs/design/physics.md §9.11]
 //! Limits: proportional to the coordinate; with one ball radius a common scale of all axes hides.
 
 use crate::subjects::{axis_of, every_linear};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::State;
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "linear-scale",
+    role: Role::CAUSE,
     about: About {
         title: "Scale error of a linear axis",
         source: "S2 eq. 1; ISO 230-2; ISO 230-4",
@@ -35,6 +38,20 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("scale", 30.0)],
         view: View::Circle(&[3000.0]),
+    },
+    golden: Golden {
+        source: "ISO 3650 (steel: 11.5 µm/(m·K))",
+        derivation: "A steel scale 1 K too warm: 3.45 µm too far at 300 mm.",
+        id: "linear-scale:X",
+        shape: &[],
+        values: &[("scale", 11.5)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("X", 300.0)], read_um: Some([3.45, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("X", -300.0)], read_um: Some([-3.45, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.005,
     },
 };
 

@@ -6,13 +6,16 @@
 //! [`conventional_zeros`] names those that ISO's minimum set leaves out.
 //! Limits: constant over the run; small angles.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::{Machine, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "location-errors",
+    role: Role::Location,
     about: About {
         title: "Location errors of the axis average lines",
         source: "ISO 230-1 §3; S1 eq. 6–7; S2 tables 2–5",
@@ -35,6 +38,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("EX0C", 20.0), ("EA0C", 100.0)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "S4 §4.2 (C axis: r_x1 = +3.2 µm, r_x2 = −1.0 µm, dz = 100 mm)",
+        derivation: "EB0C = −4.2 µm/100 mm = −42 µrad: 100 mm above the pivot the table axis is 4.2 µm towards −X, so the tool reads +4.2 µm.",
+        id: "location-errors",
+        shape: &[],
+        values: &[("EB0C", -42.0)],
+        balls_mm: &[[0.0, 0.0, 0.0], [0.0, 0.0, 100.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { setup: 1, read_um: Some([4.2, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.05,
     },
 };
 

@@ -1,18 +1,21 @@
 //! The nest is turned against the axes it should read in.
 //!
-//! m = −ω × d, d the deflection in nest axes, ω the turn of the nest        [METHODS §3, §9: direction vectors of the probes; S1 §3.2]
+//! m = −ω × d, d the deflection in nest axes, ω the turn of the nest        [docs/design/physics.md §3, §9.15: direction vectors of the probes; S1 §3.2]
 //! Limits: three-component instruments; visible only as far as the probes are deflected.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "nest-rotation",
+    role: Role::CAUSE,
     about: About {
         title: "Nest turned against the axes",
-        source: "METHODS §9; S1 §3.2 (direction vectors)",
+        source: "docs/design/physics.md §9.15; S1 §3.2 (direction vectors)",
         equation: "m = −ω × d",
         symbols: "m error of the reading; ω turn of the nest about its x, y, z, µrad; d deflection",
         validity: "Small turn; same in all setups.",
@@ -32,6 +35,20 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("c", 2000.0), ("b", 1000.0)],
         view: View::Deflection,
+    },
+    golden: Golden {
+        source: "Goldstein, Classical Mechanics, ch. 4 (coordinates in axes turned by φ: y′ = y cos φ − x sin φ)",
+        derivation: "A nest turned by +0.1° about z (1745.3 µrad, sin 0.1° = 0.0017453) reads 0.5 mm in x as −0.873 µm in y.",
+        id: "nest-rotation",
+        shape: &[],
+        values: &[("c", 1745.329)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { deflection_mm: [0.5, 0.0, 0.0], read_um: Some([0.0, -0.873, 0.0]), ..Moment::AT_REST },
+            Moment { deflection_mm: [0.0, 0.5, 0.0], read_um: Some([0.873, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { deflection_mm: [0.0, 0.0, 0.5], read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.0005,
     },
 };
 

@@ -1,19 +1,22 @@
 //! Gain error of the probes.
 //!
-//! m = g · d for each component of the reading, d the deflection           [METHODS §9; S1 §3.2]
+//! m = g · d for each component of the reading, d the deflection           [docs/design/physics.md §9.15; S1 §3.2]
 //! Limits: nest axes, not the single probe; visible only as far as the probes are deflected, and a gain common to
 //! all that never deflects hides.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "probe-gain",
+    role: Role::CAUSE,
     about: About {
         title: "Gain of the probes",
-        source: "METHODS §9; S1 §3.2 (nest calibration)",
+        source: "docs/design/physics.md §9.15; S1 §3.2 (nest calibration)",
         equation: "m = g · d for each component",
         symbols: "m error of the reading; g gain error, µm/mm; d deflection",
         validity: "Small deflections; components in nest axes.",
@@ -31,6 +34,19 @@ pub(crate) static EFFECT: Effect = Effect {
     shapes: |_, _| Shapes::none(),
     motions,
     example: Example { id: "probe-gain", shape: &[], values: &[("x", 3.0)], view: View::Deflection },
+    golden: Golden {
+        source: "Abramowitz & Stegun table 4.10 (cos 1° = 0.999848)",
+        derivation: "A probe 1° off its direction shows cos 1° of a displacement: 0.1523 µm too little for each mm, 0.305 µm for 2 mm.",
+        id: "probe-gain",
+        shape: &[],
+        values: &[("x", -0.1523)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { deflection_mm: [2.0, 0.0, 0.0], read_um: Some([-0.305, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { deflection_mm: [-2.0, 0.0, 0.0], read_um: Some([0.305, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.0005,
+    },
 };
 
 /// Names of the components of a reading; a ball bar has the first only.

@@ -1,18 +1,21 @@
 //! Reversal spike: the axis sticks when its direction turns and catches up with travel.
 //!
-//! e = −h · direction · e^(−s/s₀) on the positioning error, s travel since the reversal, s₀ its decay     [METHODS §5, §9; ISO 230-4 quadrant glitch]
+//! e = −h · direction · e^(−s/s₀) on the positioning error, s travel since the reversal, s₀ its decay     [docs/design/physics.md §5, §9.7; ISO 230-4 quadrant glitch]
 //! Limits: read on the fly; feed and friction constant.
 
 use crate::subjects::{axis_of, every_axis};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::State;
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "reversal-spike",
+    role: Role::CAUSE,
     about: About {
         title: "Spike after a reversal",
-        source: "METHODS §5, §9; ISO 230-4",
+        source: "docs/design/physics.md §5, §9.7; ISO 230-4",
         equation: "e = −h · direction · e^(−s/s₀), s travel since the reversal",
         symbols: "e positioning error, µm or µrad; h height of the spike, µm or µrad; s travel since the reversal; s₀ travel after which it has fallen to 37 %, mm or rad (shape number decay)",
         validity: "Read on the fly; constant feed and friction.",
@@ -32,6 +35,38 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[3.0],
         values: &[("h", 8.0)],
         view: View::Circle(&[3000.0]),
+    },
+    golden: Golden {
+        source: "Abramowitz & Stegun table 4.4 (e⁻¹ = 0.36788)",
+        derivation: "A spike of 8 µm that decays over 3 mm holds X back by 8 µm at the reversal and by 2.943 µm 3 mm later.",
+        id: "reversal-spike:X",
+        shape: &[3.0],
+        values: &[("h", 8.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment {
+                direction: &[("X", 1.0)],
+                velocity: &[("X", 10.0)],
+                read_um: Some([-8.0, 0.0, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment {
+                position: &[("X", 3.0)],
+                direction: &[("X", 1.0)],
+                velocity: &[("X", 10.0)],
+                since_reversal: &[("X", 3.0)],
+                read_um: Some([-2.943, 0.0, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment {
+                position: &[("X", 3.0)],
+                direction: &[("X", -1.0)],
+                velocity: &[("X", -10.0)],
+                read_um: Some([8.0, 0.0, 0.0]),
+                ..Moment::AT_REST
+            },
+        ],
+        within_um: 0.0005,
     },
 };
 

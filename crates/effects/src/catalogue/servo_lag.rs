@@ -1,18 +1,21 @@
 //! Servo lag of one axis against the others.
 //!
-//! e = −T v on the positioning error, v velocity, T = 1/Kv beyond the others' lag        [METHODS §5 (45° oval that flips with direction), §9]
+//! e = −T v on the positioning error, v velocity, T = 1/Kv beyond the others' lag        [docs/design/physics.md §5 (45° oval that flips with direction), docs/design/physics.md §9.8]
 //! Limits: on the fly; velocity changes slowly against T. A lag common to all axes keeps the path; one of all rotary axes is `sync-delay`.
 
 use crate::subjects::{axis_of, every_axis};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::State;
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "servo-lag",
+    role: Role::CAUSE,
     about: About {
         title: "Lag of one axis behind the others",
-        source: "METHODS §5, §9; ISO 230-4; S4 §2 (synchronisation of linear and rotary axes)",
+        source: "docs/design/physics.md §5, §9.8; ISO 230-4; S4 §2 (synchronisation of linear and rotary axes)",
         equation: "e = −T v on the positioning error",
         symbols: "e positioning error; T lag beyond that of the other axes, ms; v velocity",
         validity: "Read on the fly; smooth motion.",
@@ -35,6 +38,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("lag", 0.2)],
         view: View::Circle(&[3000.0]),
+    },
+    golden: Golden {
+        source: "Siemens SINUMERIK 840Di sl Manual 01/2007, 11.5 (Kv factor 1: following error 1 mm at 1 m/min)",
+        derivation: "Kv = 1 (m/min)/mm is a lag of 60 ms: 1000 µm behind at 16.667 mm/s, and the other way coming back.",
+        id: "servo-lag:X",
+        shape: &[],
+        values: &[("lag", 60.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { velocity: &[("X", 16.6667)], read_um: Some([-1000.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { velocity: &[("X", -16.6667)], read_um: Some([1000.0, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.5,
     },
 };
 
@@ -65,7 +81,7 @@ mod tests {
                     moved_um += frame.displacement_mm(&Point3::new(200.0, 0.0, 0.0), &(twist * 1e-3)).y * 1e3;
                 }
             });
-            // 2π·200 mm / 60 s · 1 ms (METHODS §9 says 21 µm).
+            // 2π·200 mm / 60 s · 1 ms (docs/design/physics.md §9.8 says 21 µm).
             assert!((moved_um + 20.94).abs() < 0.01, "{id} {moved_um}");
         }
     }

@@ -1,18 +1,21 @@
 //! Slip of the ball or nest on the table at some moment.
 //!
-//! s(t) = (x, y, z) in table axes from t₁ on, 0 before            [METHODS §9: setting slip]
+//! s(t) = (x, y, z) in table axes from t₁ on, 0 before            [docs/design/physics.md §9.13: setting slip]
 //! Limits: one slip; needs time stamps.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "setup-slip",
+    role: Role::CAUSE,
     about: About {
         title: "Slip of ball or nest",
-        source: "METHODS §9",
+        source: "docs/design/physics.md §9.13",
         equation: "s = (x, y, z) in table axes from t₁ on, 0 before",
         symbols: "s displacement of the table-side ball or nest in table axes, µm; t₁ moment of the slip, s (shape number slip_after_s)",
         validity: "One slip; needs time stamps.",
@@ -38,6 +41,26 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[3000.0],
         values: &[("x", 8.0), ("z", -3.0)],
         view: View::Time(7200.0),
+    },
+    golden: Golden {
+        source: "IEC 60050-103 (unit step: 0 before, 1 after)",
+        derivation: "A ball pushed 8 µm along the table's x 3000 s after the first point reads nothing before, −8 µm from then on, at every angle of C.",
+        id: "setup-slip",
+        shape: &[3000.0],
+        values: &[("x", 8.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { time_s: 50.0, read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { time_s: 3049.0, read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { time_s: 3050.0, read_um: Some([-8.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment {
+                position: &[("C", 90.0)],
+                time_s: 7000.0,
+                read_um: Some([-8.0, 0.0, 0.0]),
+                ..Moment::AT_REST
+            },
+        ],
+        within_um: 0.5,
     },
 };
 

@@ -1,19 +1,25 @@
 //! Growth of the spindle along its axis while it warms up.
 //!
-//! z(t) = −a (1 − e^(−(t − t₀)/τ)) z_tool at the spindle-side ball: a growing spindle pushes the tool tip out      [METHODS §9; ISO 230-3 §6]
+//! z(t) = −a (1 − e^(−(t − t₀)/τ)) z_tool at the spindle-side ball: a growing spindle pushes the tool tip out      [docs/design/physics.md §9.12; ISO 230-3 §6]
 //! Limits: one change of speed or load at the first point; needs time stamps.
 
 use super::thermal_drift::{TAU_OF_DURATION, warmed_up};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
 use trunnion_machine::Site;
 
+/// A spindle stands still while a ball is measured, and grows only when it ran just before: odds of 20:1 against.
+const STANDS_STILL_LN: f64 = 3.0;
+
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "spindle-growth",
+    role: Role::Cause { price_ln: STANDS_STILL_LN },
     about: About {
         title: "Growth of the spindle",
-        source: "METHODS §9; ISO 230-3 §6",
+        source: "docs/design/physics.md §9.12; ISO 230-3 §6",
         equation: "z(t) = −a (1 − e^(−t/τ)) along the spindle",
         symbols: "a final growth, µm; t time since the first point, s; τ time constant, s (shape number tau_s)",
         validity: "One change of spindle heat at the beginning; needs time stamps.",
@@ -38,6 +44,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[900.0],
         values: &[("growth", 20.0)],
         view: View::Time(7200.0),
+    },
+    golden: Golden {
+        source: "IEC 60050-351 (time constant of a first-order lag element: 63.2 % of the final value); ISO 230-3 (spindle growth)",
+        derivation: "20 µm final, τ = 900 s: after 900 s the tool tip is 12.64 µm further out, towards −Z.",
+        id: "spindle-growth",
+        shape: &[900.0],
+        values: &[("growth", 20.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { time_s: 900.0, read_um: Some([0.0, 0.0, -12.64]), ..Moment::AT_REST },
+        ],
+        within_um: 0.005,
     },
 };
 

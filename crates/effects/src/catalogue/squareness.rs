@@ -3,14 +3,17 @@
 //! EC0Y (Y to X), EB0Z (Z to X), EA0Z (Z to Y): δ = angle × travel of the later axis        [S2 tables 2–5; S4 table 1]
 //! A machine without rotary axes carries them in `location-errors` already. Limits: constant over the run.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
-use trunnion_core::AxisLetter::{X, Y, Z};
+use trunnion_core::axis::iso::{X, Y, Z};
 use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::{Machine, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "squareness",
+    role: Role::Location,
     about: About {
         title: "Squareness of two linear axes",
         source: "S2 tables 2–5; S4 table 1",
@@ -20,7 +23,7 @@ pub(crate) static EFFECT: Effect = Effect {
         typical: "10–50 µm/m",
         explanation: "Two linear axes do not meet at a right angle.",
         cause: "Alignment of the guideways, or a machine standing unevenly on its feet.",
-        seen_by: "A circle in the plane of the two axes (45° oval alike in both directions); rotary cycles at two heights.",
+        seen_by: "A circle in the plane of the two axes (45° oval, the same in both directions); rotary cycles at two heights.",
         needs: &[Need::Travel],
         helps: &[Need::TwoHeights],
     },
@@ -33,6 +36,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("EC0Y", 40.0)],
         view: View::Circle(&[3000.0]),
+    },
+    golden: Golden {
+        source: "S2 eq. 1 (ex = −EC0Y · y)",
+        derivation: "50 µm/m over 200 mm of Y: 10 µm towards −X.",
+        id: "squareness:YX",
+        shape: &[],
+        values: &[("EC0Y", 50.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { position: &[("Y", 200.0)], read_um: Some([-10.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("Y", -200.0)], read_um: Some([10.0, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 0.05,
     },
 };
 
@@ -50,7 +66,7 @@ fn subjects(machine: &Machine) -> Vec<Subject> {
 
 /// The coordinate direction about which the pair leans, by index.
 fn about(first: AxisLetter, second: AxisLetter) -> usize {
-    3 - first as usize - second as usize
+    3 - first.index() - second.index()
 }
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

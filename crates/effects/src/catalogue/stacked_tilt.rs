@@ -4,13 +4,16 @@
 //! The part that does not change with C is B's own tilt error motion. Limits: repeats every turn of C.
 
 use crate::subjects::{across, axis_of, rotary_below, rotary_name};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::UnitQuaternion;
 use trunnion_core::{State, Twist};
 use trunnion_machine::{Machine, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "stacked-tilt",
+    role: Role::CAUSE,
     about: About {
         title: "Tilt error motion that depends on the axis below",
         source: "S4 table 2 (αC(C, B), βC(C, B)); S1 §5.3",
@@ -44,6 +47,25 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[1.0, 0.0],
         values: &[("EBC.forward", 20.0)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "Meriam & Kraige, Statics, ch. 2 (component of a weight along a slope: W sin B)",
+        derivation: "Half of the weight acts across C at B = 30°: half of 20 µrad at a ball 100 mm up is 1 µm; a forward phasor turns with the table.",
+        id: "stacked-tilt:C",
+        shape: &[1.0, 0.0],
+        values: &[("EBC.forward", 20.0)],
+        balls_mm: &[[0.0, 0.0, 100.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("B", 30.0)], read_um: Some([-1.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment {
+                position: &[("B", 30.0), ("C", 90.0)],
+                read_um: Some([-1.0, 0.0, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment { position: &[("B", -30.0)], read_um: Some([1.0, 0.0, 0.0]), ..Moment::AT_REST },
+        ],
+        within_um: 1e-06,
     },
 };
 

@@ -1,21 +1,24 @@
 //! Delays in time between rotary axes, linear axes and probes.
 //!
-//! probes: e_k = −T_p v_k on every axis: the reading belongs to where the machine was T_p earlier   [DESIGN §4; METHODS §9]
+//! probes: e_k = −T_p v_k on every axis: the reading belongs to where the machine was T_p earlier   [docs/design/contracts.md §9; docs/design/physics.md §9.8]
 //! rotary: e_k = −T_r v_k on the rotary axes only: they are interpolated, or answer, later than the linear axes   [S4 §2]
 //! Linear axes that follow a rotary one keep ball and nest together, Σ J_k v_k = 0: T_p then moves nothing (a reading
 //! taken late on a path that reads zero throughout still reads zero), T_r moves J_r v_r. Where only rotary axes move
 //! the two are one, and only T_p is carried. Each parameter is carried where the motion of the scene can show it.
 //! Limits: on the fly; first order in T; while one rotary axis turns alone T_r is that axis' servo lag.
 
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::State;
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "sync-delay",
+    role: Role::CAUSE,
     about: About {
         title: "Delay between rotary axes, linear axes and probes",
-        source: "METHODS §9; S4 §2 (synchronisation error)",
+        source: "docs/design/physics.md §9.8; S4 §2 (synchronisation error)",
         equation: "probes: e = −T_p v on every axis; rotary: e = −T_r v on the rotary axes only",
         symbols: "T_p time by which the probes are read late against all axis positions, ms; T_r time by which the rotary axes come later than the linear axes, ms; v velocity of each axis",
         validity: "Read on the fly; one delay for the whole experiment. T_p shows only where the motion changes the distance of ball and nest (never while linear axes follow a rotary one exactly); T_r only where linear and rotary axes move together.",
@@ -31,6 +34,29 @@ pub(crate) static EFFECT: Effect = Effect {
     shapes: |_, _| Shapes::none(),
     motions,
     example: Example { id: "sync-delay", shape: &[], values: &[("rotary", 0.2)], view: View::Turn },
+    golden: Golden {
+        source: "Circumference 2πR",
+        derivation: "A table at 1 turn a minute moves 2π · 200 mm/60 s = 20.94 mm/s at R = 200 mm: 1 ms late it is 20.94 µm behind the tool that follows it.",
+        id: "sync-delay",
+        shape: &[],
+        values: &[("rotary", 1.0)],
+        balls_mm: &[[200.0, 0.0, 0.0]],
+        moments: &[
+            Moment {
+                position: &[("X", 200.0)],
+                velocity: &[("C", 6.0), ("Y", 20.943951)],
+                read_um: Some([0.0, 20.94, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment {
+                position: &[("X", 200.0)],
+                velocity: &[("C", -6.0), ("Y", -20.943951)],
+                read_um: Some([0.0, -20.94, 0.0]),
+                ..Moment::AT_REST
+            },
+        ],
+        within_um: 0.005,
+    },
 };
 
 #[derive(Clone, Copy)]

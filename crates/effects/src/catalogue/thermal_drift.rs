@@ -1,20 +1,23 @@
 //! Thermal drift of the tool side against the table after a change of heat.
 //!
-//! u(t) = Σ_i a_i (1 − e^(−(t − t₀)/τ_i)), i = 1, 2 for each of x, y, z in machine axes    [METHODS §9]
+//! u(t) = Σ_i a_i (1 − e^(−(t − t₀)/τ_i)), i = 1, 2 for each of x, y, z in machine axes    [docs/design/physics.md §9.12]
 //! Two time constants: drive and spindle warm up in minutes, castings in hours. One time constant is the case where
 //! one term is small.
 //! Limits: one step of heat at the first point; needs time stamps.
 
 use crate::subjects::whole_tool_side;
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "thermal-drift",
+    role: Role::CAUSE,
     about: About {
         title: "Thermal drift of the tool side",
-        source: "METHODS §9; ISO 230-3",
+        source: "docs/design/physics.md §9.12; ISO 230-3",
         equation: "u(t) = Σ a_i (1 − e^(−t/τ_i)) for x, y, z, two time constants",
         symbols: "u displacement of the tool side in machine axes, µm; a_i final values, µm; t time since the first point, s; τ_i time constants, s (shape numbers tau1_s, tau2_s)",
         validity: "One change of heat at the beginning; needs time stamps.",
@@ -34,6 +37,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[600.0, 5400.0],
         values: &[("x.1", 4.0), ("y.2", -6.0), ("z.1", -5.0), ("z.2", 20.0)],
         view: View::Time(7200.0),
+    },
+    golden: Golden {
+        source: "IEC 60050-351 (time constant of a first-order lag element: 63.2 % of the final value)",
+        derivation: "10 µm final, τ = 600 s: 6.32 µm 600 s after the first point; the tool side moves, so the reading has its sign.",
+        id: "thermal-drift",
+        shape: &[600.0, 1e9],
+        values: &[("z.1", 10.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { time_s: 100.0, read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { time_s: 700.0, read_um: Some([0.0, 0.0, 6.32]), ..Moment::AT_REST },
+        ],
+        within_um: 0.005,
     },
 };
 

@@ -1,21 +1,24 @@
 //! Displacement of the tool side that follows a temperature channel, with a lag.
 //!
-//! u = Σ_channels a_channel (θ_channel − θ_channel,first),  τ dθ/dt = T_channel − θ           [METHODS §9; ISO 230-3; ISO/TR 16015]
+//! u = Σ_channels a_channel (θ_channel − θ_channel,first),  τ dθ/dt = T_channel − θ           [docs/design/physics.md §9.12; ISO 230-3; ISO/TR 16015]
 //! for x, y, z in machine axes; τ one shape number for all channels, 0 follows at once. See `History` for the filter.
 //! Limits: proportional; the structure is soaked at the first point of each run; only channels that change take part;
 //! without time stamps no lag.
 
 use super::thermal_drift::TAU_OF_DURATION;
 use crate::subjects::whole_tool_side;
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "thermal-expansion",
+    role: Role::CAUSE,
     about: About {
         title: "Expansion with a measured temperature",
-        source: "METHODS §9; ISO 230-3; ISO/TR 16015",
+        source: "docs/design/physics.md §9.12; ISO 230-3; ISO/TR 16015",
         equation: "u = Σ a·(θ − θ_first) for x, y, z and each temperature channel, τ dθ/dt = T − θ",
         symbols: "T temperature of the channel, K; θ temperature of the structure, which follows with time constant τ, s (shape number tau_s, 0 = at once); a displacement of the tool side in machine axes, µm/K",
         validity: "Proportional to θ; the structure is soaked at the first point; one lag for all channels; without time stamps no lag.",
@@ -35,6 +38,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[1200.0],
         values: &[("frame.x", 2.0), ("frame.z", 5.0)],
         view: View::Time(7200.0),
+    },
+    golden: Golden {
+        source: "ISO 3650 (steel: 11.5 µm/(m·K))",
+        derivation: "A column of 500 mm of steel grows 5.75 µm/K: 11.5 µm when it is 2 K warmer.",
+        id: "thermal-expansion",
+        shape: &[0.0],
+        values: &[("frame.z", 5.75)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { time_s: 60.0, frame_degc: 22.0, read_um: Some([0.0, 0.0, 11.5]), ..Moment::AT_REST },
+        ],
+        within_um: 0.05,
     },
 };
 

@@ -5,13 +5,16 @@
 //! Limits: repeats every turn.
 
 use crate::subjects::{across, axis_of, every_rotary, rotary_name};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::UnitQuaternion;
 use trunnion_core::{State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "tilt-error-motion",
+    role: Role::Natural,
     about: About {
         title: "Tilt error motion (coning)",
         source: "ISO 230-7; S1 §5.3; S4 §4.2.2 and table 2 (angular motion of the rotation centre line)",
@@ -34,6 +37,19 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[2.0],
         values: &[("EAC.backward", 20.0)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "S1 §5.3 (coning of B: EAB up to 0.013°)",
+        derivation: "0.013° = 226.9 µrad at a ball 100 mm above the pivot are 22.69 µm: ω × r = x̂ × ẑ = −ŷ of the table.",
+        id: "tilt-error-motion:B",
+        shape: &[1.0],
+        values: &[("EAB.backward", 226.893)],
+        balls_mm: &[[0.0, 0.0, 100.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 22.69, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("B", 30.0)], ..Moment::AT_REST },
+        ],
+        within_um: 0.005,
     },
 };
 

@@ -1,24 +1,27 @@
 //! Off-centre mass on a turning table that tilts: its weight turns and tilts the table.
 //!
-//! M(C) = e(C) × g,  e(C) = R(C) e_i the place of the mass, g the unit vector of gravity in the carrier of C   [METHODS §9]
+//! M(C) = e(C) × g,  e(C) = R(C) e_i the place of the mass, g the unit vector of gravity in the carrier of C   [docs/design/physics.md §9.2]
 //! ω = twist · (M·d) d + tilt · (M − (M·d) d): about the axis d ∝ sin B·sin(C + φ), across it ∝ cos B.
 //! Limits: one load for the whole experiment; position held by a drive of constant stiffness.
 
 use crate::subjects::{across, axis_of, carrier_from_carried, gravity_in_carrier, rotary_below};
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use trunnion_core::{State, Twist};
 use trunnion_machine::{Machine, Side, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "unbalance",
+    role: Role::CAUSE,
     about: About {
         title: "Off-centre mass on the turning table",
-        source: "METHODS §9; S4 table 2 (gravity influence)",
+        source: "docs/design/physics.md §9.2; S4 table 2 (gravity influence)",
         equation: "ω = twist·(M·d) d + tilt·(M − (M·d) d), M = R(C) e_i × g",
         symbols: "ω turn of the table, µrad; d its axis; e_i place of the mass, unit vector; g unit vector of gravity in the carrier of the axis; twist, tilt compliance × weight × distance, µrad",
         validity: "Same load during the whole experiment; needs a tilted table to turn it.",
         typical: "1–5 µm at the ball",
-        explanation: "A weight beside the axis of the tilted table pulls it round, and over.",
+        explanation: "A weight off the axis of the tilted table pulls it round, and over.",
         cause: "Workpiece or fixture off the centre; weak position loop or bearing of the table.",
         seen_by: "Turning C at several tilts B; with the load moved by 180° the sign flips.",
         needs: &[Need::Travel, Need::SeveralTilts],
@@ -41,6 +44,29 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[],
         values: &[("twist.1", 20.0), ("tilt.2", 10.0)],
         view: View::Poses,
+    },
+    golden: Golden {
+        source: "Meriam & Kraige, Statics, ch. 2 (moment of a force, M = r × F)",
+        derivation: "On a vertical table a weight off the axis at half height pulls with its full moment: 20 µrad at 150 mm are 3 µm; above the axis with none.",
+        id: "unbalance:C",
+        shape: &[],
+        values: &[("twist.1", 20.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment { position: &[("B", 90.0)], read_um: Some([0.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment {
+                position: &[("B", 90.0), ("C", 90.0)],
+                read_um: Some([0.0, 3.0, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment {
+                position: &[("B", 90.0), ("C", -90.0)],
+                read_um: Some([0.0, -3.0, 0.0]),
+                ..Moment::AT_REST
+            },
+        ],
+        within_um: 0.005,
     },
 };
 

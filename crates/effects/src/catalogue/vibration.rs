@@ -8,16 +8,19 @@
 //! rate of the points reads as its alias, weakened by the averaging within a point.
 
 use crate::subjects::whole_tool_side;
-use crate::{About, Effect, Emit, Example, Need, Parameter, Scene, Shapes, Subject, Unit, View};
+use crate::{
+    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use trunnion_core::{State, Twist};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "vibration",
+    role: Role::CAUSE,
     about: About {
         title: "Vibration of the tool against the table",
-        source: "ISO/TR 230-8; METHODS §9",
+        source: "ISO/TR 230-8; docs/design/physics.md §9.17",
         equation: "u(t) = a cos 2πft + b sin 2πft for x, y, z",
         symbols: "a, b amplitudes in machine axes, µm; f frequency, Hz (shape number frequency_hz); t time since the first point, s",
         validity: "Read on the fly with time stamps; constant frequency and phase in one run; below half the rate of the points, else its alias.",
@@ -37,6 +40,30 @@ pub(crate) static EFFECT: Effect = Effect {
         shape: &[12.0],
         values: &[("x.cos", 0.4), ("x.sin", 0.3), ("z.sin", 0.8)],
         view: View::Time(0.5),
+    },
+    golden: Golden {
+        source: "ISO 2041 (harmonic vibration: acceleration = (2πf)² · displacement)",
+        derivation: "0.0987 m/s² at 50 Hz are 1.000 µm, with a period of 20 ms: +1, 0, −1 µm at 0, 5, 10 ms.",
+        id: "vibration",
+        shape: &[50.0],
+        values: &[("x.cos", 1.0)],
+        balls_mm: &[[150.0, 0.0, 60.0]],
+        moments: &[
+            Moment { velocity: &[("C", 5.0)], read_um: Some([1.0, 0.0, 0.0]), ..Moment::AT_REST },
+            Moment {
+                velocity: &[("C", 5.0)],
+                time_s: 0.005,
+                read_um: Some([0.0, 0.0, 0.0]),
+                ..Moment::AT_REST
+            },
+            Moment {
+                velocity: &[("C", 5.0)],
+                time_s: 0.01,
+                read_um: Some([-1.0, 0.0, 0.0]),
+                ..Moment::AT_REST
+            },
+        ],
+        within_um: 0.0005,
     },
 };
 

@@ -5,7 +5,7 @@
 
 use super::FormulaError;
 use super::expression::{Expression, Function, Node, Operator};
-use super::nearest::nearest;
+use trunnion_core::names::nearest;
 
 const FUNCTIONS: [(&str, Function); 9] = [
     ("sin", Function::Sin),

@@ -1,11 +1,11 @@
 //! What a picture shows: the example of an effect seen in its view on machine table-bc.
 
 use crate::catalogue::BASE;
-use crate::{Effect, Example, Instance, Scene, SceneSetup, View};
+use crate::{Effect, Example, Instance, Scene, SceneSetup, View, r_test_reading};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 use trunnion_core::{AxisLetter, AxisValues, State};
-use trunnion_machine::{JointErrors, Machine, Side, Site, shipped};
+use trunnion_machine::{Machine, shipped};
 
 /// A picture before it is drawn; values in µm.
 pub(super) struct Drawing {
@@ -79,9 +79,14 @@ impl<'a> Placed<'a> {
     /// Error of the reading, mm.
     fn reading_mm(&self, state: &State) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
-        seen(&self.scene, &self.instance, self.shape, state, &mut |i, reading| {
-            sum += reading * self.values[i]
-        });
+        r_test_reading(
+            &self.instance,
+            &self.scene,
+            self.shape,
+            state,
+            Point3::origin(),
+            &mut |i, reading| sum += reading * self.values[i],
+        );
         sum
     }
 
@@ -104,7 +109,7 @@ impl<'a> Placed<'a> {
         for (k, instance) in base.iter().enumerate() {
             let first: usize = widths[..k].iter().sum();
             for (point, state) in states.iter().enumerate() {
-                seen(&self.scene, instance, &[], state, &mut |i, reading| {
+                r_test_reading(instance, &self.scene, &[], state, Point3::origin(), &mut |i, reading| {
                     let mut rows = columns.view_mut((3 * point, first + i), (3, 1));
                     rows += reading;
                 });
@@ -116,38 +121,6 @@ impl<'a> Placed<'a> {
         let u = u.columns(0, kept);
         u * u.tr_mul(all)
     }
-}
-
-/// Readings per unit of each parameter.
-fn seen(
-    scene: &Scene,
-    instance: &Instance,
-    shape: &[f64],
-    state: &State,
-    each: &mut dyn FnMut(usize, Vector3<f64>),
-) {
-    let none = JointErrors::default();
-    let machine_from_table = scene.machine.machine_from_table(&state.position, &none);
-    let machine_from_tool = scene.machine.machine_from_tool(&state.position, &none);
-    let table_ball =
-        machine_from_table * scene.setups.get(state.setup).map_or(Point3::origin(), |s| s.ball_in_table_mm);
-    let spindle_ball = machine_from_tool * Point3::origin();
-    instance.motions(scene, shape, state, &mut |i, site, twist| {
-        let tool_against_table = match site {
-            Site::Reading => return each(i, twist.translation_mm),
-            Site::Instrument(_) => return,
-            Site::TableBall => return each(i, -twist.translation_mm),
-            Site::SpindleBall => machine_from_tool.rotation * twist.translation_mm,
-            Site::Joint(letter) => match scene.machine.joint_frame(letter, &state.position) {
-                None => return,
-                Some(frame) if scene.machine.side(letter) == Some(Side::Tool) => {
-                    frame.displacement_mm(&spindle_ball, &twist)
-                }
-                Some(frame) => -frame.displacement_mm(&table_ball, &twist),
-            },
-        };
-        each(i, machine_from_table.rotation.inverse() * tool_against_table);
-    });
 }
 
 fn setup(name: &str, ball_in_table_mm: Point3<f64>) -> SceneSetup {
@@ -165,7 +138,7 @@ fn caption(placed: &Placed<'_>, example: &Example, left: Option<f64>, conditions
     };
     let values: Vec<String> = example.values.iter().map(value).collect();
     let share = left.map_or(String::new(), |left| {
-        format!("; {:.0} % of it is left beside location errors and ball setting", 100.0 * left)
+        format!("; {:.0} % of it remains after location errors and ball setting", 100.0 * left)
     });
     [format!("{}: {}", example.id, values.join(", ")), format!("{conditions}{share}")]
 }

@@ -7,6 +7,7 @@
 //! the design effect 1 + (m̄ − 1)ρ of the clusters they come in (Kish, Survey Sampling, 1965, §8.2). What does not pay its price
 //! does not stand out of the noise: the list may be empty.
 
+mod found;
 mod readings;
 mod scan;
 
@@ -15,12 +16,12 @@ use nalgebra::DVector;
 use std::fmt;
 use trunnion_core::{AxisLetter, convert};
 
+use found::Found;
 use readings::{Dimension, Readings};
-use scan::Found;
 
-pub use scan::Way;
+pub use found::Way;
 
-/// Most places told.
+/// Most places reported.
 const MOST_PLACES: usize = 3;
 /// A place explains at least this share of the residual's sum of squares.
 const LEAST_SHARE: f64 = 0.04;

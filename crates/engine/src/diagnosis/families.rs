@@ -1,7 +1,7 @@
-//! The factors of the open grammar: how a motion without a name may depend on angle, direction, place and time (DIAGNOSIS §4).
+//! The factors of the open grammar: how a motion without a name may depend on angle, direction, place and time (docs/design/statistics.md §4.3).
 //!
 //! A family is one expression with shape numbers (where, how wide, how fast). Only a coarse grid of them is scanned for every carrier;
-//! the shape numbers of what does well are then refined, and its kin (the same idea in another form, such as the soft form of a step)
+//! the shape numbers of what does well are then refined, and its relatives (the same idea in another form, such as the soft form of a step)
 //! are tried as well.
 
 mod angle;
@@ -12,7 +12,7 @@ use crate::Experiment;
 use crate::evidence::Natural;
 use crate::noise::machine_noise::Order;
 use trunnion_core::AxisLetter;
-use trunnion_effects::{Instance, ModelEffect};
+use trunnion_effects::{Formula, Instance, ModelEffect};
 
 /// One way to depend on the state.
 #[derive(Clone, Debug)]
@@ -31,12 +31,12 @@ pub struct Family {
     /// In words.
     pub words: String,
     /// Families of the same idea.
-    pub kin: String,
+    pub idea: String,
     /// Where it may act.
     pub carriers: Carriers,
     /// Whether it is a repeatable motion of a rotary axis, of which every bearing has some.
     pub natural: Natural,
-    /// False: tried only where its kin does well.
+    /// False: tried only where its relatives do well.
     pub scanned: bool,
 }
 
@@ -93,7 +93,7 @@ pub enum Carriers {
 
 /// A family as written below.
 struct Draft {
-    kin: String,
+    idea: String,
     columns: Vec<String>,
     numbers: Vec<Number>,
     grid: Vec<Vec<f64>>,
@@ -105,9 +105,9 @@ struct Draft {
 }
 
 impl Draft {
-    fn new(kin: impl Into<String>, order: usize, columns: Vec<String>, words: impl Into<String>) -> Self {
+    fn new(idea: impl Into<String>, order: usize, columns: Vec<String>, words: impl Into<String>) -> Self {
         Self {
-            kin: kin.into(),
+            idea: idea.into(),
             columns,
             numbers: Vec::new(),
             grid: vec![Vec::new()],
@@ -137,7 +137,7 @@ impl Draft {
         Self { natural: Natural::Yes, ..self }
     }
 
-    fn only_for_kin(self) -> Self {
+    fn only_refined(self) -> Self {
         Self { scanned: false, ..self }
     }
 }
@@ -171,7 +171,7 @@ fn family(draft: Draft, experiment: &Experiment) -> Option<Family> {
     };
     let expression = terms.map(term).collect::<Vec<_>>().join(" + ");
     let entry = ModelEffect {
-        id: "formula:factor".into(),
+        id: Formula::id_of("factor"),
         site: Some("spindle".into()),
         component: Some("dx".into()),
         expression: Some(expression.clone()),
@@ -192,7 +192,7 @@ fn family(draft: Draft, experiment: &Experiment) -> Option<Family> {
         grid: draft.grid,
         price_ln: draft.order as f64,
         words: draft.words,
-        kin: draft.kin,
+        idea: draft.idea,
         carriers: draft.carriers,
         natural: draft.natural,
         scanned: draft.scanned,

@@ -1,6 +1,7 @@
-//! The answer of a diagnosis and its JSON form (DESIGN §3.7).
+//! The answer of a diagnosis and its JSON form (docs/design/contracts.md §7).
 
 use crate::next_cycle::PlannedCycle;
+use crate::problem::folds::LeftOut;
 use serde_json::{Value, json};
 use trunnion_effects::ModelEffect;
 
@@ -19,7 +20,7 @@ pub struct Diagnosis {
     pub set: Vec<ModelEffect>,
     /// An expression that describes the structure better than any named effect, ready to add.
     pub formula: Option<FormulaProposal>,
-    /// What to measure next to tell rivals apart.
+    /// What to measure next to separates rivals.
     pub next_cycle: Option<NextCycle>,
     /// Effects that this cycle cannot show: the model imitates them.
     pub not_visible: Vec<String>,
@@ -32,9 +33,13 @@ pub struct Diagnosis {
 pub struct ResidualSummary {
     /// Root mean square of the residual without outliers, µm per component.
     pub rms_um: f64,
-    /// Noise floor: what would remain if nothing were missing, µm per component.
-    pub noise_um: f64,
-    /// Share of the residual's mean square above the noise floor, 0…1.
+    /// Error on units left out of the fit, µm rms; `None` where nothing can be left out.
+    pub holdout_rms_um: Option<f64>,
+    /// The unit that was left out in turn, here and of every candidate.
+    pub holdout_unit: Option<LeftOut>,
+    /// Repeatability of a reading, µm per component; `None` where no pose was measured twice.
+    pub noise_um: Option<f64>,
+    /// Share of the residual's mean square that all that was found explains together, 0…1.
     pub unexplained_fraction: f64,
 }
 
@@ -58,15 +63,15 @@ pub struct Candidate {
     pub evidence: f64,
     /// Residual after adding it, µm rms.
     pub rms_um_after: f64,
-    /// Residual after adding it, on parts of the data left out of the fit, µm rms.
-    pub holdout_rms_um_after: f64,
-    /// Share of the explainable mean square (above the noise floor) that it explains, 0…1.
+    /// The same on units left out of the fit, µm rms; `None` where nothing can be left out.
+    pub holdout_rms_um_after: Option<f64>,
+    /// Share of what all that was found explains together that it explains alone, 0…1.
     pub explains_fraction: f64,
     /// Its parameters as fitted; shape numbers included.
     pub parameters: Vec<CandidateParameter>,
     /// Effects that the data cannot well tell from it.
     pub confused_with: Vec<String>,
-    /// The measurement that would tell them apart; empty when nothing is confused.
+    /// The measurement that would separates them; empty when nothing is confused.
     pub separate_by: String,
     /// True when nothing structured is left after adding it alone.
     pub adequate: bool,
@@ -81,13 +86,13 @@ pub struct CandidateParameter {
     pub name: String,
     /// Value in `unit`; `None` when these data cannot see it.
     pub value: Option<f64>,
-    /// Standard uncertainty in `unit`, under the noise model that fits best; `None` for a shape number.
+    /// Standard uncertainty in `unit`; `None` for a shape number.
     pub u: Option<f64>,
     /// Unit, e.g. `um`.
     pub unit: String,
 }
 
-/// An expression for structure that has no name, as a `formula:NAME` effect of a model file (DESIGN §3.4).
+/// An expression for structure that has no name, as a `formula:NAME` effect of a model file (docs/design/contracts.md §4).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormulaProposal {
     /// Name of the effect.
@@ -106,7 +111,9 @@ pub struct FormulaProposal {
     pub evidence: f64,
     /// Residual after adding it, µm rms.
     pub rms_um_after: f64,
-    /// Share of the explainable mean square that it explains, 0…1.
+    /// The same on units left out of the fit, µm rms; `None` where nothing can be left out.
+    pub holdout_rms_um_after: Option<f64>,
+    /// Share of what all that was found explains together that it explains alone, 0…1.
     pub explains_fraction: f64,
     /// Where it lives: frame, direction, range, in words.
     pub lives: String,
@@ -114,7 +121,7 @@ pub struct FormulaProposal {
     pub resembles: Option<String>,
 }
 
-/// What to measure next to tell rivals apart.
+/// What to measure next to separates rivals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NextCycle {
     /// What to do, for a person.
@@ -153,13 +160,15 @@ impl Verdict {
 }
 
 impl Diagnosis {
-    /// The JSON of DESIGN §3.7.
+    /// The JSON of docs/design/contracts.md §7.
     pub fn to_json(&self) -> Value {
         json!({
             "format": "trunnion-diagnosis/1",
             "model": self.model,
             "residual": {
                 "rms_um": self.residual.rms_um,
+                "holdout_rms_um": self.residual.holdout_rms_um,
+                "holdout_unit": self.residual.holdout_unit.map(LeftOut::name),
                 "noise_um": self.residual.noise_um,
                 "unexplained_fraction": self.residual.unexplained_fraction,
             },
@@ -217,6 +226,7 @@ fn formula_json(formula: &FormulaProposal) -> Value {
         "also": formula.entries.iter().skip(1).map(|entry| entry.id.as_str()).collect::<Vec<_>>(),
         "evidence": formula.evidence,
         "rms_um_after": formula.rms_um_after,
+        "holdout_rms_um_after": formula.holdout_rms_um_after,
         "explains_fraction": formula.explains_fraction,
         "lives": formula.lives,
         "resembles": formula.resembles,

@@ -1,6 +1,6 @@
-//! The open grammar on one experiment: families of factors at every carrier (DIAGNOSIS §4).
+//! The open grammar on one experiment: families of factors at every carrier (docs/design/statistics.md §4.3).
 //!
-//! A carrier is a unit displacement or rotation at a site; a saying multiplies one or more carriers of one site by the factors of a
+//! A carrier is a unit displacement or rotation at a site; a term multiplies one or more carriers of one site by the factors of a
 //! family at one shape.
 
 use crate::Experiment;
@@ -11,7 +11,7 @@ use crate::noise::machine_noise::{Order, ground_joint, modulated, unit_columns};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use trunnion_core::AxisValues;
-use trunnion_effects::ModelEffect;
+use trunnion_effects::{Formula, ModelEffect};
 use trunnion_machine::Site;
 
 /// Names of the components in formulas.
@@ -23,13 +23,13 @@ pub const SIBLING_LN: f64 = 1.5;
 
 /// The grammar on one experiment.
 pub struct Vocabulary {
-    /// Columns of all groups, one for each phrase.
+    /// Columns of all groups, one for each term.
     pub library: Library,
     /// What each group says.
-    pub phrases: Vec<Saying>,
+    pub terms: Vec<Term>,
     pub families: Vec<Family>,
     pub carriers: Vec<Carrier>,
-    /// ln of the number of phrases: what choosing one costs.
+    /// ln of the number of terms: what choosing one costs.
     pub price_ln: f64,
 }
 
@@ -46,7 +46,7 @@ pub struct Carrier {
 #[derive(Default)]
 struct Layout {
     groups: Vec<Group>,
-    phrases: Vec<Saying>,
+    terms: Vec<Term>,
     /// First column, family, shape, carriers.
     places: Vec<(usize, usize, usize, Vec<usize>)>,
     width: usize,
@@ -65,7 +65,7 @@ impl Layout {
             });
             let prior_ln = -family.price_ln - SIBLING_LN * (of_bundle.len() - 1) as f64;
             self.groups.push(Group { parts: parts.collect(), prior_ln, natural: family.natural });
-            self.phrases.push(Saying { family: f, carriers: bundle[of_bundle].to_vec() });
+            self.terms.push(Term { family: f, carriers: bundle[of_bundle].to_vec() });
         };
         for k in 0..bundle.len() {
             group(k..k + 1);
@@ -103,7 +103,7 @@ fn bundles(carriers: &[Carrier], wanted: Carriers) -> Vec<Vec<usize>> {
 
 /// Something said in the grammar.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Saying {
+pub struct Term {
     pub family: usize,
     /// Carriers of one site, each with parameters of its own.
     pub carriers: Vec<usize>,
@@ -125,7 +125,7 @@ impl Vocabulary {
                 layout.add(f, family, &carriers, bundle);
             }
         }
-        let price_ln = (layout.phrases.len().max(1) as f64).ln();
+        let price_ln = (layout.terms.len().max(1) as f64).ln();
         for group in &mut layout.groups {
             group.prior_ln -= price_ln;
         }
@@ -140,13 +140,13 @@ impl Vocabulary {
                 }
             }
         }
-        Self { library, phrases: layout.phrases, families, carriers, price_ln }
+        Self { library, terms: layout.terms, families, carriers, price_ln }
     }
 
-    /// Columns of a saying (column × row).
-    pub fn columns(&self, experiment: &Experiment, saying: &Saying, shape: &[f64]) -> DMatrix<f64> {
-        let factors = factors(experiment, &self.families[saying.family], shape);
-        let carriers = saying.carriers.iter().map(|&c| &self.carriers[c]);
+    /// Columns of a term (column × row).
+    pub fn columns(&self, experiment: &Experiment, term: &Term, shape: &[f64]) -> DMatrix<f64> {
+        let factors = factors(experiment, &self.families[term.family], shape);
+        let carriers = term.carriers.iter().map(|&c| &self.carriers[c]);
         let columns = carriers.flat_map(|carrier| {
             factors.iter().map(move |of_point| carrier.times(experiment, of_point).transpose())
         });
@@ -154,12 +154,12 @@ impl Vocabulary {
     }
 
     /// Other families of the same idea.
-    pub fn kin(&self, family: usize) -> Vec<usize> {
-        let kin = &self.families[family].kin;
+    pub fn relatives(&self, family: usize) -> Vec<usize> {
+        let idea = &self.families[family].idea;
         let others = (0..self.families.len()).filter(|&f| f != family);
         let same = |f: &usize| {
             let other = &self.families[*f];
-            other.kin == *kin && (!other.scanned || !other.numbers.is_empty())
+            other.idea == *idea && (!other.scanned || !other.numbers.is_empty())
         };
         others.filter(same).collect()
     }
@@ -170,15 +170,15 @@ impl Vocabulary {
         (0..self.carriers.len()).filter(|&c| c != carrier && self.carriers[c].site == site).collect()
     }
 
-    /// The saying as entries of a model file, one for each carrier.
-    pub fn entries(&self, saying: &Saying, shape: &[f64]) -> Vec<ModelEffect> {
-        let family = &self.families[saying.family];
+    /// The term as entries of a model file, one for each carrier.
+    pub fn entries(&self, term: &Term, shape: &[f64]) -> Vec<ModelEffect> {
+        let family = &self.families[term.family];
         let entry = |&c: &usize| {
             let Carrier { site, component, .. } = &self.carriers[c];
             let site = site_text(*site);
             let component = COMPONENTS[*component];
             ModelEffect {
-                id: format!("formula:{}-{component}", site.replace(':', "-").to_lowercase()),
+                id: Formula::id_of(&format!("{}-{component}", site.replace(':', "-").to_lowercase())),
                 site: Some(site),
                 component: Some(component.into()),
                 expression: Some(family.expression.clone()),
@@ -186,7 +186,7 @@ impl Vocabulary {
                 ..ModelEffect::default()
             }
         };
-        saying.carriers.iter().map(entry).collect()
+        term.carriers.iter().map(entry).collect()
     }
 }
 

@@ -1,15 +1,18 @@
 //! Sentences of a diagnosis.
 
 use crate::diagnosis::verdict::ShapeNumber;
+use crate::fit::identification::Holdout;
+use trunnion_core::convert::um_from_mm;
 use trunnion_effects::Instance;
 
 /// Errors before and after, µm.
 pub struct Numbers {
     pub before_um: f64,
     pub after_um: f64,
-    pub noise_um: f64,
-    pub holdout_before_um: f64,
-    pub holdout_after_um: f64,
+    /// `None`: no pose was measured twice.
+    pub repeatability_um: Option<f64>,
+    /// Held-out error before, and after, µm; `None` where nothing can be left out.
+    pub holdout: Option<(Holdout, f64)>,
 }
 
 /// What an effect is, its likely cause, and what adding it does.
@@ -19,16 +22,17 @@ pub fn why(instance: &Instance, numbers: &Numbers, adequate: bool) -> String {
         sentences.push(about.explanation.to_string());
         sentences.push(format!("Likely cause: {}", about.cause));
     }
-    let (before, after) = (numbers.holdout_before_um, numbers.holdout_after_um);
-    // Where every part has unknowns of its own (a station each), nothing can be left out.
-    let left_out = if before.is_finite() && after.is_finite() {
-        format!("on data left out of the fit from {before:.2} to {after:.2} µm; ")
-    } else {
-        String::new()
-    };
+    let held_out = numbers.holdout.map_or(String::new(), |(before, after_um)| {
+        let (unit, before_um) = (before.left_out.plural(), um_from_mm(before.rms_mm));
+        format!("on {unit} left out of the fit from {before_um:.2} to {after_um:.2} µm; ")
+    });
+    let repeatability = numbers.repeatability_um.map_or_else(
+        || "repeatability not known: no pose was measured twice".into(),
+        |um| format!("repeatability {um:.2} µm"),
+    );
     sentences.push(format!(
-        "With it the error falls from {:.2} to {:.2} µm ({left_out}noise floor {:.2} µm).",
-        numbers.before_um, numbers.after_um, numbers.noise_um
+        "With it the error falls from {:.2} to {:.2} µm ({held_out}{repeatability}).",
+        numbers.before_um, numbers.after_um
     ));
     sentences.push(if adequate {
         "Nothing structured remains.".into()
@@ -50,7 +54,7 @@ pub fn separate_by(instance: &Instance, rivals: &[&Instance]) -> String {
     format!("{}.", parts.join("; "))
 }
 
-/// Where a phrase of the grammar lives.
+/// Where a term of the grammar lives.
 pub fn lives(site: &str, components: &[&str], words: &str) -> String {
     let along = |prefix: &str, names: [&str; 3]| {
         let of_sort = components.iter().filter_map(|component| component.strip_prefix(prefix));

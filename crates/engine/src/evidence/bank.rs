@@ -1,14 +1,15 @@
 //! The noise bank, and scores averaged over it.
 
 use super::algebra::{log_sum_exp, parallel};
+use super::context::{Blocks, Context};
 use super::library::{Entry, Library, Natural};
-use super::member::{Blocks, Context, Prepared};
+use super::member::Prepared;
 use super::part::PartScore;
 use crate::noise::machine_noise::Order;
 use nalgebra::{DMatrix, DVector};
 
 /// Repeatable motions of a rotary axis are natural up to this share of the noise variance: every bearing, encoder and gear has some.
-/// Not quite half the standard deviation where nothing else is at work; beside a larger effect they are not what is missing.
+/// Not quite half the standard deviation where nothing else is at work; next to a larger effect they are not what is missing.
 const NATURAL_SHARE: f64 = 0.2;
 const ALIKE_SHARE: f64 = 0.12;
 const NATURAL_SHARE_BESIDE: f64 = 0.6;
@@ -38,13 +39,6 @@ pub struct Situation {
     alone: bool,
     /// Share below which nothing is claimed.
     least_share: f64,
-}
-
-/// Result of a scan.
-#[derive(Clone, Debug)]
-pub struct Scan {
-    /// One score per group.
-    pub scores: Vec<Score>,
 }
 
 /// Score of one group.
@@ -132,7 +126,7 @@ impl Bank {
         members: &[usize],
         blocks: &[&Blocks],
         situation: &Situation,
-    ) -> Scan {
+    ) -> Vec<Score> {
         let scored = parallel(members.len(), |i| {
             let m = members[i];
             self.members[m].scan(library, blocks[i], &situation.contexts[m])
@@ -147,7 +141,7 @@ impl Bank {
             let of_members: Vec<_> = (0..members.len()).map(|i| (members[i], of_member(i))).collect();
             combined(situation, &of_members, group.prior_ln, group.natural)
         });
-        Scan { scores: scores.collect() }
+        scores.collect()
     }
 
     /// Score of one set of columns (column × row) under the members listed.
@@ -162,7 +156,7 @@ impl Bank {
         let entry = Entry { parts: vec![columns.transpose()], prior_ln, natural };
         let library = Library::new(self.rows, vec![entry]);
         let blocks = self.blocks(&library, members);
-        self.scan(&library, members, &blocks.iter().collect::<Vec<_>>(), situation).scores[0]
+        self.scan(&library, members, &blocks.iter().collect::<Vec<_>>(), situation)[0]
     }
 
     /// How well columns (column × row) fit under one member and variance of the repeatable motions, for refining shape numbers:

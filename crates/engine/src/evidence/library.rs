@@ -20,7 +20,7 @@ pub struct Library {
 pub enum Natural {
     /// Nothing of the kind.
     No,
-    /// Looks like them in this cycle: beside a larger effect it must exceed them.
+    /// Looks like them in this cycle: next to a larger effect it must exceed them.
     Alike,
     /// Is one of them, and must exceed what is natural.
     Yes,

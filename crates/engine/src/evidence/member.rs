@@ -1,7 +1,8 @@
 //! One noise model with the model's columns projected out.
 
 use super::SURVIVAL;
-use super::algebra::{column_scales, orthonormal, surviving_basis};
+use super::algebra::{orthonormal, surviving_basis};
+use super::context::{Blocks, Chosen, Context, Soft};
 use super::library::Library;
 use super::part::{PartScore, Scratch};
 use crate::noise::machine_noise::{Noise, Order, Whitener};
@@ -30,36 +31,6 @@ pub struct Prepared {
     log_det: f64,
     motions: [f64; 3],
     prior_ln: f64,
-}
-
-/// What a library looks like under one noise model.
-pub struct Blocks {
-    /// Motion × column.
-    pub on_motion: DMatrix<f64>,
-    /// Gram matrices of all parts one after the other, row by row.
-    grams: Vec<f64>,
-    pub norm_squared: Vec<f64>,
-}
-
-/// Everything of one member that a scan needs for one set of readings and chosen columns.
-pub struct Context {
-    /// Wᵀ of the whitened, projected readings (first) and chosen columns; vector × row.
-    back: DMatrix<f64>,
-    /// One for each variance of the repeatable motions.
-    pub soft: Vec<Soft>,
-}
-
-/// A context under one variance of the repeatable motions.
-pub struct Soft {
-    pub rho: f64,
-    pub weights: DVector<f64>,
-    on_motion: DMatrix<f64>,
-    chosen: Chosen,
-    /// ν.
-    pub freedom: f64,
-    pub rss: f64,
-    /// ln marginal likelihood of nothing more, with the prior of this noise.
-    pub nothing: f64,
 }
 
 /// Orthonormal directions of random columns and their strengths; none when no rotary axis moves.
@@ -249,38 +220,6 @@ impl Prepared {
         context.soft.iter().map(score).collect()
     }
 
-    /// Generalised least squares of readings on base and chosen columns under this member:
-    /// values and covariance of the chosen coefficients.
-    pub fn fit(&self, y: &DVector<f64>, chosen: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
-        let mut vectors = DMatrix::zeros(1 + chosen.nrows(), y.len());
-        vectors.row_mut(0).tr_copy_from(y);
-        vectors.rows_mut(1, chosen.nrows()).copy_from(chosen);
-        let (vectors, _) = self.project(&vectors);
-        let columns = vectors.rows(1, chosen.nrows());
-        let readings = vectors.row(0);
-        let scale = column_scales(&columns.into_owned());
-        let mut gram = columns * columns.transpose();
-        let mut right = columns * readings.transpose();
-        for i in 0..scale.len() {
-            right[i] /= scale[i];
-            for j in 0..scale.len() {
-                gram[(i, j)] /= scale[i] * scale[j];
-            }
-        }
-        let inverse = gram.pseudo_inverse(1e-9).unwrap_or_else(|_| DMatrix::zeros(scale.len(), scale.len()));
-        let mut values = &inverse * &right;
-        let rss = (readings.norm_squared() - values.dot(&right)).max(0.0);
-        let freedom = (y.len() - self.basis.ncols() - scale.len().min(y.len())).max(1) as f64;
-        let mut covariance = inverse * (rss / freedom);
-        for i in 0..scale.len() {
-            values[i] /= scale[i];
-            for j in 0..scale.len() {
-                covariance[(i, j)] /= scale[i] * scale[j];
-            }
-        }
-        (values, covariance)
-    }
-
     /// Cosines of the principal angles between two sets of columns (column × row) after projection of the model.
     pub fn canonical_correlations(
         &self,
@@ -302,59 +241,8 @@ impl Prepared {
     }
 }
 
-/// Half-Cauchy prior on the standard deviation of a part of the noise, beside the white one: small parts are usual, parts larger than
+/// Half-Cauchy prior on the standard deviation of a part of the noise, next to the white one: small parts are usual, parts larger than
 /// the white noise are not. Blocks on the fly have hardly any white noise.
 fn less_likely_ln(variance: f64, on_the_fly: bool) -> f64 {
     if on_the_fly { 0.0 } else { -(variance / USUAL_VARIANCE).ln_1p() }
-}
-
-/// Chosen columns folded into the model by a Cholesky factor of their inner products, column by column.
-struct Chosen {
-    kept: Vec<usize>,
-    /// Inverse of the lower factor of the kept columns.
-    inverse_lower: DMatrix<f64>,
-    /// Inner products of the orthonormalised chosen columns with the readings.
-    on_readings: DVector<f64>,
-    rss: f64,
-    log_det: f64,
-}
-
-impl Chosen {
-    /// `inner`: inner products of readings (first) and chosen columns; `norm_squared`: of the same before projection. What hardly
-    /// survives is imitated by the model and the columns before it.
-    fn new(inner: &DMatrix<f64>, norm_squared: &[f64]) -> Self {
-        let count = inner.nrows() - 1;
-        let mut kept: Vec<usize> = Vec::new();
-        let mut rows: Vec<Vec<f64>> = Vec::new();
-        let mut log_det = 0.0;
-        for j in 0..count {
-            let mut row: Vec<f64> = Vec::with_capacity(kept.len() + 1);
-            for (i, other) in kept.iter().enumerate() {
-                let dot: f64 = row.iter().zip(&rows[i]).map(|(a, b)| a * b).sum();
-                row.push((inner[(1 + j, 1 + other)] - dot) / rows[i][i]);
-            }
-            let left = inner[(1 + j, 1 + j)] - row.iter().map(|x| x * x).sum::<f64>();
-            if left > SURVIVAL * SURVIVAL * norm_squared[1 + j] && left > 1e-200 {
-                log_det += left.ln();
-                row.push(left.sqrt());
-                kept.push(j);
-                rows.push(row);
-            }
-        }
-        let lower = DMatrix::from_fn(kept.len(), kept.len(), |i, j| if j <= i { rows[i][j] } else { 0.0 });
-        let inverse_lower = lower.try_inverse().expect("every pivot kept is positive");
-        let right = DVector::from_fn(kept.len(), |i, _| inner[(0, 1 + kept[i])]);
-        let on_readings = &inverse_lower * right;
-        let rss = inner[(0, 0)] - on_readings.norm_squared();
-        Self { kept, inverse_lower, on_readings, rss, log_det }
-    }
-
-    /// Inner products of the library with the orthonormalised chosen columns, from `products` (readings first).
-    fn orthonormal(&self, products: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut raw = DMatrix::zeros(products.nrows(), self.kept.len());
-        for (i, &j) in self.kept.iter().enumerate() {
-            raw.set_column(i, &products.column(1 + j));
-        }
-        raw * self.inverse_lower.transpose()
-    }
 }

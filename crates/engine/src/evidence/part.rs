@@ -1,7 +1,7 @@
 //! Score of one group of columns under one noise model.
 
 use super::SURVIVAL;
-use super::member::{Blocks, Soft};
+use super::context::{Blocks, Soft};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ pub struct PartScore {
     pub gain_ln: f64,
     /// Mean square explained in a whitened reading.
     pub explained: f64,
-    /// Variance of the white part of the noise beside it.
+    /// Variance of the white part of the noise next to it.
     pub noise: f64,
 }
 
@@ -32,7 +32,7 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// Loads the columns `range` of a library as they are beside the chosen columns of `soft`.
+    /// Loads the columns `range` of a library as they are next to the chosen columns of `soft`.
     pub fn load(
         &mut self,
         range: &Range<usize>,

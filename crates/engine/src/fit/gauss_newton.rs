@@ -8,16 +8,16 @@ use crate::fit::Options;
 use crate::problem::design::{Design, unused_rows};
 use crate::problem::joint::Expected;
 use crate::solve::linear::{Reduced, Solver};
-use crate::solve::null_space::{Gauge, Limits, Zero, gauge};
+use crate::solve::null_space::{Datum, Limits, Zero, datum};
 use nalgebra::DVector;
 use trunnion_core::AxisLetter;
 use trunnion_cycles::RunKind;
 use trunnion_effects::catalogue::conventional_zeros;
 
 /// The fit stands when no prediction moves by more than this, mm.
-const SETTLED_MM: f64 = 1e-9;
+const CONVERGED_MM: f64 = 1e-9;
 /// The noise is known well enough to judge weak directions by when no prediction moves by more than this part of it. Such
-/// directions wander far and settle slowly; they are left out before they need to.
+/// directions wander far and converge slowly; they are left out before they need to.
 const NOISE_KNOWN: f64 = 0.1;
 const MOST_STEPS: usize = 40;
 /// Blocks on the fly are never known better than this, mm.
@@ -25,14 +25,14 @@ const FINEST_BLOCK_MM: f64 = 1e-4;
 /// Noise is never taken below this against a prior, mm.
 const FINEST_MM: f64 = 1e-6;
 
-/// A settled fit for one choice of points.
-pub(crate) struct Settled {
+/// A converged fit for one choice of points.
+pub(crate) struct Converged {
     pub solution: DVector<f64>,
     pub predicted_mm: DVector<f64>,
     pub residual_mm: DVector<f64>,
     /// Residual times the root of the weight of its row, mm.
     pub weighted_mm: DVector<f64>,
-    pub gauge: Gauge,
+    pub datum: Datum,
     pub solver: Solver,
     pub condition: f64,
     pub iterations: usize,
@@ -43,37 +43,37 @@ pub(crate) struct Settled {
     pub prior_weights: Vec<f64>,
 }
 
-impl Settled {
+impl Converged {
     pub fn degrees_of_freedom(&self) -> usize {
-        self.rows_used - self.gauge.determined.len()
+        self.rows_used - self.datum.determined.len()
     }
 }
 
-pub(crate) fn settle(
+pub(crate) fn converge(
     design: &Design<'_>,
     used: &[bool],
     options: &Options,
-) -> Result<Settled, IdentifyError> {
+) -> Result<Converged, IdentifyError> {
     let mut reduced = design.reduce(used)?;
     let rows = design.experiment.rows();
     // The mean of a block lies a little off the path: what is null stays null only to that.
     let on_the_fly = design.experiment.kinds.contains(&RunKind::OnTheFly);
     let least_mm = if on_the_fly { FINEST_BLOCK_MM } else { 0.0 };
     let mut limits = Limits::with_noise(options.null_tolerance, least_mm, rows);
-    let gauge = named_gauge(design, &reduced, &limits);
+    let datum = named_datum(design, &reduced, &limits);
     let nothing = DVector::from_iterator(
         design.joint.width(),
         design.joint.held.iter().map(|held| held.unwrap_or(0.0)),
     );
-    let to_noise = |gauge| settle_within(design, &reduced, gauge, &[], used, nothing.clone(), NOISE_KNOWN);
-    let first = match to_noise(gauge) {
+    let to_noise = |datum| converge_within(design, &reduced, datum, &[], used, nothing.clone(), NOISE_KNOWN);
+    let first = match to_noise(datum) {
         // Directions too weak to go by may run away; the noise that the columns leave over shows which they are.
-        Err(IdentifyError::NotSettled { .. }) => {
+        Err(IdentifyError::NotConverged { .. }) => {
             let noise_mm = linear_noise_mm(design, &reduced, &nothing, used);
             limits = Limits::with_noise(options.null_tolerance, least_mm.max(noise_mm), rows);
-            to_noise(named_gauge(design, &reduced, &limits))?
+            to_noise(named_datum(design, &reduced, &limits))?
         }
-        settled => settled?,
+        converged => converged?,
     };
     if design.joint.free().is_empty() {
         return Ok(first);
@@ -91,9 +91,9 @@ pub(crate) fn settle(
         .collect();
     let weights: Vec<(usize, f64)> = priors.iter().map(|(prior, w)| (prior.parameter, *w)).collect();
     reduced.add_priors(&weights);
-    let gauge = named_gauge(design, &reduced, &limits);
-    let start = if gauge.rank == first.gauge.rank && priors.is_empty() { first.solution } else { nothing };
-    settle_within(design, &reduced, gauge, &priors, used, start, 0.0)
+    let datum = named_datum(design, &reduced, &limits);
+    let start = if datum.rank == first.datum.rank && priors.is_empty() { first.solution } else { nothing };
+    converge_within(design, &reduced, datum, &priors, used, start, 0.0)
 }
 
 /// Weighted standard deviation of what no combination of the columns explains at `start`, mm.
@@ -115,7 +115,7 @@ fn counted_mm(design: &Design<'_>, residual_mm: &DVector<f64>, used: &[bool]) ->
     counted
 }
 
-fn named_gauge(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Gauge {
+fn named_datum(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Datum {
     let scene = &design.experiment.scene;
     // The line of an axis that stands still is a matter of the mounting.
     let standing =
@@ -125,48 +125,48 @@ fn named_gauge(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Gauge
         });
     let minimum = conventional_zeros(&scene.machine).into_iter().map(|name| Zero { name, standing: false });
     let zeros: Vec<Zero> = standing.chain(minimum).collect();
-    gauge(reduced, &design.joint.free(), &design.joint.parameters, &zeros, limits)
+    datum(reduced, &design.joint.free(), &design.joint.parameters, &zeros, limits)
 }
 
-/// From `start` until no prediction moves by more than [`SETTLED_MM`], or this part of the noise.
-fn settle_within(
+/// From `start` until no prediction moves by more than [`CONVERGED_MM`], or this part of the noise.
+fn converge_within(
     design: &Design<'_>,
     reduced: &Reduced,
-    gauge: Gauge,
+    datum: Datum,
     priors: &[(&Expected, f64)],
     used: &[bool],
     start: DVector<f64>,
     part_of_noise: f64,
-) -> Result<Settled, IdentifyError> {
+) -> Result<Converged, IdentifyError> {
     let (experiment, joint) = (design.experiment, design.joint);
     let rows_used: usize = (0..used.len()).filter(|&i| used[i]).map(|i| experiment.rows_of(i).len()).sum();
-    if rows_used <= gauge.determined.len() {
-        return Err(IdentifyError::TooFewReadings { rows: rows_used, determined: gauge.determined.len() });
+    if rows_used <= datum.determined.len() {
+        return Err(IdentifyError::TooFewReadings { rows: rows_used, determined: datum.determined.len() });
     }
-    let solver = reduced.solver(&gauge.determined);
-    let condition = if gauge.determined.is_empty() {
+    let solver = reduced.solver(&datum.determined);
+    let condition = if datum.determined.is_empty() {
         1.0
     } else {
-        let sigma = reduced.singular(&gauge.determined).0;
+        let sigma = reduced.singular(&datum.determined).0;
         sigma[0] / sigma[sigma.len() - 1]
     };
     let readings = experiment.readings_mm();
     let mut solution = start;
     let mut predicted_mm = joint.predict_mm(experiment, &solution);
     check_finite(design, &(&readings - &predicted_mm))?;
-    let (mut iterations, mut change_mm, mut enough_mm) = (0, f64::INFINITY, SETTLED_MM);
+    let (mut iterations, mut change_mm, mut enough_mm) = (0, f64::INFINITY, CONVERGED_MM);
     let root_rows = (rows_used as f64).sqrt();
-    while change_mm > enough_mm && !gauge.determined.is_empty() {
+    while change_mm > enough_mm && !datum.determined.is_empty() {
         if iterations == MOST_STEPS || change_mm.is_nan() {
-            return Err(IdentifyError::NotSettled { steps: iterations, change_mm });
+            return Err(IdentifyError::NotConverged { steps: iterations, change_mm });
         }
         let counted = counted_mm(design, &(&readings - &predicted_mm), used);
-        enough_mm = SETTLED_MM.max(part_of_noise * counted.norm() / root_rows);
+        enough_mm = CONVERGED_MM.max(part_of_noise * counted.norm() / root_rows);
         let surprise = priors.iter().map(|(prior, w)| w * (prior.value - solution[prior.parameter]));
         let projected = design.project(reduced, &counted);
         let right: Vec<f64> = projected.iter().copied().chain(surprise).collect();
         let change = solver.solve(&DVector::from_vec(right));
-        for (k, &j) in gauge.determined.iter().enumerate() {
+        for (k, &j) in datum.determined.iter().enumerate() {
             solution[j] += change[k];
         }
         let next = joint.predict_mm(experiment, &solution);
@@ -181,13 +181,13 @@ fn settle_within(
     let residual_mm = readings - &predicted_mm;
     let weighted_mm = residual_mm.component_mul(&design.weights.root);
     let squares = counted_mm(design, &residual_mm, used).norm_squared();
-    let sigma_mm = (squares / (rows_used - gauge.determined.len()) as f64).sqrt();
-    Ok(Settled {
+    let sigma_mm = (squares / (rows_used - datum.determined.len()) as f64).sqrt();
+    Ok(Converged {
         solution,
         predicted_mm,
         residual_mm,
         weighted_mm,
-        gauge,
+        datum,
         solver,
         condition,
         iterations,

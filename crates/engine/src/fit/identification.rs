@@ -1,9 +1,11 @@
 //! What a fit found: parameters, what could not be seen, residuals, and how far to trust them.
 //!
-//! Inside units throughout (mm, rad, s, K); [`FittedParameter::screen_value`] and the JSON of DESIGN §3.6 convert.
+//! Inside units throughout (mm, rad, s, K); [`FittedParameter::screen_value`] and the JSON of docs/design/contracts.md §6 convert.
 //! `residual = measured − predicted`.
 
+use crate::problem::folds::LeftOut;
 use crate::solve::combinations::Combination;
+use crate::solve::direction::{Status, Unobservable};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::InstrumentKind;
 use trunnion_effects::Unit;
@@ -36,12 +38,12 @@ pub struct Identification {
     pub residual_mm: DVector<f64>,
     /// True for each point that took part in the fit; false for outliers.
     pub used: Vec<bool>,
-    /// Points set aside by the robust loss.
+    /// Points excluded by the robust loss.
     pub outliers: Vec<Outlier>,
     /// Root mean square of the scalar residuals of the points used, mm.
     pub rms_mm: f64,
-    /// Noise of one scalar reading.
-    pub noise: Noise,
+    /// Repeatability of one scalar reading; `None` when too few poses were measured twice.
+    pub repeatability: Option<Repeatability>,
     /// Parts of the noise from which the uncertainties follow; empty when they follow from clusters (pass × position of the
     /// slow axis) of the residual instead.
     pub noise_parts: Vec<NoisePart>,
@@ -49,8 +51,7 @@ pub struct Identification {
     pub row_weights: DVector<f64>,
     /// Noise of each run and instrument, as the readings were weighted.
     pub noise_by_run: Vec<GroupNoise>,
-    /// Root mean square of scalar residuals of parts of the data predicted from the rest, mm; `None` when not asked
-    /// for or when nothing can be left out.
+    /// Error on the unit left out of the fit; `None` when not asked for or when nothing can be left out.
     pub holdout: Option<Holdout>,
     /// Rank of the scaled design, conventions not yet applied.
     pub rank: usize,
@@ -92,33 +93,7 @@ pub struct FittedParameter {
     pub note: String,
 }
 
-/// How the number of a parameter came about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// Determined by the data.
-    Identified,
-    /// Held at the value that the model file gives.
-    Held,
-    /// Cannot be told from others; zero by convention, so that those stand for it. No number.
-    ZeroByConvention,
-    /// Cannot be seen. No number.
-    Unobservable,
-}
-
-/// A direction in parameter space that moves no reading.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Unobservable {
-    /// Parameter names with coefficients in screen units, e.g. `EX0A - EX0C`.
-    pub direction: String,
-    /// Names and coefficients (screen units) of the direction.
-    pub terms: Vec<(String, f64)>,
-    /// The same by index in [`Identification::parameters`], inside units.
-    pub inside: Vec<(usize, f64)>,
-    /// Why, and what the numbers given mean.
-    pub why: String,
-}
-
-/// A point set aside by the robust loss.
+/// A point excluded by the robust loss.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outlier {
     /// Index in [`crate::Experiment::points`].
@@ -133,14 +108,14 @@ pub struct Outlier {
     pub residual_mm: f64,
 }
 
-/// Noise of one scalar reading.
+/// Scatter of one scalar reading when a pose is measured again. A property of the points: no model enters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
+pub struct Repeatability {
     /// Standard deviation, mm.
     pub sigma_mm: f64,
-    /// Where the figure comes from.
-    pub origin: NoiseOrigin,
-    /// Degrees of freedom behind it.
+    /// How many times a pose was measured again.
+    pub repeats: usize,
+    /// Degrees of freedom behind the figure.
     pub degrees_of_freedom: usize,
 }
 
@@ -170,33 +145,15 @@ pub struct GroupNoise {
     pub samples_mm: f64,
 }
 
-/// Where the noise figure comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoiseOrigin {
-    /// Scatter of poses that were measured more than once.
-    Repeats,
-    /// The residual of the fit: contains whatever the model lacks.
-    Residual,
-}
-
 /// Prediction of data that took no part in the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Holdout {
     /// Root mean square of the scalar residuals, mm.
     pub rms_mm: f64,
-    /// What was left out in turn.
+    /// The unit that was left out in turn.
     pub left_out: LeftOut,
     /// How many parts were left out in turn.
     pub parts: usize,
-}
-
-/// What is left out in turn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LeftOut {
-    /// Whole passes: one setup in one combination of directions.
-    Passes,
-    /// Blocks of equal position of the slowest axis.
-    Blocks,
 }
 
 impl FittedParameter {

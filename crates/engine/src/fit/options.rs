@@ -130,12 +130,12 @@ pub enum IdentifyError {
         /// Parameters the design could determine.
         determined: usize,
     },
-    /// Gauss–Newton did not settle.
+    /// Gauss–Newton did not converge.
     #[error(
-        "the fit did not settle in {steps} steps (last change {change_mm:e} mm); errors beyond a few degrees \
+        "the fit did not converge in {steps} steps (last change {change_mm:e} mm); errors beyond a few degrees \
          are outside the model: check the setup's ball position, the machine file and the turning senses"
     )]
-    NotSettled {
+    NotConverged {
         /// Steps done.
         steps: usize,
         /// Last change of the prediction, mm.

@@ -2,12 +2,12 @@
 //! values in between make sense.
 //!
 //! For one effect at a time, the others projected out: score(θ) = ‖Q_θᵀ z‖², Q_θ an orthonormal basis of the effect's columns
-//! at θ beside those of the others, z the readings without the small non-linear part. Effects take turns until nothing
+//! at θ next to those of the others, z the readings without the small non-linear part. Effects take turns until nothing
 //! changes; continuous numbers are refined by golden section between neighbours of the grid, coordinate by coordinate.
 //! Limits: long experiments are searched on every k-th point.
 
-use crate::fit::Options;
-use crate::fit::gauss_newton::settle;
+use crate::fit::gauss_newton::converge;
+use crate::fit::options::Options;
 use crate::noise::weights::Weights;
 use crate::problem::design::Design;
 use crate::problem::joint::Joint;
@@ -21,6 +21,8 @@ use trunnion_effects::Instance;
 const MOST_POINTS: usize = 4000;
 /// Share of a column's norm that must survive the others, else it counts as theirs.
 const SURVIVES: f64 = 1e-4;
+/// Relative singular value of a direction that columns do not have.
+const NO_DIRECTION: f64 = 1e-8;
 const MOST_ROUNDS: usize = 4;
 const GOLDEN_STEPS: usize = 24;
 
@@ -74,7 +76,7 @@ fn linear_readings(
     options: &Options,
 ) -> Result<DVector<f64>, IdentifyError> {
     let design = Design::new(experiment, joint, weights);
-    let fit = settle(&design, used, options)?;
+    let fit = converge(&design, used, options)?;
     let mut linear = fit.weighted_mm;
     design.blocks(&mut |_, rows, columns| {
         let mut part = linear.rows_mut(rows.start, rows.len());
@@ -173,19 +175,11 @@ fn score(
 
 /// Orthonormal basis of the span of `columns`.
 fn basis(columns: DMatrix<f64>) -> DMatrix<f64> {
-    let reduced = Reduced::from_design(&columns);
-    let all: Vec<usize> = (0..columns.ncols()).collect();
-    if all.is_empty() || columns.nrows() == 0 {
+    if columns.is_empty() {
         return DMatrix::zeros(columns.nrows(), 0);
     }
-    let scaled = columns * DMatrix::from_diagonal(&reduced.scale);
-    let (sigma, v) = reduced.singular(&all);
-    let kept: Vec<usize> = all.into_iter().filter(|&k| sigma[k] > 1e-8 * sigma[0]).collect();
-    let mut basis = scaled * v.select_columns(&kept);
-    for (k, mut column) in basis.column_iter_mut().enumerate() {
-        column.unscale_mut(sigma[kept[k]]);
-    }
-    basis
+    let turn = Reduced::from_design(&columns).orthonormal(NO_DIRECTION);
+    columns * turn
 }
 
 fn neighbours(grid: &[Vec<f64>], axis: usize, value: f64) -> (f64, f64) {

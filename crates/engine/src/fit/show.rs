@@ -1,6 +1,7 @@
-//! An identification for machines (JSON of DESIGN §3.6) and for people (a table).
+//! An identification for machines (JSON of docs/design/contracts.md §6) and for people (a table).
 
-use crate::fit::identification::{Identification, LeftOut, NoiseOrigin, NoisePart, Status};
+use crate::fit::identification::{Identification, NoisePart};
+use crate::solve::direction::Status;
 use serde_json::{Value, json};
 use std::fmt;
 use trunnion_core::convert::um_from_mm;
@@ -39,7 +40,7 @@ impl Identification {
             .filter(|effect| !effect.shape.is_empty())
             .map(|effect| json!({"effect": effect.id, "names": effect.shape_names, "values": effect.shape}))
             .collect();
-        let set_aside: Vec<Value> = self
+        let outlier_points: Vec<Value> = self
             .outliers
             .iter()
             .map(|o| {
@@ -60,13 +61,12 @@ impl Identification {
             "shapes": shapes,
             "points": self.points,
             "outliers": self.outliers.len(),
-            "outlier_points": set_aside,
+            "outlier_points": outlier_points,
             "rms_um": um_from_mm(self.rms_mm),
-            "noise_um": um_from_mm(self.noise.sigma_mm),
-            "noise_origin": match self.noise.origin {
-                NoiseOrigin::Repeats => "repeats",
-                NoiseOrigin::Residual => "residual",
-            },
+            "noise_um": self.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
+            "noise_origin": self.repeatability.map(|_| "repeats"),
+            "repeats": self.repeatability.map(|noise| noise.repeats),
+            "noise_degrees_of_freedom": self.repeatability.map(|noise| noise.degrees_of_freedom),
             "u_origin": if self.noise_parts.is_empty() { "clusters" } else { "noise-parts" },
             "noise_parts": self.noise_parts.iter().map(|part| json!({
                 "part": part.name,
@@ -81,6 +81,7 @@ impl Identification {
                 "samples_um": um_from_mm(g.samples_mm),
             })).collect::<Vec<_>>(),
             "holdout_rms_um": self.holdout_rms_mm().map(um_from_mm),
+            "holdout_unit": self.holdout.map(|holdout| holdout.left_out.name()),
             "rank": self.rank,
             "condition": self.condition,
             "degrees_of_freedom": self.degrees_of_freedom,
@@ -117,12 +118,14 @@ impl fmt::Display for Identification {
             let unit = screen_unit(p.unit.symbol);
             writeln!(f, "{:width$}  {value:>12}  {u:>10}  {unit:6}  {}", p.name, p.note)?;
         }
-        let origin = match self.noise.origin {
-            NoiseOrigin::Repeats => "from repeats",
-            NoiseOrigin::Residual => "from the residual: includes what the model lacks",
-        };
         writeln!(f, "residual rms  {:.3} µm", um_from_mm(self.rms_mm))?;
-        writeln!(f, "noise         {:.3} µm ({origin})", um_from_mm(self.noise.sigma_mm))?;
+        match self.repeatability {
+            Some(noise) => {
+                let (um, repeats) = (um_from_mm(noise.sigma_mm), noise.repeats);
+                writeln!(f, "repeatability {um:.3} µm (from {repeats} repeats)")?;
+            }
+            None => writeln!(f, "repeatability not known: no pose was measured twice")?,
+        }
         match &self.noise_parts[..] {
             [] => {
                 writeln!(f, "u             from clusters of the residual: pass × position of the slow axis")?
@@ -143,10 +146,7 @@ impl fmt::Display for Identification {
             )?;
         }
         if let Some(holdout) = self.holdout {
-            let parts = match holdout.left_out {
-                LeftOut::Passes => "passes",
-                LeftOut::Blocks => "blocks",
-            };
+            let parts = holdout.left_out.plural();
             let rms = um_from_mm(holdout.rms_mm);
             writeln!(f, "held out      {rms:.3} µm ({} {parts} left out in turn)", holdout.parts)?;
         }
@@ -160,7 +160,7 @@ impl fmt::Display for Identification {
             let size = um_from_mm(o.residual_mm);
             writeln!(
                 f,
-                "set aside: point {} of {}, setup {}, {}: {size:.1} µm",
+                "excluded: point {} of {}, setup {}, {}: {size:.1} µm",
                 o.point, o.run, o.setup, o.pose
             )?;
         }

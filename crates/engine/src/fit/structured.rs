@@ -11,11 +11,12 @@
 //! Limits: readings at rest. On the fly neighbours err alike for more reasons than these; long runs cost too much; with few
 //! readings there is no saying what is noise. There the clusters of [`crate::fit::uncertainty`] serve.
 
-use crate::fit::gauss_newton::Settled;
+use crate::fit::gauss_newton::Converged;
 use crate::fit::identification::NoisePart;
+use crate::noise::likelihood::Residual;
 use crate::noise::machine_noise::Order;
 use crate::noise::random_columns::{Levers, kinds};
-use crate::noise::variances::{Residual, variances};
+use crate::noise::variances::variances;
 use crate::problem::design::Design;
 use crate::problem::passes::Passes;
 use nalgebra::DMatrix;
@@ -29,22 +30,22 @@ const FEWEST_DEGREES_OF_FREEDOM: usize = 20;
 pub(crate) fn structured(
     design: &Design<'_>,
     passes: &Passes,
-    fit: &Settled,
+    fit: &Converged,
     used: &[bool],
 ) -> Option<(DMatrix<f64>, Vec<NoisePart>)> {
     let experiment = design.experiment;
     if experiment.kinds.contains(&RunKind::OnTheFly)
         || experiment.rows() > MOST_ROWS
         || fit.degrees_of_freedom() < FEWEST_DEGREES_OF_FREEDOM
-        || fit.gauge.determined.is_empty()
+        || fit.datum.determined.is_empty()
     {
         return None;
     }
     let mut root = design.weights.root.clone();
     let mut residual_mm = fit.weighted_mm.clone();
-    let mut fitted = DMatrix::zeros(experiment.rows(), fit.gauge.determined.len());
+    let mut fitted = DMatrix::zeros(experiment.rows(), fit.datum.determined.len());
     design.blocks(&mut |_, rows, columns| {
-        let chosen = columns.select_columns(&fit.gauge.determined);
+        let chosen = columns.select_columns(&fit.datum.determined);
         fitted.rows_mut(rows.start, rows.len()).copy_from(&chosen);
     });
     for row in crate::problem::design::unused_rows(experiment, used) {
@@ -83,8 +84,8 @@ pub(crate) fn structured(
 }
 
 /// Π: a prior enters as a reading w x = w x₀ that errs by w u.
-fn prior_scores(design: &Design<'_>, fit: &Settled) -> DMatrix<f64> {
-    let determined = &fit.gauge.determined;
+fn prior_scores(design: &Design<'_>, fit: &Converged) -> DMatrix<f64> {
+    let determined = &fit.datum.determined;
     let mut scores = DMatrix::zeros(determined.len(), determined.len());
     for (prior, weight) in design.joint.priors.iter().zip(&fit.prior_weights) {
         if let Some(k) = determined.iter().position(|j| *j == prior.parameter) {

@@ -1,12 +1,12 @@
-//! A diagnosis that leaves rivals open gets the cycle that tells them apart.
+//! A diagnosis that leaves rivals open gets the cycle that separates them.
 
-use super::{Options, Plan, Rivals, plan, wanted};
-use crate::{Diagnosis, Experiment};
+use super::{Options, Plan, Rivals, plan_problem, wanted};
+use crate::Diagnosis;
+use crate::problem::Problem;
 use std::error::Error;
 use std::f64::consts::LN_10;
-use trunnion_effects::Model;
 
-/// A cycle that tells rivals apart, with what may be expected of it.
+/// A cycle that separates rivals, with what may be expected of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedCycle {
     /// Its name.
@@ -27,15 +27,13 @@ pub struct PlannedCycle {
 
 /// Plans the next cycle when a candidate is confused with others, and leaves every other diagnosis as it is: planning takes
 /// longer than the diagnosis itself. When no plan can be made the advice stays and says why.
-///
-/// `experiment` and `model` are those that were diagnosed.
-pub fn advise(experiment: &Experiment, model: &Model, diagnosis: &mut Diagnosis, options: &Options) {
+pub fn advise(problem: &Problem<'_>, diagnosis: &mut Diagnosis, options: &Options) {
     if diagnosis.candidates.iter().all(|candidate| candidate.confused_with.is_empty()) {
         return;
     }
     let Rivals::Separate(rivals) = wanted(diagnosis) else { return };
     let next = diagnosis.next_cycle.get_or_insert_default();
-    match plan(experiment, model, &Rivals::Separate(rivals), options) {
+    match plan_problem(problem, &Rivals::Separate(rivals), options) {
         Ok(plan) => {
             next.cycle = planned(&plan);
             next.suggestion = plan.answer;

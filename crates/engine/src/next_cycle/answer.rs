@@ -1,7 +1,7 @@
 //! The plan and its JSON form.
 
-use super::desk::Desk;
-use super::value::Value;
+use super::design::CycleDesign;
+use super::utility::Utility;
 use super::{HOPELESS_LN, Options, Rivals};
 use serde_json::{Value as Json, json};
 use std::f64::consts::LN_10;
@@ -25,7 +25,7 @@ pub struct Plan {
     pub considered: Vec<Considered>,
     /// The cycle to measure next; `None` when no cycle of poses and feeds helps.
     pub next: Option<Cycle>,
-    /// Pairs that are still not told apart after the next cycle.
+    /// Pairs that are still not separated after the next cycle.
     pub left_open: Vec<LeftOpen>,
     /// The answer in words.
     pub answer: String,
@@ -69,16 +69,16 @@ pub struct Considered {
 
 /// Ranks what was considered and chooses.
 pub(super) fn answer(
-    desk: &Desk<'_>,
-    before: &Value,
+    design: &CycleDesign<'_>,
+    before: &Utility,
     mut considered: Vec<Considered>,
     options: &Options,
 ) -> Plan {
-    let separates = matches!(desk.rivals, Rivals::Separate(_));
-    let effects = desk.ids();
-    let gain_before = desk.gain(before);
+    let separates = matches!(design.rivals, Rivals::Separate(_));
+    let effects = design.ids();
+    let gain_before = design.gain(before);
     let pairs = before.pairs();
-    let apart_before = pairs.iter().filter(|pair| pair.2 >= desk.separated_ln).count();
+    let apart_before = pairs.iter().filter(|pair| pair.2 >= design.separated_ln).count();
     let rate = |row: &Considered| (row.gain - gain_before).max(0.0) / row.minutes.max(0.1);
     let complete = |row: &Considered| row.cycle.is_some() && (!separates || row.apart.len() == pairs.len());
     // What cannot settle all settles first which of the others is not the first rival: the one that leads the diagnosis.
@@ -93,7 +93,7 @@ pub(super) fn answer(
             && if separates { row.apart.len() > apart_before } else { row.gain > gain_before + HOPELESS_LN }
     };
     let chosen = considered.iter().position(helps);
-    let next = chosen.and_then(|k| considered[k].cycle.clone()).map(|cycle| named(cycle, desk));
+    let next = chosen.and_then(|k| considered[k].cycle.clone()).map(|cycle| named(cycle, design));
     if let Some(k) = chosen {
         let row = considered.remove(k);
         considered.insert(0, row);
@@ -104,10 +104,10 @@ pub(super) fn answer(
     let shown = |id: &String| considered.iter().any(|row| row.shows.contains(id));
     let never_shown = effects.iter().filter(|id| !shown(id)).cloned().collect();
     let answer = match considered.first().filter(|_| next.is_some()) {
-        None if separates && before.seen_ln.iter().all(|ln| *ln < desk.separated_ln) => {
-            too_faint(desk, before)
+        None if separates && before.seen_ln.iter().all(|ln| *ln < design.separated_ln) => {
+            too_faint(design, before)
         }
-        best => words(desk, best, &left_open, before_ln),
+        best => words(design, best, &left_open, before_ln),
     };
     Plan {
         separates,
@@ -139,17 +139,22 @@ fn left_open(
         .collect()
 }
 
-fn named(cycle: Cycle, desk: &Desk<'_>) -> Cycle {
-    let name = match desk.rivals {
-        Rivals::Separate(_) => format!("{}: {}", cycle.name, desk.ids().join(" or ")),
+fn named(cycle: Cycle, design: &CycleDesign<'_>) -> Cycle {
+    let name = match design.rivals {
+        Rivals::Separate(_) => format!("{}: {}", cycle.name, design.ids().join(" or ")),
         Rivals::Reveal(_) => cycle.name.clone(),
     };
     Cycle { name, ..cycle }
 }
 
-fn words(desk: &Desk<'_>, best: Option<&Considered>, left_open: &[LeftOpen], before_ln: f64) -> String {
-    let ids = desk.ids().join(", ");
-    match (desk.rivals, best) {
+fn words(
+    design: &CycleDesign<'_>,
+    best: Option<&Considered>,
+    left_open: &[LeftOpen],
+    before_ln: f64,
+) -> String {
+    let ids = design.ids().join(", ");
+    match (design.rivals, best) {
         (Rivals::Separate(_), Some(best)) => {
             let mut text = format!("To tell {ids} apart, measure {}: {}.", best.name, best.what);
             text += &if left_open.is_empty() {
@@ -162,18 +167,18 @@ fn words(desk: &Desk<'_>, best: Option<&Considered>, left_open: &[LeftOpen], bef
             } else {
                 format!(" It settles a part in {:.0} minutes.", best.minutes)
             };
-            text + &left_open_words(desk, left_open)
+            text + &left_open_words(design, left_open)
         }
         (Rivals::Separate(_), None) => {
             format!(
                 "No cycle of poses, directions and feeds tells {ids} apart: wherever the axes go, one imitates the other.{}",
-                load_words(desk, &desk.ids())
+                load_words(design, &design.ids())
             )
         }
         (Rivals::Reveal(_), Some(best)) => format!(
             "The present cycle cannot see {} effects. Most is to be learnt from {}: {}; it would show {} and tell {} of \
              them from all others in {:.0} minutes.",
-            desk.entries.len(),
+            design.entries.len(),
             best.name,
             best.what,
             best.shows.len(),
@@ -187,24 +192,24 @@ fn words(desk: &Desk<'_>, best: Option<&Considered>, left_open: &[LeftOpen], bef
 }
 
 /// Where there is hardly anything to explain, no cycle can say what explains it.
-fn too_faint(desk: &Desk<'_>, before: &Value) -> String {
+fn too_faint(design: &CycleDesign<'_>, before: &Utility) -> String {
     let best_ln = before.seen_ln.iter().copied().fold(0.0, f64::max);
     format!(
         "The present data hold too little of {} for any cycle considered to tell them apart: the odds of the best of them \
          against nothing are 10^{:.1}.",
-        desk.ids().join(", "),
+        design.ids().join(", "),
         best_ln / LN_10
     )
 }
 
-fn left_open_words(desk: &Desk<'_>, left_open: &[LeftOpen]) -> String {
+fn left_open_words(design: &CycleDesign<'_>, left_open: &[LeftOpen]) -> String {
     let mut text = String::new();
     for open in left_open {
         let pair = open.pair.join(" and ");
         text += &match &open.by {
             Some(by) => format!(" It leaves {pair} open; {by} would tell them apart."),
             None => {
-                format!(" No cycle considered tells {pair} apart.{}", load_words(desk, &open.pair))
+                format!(" No cycle considered tells {pair} apart.{}", load_words(design, &open.pair))
             }
         };
     }
@@ -212,8 +217,8 @@ fn left_open_words(desk: &Desk<'_>, left_open: &[LeftOpen]) -> String {
 }
 
 /// What only another load can show, and what else the catalogue knows.
-fn load_words(desk: &Desk<'_>, ids: &[String]) -> String {
-    let named = || desk.instances.iter().filter(|instance| ids.contains(&instance.id()));
+fn load_words(design: &CycleDesign<'_>, ids: &[String]) -> String {
+    let named = || design.instances.iter().filter(|instance| ids.contains(&instance.id()));
     let load =
         |instance: &Instance| instance.about().is_some_and(|about| about.helps.contains(&Need::AnotherLoad));
     let mut text = String::new();
@@ -239,7 +244,7 @@ fn assumptions(pace: &Pace) -> Vec<String> {
             pace.mount_s / 60.0
         ),
         "Noise: as in the present runs (the worst of white, re-positioning and drift that explains them); the ball \
-         is mounted anew."
+         is mounted again."
             .into(),
         "Effects that the present data do not show are taken at a typical size.".into(),
     ]

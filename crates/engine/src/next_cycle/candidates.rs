@@ -1,15 +1,15 @@
 //! Cycles worth considering next, made from the machine and from what has been measured so far.
 //!
-//! One cycle for each thing that tells effects apart [METHODS §9, last paragraph; DIAGNOSIS "What the S1 grid cannot tell
-//! apart"]: both directions, finer and offset steps, another height and radius, interleaved heights, wait and repeat, and on
+//! One cycle for each thing that separates effects [docs/design/physics.md §9.18;
+//! docs/design/statistics.md §4.4]: both directions, finer and offset steps, another height and radius, interleaved heights, wait and repeat, and on
 //! the fly both directions at one, two and three feeds, tilted, twice round.
 
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Setup, State, convert};
 use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::{Bar, BarFrame, GridAxis, Motion, Rounds, Settle};
 use trunnion_cycles::Pace;
+use trunnion_cycles::cycle::{Bar, BarFrame, GridAxis, Motion, Rounds, Settle};
 use trunnion_machine::{Axis, Machine};
 
 /// Farthest tilt asked for, rad.

@@ -1,9 +1,9 @@
 //! What the present data say of the rivals: their best shapes, values with precision, and which noise explains the rest.
 
-use super::desk::Desk;
+use super::design::CycleDesign;
+use super::information::Information;
+use super::rivals::Rivals;
 use super::separation::Known;
-use super::survey::Survey;
-use super::wanted::Rivals;
 use crate::diagnosis::columns::typical_size;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -25,15 +25,17 @@ struct Fitted {
     by_noise: Vec<(DVector<f64>, DMatrix<f64>)>,
 }
 
-impl Desk<'_> {
+impl CycleDesign<'_> {
     /// Shapes, values, noise from the present data.
     pub(super) fn knowledge(&self) -> Knowledge {
         let experiment = &self.present.experiment;
         let shaped = self.shaped(&experiment.scene, None);
         let model = self.present.model_columns(experiment);
-        let survey = Survey::new(experiment, &model, &shaped.parts, Some(&self.present.residual_mm));
+        let information =
+            Information::new(experiment, &model, &shaped.parts, Some(&self.present.residual_mm));
         let best_of = |rival: &Range<usize>| {
-            let gain = |p: usize| survey.views.iter().map(|v| v.explained(&survey.parts[p])).sum::<f64>();
+            let gain =
+                |p: usize| information.views.iter().map(|v| v.explained(&information.parts[p])).sum::<f64>();
             rival.clone().max_by(|&a, &b| gain(a).total_cmp(&gain(b)))
         };
         let best: Vec<Option<usize>> = shaped.of_rival.iter().map(best_of).collect();
@@ -42,14 +44,14 @@ impl Desk<'_> {
             None => self.entries[i].shape.clone(),
             Some(p) => shaped.parts[*p].shape.clone(),
         });
-        let mut noises: Vec<(f64, f64)> = survey
+        let mut noises: Vec<(f64, f64)> = information
             .views
             .iter()
             .map(|view| {
                 let gain =
-                    best.iter().flatten().map(|&p| view.explained(&survey.parts[p])).fold(0.0, f64::max);
+                    best.iter().flatten().map(|&p| view.explained(&information.parts[p])).fold(0.0, f64::max);
                 let left = (view.readings_squared() - gain).max(1e-18);
-                let freedom = (survey.rows as f64 - view.rank as f64 - 4.0).max(1.0);
+                let freedom = (information.rows as f64 - view.rank as f64 - 4.0).max(1.0);
                 (-0.5 * view.log_det - 0.5 * freedom * left.ln(), left / freedom)
             })
             .collect();
@@ -58,8 +60,8 @@ impl Desk<'_> {
             *ln = top - *ln;
         }
         let fitted = best.iter().enumerate().map(|(i, part)| {
-            let range = &survey.parts[(*part)?];
-            let by_noise: Vec<_> = survey
+            let range = &information.parts[(*part)?];
+            let by_noise: Vec<_> = information
                 .views
                 .iter()
                 .zip(&noises)

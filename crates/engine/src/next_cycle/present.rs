@@ -1,13 +1,15 @@
 //! The data at hand, thinned for planning, and the same together with a run that has not been measured yet.
 
 use super::PlanError;
-use super::survey::finite;
-use crate::fit::Options as FitOptions;
-use crate::{Experiment, HoldoutWanted, Identification, identify};
+use super::information::finite;
+use crate::fit::identification::Identification;
+use crate::problem::Problem;
+use crate::problem::experiment::Experiment;
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::{Point, Quality, Setup, State};
 use trunnion_cycles::{Run, RunKind};
-use trunnion_effects::{Instance, Model};
+use trunnion_effects::Instance;
+use trunnion_effects::catalogue::LOCATION_ERRORS;
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
 
@@ -31,9 +33,8 @@ struct ModelPart {
 }
 
 impl Present {
-    pub fn new(experiment: &Experiment, model: &Model, most_points: usize) -> Result<Self, PlanError> {
-        let options = FitOptions { holdout: HoldoutWanted::No, ..FitOptions::default() };
-        let fit = identify(experiment, model, &options)?;
+    pub fn new(problem: &Problem<'_>, most_points: usize) -> Result<Self, PlanError> {
+        let (experiment, model, fit) = (problem.experiment(), problem.model(), problem.fit().clone());
         let (mut runs, mut residual) = (Vec::new(), Vec::new());
         for run in 0..experiment.runs.len() {
             let own: Vec<usize> = (0..experiment.points.len())
@@ -71,7 +72,7 @@ impl Present {
         DMatrix::from_columns(&columns)
     }
 
-    /// The data at hand and one more run in these states, its ball mounted anew.
+    /// The data at hand and one more run in these states, its ball mounted again.
     pub fn with(&self, setups: &[Setup], states: &[State], kind: RunKind) -> Result<Experiment, PlanError> {
         let scene = &self.experiment.scene;
         let machine = self.experiment.machine().clone();
@@ -107,10 +108,10 @@ impl Present {
     /// The location errors found so far: what the next readings will mostly be.
     fn errors_at(&self, state: &State) -> Errors {
         let mut errors = Errors::default();
-        let Some(part) = self.model.iter().find(|part| part.instance.id() == "location-errors") else {
+        let Some(part) = self.model.iter().find(|part| part.instance.id() == LOCATION_ERRORS) else {
             return errors;
         };
-        let of_effect = |k: &usize| self.fit.parameters[*k].effect == "location-errors";
+        let of_effect = |k: &usize| self.fit.parameters[*k].effect == LOCATION_ERRORS;
         let indices: Vec<usize> = (0..self.fit.parameters.len()).filter(of_effect).collect();
         part.instance.motions(&self.experiment.scene, &part.shape, state, &mut |j, site, twist| {
             if let Some(&k) = indices.get(j) {

@@ -4,15 +4,14 @@
 //! 0.999) are aliases; for each pair the cheapest candidate cycle that breaks them.
 
 use super::candidates::candidates;
-use super::survey::{Part, Survey, View, finite};
-use super::weigh::{thinned, within_feeds};
+use super::consideration::{thinned, within_feeds};
+use super::information::{Information, Part, View, finite};
 use super::{Options, PlanError};
 use crate::Experiment;
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 use trunnion_core::{AxisValues, Point, Quality, Setup, State};
 use trunnion_cycles::{Cycle, Run, RunKind};
-use trunnion_effects::catalogue::BASE;
 use trunnion_effects::{Instance, Model};
 use trunnion_machine::Machine;
 
@@ -51,7 +50,7 @@ pub struct Alias {
     pub shared: usize,
     /// Directions that each can show.
     pub directions: [usize; 2],
-    /// The cheapest cycle considered that tells them apart, with its minutes; `None` when none does.
+    /// The cheapest cycle considered that separates them, with its minutes; `None` when none does.
     pub separated_by: Option<(String, f64)>,
     /// What is known to separate them, from the catalogue.
     pub advice: String,
@@ -67,10 +66,8 @@ pub fn preview(machine: &Machine, cycle: &Cycle, options: &Options) -> Result<Pr
     let states = thinned(visits.states, options.most_points);
     let experiment = imagined(machine, &cycle.setups, &states, cycle.run_kind())?;
     let scene = &experiment.scene;
-    let all: Vec<Instance> = Instance::all(machine)
-        .into_iter()
-        .filter(|instance| !BASE.contains(&instance.id().as_str()))
-        .collect();
+    let all: Vec<Instance> =
+        Instance::all(machine).into_iter().filter(|instance| !instance.is_base()).collect();
     let reachable = |i: &&Instance| !i.parameters(scene).is_empty() && !i.shapes(scene).grid.is_empty();
     let advice = |i: &Instance| i.about().map_or_else(String::new, |about| about.seen_by.to_string());
     let out_of_reach = all
@@ -80,14 +77,15 @@ pub fn preview(machine: &Machine, cycle: &Cycle, options: &Options) -> Result<Pr
         .collect();
     let parts: Vec<Part<'_>> =
         all.iter().filter(reachable).flat_map(|i| few_shapes(i, &experiment)).collect();
-    let survey = white(&experiment, &parts);
-    let view = &survey.views[0];
-    let surviving: Vec<usize> = survey.parts.iter().map(|range| view.inverse_root(range).ncols()).collect();
+    let information = white(&experiment, &parts);
+    let view = &information.views[0];
+    let surviving: Vec<usize> =
+        information.parts.iter().map(|range| view.inverse_root(range).ncols()).collect();
     let shows =
         |i: &Instance| (0..parts.len()).any(|p| std::ptr::eq(parts[p].instance, i) && surviving[p] > 0);
     let visible = all.iter().filter(reachable).filter(|i| shows(i)).map(Instance::id).collect();
     let invisible = all.iter().filter(reachable).filter(|i| !shows(i)).map(|i| (i.id(), advice(i))).collect();
-    let pairs = coinciding(&parts, &survey, view, &surviving);
+    let pairs = coinciding(&parts, &information, view, &surviving);
     let separated = breakers(machine, cycle, &states, &parts, &pairs, options)?;
     let alias = |(pair, separated_by): (&Pair, Option<(String, f64)>)| Alias {
         one: label(&parts[pair.one], &experiment),
@@ -151,7 +149,7 @@ fn few_shapes<'a>(instance: &'a Instance, experiment: &Experiment) -> Vec<Part<'
     kept.map(|shape| Part { instance, shape }).collect()
 }
 
-fn white(experiment: &Experiment, parts: &[Part<'_>]) -> Survey {
+fn white(experiment: &Experiment, parts: &[Part<'_>]) -> Information {
     let base = Model::base(&experiment.machine().name);
     let columns: Vec<DMatrix<f64>> = base
         .effects
@@ -160,11 +158,11 @@ fn white(experiment: &Experiment, parts: &[Part<'_>]) -> Survey {
         .map(|instance| finite(experiment.columns(&instance, &[])))
         .collect();
     let all: Vec<_> = columns.iter().flat_map(DMatrix::column_iter).map(|c| c.into_owned()).collect();
-    Survey::new(experiment, &DMatrix::from_columns(&all), parts, None)
+    Information::new(experiment, &DMatrix::from_columns(&all), parts, None)
 }
 
 /// Pairs of effects of which at least one direction coincides; the closest pair of shapes of each two effects.
-fn coinciding(parts: &[Part<'_>], survey: &Survey, view: &View, surviving: &[usize]) -> Vec<Pair> {
+fn coinciding(parts: &[Part<'_>], information: &Information, view: &View, surviving: &[usize]) -> Vec<Pair> {
     let mut pairs: Vec<Pair> = Vec::new();
     for one in 0..parts.len() {
         for other in one + 1..parts.len() {
@@ -176,7 +174,7 @@ fn coinciding(parts: &[Part<'_>], survey: &Survey, view: &View, surviving: &[usi
             if same && parts[one].shape.iter().any(|x| x.fract() != 0.0) {
                 continue;
             }
-            let correlations = view.correlations(&survey.parts[one], &survey.parts[other]);
+            let correlations = view.correlations(&information.parts[one], &information.parts[other]);
             let shared = correlations.iter().filter(|c| **c > ALIAS).count();
             if shared == 0 {
                 continue;
@@ -223,10 +221,10 @@ fn breakers(
         }
         let states = thinned(visits.states, options.most_points);
         let experiment = imagined(machine, &candidate.cycle.setups, &states, candidate.cycle.run_kind())?;
-        let survey = white(&experiment, &chosen);
-        let view = &survey.views[0];
+        let information = white(&experiment, &chosen);
+        let view = &information.views[0];
         for (pair, known) in pairs.iter().zip(&mut found) {
-            let (one, other) = (&survey.parts[at(pair.one)], &survey.parts[at(pair.other)]);
+            let (one, other) = (&information.parts[at(pair.one)], &information.parts[at(pair.other)]);
             let directions = [one, other].map(|range| view.inverse_root(range).ncols());
             let shared = view.correlations(one, other).iter().filter(|c| **c > ALIAS).count();
             // Both must show, and no direction may coincide any more.

@@ -1,4 +1,4 @@
-//! How well two effects would be told apart: expected ln Bayes factor.
+//! How well two effects would be separated: expected ln Bayes factor.
 //!
 //! If effect A with parameters a is the truth, the best that B can do leaves `aᵀ G a`, `G = (S_AA − S_AB S_BB⁺ S_BA)/σ²`, and
 //! the expected ln Bayes factor is half of it (T-optimality; Atkinson & Fedorov 1975). a is known from the present data only
@@ -38,7 +38,7 @@ pub(super) fn expected_ln(left: &DMatrix<f64>, known: &Known) -> f64 {
     }
 }
 
-/// The same when the noise variance has to be found from the data as well: ½ ν ln(1 + 2 ln BF/ν) [DIAGNOSIS §2 with large g].
+/// The same when the noise variance has to be found from the data as well: ½ ν ln(1 + 2 ln BF/ν) [docs/design/statistics.md §2 with large g].
 pub(super) fn with_unknown_noise(ln: f64, freedom: usize) -> f64 {
     let nu = freedom.max(1) as f64;
     0.5 * nu * (2.0 * ln / nu).ln_1p()

@@ -74,9 +74,8 @@ fn the_expected_separation_is_what_the_fits_of_both_rivals_really_differ_by() {
             let (kept, lost) = (fit(right), fit(wrong));
             let freedom = kept.degrees_of_freedom as f64;
             let really_ln = freedom * (lost.rms_mm / kept.rms_mm).ln();
-            let desk_rivals = rivals(&[right, wrong]);
-            let told =
-                plan(&experiment, &Model::base("table-bc"), &desk_rivals, &Options::default()).unwrap();
+            let rivals = rivals(&[right, wrong]);
+            let told = plan(&experiment, &Model::base("table-bc"), &rivals, &Options::default()).unwrap();
             let expected_ln = told.before_ln;
             // Lower bound by design: the parameter is let go as far as 95 % of what the data leave open, and the rival may take
             // refuge in coloured noise.

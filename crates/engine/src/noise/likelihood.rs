@@ -6,8 +6,22 @@
 //! ln det of both = ln det(I + D^½ Zᵀ M Z D^½) + const, rss = yᵀMy − bᵀ(I + D^½ Zᵀ M Z D^½)⁻¹ b, b = D^½ Zᵀ M y [Woodbury]: readings
 //! appear only in inner products, formed once.
 
-use crate::noise::variances::Residual;
+use crate::noise::random_columns::{Kind, Levers};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// What the variances are estimated from. Rows of readings not used are zero in all.
+pub(crate) struct Residual<'a> {
+    /// Columns of the fit, weighted.
+    pub fitted: &'a DMatrix<f64>,
+    /// Weighted residual, mm.
+    pub residual_mm: &'a DVector<f64>,
+    /// Random columns.
+    pub kinds: &'a [Kind],
+    /// Scatter of the fast axis.
+    pub levers: &'a Levers,
+    /// Readings used minus parameters determined, more than 2.
+    pub degrees_of_freedom: usize,
+}
 
 /// A part of which the readings show fewer directions than this, after the fit took its share, cannot be sized.
 const FEWEST_DIRECTIONS: usize = 3;
@@ -56,7 +70,8 @@ impl Products {
         }
         x.set_column(next, residual.residual_mm);
         Self {
-            gram: x.tr_mul(&x),
+            // By the blocked product: the transposed one of nalgebra goes column by column.
+            gram: x.transpose() * &x,
             levers: residual.levers.seen_by(&x),
             squares: residual.levers.squares(),
             fitted: q.ncols(),
@@ -71,14 +86,14 @@ impl Products {
         let mut weighted = self.levers.clone();
         let shrink = self.squares.map(|square| c / (1.0 + c * square));
         weighted.column_iter_mut().for_each(|mut column| column.component_mul_assign(&shrink));
-        let gram = if c > 0.0 { &self.gram - self.levers.tr_mul(&weighted) } else { self.gram.clone() };
+        let gram = if c > 0.0 { &self.gram - self.levers.transpose() * weighted } else { self.gram.clone() };
         let (q, rest) = (self.fitted, gram.ncols() - self.fitted);
         let of_fit = positive_definite(gram.view((0, 0), (q, q)).into_owned());
         let on_fit = of_fit
             .l_dirty()
             .solve_lower_triangular(&gram.view((0, q), (q, rest)))
             .expect("a positive diagonal");
-        let left = gram.view((q, q), (rest, rest)) - on_fit.tr_mul(&on_fit);
+        let left = gram.view((q, q), (rest, rest)) - on_fit.transpose() * &on_fit;
         let random = rest - 1;
         Projected {
             gram: left.view((0, 0), (random, random)).into_owned(),

@@ -1,7 +1,7 @@
 //! Noise as real machines make it, and how to whiten it in one pass over time.
 //!
-//! Σ = σ² (I + a·K_pass + c·K_axis + w·K_drift)                                    [DIAGNOSIS §1]
-//! - K_pass: the slow rotary axis is positioned anew with an angle of its own, constant until it moves again;
+//! Σ = σ² (I + a·K_pass + c·K_axis + w·K_drift)                                    [docs/design/statistics.md §1.1, §1.2]
+//! - K_pass: the slow rotary axis is positioned again with an angle of its own, constant until it moves again;
 //! - K_axis: the fast rotary axis scatters at every point;
 //! - K_drift: tool against table drifts in machine axes, Ornstein–Uhlenbeck with correlation time τ.
 //!
@@ -17,15 +17,16 @@ pub use motions::{modulated, repeatable_motions, unit_columns};
 pub use whitener::Whitener;
 
 use crate::Experiment;
+use crate::problem::sequence::{in_order_taken, run_and_time};
 use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
 use std::ops::Range;
 use trunnion_core::{AxisLetter, AxisValues, Twist};
 use trunnion_instruments::Projector;
 use trunnion_machine::{Machine, Side, Site};
 
-/// Travel below which an axis has not been positioned anew, rad.
+/// Travel below which an axis has not been positioned again, rad.
 const SAME_STATION_RAD: f64 = 1e-7;
-/// How much larger the correlated parts may be, beside the white noise, for blocks on the fly.
+/// How much larger the correlated parts may be, next to the white noise, for blocks on the fly.
 const BLOCK_TIMES: f64 = 8.0;
 
 /// One member of the bank: variances relative to the white noise.
@@ -73,14 +74,8 @@ pub(crate) struct Visit {
 impl Order {
     /// Orders the points of an experiment by run and time; without time the order of the points is the time.
     pub fn new(experiment: &Experiment) -> Self {
-        let time = |i: usize| experiment.points[i].state.time_s.unwrap_or(i as f64);
-        let timed = experiment.scene.time_range_s.is_some();
-        let key = |i: usize| (experiment.run_of_point[i], if timed { time(i) } else { i as f64 });
-        let mut order: Vec<usize> = (0..experiment.points.len()).collect();
-        order.sort_by(|&i, &j| {
-            let ((run_i, time_i), (run_j, time_j)) = (key(i), key(j));
-            run_i.cmp(&run_j).then(time_i.total_cmp(&time_j))
-        });
+        let key = |i: usize| run_and_time(experiment, i);
+        let order = in_order_taken(experiment);
         let (slow, fast) = slow_and_fast(experiment, &order);
         let mut visits = Vec::with_capacity(order.len());
         for (k, &i) in order.iter().enumerate() {
@@ -108,11 +103,6 @@ impl Order {
         self
     }
 
-    /// Points in the order they were taken.
-    pub fn points(&self) -> impl Iterator<Item = usize> + '_ {
-        self.visits.iter().map(|visit| visit.point)
-    }
-
     /// Sequence number of the positioning of the slow axis at each point (indexed by point).
     pub fn stations(&self) -> Vec<usize> {
         let mut station_of_point = vec![0; self.visits.len()];
@@ -127,7 +117,7 @@ impl Order {
     /// The bank over which evidence is averaged.
     pub fn bank(&self) -> Vec<Noise> {
         let seen = |lever: fn(&Visit) -> &Vector3<f64>| self.visits.iter().any(|v| lever(v).norm() > 0.0);
-        // A block of many samples has hardly any white noise: what correlates is larger beside it.
+        // A block of many samples has hardly any white noise: what correlates is larger next to it.
         let times = if self.on_the_fly { BLOCK_TIMES } else { 1.0 };
         let passes: &[f64] = if seen(|v| &v.slow_lever) { &[0.0, 0.1, 0.4, 1.6] } else { &[0.0] };
         let axes: &[f64] = if seen(|v| &v.fast_lever) { &[0.0, 0.08] } else { &[0.0] };

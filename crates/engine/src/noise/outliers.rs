@@ -1,11 +1,12 @@
-//! Points far from the rest, set aside.
+//! Outliers: points far from the rest, excluded from a fit.
 //!
 //! A point is flagged when its residual is longer than 5 robust standard deviations (median length over the median of the
-//! χ distribution). More than two flagged in a row are structure that the model lacks, not mishaps, and more than
-//! 6 % flagged means that the model is wrong, not the points: then none is set aside. Hard deletion, iterated
-//! by the caller.
+//! χ distribution). More than two flagged one after the other, as they were taken, are structure that the model lacks, and more
+//! than 6 % flagged means that the model is wrong, not the points: then none is excluded. Hard deletion, iterated
+//! by [`excluded`] until it stays the same.
 
 use crate::Experiment;
+use crate::problem::sequence::in_order_taken;
 use nalgebra::DVector;
 
 const SIGMAS: f64 = 5.0;
@@ -13,37 +14,66 @@ const LONGEST_RUN: usize = 2;
 const LARGEST_SHARE: f64 = 0.06;
 /// Readings are never trusted below this, mm: ten times under the resolution of any probe.
 const FINEST_MM: f64 = 1e-6;
+/// Median of the length of a standard normal vector of one and of three components.
+const MEDIAN_LENGTH: [f64; 2] = [0.6745, 1.5382];
+/// Rounds of excluding points.
+const MOST_ROUNDS: usize = 6;
+
+/// Fits, excludes what is far, and fits again until the same points stay: `fit` of the points used gives a fit and its residual,
+/// rows as they count in the fit, mm.
+pub(crate) fn excluded<T, E>(
+    experiment: &Experiment,
+    fit: impl Fn(&[bool]) -> Result<T, E>,
+    residual_mm: impl Fn(&T) -> &DVector<f64>,
+) -> Result<(Vec<bool>, T), E> {
+    let sequence = in_order_taken(experiment);
+    let mut used = vec![true; experiment.points.len()];
+    let mut fitted = fit(&used)?;
+    for _ in 0..MOST_ROUNDS {
+        let kept = without_outliers(experiment, &sequence, residual_mm(&fitted));
+        if kept == used {
+            break;
+        }
+        used = kept;
+        fitted = fit(&used)?;
+    }
+    Ok((used, fitted))
+}
 
 /// True for points to use.
-pub(crate) fn without_outliers(experiment: &Experiment, residual_mm: &DVector<f64>) -> Vec<bool> {
-    let count = experiment.points.len();
-    let mut length_in_sigma: Vec<f64> = Vec::with_capacity(count);
-    for i in 0..count {
+fn without_outliers(experiment: &Experiment, sequence: &[usize], residual_mm: &DVector<f64>) -> Vec<bool> {
+    let length = |i: usize| {
         let rows = experiment.rows_of(i);
-        let median_of_chi = if rows.len() == 3 { 1.538 } else { 0.6745 };
-        length_in_sigma.push(residual_mm.rows(rows.start, rows.len()).norm() / median_of_chi);
+        let of_median = MEDIAN_LENGTH[usize::from(rows.len() == 3)];
+        let norm = residual_mm.rows(rows.start, rows.len()).norm();
+        (norm, norm / of_median)
+    };
+    let lengths: Vec<(f64, f64)> = (0..experiment.points.len()).map(length).collect();
+    let sigma = median(&lengths.iter().map(|(_, in_sigma)| *in_sigma).collect::<Vec<_>>()).max(FINEST_MM);
+    let flags: Vec<bool> = sequence.iter().map(|&i| lengths[i].0 > SIGMAS * sigma).collect();
+    let mut used = vec![true; lengths.len()];
+    for (&i, far) in sequence.iter().zip(isolated(flags)) {
+        used[i] = !far;
     }
-    let sigma = median(&length_in_sigma).max(FINEST_MM);
-    let chi: Vec<f64> = (0..count)
-        .map(|i| {
-            let rows = experiment.rows_of(i);
-            residual_mm.rows(rows.start, rows.len()).norm() / sigma
-        })
-        .collect();
-    let mut flagged: Vec<bool> = chi.iter().map(|chi| *chi > SIGMAS).collect();
+    used
+}
+
+/// Of the points flagged in the order they were taken those that are no structure; none when there are too many.
+fn isolated(mut flagged: Vec<bool>) -> Vec<bool> {
+    let count = flagged.len();
     let mut start = 0;
     while start < count {
-        let end = (start..count).find(|&i| !flagged[i]).unwrap_or(count);
+        let end = (start..count).find(|&k| !flagged[k]).unwrap_or(count);
         if end - start > LONGEST_RUN {
             flagged[start..end].fill(false);
         }
         start = end + 1;
     }
-    let share = flagged.iter().filter(|f| **f).count() as f64 / count as f64;
+    let share = flagged.iter().filter(|far| **far).count() as f64 / count.max(1) as f64;
     if share > LARGEST_SHARE {
         flagged.fill(false);
     }
-    flagged.iter().map(|f| !f).collect()
+    flagged
 }
 
 pub(crate) fn median(values: &[f64]) -> f64 {
@@ -53,4 +83,25 @@ pub(crate) fn median(values: &[f64]) -> f64 {
     }
     let middle = sorted.len() / 2;
     *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::isolated;
+
+    fn flagged(count: usize, far: &[usize]) -> Vec<bool> {
+        (0..count).map(|k| far.contains(&k)).collect()
+    }
+
+    #[test]
+    fn single_points_and_pairs_are_outliers_a_longer_stretch_is_structure() {
+        assert_eq!(isolated(flagged(100, &[3, 10, 11, 99])), flagged(100, &[3, 10, 11, 99]));
+        assert_eq!(isolated(flagged(100, &[3, 10, 11, 12])), flagged(100, &[3]));
+    }
+
+    #[test]
+    fn where_many_points_are_far_the_model_is_wrong_and_none_is_excluded() {
+        assert_eq!(isolated(flagged(100, &[0, 10, 20, 30, 40, 50])), flagged(100, &[0, 10, 20, 30, 40, 50]));
+        assert_eq!(isolated(flagged(100, &[0, 10, 20, 30, 40, 50, 60])), flagged(100, &[]));
+    }
 }

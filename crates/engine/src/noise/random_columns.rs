@@ -3,7 +3,7 @@
 //! Σ = σ² (I + Σ_k θ_k Z_k Z_kᵀ + c L Lᵀ). Every kind has mean variance 1 per reading, so that θ_k and c are variances in units
 //! of the white noise:
 //! - a pass (a setup in one direction) is offset as a whole, in machine axes: three columns a pass;
-//! - the slow rotary axis is positioned anew with an angle of its own: one column a positioning;
+//! - the slow rotary axis is positioned again with an angle of its own: one column a positioning;
 //! - tool against table drifts in machine axes, Ornstein–Uhlenbeck with correlation time τ;
 //! - every rotary axis has small repeatable error motions, harmonic n with amplitude ∝ 1/n;
 //! - the fast rotary axis scatters at every point: L, a column a point, kept as levers.

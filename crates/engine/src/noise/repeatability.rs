@@ -1,61 +1,77 @@
-//! Noise of one scalar reading.
+//! Repeatability of one scalar reading: how the readings of one pose of one setup scatter when it is measured again.
 //!
-//! From repeats: the same pose of the same setup visited again. d = second − first visit of the residual, in the order
-//! of the first visit; σ² = mean (d_{i+1} − d_i)² / 4. The difference of differences removes what the two
-//! passes have in common or what drifts between them slowly (backlash of the fast axis, thermal drift), which a model may still lack.
-//! Without repeats: σ of the residual.
-//! Limits: white from pose to pose; direction-dependent errors that change within one step of the fast axis count as noise.
+//! d = second − first visit of the reading, in the order of the first visit; σ² = mean (d_{i+1} − d_i)² / 4. The difference of
+//! differences removes what the two passes have in common or what drifts between them slowly (backlash of the fast axis, thermal
+//! drift). Of the readings, not of a residual: at one commanded pose every error of position and mounting is the same, so no model
+//! enters, and every model of a recording shares one figure. Pairs longer than 5 robust standard deviations are excluded.
+//! Limits: white from pose to pose; direction-dependent errors that change within one step of the fast axis count as scatter.
 
 use crate::Experiment;
-use crate::fit::identification::{Noise, NoiseOrigin};
+use crate::fit::identification::Repeatability;
+use crate::noise::outliers::median;
 use crate::problem::passes::{Passes, pose_key};
-use nalgebra::DVector;
+use nalgebra::Vector3;
 use std::collections::HashMap;
+use trunnion_instruments::predict;
+use trunnion_machine::Errors;
 
 /// Fewer differences than this say nothing.
 const FEWEST: usize = 6;
+/// A difference of differences beyond this many robust standard deviations holds an outlier; as for points of a fit.
+const SIGMAS: f64 = 5.0;
+/// Median of |x| for a standard normal x.
+const MEDIAN_LENGTH: f64 = 0.6745;
 
-pub(crate) fn noise(
-    experiment: &Experiment,
-    passes: &Passes,
-    residual_mm: &DVector<f64>,
-    used: &[bool],
-    from_residual: Noise,
-) -> Noise {
-    let mut first_visit = HashMap::new();
-    // (group, index of the first visit, difference); a group is a pair of passes.
-    let mut repeats: Vec<((usize, usize), usize, Vec<f64>)> = Vec::new();
-    for i in (0..experiment.points.len()).filter(|&i| used[i]) {
-        let state = &experiment.points[i].state;
-        let key = (experiment.run_of_point[i], state.setup, pose_key(&state.position));
-        let Some(first) = first_visit.insert(key, i) else { continue };
-        let difference = experiment
-            .rows_of(i)
-            .zip(experiment.rows_of(first))
-            .map(|(b, a)| residual_mm[b] - residual_mm[a])
-            .collect();
-        repeats.push(((passes.pass[first], passes.pass[i]), first, difference));
-    }
-    repeats.sort_by_key(|(group, first, _)| (*group, *first));
-    let (mut squares, mut count) = (0.0, 0);
-    for pair in repeats.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-        for (a, b) in pair[0].2.iter().zip(&pair[1].2) {
-            squares += (b - a) * (b - a) / 4.0;
-            count += 1;
-        }
-    }
-    if count < FEWEST {
-        return from_residual;
-    }
-    // Neighbouring differences share a visit: about two thirds as many degrees of freedom.
-    Noise {
-        sigma_mm: (squares / f64::from(count as u32)).sqrt(),
-        origin: NoiseOrigin::Repeats,
-        degrees_of_freedom: count * 2 / 3,
-    }
+/// A pose measured again.
+struct Repeat {
+    /// Passes of the two visits.
+    passes: (usize, usize),
+    first: usize,
+    /// Second − first visit, mm.
+    difference_mm: Vec<f64>,
 }
 
-/// The figure when nothing was repeated.
-pub(crate) fn noise_of_residual(sigma_mm: f64, degrees_of_freedom: usize) -> Noise {
-    Noise { sigma_mm, origin: NoiseOrigin::Residual, degrees_of_freedom }
+/// `None` where too few poses were measured again to say.
+pub(crate) fn repeatability(experiment: &Experiment, passes: &Passes) -> Option<Repeatability> {
+    let repeats = repeats(experiment, passes);
+    let neighbours = repeats.windows(2).filter(|pair| pair[0].passes == pair[1].passes);
+    let differences_mm: Vec<f64> = neighbours
+        .flat_map(|pair| pair[0].difference_mm.iter().zip(&pair[1].difference_mm).map(|(a, b)| b - a))
+        .collect();
+    let robust_mm = median(&differences_mm.iter().map(|d| d.abs()).collect::<Vec<_>>()) / MEDIAN_LENGTH;
+    // Coarse readings may repeat exactly at most poses: then no distance is far.
+    let near = differences_mm.iter().filter(|d| robust_mm == 0.0 || d.abs() <= SIGMAS * robust_mm);
+    let (count, squares) = near.fold((0, 0.0), |(count, squares), d| (count + 1, squares + d * d));
+    (count >= FEWEST).then(|| Repeatability {
+        sigma_mm: (squares / 4.0 / f64::from(count as u32)).sqrt(),
+        repeats: repeats.len(),
+        // Neighbouring differences share a visit: about two thirds as many degrees of freedom.
+        degrees_of_freedom: count * 2 / 3,
+    })
+}
+
+/// Reading minus what a machine without errors would read, mm.
+fn deviation_mm(experiment: &Experiment, i: usize) -> Vector3<f64> {
+    let point = &experiment.points[i];
+    let setup = &experiment.setups[point.state.setup];
+    Vector3::from(point.reading_mm) - predict(experiment.machine(), setup, &point.state, &Errors::default())
+}
+
+fn repeats(experiment: &Experiment, passes: &Passes) -> Vec<Repeat> {
+    let mut last_visit = HashMap::new();
+    let mut repeats = Vec::new();
+    for (i, point) in experiment.points.iter().enumerate() {
+        let key = (experiment.run_of_point[i], point.state.setup, pose_key(&point.state.position));
+        let Some(first) = last_visit.insert(key, i) else { continue };
+        let readings = 0..experiment.rows_of(i).len();
+        let (again_mm, first_mm) = (deviation_mm(experiment, i), deviation_mm(experiment, first));
+        let difference = |k: usize| again_mm[k] - first_mm[k];
+        repeats.push(Repeat {
+            passes: (passes.pass[first], passes.pass[i]),
+            first,
+            difference_mm: readings.map(difference).collect(),
+        });
+    }
+    repeats.sort_by_key(|repeat| (repeat.passes, repeat.first));
+    repeats
 }

@@ -7,9 +7,7 @@
 //! not", parts too small to be seen would widen every interval of a machine that lacks them.
 //! Mean over a grid of half decades in θ: from the best member to all whose weight is not negligible.
 
-use crate::noise::likelihood::{Member, Products, Projected};
-use crate::noise::random_columns::{Kind, Levers};
-use nalgebra::{DMatrix, DVector};
+use crate::noise::likelihood::{Member, Products, Projected, Residual};
 use std::collections::{BTreeMap, BTreeSet, btree_map::Entry};
 use std::f64::consts::FRAC_2_PI;
 
@@ -24,20 +22,6 @@ const LIGHT: f64 = 0.1;
 const HOPELESS: f64 = 15.0;
 /// Rounds of climbing along one variance after the other.
 const MOST_CLIMBS: usize = 4;
-
-/// What the variances are estimated from. Rows of readings not used are zero in all.
-pub(crate) struct Residual<'a> {
-    /// Columns of the fit, weighted.
-    pub fitted: &'a DMatrix<f64>,
-    /// Weighted residual, mm.
-    pub residual_mm: &'a DVector<f64>,
-    /// Random columns.
-    pub kinds: &'a [Kind],
-    /// Scatter of the fast axis.
-    pub levers: &'a Levers,
-    /// Readings used minus parameters determined, more than 2.
-    pub degrees_of_freedom: usize,
-}
 
 /// Posterior means of the variances per reading, mm².
 #[derive(Clone, Debug, PartialEq)]

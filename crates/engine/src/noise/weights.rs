@@ -2,9 +2,9 @@
 //!
 //! σ_i² = κ_g (f_g² l_i + e_i²).  e_i: standard error of the mean of its samples (0 when unknown), averages down with their number. f_g: floor of
 //! its group g (run × instrument): drift, positioning, what the model lacks; it does not average down. f_g by the median:
-//! med(r²/(f² l + e²)) over the group = 0.455, the median of χ² with one degree of freedom, so that mishaps do not count. l_i: usual
+//! med(r²/(f² l + e²)) over the group = 0.455, the median of χ² with one degree of freedom, so that outliers do not count. l_i: usual
 //! length of a block of its pass over its own, at least 1; 1 for points at rest. What does not average down is alike along the path, so a
-//! short block (beside a reversal) counts by its length: how finely a path was cut changes no result.
+//! short block (next to a reversal) counts by its length: how finely a path was cut changes no result.
 //! κ_g ≥ 1: on the fly 1 + 2 Σ ρ_k, ρ_k the autocorrelation of the residual from block to block within a pass up to where it dies
 //! out, so that 100 blocks that err alike do not count as 100 against another run.
 //! Rows are scaled by ω_i = σ_ref/σ_i with mean ω² = 1. Where all ω are nearly alike they are exactly 1.

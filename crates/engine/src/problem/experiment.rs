@@ -1,7 +1,7 @@
 //! Runs fitted together: their points, rows and columns.
 //!
 //! Row layout: points in order of the runs, the components of each point together (3 for an R-test, 1 for a ball
-//! bar). Column of parameter j of an effect: `Σ_sites projection · propagation · twist_j(state)` (METHODS §2).
+//! bar). Column of parameter j of an effect: `Σ_sites projection · propagation · twist_j(state)` (docs/design/physics.md §2).
 
 use crate::IdentifyError;
 use crate::fit::Options;
@@ -62,7 +62,7 @@ pub enum ExperimentError {
 }
 
 impl Experiment {
-    /// Puts runs together; one on the fly with more points than [`Limits::most_blocks`] is reduced to blocks first. Setups of different runs stay apart (the ball was set anew); with several runs
+    /// Puts runs together; one on the fly with more points than [`Limits::most_blocks`] is reduced to blocks first. Setups of different runs stay apart (the ball was set again); with several runs
     /// their names are prefixed by the run's number, e.g. `1.low`.
     ///
     /// # Errors

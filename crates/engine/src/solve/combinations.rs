@@ -5,6 +5,7 @@
 //! of N_S, the null directions restricted to S; brought to echelon form they name few errors each.
 //! Limits: at most [`MOST`] errors without numbers; settings of instruments do not take part.
 
+use crate::solve::direction::Named;
 use crate::solve::null_space::{Direction, echelon, spell};
 use nalgebra::{DMatrix, DVector};
 
@@ -25,13 +26,6 @@ pub struct Combination {
     pub u: f64,
     /// Unit on the screen: that of the first parameter.
     pub unit: &'static str,
-}
-
-/// What a parameter is called and how its numbers are shown.
-pub(crate) struct Named {
-    pub name: String,
-    pub unit: &'static str,
-    pub per_inside: f64,
 }
 
 /// The combinations of the parameters `without_number`.

@@ -2,8 +2,8 @@
 //!
 //! min ‖A x − b‖.  Columns are scaled by powers of two to norms near one (exact), `A S = Q R`. Everything after that
 //! (rank, null space, subsets of columns, covariance) works on the small triangle R: `A_F = Q R_F` for any subset F of columns.
-//! Long designs are not held in memory: `G = S AᵀA S = V Λ Vᵀ` gives `R = Λ^½ Vᵀ` (NUMERICS "Solver"); the
-//! Gauss–Newton steps, which compute the residual anew from the data, are the refinement.
+//! Long designs are not held in memory: `G = S AᵀA S = V Λ Vᵀ` gives `R = Λ^½ Vᵀ` (docs/design/numerics.md §1.2); the
+//! Gauss–Newton steps, which compute the residual again from the data, are the refinement.
 //! Limits: the Gram form sees directions down to 3·10⁻⁷ of the largest singular value, the triangle down to 10⁻¹⁴.
 
 use nalgebra::{DMatrix, DVector, Dyn};
@@ -93,6 +93,23 @@ impl Reduced {
     pub fn singular(&self, of: &[usize]) -> (DVector<f64>, DMatrix<f64>) {
         let svd = self.triangle.select_columns(of).svd(false, true);
         (svd.singular_values, svd.v_t.expect("asked for").transpose())
+    }
+
+    /// T with A T orthonormal: the directions with a singular value above `tolerance` of the largest. T Tᵀ Aᵀ b solves
+    /// min ‖A x − b‖ in the directions that A sees, with zero in the others.
+    pub fn orthonormal(&self, tolerance: f64) -> DMatrix<f64> {
+        let all: Vec<usize> = (0..self.scale.len()).collect();
+        if all.is_empty() {
+            return DMatrix::zeros(0, 0);
+        }
+        let (sigma, v) = self.singular(&all);
+        let kept: Vec<usize> =
+            all.into_iter().filter(|&k| sigma[k] > 0.0 && sigma[k] > tolerance * sigma[0]).collect();
+        let mut turn = DMatrix::from_diagonal(&self.scale) * v.select_columns(&kept);
+        for (mut direction, &k) in turn.column_iter_mut().zip(&kept) {
+            direction.unscale_mut(sigma[k]);
+        }
+        turn
     }
 
     /// Solver for the columns `of`, which must be independent.

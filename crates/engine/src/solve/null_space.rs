@@ -6,8 +6,7 @@
 //! involved ones. Every pivot is held at zero, which leaves independent columns. A conventional pivot lets the
 //! others of its direction stand for it; any other pivot leaves its whole direction without numbers.
 
-use crate::fit::identification::{Status, Unobservable};
-use crate::solve::combinations::Named;
+use crate::solve::direction::{Named, Status, Unobservable};
 use crate::solve::linear::Reduced;
 use nalgebra::DMatrix;
 use trunnion_effects::{Parameter, Unit};
@@ -23,7 +22,7 @@ const TAKES_PART: f64 = 1e-6;
 const TAKES_PART_WEAKLY: f64 = 1e-3;
 
 /// How the null space is fixed.
-pub(crate) struct Gauge {
+pub(crate) struct Datum {
     /// Columns left to determine; independent.
     pub determined: Vec<usize>,
     /// Status of every parameter.
@@ -82,13 +81,13 @@ pub(crate) struct Zero {
     pub standing: bool,
 }
 
-pub(crate) fn gauge(
+pub(crate) fn datum(
     reduced: &Reduced,
     free: &[usize],
     parameters: &[Parameter],
     zeros: &[Zero],
     limits: &Limits,
-) -> Gauge {
+) -> Datum {
     let mut status = vec![Status::Held; parameters.len()];
     let mut directions = Vec::new();
     let (faint, free): (Vec<usize>, Vec<usize>) =
@@ -102,7 +101,7 @@ pub(crate) fn gauge(
         status[j] = Status::Identified;
     }
     if free.is_empty() {
-        return Gauge { determined: vec![], status, directions, rank: 0 };
+        return Datum { determined: vec![], status, directions, rank: 0 };
     }
     let (sigma, v) = reduced.singular(&free);
     let null_below = limits.tolerance.max(reduced.floor) * sigma[0];
@@ -134,7 +133,7 @@ pub(crate) fn gauge(
     }
     let pivots: Vec<usize> = directions.iter().map(|direction| direction.terms[0].0).collect();
     let determined = free.iter().copied().filter(|j| !pivots.contains(j)).collect();
-    Gauge { determined, status, directions, rank: free.len() - null.len() }
+    Datum { determined, status, directions, rank: free.len() - null.len() }
 }
 
 /// Reduced row echelon form; pivots from `preferred` while they take part, then the largest entries.

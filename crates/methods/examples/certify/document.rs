@@ -1,6 +1,6 @@
 //! The certification document, from its parts.
 
-use crate::{guides, monte_carlo, pairs, shapes, strd};
+use super::{guides, monte_carlo, pairs, shapes, strd};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -35,7 +35,7 @@ pub fn fewest(found: &[f64], certified: &[f64]) -> f64 {
     found.iter().zip(certified).map(|(f, c)| digits(*f, *c)).fold(16.0, f64::min)
 }
 
-/// docs/certification.md.
+/// docs/measured/certification.md.
 pub fn document(trials: usize) -> String {
     let mut text = String::from(
         "# Certification of the arithmetic\n\n\

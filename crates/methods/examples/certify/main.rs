@@ -10,7 +10,7 @@ mod pairs;
 mod shapes;
 mod strd;
 
-/// Trials of the Monte Carlo in docs/certification.md.
+/// Trials of the Monte Carlo in docs/measured/certification.md.
 const TRIALS: usize = 100_000;
 
 fn main() -> std::io::Result<()> {
@@ -26,7 +26,7 @@ fn main() -> std::io::Result<()> {
     let text = document::document(trials);
     print!("{text}");
     if wanted.is_none() {
-        let docs = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs"));
+        let docs = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/measured"));
         std::fs::write(docs.join("certification.md"), text)?;
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! JCGM 101: distributions propagated through the whole fit, against the linear propagation of JCGM 100.
 
-use crate::experiment::{Truth, columns, exact_readings, experiment, model, options, set_readings, truth};
+use super::experiment::{Truth, columns, exact_readings, experiment, model, options, set_readings, truth};
 use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -155,7 +155,7 @@ impl Outcome {
              states in each trial from that trial's residual (a little wide by design: clusters only widen) in {:.4}.\n\n\
              | parameter | unit | u, linear | u, Monte Carlo | ratio | bias, u | held, known noise | held, stated u |\n\
              |---|---|---|---|---|---|---|---|\n",
-            crate::document::MONTE_CARLO,
+            super::document::MONTE_CARLO,
             self.readings,
             self.free,
             self.rows.len(),

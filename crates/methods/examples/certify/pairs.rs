@@ -3,8 +3,8 @@
 //! b = A b₀ + r, Aᵀ r = 0. For the solver, columns and b₀ are cut to few bits, so that A b₀ is formed without rounding; r is
 //! orthogonalised until nothing is left. For the whole program A b₀ is the exact prediction.
 
-use crate::document::digits;
-use crate::experiment::{columns, exact_readings, experiment, model, options, set_readings, truth};
+use super::document::digits;
+use super::experiment::{columns, exact_readings, experiment, model, options, set_readings, truth};
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,6 +1,6 @@
 //! Geometric elements against references in 60-digit arithmetic.
 
-use crate::document::{data, digits, fewest, numbers};
+use super::document::{data, digits, fewest, numbers};
 use nalgebra::{SVector, Vector2, Vector3};
 use serde_json::Value;
 use trunnion_methods::geometry::{circle, line, plane, sphere};

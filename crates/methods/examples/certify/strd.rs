@@ -1,6 +1,6 @@
 //! NIST StRD linear regression.
 
-use crate::document::{data, fewest, numbers};
+use super::document::{data, fewest, numbers};
 use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
 use trunnion_engine::solve::linear::least_squares;

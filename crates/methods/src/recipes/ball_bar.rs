@@ -8,9 +8,9 @@
 //!     C-Z:       w(θ) = c_w + m_w(θ)                                     axial error motion, centred only
 //!     C-XY:      w(θ) = c + E_u0 p_v − E_v0 p_u                          p place of the ball: centre of the trace / radius
 //!     a path:    r = c + n·t                                             n bar in table axes, t setting of the ball on the table
-//! [S4 (Ibaraki, DBB5) eq. 1–7, Fig. 6–11; METHODS §5]. Circularity: range of what this leaves, mean over each direction.
+//! [S4 (Ibaraki, DBB5) eq. 1–7, Fig. 6–11; docs/design/physics.md §5]. Circularity: range of what this leaves, mean over each direction.
 //! S4's r is the reading with the tool's ball on the positive side: then eq. 4–7 are right-handed as printed; of eq. 1 the number
-//! (−4.2 µm/100 mm) and of eq. 2 the formula carries the wrong sign, as does α in δy of eq. 3 [METHODS §8.4].
+//! (−4.2 µm/100 mm) and of eq. 2 the formula carries the wrong sign, as does α in δy of eq. 3 [docs/design/physics.md §8.4].
 //! `--convention source` prints E_B0C as S4's eq. 1 does, and E_X0C, E_Y0C as eq. 3 (tool against table, the sign of α mended).
 //! Limits: a shape that turns once with the axis counts as setting; positioning errors of the axis are not seen; places of the
 //! axis line need a bar of known length; what carries the axis is in its errors. C-XY also sees X, Y and their squareness.
@@ -36,10 +36,10 @@ use trunnion_cycles::Run;
 pub(super) static METHOD: Method = Method {
     name: "ball-bar",
     title: "Location errors and error motions of rotary axes from a ball bar",
-    source: "S4 (Ibaraki et al., DBB5), eq. 1-7; ISO 10791-6 BK2, BK4; METHODS §5, §8",
+    source: "S4 (Ibaraki et al., DBB5), eq. 1-7; ISO 10791-6 BK2, BK4; docs/design/physics.md §5, §8",
     about: "Each setup is recognised by how its bar lies and what moves: a rotary axis alone with the bar across or along it \
             (C-X, C-Y, C-Z, B-X, B-Z, B-Y), a rotary axis followed by linear ones with the bar along it (C-XY), any other path. \
-            Means give location errors, shapes give error motions and circularities; beside them the joint fit.",
+            Means give location errors, shapes give error motions and circularities; next to them the joint fit.",
     needs: "ball-bar readings while a rotary axis turns by 90° or more: alone, with the ball on its line, best at two heights with \
             the bar in both directions across it and along it; or followed by linear axes",
     gives: "location errors of each axis, radial, axial and tilt error motions, circularity of every trace, likely causes",

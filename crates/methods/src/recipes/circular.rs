@@ -6,7 +6,7 @@
 //!     squareness ∓γ R sin φ cos φ · scale mismatch ½ (s_a − s_b) R cos 2φ · servo mismatch (τ_a − τ_b) v d sin φ cos φ
 //!     backlash e_a = −½ h sgn v_a · lateral play e_b = ½ p sgn v_a · reversal spike e_a = −h sgn v_a exp(−travel since reversal / s₀)
 //!     cyclic e_a = A cos 2πa/P + B sin 2πa/P (P screw lead) · straightness e_b = w (a/R)²  (three lobes)
-//! [ISO 230-4:2005 clause 3; Kakino, Ihara, Shinohara 1990 (DBB method); METHODS §5]. Each error's own circularity is the range of
+//! [ISO 230-4:2005 clause 3; Kakino, Ihara, Shinohara 1990 (DBB method); docs/design/physics.md §5.2]. Each error's own circularity is the range of
 //! what it alone makes of the trace, centred. What all of them leave is given as share of the variance and in µm, beside the
 //! noise of the readings by their successive differences: more than noise is something the list lacks.
 //! Limits: first order in errors over R; mean scale is not told from a bar without calibrated length, nor an error that makes a
@@ -28,7 +28,7 @@ use trunnion_cycles::Run;
 pub(super) static METHOD: Method = Method {
     name: "circular",
     title: "Circular tests of linear axes: ISO 230-4 values and the errors behind them, ranked",
-    source: "ISO 230-4:2005; Kakino et al. 1990 (DBB); S4 §4.1; METHODS §5",
+    source: "ISO 230-4:2005; Kakino et al. 1990 (DBB); S4 §4.1; docs/design/physics.md §5.2",
     about: "Ball-bar circles of two linear axes, best both ways: circular deviations, and the classical list of errors fitted \
             to both directions together, each with its own circularity, ranked, with the share that nothing on the list explains.",
     needs: "a ball bar while two linear axes make a circle of 180° or more about its table ball, best whole circles both ways",

@@ -3,7 +3,7 @@
 /// Signs of the values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Convention {
-    /// Actual minus nominal, rotations right-handed (METHODS §1).
+    /// Actual minus nominal, rotations right-handed (docs/design/physics.md §1).
     #[default]
     RightHanded,
     /// As the source of the method prints them.

@@ -4,7 +4,7 @@
 //!     d(i, j, s) = o_s − R_tᵀ [ R δ_B + (R ω_B) × (p − o_B) ](B_i) − R_tᵀ [ R δ_C + (R ω_C) × (p − o_C) ](B_i, C_j)
 //! 1. The six errors (δ_B, ω_B) of each B index by least squares over all C and all nest positions, those of C taken as
 //!    zero [S1 (Oyama) eq. 10–15]. Only changes from the first pose are measured: S1 subtracts the reading there (eq. 14); here the
-//!    offset o_s of each nest position is solved for at the B index nearest zero together with its errors (METHODS §4), so that
+//!    offset o_s of each nest position is solved for at the B index nearest zero together with its errors (docs/design/physics.md §4), so that
 //!    the noise of one reading does not enter all others.
 //! 2. The errors of C at each pose: tilts from the line between the nest positions, then translations, ECC taken as zero
 //!    [S1 eq. 16–22].
@@ -12,7 +12,7 @@
 //!    An offset of the zero pose along and about C is no error of B; of all B maps that differ by it the one is shown that these
 //!    constants explain best.
 //!
-//! Signs follow METHODS §4 and §8: S1 eq. 8–9 carry the opposite sign of its eq. 4. `--convention source` shows S1's names and
+//! Signs follow docs/design/physics.md §4 and §8: S1 eq. 8–9 carry the opposite sign of its eq. 4. `--convention source` shows S1's names and
 //! signs as its Fig. 6–7 do, which are the same as the right-handed ones (errors of the axes, not of the readings).
 //! Limits: linear axes free of error; errors of C at a pose that are alike at all C of a B index count as errors of B;
 //! an angular positioning error of C counts as the other errors that resemble it.
@@ -43,9 +43,9 @@ use trunnion_engine::{Experiment, identify};
 pub(super) static METHOD: Method = Method {
     name: "error-map",
     title: "Error map of both rotary axes of a tilting rotary table",
-    source: "S1 (Oyama et al.), eq. 1-23; METHODS §4, §8",
+    source: "S1 (Oyama et al.), eq. 1-23; docs/design/physics.md §4, §8",
     about: "Readings at rest over a grid of both rotary axes at two nest positions give the six errors of the tilting axis at \
-            each of its angles, and five errors of the turning axis at each pose; beside it the joint fit of the same readings.",
+            each of its angles, and five errors of the turning axis at each pose; next to it the joint fit of the same readings.",
     needs: "R-test readings at rest over a grid of two stacked rotary table axes (S1: B −90..90° and C 0..330° in steps of 30°) \
             at two nest positions of different height",
     gives: "six errors of the tilting axis over its angle, five of the turning axis at each pose, location errors by maps and \

@@ -114,19 +114,18 @@ impl MultipartDecoder {
             self.drop_front(self.buffer.len() - keep);
             return false;
         };
-        let end = at + self.delimiter.len();
+        self.drop_front(at);
+        let end = self.delimiter.len();
         // The two bytes behind tell whether it is the last: `--` or a line end.
         let Some(behind) = self.buffer.get(end..end + 2) else { return false };
         if behind == b"--" {
-            self.drop_front(at);
             self.losses.dropped_bytes += visible(&self.buffer[self.delimiter.len() + 2..]);
             self.buffer.clear();
             self.finished = true;
             return false;
         }
         let line_end = behind == b"\r\n" || behind[0] == b'\n';
-        self.drop_front(at);
-        self.buffer.drain(..self.delimiter.len());
+        self.buffer.drain(..end);
         if line_end {
             self.state = State::Header;
         }
@@ -207,6 +206,17 @@ mod tests {
         check("Multipart/X-mixed-replace; charset=x; Boundary=\"b c\"", Some("b c"));
         check("text/xml; boundary=x", None);
         check("multipart/x-mixed-replace", None);
+    }
+
+    #[test]
+    fn bytes_before_a_boundary_are_counted_before_it_is_complete() {
+        let boundary = format!("xy--{}", boundary(TYPE).unwrap());
+        for cut in 0..boundary.len() {
+            let mut decoder = decoder();
+            decoder.push(&boundary.as_bytes()[..cut]);
+            decoder.push(&boundary.as_bytes()[cut..]);
+            assert_eq!(decoder.losses().dropped_bytes, 2, "cut at {cut}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::trial;
 use crate::CompareInput;
 use crate::markup::{element, escape, table};
-use crate::number::{percent, um, value_and_u};
+use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::svg::{Bar, bars};
 use crate::words::{about, effect_name, formula_shape, formula_site, sources};
 use trunnion_engine::{Candidate, Diagnosis, FormulaProposal};
@@ -25,9 +25,9 @@ fn found(input: &CompareInput, diagnosis: &Diagnosis) -> String {
     }
     let mut body = bars(
         "Error before and after each candidate",
-        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: noise floor.",
+        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: repeatability.",
         &steps(input, diagnosis),
-        Some(diagnosis.residual.noise_um),
+        diagnosis.residual.noise_um,
     );
     if let Some(formula) = &diagnosis.formula {
         body += &formula_paragraph(formula);
@@ -62,7 +62,7 @@ fn steps(input: &CompareInput, diagnosis: &Diagnosis) -> Vec<Bar> {
     let candidates = diagnosis
         .candidates
         .iter()
-        .map(|c| bar(format!("with {}", c.effect), c.rms_um_after, Some(c.holdout_rms_um_after)));
+        .map(|c| bar(format!("with {}", c.effect), c.rms_um_after, c.holdout_rms_um_after));
     std::iter::once(now).chain(candidates).chain(formula).collect()
 }
 
@@ -87,7 +87,7 @@ fn candidates_table(candidates: &[Candidate]) -> String {
                 effect_name(&c.effect),
                 format!("{:.1}", c.evidence).replace('-', "−"),
                 um(c.rms_um_after),
-                um(c.holdout_rms_um_after),
+                um_or_dash(c.holdout_rms_um_after),
                 percent(c.explains_fraction),
                 if c.adequate { "yes" } else { "no" }.into(),
                 about(&c.effect).map_or(String::new(), |about| sources(about.source)),

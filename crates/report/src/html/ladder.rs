@@ -28,7 +28,7 @@ pub fn section(input: &CompareInput) -> String {
     let steps: Vec<_> = std::iter::once(start).chain(input.ladder.iter().map(step)).collect();
     let chart = bars(
         "Ladder: error after each effect",
-        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: noise floor. Beside each effect: \
+        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: repeatability. Beside each effect: \
          the location error that moved most when it came in, and by how many standard uncertainties u.",
         &steps,
         None,
@@ -40,7 +40,7 @@ pub fn section(input: &CompareInput) -> String {
         "error after",
         "held-out before",
         "held-out after",
-        "noise floor",
+        "repeatability",
         "date",
         "run",
     ];

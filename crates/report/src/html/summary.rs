@@ -28,12 +28,12 @@ fn facts(input: &CompareInput) -> String {
     let fit = &input.identification;
     let mut facts = vec![
         fact("Error left", &um(fit.rms_um), "rms of the residual"),
-        fact("Noise floor", &um_or_dash(fit.noise.rms_um), "what would be left if nothing were missing"),
+        fact("Repeatability", &um_or_dash(fit.noise.rms_um), &fit.noise.origin),
         fact("Held-out error", &um_or_dash(fit.holdout_rms_um), "on data left out of the fit"),
     ];
     if let Some(diagnosis) = &input.diagnosis {
         facts.push(fact(
-            "Still above the noise",
+            "Explained by what was found",
             &percent(diagnosis.residual.unexplained_fraction),
             "of the mean square of the residual",
         ));

@@ -3,12 +3,14 @@
 use crate::CompareInput;
 use crate::markup::{element, escape};
 use crate::number::{percent, um};
-use crate::words::{beyond_figures, effect_name, evidence_words, formula_leads, planned_words};
+use crate::words::{
+    beyond_figures, effect_name, evidence_words, formula_leads, planned_words, repeatability,
+};
 use trunnion_engine::{Candidate, Diagnosis};
 
 pub fn section(input: &CompareInput) -> String {
     let Some(diagnosis) = &input.diagnosis else { return String::new() };
-    let mut items = vec![noise(input, diagnosis)];
+    let mut items = vec![noise(diagnosis)];
     if let Some(formula) = diagnosis.formula.as_ref().filter(|_| formula_leads(diagnosis)) {
         items.push(format!("{}.", evidence_words(formula.evidence)));
         items.push(match diagnosis.candidates.first() {
@@ -40,27 +42,25 @@ pub fn section(input: &CompareInput) -> String {
     format!("<section><h2>How sure this is</h2>\n{body}</section>\n")
 }
 
-fn noise(input: &CompareInput, diagnosis: &Diagnosis) -> String {
-    let origin = &input.identification.noise.origin;
+fn noise(diagnosis: &Diagnosis) -> String {
     let share = percent(diagnosis.residual.unexplained_fraction);
-    let floor = um(diagnosis.residual.noise_um);
-    format!("{share} of what is left (mean square) lies above the noise floor of {floor}: {origin}.")
+    let known = repeatability(diagnosis.residual.noise_um);
+    format!("What was found explains {share} of the mean square of the residual; {known}.")
 }
 
 fn held_out(input: &CompareInput, best: &Candidate) -> Option<String> {
-    let before = input.identification.holdout_rms_um?;
-    Some(format!(
-        "It also predicts what it has not seen: on passes left out of the fit the error falls from {} to {}.",
-        um(before),
-        um(best.holdout_rms_um_after)
-    ))
-    .filter(|_| best.holdout_rms_um_after < 0.97 * before)
-    .or_else(|| {
-        Some(format!(
-            "On passes left out of the fit the error does not fall ({} before, {} after): take it with care.",
-            um(before),
-            um(best.holdout_rms_um_after)
-        ))
+    let residual = &input.diagnosis.as_ref()?.residual;
+    let (before, after) = (residual.holdout_rms_um?, best.holdout_rms_um_after?);
+    let units = residual.holdout_unit?.plural();
+    let (was, is) = (um(before), um(after));
+    Some(if after < 0.97 * before {
+        format!(
+            "It also predicts what it has not seen: on {units} left out of the fit the error falls from {was} to {is}."
+        )
+    } else {
+        format!(
+            "On {units} left out of the fit the error does not fall ({was} before, {is} after): take it with care."
+        )
     })
 }
 

@@ -40,7 +40,7 @@ pub fn headline(input: &CompareInput, trial: &Trial) -> String {
     });
     let chart = bars(
         "Error before and after",
-        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: noise floor.",
+        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: repeatability.",
         &steps,
         trial.noise.rms_um,
     );
@@ -108,7 +108,7 @@ pub fn tables(trial: &Trial) -> String {
         moved_table("Other parameters that it moves by more than 2 u", &moved)
     };
     format!(
-        "<section><h2>How big it is</h2>\n{}{moved}<p class=\"soft\">Noise floor {} ({}).</p></section>\n",
+        "<section><h2>How big it is</h2>\n{}{moved}<p class=\"soft\">Repeatability {} ({}).</p></section>\n",
         size_table(trial),
         um_or_dash(trial.noise.rms_um),
         escape(&trial.noise.origin)
@@ -161,7 +161,7 @@ fn drawn(grid: &Grid, pairs: &[[Map; 2]], limit_um: f64) -> String {
 
 /// Without a grid: one chart a component over the turning axis, or over time, before and after.
 fn charts(input: &CompareInput, trial: &Trial) -> String {
-    let turning = Axes::of(&input.points).turning;
+    let turning = Axes::of(&input.rotary, &input.points).turning;
     let x = |p: &crate::PointView| match turning {
         Some(letter) => deg_from_rad(p.position[letter]),
         None => p.time_s.map_or(f64::NAN, |t| t / s_from_min(1.0)),

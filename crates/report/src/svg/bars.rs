@@ -1,4 +1,4 @@
-//! Bars lying down, one below the other, with a second mark each and one line for the noise floor.
+//! Bars lying down, one below the other, with a second mark each and one line for the repeatability.
 
 use super::scale::Scale;
 use super::{figure, line, text};
@@ -15,13 +15,13 @@ pub struct Bar {
     pub name: String,
     pub fit_um: f64,
     pub holdout_um: Option<f64>,
-    /// Noise floor of this bar alone.
+    /// Repeatability of this bar alone.
     pub noise_um: Option<f64>,
     /// Said beside the name; may be empty.
     pub remark: String,
 }
 
-/// The bars with the noise floor where it is known.
+/// The bars with the repeatability where it is known.
 pub fn bars(title: &str, caption: &str, bars: &[Bar], noise_um: Option<f64>) -> String {
     let largest = bars.iter().flat_map(|bar| [Some(bar.fit_um), bar.holdout_um, bar.noise_um]);
     let largest = largest.flatten().chain(noise_um);
@@ -61,7 +61,7 @@ pub fn bars(title: &str, caption: &str, bars: &[Bar], noise_um: Option<f64>) -> 
     }
     if let Some(noise) = noise_um.filter(|n| n.is_finite()) {
         body += &line((x.at(noise), TOP - 4.0), (x.at(noise), bottom), "floor");
-        body += &text(x.at(noise) + 3.0, TOP - 7.0, "t", &format!("noise floor {}", um(noise)));
+        body += &text(x.at(noise) + 3.0, TOP - 7.0, "t", &format!("repeatability {}", um(noise)));
     }
     for (i, bar) in bars.iter().enumerate() {
         let y = TOP + i as f64 * ROW;

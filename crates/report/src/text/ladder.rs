@@ -1,4 +1,4 @@
-//! The ladder as bars of characters: error of the fit, held-out error and noise floor of every rung.
+//! The ladder as bars of characters: error of the fit, held-out error and repeatability of every rung.
 
 use super::{BAR, columns, moved_table};
 use crate::LadderRow;
@@ -6,7 +6,7 @@ use crate::number::{um, um_or_dash};
 use crate::words::{most_moved, moved_words};
 use std::iter::once;
 
-/// The ladder as a table with bars; `noise_um` is the noise floor where known.
+/// The ladder as a table with bars; `noise_um` is the repeatability where known.
 pub fn ladder_text(rows: &[LadderRow], noise_um: Option<f64>) -> String {
     let Some(first) = rows.first() else { return "No effect was added to this model yet.\n".into() };
     let fits = rows.iter().flat_map(|row| [Some(row.fit_after_um), row.holdout_after_um]);
@@ -26,7 +26,7 @@ pub fn ladder_text(rows: &[LadderRow], noise_um: Option<f64>) -> String {
     });
     let table: Vec<_> = once(head.map(String::from).to_vec()).chain(once(start)).chain(steps).collect();
     let mut out = columns(&table, &[1, 2, 3]);
-    out += "Bars: # error of the fit, o error on data left out of the fit, | noise floor; µm rms.\n";
+    out += "Bars: # error of the fit, o error on data left out of the fit, | repeatability; µm rms.\n";
     for row in rows.iter().filter(|row| row.moved.iter().any(|m| m.in_u() > 2.0)) {
         out += &format!("\nMoved by more than 2 u when {} came in\n", row.effect);
         let moved: Vec<_> = row.moved.iter().filter(|m| m.in_u() > 2.0).cloned().collect();

@@ -1,10 +1,10 @@
 use super::*;
-use trunnion_cycles::cycle::Settle;
 use crate::align::{AlignLimits, Aligner};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trunnion_core::AxisLetter::{B, C, X, Y, Z};
+use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::{AxisSample, ProbeSample};
+use trunnion_cycles::cycle::Settle;
 
 const SETTLE: Settle = Settle {
     window_s: 0.5,

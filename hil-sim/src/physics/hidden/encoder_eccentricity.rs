@@ -1,6 +1,6 @@
 //! The ring of an angular encoder sits eccentrically and is a little oval.
 //!
-//! Positioning error `sin(θ + φ₁) + r sin(2θ + φ₂)` [METHODS §9: 412.5·e/D arcsec].
+//! Positioning error `sin(θ + φ₁) + r sin(2θ + φ₂)` [docs/design/physics.md §9.4: 412.5·e/D arcsec].
 //! Looks like one and two waves a turn along the direction of turning.
 
 use super::kind::*;

@@ -23,7 +23,7 @@ pub struct Kind {
     pub seen_in: SeenIn,
     /// Whether the axis' own encoder sees it: it is a following error, not one between encoder and tool.
     pub at_encoder: bool,
-    /// Whether the program's catalogue promises an effect of this id (DESIGN §3.1).
+    /// Whether the program's catalogue promises an effect of this id (docs/design/contracts.md §1).
     pub catalogued: bool,
     /// Names of the shape's numbers, units in the name.
     pub shape: &'static [&'static str],
@@ -108,7 +108,7 @@ impl Scene<'_> {
 
     /// (across, along): two directions across an axis and the axis itself, right-handed, in the axes of its carrier.
     pub(super) fn trihedron(&self) -> [Vector3<f64>; 3] {
-        let i = self.letter() as usize % 3;
+        let i = self.letter().index() % 3;
         [(i + 1) % 3, (i + 2) % 3, i].map(|k| Vector3::ith(k, 1.0))
     }
 }

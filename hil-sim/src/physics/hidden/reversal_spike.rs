@@ -1,6 +1,6 @@
 //! An axis sticks when it turns round and catches up with travel.
 //!
-//! Positioning error `−h · direction · e^(−s/s₀)`, s travel since the reversal [METHODS §5, §9]; only while the axis moves.
+//! Positioning error `−h · direction · e^(−s/s₀)`, s travel since the reversal [docs/design/physics.md §5, §9.7]; only while the axis moves.
 //! Looks like a short pulse where an axis turns round: the quadrant glitch of a circle.
 
 use super::kind::*;

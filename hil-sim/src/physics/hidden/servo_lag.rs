@@ -1,6 +1,6 @@
 //! The position loop of one axis lags behind its command.
 //!
-//! Positioning error `−v / Kv` [METHODS §9]; with unlike Kv the path of several axes is distorted.
+//! Positioning error `−v / Kv` [docs/design/physics.md §9.8]; with unlike Kv the path of several axes is distorted.
 //! Looks like an error proportional to speed that flips with direction; nothing at rest.
 
 use super::kind::*;

@@ -1,7 +1,7 @@
 //! The rotary axes are interpolated later than the linear axes.
 //!
 //! The rotary axes are where they were τ ago when the linear axes are where they should be: positioning error
-//! `−v τ` of every rotary axis [METHODS §9: 21 µm per ms at 360°/min, R 200 mm]. Looks like servo lag of all of them
+//! `−v τ` of every rotary axis [docs/design/physics.md §9.8: 21 µm per ms at 360°/min, R 200 mm]. Looks like servo lag of all of them
 //! at once: ∝ v, flips with direction, nothing at rest. While one rotary axis turns alone it *is* that axis' servo lag.
 
 use super::kind::*;

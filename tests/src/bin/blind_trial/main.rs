@@ -1,7 +1,7 @@
 //! The blind trial: physics is hidden in the simulator, the program gets the recording alone, and its answers are counted.
 //!
 //! `stage` has the machine and the grids, `cases` says what is hidden, `noise` what disturbs, `trial` asks, `score` judges,
-//! `table` writes `docs/blind-trial.md`.
+//! `table` writes `docs/measured/blind-trial.md`.
 
 mod cases;
 mod coverage;

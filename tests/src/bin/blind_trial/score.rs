@@ -4,7 +4,7 @@ use crate::cases::Group;
 use crate::stage::{Grid, Stage, experiment};
 use crate::trial::Staged;
 use nalgebra::DVector;
-use trunnion_effects::{Instance, Model, ModelEffect};
+use trunnion_effects::{Formula, Instance, Model, ModelEffect};
 use trunnion_engine::fit::Options;
 use trunnion_engine::{Diagnosis, Experiment, Identification, Verdict, identify};
 use trunnion_hil_sim::Truth;
@@ -93,7 +93,7 @@ pub fn outcome(
             (false, false) => {}
         }
     }
-    let only_named = found.iter().all(|id| !id.starts_with("formula:"));
+    let only_named = found.iter().all(|id| Formula::name_of(id).is_none());
     if only_named && found.len() <= wanted.len() && says_the_same(stage, staged, &diagnosis.set) {
         return Outcome::Equivalent;
     }

@@ -1,4 +1,4 @@
-//! Errors in time of the driver against nodes that show the time: the line of docs/alignment.md.
+//! Errors in time of the driver against nodes that show the time: the line of docs/measured/alignment.md.
 
 use crate::bus::SimulatedBus;
 use anyhow::{Context, bail, ensure};

@@ -79,7 +79,7 @@ impl Session {
         }
     }
 
-    /// How a session ends in a way that fits, and the gap before the readings of the next one: a row of docs/faults.md.
+    /// How a session ends in a way that fits, and the gap before the readings of the next one: a row of docs/measured/faults.md.
     pub async fn end_and_gap(
         &mut self,
         name: &str,

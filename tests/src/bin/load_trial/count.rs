@@ -1,9 +1,9 @@
 //! What a finished recording holds of each stream, against what the devices' own clocks say must be there.
 
-use crate::floor::{AXES_HZ, EDGE_S, ENCODER_HZ, PROBE_HZ};
+use crate::floor::{EDGE_S, Rates};
 use anyhow::Context;
 use std::path::Path;
-use trunnion_core::Stamp;
+use trunnion_core::{Gap, Stamp};
 use trunnion_record::Item;
 
 /// One stream of the recording.
@@ -21,12 +21,18 @@ pub struct Stream {
     pub inside: u64,
     /// Longest step between two samples, ms.
     pub longest_step_ms: f64,
+    /// The device, as its gaps name it.
+    device: &'static str,
+    /// Samples that its gaps count as lost.
+    lost: u64,
+    /// Length of its gaps in which nobody could count, s.
+    uncounted_s: f64,
     last: Option<f64>,
     first: f64,
 }
 
 impl Stream {
-    fn new(name: &str, rate_hz: f64) -> Self {
+    fn new(name: &str, device: &'static str, rate_hz: f64) -> Self {
         Self {
             name: name.into(),
             rate_hz,
@@ -34,6 +40,9 @@ impl Stream {
             expected: None,
             inside: 0,
             longest_step_ms: 0.0,
+            device,
+            lost: 0,
+            uncounted_s: 0.0,
             last: None,
             first: f64::NAN,
         }
@@ -48,6 +57,23 @@ impl Stream {
         self.last = Some(clock_s);
         self.recorded += 1;
         self.inside += u64::from((EDGE_S..end_s).contains(&time_s));
+    }
+
+    /// Takes a gap that is of this stream.
+    fn take_gap(&mut self, gap: &Gap) -> bool {
+        let is_its_own = gap.source.starts_with(self.device);
+        if is_its_own {
+            match gap.lost_samples {
+                Some(lost) => self.lost += lost,
+                None => self.uncounted_s += gap.to_s - gap.from_s,
+            }
+        }
+        is_its_own
+    }
+
+    /// As many samples as the recording says are lost, at most.
+    pub fn told_lost(&self) -> u64 {
+        self.lost + (self.uncounted_s * self.rate_hz).ceil() as u64
     }
 
     fn expect_by_clock(&mut self) {
@@ -67,6 +93,10 @@ pub struct Counts {
     pub gaps: Vec<String>,
     /// Samples they say are lost.
     pub lost: u64,
+    /// Those among them that are of no single stream.
+    pub lost_of_any: u64,
+    /// Time of the last sample of the axes, s.
+    pub length_s: f64,
     /// Size of the file, MB.
     pub file_mb: f64,
 }
@@ -77,10 +107,12 @@ fn seconds(stamp: &Stamp) -> f64 {
 }
 
 /// Reads the file once.
-pub fn count(path: &Path, duration_s: f64) -> anyhow::Result<Counts> {
-    let mut streams: Vec<Stream> = (1..=3).map(|k| Stream::new(&format!("probe-{k}"), PROBE_HZ)).collect();
-    streams.extend([Stream::new("encoder", ENCODER_HZ), Stream::new("axes", AXES_HZ)]);
-    let (mut points, mut gaps, mut lost) = (0, Vec::new(), 0);
+pub fn count(path: &Path, rates: Rates, duration_s: f64) -> anyhow::Result<Counts> {
+    let probes = ["probe-1", "probe-2", "probe-3"];
+    let mut streams: Vec<Stream> = probes.map(|name| Stream::new(name, name, rates.probe_hz)).into();
+    streams.push(Stream::new("encoder", "encoder", rates.encoder_hz));
+    streams.push(Stream::new("axes", "cnc", rates.axes_hz));
+    let (mut points, mut gaps, mut lost, mut lost_of_any, mut length_s) = (0, Vec::new(), 0, 0, 0.0_f64);
     let end_s = duration_s - EDGE_S;
     let read = trunnion_record::visit(path, &mut |item| {
         match item {
@@ -89,12 +121,18 @@ pub fn count(path: &Path, duration_s: f64) -> anyhow::Result<Counts> {
                 streams[channel].take(seconds(&sample.stamp), sample.time_s, end_s);
             }
             Item::Axes(sample) if sample.held => {}
-            Item::Axes(sample) => streams[4].take(seconds(&sample.stamp), sample.time_s, end_s),
+            Item::Axes(sample) => {
+                streams[4].take(seconds(&sample.stamp), sample.time_s, end_s);
+                length_s = length_s.max(sample.time_s);
+            }
             Item::Point(_) => points += 1,
             // What was missing before the cycle began is no loss of it.
             Item::Gap(gap) if gap.to_s <= 0.0 => {}
             Item::Gap(gap) => {
                 lost += gap.lost_samples.unwrap_or(1);
+                if streams.iter_mut().filter_map(|stream| stream.take_gap(&gap).then_some(())).count() == 0 {
+                    lost_of_any += gap.lost_samples.unwrap_or(0);
+                }
                 gaps.push(format!(
                     "{} {:.3} s to {:.3} s, lost {:?}: {}",
                     gap.source, gap.from_s, gap.to_s, gap.lost_samples, gap.reason
@@ -110,5 +148,5 @@ pub fn count(path: &Path, duration_s: f64) -> anyhow::Result<Counts> {
         streams[index].expect_by_clock();
     }
     let file_mb = std::fs::metadata(path)?.len() as f64 / 1e6;
-    Ok(Counts { streams, points, gaps, lost, file_mb })
+    Ok(Counts { streams, points, gaps, lost, lost_of_any, length_s, file_mb })
 }

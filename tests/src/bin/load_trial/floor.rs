@@ -5,24 +5,42 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
-use trunnion_core::AxisLetter::C;
 use trunnion_core::AxisValues;
+use trunnion_core::axis::iso::C;
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
-use trunnion_hil_sim::devices::{CycleState, DeviceClock, SimulatedCell, World, cell, orthogonal_nest};
+use trunnion_hil_sim::devices::{
+    CycleState, DeviceClock, Fault, ScheduledFault, SimulatedCell, World, cell, orthogonal_nest,
+};
 use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine, scenario};
 use trunnion_machine::shipped;
+use trunnion_tests::SILENCE_MS;
 
-/// Rates of the trial, Hz.
-pub const PROBE_HZ: f64 = 4000.0;
-pub const ENCODER_HZ: f64 = 1000.0;
-pub const AXES_HZ: f64 = 200.0;
+/// Rates of the devices, Hz.
+#[derive(Clone, Copy, Debug)]
+pub struct Rates {
+    /// Each of three probes.
+    pub probe_hz: f64,
+    /// The encoder.
+    pub encoder_hz: f64,
+    /// The axes.
+    pub axes_hz: f64,
+}
+
+impl Rates {
+    /// The highest of the devices.
+    pub const FULL: Self = Self { probe_hz: 4000.0, encoder_hz: 1000.0, axes_hz: 200.0 };
+    /// So low that any computer reads them.
+    pub const LOW: Self = Self { probe_hz: 500.0, encoder_hz: 100.0, axes_hz: 25.0 };
+}
+
 /// Feeds of C, °/min; every one forward and back.
 pub const FEEDS_DEG_PER_MIN: [f64; 4] = [360.0, 720.0, 1800.0, 3600.0];
 /// From switching on to the start of the program: drivers connect, clocks settle.
 const WARM_UP: Duration = Duration::from_secs(5);
-/// The simulated devices share a computer with whatever else runs on it: they may pause.
-const SILENCE_MS: u32 = 3000;
+/// In the trial with faults the second probe is silent from here on, for so long, s: below [`SILENCE_MS`].
+const SILENT_FROM_S: f64 = 4.0;
+const SILENT_FOR_S: f64 = 1.0;
 /// Left out at both ends when the encoder's values are counted, s.
 pub const EDGE_S: f64 = 1.0;
 
@@ -70,7 +88,13 @@ impl World for Counted {
 
 impl Floor {
     /// Switches on; the program of about `seconds` starts after the warm-up.
-    pub async fn start(seconds: f64, folder: &Path, recordings: &Path) -> anyhow::Result<Self> {
+    pub async fn start(
+        seconds: f64,
+        rates: Rates,
+        is_faulty: bool,
+        folder: &Path,
+        recordings: &Path,
+    ) -> anyhow::Result<Self> {
         let seconds_per_deg: f64 = FEEDS_DEG_PER_MIN.iter().map(|feed| 2.0 * 60.0 / feed).sum();
         let to_deg = (seconds / seconds_per_deg).floor();
         let world = world(to_deg)?;
@@ -81,13 +105,17 @@ impl Floor {
         let wall_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as i64;
         let mut devices = CellConfig::new(folder, wall_ns);
         for (probe, _) in &mut devices.probes {
-            probe.rate_hz = PROBE_HZ;
+            probe.rate_hz = rates.probe_hz;
+        }
+        if is_faulty {
+            let fault = Fault::Silence { duration_s: SILENT_FOR_S };
+            devices.probes[1].1.push(ScheduledFault { at_s: SILENT_FROM_S, fault });
         }
         let mut bus = BusConfig::ball_bar(DeviceClock::steady(41.0, -55.0));
         bus.nodes[0].event_timer_ms = 0; // by SYNC alone
         devices.can = Some((bus, Vec::new()));
         if let Some((agent, _)) = &mut devices.controller {
-            agent.rate_hz = AXES_HZ;
+            agent.rate_hz = rates.axes_hz;
             agent.filters_duplicates = false;
         }
         let begin = tokio::time::Instant::now() + WARM_UP;
@@ -95,7 +123,7 @@ impl Floor {
         let url = cell.controller.as_ref().and_then(|agent| agent.url()).context("the cell has an agent")?;
         std::fs::write(folder.join("cycle.toml"), cycle_text(to_deg))?;
         let config = folder.join("trunnion.toml");
-        std::fs::write(&config, config_text(folder, recordings, url))?;
+        std::fs::write(&config, config_text(rates, folder, recordings, url))?;
         Ok(Self { cell, world, config, duration_s })
     }
 
@@ -141,7 +169,7 @@ fn cycle_text(to_deg: f64) -> String {
     )
 }
 
-fn config_text(ports: &Path, recordings: &Path, url: &str) -> String {
+fn config_text(rates: Rates, ports: &Path, recordings: &Path, url: &str) -> String {
     let mut text = format!(
         "format = \"trunnion-config/1\"\nname = \"load\"\ncycle = \"cycle.toml\"\nrecordings = '{}'\n\n[nest]\n",
         recordings.display()
@@ -154,12 +182,12 @@ fn config_text(ports: &Path, recordings: &Path, url: &str) -> String {
         text += &format!(
             "\n[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{ports}/probe-{k}'\nrole = \"probe-{k}\"\n\
              range_mm = 2\nrate_khz = {}\nsilence_ms = {SILENCE_MS}\n",
-            PROBE_HZ / 1e3
+            rates.probe_hz / 1e3
         );
     }
     text + &format!(
         "\n[[device]]\nname = \"encoder\"\ndriver = \"canopen-slcan\"\nport = '{ports}/can'\nsync_ms = {}\n\
          silence_ms = {SILENCE_MS}\nnodes = [{{ id = 5, role = \"bar\" }}]\n\n[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n",
-        1e3 / ENCODER_HZ
+        1e3 / rates.encoder_hz
     )
 }

@@ -4,7 +4,7 @@ use anyhow::Context;
 use std::path::Path;
 use std::sync::Arc;
 use tokio_util::sync::CancellationToken;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::LevelFilter;
 use trunnion_acquire::config::channels;
 use trunnion_cycles::Cycle;
 use trunnion_effects::Model;
@@ -16,8 +16,8 @@ use trunnion_service::live::Plan;
 
 /// Runs until it is stopped.
 pub fn run(path: &Path) -> anyhow::Result<()> {
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_ansi(false).with_writer(std::io::stderr).init();
+    let lines = tracing_subscriber::fmt().with_max_level(LevelFilter::INFO);
+    lines.with_ansi(false).with_writer(std::io::stderr).init();
     let read = |path: &Path| {
         std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
     };

@@ -1,17 +1,18 @@
-//! `docs/load.md`.
+//! `docs/measured/load.md`.
 
 use crate::Trial;
-use crate::floor::{AXES_HZ, ENCODER_HZ, FEEDS_DEG_PER_MIN, PROBE_HZ};
+use crate::floor::{FEEDS_DEG_PER_MIN, Rates};
 use std::fmt::Write;
 
 /// The whole document.
 pub fn document(trial: &Trial) -> String {
+    let Rates { probe_hz, encoder_hz, axes_hz } = trial.rates;
     let mut text = String::from("# The service under load\n\n");
     text += &format!(
-        "Written by `cargo run --release -p trunnion-tests --bin load-trial -- --markdown docs/load.md`. Simulated devices \
+        "Written by `cargo run --release -p trunnion-tests --bin load-trial -- --markdown docs/measured/load.md`. Simulated devices \
          on pseudo-terminals and a network port of one process; the service (`serve`, as `trunnion daemon` runs it) in \
-         another: three optoNCDT probes at {PROBE_HZ} Hz each, a CANopen encoder read by SYNC at {ENCODER_HZ} Hz behind a \
-         serial adapter, five axes at {AXES_HZ} Hz from an MTConnect agent, while C turns forward and back at {} °/min. {} \
+         another: three optoNCDT probes at {probe_hz} Hz each, a CANopen encoder read by SYNC at {encoder_hz} Hz behind a \
+         serial adapter, five axes at {axes_hz} Hz from an MTConnect agent, while C turns forward and back at {} °/min. {} \
          build, a cycle of {:.0} s.\n\n",
         FEEDS_DEG_PER_MIN.map(|feed| feed.to_string()).join(", "),
         if trial.release { "Optimised" } else { "Development" },

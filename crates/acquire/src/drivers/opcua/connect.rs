@@ -1,6 +1,6 @@
 //! From a URL to a session: endpoint, security, user, and the words for what goes wrong.
 
-use super::settings::{OpcUa, Password};
+use super::settings::{OpcUa, PORT, Password};
 use crate::link::Link;
 use crate::session_end::SessionEnd;
 use crate::transport::tcp;
@@ -15,8 +15,6 @@ use tokio::time::timeout;
 
 /// Finding endpoints, and opening a session, must not take longer.
 const LIMIT: Duration = Duration::from_secs(10);
-/// Port of OPC UA when the address names none.
-pub(super) const PORT: u16 = 4840;
 
 /// A session with the task that drives it; the task ends with it.
 pub(super) struct Connection {

@@ -5,18 +5,17 @@ use super::connect::{self, Connection};
 use super::nodes::{self, Browser};
 use super::settings::{Layout, Named, OpcUa};
 use crate::probe;
-use crate::probe::{Answer, Found, Medium, Probe, Scheme};
+use crate::probe::{Answer, Found, Probing};
 use crate::session_end::SessionEnd;
 use opcua::types::{NodeId, ObjectId};
 use std::time::Duration;
 use tokio::time::timeout;
 use trunnion_core::AxisValues;
 
-pub(super) const PROBE: Probe = Probe {
-    medium: Medium::Network(Scheme { name: "opc.tcp", port: connect::PORT }),
-    asks: "OPC UA: endpoints, CncAxisList below Objects, SINUMERIK's measPos1",
-    run: |url| Box::pin(at(url)),
-};
+/// The probe of this driver.
+pub(super) fn run(url: &str) -> Probing<'_> {
+    Box::pin(at(url))
+}
 
 /// Machine axes of a SINUMERIK that are asked for.
 const MOST_AXES: usize = 16;

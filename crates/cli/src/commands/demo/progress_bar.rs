@@ -22,13 +22,15 @@ impl ProgressBar {
         }
         let full = (WIDTH * progress.done / total).min(WIDTH);
         let left = progress.seconds_left.map_or(String::new(), |s| format!(", {s:.0} s left"));
-        eprint!("\r  [{}{}] {}/{total}{left}   ", "#".repeat(full), ".".repeat(WIDTH - full), progress.done);
-        self.shown = std::io::stderr().flush().is_ok();
+        let (bar, rest) = ("#".repeat(full), ".".repeat(WIDTH - full));
+        let mut out = std::io::stderr().lock();
+        let written = write!(out, "\r  [{bar}{rest}] {}/{total}{left}   ", progress.done);
+        self.shown = written.and_then(|()| out.flush()).is_ok();
     }
 
     pub(super) fn clear(&mut self) {
         if self.shown {
-            eprint!("\r{:80}\r", "");
+            write!(std::io::stderr(), "\r{:80}\r", "").ok();
         }
     }
 }

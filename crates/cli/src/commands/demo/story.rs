@@ -8,19 +8,19 @@ use trunnion_engine::compare::residual_views;
 use trunnion_engine::{Experiment, Identification, Verdict};
 use trunnion_hil_sim::VirtualMachine;
 use trunnion_hil_sim::physics::hidden;
-use trunnion_report::ladder_text;
+use trunnion_report::{ladder_text, repeatability};
 
 /// The ladder as it grows: base model, what fails, which effect, added, error falls.
 pub(super) fn story(experiment: &Experiment, analysis: &Analysis) -> String {
     let um = convert::um_from_mm;
-    let noise = |fit: &Identification| um(fit.noise.sigma_mm);
+    let noise = |fit: &Identification| fit.repeatability.map(|noise| um(noise.sigma_mm));
     let fits =
         std::iter::once(&analysis.before).chain(analysis.steps.iter().map(|step| &step.identification));
     let steps = analysis.steps.iter().map(Some).chain([None]);
     let mut text = format!(
-        "Base model (location errors and ball setting): {:.2} µm rms remain; a reading repeats within {:.2} µm.\n",
+        "Base model (location errors and ball setting): {:.2} µm rms remain ({}).\n",
         um(analysis.before.rms_mm),
-        noise(&analysis.before),
+        repeatability(noise(&analysis.before)),
     );
     for ((diagnosis, fit), step) in analysis.diagnoses.iter().zip(fits).zip(steps) {
         if diagnosis.verdict != Verdict::NoiseFloor {
@@ -67,7 +67,7 @@ pub(super) fn story(experiment: &Experiment, analysis: &Analysis) -> String {
     };
     if !analysis.steps.is_empty() {
         text += "\n";
-        text += &ladder_text(&page::ladder(&analysis.model), Some(noise(analysis.identification())));
+        text += &ladder_text(&page::ladder(&analysis.model), noise(analysis.identification()));
     }
     let outliers = analysis.identification().outliers.len();
     text += &format!("\n{} points, {outliers} set aside as outliers.\n", experiment.points.len());

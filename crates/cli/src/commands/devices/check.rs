@@ -1,7 +1,7 @@
 //! `trunnion devices --config`: the devices of a configuration, connected as the service connects them.
 
 use crate::outcome::Outcome;
-use crate::{load, outcome};
+use crate::{load, terminal};
 use anyhow::bail;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -13,6 +13,7 @@ use tokio_util::sync::CancellationToken;
 use trunnion_acquire::config::channels;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceConfig, DeviceState, DeviceStatus, parse_devices, start};
+use trunnion_core::AxisLetter;
 use trunnion_core::reading::{Message, Reading};
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
@@ -72,9 +73,9 @@ pub async fn run(path: &Path, as_json: bool) -> anyhow::Result<Outcome> {
     }
     acquisition.stop().await;
     if as_json {
-        outcome::print_json(&to_json(&checked))?
+        terminal::print_json(&to_json(&checked))?
     } else {
-        outcome::print(&to_text(&checked))?
+        terminal::print(&to_text(&checked))?
     }
     let missing = checked.iter().filter(|device| !device.is_good()).count();
     if missing > 0 {
@@ -127,7 +128,7 @@ fn take(message: Message, names: &[String], checked: &mut [Checked]) {
             device.readings.insert(temperature.name, shown);
         }
         Reading::Axes(axes) => {
-            for (letter, _) in axes.present.iter().filter(|(_, present)| **present) {
+            for letter in AxisLetter::ISO.into_iter().filter(|&letter| axes.present[letter]) {
                 let value = axes.position[letter];
                 let shown = match letter.is_rotary() {
                     true => format!("{:.4}°", value.to_degrees()),

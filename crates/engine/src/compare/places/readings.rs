@@ -1,8 +1,8 @@
 //! The residual of every point in the frames and bins that the scan needs.
 
-use super::scan::{Found, Way};
+use super::found::{Found, Way};
 use crate::Experiment;
-use crate::compare::in_frames;
+use crate::compare::frames::in_frames;
 use nalgebra::{DVector, Matrix3, Vector3};
 use std::collections::HashMap;
 use trunnion_core::{AxisLetter, State, convert};
@@ -13,7 +13,7 @@ const MOST_BINS: usize = 13;
 const TIME_BINS: usize = 8;
 /// A direction counts as measured when at least this share of the points has it.
 const LEAST_OF_A_DIRECTION: f64 = 0.1;
-/// Two axes that went the same way in this share of the points cannot be told apart by their directions.
+/// Two axes that went the same way in this share of the points cannot be separated by their directions.
 const SAME_WAY: f64 = 0.97;
 /// Longer runs are looked at in every n-th point.
 const MOST_POINTS: usize = 20_000;
@@ -175,7 +175,7 @@ impl Readings {
 
     /// Takes the mean of a place out of the points in it.
     pub fn subtract(&mut self, found: &Found) {
-        let inside: Vec<Option<f64>> = self.points.iter().map(|point| found.weight(self, point)).collect();
+        let inside: Vec<Option<f64>> = self.points.iter().map(|point| self.weight(found, point)).collect();
         for (point, weight) in self.points.iter_mut().zip(inside) {
             let Some(weight) = weight else { continue };
             let shift = found.mean_um * weight;
@@ -191,6 +191,11 @@ impl Readings {
                 Residual::Single(_) | Residual::Vector { .. } => {}
             }
         }
+    }
+
+    /// +1, −1 for a point in the box, `None` outside.
+    pub fn weight(&self, found: &Found, point: &Reading) -> Option<f64> {
+        if found.holds(&point.bins, point.setup) { self.way_weight(found.way, point) } else { None }
     }
 
     /// Mean size of the clusters that `component` comes in, and the share of its mean square by which a cluster deviates from

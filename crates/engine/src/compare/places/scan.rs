@@ -1,64 +1,17 @@
 //! Every box of the grid, by sums over rectangles of a table of partial sums.
 
-use super::readings::{Reading, Readings};
-use trunnion_core::AxisLetter;
+use super::found::{Found, Way};
+use super::readings::Readings;
 
 /// Fewest readings of a place.
 const FEWEST: usize = 6;
 /// A place with fewer conditions is preferred while it is worth at least this share of the best.
 const NEARLY: f64 = 0.93;
 
-/// Which directions of travel a box holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// Every point.
-    All,
-    /// Points with the axis going forward.
-    Forward(AxisLetter),
-    /// Points with the axis going back.
-    Back(AxisLetter),
-    /// Points with the axis going either way, the sign turned over with it.
-    Turns(AxisLetter),
-}
-
-/// A box and what its mean explains.
-#[derive(Clone, Debug)]
-pub struct Found {
-    pub component: usize,
-    pub setup: Option<usize>,
-    pub way: Way,
-    /// Dimension, first and last bin; on a full turn the last may lie before the first.
-    pub ranges: Vec<(usize, usize, usize)>,
-    pub readings: usize,
-    pub mean_um: f64,
-    /// n m², µm².
-    pub explains: f64,
-    /// What it explains less the price of naming it, µm².
-    worth: f64,
-}
-
-impl Found {
-    /// +1, −1 for a point in the box, `None` outside.
-    pub fn weight(&self, readings: &Readings, point: &Reading) -> Option<f64> {
-        let in_ranges = self.ranges.iter().all(|&(d, from, to)| within(point.bins[d], from, to));
-        let in_setup = self.setup.is_none_or(|setup| setup == point.setup);
-        if in_ranges && in_setup { readings.way_weight(self.way, point) } else { None }
-    }
-
-    fn conditions(&self) -> usize {
-        self.ranges.len() + usize::from(self.setup.is_some()) + usize::from(self.way != Way::All)
-    }
-
-    fn overlaps(&self, other: &Self, readings: &Readings) -> bool {
-        self.component == other.component
-            && readings.points.iter().any(|point| {
-                self.weight(readings, point).is_some() && other.weight(readings, point).is_some()
-            })
-    }
-}
-
-fn within(bin: usize, from: usize, to: usize) -> bool {
-    if from <= to { (from..=to).contains(&bin) } else { bin >= from || bin <= to }
+/// True when a point is in both boxes.
+fn overlap(a: &Found, b: &Found, readings: &Readings) -> bool {
+    let both = |point| readings.weight(a, point).is_some() && readings.weight(b, point).is_some();
+    a.component == b.component && readings.points.iter().any(both)
 }
 
 /// The box worth most, that overlaps none of `chosen`; `None` when none pays its price.
@@ -87,7 +40,7 @@ pub fn best(readings: &Readings, chosen: &[Found]) -> Option<Found> {
                     layer.scan(readings, &spread, layers, &mut |found| {
                         let slot = &mut best[found.conditions()];
                         if slot.as_ref().is_none_or(|other| found.worth > other.worth)
-                            && !chosen.iter().any(|other| found.overlaps(other, readings))
+                            && !chosen.iter().any(|other| overlap(&found, other, readings))
                         {
                             *slot = Some(found);
                         }

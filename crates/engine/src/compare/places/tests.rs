@@ -63,7 +63,7 @@ fn residual(
         for k in 0..3 {
             let mut unit = DVector::zeros(experiment.rows());
             unit[experiment.rows_of(i).start + k] = 1.0;
-            let (axis, _) = crate::compare::in_frames(experiment, &unit, i).unwrap();
+            let (axis, _) = crate::compare::frames::in_frames(experiment, &unit, i).unwrap();
             residual[experiment.rows_of(i).start + k] = axis.dot(&um) * 1e-3;
         }
     }

@@ -46,11 +46,11 @@ pub(super) fn angles(rotary: &[AxisLetter], drafts: &mut Vec<Draft>) {
 }
 
 pub(super) fn directions(letter: AxisLetter, rotary: &[AxisLetter], scene: &Scene, drafts: &mut Vec<Draft>) {
-    let kin = format!("reversal {letter}");
+    let idea = format!("reversal {letter}");
     for (order, factors, words) in companions(rotary) {
         let columns = products(&[format!("dir{letter}")], &factors);
         let words = format!("changing sign with the direction of {letter}{words}");
-        drafts.push(Draft::new(kin.clone(), order + 1, columns, words));
+        drafts.push(Draft::new(idea.clone(), order + 1, columns, words));
     }
     // Hysteresis: what is left of the last reversal dies out with the travel since; at rest the travel is counted from the end of
     // the range that the axis came from.
@@ -64,10 +64,10 @@ pub(super) fn directions(letter: AxisLetter, rotary: &[AxisLetter], scene: &Scen
         draft.with("reach", (0.1 * half, 2.0 * half), &shares.map(|share| share * half))
     };
     let words = format!("after each reversal of {letter}, fading with its travel");
-    drafts.push(reach(Draft::new(kin.clone(), 2, vec![decay.clone()], words), [0.15, 0.4, 1.0]));
+    drafts.push(reach(Draft::new(idea.clone(), 2, vec![decay.clone()], words), [0.15, 0.4, 1.0]));
     let words = format!("turning over with the travel after each reversal of {letter}");
     let turning = format!("(dir{letter} - 2*{decay})");
-    drafts.push(reach(Draft::new(kin, 2, vec![turning], words), [0.3, 0.7, 1.3]));
+    drafts.push(reach(Draft::new(idea, 2, vec![turning], words), [0.3, 0.7, 1.3]));
 }
 
 /// Bumps and steps in one angle.
@@ -91,19 +91,19 @@ pub(super) fn places(letter: AxisLetter, scene: &Scene, drafts: &mut Vec<Draft>)
             .with("width", WIDTHS_RAD, &[WIDTH_RAD]),
     );
     let inside: Vec<f64> = at(9)[1..8].into();
-    let kin = format!("place {letter}");
+    let idea = format!("place {letter}");
     let words = format!("switching at an angle of {letter}");
-    drafts.push(Draft::new(kin.clone(), 2, vec![format!("step({letter} - at)")], words).with(
+    drafts.push(Draft::new(idea.clone(), 2, vec![format!("step({letter} - at)")], words).with(
         "at",
         (low, high),
         &inside,
     ));
     let words = format!("going over at an angle of {letter}");
     drafts.push(
-        Draft::new(kin, 3, vec![format!("1/(1 + exp(-({letter} - at)/width))")], words)
+        Draft::new(idea, 3, vec![format!("1/(1 + exp(-({letter} - at)/width))")], words)
             .with("at", (low, high), &inside)
             .with("width", (0.02, 1.0), &[0.06, 0.3])
-            .only_for_kin(),
+            .only_refined(),
     );
 }
 
@@ -113,11 +113,11 @@ pub(super) fn knees(letter: AxisLetter, scene: &Scene, drafts: &mut Vec<Draft>) 
     if high - low < 1e-3 {
         return;
     }
-    let kin = format!("place {letter}");
+    let idea = format!("place {letter}");
     let shares: Vec<f64> = (1..8).map(|i| f64::from(i) / 8.0).collect();
     let inside: Vec<f64> = shares.iter().map(|s| low + s * (high - low)).collect();
     let hinge = |factor: String, order: usize, words: String, knees: &[f64], range: (f64, f64)| {
-        Draft::new(kin.clone(), order, vec![factor], words).with("knee", range, knees)
+        Draft::new(idea.clone(), order, vec![factor], words).with("knee", range, knees)
     };
     for (exponent, how) in [("", "in proportion"), ("^2", "with the square")] {
         let words = format!("above an angle of {letter}, {how}");
@@ -137,19 +137,19 @@ pub(super) fn knees(letter: AxisLetter, scene: &Scene, drafts: &mut Vec<Draft>) 
     for (sign, word) in [("", "above"), ("-", "below")] {
         let soft = format!("soft*log(1 + exp({sign}({letter} - knee)/soft))");
         let words = format!("{word} an angle of {letter}, setting in softly");
-        let draft = Draft::new(kin.clone(), 3, vec![soft], words);
+        let draft = Draft::new(idea.clone(), 3, vec![soft], words);
         drafts.push(
-            draft.with("soft", (0.02, 1.0), &[0.1, 0.4]).with("knee", (low, high), &inside).only_for_kin(),
+            draft.with("soft", (0.02, 1.0), &[0.1, 0.4]).with("knee", (low, high), &inside).only_refined(),
         );
     }
     for (factor, word) in [("{l} - knee", "above"), ("knee - {l}", "below"), ("abs({l}) - knee", "beyond")] {
         let factor = factor.replace("{l}", letter.as_str());
         let words = format!("{word} an angle of {letter}, with a power of the way");
         drafts.push(
-            Draft::new(kin.clone(), 3, vec![format!("max(0, {factor})^power")], words)
+            Draft::new(idea.clone(), 3, vec![format!("max(0, {factor})^power")], words)
                 .with("knee", (low, high), &inside)
                 .with("power", (0.4, 4.0), &[0.6, 3.0])
-                .only_for_kin(),
+                .only_refined(),
         );
     }
 }

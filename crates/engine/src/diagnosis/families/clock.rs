@@ -56,7 +56,7 @@ pub(super) fn switching(duration_s: f64, scene: &Scene, drafts: &mut Vec<Draft>)
             .with("rate", limits, &coarse)
             .with("phase", (0.0, TAU), &phases)
             .with("duty", (-0.95, 0.95), &[-0.5, 0.0, 0.5])
-            .only_for_kin(),
+            .only_refined(),
     );
 }
 

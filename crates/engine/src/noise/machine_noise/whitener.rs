@@ -17,7 +17,7 @@ struct Step {
     rows: Range<usize>,
     /// Factor on the drift state from the last visit to this one.
     keep_drift: f64,
-    /// 0 when the slow axis was positioned anew, else 1.
+    /// 0 when the slow axis was positioned again, else 1.
     keep_slow: f64,
     observe: Matrix3x4<f64>,
     gain: Matrix4x3<f64>,

@@ -24,7 +24,7 @@ impl Location {
     }
 }
 
-/// Location errors by S4 eq. 1–7, in the signs of METHODS §1.
+/// Location errors by S4 eq. 1–7, in the signs of docs/design/physics.md §1.
 pub(super) fn locations(shapes: &[Shape], axes: &[AxisShapes]) -> Vec<Location> {
     let mut found = Vec::new();
     for of_axis in axes {

@@ -1,23 +1,21 @@
 //! Calibration of the nest by known linear steps, where the runs hold them [S1 §3.2].
 //!
 //! With both rotary axes at rest the linear axes move the ball by commanded steps t; component k of the reading shows
-//! `m_k = a_k·t + m_0`: a_k is its direction vector times its gain. All three by least squares; the readings of the setup
-//! become `A⁻¹ m`. The spindle's angle is on no recording, so the ball's offset from the spindle line is taken as removed before.
+//! `m_k = a_k·t + m_0`: a_k is its direction vector times its gain. They are fitted as those of probes
+//! ([`trunnion_sync::nest::calibrate`]); the readings of the setup become `A⁻¹ m`. The spindle's angle is on no recording, so the ball's offset from the spindle line is taken as removed before.
 //! Limits: linear axes free of error over the steps; steps that span three directions.
 
 use crate::findings::{Cell, Column, FoundTable};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use trunnion_core::{AxisLetter, InstrumentKind, Point, Quality};
+use nalgebra::Vector3;
+use trunnion_core::{InstrumentKind, Point, Quality, Slot};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
-use trunnion_engine::solve::linear::least_squares;
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
+use trunnion_sync::nest::{NestFit, NestStep, calibrate};
 
 /// A ball commanded so far from the nest is a calibration step, mm; further out no probe reaches.
 const STEP_MM: std::ops::RangeInclusive<f64> = 0.02..=5.0;
-/// Fewest readings of a calibration.
-const LEAST_READINGS: usize = 4;
 
 /// What calibrating found.
 pub(super) struct Calibration {
@@ -35,14 +33,17 @@ pub(super) fn apply(runs: &[Run]) -> (Calibration, Vec<Run>) {
         put_right.points.retain(|point| !is_step(run, point));
         for (s, setup) in run.setups.iter().enumerate() {
             let Some(steps) = steps(run, s) else { continue };
-            let Some(reading_from_step) = reading_from_step(&steps) else {
-                unusable.push(format!("{} of run {}", setup.name, run.name));
-                continue;
+            let fit = match calibrate(&steps) {
+                Ok(fit) => fit,
+                Err(error) => {
+                    unusable.push(format!("{} of run {} ({error})", setup.name, run.name));
+                    continue;
+                }
             };
-            rows.extend(rows_of(&format!("{} of {}", setup.name, run.name), &reading_from_step));
-            let Some(step_from_reading) = reading_from_step.try_inverse() else { continue };
+            rows.extend(rows_of(&format!("{} of {}", setup.name, run.name), &fit));
+            let nest_from_probes = fit.calibration.nest_from_probes;
             for point in put_right.points.iter_mut().filter(|point| point.state.setup == s) {
-                point.reading_mm = (step_from_reading * Vector3::from(point.reading_mm)).into();
+                point.reading_mm = (nest_from_probes * Vector3::from(point.reading_mm)).into();
             }
         }
         calibrated.push(put_right);
@@ -54,7 +55,7 @@ pub(super) fn apply(runs: &[Run]) -> (Calibration, Vec<Run>) {
     };
     if !unusable.is_empty() {
         note += &format!(
-            " The steps of {} do not span three directions and were set aside: move the ball in X, Y and Z.",
+            " The steps of {} give no calibration and are excluded: move the ball in X, Y and Z.",
             unusable.join(", ")
         );
     }
@@ -79,39 +80,21 @@ pub(super) fn commanded_mm(run: &Run, point: &Point) -> Vector3<f64> {
 }
 
 /// Commanded and read places at the pose of the first step of a setup; `None` without steps.
-fn steps(run: &Run, setup: usize) -> Option<Vec<(Vector3<f64>, Vector3<f64>)>> {
+fn steps(run: &Run, setup: usize) -> Option<Vec<NestStep>> {
     let of_setup = |p: &&Point| p.state.setup == setup && p.quality == Quality::Good;
     let first = run.points.iter().filter(of_setup).find(|point| is_step(run, point))?;
     let same_pose = |p: &&Point| {
-        let turned = |letter| (p.state.position[letter] - first.state.position[letter]).abs();
-        AxisLetter::ROTARY.into_iter().all(|letter| turned(letter) < 1e-6)
+        let turned = |letter: Slot| (p.state.position[letter] - first.state.position[letter]).abs();
+        Slot::ALL.into_iter().filter(|slot| slot.is_rotary()).all(|slot| turned(slot) < 1e-6)
     };
     let here = run.points.iter().filter(of_setup).filter(same_pose);
-    Some(here.map(|p| (commanded_mm(run, p), Vector3::from(p.reading_mm))).collect())
+    let step = |p: &Point| NestStep { ball_in_nest_mm: commanded_mm(run, p), probes_mm: p.reading_mm };
+    Some(here.map(step).collect())
 }
 
-/// A of `m = A t + m_0`; `None` when the steps do not span three directions.
-fn reading_from_step(steps: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Matrix3<f64>> {
-    if steps.len() < LEAST_READINGS {
-        return None;
-    }
-    let design = DMatrix::from_fn(steps.len(), 4, |i, k| if k < 3 { steps[i].0[k] } else { 1.0 });
-    let mut matrix = Matrix3::zeros();
-    for k in 0..3 {
-        let read = DVector::from_fn(steps.len(), |i, _| steps[i].1[k]);
-        let fit = least_squares(&design, &read, 1e-6);
-        if fit.rank < 4 {
-            return None;
-        }
-        matrix.set_row(k, &fit.x.fixed_rows::<3>(0).transpose());
-    }
-    Some(matrix)
-}
-
-fn rows_of(setup: &str, reading_from_step: &Matrix3<f64>) -> Vec<Vec<Cell>> {
+fn rows_of(setup: &str, fit: &NestFit) -> Vec<Vec<Cell>> {
     let row = |k: usize| {
-        let vector = reading_from_step.row(k).transpose();
-        let (gain, direction) = (vector.norm(), vector.normalize());
+        let (gain, direction) = (fit.gains[k], fit.directions[k]);
         let mut row =
             vec![Cell::Text(setup.into()), Cell::Text(["x", "y", "z"][k].into()), Cell::Number(gain)];
         row.extend(direction.iter().copied().map(Cell::Number));

@@ -1,0 +1,104 @@
+//! The one way text reaches the screen: wrapped to the terminal, and no panic when the reader has gone (`| head`).
+
+use anyhow::Context;
+use std::io::{ErrorKind, IsTerminal, Write};
+use textwrap::{Options, WrapAlgorithm};
+
+/// Columns where nobody says how many there are (a pipe, a file).
+const USUAL_COLUMNS: usize = 80;
+/// Fewer columns than this are taken for a slip of the terminal.
+const FEWEST_COLUMNS: usize = 40;
+
+/// Columns of the screen: the terminal's, else those of `COLUMNS`, else 80.
+fn columns(is_terminal: bool) -> usize {
+    let of_terminal = || terminal_size::terminal_size().map(|(width, _)| usize::from(width.0));
+    let of_environment = || std::env::var("COLUMNS").ok()?.parse().ok();
+    let width = if is_terminal { of_terminal().or_else(of_environment) } else { of_environment() };
+    width.unwrap_or(USUAL_COLUMNS).max(FEWEST_COLUMNS)
+}
+
+/// Prints a result. A reader that closed the pipe is no failure.
+pub fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    let text = wrap(text, columns(out.is_terminal()));
+    gone_is_fine(out.write_all(text.as_bytes()).and_then(|()| out.flush())).context("writing the result")
+}
+
+/// Prints JSON, indented, with a final newline; never wrapped.
+pub fn print_json(value: &serde_json::Value) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    gone_is_fine(writeln!(out, "{value:#}").and_then(|()| out.flush())).context("writing the result")
+}
+
+/// Prints a remark or an error, `trunnion: …`, on standard error. Nobody is left to read it when that fails.
+pub fn remark(text: &str) {
+    let mut out = std::io::stderr().lock();
+    let text = wrap(&format!("trunnion: {text}\n"), columns(out.is_terminal()));
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).ok();
+}
+
+fn gone_is_fine(written: std::io::Result<()>) -> std::io::Result<()> {
+    match written {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+/// Lines of at most `width` columns, broken between words. What continues a line of a table hangs under its last
+/// column, what continues a sentence under its beginning.
+fn wrap(text: &str, width: usize) -> String {
+    let mut out = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        let (line, end) = line.strip_suffix('\n').map_or((line, ""), |line| (line, "\n"));
+        if textwrap::core::display_width(line) <= width {
+            out += line;
+        } else {
+            let begins = line.len() - line.trim_start().len();
+            let hanging = " ".repeat(last_column(line, width).unwrap_or(begins));
+            let options = Options::new(width)
+                .initial_indent(&line[..begins])
+                .subsequent_indent(&hanging)
+                .wrap_algorithm(WrapAlgorithm::FirstFit)
+                .break_words(false);
+            out += &textwrap::wrap(&line[begins..], options).join("\n");
+        }
+        out += end;
+    }
+    out
+}
+
+/// Where the last column of a table begins, if this is a line of one and leaves half of the width to it.
+fn last_column(line: &str, width: usize) -> Option<usize> {
+    let gap = line.trim_end().rfind("  ")? + 2;
+    let at = textwrap::core::display_width(&line[..gap]);
+    (!line[..gap].trim().is_empty() && at <= width / 2).then_some(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn sentences_and_tables_continue_where_they_belong() {
+        let sentence = "  The error is largest where axis B stands beyond sixty degrees.\n";
+        assert_eq!(
+            wrap(sentence, 40),
+            "  The error is largest where axis B\n  stands beyond sixty degrees.\n"
+        );
+        let row = "EX0C   4.1 um   contains EX0A and nothing else\n";
+        assert_eq!(wrap(row, 40), "EX0C   4.1 um   contains EX0A and\n                nothing else\n");
+    }
+
+    proptest! {
+        #[test]
+        fn no_line_is_too_long_and_no_word_is_lost(
+            words in proptest::collection::vec("[a-zµ°]{1,12}", 1..60), indent in 0_usize..6,
+        ) {
+            let text = format!("{}{}\n", " ".repeat(indent), words.join(" "));
+            let wrapped = wrap(&text, 40);
+            prop_assert!(wrapped.lines().all(|line| textwrap::core::display_width(line) <= 40));
+            prop_assert_eq!(wrapped.split_whitespace().collect::<Vec<_>>(), words);
+        }
+    }
+}

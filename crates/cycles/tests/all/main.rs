@@ -1,0 +1,9 @@
+//! The integration tests of this crate, one file per subject.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+#[path = "nc/interpreter.rs"]
+mod interpreter;
+mod nc_programs;
+#[path = "nc/visited.rs"]
+mod visited;

@@ -1,0 +1,276 @@
+//! NC programs read back by small interpreters that know nothing of the writers.
+
+use crate::interpreter::interpret;
+use crate::visited::visited;
+use proptest::prelude::*;
+use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Setup, convert};
+use trunnion_cycles::CourseRules;
+use trunnion_cycles::Cycle;
+use trunnion_cycles::nc::{Block, DIALECTS, Program};
+use trunnion_machine::{JointErrors, Machine, shipped};
+
+const STATIC: &str = r#"
+format = "trunnion-cycle/1"
+name = "small-static"
+machine = "table-bc"
+kind = "static"
+passes = ["+", "-"]
+[[setup]]
+name = "low"
+instrument = "r-test"
+ball_in_table_mm = [150.0, 0.0, 60.0]
+[[grid]]
+axis = "B"
+stations_deg = [0, 5]
+[[grid]]
+axis = "C"
+stations_deg = [0, 5]
+[settle]
+window_s = 0.5
+drift_um = 0.5
+noise_um = 2.0
+standstill_um = 2.0
+standstill_deg = 0.001
+timeout_s = 10.0
+"#;
+
+const SWEEP: &str = r#"
+format = "trunnion-cycle/1"
+name = "small-sweep"
+machine = "table-bc"
+kind = "on-the-fly"
+[[setup]]
+name = "low"
+instrument = "ball-bar"
+bar_length_mm = 100
+ball_in_table_mm = [0.0, 0.0, 60.0]
+[sweep]
+axis = "C"
+from_deg = 0
+to_deg = 360
+feeds_deg_per_min = [1800]
+[bar]
+direction = [0, 1, 0]
+"#;
+
+fn machine(cycle: &Cycle) -> Machine {
+    shipped::machine(&cycle.machine).unwrap()
+}
+
+/// Coarse pieces keep the snapshots short.
+fn coarse() -> CourseRules {
+    CourseRules { transfer_chord_mm: 1.0, chord_mm: 0.5, ..CourseRules::default() }
+}
+
+#[test]
+fn the_registry_holds_every_dialect_file_and_nothing_else() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/nc");
+    let machinery = ["compose", "program", "words"];
+    let mut files: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
+        .filter(|stem| !machinery.contains(&stem.as_str()))
+        .collect();
+    files.sort();
+    assert_eq!(files, DIALECTS.map(|dialect| dialect.name));
+    for dialect in DIALECTS {
+        for (what, text) in [("controllers", dialect.controllers), ("source", dialect.source)] {
+            assert!(text.len() > 5, "{} says nothing of its {what}", dialect.name);
+        }
+        assert!((2..=9).contains(&dialect.decimals), "{}", dialect.name);
+    }
+}
+
+#[test]
+fn every_dialect_writes_the_small_cycles_as_before() {
+    for (name, text) in [("static", STATIC), ("sweep", SWEEP)] {
+        let cycle = Cycle::parse("small.toml", text).unwrap();
+        let program = Program::of_cycle(&cycle, &machine(&cycle), &coarse()).unwrap();
+        for dialect in DIALECTS {
+            let written = (dialect.write)(&program, dialect.decimals);
+            let path = format!(
+                "{}/tests/all/nc/{name}.{}.{}",
+                env!("CARGO_MANIFEST_DIR"),
+                dialect.name,
+                dialect.ending
+            );
+            if std::env::var_os("TRUNNION_WRITE_SNAPSHOTS").is_some() {
+                std::fs::write(&path, &written).unwrap();
+            }
+            let expected = std::fs::read_to_string(&path).unwrap_or_default();
+            assert_eq!(
+                written, expected,
+                "{path} differs; look at it, then run with TRUNNION_WRITE_SNAPSHOTS=1"
+            );
+            assert!(written.is_ascii() && written.lines().all(|line| line.len() < 128), "{path}");
+        }
+    }
+}
+
+#[test]
+fn the_shipped_cycles_visit_their_poses_in_every_dialect() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/cycles");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let cycle = Cycle::parse("c.toml", &std::fs::read_to_string(&path).unwrap()).unwrap();
+        // Controllers of machines with legs take no strokes; the command refuses.
+        let legs = machine(&cycle).tripod.is_some();
+        // What touches belongs to the probing cycles of the controller (tested below).
+        if !legs && !cycle.touches() {
+            check(&cycle, &CourseRules::default());
+            count += 1;
+        }
+    }
+    assert!(count >= 7);
+}
+
+#[test]
+fn circles_cones_diagonals_and_grids_of_linear_axes_are_visited_too() {
+    let circle = SWEEP
+        .replace("[sweep]\naxis = \"C\"", "[circle]\nplane = \"ZX\"")
+        .replace("feeds_deg_per_min = [1800]", "feeds_mm_per_min = [1000, 3000]")
+        .replace("[0.0, 0.0, 60.0]", "[40.0, -30.0, 160.0]")
+        .replace("from_deg = 0", "from_deg = -45")
+        .replace("to_deg = 360", "to_deg = 135")
+        .replace("\n[bar]\ndirection = [0, 1, 0]", "");
+    let cone = SWEEP
+        .replace("[sweep]\naxis = \"C\"", "[cone]\nhalf_angle_deg = 15\ntilt_deg = 30")
+        .replace("feeds_deg_per_min = [1800]", "feeds_mm_per_min = [1000]")
+        .replace("\n[bar]\ndirection = [0, 1, 0]", "");
+    let grids = &STATIC[STATIC.find("[[grid]]").unwrap()..STATIC.find("[settle]").unwrap()];
+    let setup = "instrument = \"r-test\"\nball_in_table_mm = [150.0, 0.0, 60.0]";
+    let line = "[line]\nlength_mm = 600\nsteps = 5\nin_turn = true\n";
+    let diagonal = STATIC.replace(grids, line).replace(
+        setup,
+        "instrument = \"step-diagonal\"\ndirection = [1, 1, 1]\nball_in_table_mm = [-200, -200, -200]",
+    );
+    let axis = |letter: &str| format!("[[grid]]\naxis = \"{letter}\"\nstations_mm = [-100, 0, 150]\n");
+    let volume = STATIC
+        .replace(grids, &["X", "Y", "Z"].map(axis).concat())
+        .replace(setup, "instrument = \"tracker\"\nball_in_table_mm = [300.0, 300.0, 0.0]");
+    for (name, text) in [("circle", circle), ("cone", cone), ("diagonal", diagonal), ("volume", volume)] {
+        let cycle = Cycle::parse(name, &text).unwrap_or_else(|problems| panic!("{name}: {problems}\n{text}"));
+        check(&cycle, &CourseRules::default());
+    }
+}
+
+#[test]
+fn what_touches_is_left_to_the_probing_cycles_of_the_controller() {
+    let text = STATIC.replace("r-test", "touch-probe");
+    let cycle = Cycle::parse("c.toml", &text).unwrap();
+    let error = Program::of_cycle(&cycle, &machine(&cycle), &CourseRules::default()).unwrap_err().to_string();
+    assert!(error.contains("use the probing cycles of the controller"), "{error}");
+}
+
+#[test]
+fn a_retracted_spindle_beyond_the_travel_is_refused_with_the_axis() {
+    let cycle = Cycle::parse("c.toml", STATIC).unwrap();
+    let rules = CourseRules { clearance_mm: 500.0, ..CourseRules::default() };
+    let error = Program::of_cycle(&cycle, &machine(&cycle), &rules).unwrap_err().to_string();
+    assert!(error.contains("needs Z at 560, its travel is -400..=400"), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_cycle_is_visited_as_expanded(
+        ball in [-180.0..180.0f64, -180.0..180.0, 20.0..150.0],
+        b in prop::collection::vec(-80.0..80.0f64, 1..4),
+        c in prop::collection::vec(-300.0..300.0f64, 1..5),
+        both in any::<bool>(),
+        interleave in any::<bool>(),
+    ) {
+        let second = "[[setup]]\nname = \"high\"\ninstrument = \"r-test\"\nball_in_table_mm = [40, 20, 180]\n[[grid]]\naxis = \"B\"";
+        let text = STATIC
+            .replace("[150.0, 0.0, 60.0]", &format!("{ball:?}"))
+            .replacen("stations_deg = [0, 5]", &format!("stations_deg = {:?}", rising(b)), 1)
+            .replacen("stations_deg = [0, 5]", &format!("stations_deg = {:?}", rising(c)), 1)
+            .replacen("[[grid]]\naxis = \"B\"", second, 1)
+            .replace("[\"+\", \"-\"]", if both { "[\"+\", \"-\"]" } else { "[\"-\"]" })
+            .replace("[settle]", &format!("[rounds]\ncount = 2\nwait_s = 30\ninterleave = {interleave}\n[settle]"));
+        check(&Cycle::parse("c.toml", &text).unwrap(), &CourseRules::default());
+    }
+
+    #[test]
+    fn any_sweep_runs_at_its_feed_along_its_path(
+        ball in [-150.0..150.0f64, -150.0..150.0, 20.0..150.0],
+        axis in prop::sample::select(vec!["B", "C"]),
+        span in 30.0..150.0f64,
+        feed in 300.0..4000.0f64,
+    ) {
+        let text = SWEEP
+            .replace("[0.0, 0.0, 60.0]", &format!("{ball:?}"))
+            .replace("axis = \"C\"", &format!("axis = \"{axis}\""))
+            .replace("from_deg = 0", &format!("from_deg = {}", -span / 2.0))
+            .replace("to_deg = 360", &format!("to_deg = {}", span / 2.0))
+            .replace("[1800]", &format!("[{feed}, 500]"));
+        check(&Cycle::parse("c.toml", &text).unwrap(), &CourseRules::default());
+    }
+}
+
+fn rising(mut angles: Vec<f64>) -> Vec<f64> {
+    angles.sort_by(f64::total_cmp);
+    angles.dedup_by(|a, b| (*a - *b).abs() < 1.0);
+    angles
+}
+
+/// The program stays together with its instrument and visits what the cycle expands to, in every dialect.
+fn check(cycle: &Cycle, rules: &CourseRules) {
+    let machine = machine(cycle);
+    let program = Program::of_cycle(cycle, &machine, rules).unwrap();
+    stays_together(&program, cycle, &machine, rules);
+    for dialect in DIALECTS {
+        for decimals in [dialect.decimals, 6] {
+            let events = interpret(dialect.name, &(dialect.write)(&program, decimals));
+            let told =
+                |i: usize| format!("{} as {} with {decimals} decimals, point {i}", cycle.name, dialect.name);
+            visited(&events, cycle, &machine, rules, decimals, &told);
+        }
+    }
+}
+
+/// Between joining and parting, ball and nest (or a bar's balls and its length) never part by more than the pieces and the
+/// gesture allow. Where the cycle names the linear axes nothing is joined.
+fn stays_together(program: &Program, cycle: &Cycle, machine: &Machine, rules: &CourseRules) {
+    let mut from: Option<AxisValues<f64>> = None;
+    let allowed_mm = rules.transfer_chord_mm + rules.stroke_mm + 1e-9;
+    for block in &program.blocks {
+        match block {
+            Block::Timed { to, seconds } => {
+                assert!(*seconds > 0.0);
+                let to = inside(to);
+                if let Some(from) = from {
+                    let middle = AxisValues::from_fn(|letter| 0.5 * (from[letter] + to[letter]));
+                    let off_mm = |setup: &Setup| parted_mm(machine, setup, &middle);
+                    let least = cycle.setups.iter().map(off_mm).fold(f64::INFINITY, f64::min);
+                    assert!(least <= allowed_mm, "{} parts by {least} mm at {middle:?}", cycle.name);
+                }
+                from = Some(to);
+            }
+            Block::Feed { .. } => from = None,
+            Block::Remark(_) | Block::Stop(_) | Block::Dwell { .. } => {}
+        }
+    }
+}
+
+/// How far what is joined has parted, mm.
+fn parted_mm(machine: &Machine, setup: &Setup, at: &AxisValues<f64>) -> f64 {
+    let none = JointErrors::default();
+    let ball = machine.machine_from_table(at, &none) * setup.ball_in_table_mm;
+    let apart_mm = (machine.machine_from_tool(at, &none) * setup.ball_in_tool_mm - ball).norm();
+    match setup.instrument {
+        InstrumentKind::RTest => apart_mm,
+        InstrumentKind::BallBar => (apart_mm - setup.bar_length_mm.unwrap()).abs(),
+        _ => 0.0,
+    }
+}
+
+fn inside(target: &[(AxisLetter, f64)]) -> AxisValues<f64> {
+    let mut position = AxisValues::default();
+    for &(letter, value) in target {
+        position[letter] = if letter.is_rotary() { convert::rad_from_deg(value) } else { value };
+    }
+    position
+}

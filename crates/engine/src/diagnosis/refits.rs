@@ -1,0 +1,80 @@
+//! What additions do to the error: the fits of the model with each of them, as adding it makes them.
+
+use crate::diagnosis::verdict::CandidateParameter;
+use crate::evidence::parallel;
+use crate::fit::identification::Identification;
+use crate::problem::Problem;
+use trunnion_core::convert::um_from_mm;
+use trunnion_effects::{ModelEffect, Unit};
+
+/// A fit of the model with something added.
+pub struct Refit {
+    added: Vec<ModelEffect>,
+    fit: Identification,
+}
+
+/// Fits the model with each of the additions, in their order; `None` where the fit fails, so that it cannot be added either.
+pub fn refits(problem: &Problem<'_>, additions: Vec<Vec<ModelEffect>>) -> Vec<Option<Refit>> {
+    let fits = parallel(additions.len(), |i| problem.with(&additions[i]).ok().map(|with| with.fit().clone()));
+    additions.into_iter().zip(fits).map(|(added, fit)| Some(Refit { added, fit: fit? })).collect()
+}
+
+/// Shares of the mean square that the additions explain together.
+pub struct Explained {
+    /// Root mean square of what the model leaves.
+    pub before_mm: f64,
+    /// The same with everything that was found.
+    pub least_mm: f64,
+}
+
+impl Explained {
+    /// Share of what is explained together that is explained where `after_mm` is left, 0…1.
+    pub fn by(&self, after_mm: f64) -> f64 {
+        let explainable = self.before_mm.powi(2) - self.least_mm.powi(2);
+        if explainable <= 0.0 {
+            return 0.0;
+        }
+        ((self.before_mm.powi(2) - after_mm.powi(2)) / explainable).clamp(0.0, 1.0)
+    }
+
+    /// Share of the mean square that all together explain, 0…1.
+    pub fn together(&self) -> f64 {
+        1.0 - (self.least_mm / self.before_mm.max(f64::MIN_POSITIVE)).powi(2)
+    }
+}
+
+impl Refit {
+    pub fn rms_mm(&self) -> f64 {
+        self.fit.rms_mm
+    }
+
+    pub fn rms_um(&self) -> f64 {
+        um_from_mm(self.fit.rms_mm)
+    }
+
+    pub fn holdout_rms_um(&self) -> Option<f64> {
+        self.fit.holdout_rms_mm().map(um_from_mm)
+    }
+
+    /// Parameters of what was added, shape numbers last.
+    pub fn parameters(&self) -> Vec<CandidateParameter> {
+        let is_new = |id: &str| self.added.iter().any(|entry| entry.id == id);
+        let fitted = self.fit.parameters.iter().filter(|p| is_new(&p.effect)).map(|p| CandidateParameter {
+            name: p.name.clone(),
+            value: p.screen_value(),
+            u: p.screen_u(),
+            unit: p.unit.symbol.into(),
+        });
+        let effects = self.fit.effects.iter().filter(|effect| is_new(&effect.id));
+        let shapes =
+            effects.flat_map(|effect| effect.shape_names.iter().zip(&effect.shape)).map(|(name, value)| {
+                CandidateParameter {
+                    name: name.clone(),
+                    value: Some(*value),
+                    u: None,
+                    unit: Unit::ONE.symbol.into(),
+                }
+            });
+        fitted.chain(shapes).collect()
+    }
+}

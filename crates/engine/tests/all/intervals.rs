@@ -1,0 +1,143 @@
+//! 95 % intervals hold the truth in about 95 % of runs, whether the noise is white or drifts.
+//!
+//! A perfect machine is measured many times; the readings are noise alone, drawn here from its definition: white, plus an
+//! Ornstein–Uhlenbeck drift `x ← a x + √(1 − a²) σ ξ`, `a = exp(−Δt/τ)`, along the machine axes in which a nest in the spindle reads.
+//! Every true location error is zero.
+
+use crate::common;
+use nalgebra::Point3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use trunnion_core::axis::iso::{B, C};
+use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Setup, State};
+use trunnion_cycles::Run;
+use trunnion_effects::Model;
+use trunnion_engine::fit::Options;
+use trunnion_engine::{Experiment, HoldoutWanted, Uncertainties, identify};
+use trunnion_machine::shipped;
+
+const DRAWS: usize = 200;
+const WHITE_MM: f64 = 0.3e-3;
+const STEP_S: f64 = 5.0;
+/// Half-width of a 95 % interval of the normal distribution.
+const WIDE: f64 = 1.96;
+/// Draws are independent: the share of 200 that hold has a standard deviation of √(0.95 · 0.05/200) = 0.0154.
+const SPREAD: f64 = 0.0154;
+
+#[derive(Clone, Copy)]
+struct Drift {
+    sigma_mm: f64,
+    tau_s: f64,
+}
+
+const NONE: Drift = Drift { sigma_mm: 0.0, tau_s: 1.0 };
+const SLOW: Drift = Drift { sigma_mm: 0.25e-3, tau_s: 150.0 };
+
+/// Two heights, B −60…60° and C 0…300°, there and back: 120 points in ten minutes.
+fn cycle() -> Run {
+    let machine = shipped::machine("table-bc").expect("shipped");
+    let setup = |name: &str, z: f64| {
+        Setup::new(name, InstrumentKind::RTest, NestSide::Spindle, Point3::new(150.0, 0.0, z))
+    };
+    let setups = vec![setup("low", 60.0), setup("high", 160.0)];
+    let there: Vec<(i32, i32)> = (-2..=2).flat_map(|b| (0..6).map(move |c| (b, c))).collect();
+    let back = there.iter().rev().map(|&pose| (pose, -1.0));
+    let both: Vec<_> = there.iter().map(|&pose| (pose, 1.0)).chain(back).collect();
+    let mut points: Vec<Point> = Vec::new();
+    for (i, placed) in setups.iter().enumerate() {
+        for &((b, c), direction) in &both {
+            let mut rotary = AxisValues::default();
+            rotary[B] = f64::from(30 * b).to_radians();
+            rotary[C] = f64::from(60 * c).to_radians();
+            let position = machine.follow(&rotary, &placed.ball_in_table_mm).expect("within travel");
+            let time_s = Some(STEP_S * points.len() as f64);
+            let mut state = State { position, time_s, setup: i, ..State::default() };
+            (state.direction[B], state.direction[C]) = (direction, direction);
+            points.push(common::point(state, [0.0; 3]));
+        }
+    }
+    common::run("noise", machine, setups, points)
+}
+
+fn draw(cycle: &Run, drift: Drift, seed: u64) -> Run {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    let mut run = cycle.clone();
+    let kept = (-STEP_S / drift.tau_s).exp();
+    let mut drifted_mm = [0.0; 3].map(|_: f64| drift.sigma_mm * normal());
+    for point in &mut run.points {
+        for (reading_mm, drifted_mm) in point.reading_mm.iter_mut().zip(&mut drifted_mm) {
+            *reading_mm = *drifted_mm + WHITE_MM * normal();
+            *drifted_mm = kept * *drifted_mm + (1.0 - kept * kept).sqrt() * drift.sigma_mm * normal();
+        }
+    }
+    run
+}
+
+/// Share of the draws in which the interval of each location error holds zero, and rms of error over u.
+fn cover(drift: Drift, uncertainties: Uncertainties) -> Vec<(String, f64, f64)> {
+    let cycle = cycle();
+    let options = Options { holdout: HoldoutWanted::No, uncertainties, ..Options::default() };
+    let mut pulls: Vec<(String, Vec<f64>)> = Vec::new();
+    for seed in 0..DRAWS as u64 {
+        let experiment = Experiment::new(&[draw(&cycle, drift, seed)]).expect("points");
+        let fit = identify(&experiment, &Model::base("table-bc"), &options).expect("a fit");
+        let numbers = fit.parameters.iter().filter(|p| p.effect == "location-errors");
+        for parameter in numbers {
+            let (Some(value), Some(u)) = (parameter.value, parameter.u) else { continue };
+            match pulls.iter_mut().find(|(name, _)| *name == parameter.name) {
+                Some((_, pulls)) => pulls.push(value / u),
+                None => pulls.push((parameter.name.clone(), vec![value / u])),
+            }
+        }
+    }
+    let share = |pulls: &[f64]| pulls.iter().filter(|pull| pull.abs() <= WIDE).count() as f64 / DRAWS as f64;
+    let rms = |pulls: &[f64]| (pulls.iter().map(|pull| pull * pull).sum::<f64>() / pulls.len() as f64).sqrt();
+    pulls.into_iter().map(|(name, pulls)| (name, share(&pulls), rms(&pulls))).collect()
+}
+
+fn mean(covered: &[(String, f64, f64)]) -> f64 {
+    covered.iter().map(|(_, share, _)| share).sum::<f64>() / covered.len() as f64
+}
+
+fn check(drift: Drift) {
+    let covered = cover(drift, Uncertainties::NoiseParts);
+    println!("{covered:?} mean {:.3}", mean(&covered));
+    assert_eq!(covered.len(), 8, "the minimum set of location errors has numbers in every draw");
+    for (name, share, rms_pull) in &covered {
+        assert!(*share > 0.95 - 4.0 * SPREAD, "{name}: {share}");
+        assert!((0.75..1.25).contains(rms_pull), "{name}: errors are {rms_pull} of what u says");
+    }
+    assert!((mean(&covered) - 0.95).abs() < 2.0 * SPREAD, "{}", mean(&covered));
+}
+
+#[test]
+fn intervals_hold_the_truth_when_the_noise_is_white() {
+    check(NONE);
+}
+
+#[test]
+fn intervals_hold_the_truth_when_the_machine_drifts() {
+    check(SLOW);
+    let covered = cover(SLOW, Uncertainties::Clusters);
+    println!("clusters: {covered:?} mean {:.3}", mean(&covered));
+    assert!(mean(&covered) < 0.95 - 6.0 * SPREAD, "clusters do not see drift that outlasts them");
+}
+
+#[test]
+fn the_parts_of_the_noise_come_out_as_drawn() {
+    let (mut white, mut drift) = (0.0, 0.0);
+    for seed in 0..20 {
+        let experiment = Experiment::new(&[draw(&cycle(), SLOW, seed)]).unwrap();
+        let fit = identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap();
+        let variance = |name: &str| -> f64 {
+            fit.noise_parts.iter().filter(|part| part.name == name).map(|part| part.sigma_mm.powi(2)).sum()
+        };
+        white += variance("white") / 20.0;
+        drift += (variance("drift") + variance("offsets of passes")) / 20.0;
+    }
+    println!("white {:e} drift {:e}", white.sqrt(), drift.sqrt());
+    assert!((white.sqrt() / WHITE_MM - 1.0).abs() < 0.05, "white {} mm", white.sqrt());
+    assert!((drift.sqrt() / SLOW.sigma_mm - 1.0).abs() < 0.3, "drift and offsets {} mm", drift.sqrt());
+}

@@ -1,0 +1,13 @@
+//! The integration tests of this crate, one file per subject.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod common;
+mod excluded_points;
+mod held_out;
+mod intervals;
+mod nothing_hidden;
+mod null;
+mod outside_data;
+mod robot;
+mod single_error_tables;

@@ -1,0 +1,82 @@
+//! Acceptance on points that another simulator made (tests/data/PROVENANCE.md).
+
+use crate::common::points_run;
+use trunnion_effects::{Model, ModelEffect};
+use trunnion_engine::diagnosis::Options;
+use trunnion_engine::{Diagnosis, Experiment, Verdict, diagnose};
+
+fn diagnosed(set: &str, added: &[&str]) -> Diagnosis {
+    let run = points_run(set);
+    let mut model = Model::base(&run.machine.name);
+    for id in added {
+        model.effects.push(ModelEffect { id: (*id).into(), ..ModelEffect::default() });
+    }
+    let experiment = Experiment::new(&[run]).unwrap();
+    let begin = std::time::Instant::now();
+    let diagnosis = diagnose(&experiment, &model, &Options::default()).unwrap();
+    let seconds = begin.elapsed().as_secs_f64();
+    println!(
+        "{set} + {added:?}: {:?}, {seconds:.2} s, rms {:.3}, noise {:?}",
+        diagnosis.verdict, diagnosis.residual.rms_um, diagnosis.residual.noise_um
+    );
+    for c in &diagnosis.candidates {
+        println!(
+            "  {} 10^{:.1}, {:.3} µm, held out {:?}, explains {:.2}, adequate {}, confused {:?}",
+            c.effect,
+            c.evidence,
+            c.rms_um_after,
+            c.holdout_rms_um_after,
+            c.explains_fraction,
+            c.adequate,
+            c.confused_with
+        );
+    }
+    println!("  {:?}", diagnosis.formula);
+    diagnosis
+}
+
+#[test]
+fn where_nothing_is_hidden_nothing_is_claimed() {
+    let diagnosis = diagnosed("points-nothing-hidden", &[]);
+    assert_eq!(diagnosis.verdict, Verdict::NoiseFloor);
+    assert!(diagnosis.candidates.is_empty());
+    assert!(diagnosis.formula.is_none());
+}
+
+/// Effects that together explain what is left.
+fn set(diagnosis: &Diagnosis) -> Vec<&str> {
+    let mut ids: Vec<&str> = diagnosis.set.iter().map(|entry| entry.id.as_str()).collect();
+    ids.sort_unstable();
+    ids
+}
+
+#[test]
+fn the_pull_of_hoses_is_said_to_be_in_no_catalogue_and_gets_an_expression() {
+    let diagnosis = diagnosed("points-unnamed", &[]);
+    assert_eq!(diagnosis.verdict, Verdict::UnnamedStructure);
+    assert!(diagnosis.candidates.iter().all(|candidate| !candidate.adequate));
+    let formula = diagnosis.formula.unwrap();
+    assert_eq!(formula.site, "axis:B");
+    assert!(formula.explains_fraction > 0.9, "{}", formula.explains_fraction);
+}
+
+#[test]
+fn gravity_sag_is_found_first() {
+    let diagnosis = diagnosed("points-gravity", &[]);
+    assert_eq!(diagnosis.verdict, Verdict::MissingEffect);
+    assert_eq!(diagnosis.candidates[0].effect, "gravity-sag:B");
+    assert!(diagnosis.candidates[0].holdout_rms_um_after.unwrap() < diagnosis.residual.rms_um);
+    assert_eq!(set(&diagnosis), ["gravity-sag:B"]);
+    assert!(diagnosis.candidates[0].adequate);
+}
+
+#[test]
+fn backlash_and_drift_are_found_one_after_the_other() {
+    let truth = ["backlash:C", "thermal-drift"];
+    let both = diagnosed("points-backlash-and-drift", &[]);
+    assert_eq!(set(&both), truth);
+    let first = both.candidates[0].effect.clone();
+    assert!(truth.contains(&first.as_str()), "{first}");
+    let second = diagnosed("points-backlash-and-drift", &[&first]).candidates[0].effect.clone();
+    assert!(truth.contains(&second.as_str()) && second != first, "{second}");
+}

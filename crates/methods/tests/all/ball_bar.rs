@@ -1,0 +1,203 @@
+//! `ball-bar` against S4's printed figures: readings with exactly its means and circularities give its results.
+
+use std::f64::consts::TAU;
+use trunnion_core::{AxisLetter, Point, Quality};
+use trunnion_cycles::Pace;
+use trunnion_cycles::{Cycle, Run, RunKind};
+use trunnion_instruments::predict;
+use trunnion_machine::{Errors, shipped};
+use trunnion_methods::findings::Cell;
+use trunnion_methods::recipes::{Convention, MethodError, MethodOptions};
+use trunnion_methods::{Findings, recipes};
+
+const UM: f64 = 1e-3;
+
+/// A shipped cycle whose readings depart from the nominal machine by `departure_mm(setup, angle of the axis)`.
+fn run(text: &str, axis: AxisLetter, departure_mm: impl Fn(usize, f64) -> f64) -> Run {
+    let cycle = Cycle::parse("cycle.toml", text).unwrap_or_else(|problems| panic!("{problems}"));
+    let machine = shipped::machine(&cycle.machine).unwrap();
+    let states = cycle.visits(&machine, &Pace::default()).unwrap_or_else(|error| panic!("{error}")).states;
+    let point = |state: trunnion_core::State| {
+        let setup = &cycle.setups[state.setup];
+        let nominal_mm = predict(&machine, setup, &state, &Errors::default()).x;
+        let departure_mm = departure_mm(state.setup, state.position[axis]);
+        Point {
+            reading_mm: [nominal_mm + departure_mm, 0.0, 0.0],
+            state,
+            spread_mm: [0.0; 3],
+            samples: 1,
+            quality: Quality::Good,
+        }
+    };
+    let points = states.into_iter().map(point).collect();
+    let setups = cycle.setups.clone();
+    Run {
+        name: cycle.name.clone(),
+        machine: machine.clone(),
+        kind: RunKind::OnTheFly,
+        setups,
+        channels: vec![],
+        points,
+    }
+}
+
+fn cycle_text(name: &str) -> String {
+    let path = format!("{}/../../config/cycles/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// A shape of range 1 without mean and without a part that turns once, on 0..360° (C) or −90..90° (B).
+fn shape(axis: AxisLetter, angle: f64) -> f64 {
+    match axis {
+        AxisLetter::C => 0.5 * (3.0 * angle).cos(),
+        // cos 4θ less its projection on 1 and cos θ over the half turn; sin θ is orthogonal by symmetry.
+        _ => {
+            let (a, b) = projection();
+            ((4.0 * angle).cos() - a - b * angle.cos()) / 2.0
+        }
+    }
+}
+
+/// Coefficients of 1 and cos θ in the least-squares approximation of cos 4θ over −90..90°.
+fn projection() -> (f64, f64) {
+    let (pi, half) = (std::f64::consts::PI, std::f64::consts::FRAC_PI_2);
+    // ⟨1,1⟩ = π, ⟨1,cos⟩ = 2, ⟨cos,cos⟩ = π/2, ⟨cos 4θ,1⟩ = 0, ⟨cos 4θ,cos θ⟩ = sin(5π/2)/5 + sin(3π/2)/3.
+    let right = 1.0 / 5.0 - 1.0 / 3.0;
+    let determinant = pi * half - 4.0;
+    (-2.0 * right / determinant, pi * right / determinant)
+}
+
+/// Range of [`shape`] over the half turn.
+fn range_of_b() -> f64 {
+    let values = (-900..=900).map(|i| shape(AxisLetter::B, f64::from(i) * TAU / 3600.0));
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    high - low
+}
+
+fn by(runs: &[Run], convention: Convention) -> Findings {
+    let method = recipes::find("ball-bar").unwrap();
+    let options = MethodOptions { convention, ..MethodOptions::default() };
+    (method.run)(runs, &options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn value(findings: &Findings, name: &str) -> f64 {
+    findings.value(name).unwrap_or_else(|| panic!("no value {name}")).value
+}
+
+fn near(found: f64, printed: f64, within: f64, what: &str) {
+    assert!((found - printed).abs() <= within, "{what}: {found}, printed {printed}");
+}
+
+/// S4 tables 3 and 4: circularity and mean radial error, µm, in the order of the setups of the shipped cycles.
+const TABLE_3: [(f64, f64); 4] = [(3.0, 3.2), (2.2, -0.6), (7.3, -1.0), (6.8, 4.9)];
+const TABLE_4: [(f64, f64); 4] = [(1.9, -7.3), (2.7, 18.6), (1.3, -4.6), (2.2, 17.2)];
+
+/// A ball set off by a few µm, which the centring must take off (S4 §4.2.1).
+fn setting_um(setup: usize, angle: f64) -> f64 {
+    (5.0 + setup as f64) * (angle + 0.4 * setup as f64).cos()
+}
+
+fn s4_c() -> Run {
+    run(&cycle_text("s4-c"), AxisLetter::C, |setup, angle| {
+        let (circularity, mean) = TABLE_3.get(setup).copied().unwrap_or((2.0, 0.0));
+        let setting = if setup < 4 { setting_um(setup, angle) } else { 0.0 };
+        UM * (mean + setting + circularity * shape(AxisLetter::C, angle))
+    })
+}
+
+fn s4_b() -> Run {
+    let range = range_of_b();
+    run(&cycle_text("s4-b"), AxisLetter::B, |setup, angle| {
+        let (circularity, mean) = TABLE_4.get(setup).copied().unwrap_or((0.0, 0.0));
+        let setting = if setup < 4 { setting_um(setup, angle) } else { 0.0 };
+        UM * (mean + setting + circularity / range * shape(AxisLetter::B, angle))
+    })
+}
+
+#[test]
+fn s4_tables_3_and_4_give_its_printed_tilts() {
+    let source = by(&[s4_c(), s4_b()], Convention::Source);
+    // µm over dz = 100 mm and dy = 271 mm; S4 prints one digit after the point.
+    near(value(&source, "EB0C") * 100.0 / UM, -4.2, 0.05, "eq. 1, β_CZ");
+    near(value(&source, "EA0C") * 100.0 / UM, 5.5, 0.05, "eq. 2, α_CZ");
+    near(value(&source, "EC0B") * 271.0 / UM, 2.7, 0.05, "eq. 6, γ_BY");
+    near(value(&source, "EA0B") * 271.0 / UM, 1.4, 0.05, "eq. 7, α_BY");
+    // The sign slip of eq. 1 [docs/design/physics.md §8.4]: right-handed it is +4.2, the other three stay.
+    let right = by(&[s4_c(), s4_b()], Convention::RightHanded);
+    near(value(&right, "EB0C") * 100.0 / UM, 4.2, 0.05, "right-handed β_CZ");
+    near(value(&right, "EA0C") * 100.0 / UM, 5.5, 0.05, "right-handed α_CZ");
+    near(value(&right, "EC0B") * 271.0 / UM, 2.7, 0.05, "right-handed γ_BY");
+    // eq. 3 with Z₁ = 50 mm: δx = r_x1 − β_CZ Z₁, δy = r_y1 − α Z₁ (sign of α mended).
+    near(value(&source, "EX0C") / UM, 3.2 + 0.042 * 50.0, 0.02, "eq. 3, δx");
+    near(value(&source, "EY0C") / UM, -0.6 - 0.055 * 50.0, 0.02, "eq. 3, δy");
+}
+
+#[test]
+fn s4_tables_3_and_4_are_printed_back() {
+    let found = by(&[s4_c(), s4_b()], Convention::RightHanded);
+    let table = found.tables.iter().find(|t| t.caption.starts_with("Measurements")).unwrap();
+    let column = |name: &str| table.columns.iter().position(|c| c.name == name).unwrap();
+    let (circularity, mean) = (column("circularity"), column("mean radial error"));
+    let labels = ["C-X(−Z)", "C-Y(−Z)", "C-X(+Z)", "C-Y(+Z)", "B-X(−Y)", "B-Z(−Y)", "B-X(+Y)", "B-Z(+Y)"];
+    for (label, printed) in labels.iter().zip(TABLE_3.iter().chain(&TABLE_4)) {
+        let row = table.rows.iter().find(|row| row[0] == Cell::Text((*label).into())).unwrap();
+        let (Cell::Number(g), Cell::Number(r)) = (&row[circularity], &row[mean]) else { panic!("{row:?}") };
+        near(g / UM, printed.0, 0.05, label);
+        near(r / UM, printed.1, 0.05, label);
+    }
+    // The larger traces at +Z are tilt error motion (S4 §4.2.2): 7.3 − 3.0 µm over 100 mm, alike in phase.
+    near(value(&found, "EBC range") * 1e6, 43.0, 1.0, "EBC");
+    near(value(&found, "EAC range") * 1e6, 46.0, 1.0, "EAC");
+    near(value(&found, "EZC range") / UM, 2.0, 0.05, "EZC");
+    for value in &found.values {
+        assert!(value.note.contains("S4"), "{} names no cause", value.name);
+    }
+    assert!(found.values.iter().all(|v| v.value.is_finite()));
+}
+
+#[test]
+fn s4_c_xy_gives_the_tilts_of_its_eq_4_and_5() {
+    // Centre of the trace (−0.4, +0.7) µm, R = 135 mm.
+    let text = cycle_text("bk2-c").replace("[100, 0, 60]", "[135, 0, 60]");
+    let bk2 = run(&text, AxisLetter::C, |setup, angle| {
+        let trace = -0.4 * angle.cos() + 0.7 * angle.sin() + 0.3 * (2.0 * angle).cos();
+        if setup == 2 { UM * trace } else { 0.0 }
+    });
+    for convention in [Convention::RightHanded, Convention::Source] {
+        let found = by(std::slice::from_ref(&bk2), convention);
+        near(value(&found, "EB0C by C-XY") * 100.0 / UM, -0.3, 0.05, "eq. 4, β_CY");
+        near(value(&found, "EA0C by C-XY") * 100.0 / UM, -0.5, 0.05, "eq. 5, α_CY");
+        near(value(&found, "C-XY circularity") / UM, 0.6, 0.02, "circularity");
+    }
+}
+
+#[test]
+fn measurements_are_recognised_whatever_their_setups_are_called() {
+    let text = cycle_text("s4-c").replace("name = \"C-", "name = \"setup ");
+    let named = by(&[s4_c()], Convention::RightHanded);
+    let mut renamed = s4_c();
+    renamed.setups = Cycle::parse("cycle.toml", &text).unwrap().setups;
+    let renamed = by(&[renamed], Convention::RightHanded);
+    let values =
+        |found: &Findings| found.values.iter().map(|v| (v.name.clone(), v.value)).collect::<Vec<_>>();
+    assert_eq!(values(&named), values(&renamed));
+}
+
+#[test]
+fn a_bar_of_unknown_length_gives_tilts_and_no_places() {
+    let mut run = s4_c();
+    for setup in &mut run.setups {
+        setup.calibrated = false;
+    }
+    let found = by(&[run], Convention::RightHanded);
+    near(value(&found, "EB0C") * 100.0 / UM, 4.2, 0.05, "β_CZ");
+    assert!(found.value("EX0C").is_none() && found.notes.iter().any(|note| note.contains("calibrated")));
+}
+
+#[test]
+fn circles_of_linear_axes_are_sent_to_their_method() {
+    let run = run(&cycle_text("circle-xy"), AxisLetter::C, |_, _| 0.0);
+    let method = recipes::find("ball-bar").unwrap();
+    let error = (method.run)(&[run], &MethodOptions::default()).unwrap_err();
+    assert!(matches!(error, MethodError::Lacks { .. }) && error.to_string().contains("circular"), "{error}");
+}

@@ -1,0 +1,178 @@
+//! `circular` on readings made from the states of a shipped cycle: each error is found alone, and what is on no list is left.
+
+use rand::SeedableRng;
+use rand_distr::{Distribution, Normal};
+use std::f64::consts::TAU;
+use trunnion_core::axis::iso::{X, Y};
+use trunnion_core::{Point, Quality, State};
+use trunnion_cycles::Pace;
+use trunnion_cycles::{Cycle, Run, RunKind};
+use trunnion_instruments::predict;
+use trunnion_machine::{Errors, shipped};
+use trunnion_methods::findings::Cell;
+use trunnion_methods::recipes::MethodOptions;
+use trunnion_methods::{Findings, recipes};
+
+const UM: f64 = 1e-3;
+const R_MM: f64 = 150.0;
+
+/// The shipped XY circle; the tool is displaced by `(x, y)` mm of the state; noise in µm.
+fn circle(displaced: impl Fn(&State) -> (f64, f64), noise_um: f64, calibrated: bool) -> Run {
+    let path = format!("{}/../../config/cycles/circle-xy.toml", env!("CARGO_MANIFEST_DIR"));
+    let mut cycle = Cycle::parse("cycle.toml", &std::fs::read_to_string(path).unwrap())
+        .unwrap_or_else(|problems| panic!("{problems}"));
+    cycle.setups[0].calibrated = calibrated;
+    let machine = shipped::machine(&cycle.machine).unwrap();
+    let states = cycle.visits(&machine, &Pace::default()).unwrap_or_else(|error| panic!("{error}")).states;
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+    let noise = Normal::new(0.0, noise_um.max(1e-9) * UM).unwrap();
+    let point = |state: State| {
+        let nominal_mm = predict(&machine, &cycle.setups[0], &state, &Errors::default()).x;
+        let (x, y) = displaced(&state);
+        let (sin, cos) = angle(&state).sin_cos();
+        let reading_mm = [nominal_mm + x * cos + y * sin + noise.sample(&mut rng), 0.0, 0.0];
+        Point { reading_mm, state, spread_mm: [0.0; 3], samples: 1, quality: Quality::Good }
+    };
+    let points = states.into_iter().map(point).collect();
+    let setups = cycle.setups.clone();
+    Run {
+        name: "circle".into(),
+        machine: machine.clone(),
+        kind: RunKind::OnTheFly,
+        setups,
+        channels: vec![],
+        points,
+    }
+}
+
+fn angle(state: &State) -> f64 {
+    state.position[Y].atan2(state.position[X])
+}
+
+fn circular(run: Run) -> Findings {
+    let method = recipes::find("circular").unwrap();
+    (method.run)(&[run], &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn value(findings: &Findings, name: &str) -> f64 {
+    findings.value(name).unwrap_or_else(|| panic!("no value {name}")).value
+}
+
+fn near(found: f64, put_in: f64, within: f64, what: &str) {
+    assert!((found - put_in).abs() <= within, "{what}: {found}, put in {put_in}");
+}
+
+/// Error and circularity (mm) of the ranking, in its order.
+fn ranking(findings: &Findings) -> Vec<(String, f64)> {
+    let row = |row: &Vec<Cell>| match (&row[1], &row[2]) {
+        (Cell::Text(name), Cell::Number(circularity)) => (name.clone(), *circularity),
+        other => panic!("{other:?}"),
+    };
+    findings.tables[0].rows.iter().map(row).collect()
+}
+
+/// One error alone: it ranks first with this circularity, has this value, and little else is seen or left.
+fn check(name: &str, displaced: impl Fn(&State) -> (f64, f64), put_in: f64, circularity_um: f64) {
+    let found = circular(circle(displaced, 0.0, false));
+    let ranked = ranking(&found);
+    assert_eq!(ranked[0].0, name, "{ranked:?}");
+    near(value(&found, &format!("XY {name}")), put_in, 0.02 * put_in.abs(), name);
+    near(ranked[0].1, circularity_um * UM, 0.03 * circularity_um * UM, name);
+    assert!(ranked[1].1 < 0.05 * ranked[0].1, "{ranked:?}");
+    assert!(value(&found, "XY unexplained share") < 1e-3, "{name}: {ranked:?}");
+}
+
+#[test]
+fn each_error_of_the_list_is_found_alone_with_its_own_circularity() {
+    // Circularities by hand: an oval ½ γ R sin 2φ ranges over γ R; the same of scale, and of servo over τ v.
+    check("EC0Y", |s| (-20e-6 * s.position[Y], 0.0), 20e-6, 20e-6 * R_MM / UM);
+    check("scale X−Y", |s| (10e-6 * s.position[X], -10e-6 * s.position[Y]), 20e-6, 20e-6 * R_MM / UM);
+    let feed = 1000.0 / 60.0;
+    check("servo X−Y", |s| (-0.2e-3 * s.velocity[X], 0.0), 0.2e-3, 0.2e-3 * feed / UM);
+    // ½ h |cos φ| with its sign jumping at 0° and 180°: from −½ h to ½ h, no more after centring.
+    check("backlash X", |s| (-2.0 * UM * s.direction[X], 0.0), 4.0 * UM, 4.0);
+    check("backlash Y", |s| (0.0, -2.0 * UM * s.direction[Y]), 4.0 * UM, 4.0);
+    // sin²φ cos φ = (cos φ − cos 3φ)/4: three lobes of range w/2.
+    check("straightness Y", |s| (6.0 * UM * (s.position[Y] / R_MM).powi(2), 0.0), 6.0 * UM, 3.0);
+    // ½ p |sin φ| less its mean, opposite in the two ways: from −½ p to ½ p.
+    check("lateral play X", |s| (0.0, 2.0 * UM * s.direction[X]), 4.0 * UM, 4.0);
+    // One wave a lead of 12 mm, none at the ends: crests at x = 147 and 141 mm of opposite sign, times cos φ.
+    check(
+        "cyclic X",
+        |s| (1.5 * UM * (TAU * s.position[X] / 12.0).sin(), 0.0),
+        1.5 * UM,
+        1.5 * (147.0 + 141.0) / R_MM,
+    );
+    let spike = |s: &State| (0.0, -5.0 * UM * s.direction[Y] * (-s.since_reversal[Y].abs() / 2.5).exp());
+    let found = circular(circle(spike, 0.0, false));
+    assert_eq!(ranking(&found)[0].0, "reversal spike Y");
+    near(value(&found, "XY reversal spike Y"), 5.0 * UM, 0.15 * UM, "spike");
+    assert!(value(&found, "XY unexplained share") < 0.01);
+}
+
+#[test]
+fn several_errors_together_are_told_apart_in_noise() {
+    let found = circular(circle(
+        |s| {
+            let (x, y) = (s.position[X], s.position[Y]);
+            (-30e-6 * y + 15e-6 * x - 1.5 * UM * s.direction[X], -0.3e-3 * s.velocity[Y])
+        },
+        0.3,
+        false,
+    ));
+    for (name, put_in) in [
+        ("EC0Y", 30e-6),
+        ("scale X−Y", 15e-6),
+        ("backlash X", 3.0 * UM),
+        ("servo X−Y", -0.3e-3),
+        ("backlash Y", 0.0),
+    ] {
+        let found = found.value(&format!("XY {name}")).unwrap();
+        let u = found.u.unwrap();
+        assert!((found.value - put_in).abs() < 4.0 * u, "{name}: {} u {u}, put in {put_in}", found.value);
+    }
+    assert!(value(&found, "XY unexplained beyond noise") < 0.1 * UM);
+    assert!(!found.notes.iter().any(|note| note.contains("does not explain everything")));
+}
+
+#[test]
+fn what_is_on_no_list_is_left_as_unexplained() {
+    // Sticks between 100° and 112° one way only, and a dent at 250° both ways.
+    let off_list = |s: &State| {
+        let (angle, counter_clockwise) = (angle(s).rem_euclid(TAU), s.direction[Y] * s.position[X] > 0.0);
+        let stuck = counter_clockwise && (1.745..1.955).contains(&angle);
+        let dent = 5.0 * UM * (-0.5 * ((angle - 4.363) / 0.08).powi(2)).exp();
+        let radial = dent + if stuck { 4.0 * UM } else { 0.0 };
+        (radial * angle.cos() - 20e-6 * s.position[Y], radial * angle.sin())
+    };
+    let found = circular(circle(off_list, 0.3, false));
+    // What is on the list is found all the same, within its wider uncertainty.
+    let squareness = found.value("XY EC0Y").unwrap();
+    near(squareness.value, 20e-6, 4.0 * squareness.u.unwrap(), "squareness");
+    near(squareness.value, 20e-6, 6e-6, "squareness");
+    let beyond = value(&found, "XY unexplained beyond noise");
+    assert!(beyond > 0.5 * UM, "{beyond}");
+    assert!(value(&found, "XY unexplained circularity") > 4.0 * UM);
+    assert!(value(&found, "XY unexplained share") > 0.15);
+    assert!(found.notes.iter().any(|note| note.contains("does not explain everything")));
+}
+
+#[test]
+fn values_of_iso_230_4_are_those_computed_by_hand() {
+    // Oval of ±2 µm alike both ways, radius 3 µm too large, setting of (8, −5) µm.
+    let displaced = |s: &State| {
+        let angle = angle(s);
+        let radial = UM * (3.0 + 2.0 * (2.0 * angle).cos());
+        (radial * angle.cos() + 8.0 * UM, radial * angle.sin() - 5.0 * UM)
+    };
+    let known = circular(circle(displaced, 0.0, true));
+    for (name, by_hand) in
+        [("G(+)", 4.0), ("G(−)", 4.0), ("G(b)", 4.0), ("D", 3.0), ("F max", 5.0), ("F min", 1.0)]
+    {
+        near(value(&known, &format!("XY {name}")) / UM, by_hand, 0.06, name);
+    }
+    // Opposite both ways: each way has its own oval, both together no more, their mean none.
+    let flips = circular(circle(|s| (-0.24e-3 * s.velocity[X], 0.0), 0.0, false));
+    near(value(&flips, "XY G(b)") / UM, 4.0, 0.06, "G(b) of a servo mismatch");
+    assert!(flips.value("XY D").is_none() && flips.value("XY F max").is_none());
+}

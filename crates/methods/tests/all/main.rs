@@ -1,0 +1,14 @@
+//! The integration tests of this crate, one file per subject.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod axis_errors;
+mod ball_bar;
+mod certification;
+mod circular;
+#[allow(dead_code, reason = "the tests of this crate use a part")]
+#[path = "../../../engine/tests/all/common.rs"]
+mod common;
+mod error_map;
+mod geometry;
+mod methods;

@@ -1,0 +1,71 @@
+//! Walks the registry of named methods and its directory: what every method must keep.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use trunnion_cycles::{Run, RunKind};
+use trunnion_machine::shipped;
+use trunnion_methods::recipes;
+use trunnion_methods::recipes::{MethodError, MethodOptions, REGISTRY};
+
+const DIRECTORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/recipes");
+
+fn empty_run(machine: &str) -> Run {
+    let machine = shipped::machine(machine).expect("shipped");
+    Run {
+        name: "empty".into(),
+        machine,
+        kind: RunKind::Static,
+        setups: vec![],
+        channels: vec![],
+        points: vec![],
+    }
+}
+
+#[test]
+fn every_file_of_the_directory_is_registered_under_its_name() {
+    let paths = std::fs::read_dir(DIRECTORY).unwrap().map(|entry| entry.unwrap().path());
+    let files: BTreeSet<String> = paths
+        .filter(|path| path.extension().is_some_and(|ending| ending == "rs"))
+        .map(|path| path.file_stem().unwrap().to_str().unwrap().replace('_', "-"))
+        .collect();
+    let registered: Vec<String> = REGISTRY.iter().map(|method| method.name.into()).collect();
+    assert_eq!(files, registered.iter().cloned().collect());
+    assert_eq!(files.len(), registered.len(), "a method is registered twice");
+}
+
+#[test]
+fn every_method_says_what_it_is_and_is_in_the_guide() {
+    let guide =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/use/methods.md")).unwrap();
+    for method in REGISTRY {
+        let texts = [method.title, method.source, method.about, method.needs, method.gives];
+        assert!(texts.iter().all(|text| text.len() > 10), "{}", method.name);
+        let file = Path::new(DIRECTORY).join(format!("{}.rs", method.name.replace('-', "_")));
+        let code = std::fs::read_to_string(file).unwrap();
+        let header: String = code.lines().take_while(|line| line.starts_with("//!")).collect();
+        assert!(header.contains("Limits:"), "{} states no limits", method.name);
+        assert!(header.contains('['), "{} names no source", method.name);
+        assert!(guide.contains(&format!("## {}", method.name)), "docs/use/methods.md lacks {}", method.name);
+        assert!(guide.contains(&format!("--method {}", method.name)), "no command for {}", method.name);
+        assert_eq!(recipes::find(method.name).unwrap().name, method.name);
+    }
+}
+
+#[test]
+fn an_unknown_name_is_answered_with_the_allowed_ones() {
+    let error = recipes::find("two-hight").unwrap_err().to_string();
+    assert!(error.contains("two-hight"), "{error}");
+    assert!(REGISTRY.iter().all(|method| error.contains(method.name)), "{error}");
+}
+
+#[test]
+fn a_method_without_data_says_what_it_needs() {
+    for method in REGISTRY {
+        let options = MethodOptions::default();
+        assert!(matches!((method.run)(&[], &options), Err(MethodError::Runs(_))), "{}", method.name);
+        let error = (method.run)(&[empty_run("table-bc")], &options).unwrap_err().to_string();
+        assert!(error.contains(method.name) && error.contains(method.needs), "{error}");
+        let two = [empty_run("table-bc"), empty_run("table-ac")];
+        assert!(matches!((method.run)(&two, &options), Err(MethodError::Runs(_))), "{}", method.name);
+    }
+}

@@ -1,0 +1,8 @@
+//! The integration tests of this crate, one file per subject.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod canopen_startup;
+mod fuzz;
+mod linuxcncrsh_lines;
+mod mtconnect_documents;

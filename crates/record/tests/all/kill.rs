@@ -1,0 +1,117 @@
+//! Nothing accepted more than 0.1 s before a kill is lost.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::collections::HashSet;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use trunnion_core::{Clock, HostTime, ProbeSample};
+use trunnion_cycles::RunKind;
+use trunnion_machine::shipped;
+use trunnion_record::{Item, Recorder, RecorderHandle, RunHeader, read_run, recover_orphans};
+
+const FOLDER: &str = "TRUNNION_KILL_TEST_FOLDER";
+
+struct Monotonic(Instant);
+
+impl Clock for Monotonic {
+    fn now(&self) -> HostTime {
+        HostTime(self.0.elapsed().as_nanos() as i64)
+    }
+    fn wall_ns(&self) -> i64 {
+        0
+    }
+}
+
+/// The process that is killed: this same test, started again with a folder to record into.
+fn record_a_counter_until_killed(folder: &Path) -> ! {
+    let header = RunHeader {
+        name: "counter".into(),
+        kind: RunKind::OnTheFly,
+        machine_name: "table-bc".into(),
+        machine_text: String::new(),
+        setups: Vec::new(),
+        temperature_channels: Vec::new(),
+        probes: vec!["counter".into()],
+        probe_roles: Vec::new(),
+        cycle_text: String::new(),
+        config_text: String::new(),
+        software_version: "0.1.0".into(),
+        wall_start_ns: 0,
+        host_start: HostTime(0),
+    };
+    let clock = Arc::new(Monotonic(Instant::now()));
+    let recorder = Recorder::create(folder, "counter", &header).unwrap();
+    let handle = RecorderHandle::spawn(recorder, 1000, clock.clone()).unwrap();
+    let mut out = std::io::stdout();
+    let (mut before, mut longest_ns) = (clock.now(), 0);
+    for raw in 0.. {
+        let now = clock.now();
+        longest_ns = longest_ns.max(now.0 - before.0);
+        before = now;
+        let time_s = now.seconds_since(HostTime(0));
+        let sample = ProbeSample { time_s, raw, value_mm: raw as f64 * 1e-3, ..ProbeSample::default() };
+        if handle.try_send(Item::Probe(sample), now) {
+            writeln!(out, "accepted {raw} {longest_ns}").unwrap();
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    unreachable!("the counter does not end")
+}
+
+#[test]
+fn fifty_kills_lose_nothing_older_than_a_tenth_of_a_second() {
+    if let Some(folder) = std::env::var_os(FOLDER) {
+        record_a_counter_until_killed(Path::new(&folder));
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let mut checked = 0;
+    for _ in 0..50 {
+        let folder = tempfile::tempdir().unwrap();
+        let mut child = Command::new(std::env::current_exe().unwrap())
+            .args(["--nocapture", "--exact", "kill::fifty_kills_lose_nothing_older_than_a_tenth_of_a_second"])
+            .env(FOLDER, folder.path())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let kill_at = rng.random_range(20..220);
+        let mut accepted: Vec<(i64, Instant)> = Vec::new();
+        let mut paused = Duration::ZERO;
+        for line in BufReader::new(child.stdout.take().unwrap()).lines() {
+            // The first line shares its row with what the test harness prints.
+            let line = line.unwrap();
+            let Some((raw, longest_ns)) =
+                line.split_once("accepted ").and_then(|(_, told)| told.split_once(' '))
+            else {
+                continue;
+            };
+            paused = Duration::from_nanos(longest_ns.parse().unwrap());
+            accepted.push((raw.parse().unwrap(), Instant::now()));
+            if accepted.len() == kill_at {
+                break;
+            }
+        }
+        let killed = Instant::now();
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert_eq!(accepted.len(), kill_at);
+
+        let recovered = recover_orphans(folder.path()).unwrap().pop().unwrap().unwrap();
+        let read = read_run(&recovered.path, &shipped::machine).unwrap();
+        assert_eq!((read.damage, recovered.damage), (None, None));
+        assert_eq!(read.events[0].kind, "recovered");
+        let found: HashSet<i64> = read.probe_samples.iter().map(|sample| sample.raw).collect();
+        for (raw, when) in accepted {
+            // A busy computer lets the recorder wait as long as it let the counter wait, and what that let wait.
+            if killed - when > Duration::from_millis(100) + 2 * paused {
+                assert!(found.contains(&raw), "{raw} was accepted {:?} before the kill", killed - when);
+                checked += 1;
+            }
+        }
+    }
+    println!("{checked} samples checked");
+    assert!(checked > 500, "{checked}");
+}

@@ -1,0 +1,9 @@
+//! The integration tests of this crate, one file per subject.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod damage;
+mod kill;
+mod points;
+mod round_trip;
+mod schema;

@@ -1,0 +1,20 @@
+//! The program `trunnion` from end to end, one file per subject.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod attribute;
+mod bad_input;
+mod combined;
+mod compensation;
+mod demo;
+mod devices;
+mod hybrid;
+mod methods;
+mod nc_program;
+mod outside_data;
+mod plan;
+mod program;
+mod schemes;
+mod story;
+mod streams;
+mod volumetric;

@@ -1,0 +1,17 @@
+//! Live runs on virtual devices, named methods against known truths, and the map of the crates.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod circles;
+mod citations;
+mod edges;
+mod fault_matrix;
+mod glossary;
+#[path = "../../../crates/cycles/tests/all/nc/interpreter.rs"]
+mod interpreter;
+mod licences;
+mod load;
+mod named_methods;
+mod nc_program_measured;
+mod opcua_controller;
+mod service;

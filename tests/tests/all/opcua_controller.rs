@@ -1,0 +1,112 @@
+//! The virtual controller with an OPC UA server tells where its axes were at the moments of its stamps, as our driver
+//! reads it, whatever the rate of its clock; and it is found by its address.
+
+use std::sync::Arc;
+use std::time::Duration;
+use tokio_util::sync::CancellationToken;
+use trunnion_acquire::discovery::{Roles, look, servers};
+use trunnion_acquire::supervisor::QUEUE_LENGTH;
+use trunnion_acquire::{parse_devices, start};
+use trunnion_core::axis::iso::{B, C, X, Y, Z};
+use trunnion_core::reading::{AxisReading, Execution, Reading};
+use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_hil_sim::devices::opcua::ControllerConfig;
+use trunnion_hil_sim::devices::{CycleState, DeviceClock, Handle, TimeOrigin, World, opcua};
+use trunnion_service::clock::SystemClock;
+
+/// Longest wait for anything; the build machine may be busy.
+const LIMIT: Duration = Duration::from_secs(60);
+const AXES: [AxisLetter; 5] = [X, Y, Z, B, C];
+const WALL_NS: i64 = 1_767_225_600_000_000_000;
+
+/// Axes at constant speeds, so that interpolating between samples is exact.
+struct Steady;
+
+impl World for Steady {
+    fn axes(&self, t_s: f64) -> AxisValues<f64> {
+        let mut axes = AxisValues::default();
+        for (k, letter) in AXES.into_iter().enumerate() {
+            axes[letter] = if letter.is_rotary() { 0.1 * t_s } else { (k + 1) as f64 * 10.0 * t_s };
+        }
+        axes
+    }
+
+    fn probe_readings_mm(&self, _: f64) -> [f64; 3] {
+        [0.0; 3]
+    }
+
+    fn bar_reading_mm(&self, _: f64) -> f64 {
+        0.0
+    }
+
+    fn temperature_degc(&self, _: f64) -> f64 {
+        20.0
+    }
+
+    fn cycle(&self, _: f64) -> CycleState {
+        CycleState { program: "O1".into(), block: 7, running: true }
+    }
+}
+
+async fn controller(clock: DeviceClock) -> (Handle, String) {
+    let origin = TimeOrigin(tokio::time::Instant::now());
+    let config = ControllerConfig::new(WALL_NS, clock);
+    let controller = opcua::spawn(Arc::new(Steady), config, origin, &[]).await.expect("a free address");
+    let url = controller.url().expect("it has an address").to_owned();
+    (controller, url)
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn it_is_found_by_its_address_and_its_lines_read_once_the_axes_are_filled_in() {
+    let (controller, url) = controller(DeviceClock::default()).await;
+    let mut places = servers(&url, None).expect("an address that can be asked");
+    let found = look(places.remove(0), None).await;
+    let (driver, found) = found.found.unwrap_or_else(|| panic!("{:?}", found.trouble));
+    assert_eq!(found.identity, "OPC UA server SINUMERIK, no encryption, SINUMERIK with 5 machine axes");
+    let lines = Roles::default().table(driver, &found);
+    let told = parse_devices("pasted", &lines).expect_err("the axes are to be filled in").to_string();
+    assert!(told.contains("letters of X, Y, Z, A, B, C"), "{told}");
+    parse_devices("pasted", &lines.replace('?', "XYZBC")).expect("a configuration");
+    controller.shutdown().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn positions_are_those_of_the_moment_of_the_stamp() {
+    let clock = DeviceClock::steady(2.0, 50.0);
+    let (controller, url) = controller(clock).await;
+    let table = format!(
+        "[[device]]\nname = \"cnc\"\ndriver = \"opcua\"\nurl = \"{url}\"\nlayout = \"sinumerik\"\naxes = \"XYZBC\"\n"
+    );
+    let devices = parse_devices("test.toml", &table).expect("the configuration is good");
+    let mut acquisition =
+        start(devices, Arc::new(SystemClock::start()), CancellationToken::new(), QUEUE_LENGTH);
+    let (mut axes, mut programs) = (Vec::<AxisReading>::new(), Vec::new());
+    let deadline = tokio::time::Instant::now() + LIMIT;
+    while axes.len() < 300 || programs.is_empty() {
+        let next = tokio::time::timeout_at(deadline, acquisition.messages.recv());
+        let message = next.await.expect("readings come in time").expect("the acquisition runs");
+        match message.reading {
+            Reading::Axes(reading) => axes.push(reading),
+            Reading::Controller(now) if now.execution == Execution::Active => programs.push(now),
+            _ => {}
+        }
+    }
+    acquisition.stop().await;
+    controller.shutdown().await;
+    let mut farthest = 0.0_f64;
+    for reading in axes.iter().filter(|reading| !reading.held) {
+        let t_s = clock.cell_s((reading.stamp_ns - WALL_NS) as f64 / 1e9);
+        let there = Steady.axes(t_s);
+        for letter in AXES {
+            farthest = farthest.max((reading.position[letter] - there[letter]).abs());
+        }
+    }
+    // 50 mm/s in the 100 ns that a stamp is rounded to.
+    assert!(farthest < 10e-6, "{farthest} mm or rad");
+    let skew_ns = axes.iter().map(|reading| reading.skew_ns).max();
+    assert!(
+        skew_ns.is_some_and(|skew_ns| skew_ns >= 1_000_000),
+        "the axes are sampled 1 ms apart: {skew_ns:?} ns"
+    );
+    assert_eq!((programs[0].program.as_str(), programs[0].block.as_str()), ("O1", "N7"));
+}

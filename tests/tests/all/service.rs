@@ -1,0 +1,155 @@
+//! The service end to end: virtual devices on real ports, a probe unplugged in the middle of the cycle; delays found on the fly.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio_util::sync::CancellationToken;
+use trunnion_acquire::config::channels;
+use trunnion_core::{Clock, Quality};
+use trunnion_cycles::Cycle;
+use trunnion_cycles::cycle::Motion;
+use trunnion_effects::{Model, ModelEffect};
+use trunnion_engine::Experiment;
+use trunnion_hil_sim::devices::cell::CellConfig;
+use trunnion_hil_sim::devices::{Fault, ScheduledFault, World, cell};
+use trunnion_hil_sim::scenario::{Pace, Station};
+use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine, scenario};
+use trunnion_machine::shipped;
+use trunnion_service::clock::SystemClock;
+use trunnion_service::config::Config;
+use trunnion_service::daemon::{Texts, serve};
+use trunnion_service::live::Plan;
+use trunnion_tests::{first_report, show_log, three_probes};
+
+const CYCLE: &str = include_str!("../../../config/cycles/demo-static.toml");
+const SWEEP: &str = include_str!("../../../config/cycles/demo-sweep-c.toml");
+
+/// Two shop floors at once are more than a small computer simulates in real time.
+static ONE_FLOOR: tokio::sync::Mutex<()> = tokio::sync::Mutex::const_new(());
+
+/// Longest wait for a report; the computer may be busy.
+const REPORT_LIMIT: Duration = Duration::from_secs(600);
+
+/// Lets the service measure one cycle on this floor until its report is there; the path of the recording.
+async fn measured(
+    folder: &Path,
+    world: impl World + 'static,
+    mut floor: CellConfig,
+    cycle_text: &str,
+) -> PathBuf {
+    let _floor = ONE_FLOOR.lock().await;
+    show_log();
+    let cycle = Cycle::parse("c.toml", cycle_text).expect("the cycle is good");
+    let machine = shipped::machine("table-bc").expect("it is shipped");
+    let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
+    floor.can = None;
+    if let Some((agent, _)) = &mut floor.controller {
+        agent.filters_duplicates = false;
+        agent.wall_ns_at_origin = clock.wall_ns();
+    }
+    let begin = tokio::time::Instant::now() + Duration::from_secs(1);
+    let cell = cell::start(Arc::new(world), floor, begin).await.expect("the floor starts");
+    let url = cell.controller.as_ref().and_then(|agent| agent.url()).expect("an agent").to_string();
+    let agent = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
+    let text = three_probes(folder, "", &agent);
+    let config = Config::parse(&folder.join("trunnion.toml"), &text).expect("the configuration is good");
+    let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
+    let texts = Texts { machine: shipped::FILES[0].1.into(), cycle: cycle_text.into(), config: text };
+    let runs = config.recordings.clone();
+    let cancel = CancellationToken::new();
+    // Before its time 0 the floor is silent, and the supervisor would try again at longer and longer intervals.
+    tokio::time::sleep_until(begin).await;
+    let service = tokio::spawn(serve(config, plan, texts, Model::base("table-bc"), clock, cancel.clone()));
+
+    let recording = first_report(&runs, REPORT_LIMIT).await;
+    cancel.cancel();
+    service.await.expect("no panic").expect("no failure");
+    cell.shutdown().await;
+    recording
+}
+
+fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
+    let of = |setup: &trunnion_core::Setup| {
+        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::RTest)
+    };
+    cycle.setups.iter().map(of).collect()
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn probes_unplugged_for_a_while_or_for_good_leave_gaps_and_the_cycle_goes_on_to_its_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let cycle_text = CYCLE.replace("step_deg = 30", "step_deg = 60");
+    let cycle = Cycle::parse("c.toml", &cycle_text).unwrap();
+    let machine = shipped::machine("table-bc").unwrap();
+    let stations: Vec<Station> = cycle
+        .poses(&machine)
+        .unwrap()
+        .iter()
+        .map(|pose| Station { setup: pose.setup, position: pose.position })
+        .collect();
+    let pace = Pace { move_s: 0.06, dwell_s: 0.1 };
+    let duration_s = scenario::duration_s(stations.len(), pace);
+    let truth = Truth::draw(&machine, &sim_setups(&cycle), &[], duration_s, 3).unwrap();
+    let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
+    let world = scenario::static_cycle(virtual_machine, "c", &stations, pace).unwrap();
+    let mut floor = CellConfig::new(folder.path(), 0);
+    floor.probes[1].1.push(ScheduledFault { at_s: 4.0, fault: Fault::Unplug { duration_s: 3.0 } });
+    // The third is unplugged towards the end and does not come back.
+    let last_s = duration_s - 4.0;
+    floor.probes[2].1.push(ScheduledFault { at_s: last_s, fault: Fault::Unplug { duration_s: 600.0 } });
+    let path = measured(folder.path(), world, floor, &cycle_text).await;
+
+    let recording = trunnion_record::read_run(&path, &|_| Some(machine.clone())).unwrap();
+    let gap =
+        recording.gaps.iter().find(|gap| gap.source.contains("probe-2") && gap.to_s > 3.0).expect("a gap");
+    assert!(gap.to_s - gap.from_s > 2.5 && gap.to_s - gap.from_s < 8.0, "{gap:?}");
+    let is_open = |gap: &&trunnion_core::Gap| gap.source == "probe-3" && gap.from_s > last_s - 2.0;
+    let open = recording.gaps.iter().find(is_open).expect("a gap at the end");
+    assert!(open.reason.contains("until the end"), "{open:?}");
+    assert_eq!(recording.run.points.len(), stations.len(), "every pose is accounted for");
+    let good = recording.run.points.iter().filter(|point| point.quality == Quality::Good).count();
+    assert!(good > stations.len() / 3 && good < stations.len(), "{good} of {}", stations.len());
+    let page = std::fs::read_to_string(path.with_extension("html")).unwrap();
+    assert!(page.contains("Time quality") && page.contains("probe-2"));
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn on_the_fly_the_delays_of_probes_and_axes_are_found_and_taken_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let cycle = Cycle::parse("c.toml", SWEEP).unwrap();
+    let machine = shipped::machine("table-bc").unwrap();
+    // The rotary axes come later than the linear ones; the second and the third probe answer 10 and 20 ms late.
+    let hidden = [HiddenChoice { id: "sync-delay".into(), sigma: 4.0 }];
+    let truth = Truth::draw(&machine, &sim_setups(&cycle), &hidden, 30.0, 5).unwrap();
+    let late_s = truth.hidden[0].amplitude * truth.hidden[0].shape[0];
+    let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
+    let Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, others, .. } = &cycle.motion else {
+        panic!("the cycle is on the fly")
+    };
+    let world =
+        scenario::sweep_cycle(virtual_machine, "c", *axis, *from_to_rad, feeds_rad_per_s, others).unwrap();
+    let mut floor = CellConfig::new(folder.path(), 0);
+    for (k, (probe, _)) in floor.probes.iter_mut().enumerate() {
+        probe.latency_s += 0.010 * k as f64;
+    }
+    let path = measured(folder.path(), world, floor, SWEEP).await;
+
+    let recording = trunnion::recording::read(&path, &|_| Some(machine.clone()), None).unwrap();
+    let timing = recording.timing.expect("a live recording has stamps");
+    assert_eq!(timing.gestures.len(), 2, "{timing:?}");
+    let delays: Vec<f64> = timing.streams[..3].iter().map(|stream| stream.delay_s.unwrap().0).collect();
+    // A busy computer delays a stream by some ms at most times; the least delays are what counts.
+    for k in 1..3 {
+        let more_s = delays[k] - delays[0];
+        assert!((more_s - 0.010 * k as f64).abs() < 0.004, "{delays:?}");
+    }
+    let experiment = Experiment::new(std::slice::from_ref(&recording.run)).unwrap();
+    let mut model = Model::base("table-bc");
+    model.effects.push(ModelEffect { id: "sync-delay".into(), ..ModelEffect::default() });
+    let fit = trunnion_engine::identify(&experiment, &model, &Default::default()).unwrap();
+    let rotary = fit.parameters.iter().find(|p| p.effect == "sync-delay").unwrap();
+    let (found_s, u_s) = (rotary.value.unwrap(), rotary.u.unwrap());
+    assert!((found_s - late_s).abs() < 6.0 * u_s + 0.1 * late_s.abs(), "{found_s} ± {u_s} of {late_s}");
+    let told = trunnion::timing::delay_by_feeds(&experiment).unwrap().expect("two feeds, both ways");
+    assert!(told.contains("rotary axes come later than the linear axes"), "{told}");
+}

@@ -1,0 +1,16 @@
+//! Tests against implementations of others, which tests/peers/run installs; without it they are ignored.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod canopen;
+#[path = "../../../crates/cycles/tests/all/nc/interpreter.rs"]
+#[expect(dead_code, reason = "LinuxCNC interprets here")]
+mod interpreter;
+mod linuxcnc;
+mod linuxcnc_moves;
+mod mcap;
+mod mosquitto;
+mod opcua;
+mod socketcan;
+#[path = "../../../crates/cycles/tests/all/nc/visited.rs"]
+mod visited;

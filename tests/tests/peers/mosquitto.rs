@@ -1,0 +1,96 @@
+//! A real broker: retained status, last will, and the latest values again after the broker was killed.
+
+use rumqttc::{AsyncClient, Event, MqttOptions, Packet, QoS};
+use std::collections::BTreeMap;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+use tokio_util::sync::CancellationToken;
+use trunnion_service::mqtt::{Board, MqttConfig, run};
+
+fn free_port() -> u16 {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+    listener.local_addr().expect("bound").port()
+}
+
+fn broker(port: u16) -> Child {
+    let program = if std::path::Path::new("/usr/sbin/mosquitto").exists() {
+        "/usr/sbin/mosquitto"
+    } else {
+        "mosquitto"
+    };
+    Command::new(program)
+        .args(["-p", &port.to_string()])
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("mosquitto starts")
+}
+
+/// Latest payloads of all `trunnion/#` topics once `enough` holds; fails after a minute.
+async fn wait_for(port: u16, name: &str, enough: impl Fn(&BTreeMap<String, serde_json::Value>) -> bool) {
+    let mut topics = BTreeMap::new();
+    let watching = async {
+        loop {
+            let mut options = MqttOptions::new(name, "127.0.0.1", port);
+            options.set_keep_alive(Duration::from_secs(5));
+            let (client, mut events) = AsyncClient::new(options, 16);
+            client.subscribe("trunnion/#", QoS::AtLeastOnce).await.expect("queued");
+            while let Ok(event) = events.poll().await {
+                if let Event::Incoming(Packet::Publish(publish)) = event {
+                    topics.insert(publish.topic, serde_json::from_slice(&publish.payload).expect("JSON"));
+                    if enough(&topics) {
+                        return;
+                    }
+                }
+            }
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+    };
+    let waited = tokio::time::timeout(Duration::from_secs(60), watching).await;
+    assert!(waited.is_ok(), "{name}: the topics never came to what was expected");
+}
+
+#[tokio::test]
+#[ignore = "a peer test: tests/peers/run"]
+async fn the_latest_state_reaches_a_broker_that_was_killed_and_started_anew() {
+    let port = free_port();
+    let mut first = broker(port);
+    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m1".into(), login: None };
+    let (board, cancel) = (Board::default(), CancellationToken::new());
+    let service = tokio::spawn(run(config, board.clone(), cancel.clone()));
+    board.set("status", &serde_json::json!({ "state": "online" }));
+    board.set("cycle", &serde_json::json!({ "state": "measuring", "done": 1 }));
+    wait_for(port, "before", |t| t.get("trunnion/m1/cycle").is_some_and(|v| v["done"] == 1)).await;
+
+    // Killed mid-cycle; the new broker has no memory of the session or of anything retained.
+    first.kill().expect("running");
+    first.wait().expect("ended");
+    board.set("cycle", &serde_json::json!({ "state": "measuring", "done": 2 }));
+    let mut second = broker(port);
+    wait_for(port, "after", |t| {
+        t.get("trunnion/m1/cycle").is_some_and(|v| v["done"] == 2)
+            && t.get("trunnion/m1/status").is_some_and(|v| v["state"] == "online")
+    })
+    .await;
+
+    cancel.cancel();
+    service.await.expect("the service ends");
+    wait_for(port, "end", |t| t.get("trunnion/m1/status").is_some_and(|v| v["state"] == "offline")).await;
+    second.kill().expect("running");
+    second.wait().expect("ended");
+}
+
+#[tokio::test]
+#[ignore = "a peer test: tests/peers/run"]
+async fn a_service_that_dies_leaves_its_last_will() {
+    let port = free_port();
+    let mut broker = broker(port);
+    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m2".into(), login: None };
+    let board = Board::default();
+    let service = tokio::spawn(run(config, board.clone(), CancellationToken::new()));
+    board.set("status", &serde_json::json!({ "state": "online" }));
+    wait_for(port, "alive", |t| t.get("trunnion/m2/status").is_some_and(|v| v["state"] == "online")).await;
+    service.abort();
+    wait_for(port, "dead", |t| t.get("trunnion/m2/status").is_some_and(|v| v["reason"] == "lost")).await;
+    broker.kill().expect("running");
+    broker.wait().expect("ended");
+}

@@ -1,0 +1,70 @@
+//! Our SocketCAN driver on an emulated computer with a real kernel: a bus without hardware, two emulated cards, and the
+//! kernel's own slcan driver with nodes of python `canopen` at the other end of its line.
+
+use std::process::Command;
+use trunnion_tests::alignment::{HEAD, SOCKETCAN};
+use trunnion_tests::peer::PythonPeer;
+use trunnion_tests::section::{is_writing, write_or_compare};
+use trunnion_tests::workspace_root;
+
+/// Boots, runs the trial in this mode, and prints the figures it measured; all it told.
+fn machine(mode: &str, peer_tty: Option<&str>) -> String {
+    let mut command = Command::new(workspace_root().join("tests/peers/can_machine.sh"));
+    command.args([mode, env!("CARGO_BIN_EXE_can-guest")]);
+    if let Some(tty) = peer_tty {
+        command.env("PEER_TTY", tty);
+    }
+    let told = command.output().expect("the script runs");
+    let text = String::from_utf8_lossy(&told.stdout).into_owned();
+    for line in text.lines().filter(|line| line.contains("FIGURES")) {
+        println!("{line}");
+    }
+    assert!(told.status.success(), "{text}\n{}", String::from_utf8_lossy(&told.stderr));
+    text
+}
+
+/// Writes the line into docs/measured/alignment.md when TRUNNION_WRITE_DOCS is set.
+fn alignment_line(line: &str) {
+    println!("{line}");
+    if is_writing() {
+        write_or_compare("docs/measured/alignment.md", SOCKETCAN, &format!("{HEAD}{line}\n"));
+    }
+}
+
+#[test]
+#[ignore = "a peer test: tests/peers/run"]
+fn readings_keep_the_stamps_of_the_kernel_and_whatever_happens_to_the_interface_is_told_and_mended() {
+    let told = machine("vcan", None);
+    let rows: Vec<String> =
+        told.lines().filter_map(|line| Some(without_times(line.split_once("FAULT ")?.1))).collect();
+    assert_eq!(rows.len(), 5, "{told}");
+    let head = "| fault | end of the session | recorded gap | message |\n|---|---|---|---|\n";
+    let table = format!("{head}{}\n", rows.join("\n"));
+    write_or_compare("docs/measured/faults.md", SOCKETCAN, &table);
+}
+
+/// Times differ from run to run.
+fn without_times(line: &str) -> String {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let is_time =
+        |k: usize| words[k].parse::<f64>().is_ok() && matches!(words.get(k + 1), Some(&"ms:" | &"s;"));
+    let shown = (0..words.len()).map(|k| if is_time(k) { "…" } else { words[k] });
+    shown.collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+#[ignore = "a peer test: tests/peers/run"]
+fn two_cards_on_one_bus_give_readings_and_a_pulled_cable_is_a_gap() {
+    let told = machine("kvaser", None);
+    // The firmware leaves the first line unfinished.
+    let line = told.lines().find_map(|line| line.split_once("ALIGNMENT "));
+    let (_, line) = line.expect("the trial tells the errors in time");
+    alignment_line(line);
+}
+
+#[test]
+#[ignore = "a peer test: tests/peers/run"]
+fn python_nodes_behind_the_slcan_driver_of_the_kernel_are_read() {
+    let peer = PythonPeer::start("canopen_peer.py", &["--raw".as_ref()]);
+    machine("slcan", Some(&peer.port()));
+}
