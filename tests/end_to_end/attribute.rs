@@ -4,7 +4,7 @@ use crate::program::output;
 use nalgebra::{Point3, Vector3};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use trunnion_core::AxisLetter::{A, Y};
+use trunnion_core::axis::iso::{A, Y};
 use trunnion_core::{AxisSample, AxisValues};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::shipped;

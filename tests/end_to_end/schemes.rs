@@ -78,7 +78,7 @@ const ROWS: &[Row] = &[
         truth: "table-bc-y",
         model: None,
         identifies: &["EX0C", "EY0C", "EA0C", "EB0C"],
-        cannot: "B (stands still); heights of the balls",
+        cannot: "B (stationary); heights of the balls",
         also: &[],
     },
     Row {
@@ -88,7 +88,7 @@ const ROWS: &[Row] = &[
         truth: "table-bc-y",
         model: None,
         identifies: &["EX0B", "EZ0B", "EA0B", "EC0B"],
-        cannot: "C (stands still); EY0B against the setting",
+        cannot: "C (stationary); EY0B against the setting",
         also: &[],
     },
     Row {
@@ -98,7 +98,7 @@ const ROWS: &[Row] = &[
         truth: "table-bc",
         model: None,
         identifies: &["EX0B", "EZ0B", "EA0B", "EC0B"],
-        cannot: "C (stands still); length of the bar against the setting",
+        cannot: "C (stationary); length of the bar against the setting",
         also: &[],
     },
     Row {
@@ -108,7 +108,7 @@ const ROWS: &[Row] = &[
         truth: "table-bc",
         model: None,
         identifies: &["EX0C", "EY0C", "EA0C", "EB0C"],
-        cannot: "B (stands still); length of the bar against the setting",
+        cannot: "B (stationary); length of the bar against the setting",
         also: &[],
     },
     Row {
@@ -118,7 +118,7 @@ const ROWS: &[Row] = &[
         truth: "table-ac",
         model: None,
         identifies: &["EY0A", "EZ0A", "EB0A", "EC0A"],
-        cannot: "C (stands still); length of the bar against the setting",
+        cannot: "C (stationary); length of the bar against the setting",
         also: &[],
     },
     Row {
@@ -128,7 +128,7 @@ const ROWS: &[Row] = &[
         truth: "table-ac",
         model: None,
         identifies: &["EX0C", "EY0C", "EA0C", "EB0C"],
-        cannot: "A (stands still); length of the bar against the setting",
+        cannot: "A (stationary); length of the bar against the setting",
         also: &[],
     },
     Row {
@@ -138,7 +138,7 @@ const ROWS: &[Row] = &[
         truth: "head-bc",
         model: None,
         identifies: &["EA0B", "EC0B"],
-        cannot: "EX0B, EZ0B against the setting of the ball; length of the bar; C (stands still)",
+        cannot: "EX0B, EZ0B against the setting of the ball; length of the bar; C (stationary)",
         also: &[],
     },
     Row {
@@ -148,7 +148,7 @@ const ROWS: &[Row] = &[
         truth: "head-bc",
         model: None,
         identifies: &["EA0C", "EB0C"],
-        cannot: "EX0C, EY0C against the length of the bar; B (stands still)",
+        cannot: "EX0C, EY0C against the length of the bar; B (stationary)",
         also: &[],
     },
     Row {
@@ -255,7 +255,7 @@ const ROWS: &[Row] = &[
             "linear-scale:Y.scale",
             "linear-scale:Z.scale",
         ],
-        cannot: "rotary axes (stand still)",
+        cannot: "rotary axes (stationary)",
         also: &[],
     },
     Row {
@@ -268,7 +268,7 @@ const ROWS: &[Row] = &[
             "EC0Y", "EB0Z", "EA0Z", "EXX.P1", "EYY.P1", "EZZ.P1", "EYX.P2", "EZX.P2", "EAX.P1", "EBX.P1",
             "ECX.P1", "EXY.P2", "EZY.P2", "EAY.P1", "EBY.P1", "EXZ.P2", "EYZ.P2", "EAZ.P1", "EBZ.P1",
         ],
-        cannot: "roll of Z and yaw of Y (no tool off the spindle line); rotary axes (stand still)",
+        cannot: "roll of Z and yaw of Y (no tool off the spindle line); rotary axes (stationary)",
         also: &[("EXX.P1", 3.6), ("EYY.P1", -2.4)],
     },
 ];
@@ -314,7 +314,7 @@ fn name_of(parameter: &Value) -> String {
     if name == "scale" { format!("{}.scale", parameter["effect"].as_str().unwrap()) } else { name.into() }
 }
 
-/// What was found against what was put in.
+/// What was found against the injected values.
 struct Outcome {
     points: u64,
     rms_um: f64,
@@ -360,7 +360,7 @@ fn run(row: &Row, folder: &Path, wrong: &mut Vec<String>) -> Outcome {
             numbers += 1;
             if off > ALLOWED_U * u + SECOND_ORDER {
                 let (own, carried) = (true_value(&name), carried(&name));
-                wrong.push(format!("{}: {name} = {value} ± {u}, put in {own} + {carried}", row.scheme));
+                wrong.push(format!("{}: {name} = {value} ± {u}, injected {own} + {carried}", row.scheme));
             }
             if row.identifies.contains(&name.as_str()) {
                 wanted.push((name, u, parameter["unit"].as_str().unwrap().to_string()));
@@ -401,7 +401,7 @@ fn line(row: &Row, outcome: &Outcome) -> String {
         .filter_map(|(unit, shown)| Some(format!("u ≤ {:.2} {shown}", largest(unit)?)))
         .collect();
     format!(
-        "| {} | {} | {command} | {} | {} | {} numbers of the machine, all within {ALLOWED_U} u of what was put in, worst {:.1} u | {}; {} points, rms {:.2} µm |\n",
+        "| {} | {} | {command} | {} | {} | {} numbers of the machine, all within {ALLOWED_U} u of the injected value, worst {:.1} u | {}; {} points, rms {:.2} µm |\n",
         row.scheme,
         row.source,
         row.identifies.join(", "),

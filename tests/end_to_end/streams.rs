@@ -4,7 +4,7 @@ use crate::program::json;
 use nalgebra::{Point3, Vector3};
 use serde_json::Value;
 use std::path::Path;
-use trunnion_core::AxisLetter::{B, C};
+use trunnion_core::axis::iso::{B, C};
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Quality, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::Model;

@@ -28,3 +28,14 @@ pub struct State {
     /// what the base model predicts.
     pub deflection_mm: Vector3<f64>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run on the fly holds a state for each sample (docs/decisions/0011-joints-by-name.md).
+    #[test]
+    fn a_state_stays_small() {
+        assert_eq!(size_of::<State>(), 600);
+    }
+}

@@ -1,7 +1,7 @@
 //! Formula effects, `formula:NAME`: an expression over the state with named parameters, written in a model file
 //! or found by a diagnosis (docs/design/contracts.md §4).
 //!
-//! Symbols, inside units: `A B C` rad, `X Y Z` mm, `vB` and `aB` velocity and acceleration (per s, per s²), `dirB` −1, 0, 1,
+//! Symbols, inside units: `A B C` rad, `X Y Z` mm, other joints of the machine by name (`j1`, `vj1`), `vB` and `aB` velocity and acceleration (per s, per s²), `dirB` −1, 0, 1,
 //! `sinceB` travel since B last turned round, `t` s since the first point, `T_NAME` change of temperature channel NAME since
 //! its first value, K; `pi`. Every other name is a parameter.
 //! A parameter that enters linearly by structure is fitted, in µm (`dx dy dz`) or µrad (`ea eb ec`) per unit of
@@ -115,7 +115,7 @@ impl Formula {
 
     /// Why the formula is out of reach in this scene: it uses the time or a temperature channel that is not there.
     pub fn out_of_reach(&self, scene: &Scene) -> Option<String> {
-        self.expression.names().into_iter().find_map(|(name, _)| match symbol(name)? {
+        self.expression.names().into_iter().find_map(|(name, _)| match symbol(name, &scene.machine)? {
             Symbol::Time if !scene.has_time() => Some("needs time stamps, for t".into()),
             Symbol::Temperature(channel) if !scene.channels.iter().any(|c| c == channel) => {
                 let known = scene.channels.iter().map(String::as_str);
@@ -153,7 +153,7 @@ impl Formula {
     pub fn motions(&self, scene: &Scene, shape: &[f64], state: &State, emit: Emit<'_>) {
         for (i, parameter) in self.linear.iter().enumerate() {
             let coefficient = self.expression.value(&|name| {
-                if let Some(symbol) = symbol(name) {
+                if let Some(symbol) = symbol(name, &scene.machine) {
                     return symbol.value(scene, state);
                 }
                 if let Some(k) = self.nonlinear.iter().position(|p| p == name) {
@@ -182,7 +182,7 @@ fn wrong(key: &'static str, found: &str, allowed: &str) -> FormulaError {
 }
 
 fn site(text: &str, machine: &Machine) -> Result<Site, FormulaError> {
-    let axis = text.strip_prefix("axis:").and_then(AxisLetter::parse).filter(|&l| machine.axis(l).is_some());
+    let axis = text.strip_prefix("axis:").and_then(|name| machine.joint(name));
     match (text, axis) {
         (_, Some(letter)) => Ok(Site::Joint(letter)),
         ("ball", _) => Ok(Site::TableBall),

@@ -151,7 +151,7 @@ fn inside(values: ByAxis) -> AxisValues<f64> {
 }
 
 fn by_letter(values: ByAxis, inside: impl Fn(AxisLetter, f64) -> f64) -> AxisValues<f64> {
-    AxisValues::from_fn(|letter| {
+    AxisValues::of(AxisLetter::ALL, |letter| {
         values
             .iter()
             .find(|(name, _)| *name == letter.as_str())

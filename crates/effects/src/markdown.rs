@@ -27,8 +27,8 @@ axis, LL for a pair of linear axes. Anything else can be written as a `formula:N
 Sources: @SOURCES@, ISO standards by number;
 all in [references](references.md). Where physics.md is named, the equation is derived in [physics](physics.md).
 
-Each picture shows a typical case as an instrument reads it. Over poses (B and C) and turns it shows what is left of the
-effect after location errors and ball setting have taken their share: the shape to look for in a residual. Circles are
+Each picture shows a typical case as an instrument reads it. Over poses (B and C) and turns it shows the residual of the
+effect after a fit of location errors and ball setting: the shape to look for in a residual. Circles are
 drawn enlarged around their nominal radius, after centring.
 ";
 
@@ -100,7 +100,7 @@ fn section(text: &mut String, effect: &Effect) {
         ("Typical size", about.typical),
         ("Seen by", about.seen_by),
         ("Needs", &texts(about.needs)),
-        ("Told from its likes by", &texts(about.helps)),
+        ("Separated from similar effects by", &texts(about.helps)),
         ("Equation", about.equation),
         ("Symbols", about.symbols),
         ("Parameters", &parameters(effect)),

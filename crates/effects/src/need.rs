@@ -101,7 +101,7 @@ impl Need {
             Self::FinerStep => "a finer step of the poses, or readings on the fly",
             Self::AnotherLoad => "another load on the table",
             Self::Return => "a return to the first pose, or a wait and a repeat",
-            Self::Volume => "five places of the axis or more while the rotary axes stand still",
+            Self::Volume => "five places of the axis or more while the rotary axes are stationary",
             Self::Targets => "an artefact with several targets",
             Self::KnownSteps => "known steps of the ball (nest calibration)",
         }

@@ -5,7 +5,8 @@ use crate::history::{History, histories};
 use crate::path::{Path, path};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
-use trunnion_core::{AxisLetter, AxisValues, State, Twist};
+use trunnion_core::axis::SLOTS;
+use trunnion_core::{AxisLetter, AxisValues, Slot, State, Twist};
 use trunnion_machine::{Machine, Side, Site};
 
 /// The experiment an effect is placed in. Built from all points of all runs that are fitted together.
@@ -148,7 +149,7 @@ impl Scene {
         channels: Vec<String>,
         states: impl Iterator<Item = &'a State> + Clone,
     ) -> Self {
-        let axis_range = |value: fn(&State, AxisLetter) -> f64| {
+        let axis_range = |value: fn(&State, Slot) -> f64| {
             AxisValues::from_fn(|letter| {
                 range(states.clone().map(|s| value(s, letter))).unwrap_or((0.0, 0.0))
             })
@@ -267,10 +268,11 @@ pub const MOST_PLACES: usize = 6;
 /// See [`Scene::places_at_one_pose`].
 fn places_at_one_pose<'a>(states: impl Iterator<Item = &'a State>) -> AxisValues<usize> {
     let rounded = |value: f64| (value / SAME_POSITION).round() as i64;
-    let mut at_pose: HashMap<[i64; 3], AxisValues<Vec<i64>>> = HashMap::new();
+    let mut at_pose: HashMap<[i64; SLOTS], AxisValues<Vec<i64>>> = HashMap::new();
     for state in states {
-        let places = at_pose.entry(AxisLetter::ROTARY.map(|l| rounded(state.position[l]))).or_default();
-        for letter in AxisLetter::LINEAR {
+        let pose = AxisValues::from_fn(|l| if l.is_rotary() { rounded(state.position[l]) } else { 0 });
+        let places = at_pose.entry(pose.0).or_default();
+        for letter in Slot::ALL.into_iter().filter(|slot| !slot.is_rotary()) {
             let (seen, here) = (&mut places[letter], rounded(state.position[letter]));
             if seen.len() < MOST_PLACES && !seen.contains(&here) {
                 seen.push(here);
@@ -281,7 +283,7 @@ fn places_at_one_pose<'a>(states: impl Iterator<Item = &'a State>) -> AxisValues
 }
 
 /// Smallest step between two positions of an axis at rest; see [`Scene::position_step`].
-fn step<'a>(states: impl Iterator<Item = &'a State> + Clone, letter: AxisLetter) -> f64 {
+fn step<'a>(states: impl Iterator<Item = &'a State> + Clone, letter: Slot) -> f64 {
     if states.clone().any(|s| s.velocity[letter] != 0.0) {
         return 0.0;
     }

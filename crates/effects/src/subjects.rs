@@ -12,13 +12,13 @@ pub fn every_rotary(machine: &Machine) -> Vec<Subject> {
 
 /// One subject for every linear axis of the machine.
 pub fn every_linear(machine: &Machine) -> Vec<Subject> {
-    AxisLetter::LINEAR.into_iter().filter(|&l| machine.axis(l).is_some()).map(Subject::Axis).collect()
+    machine.linear_joints().into_iter().map(Subject::Axis).collect()
 }
 
 /// One subject for every linear axis that slides on a guideway: legs in parallel have none.
 pub fn every_slide(machine: &Machine) -> Vec<Subject> {
-    let slides = |letter: AxisLetter| machine.axis(letter).is_some() && !machine.is_leg(letter);
-    AxisLetter::LINEAR.into_iter().filter(|&letter| slides(letter)).map(Subject::Axis).collect()
+    let slides = |letter: &AxisLetter| !machine.is_leg(*letter);
+    machine.linear_joints().into_iter().filter(slides).map(Subject::Axis).collect()
 }
 
 /// One subject for every axis of the machine.

@@ -19,7 +19,7 @@ mod tracker;
 pub use settings::{Quantity, Setting};
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Setup, State, Twist};
+use trunnion_core::{AxisValues, InstrumentKind, Setup, State, Twist};
 use trunnion_machine::propagation::JointFrame;
 use trunnion_machine::{Errors, MOST_INNER, Machine, Side, Site};
 
@@ -153,7 +153,7 @@ impl<'a> Projector<'a> {
     /// The nominal situation at the position and target of `state`.
     pub fn new(machine: &Machine, setup: &'a Setup, state: &State) -> Self {
         let contact = Contact::new(machine, setup, state, &Errors::default());
-        let joints = AxisValues::from_fn(|letter: AxisLetter| {
+        let joints = AxisValues::of(machine.joints(), |letter| {
             Some((machine.side(letter)?, machine.joint_frame(letter, &state.position)?))
         });
         Self { setup, instrument: instrument(setup.instrument), contact, joints }

@@ -1,5 +1,5 @@
 use super::*;
-use trunnion_core::{Artefact, NestSide, Target};
+use trunnion_core::{Artefact, AxisLetter, NestSide, Target};
 use trunnion_machine::shipped;
 
 /// A setup of this kind with all it needs.
@@ -55,7 +55,7 @@ fn columns_are_the_derivatives_of_the_exact_prediction() {
             let sites = [Site::TableBall, Site::SpindleBall, Site::Reading]
                 .into_iter()
                 .chain((0..MOST_INNER).map(Site::Instrument))
-                .chain(AxisLetter::ALL.into_iter().filter(|&l| machine.axis(l).is_some()).map(Site::Joint));
+                .chain(machine.joints().into_iter().map(Site::Joint));
             for site in sites {
                 for k in 0..6 {
                     if k >= 3 && !matches!(site, Site::Joint(_) | Site::TableBall) {

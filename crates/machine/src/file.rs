@@ -5,7 +5,12 @@ mod legs;
 use crate::{Axis, AxisFacts, Machine};
 use nalgebra::{Point3, Unit, Vector3};
 use trunnion_core::input::{Document, Table};
+use trunnion_core::names::nearest;
 use trunnion_core::{AxisLetter, Problems, convert};
+
+/// What stands before the name of a joint in an expression for its velocity, acceleration, direction and travel since it
+/// turned round.
+pub const QUANTITY_PREFIXES: [&str; 4] = ["v", "a", "dir", "since"];
 
 /// Largest coordinate a machine file may name, mm.
 const FARTHEST_MM: f64 = 100_000.0;
@@ -26,14 +31,10 @@ fn read(name: &str, document: &Document<'_>) -> Option<Machine> {
     let root = document.root();
     let format = root.format("trunnion-machine/1");
     root.optional_string("about");
-    let chains = [side(&root, "table"), side(&root, "tool")];
-    let letters: Vec<AxisLetter> = chains.iter().flatten().flatten().copied().collect();
-    for (i, letter) in letters.iter().enumerate() {
-        if letters[..i].contains(letter) {
-            root.problem("tool", format!("names {letter} twice"), "each axis once, in table or in tool", "");
-        }
-    }
+    let names = [root.strings("table"), root.strings("tool")];
     let tables = root.table("axis")?;
+    let chains = joints(&root, &tables, &names)?;
+    let letters: Vec<AxisLetter> = chains.iter().flatten().flatten().copied().collect();
     let parallel = root.has("tripod").then(|| legs::legs(&root, &tables, chains[1].as_deref()));
     let of_legs: Vec<AxisLetter> = match (&parallel, &chains[1]) {
         (Some(_), Some(tool)) => tool.iter().copied().take(3).collect(),
@@ -60,21 +61,79 @@ fn read(name: &str, document: &Document<'_>) -> Option<Machine> {
     })
 }
 
-fn side(root: &Table<'_>, key: &str) -> Option<Vec<AxisLetter>> {
-    let names = root.strings(key)?;
-    let letters: Option<Vec<_>> = names.iter().map(|name| AxisLetter::parse(name)).collect();
-    if letters.is_none() {
-        root.problem(key, format!("= {names:?}"), "axis letters X, Y, Z, A, B, C", "");
+/// The joints of both chains; a letter of ISO 841 has its kind, of any other name the table of the axis says it.
+fn joints(
+    root: &Table<'_>,
+    tables: &Table<'_>,
+    sides: &[Option<Vec<String>>; 2],
+) -> Option<[Option<Vec<AxisLetter>>; 2]> {
+    let names: Vec<&str> = sides.iter().flatten().flatten().map(String::as_str).collect();
+    for (i, name) in names.iter().enumerate() {
+        if names[..i].iter().any(|other| other.eq_ignore_ascii_case(name)) {
+            root.problem("tool", format!("names {name} twice"), "each axis once, in table or in tool", "");
+            return None;
+        }
     }
-    letters
+    let with_kind: Option<Vec<_>> = names
+        .iter()
+        .map(|&name| match AxisLetter::parse(name) {
+            Some(letter) => Some((name, letter.is_rotary())),
+            None => {
+                let kind = table_of(tables, name)?.optional_string("kind");
+                Some((name, kind.as_deref() == Some("rotary")))
+            }
+        })
+        .collect();
+    let joints = match AxisLetter::chain(&with_kind?) {
+        Ok(joints) => joints,
+        Err(error) => {
+            let key = if sides[1].as_ref().is_some_and(|tool| !tool.is_empty()) { "tool" } else { "table" };
+            let allowed = "letters X Y Z U V W A B C, or names such as j1, S, track";
+            root.problem(key, format!("= {names:?}: {error}"), allowed, "");
+            return None;
+        }
+    };
+    if let Some((a, b)) = alike(&joints) {
+        let allowed = "names that expressions can tell from each other";
+        root.problem("tool", format!("has joints {a} and {b}: {b} is also a quantity of {a}"), allowed, "");
+    }
+    let on_table = sides[0].as_ref().map_or(0, Vec::len);
+    let side = |of: &Option<Vec<String>>, joints: &[AxisLetter]| of.as_ref().map(|_| joints.to_vec());
+    Some([side(&sides[0], &joints[..on_table]), side(&sides[1], &joints[on_table..])])
+}
+
+/// Two joints of which one name is a prefix of expressions (v, a, dir, since) and the other.
+fn alike(joints: &[AxisLetter]) -> Option<(AxisLetter, AxisLetter)> {
+    let letters = AxisLetter::ISO;
+    let pairs = letters.iter().chain(joints).flat_map(|&a| joints.iter().map(move |&b| (a, b)));
+    pairs
+        .into_iter()
+        .find(|(a, b)| QUANTITY_PREFIXES.iter().any(|prefix| format!("{prefix}{}", a.as_str()) == b.as_str()))
+}
+
+/// The table of a joint, or a problem with the nearest name of those there are.
+fn table_of<'d>(tables: &Table<'d>, joint: &str) -> Option<Table<'d>> {
+    let keys = tables.keys();
+    if keys.iter().any(|key| key == joint) {
+        return tables.optional_table(joint);
+    }
+    let near = nearest(joint, keys.iter().map(String::as_str));
+    let advice = near.map_or(String::new(), |near| format!("Did you mean {near}?"));
+    tables.problem(joint, "is missing", "a table for each axis of table and tool", &advice);
+    None
 }
 
 fn axis(tables: &Table<'_>, letter: AxisLetter) -> Option<Axis> {
-    let table = tables.table(letter.as_str())?;
+    let table = table_of(tables, letter.as_str())?;
     let kind = table.one_of("kind", &["linear", "rotary"]);
     let rotary = letter.is_rotary();
     if kind.as_deref().is_some_and(|kind| (kind == "rotary") != rotary) {
-        table.problem("kind", "does not fit the letter", "linear for X, Y, Z; rotary for A, B, C", "");
+        table.problem(
+            "kind",
+            "does not fit the letter",
+            "linear for X, Y, Z, U, V, W; rotary for A, B, C",
+            "",
+        );
     }
     let direction = table.vector3("direction");
     if direction.is_some_and(|d| d.norm() < 1e-6) {

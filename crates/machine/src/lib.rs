@@ -13,12 +13,13 @@ pub mod shipped;
 mod site;
 pub mod tripod;
 
+pub use file::QUANTITY_PREFIXES;
 pub use kinematics::JointErrors;
 pub use site::{Errors, MOST_INNER, Site};
 pub use tripod::{Leg, Tripod};
 
 use nalgebra::{Point3, Unit, Vector3};
-use trunnion_core::{AxisLetter, Twist};
+use trunnion_core::{AxisLetter, Twist, names};
 
 /// A machine as its file describes it (docs/design/contracts.md §3).
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +86,33 @@ impl Machine {
     /// Every axis: table side from the bed, then tool side from the bed.
     pub fn axes(&self) -> impl Iterator<Item = &Axis> {
         self.table.iter().rev().chain(&self.tool)
+    }
+
+    /// Its joints in the order of their slots: X Y Z A B C U V W, others among them.
+    pub fn joints(&self) -> Vec<AxisLetter> {
+        let mut joints: Vec<AxisLetter> = self.axes().map(|axis| axis.letter).collect();
+        joints.sort();
+        joints
+    }
+
+    /// Its linear joints in the order of their slots.
+    pub fn linear_joints(&self) -> Vec<AxisLetter> {
+        self.joints().into_iter().filter(|joint| !joint.is_rotary()).collect()
+    }
+
+    /// Its rotary joints in the order of their slots.
+    pub fn rotary_joints(&self) -> Vec<AxisLetter> {
+        self.joints().into_iter().filter(|joint| joint.is_rotary()).collect()
+    }
+
+    /// The joint called `name`, in upper or lower case.
+    pub fn joint(&self, name: &str) -> Option<AxisLetter> {
+        self.axes().map(|axis| axis.letter).find(|joint| joint.as_str().eq_ignore_ascii_case(name))
+    }
+
+    /// What may stand in place of a `name` that no joint has.
+    pub fn joints_near(&self, name: &str) -> String {
+        names::allowed(name, self.joints().iter().map(|joint| joint.as_str()))
     }
 
     /// The axis with this letter.

@@ -30,13 +30,12 @@ impl Machine {
         position: &AxisValues<f64>,
         ball_in_table_mm: &Point3<f64>,
     ) -> Option<AxisValues<f64>> {
-        let moved: Vec<AxisLetter> =
-            AxisLetter::LINEAR.into_iter().filter(|&letter| self.axis(letter).is_some()).collect();
-        if moved.len() < 3 {
+        let moved = AxisLetter::LINEAR;
+        if moved.iter().any(|&letter| self.axis(letter).is_none()) {
             return None;
         }
         let mut start = *position;
-        for letter in AxisLetter::LINEAR {
+        for letter in moved {
             start[letter] = 0.0;
         }
         self.approach(start, &moved, ball_in_table_mm, None)

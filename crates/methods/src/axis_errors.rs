@@ -9,7 +9,7 @@
 //! axis line (rotary) or the travelling carriage (linear), as everywhere in the program. Limits: valid over the measured
 //! range of the axis; only numbers the data determine take part.
 
-use trunnion_core::{AxisLetter, AxisValues, State, Twist, convert};
+use trunnion_core::{AxisLetter, AxisValues, Slot, State, Twist, convert};
 use trunnion_effects::{Instance, Model, Scene};
 use trunnion_engine::{Experiment, FittedParameter, Identification, IdentifyError};
 use trunnion_machine::{JointErrors, Site};
@@ -147,7 +147,7 @@ impl Fitted {
             }
             let changes = |state: &State| {
                 let (changed, elsewhere) = self.motions(scene, state);
-                elsewhere || AxisLetter::ALL.into_iter().any(|k| differ(&changed[k], &joints[k]))
+                elsewhere || Slot::ALL.into_iter().any(|k| differ(&changed[k], &joints[k]))
             };
             if let Some(what) = changed_states(scene, &here).into_iter().find(|(_, state)| changes(state)) {
                 return Some(format!("it depends on {}", what.0));
@@ -158,7 +158,7 @@ impl Fitted {
                 });
                 let (changed, _) = self.motions(scene, &moved);
                 let also = |joint: &AxisLetter| *joint != other && differ(&changed[*joint], &joints[*joint]);
-                if let Some(joint) = AxisLetter::ALL.into_iter().find(also) {
+                if let Some(joint) = scene.machine.joints().into_iter().find(also) {
                     return Some(format!("its motion at {joint} depends on the position of {other}"));
                 }
             }
@@ -170,7 +170,7 @@ impl Fitted {
 /// A state at rest with the axes where `position` says.
 pub(crate) fn state_at(scene: &Scene, position: impl Fn(AxisLetter) -> f64) -> State {
     State {
-        position: AxisValues::from_fn(position),
+        position: AxisValues::of(scene.machine.joints(), position),
         time_s: scene.time_range_s.map(|(first, _)| first),
         temperature_degc: scene.first_temperature_degc.clone(),
         ..State::default()
@@ -181,7 +181,7 @@ pub(crate) fn state_at(scene: &Scene, position: impl Fn(AxisLetter) -> f64) -> S
 fn along(scene: &Scene, letter: AxisLetter, probe: usize) -> f64 {
     let (low, high) = scene.position_range[letter];
     // Fractions of multiples of the golden ratio never repeat.
-    let u = (0.61803 * (probe + 1) as f64 + 0.1731 * letter as usize as f64).fract();
+    let u = (0.61803 * (probe + 1) as f64 + 0.1731 * letter.index() as f64).fract();
     low + (high - low) * u
 }
 

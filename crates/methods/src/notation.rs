@@ -96,7 +96,7 @@ impl Component {
         match notation {
             Notation::Absolute => self.parameter(),
             Notation::Relative => {
-                let what = ["δx", "δy", "δz", "α", "β", "γ"][self.direction as usize];
+                let what = ["δx", "δy", "δz", "α", "β", "γ"][self.direction.index()];
                 format!("{what}_{}{}", self.axis, self.against)
             }
         }

@@ -205,7 +205,7 @@ fn unseen(fit: &Identification, columns: &Columns, map: &DMatrix<f64>) -> Vec<Un
         let (shift_mm, turn_rad) = (part(0..3), part(3..6));
         let moved = |letter: &AxisLetter| {
             let part = if letter.is_rotary() { turn_rad } else { shift_mm };
-            let component = *letter as usize;
+            let component = letter.index();
             part > 0.0 && largest(&whole, component..component + 1) > MOVES * part
         };
         AxisLetter::ALL.into_iter().filter(moved).collect()

@@ -118,6 +118,15 @@ pub struct AxisBatch {
     pub held: ::prost::alloc::vec::Vec<bool>,
     #[prost(sint64, repeated, tag = "13")]
     pub skew_ns_delta: ::prost::alloc::vec::Vec<i64>,
+    #[prost(message, repeated, tag = "14")]
+    pub more: ::prost::alloc::vec::Vec<JointBatch>,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct JointBatch {
+    #[prost(uint32, tag = "1")]
+    pub place: u32,
+    #[prost(double, repeated, tag = "2")]
+    pub position_mm_rad: ::prost::alloc::vec::Vec<f64>,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Point {
@@ -212,7 +221,7 @@ pub struct PlotSample {
     #[prost(double, tag = "1")]
     pub value_um: f64,
 }
-#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+#[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PlotAxes {
     #[prost(double, tag = "1")]
     pub x_mm: f64,
@@ -226,4 +235,12 @@ pub struct PlotAxes {
     pub b_deg: f64,
     #[prost(double, tag = "6")]
     pub c_deg: f64,
+    #[prost(double, tag = "7")]
+    pub u_mm: f64,
+    #[prost(double, tag = "8")]
+    pub v_mm: f64,
+    #[prost(double, tag = "9")]
+    pub w_mm: f64,
+    #[prost(double, repeated, tag = "10")]
+    pub more_deg: ::prost::alloc::vec::Vec<f64>,
 }

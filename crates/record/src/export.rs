@@ -10,19 +10,14 @@ use trunnion_cycles::Run;
 /// The good points of a run as `points.csv`; unsettled points and those without a reading are left out.
 /// Importing it again gives the same points to the printed digits (0.1 nm, 0.1 µdeg, 1 µs, 0.1 mK).
 pub fn points_csv(run: &Run) -> String {
-    let axes: Vec<AxisLetter> =
-        AxisLetter::ALL.into_iter().filter(|&letter| run.machine.axis(letter).is_some()).collect();
-    let rotary: Vec<AxisLetter> = axes.iter().copied().filter(|letter| letter.is_rotary()).collect();
+    let (axes, rotary) = (run.machine.joints(), run.machine.rotary_joints());
     let columns = reading_columns(run.setups.iter().map(|setup| setup.instrument));
     let targets = run.setups.iter().any(|setup| setup.artefact.is_some());
 
     let mut names = vec!["setup".to_string()];
     names.extend(targets.then(|| "target".into()));
     names.extend(run.has_time().then(|| "time_s".into()));
-    names.extend(
-        axes.iter()
-            .map(|letter| format!("{}_{}", letter.lower(), if letter.is_rotary() { "deg" } else { "mm" })),
-    );
+    names.extend(axes.iter().copied().map(position_column));
     names.extend(rotary.iter().map(|letter| format!("direction_{}", letter.lower())));
     names.extend(columns.iter().map(|column| column.name().into()));
     names.extend(run.channels.iter().map(|channel| format!("{channel}_degc")));
@@ -87,11 +82,19 @@ pub fn probe_samples_csv(header: &RunHeader, samples: &[ProbeSample]) -> String 
     table
 }
 
-/// Axis positions: `time_s,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg`.
-pub fn axis_samples_csv(samples: &[AxisSample]) -> String {
-    let mut table = String::from("time_s,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n");
+/// Column of the position of a joint: `x_mm`, `j1_deg`.
+pub(crate) fn position_column(joint: AxisLetter) -> String {
+    format!("{}_{}", joint.lower(), if joint.is_rotary() { "deg" } else { "mm" })
+}
+
+/// Positions of the joints of a machine: `time_s,x_mm,…,c_deg`.
+pub fn axis_samples_csv(joints: &[AxisLetter], samples: &[AxisSample]) -> String {
+    let names = joints.iter().copied().map(position_column);
+    let names: Vec<String> = std::iter::once("time_s".into()).chain(names).collect();
+    let mut table = names.join(",") + "\n";
     for sample in samples {
-        let cells = sample.position.iter().map(|(letter, &value)| {
+        let cells = joints.iter().map(|&letter| {
+            let value = sample.position[letter];
             digits(if letter.is_rotary() { convert::deg_from_rad(value) } else { value }, 7)
         });
         let cells: Vec<String> = std::iter::once(digits(sample.time_s, 9)).chain(cells).collect();

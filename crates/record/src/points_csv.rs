@@ -3,9 +3,10 @@
 //! Columns in any order, units in their names. Every problem of the file is reported at once, with line,
 //! column, what was found and what is allowed.
 
-use crate::export::reading_columns;
+use crate::export::{position_column, reading_columns};
 use std::collections::HashSet;
 use trunnion_core::direction::fill_directions;
+use trunnion_core::names::nearest;
 use trunnion_core::setup::parse_setup_file;
 use trunnion_core::{
     AxisLetter, InstrumentKind, Point, Problem, Problems, Quality, ReadingColumn, Setup, State, convert,
@@ -122,7 +123,8 @@ fn read(
         return Err(notes.finish());
     }
     let stated: HashSet<&Column> = columns.iter().flatten().collect();
-    let unstated = AxisLetter::ALL.into_iter().filter(|&letter| !stated.contains(&Column::Direction(letter)));
+    let joints = machine.map_or_else(Vec::new, Machine::joints);
+    let unstated = joints.into_iter().filter(|&letter| !stated.contains(&Column::Direction(letter)));
     fill_directions(&mut points, &unstated.collect::<Vec<_>>());
     let channels = columns.iter().flatten().filter_map(|column| match column {
         Column::Temperature(name) => Some(name.clone()),
@@ -140,26 +142,45 @@ fn read_header(
 ) -> Vec<Option<Column>> {
     let every_kind = InstrumentKind::NAMES.map(|(_, kind)| kind).to_vec();
     let kinds = setups.map_or(every_kind, |setups| setups.iter().map(|setup| setup.instrument).collect());
-    let moves = |letter| machine.is_none_or(|machine| machine.axis(letter).is_some());
+    let joints = machine.map_or_else(|| AxisLetter::ISO.to_vec(), Machine::joints);
     let mut required = vec![Column::Setup];
-    required.extend(AxisLetter::ALL.into_iter().filter(|&letter| moves(letter)).map(Column::Position));
-    required.extend(reading_columns(kinds.iter().copied()).into_iter().map(Column::Reading));
+    required.extend(joints.iter().copied().map(Column::Position));
+    let readings = reading_columns(kinds.iter().copied());
+    if let Some(name) =
+        readings.iter().map(|column| column.name()).find(|name| required.iter().any(|c| c.name() == *name))
+    {
+        let found = format!("{name} is a reading of an instrument and the position of a joint");
+        notes.add(
+            line,
+            1,
+            &found,
+            "a machine without a joint of that name",
+            "Rename the joint in the machine file.",
+        );
+    }
+    required.extend(readings.into_iter().map(Column::Reading));
     if setups.is_none_or(|setups| setups.iter().any(|setup| setup.artefact.is_some())) {
         required.push(Column::Target);
     }
     let mut allowed = required.clone();
     allowed.push(Column::Time);
-    allowed.extend(AxisLetter::ALL.into_iter().filter(|&letter| moves(letter)).map(Column::Direction));
+    allowed.extend(joints.into_iter().map(Column::Direction));
     let names = allowed.iter().map(Column::name).collect::<Vec<_>>().join(", ") + ", NAME_degc";
 
     let mut columns: Vec<Option<Column>> = Vec::new();
     for (at, cell) in cells(header) {
-        let column =
-            Column::parse(cell).filter(|c| matches!(c, Column::Temperature(_)) || allowed.contains(c));
-        if column.is_none() {
-            let advice = if header.contains(';') { "Separate the columns by commas." } else { "" };
-            notes.add(line, at, &format!("column \"{cell}\""), &names, advice);
-        } else if columns.contains(&column) {
+        let column = Column::parse(cell, &allowed);
+        if column.is_none() && (machine.is_some() || !may_be_joint(cell)) {
+            let advice = match nearest(
+                cell,
+                allowed.iter().map(Column::name).collect::<Vec<_>>().iter().map(String::as_str),
+            ) {
+                _ if header.contains(';') => "Separate the columns by commas.".into(),
+                Some(near) => format!("Did you mean {near}?"),
+                None => String::new(),
+            };
+            notes.add(line, at, &format!("column \"{cell}\""), &names, &advice);
+        } else if column.is_some() && columns.contains(&column) {
             notes.add(line, at, &format!("column \"{cell}\" appears twice"), "each column once", "");
         }
         columns.push(column);
@@ -171,6 +192,11 @@ fn read_header(
         }
     }
     columns
+}
+
+/// Without its machine nobody knows whether a column is about one of its joints.
+fn may_be_joint(name: &str) -> bool {
+    name.ends_with("_deg") || name.ends_with("_mm") || name.starts_with("direction_")
 }
 
 fn read_row(
@@ -264,23 +290,18 @@ fn read_target(
 }
 
 impl Column {
-    fn parse(name: &str) -> Option<Self> {
-        let fixed = [Self::Setup, Self::Time, Self::Target].into_iter();
-        let axes =
-            AxisLetter::ALL.into_iter().flat_map(|letter| [Self::Position(letter), Self::Direction(letter)]);
-        let readings = reading_columns(InstrumentKind::NAMES.into_iter().map(|(_, kind)| kind));
-        let mut all = fixed.chain(axes).chain(readings.into_iter().map(Self::Reading));
+    /// The column of this name out of `allowed`. Any other `NAME_degc` is a temperature.
+    fn parse(name: &str, allowed: &[Self]) -> Option<Self> {
         let temperature = || name.strip_suffix("_degc").filter(|name| !name.is_empty());
-        all.find(|column| column.name() == name)
-            .or_else(|| temperature().map(|name| Self::Temperature(name.into())))
+        let known = allowed.iter().find(|column| column.name() == name).cloned();
+        known.or_else(|| temperature().map(|name| Self::Temperature(name.into())))
     }
 
     fn name(&self) -> String {
         match self {
             Self::Setup => "setup".into(),
             Self::Time => "time_s".into(),
-            Self::Position(letter) if letter.is_rotary() => format!("{}_deg", letter.lower()),
-            Self::Position(letter) => format!("{}_mm", letter.lower()),
+            Self::Position(letter) => position_column(*letter),
             Self::Direction(letter) => format!("direction_{}", letter.lower()),
             Self::Target => "target".into(),
             Self::Reading(column) => column.name().into(),

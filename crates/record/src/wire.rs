@@ -8,8 +8,8 @@ use crate::{lossless, schema as pb};
 use nalgebra::Vector3;
 use prost::{DecodeError, Message};
 use trunnion_core::{
-    AxisLetter, AxisSample, AxisValues, Event, Gap, HostTime, Point, ProbeSample, Quality, Role, Setup,
-    Stamp, State, convert,
+    AxisSample, AxisValues, Event, Gap, HostTime, Point, ProbeSample, Quality, Role, Setup, Slot, Stamp,
+    State, convert,
 };
 use trunnion_cycles::RunKind;
 
@@ -277,23 +277,32 @@ fn probes_from(message: pb::ProbeBatch) -> Result<Vec<ProbeSample>, WireError> {
 /// Stamps of axis positions are in ns.
 const AXIS_TICK_S: f64 = 1e-9;
 
+/// Places with a list of their own in `AxisBatch`: X Y Z A B C.
+const NAMED: usize = 6;
+
 /// One batch of axis positions on one clock. `samples` is not empty.
 pub fn encode_axes(samples: &[AxisSample]) -> Encoded {
     let times: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
     let (time_ns_delta, time_ulps) = lossless::encode_times(&times);
-    let positions = |letter: AxisLetter| -> Vec<f64> {
-        let moved = samples.iter().any(|sample| sample.position[letter].to_bits() != 0);
-        if moved { samples.iter().map(|sample| sample.position[letter]).collect() } else { Vec::new() }
+    let positions = |slot: Slot| -> Vec<f64> {
+        let moved = samples.iter().any(|sample| sample.position[slot].to_bits() != 0);
+        if moved { samples.iter().map(|sample| sample.position[slot]).collect() } else { Vec::new() }
     };
+    let more = Slot::ALL[NAMED..].iter().filter_map(|&slot| {
+        let position_mm_rad = positions(slot);
+        let place = slot.index() as u32;
+        (!position_mm_rad.is_empty()).then_some(pb::JointBatch { place, position_mm_rad })
+    });
     let message = pb::AxisBatch {
         time_ns_delta,
         time_ulps,
-        x_mm: positions(AxisLetter::X),
-        y_mm: positions(AxisLetter::Y),
-        z_mm: positions(AxisLetter::Z),
-        a_rad: positions(AxisLetter::A),
-        b_rad: positions(AxisLetter::B),
-        c_rad: positions(AxisLetter::C),
+        x_mm: positions(Slot::ALL[0]),
+        y_mm: positions(Slot::ALL[1]),
+        z_mm: positions(Slot::ALL[2]),
+        a_rad: positions(Slot::ALL[3]),
+        b_rad: positions(Slot::ALL[4]),
+        c_rad: positions(Slot::ALL[5]),
+        more: more.collect(),
         stamp_ns_delta: if samples.iter().any(|sample| sample.stamp.ticks != 0) {
             lossless::deltas(samples.iter().map(|sample| sample.stamp.ticks as i64))
         } else {
@@ -318,7 +327,14 @@ pub fn encode_axes(samples: &[AxisSample]) -> Encoded {
 fn axes_from(m: pb::AxisBatch) -> Result<Vec<AxisSample>, WireError> {
     let wrong = || WireError::Inconsistent("AxisBatch");
     let times = lossless::decode_times(&m.time_ns_delta, &m.time_ulps).ok_or_else(wrong)?;
-    let lists = AxisValues([m.x_mm, m.y_mm, m.z_mm, m.a_rad, m.b_rad, m.c_rad]);
+    let mut lists: AxisValues<Vec<f64>> = AxisValues::default();
+    for (list, named) in lists.0.iter_mut().zip([m.x_mm, m.y_mm, m.z_mm, m.a_rad, m.b_rad, m.c_rad]) {
+        *list = named;
+    }
+    for joint in m.more {
+        let place = usize::try_from(joint.place).ok().filter(|place| *place >= NAMED);
+        *place.and_then(|place| lists.0.get_mut(place)).ok_or_else(wrong)? = joint.position_mm_rad;
+    }
     if lists.0.iter().any(|list| !list.is_empty() && list.len() != times.len()) {
         return Err(wrong());
     }
@@ -352,11 +368,11 @@ pub fn encode_point(index: u64, point: &Point) -> Encoded {
         index,
         time_s: state.time_s,
         setup: u32::try_from(state.setup).unwrap_or(u32::MAX),
-        position_mm_rad: state.position.0.to_vec(),
-        direction: state.direction.0.to_vec(),
-        velocity_per_s: state.velocity.0.to_vec(),
-        acceleration_per_s2: state.acceleration.0.to_vec(),
-        since_reversal_mm_rad: state.since_reversal.0.to_vec(),
+        position_mm_rad: by_place(&state.position),
+        direction: by_place(&state.direction),
+        velocity_per_s: by_place(&state.velocity),
+        acceleration_per_s2: by_place(&state.acceleration),
+        since_reversal_mm_rad: by_place(&state.since_reversal),
         temperature_degc: state.temperature_degc.clone(),
         deflection_mm: state.deflection_mm.as_slice().to_vec(),
         reading_mm: point.reading_mm.to_vec(),
@@ -374,13 +390,12 @@ pub fn encode_point(index: u64, point: &Point) -> Encoded {
 
 fn point_from(m: pb::Point) -> Result<Point, WireError> {
     let point = || {
-        let six = |list: &[f64]| <[f64; 6]>::try_from(list).ok().map(AxisValues);
         let state = State {
-            position: six(&m.position_mm_rad)?,
-            direction: six(&m.direction)?,
-            velocity: six(&m.velocity_per_s)?,
-            acceleration: six(&m.acceleration_per_s2)?,
-            since_reversal: six(&m.since_reversal_mm_rad)?,
+            position: from_places(&m.position_mm_rad)?,
+            direction: from_places(&m.direction)?,
+            velocity: from_places(&m.velocity_per_s)?,
+            acceleration: from_places(&m.acceleration_per_s2)?,
+            since_reversal: from_places(&m.since_reversal_mm_rad)?,
             time_s: m.time_s,
             temperature_degc: m.temperature_degc.clone(),
             setup: usize::try_from(m.setup).ok()?,
@@ -453,11 +468,70 @@ pub fn encode_plot(sample: &ProbeSample) -> Encoded {
 
 /// Axis positions for viewers.
 pub fn encode_plot_axes(sample: &AxisSample) -> Encoded {
-    let [x_mm, y_mm, z_mm, a, b, c] = sample.position.0;
+    let [x_mm, y_mm, z_mm, a, b, c, u_mm, v_mm, w_mm, more @ ..] = sample.position.0;
     let [a_deg, b_deg, c_deg] = [a, b, c].map(convert::deg_from_rad);
-    encoded(Topic::PlotAxes, sample.time_s, 0, &pb::PlotAxes { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg })
+    let moved = more.iter().rposition(|rad| *rad != 0.0).map_or(0, |last| last + 1);
+    let more_deg = more[..moved].iter().copied().map(convert::deg_from_rad).collect();
+    let message = pb::PlotAxes { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg, u_mm, v_mm, w_mm, more_deg };
+    encoded(Topic::PlotAxes, sample.time_s, 0, &message)
+}
+
+/// Values by place: all with a place of their own in `AxisBatch`, then up to the last that is not zero.
+fn by_place(values: &AxisValues<f64>) -> Vec<f64> {
+    let last = values.0.iter().rposition(|value| value.to_bits() != 0).map_or(0, |last| last + 1);
+    values.0[..last.max(NAMED)].to_vec()
+}
+
+fn from_places(list: &[f64]) -> Option<AxisValues<f64>> {
+    let mut values = AxisValues::default();
+    values.0.get_mut(..list.len()).filter(|_| list.len() >= NAMED)?.copy_from_slice(list);
+    Some(values)
 }
 
 fn three(list: &[f64]) -> Option<[f64; 3]> {
     <[f64; 3]>::try_from(list).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of recordings that knew six axes.
+    #[test]
+    fn a_point_of_six_axes_is_read() {
+        let six = |first: f64| vec![first, 0.0, 0.0, 0.0, 0.0, -0.0];
+        let message = pb::Point {
+            position_mm_rad: six(7.0),
+            direction: six(1.0),
+            velocity_per_s: six(0.0),
+            acceleration_per_s2: six(0.0),
+            since_reversal_mm_rad: six(3.0),
+            deflection_mm: vec![0.0; 3],
+            reading_mm: vec![0.0; 3],
+            spread_mm: vec![0.0; 3],
+            quality: "good".into(),
+            ..pb::Point::default()
+        };
+        let point = point_from(message.clone()).unwrap();
+        assert_eq!((point.state.position.0[0], point.state.since_reversal.0[0]), (7.0, 3.0));
+        assert_eq!(point.state.position.0[6..], [0.0; 7]);
+        for wrong in [5, 14] {
+            let wrong = pb::Point { direction: vec![0.0; wrong], ..message.clone() };
+            assert!(point_from(wrong).is_err());
+        }
+    }
+
+    #[test]
+    fn a_list_for_a_place_that_does_not_exist_is_refused() {
+        let batch = |place| pb::AxisBatch {
+            time_ns_delta: vec![0],
+            arrival_ns_delta: vec![0],
+            more: vec![pb::JointBatch { place, position_mm_rad: vec![0.25] }],
+            ..pb::AxisBatch::default()
+        };
+        assert_eq!(axes_from(batch(12)).unwrap()[0].position.0[12], 0.25);
+        for place in [5, 13] {
+            assert!(axes_from(batch(place)).is_err());
+        }
+    }
 }

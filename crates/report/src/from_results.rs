@@ -28,6 +28,7 @@ impl CompareInput {
             points: points_of(experiment, &fit.predicted_mm, &fit.used),
             every: every(experiment),
             on_the_fly: experiment.kinds.contains(&RunKind::OnTheFly),
+            rotary: experiment.machine().rotary_joints(),
             places,
             ladder: Vec::new(),
             diagnosis,

@@ -1,7 +1,7 @@
 //! What a report shows: plain data, whoever computed it.
 
 use nalgebra::{Matrix3, Vector3};
-use trunnion_core::AxisValues;
+use trunnion_core::{AxisLetter, AxisValues};
 use trunnion_effects::Moved;
 use trunnion_engine::Diagnosis;
 use trunnion_engine::compare::Place as WorstPlace;
@@ -22,6 +22,8 @@ pub struct CompareInput {
     pub every: usize,
     /// True when the points were sampled while an axis turned.
     pub on_the_fly: bool,
+    /// Rotary joints of the machine.
+    pub rotary: Vec<AxisLetter>,
     /// Where the model fails most, worst first; empty when no place stands out of the noise.
     pub places: Vec<WorstPlace>,
     /// The list of effects added, with the error after each.

@@ -33,10 +33,10 @@ pub struct Group {
 
 impl Axes {
     /// Which rotary axes moved in these points.
-    pub fn of(points: &[PointView]) -> Self {
-        let mut moved: Vec<_> = AxisLetter::ROTARY
-            .into_iter()
-            .map(|letter| (stations(points, letter).len(), letter))
+    pub fn of(rotary: &[AxisLetter], points: &[PointView]) -> Self {
+        let mut moved: Vec<_> = rotary
+            .iter()
+            .map(|&letter| (stations(points, letter).len(), letter))
             .filter(|(count, _)| *count > 1)
             .collect();
         moved.sort();
@@ -165,7 +165,7 @@ fn sign(value: f64) -> i8 {
 
 /// Every cut of the compare table: title and groups.
 pub fn cuts(input: &CompareInput) -> Vec<(String, Vec<Group>)> {
-    let axes = Axes::of(&input.points);
+    let axes = Axes::of(&input.rotary, &input.points);
     let group = |name: String, keep: &dyn Fn(&PointView) -> bool| {
         let kept: Vec<_> = input.points.iter().filter(|p| !p.outlier && keep(p)).collect();
         Group { name, points: kept.len(), rms_um: rms_um(input, kept.into_iter()) }

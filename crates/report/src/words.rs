@@ -180,11 +180,12 @@ fn location_sentence(parameters: &[ParameterRow], besides: &str) -> Option<Strin
 
 /// `axis B lies 13.6 µm off along Z` from `EZ0B`; `None` for what is no location error.
 fn location_words(name: &str, value: f64) -> Option<String> {
-    let [b'E', direction, b'0', axis] = name.as_bytes() else { return None };
-    let (direction, axis) = (char::from(*direction), char::from(*axis));
+    let (direction, axis) = name.strip_prefix('E')?.split_once('0')?;
+    let ([direction], false) = (direction.as_bytes(), axis.is_empty()) else { return None };
+    let direction = char::from(*direction);
     match direction {
         'X' | 'Y' | 'Z' => Some(format!("axis {axis} lies {} µm off along {direction}", plain(value))),
-        'A' | 'B' | 'C' if direction == axis => {
+        'A' | 'B' | 'C' if axis.strip_prefix(direction) == Some("") => {
             Some(format!("the zero of {axis} is off by {} µrad", plain(value)))
         }
         'A' | 'B' | 'C' => {

@@ -27,15 +27,24 @@ use cell::Cell;
 use mishaps::Hampel;
 use pass::{PassKey, PassSums};
 use std::collections::HashMap;
+use trunnion_core::axis::SLOTS;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::{AxisValues, Point, Quality, State};
+use trunnion_core::{AxisValues, Point, Quality, Slot, State};
 
 pub use pass::{Band, PassSummary};
 
 /// Travel that counts as one unit: 2 mm and 1° (rad).
 pub(crate) const UNIT: AxisValues<f64> = {
     let degree = std::f64::consts::PI / 180.0;
-    AxisValues([2.0, 2.0, 2.0, degree, degree, degree])
+    let mut unit = [2.0; SLOTS];
+    let mut k = 0;
+    while k < SLOTS {
+        if Slot::ALL[k].is_rotary() {
+            unit[k] = degree;
+        }
+        k += 1;
+    }
+    AxisValues(unit)
 };
 /// Width of a block before any merging, units.
 const FINEST: f64 = 0.125;
@@ -300,7 +309,7 @@ fn goes_on(last: &Last, state: &State, pause_s: f64) -> bool {
         (Some(before), Some(now)) => (0.0..=pause_s).contains(&(now - before)),
         _ => true,
     };
-    let travelled = |letter| (state.position[letter] - last.position[letter]).abs() / UNIT[letter];
+    let travelled = |letter: Slot| (state.position[letter] - last.position[letter]).abs() / UNIT[letter];
     in_time && state.position.iter().all(|(letter, _)| travelled(letter) <= 8.0)
 }
 

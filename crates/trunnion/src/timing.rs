@@ -205,9 +205,11 @@ fn nest_motion(plan: &Plan, axis: AxisLetter, position: &AxisValues<f64>) -> Vec
 /// When the fit fails.
 pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, IdentifyError> {
     let scene = &experiment.scene;
-    let turning: Vec<AxisLetter> = AxisLetter::ROTARY
+    let turning: Vec<AxisLetter> = scene
+        .machine
+        .rotary_joints()
         .into_iter()
-        .filter(|&letter| scene.machine.axis(letter).is_some() && scene.speed_range[letter].1 > 0.0)
+        .filter(|&letter| scene.speed_range[letter].1 > 0.0)
         .collect();
     if !scene.on_the_fly || turning.is_empty() {
         return Ok(None);

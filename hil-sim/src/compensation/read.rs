@@ -195,8 +195,8 @@ fn component(line: usize, name: &str) -> Result<(usize, usize), Found> {
 
 /// (axis, direction) from the letters at these places.
 fn letters(name: &str, direction: usize, axis: usize) -> Option<(usize, usize)> {
-    let letter = |at: usize| name.get(at..=at).and_then(AxisLetter::parse);
-    Some((letter(axis)? as usize, letter(direction)? as usize))
+    let letter = |at: usize| name.get(at..=at).and_then(AxisLetter::parse).filter(|l| l.index() < 6);
+    Some((letter(axis)?.index(), letter(direction)?.index()))
 }
 
 fn assemble(numbers: &Numbers, sign: f64) -> Result<Compensation, Found> {
@@ -207,7 +207,7 @@ fn assemble(numbers: &Numbers, sign: f64) -> Result<Compensation, Found> {
     let mut tables = Vec::new();
     for axis in AxisLetter::ALL {
         let mut table: Option<Table> = None;
-        for (&(_, direction), points) in numbers.curves.iter().filter(|((of, _), _)| *of == axis as usize) {
+        for (&(_, direction), points) in numbers.curves.iter().filter(|((of, _), _)| *of == axis.index()) {
             let inside = |argument: f64| if axis.is_rotary() { argument.to_radians() } else { argument };
             let positions: Vec<f64> = points.iter().map(|(argument, _)| inside(*argument)).collect();
             if positions.len() < 2 || positions.windows(2).any(|pair| pair[1] <= pair[0]) {

@@ -41,7 +41,7 @@ pub struct ServerConfig {
 
 impl Default for ServerConfig {
     fn default() -> Self {
-        use AxisLetter::{B, C, X, Y, Z};
+        use trunnion_core::axis::iso::{B, C, X, Y, Z};
         Self {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
             server: "EMCNETSVR".into(),

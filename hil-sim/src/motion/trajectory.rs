@@ -196,8 +196,8 @@ fn lay_out(index: usize, step: &Step, position: &AxisValues<f64>) -> Result<(Pat
 }
 
 fn check_finite(step: usize, position: &AxisValues<f64>) -> Result<(), ProgramError> {
-    match position.iter().find(|(_, value)| !value.is_finite()) {
-        Some((axis, _)) => Err(ProgramError::NotFinite { step, axis }),
+    match AxisLetter::ISO.into_iter().find(|&axis| !position[axis].is_finite()) {
+        Some(axis) => Err(ProgramError::NotFinite { step, axis }),
         None => Ok(()),
     }
 }
@@ -207,8 +207,8 @@ fn check_joined(step: usize, ended: &AxisValues<f64>, path: &Path) -> Result<(),
     let begins = path.at(0.0);
     check_finite(step, &begins)?;
     check_finite(step, &path.at(1.0))?;
-    match begins.iter().find(|(axis, value)| (**value - ended[*axis]).abs() > 1e-6) {
-        Some((axis, &begins)) => Err(ProgramError::Jump { step, axis, begins, ended: ended[axis] }),
+    match AxisLetter::ISO.into_iter().find(|&axis| (begins[axis] - ended[axis]).abs() > 1e-6) {
+        Some(axis) => Err(ProgramError::Jump { step, axis, begins: begins[axis], ended: ended[axis] }),
         None => Ok(()),
     }
 }
@@ -218,7 +218,7 @@ mod tests {
     use super::super::Follow;
     use super::*;
     use std::f64::consts::{PI, TAU};
-    use trunnion_core::AxisLetter::{B, C, X, Y};
+    use trunnion_core::axis::iso::{B, C, X, Y};
 
     /// The ball on a table turning about Z by C, at radius 100.
     fn circle() -> Follow {

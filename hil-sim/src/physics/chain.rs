@@ -61,5 +61,5 @@ fn about_point(point_mm: &Point3<f64>, rotation: &Matrix3<f64>) -> Matrix4<f64> 
 
 /// Unit vector of an axis letter: X and A along x, Y and B along y, Z and C along z.
 pub fn unit(letter: AxisLetter) -> Vector3<f64> {
-    Vector3::ith(letter as usize % 3, 1.0)
+    Vector3::ith(letter.index() % 3, 1.0)
 }

@@ -318,7 +318,7 @@ impl Scene<'_> {
 
     /// (across, along): two directions across an axis and the axis itself, right-handed, in the axes of its carrier.
     fn trihedron(&self) -> [Vector3<f64>; 3] {
-        let i = self.letter() as usize % 3;
+        let i = self.letter().index() % 3;
         [(i + 1) % 3, (i + 2) % 3, i].map(|k| Vector3::ith(k, 1.0))
     }
 }

@@ -33,7 +33,7 @@ impl LocationError {
 
     /// One unit of it, 1 mm or 1 rad.
     pub fn twist(self) -> Twist {
-        let unit = Vector3::ith(self.direction as usize % 3, 1.0);
+        let unit = Vector3::ith(self.direction.index() % 3, 1.0);
         if self.direction.is_rotary() { Twist::rotation(unit) } else { Twist::translation(unit) }
     }
 
@@ -41,7 +41,7 @@ impl LocationError {
     pub fn of(self, errors: &JointErrors) -> f64 {
         let twist = &errors[self.axis];
         let vector = if self.direction.is_rotary() { twist.rotation_rad } else { twist.translation_mm };
-        vector[self.direction as usize % 3]
+        vector[self.direction.index() % 3]
     }
 }
 
@@ -50,10 +50,10 @@ impl LocationError {
 /// EX0B EZ0B EA0B EB0B EC0B EX0C EY0C EA0C.
 pub fn minimum_set(machine: &Machine) -> Vec<LocationError> {
     let mut set: Vec<LocationError> = Vec::new();
-    let mut carrier: Option<(AxisLetter, trunnion_machine::Side)> = None;
+    let mut carrier: Option<(AxisLetter, usize, trunnion_machine::Side)> = None;
     for axis in machine.rotary() {
         let side = machine.side(axis.letter);
-        let along = axis.letter as usize % 3;
+        let along = axis.direction.iamax();
         let across = (0..3).filter(|&k| k != along);
         set.extend(
             across.clone().map(|k| LocationError { axis: axis.letter, direction: AxisLetter::LINEAR[k] }),
@@ -61,13 +61,13 @@ pub fn minimum_set(machine: &Machine) -> Vec<LocationError> {
         for k in across {
             let tilt = LocationError { axis: axis.letter, direction: AxisLetter::ROTARY[k] };
             match carrier {
-                Some((carrier, of)) if Some(of) == side && carrier as usize % 3 == k => {
+                Some((carrier, about, of)) if Some(of) == side && about == k => {
                     set.push(LocationError { axis: carrier, direction: AxisLetter::ROTARY[k] });
                 }
                 _ => set.push(tilt),
             }
         }
-        carrier = side.map(|side| (axis.letter, side));
+        carrier = side.map(|side| (axis.letter, along, side));
     }
     set
 }

@@ -5,7 +5,7 @@ use super::world::{OMEGA, RADIUS_MM};
 
 /// Head of the table.
 pub const HEAD: &str = "\
-| device | transport | samples | stamped on arrival | line as it goes | line of the whole run | delay by gestures | aligned | path, on arrival → aligned |
+| device | transport | samples | stamped on arrival | line as it goes | line of the whole run | delay by synchronisation moves | aligned | path, on arrival → aligned |
 |---|---|---|---|---|---|---|---|---|
 ";
 

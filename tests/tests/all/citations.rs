@@ -8,7 +8,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+pub const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 const REFERENCES: &str = "docs/design/references.md";
 /// This file holds wrong citations on purpose.
 const SELF: &str = "citations.rs";
@@ -325,7 +325,7 @@ fn is_markdown(path: &Path) -> bool {
 }
 
 /// Every `.rs`, `.md` and `.toml` file below `root`, its path relative to it.
-fn files(root: &Path) -> Vec<(PathBuf, String)> {
+pub fn files(root: &Path) -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
     let mut folders = vec![root.to_path_buf()];
     while let Some(folder) = folders.pop() {

@@ -1,5 +1,5 @@
 //! No sample is lost in silence, however slow the computer. What the service does at full rate depends on the computer's speed:
-//! `docs/load.md` has the long trial of an optimised build, tests/peers/run a short one.
+//! `docs/measured/load.md` has the long trial of an optimised build, tests/peers/run a short one.
 
 use std::process::Command;
 

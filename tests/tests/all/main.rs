@@ -5,6 +5,7 @@
 mod citations;
 mod edges;
 mod fault_matrix;
+mod glossary;
 #[path = "../../../crates/cycles/tests/all/nc/interpreter.rs"]
 mod interpreter;
 mod licences;

@@ -7,7 +7,7 @@ use tokio_util::sync::CancellationToken;
 use trunnion_acquire::discovery::{Roles, look, servers};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{parse_devices, start};
-use trunnion_core::AxisLetter::{B, C, X, Y, Z};
+use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::reading::{AxisReading, Execution, Reading};
 use trunnion_core::{AxisLetter, AxisValues};
 use trunnion_hil_sim::devices::opcua::ControllerConfig;

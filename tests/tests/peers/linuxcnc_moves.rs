@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::config::channels;
-use trunnion_core::AxisLetter::{B, C, X, Y, Z};
+use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::{AxisLetter, AxisValues, Clock, State, convert};
 use trunnion_cycles::Cycle;
 use trunnion_cycles::cycle::CourseRules;

@@ -10,7 +10,7 @@ use trunnion_acquire::discovery::{look, servers};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceState, DeviceStatus, parse_devices, start};
 use trunnion_core::AxisLetter;
-use trunnion_core::AxisLetter::{B, C, X, Y, Z};
+use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, SourceGap};
 use trunnion_service::clock::SystemClock;
 use trunnion_tests::peer::PythonPeer;

@@ -154,7 +154,7 @@ impl LinuxCnc {
     }
 
     fn present(&self) -> AxisValues<bool> {
-        AxisValues::from_fn(|letter| self.joints.contains(&letter))
+        AxisValues::of(self.joints.iter().copied(), |_| true)
     }
 }
 

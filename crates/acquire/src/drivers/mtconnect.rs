@@ -60,7 +60,7 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     let signal = table.optional_string("signal");
     let mut axes = AxisValues::default();
     if let Some(named) = table.optional_table("axes") {
-        axes = AxisValues::from_fn(|letter| named.optional_string(letter.as_str()));
+        axes = AxisValues::of(AxisLetter::ISO, |letter| named.optional_string(letter.as_str()));
         named.no_other_keys();
     }
     Some(Arc::new(MtConnect {

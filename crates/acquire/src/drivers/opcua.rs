@@ -192,10 +192,10 @@ fn read_layout(table: &Table<'_>) -> Option<Layout> {
         }
         _ => {
             let named = table.table("nodes")?;
-            let nodes = AxisValues::from_fn(|letter| named.optional_string(letter.as_str()));
+            let nodes = AxisValues::of(AxisLetter::ISO, |letter| named.optional_string(letter.as_str()));
             named.no_other_keys();
             if nodes.0.iter().all(Option::is_none) {
-                table.problem("nodes", "names no axis", "X, Y, Z, A, B, C = \"node id\"", "");
+                table.problem("nodes", "names no axis", "X, Y, Z, A, B, C, U, V, W = \"node id\"", "");
             }
             Some(Layout::Nodes(nodes))
         }
@@ -207,7 +207,7 @@ fn letters(table: &Table<'_>, text: &str) -> Option<Vec<AxisLetter>> {
     let axes: Option<Vec<_>> = letters.iter().map(|c| AxisLetter::parse(&c.to_string())).collect();
     let axes = axes.filter(|axes| !axes.is_empty());
     if axes.is_none() {
-        table.problem("axes", format!("= \"{text}\""), "letters of X, Y, Z, A, B, C", "");
+        table.problem("axes", format!("= \"{text}\""), "letters of X, Y, Z, A, B, C, U, V, W", "");
     }
     axes
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceState, SessionEnd};
-use trunnion_core::AxisLetter::{B, C, X, Y, Z};
+use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::reading::{Execution, Message, ProbeReading, Reading};
 use trunnion_core::{AxisValues, HostTime, Point, Quality};
 use trunnion_cycles::cycle::{Pose, Settle};

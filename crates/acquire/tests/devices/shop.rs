@@ -7,7 +7,7 @@ use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceStatus, parse_devices, start};
-use trunnion_core::AxisLetter::{B, C, X};
+use trunnion_core::axis::iso::{B, C, X};
 use trunnion_core::reading::{Message, Reading, SourceGap};
 use trunnion_core::{AxisValues, Clock, HostTime};
 use trunnion_hil_sim::devices::{CycleState, SimulatedCell, TimeOrigin, World};

@@ -72,8 +72,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let words = volume.words(experiment.machine());
     let fit = trunnion_engine::identify(&experiment, &model, &trunnion_engine::fit::Options::default())?;
     let map = VolumetricMap::new(&experiment, &model, &fit, volume, args.datum)?;
-    let axes: Vec<AxisLetter> =
-        AxisLetter::ALL.into_iter().filter(|&letter| experiment.machine().axis(letter).is_some()).collect();
+    let axes = experiment.machine().joints();
     if let Some(path) = &args.html {
         write(path, &volumetric_html(&map, &words, &trunnion::page::label()))?;
     }

@@ -91,7 +91,7 @@ impl Path {
         let [right, up] = match self {
             Self::Circle { plane } => {
                 let table = machine.machine_from_table(&AxisValues::default(), &JointErrors::default());
-                plane.map(|letter| table.rotation.inverse() * Vector3::ith(letter as usize, 1.0))
+                plane.map(|letter| table.rotation.inverse() * Vector3::ith(letter.index(), 1.0))
             }
             Self::Cone { tilt_rad, .. } => {
                 let tilted = Rotation3::from_axis_angle(&Vector3::y_axis(), *tilt_rad);
@@ -115,7 +115,7 @@ impl Path {
         let (sin, cos) = angle_rad.sin_cos();
         match self {
             Self::Circle { plane } => {
-                let along = |letter: AxisLetter| Vector3::ith(letter as usize, radius_mm);
+                let along = |letter: AxisLetter| Vector3::ith(letter.index(), radius_mm);
                 let apart_mm = along(plane[0]) * cos + along(plane[1]) * sin;
                 let rotary = AxisValues::default();
                 let table = machine.machine_from_table(&rotary, &JointErrors::default()).rotation;

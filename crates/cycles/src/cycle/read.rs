@@ -168,7 +168,7 @@ fn read_feeds(table: &Table<'_>, key: &str) -> Option<Vec<f64>> {
 }
 
 fn read_grid_axis(table: &Table<'_>) -> Option<GridAxis> {
-    let letter = AxisLetter::parse(&table.one_of("axis", &AxisLetter::ALL.map(|l| l.as_str()))?)?;
+    let letter = read_axis(table, "axis", &AxisLetter::ALL)?;
     // Keys carry the unit of the axis.
     let unit = if letter.is_rotary() { "deg" } else { "mm" };
     let list = format!("stations_{unit}");
@@ -224,5 +224,18 @@ fn read_on_the_fly(root: &Table<'_>) -> Option<Motion> {
 }
 
 fn read_letter(table: &Table<'_>, key: &str) -> Option<AxisLetter> {
-    AxisLetter::parse(&table.one_of(key, &["A", "B", "C"])?)
+    read_axis(table, key, &AxisLetter::ROTARY)
+}
+
+/// One of the axes that a cycle can move: other joints have no program here.
+fn read_axis(table: &Table<'_>, key: &str, allowed: &[AxisLetter]) -> Option<AxisLetter> {
+    let name = table.string(key)?;
+    let letter = allowed.iter().copied().find(|letter| letter.as_str() == name);
+    if letter.is_none() {
+        let allowed: Vec<&str> = allowed.iter().map(|letter| letter.as_str()).collect();
+        let advice =
+            "Cycles and NC programs move no other joint; import what was measured with one as points.";
+        table.problem(key, format!("= \"{name}\""), allowed.join(", "), advice);
+    }
+    letter
 }

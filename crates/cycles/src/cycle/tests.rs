@@ -36,6 +36,25 @@ fn a_broken_cycle_names_line_found_and_allowed() {
 }
 
 #[test]
+fn a_cycle_refuses_joints_it_cannot_move() {
+    let text = STATIC.replacen("axis = \"B\"", "axis = \"j1\"", 1);
+    let shown = Cycle::parse("c.toml", &text).unwrap_err().to_string();
+    assert!(shown.contains("= \"j1\"") && shown.contains("move no other joint"), "{shown}");
+
+    let robot = include_str!("../../../machine/tests/data/robot.toml");
+    let robot = Machine::parse("robot", "robot.toml", robot).unwrap();
+    let cycle = Cycle::parse("s1.toml", STATIC).unwrap();
+    let visits = cycle.visits(&robot, &Pace::default()).unwrap_err().to_string();
+    assert!(
+        visits.contains("which machine robot does not have; its axes: j1, j2, j3, j4, j5, j6"),
+        "{visits}"
+    );
+    let program =
+        crate::nc::Program::of_cycle(&cycle, &robot, &CourseRules::default()).unwrap_err().to_string();
+    assert_eq!(program, visits);
+}
+
+#[test]
 fn interleaved_setups_take_turns_pass_by_pass() {
     let text = STATIC.replace("[settle]", "[rounds]\ncount = 2\nwait_s = 60\ninterleave = true\n[settle]");
     let cycle = Cycle::parse("c.toml", &text).unwrap();
@@ -232,7 +251,7 @@ proptest! {
             }
             Motion::Path { path, from_to_rad, feeds_mm_per_s, passes } => {
                 let shape = match path {
-                    Path::Circle { plane } => plane.map(|letter| letter as usize as f64),
+                    Path::Circle { plane } => plane.map(|letter| letter.index() as f64),
                     Path::Cone { half_angle_rad, tilt_rad } => [*half_angle_rad, *tilt_rad],
                 };
                 let mut all = vec![from_to_rad.0, from_to_rad.1];

@@ -316,7 +316,7 @@ impl Tour<'_> {
                         .ok_or_else(|| self.cycle.cannot_follow(self.machine, leg.setup))
                 })
                 .collect::<Result<_, _>>()?;
-            for letter in AxisLetter::ALL {
+            for letter in self.machine.joints() {
                 let [p2, p1, n1, n2] = std::array::from_fn(|k| around[k][letter]);
                 let here = state.position[letter];
                 // Central differences of fourth order.
@@ -354,7 +354,7 @@ impl Tour<'_> {
         let mut state = State { position, setup: leg.setup, ..State::default() };
         if let Some(before) = &self.at {
             let mut longest_s = 0f64;
-            for letter in AxisLetter::ALL {
+            for letter in self.machine.joints() {
                 let travel = position[letter] - before.position[letter];
                 longest_s = longest_s.max(self.seconds(letter, travel));
                 let direction =

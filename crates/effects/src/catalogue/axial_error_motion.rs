@@ -22,7 +22,7 @@ pub(crate) static EFFECT: Effect = Effect {
         typical: "1 µm",
         explanation: "The table rises and falls while it turns.",
         cause: "Axial run-out of the bearing: wavy rings, rollers of unequal size.",
-        seen_by: "Turning the axis with the ball on its line (one radius tells it from a tilt only for n > 1).",
+        seen_by: "Turning the axis with the ball on its line (one radius separates it from a tilt only for n > 1).",
         needs: &[Need::Travel],
         helps: &[Need::TwoRadii],
     },

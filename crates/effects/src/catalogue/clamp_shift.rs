@@ -22,7 +22,7 @@ pub(crate) static EFFECT: Effect = Effect {
         source: "docs/design/physics.md §9.14",
         equation: "at rest: δ = (EXR, EYR, EZR) and a turn about the axis; in motion: 0",
         symbols: "δ shift of the axis in the axes of what carries it, µm; turn about the axis, µrad; at rest = no velocity and no acceleration",
-        validity: "There is no clamp signal: the clamp is taken as closed whenever the axis stands still. Static data alone cannot show it: a shift at every stop is a location error.",
+        validity: "There is no clamp signal: the clamp is taken as closed whenever the axis is stationary. Static data alone cannot show it: a shift at every stop is a location error.",
         typical: "1–5 µm",
         explanation: "The axis is pushed aside when its clamp or brake closes.",
         cause: "Clamp or brake that does not pull evenly, drive that lets go before the clamp holds.",

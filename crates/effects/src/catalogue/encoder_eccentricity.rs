@@ -23,7 +23,7 @@ pub(crate) static EFFECT: Effect = Effect {
         typical: "412.5·e[µm]/D[mm] arcsec: 20 µrad for 1 µm on 100 mm",
         explanation: "The axis turns a little too far and then too little, once or twice a turn.",
         cause: "Errors in the rotary encoder: disc mounted off centre or tilted, or one of two heads out of use.",
-        seen_by: "The axis turned over its whole range with the ball far from its line; another load tells it from gravity wind-up.",
+        seen_by: "The axis turned over its whole range with the ball far from its line; another load separates it from gravity wind-up.",
         needs: &[Need::Travel],
         helps: &[Need::TwoRadii, Need::AnotherLoad],
     },

@@ -22,7 +22,7 @@ pub(crate) static EFFECT: Effect = Effect {
         validity: "Read on the fly; slow against the first resonance.",
         typical: "1–10 µm per m/s²; grows with the square of the feed on a circle",
         explanation: "The machine bends while it accelerates or while an off-centre mass turns fast.",
-        cause: "Mass above or beside the drive, soft drive train, unbalanced table.",
+        cause: "Mass above or next to the drive, soft drive train, unbalanced table.",
         seen_by: "Two feeds: the error grows fourfold when the feed doubles.",
         needs: &[Need::OnTheFly, Need::ChangingSpeed],
         helps: &[Need::TwoFeeds, Need::BothDirections],

@@ -25,7 +25,7 @@ pub(crate) static EFFECT: Effect = Effect {
         typical: "1 µm",
         explanation: "The axis line runs out sideways while it turns.",
         cause: "Bearing run-out: out-of-round rings or rollers of unequal size.",
-        seen_by: "Turning the axis with the ball near its line, at two heights; a second ball radius tells n = 1 from a scale error.",
+        seen_by: "Turning the axis with the ball near its line, at two heights; a second ball radius separates n = 1 from a scale error.",
         needs: &[Need::Travel],
         helps: &[Need::TwoHeights, Need::TwoRadii],
     },

@@ -7,7 +7,7 @@ use crate::{
     About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
 };
 use nalgebra::Vector3;
-use trunnion_core::AxisLetter::{X, Y, Z};
+use trunnion_core::axis::iso::{X, Y, Z};
 use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::{Machine, Site};
 
@@ -23,7 +23,7 @@ pub(crate) static EFFECT: Effect = Effect {
         typical: "10–50 µm/m",
         explanation: "Two linear axes do not meet at a right angle.",
         cause: "Alignment of the guideways, or a machine standing unevenly on its feet.",
-        seen_by: "A circle in the plane of the two axes (45° oval alike in both directions); rotary cycles at two heights.",
+        seen_by: "A circle in the plane of the two axes (45° oval, the same in both directions); rotary cycles at two heights.",
         needs: &[Need::Travel],
         helps: &[Need::TwoHeights],
     },
@@ -66,7 +66,7 @@ fn subjects(machine: &Machine) -> Vec<Subject> {
 
 /// The coordinate direction about which the pair leans, by index.
 fn about(first: AxisLetter, second: AxisLetter) -> usize {
-    3 - first as usize - second as usize
+    3 - first.index() - second.index()
 }
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {

@@ -23,7 +23,7 @@ pub(crate) static EFFECT: Effect = Effect {
         typical: "1–5 µm",
         explanation: "The axis travels along a bow or an S instead of a straight line.",
         cause: "Guideway bent by assembly, by its own weight or by heat.",
-        seen_by: "Poses all along the axis; other balls or bar lengths tell it from rotary errors.",
+        seen_by: "Poses all along the axis; other balls or bar lengths separate it from rotary errors.",
         needs: &[Need::Travel],
         helps: &[Need::TwoRadii],
     },

@@ -21,7 +21,7 @@ pub(crate) static EFFECT: Effect = Effect {
         symbols: "ω turn of the table, µrad; d its axis; e_i place of the mass, unit vector; g unit vector of gravity in the carrier of the axis; twist, tilt compliance × weight × distance, µrad",
         validity: "Same load during the whole experiment; needs a tilted table to turn it.",
         typical: "1–5 µm at the ball",
-        explanation: "A weight beside the axis of the tilted table pulls it round, and over.",
+        explanation: "A weight off the axis of the tilted table pulls it round, and over.",
         cause: "Workpiece or fixture off the centre; weak position loop or bearing of the table.",
         seen_by: "Turning C at several tilts B; with the load moved by 180° the sign flips.",
         needs: &[Need::Travel, Need::SeveralTilts],
@@ -47,7 +47,7 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     golden: Golden {
         source: "Meriam & Kraige, Statics, ch. 2 (moment of a force, M = r × F)",
-        derivation: "On a vertical table a weight beside the axis at half height pulls with its full moment: 20 µrad at 150 mm are 3 µm; above the axis with none.",
+        derivation: "On a vertical table a weight off the axis at half height pulls with its full moment: 20 µrad at 150 mm are 3 µm; above the axis with none.",
         id: "unbalance:C",
         shape: &[],
         values: &[("twist.1", 20.0)],

@@ -16,7 +16,7 @@ pub(super) fn parameters(expression: &Expression, machine: &Machine) -> Result<V
     let letters: Vec<AxisLetter> = machine.axes().map(|axis| axis.letter).collect();
     let mut parameters = Vec::new();
     for (name, column) in expression.names() {
-        match symbol(name) {
+        match symbol(name, machine) {
             Some(Symbol::Of(_, letter)) if machine.axis(letter).is_none() => {
                 return Err(FormulaError::Syntax {
                     column,
@@ -38,8 +38,10 @@ pub(super) fn parameters(expression: &Expression, machine: &Machine) -> Result<V
 /// What a name that is no symbol was probably meant to be; `None` for a parameter.
 fn slip(name: &str, letters: &[AxisLetter]) -> Option<String> {
     let rename = "Give the parameter another name if it is one.";
-    let unit =
-        |suffix: &str| name.strip_suffix(suffix).and_then(AxisLetter::parse).filter(|l| letters.contains(l));
+    let unit = |suffix: &str| {
+        name.strip_suffix(suffix)
+            .and_then(|name| letters.iter().find(|l| l.lower().eq_ignore_ascii_case(name)))
+    };
     if let Some(letter) = unit("_deg") {
         return Some(format!("{letter} is in rad; in degrees it is {letter}*180/pi. {rename}"));
     }
@@ -80,7 +82,7 @@ pub(super) fn degrees(
             return;
         }
         for (angle, other) in [(a, b), (b, a)] {
-            let Some(letter) = angle_of(angle) else { continue };
+            let Some(letter) = angle_of(angle, machine) else { continue };
             let Some((low, high)) = machine.axis(letter).map(|axis| axis.travel) else { continue };
             let largest = low.abs().max(high.abs()).max(TAU);
             let beyond = constants(other, values_of).into_iter().find(|value| value.abs() > largest);
@@ -99,10 +101,10 @@ pub(super) fn degrees(
 }
 
 /// The rotary axis whose angle this is, or the size of its angle.
-fn angle_of(expression: &Expression) -> Option<AxisLetter> {
+fn angle_of(expression: &Expression, machine: &Machine) -> Option<AxisLetter> {
     match &expression.node {
-        Node::Call(Function::Abs, inside) => angle_of(inside),
-        Node::Name(name) => match symbol(name) {
+        Node::Call(Function::Abs, inside) => angle_of(inside, machine),
+        Node::Name(name) => match symbol(name, machine) {
             Some(Symbol::Of(Quantity::Position, letter)) if letter.is_rotary() => Some(letter),
             _ => None,
         },
@@ -127,7 +129,7 @@ pub(super) fn domain(
     shape_value: &impl Fn(&str) -> Option<f64>,
 ) -> Result<(), FormulaError> {
     for sample in 0..SAMPLES {
-        let value_of = |name: &str| match (symbol(name), shape_value(name)) {
+        let value_of = |name: &str| match (symbol(name, machine), shape_value(name)) {
             (Some(symbol), _) => sampled(symbol, machine, sample),
             (None, Some(value)) => value,
             (None, None) => 1.0,
@@ -160,11 +162,11 @@ fn sampled(symbol: Symbol<'_>, machine: &Machine, sample: usize) -> f64 {
     match symbol {
         Symbol::Of(Quantity::Position, letter) => {
             let (low, high) = machine.axis(letter).map_or((-1.0, 1.0), |axis| axis.travel);
-            low + (high - low) * share(letter as usize)
+            low + (high - low) * share(letter.index())
         }
-        Symbol::Of(Quantity::Direction, letter) => [-1.0, 0.0, 1.0][(sample + letter as usize) % 3],
-        Symbol::Of(Quantity::SinceReversal, letter) => share(letter as usize),
-        Symbol::Of(Quantity::Velocity | Quantity::Acceleration, letter) => 2.0 * share(letter as usize) - 1.0,
+        Symbol::Of(Quantity::Direction, letter) => [-1.0, 0.0, 1.0][(sample + letter.index()) % 3],
+        Symbol::Of(Quantity::SinceReversal, letter) => share(letter.index()),
+        Symbol::Of(Quantity::Velocity | Quantity::Acceleration, letter) => 2.0 * share(letter.index()) - 1.0,
         Symbol::Time => 3600.0 * share(6),
         Symbol::Temperature(_) => 4.0 * share(7) - 2.0,
     }

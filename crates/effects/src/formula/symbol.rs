@@ -2,6 +2,7 @@
 
 use crate::Scene;
 use trunnion_core::{AxisLetter, State};
+use trunnion_machine::Machine;
 
 /// A symbol of the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,19 +31,22 @@ const PREFIXES: [(&str, Quantity); 5] = [
     ("since", Quantity::SinceReversal),
 ];
 
-/// The symbol of this name; any other name is a parameter.
-pub(super) fn symbol(name: &str) -> Option<Symbol<'_>> {
+/// The symbol of this name on a machine; any other name is a parameter. X Y Z A B C are never parameters.
+pub(super) fn symbol<'a>(name: &'a str, machine: &Machine) -> Option<Symbol<'a>> {
     if name == "t" {
         return Some(Symbol::Time);
     }
     if let Some(channel) = name.strip_prefix("T_") {
         return Some(Symbol::Temperature(channel));
     }
-    // Read for every point of a fit: one look at the last letter, one at what is before it.
-    let (prefix, last) = name.split_at_checked(name.len().checked_sub(1)?)?;
-    let letter = AxisLetter::ALL.into_iter().find(|letter| letter.as_str() == last)?;
-    let (_, quantity) = PREFIXES.into_iter().find(|(known, _)| *known == prefix)?;
-    Some(Symbol::Of(quantity, letter))
+    let joints = AxisLetter::ALL.into_iter().chain(machine.axes().map(|axis| axis.letter));
+    for letter in joints {
+        let Some(prefix) = name.strip_suffix(letter.as_str()) else { continue };
+        if let Some((_, quantity)) = PREFIXES.into_iter().find(|(known, _)| *known == prefix) {
+            return Some(Symbol::Of(quantity, letter));
+        }
+    }
+    None
 }
 
 /// Every name about the axes in `letters`, and `t`.

@@ -57,6 +57,31 @@ fn parameters_that_enter_linearly_are_told_from_those_that_do_not() {
 }
 
 #[test]
+fn joints_of_other_names_are_symbols_of_their_machine() {
+    let robot = include_str!("../../../machine/tests/data/robot.toml");
+    let robot = Machine::parse("robot", "robot.toml", robot).unwrap();
+    let sag = entry("axis:j2", "dz", "a*cos(j2) + b*sin(j2 + j3) + c*dirj6 + d*U");
+    let formula = Formula::from_model_effect(&ModelEffect { shape: vec![1.0], ..sag.clone() }, &robot);
+    // U is an axis of other machines: a parameter here, which is multiplied by another.
+    let formula = formula.unwrap();
+    assert_eq!((formula.linear.join(" "), formula.nonlinear.join(" ")), ("a b c d".into(), "U".to_string()));
+    let mut state = State::default();
+    let [_, j2, j3, _, _, j6] = robot.joints()[..] else { panic!("six joints") };
+    (state.position[j2], state.position[j3], state.direction[j6]) = (0.5, 0.25, -1.0);
+    let scene = Scene::new(robot.clone(), Vec::new(), Vec::new(), std::iter::once(&state));
+    let mut found = Vec::new();
+    formula.motions(&scene, &[2.0], &state, &mut |_, site, twist| {
+        assert_eq!(site, Site::Joint(j2));
+        found.push(twist.translation_mm.z);
+    });
+    assert_eq!(found, [0.5f64.cos(), 0.75f64.sin(), -1.0, 2.0]);
+    let unknown = Formula::from_model_effect(&entry("axis:j9", "dz", "a*B"), &robot).unwrap_err().to_string();
+    assert!(unknown.contains("axis:j1, axis:j2"), "{unknown}");
+    let missing = Formula::from_model_effect(&entry("axis:j1", "dz", "a*B"), &robot).unwrap_err().to_string();
+    assert!(missing.contains("an axis machine robot does not have"), "{missing}");
+}
+
+#[test]
 fn a_formula_moves_what_its_expression_says() {
     let machine = shipped::machine("table-bc").unwrap();
     let states = [0.0, 10.0].map(|time_s| {

@@ -138,7 +138,7 @@ fn caption(placed: &Placed<'_>, example: &Example, left: Option<f64>, conditions
     };
     let values: Vec<String> = example.values.iter().map(value).collect();
     let share = left.map_or(String::new(), |left| {
-        format!("; {:.0} % of it is left beside location errors and ball setting", 100.0 * left)
+        format!("; {:.0} % of it remains after location errors and ball setting", 100.0 * left)
     });
     [format!("{}: {}", example.id, values.join(", ")), format!("{conditions}{share}")]
 }

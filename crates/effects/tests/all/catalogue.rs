@@ -11,7 +11,12 @@ use trunnion_machine::{Errors, JointErrors, Machine, Site, shipped};
 const DIRECTORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/catalogue");
 
 fn machines() -> Vec<Machine> {
-    shipped::FILES.iter().map(|(name, _)| shipped::machine(name).expect("shipped")).collect()
+    let other = [
+        ("robot", include_str!("../../../machine/tests/data/robot.toml")),
+        ("two-carriages", include_str!("../../../machine/tests/data/two-carriages.toml")),
+    ]
+    .map(|(name, text)| Machine::parse(name, name, text).expect("a machine of other joints"));
+    shipped::FILES.iter().map(|(name, _)| shipped::machine(name).expect("shipped")).chain(other).collect()
 }
 
 /// State of a rich scene from which on the rotary axes stand at one pose.
@@ -21,7 +26,7 @@ const AT_ONE_POSE_FROM: usize = 60;
 fn rich_states(machine: &Machine) -> Vec<State> {
     let place = |i: usize, letter: AxisLetter| {
         let (low, high) = machine.axis(letter).map_or((0.0, 0.0), |axis| axis.travel);
-        let golden = (0.5 + (i * (letter as usize + 1)) as f64 * 0.618_033_988_75).fract();
+        let golden = (0.5 + (i * (letter.index() + 1)) as f64 * 0.618_033_988_75).fract();
         low + (high - low)
             * if i == 0 {
                 0.0
@@ -36,12 +41,12 @@ fn rich_states(machine: &Machine) -> Vec<State> {
             let way = if i % 2 == 0 { 1.0 } else { -1.0 };
             let moving = f64::from(u8::from(i % 3 != 0));
             State {
-                position: AxisValues::from_fn(|l| {
+                position: AxisValues::of(machine.joints(), |l| {
                     if l.is_rotary() { place(i.min(AT_ONE_POSE_FROM), l) } else { place(i, l) }
                 }),
-                direction: AxisValues::from_fn(|l| if (l as usize).is_multiple_of(2) { way } else { -way }),
-                velocity: AxisValues::from_fn(|l| moving * way * (l as usize + 1) as f64 * 0.1),
-                acceleration: AxisValues::from_fn(|l| moving * (i as f64 * 0.7 + l as usize as f64).sin()),
+                direction: AxisValues::from_fn(|l| if (l.index()).is_multiple_of(2) { way } else { -way }),
+                velocity: AxisValues::from_fn(|l| moving * way * (l.index() + 1) as f64 * 0.1),
+                acceleration: AxisValues::from_fn(|l| moving * (i as f64 * 0.7 + l.index() as f64).sin()),
                 since_reversal: AxisValues::from_fn(|_| i as f64 * 0.01),
                 time_s: Some(i as f64 * 60.0),
                 temperature_degc: vec![20.0 + (i as f64 / 10.0).sin()],
@@ -173,7 +178,7 @@ fn every_effect_has_a_golden_case_and_reads_what_it_says() {
 
 #[test]
 fn ids_that_model_files_hold_stay_in_the_catalogue() {
-    // On a machine with tilting B and turning C. A new effect needs no entry here; docs/catalogue.md lists all.
+    // On a machine with tilting B and turning C. A new effect needs no entry here; docs/design/catalogue.md lists all.
     let (rotary, linear, all) = (["B", "C"], ["X", "Y", "Z"], ["X", "Y", "Z", "B", "C"]);
     let of = |phenomena: &[&str], axes: &[&str]| -> Vec<String> {
         phenomena.iter().flat_map(|p| axes.iter().map(move |axis| format!("{p}:{axis}"))).collect()
@@ -550,29 +555,32 @@ fn span(mut columns: DMatrix<f64>) -> DMatrix<f64> {
 /// axis with places, directions, speeds, accelerations and travel since its reversal of its own, temperatures, over time.
 fn rich_scene(machine: &Machine) -> (Scene, Vec<State>) {
     // Steps by roots of primes: no two axes, and no two multiples of their angles, ever go together.
-    let roots = [2.0f64, 3.0, 5.0, 7.0, 11.0, 13.0].map(f64::sqrt);
+    let roots =
+        [2.0f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0].map(f64::sqrt);
     let mut states = rich_states(machine);
     for (i, state) in states.iter_mut().enumerate() {
         let share = |letter: AxisLetter, use_of: usize| {
-            (0.5 + i as f64 * roots[(letter as usize + use_of) % 6] * (1 + use_of) as f64).fract()
+            (0.5 + i as f64 * roots[(letter.index() + use_of) % roots.len()] * (1 + use_of) as f64).fract()
         };
         let way = |letter| if share(letter, 1) < 0.5 { -1.0 } else { 1.0 };
         let speed = |letter| if i % 3 == 0 { 0.0 } else { 0.1 + share(letter, 2) };
         state.setup = i % 4 % 3;
         state.target = i % 5 % 2;
         let stands = i >= AT_ONE_POSE_FROM;
-        state.position = AxisValues::from_fn(|letter| match machine.axis(letter) {
+        state.position = AxisValues::of(machine.joints(), |letter| match machine.axis(letter) {
             Some(axis) if !(stands && letter.is_rotary()) => {
                 axis.travel.0 + (axis.travel.1 - axis.travel.0) * share(letter, 0)
             }
             _ => state.position[letter],
         });
-        state.direction = AxisValues::from_fn(way);
-        state.velocity = AxisValues::from_fn(|letter| way(letter) * speed(letter));
-        state.acceleration = AxisValues::from_fn(|letter| speed(letter) * (share(letter, 3) - 0.5));
+        state.direction = AxisValues::of(machine.joints(), way);
+        state.velocity = AxisValues::of(machine.joints(), |letter| way(letter) * speed(letter));
+        state.acceleration =
+            AxisValues::of(machine.joints(), |letter| speed(letter) * (share(letter, 3) - 0.5));
         // Just after a reversal and long after it.
         let longest = |letter: AxisLetter| if letter.is_rotary() { 0.3 } else { 10.0 };
-        state.since_reversal = AxisValues::from_fn(|letter| longest(letter) * share(letter, 4).powi(3));
+        state.since_reversal =
+            AxisValues::of(machine.joints(), |letter| longest(letter) * share(letter, 4).powi(3));
     }
     let setups = [("low", [150.0, 0.0, 60.0]), ("high", [150.0, 0.0, 160.0]), ("inner", [40.0, 60.0, 60.0])]
         .map(|(name, ball_mm)| SceneSetup::r_test(name, Point3::from(ball_mm)).with_plate());

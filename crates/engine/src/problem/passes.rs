@@ -5,6 +5,7 @@
 
 use crate::Experiment;
 use std::collections::HashMap;
+use trunnion_core::axis::SLOTS;
 use trunnion_core::{AxisLetter, AxisValues, State};
 use trunnion_cycles::RunKind;
 
@@ -28,7 +29,7 @@ pub(crate) struct Passes {
 }
 
 /// Position as a key, nm and nrad.
-pub(crate) fn pose_key(position: &AxisValues<f64>) -> [i64; 6] {
+pub(crate) fn pose_key(position: &AxisValues<f64>) -> [i64; SLOTS] {
     position.0.map(|q| (q * 1e6).round() as i64)
 }
 
@@ -46,8 +47,9 @@ fn moving_axes(experiment: &Experiment) -> Vec<AxisLetter> {
         let position = |i: usize| (experiment.points[i].state.position[letter] * 1e6).round() as i64;
         (1..experiment.points.len()).filter(|&i| position(i) != position(i - 1)).count()
     };
+    let joints = experiment.machine().joints();
     let mut moving: Vec<(usize, AxisLetter)> =
-        AxisLetter::ALL.map(|letter| (changes(letter), letter)).into_iter().filter(|(n, _)| *n > 0).collect();
+        joints.into_iter().map(|letter| (changes(letter), letter)).filter(|(n, _)| *n > 0).collect();
     if moving.iter().any(|(_, letter)| letter.is_rotary()) {
         moving.retain(|(_, letter)| letter.is_rotary());
     }

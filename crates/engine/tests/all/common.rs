@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use std::path::PathBuf;
-use trunnion_core::AxisLetter::{A, C};
+use trunnion_core::axis::iso::{A, C};
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::{Machine, shipped};

@@ -1,7 +1,7 @@
 //! Points gone wrong, poses that see too little, models that do not fit.
 
 use crate::common;
-use trunnion_core::AxisLetter::{B, C};
+use trunnion_core::axis::iso::{B, C};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{Model, ModelEffect, Prior};
 use trunnion_engine::fit::Options;

@@ -9,7 +9,7 @@ use nalgebra::Point3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trunnion_core::AxisLetter::{B, C};
+use trunnion_core::axis::iso::{B, C};
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Setup, State};
 use trunnion_cycles::Run;
 use trunnion_effects::Model;

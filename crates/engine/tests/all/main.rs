@@ -9,4 +9,5 @@ mod intervals;
 mod nothing_hidden;
 mod null;
 mod outside_data;
+mod robot;
 mod single_error_tables;

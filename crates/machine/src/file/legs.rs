@@ -55,7 +55,7 @@ fn leg(axes: &Table<'_>, letter: AxisLetter) -> Option<(Leg, Moves)> {
     let table = axes.table(letter.as_str())?;
     let kind = table.one_of("kind", &["leg"]);
     if letter.is_rotary() {
-        table.problem("kind", "does not fit the letter", "legs have the letters X, Y and Z", "");
+        table.problem("kind", "does not fit the letter", "legs are linear", "");
     }
     let base_joint_mm = joint(&table, "base_joint_mm");
     let platform_joint_mm = joint(&table, "platform_joint_mm");

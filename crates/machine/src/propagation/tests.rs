@@ -3,10 +3,11 @@
 use super::*;
 use crate::{Side, shipped};
 use proptest::prelude::*;
+use trunnion_core::axis::SLOTS;
 
 fn errors_from(numbers: &[f64], scale: f64) -> JointErrors {
     let mut k = numbers.iter().map(|x| x * scale);
-    let mut next = || k.next().expect("36 numbers");
+    let mut next = || k.next().expect("six numbers for each slot");
     JointErrors::from_fn(|_| Twist {
         translation_mm: Vector3::new(next(), next(), next()),
         rotation_rad: Vector3::new(next(), next(), next()) * 0.01,
@@ -37,17 +38,27 @@ fn disagreement_mm(
         .fold(0.0, f64::max)
 }
 
+fn robot() -> Machine {
+    Machine::parse("robot", "robot.toml", include_str!("../../tests/data/robot.toml")).unwrap()
+}
+
+fn two_carriages() -> Machine {
+    let text = include_str!("../../tests/data/two-carriages.toml");
+    Machine::parse("two-carriages", "two-carriages.toml", text).unwrap()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]
     fn exact_and_linear_kinematics_agree_to_second_order_on_every_shipped_machine(
-        numbers in prop::collection::vec(-1.0..1.0f64, 36),
-        q in prop::array::uniform6(-1.0..1.0f64),
+        numbers in prop::collection::vec(-1.0..1.0f64, 6 * SLOTS),
+        q in prop::array::uniform13(-1.0..1.0f64),
         p in prop::array::uniform3(-200.0..200.0f64),
     ) {
-        let q = AxisValues::from_fn(|l| q[l as usize] * if l.is_rotary() { 3.0 } else { 300.0 });
-        for (name, _) in shipped::FILES {
-            let machine = shipped::machine(name).unwrap();
+        let q = AxisValues::from_fn(|l| q[l.index()] * if l.is_rotary() { 3.0 } else { 300.0 });
+        let shipped = shipped::FILES.iter().map(|(name, _)| shipped::machine(name).unwrap());
+        for machine in shipped.chain([robot(), two_carriages()]) {
+            let name = &machine.name;
             let coarse = disagreement_mm(&machine, &q, &Point3::from(p), &numbers, 0.1);
             let fine = disagreement_mm(&machine, &q, &Point3::from(p), &numbers, 0.01);
             // Ten times smaller errors: a hundred times smaller second-order terms (1e-9 mm of rounding allowed).

@@ -1,7 +1,7 @@
 //! The experiment that the pairs and the Monte Carlo share: an R-test over 84 poses (S1 §5.3) with 33 parameters.
 
 use nalgebra::{DMatrix, DVector, Point3};
-use trunnion_core::AxisLetter::{B, C};
+use trunnion_core::axis::iso::{B, C};
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{Instance, Model};

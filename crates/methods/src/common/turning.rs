@@ -82,7 +82,7 @@ impl Turning {
         }
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
         for Mounted { name, run, setup, points } in mounted(runs) {
-            match alone(setup, &points) {
+            match alone(machine, setup, &points) {
                 Ok(letter) if asked.is_none_or(|asked| asked == letter) => {
                     found.push((letter, name, run, setup, points));
                 }
@@ -115,7 +115,7 @@ impl Turning {
 
     /// The letters of the rotations about u, v, w.
     pub fn rotations(&self) -> [AxisLetter; 3] {
-        self.frame.map(|letter| AxisLetter::ROTARY[letter as usize])
+        self.frame.map(|letter| AxisLetter::ROTARY[letter.index()])
     }
 
     /// True when a pass goes once around.
@@ -129,13 +129,13 @@ impl Turning {
 }
 
 /// The rotary axis that turns while everything else stands still, or why there is none.
-fn alone(setup: &Setup, points: &[&Point]) -> Result<AxisLetter, String> {
+fn alone(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<AxisLetter, String> {
     if setup.instrument != InstrumentKind::RTest {
         return Err(format!("is read by a {}, not by an R-test", setup.instrument.name()));
     }
     let moves = |letter: AxisLetter| span(points.iter().map(|p| p.state.position[letter]));
     let turning: Vec<_> =
-        AxisLetter::ROTARY.into_iter().filter(|&letter| moves(letter) > LEAST_TURN_RAD).collect();
+        machine.rotary_joints().into_iter().filter(|&letter| moves(letter) > LEAST_TURN_RAD).collect();
     let &[axis] = &turning[..] else {
         return Err(match turning.is_empty() {
             true => format!("no axis turns by {:.0}° or more", deg_from_rad(LEAST_TURN_RAD)),
@@ -143,7 +143,8 @@ fn alone(setup: &Setup, points: &[&Point]) -> Result<AxisLetter, String> {
         });
     };
     let still = |letter: AxisLetter| if letter.is_rotary() { STILL_RAD } else { STILL_MM };
-    let others: Vec<_> = AxisLetter::ALL
+    let others: Vec<_> = machine
+        .joints()
         .into_iter()
         .filter(|&letter| letter != axis && moves(letter) > still(letter))
         .collect();
@@ -178,9 +179,9 @@ struct Placed<'a> {
 
 impl<'a> Placed<'a> {
     fn of(machine: &'a Machine, axis: AxisLetter) -> Option<Self> {
-        let along = axis as usize % 3;
-        let frame = [(along + 1) % 3, (along + 2) % 3, along].map(|k| AxisLetter::LINEAR[k]);
         let joint = machine.axis(axis)?;
+        let along = joint.direction.iamax();
+        let frame = [(along + 1) % 3, (along + 2) % 3, along].map(|k| AxisLetter::LINEAR[k]);
         let cosine = joint.direction[along];
         let side = machine.side(axis)?;
         (cosine.abs() > 0.999).then_some(Self {
@@ -220,7 +221,7 @@ impl<'a> Placed<'a> {
             turned_rad: self.sense * angle_rad,
             direction: point.state.direction[self.axis],
             pass: 0,
-            moved_mm: Vector3::from_fn(|k, _| in_carrier[self.frame[k] as usize]),
+            moved_mm: Vector3::from_fn(|k, _| in_carrier[self.frame[k].index()]),
         }
     }
 
@@ -233,7 +234,7 @@ impl<'a> Placed<'a> {
         };
         let from_origin =
             frame.machine_from_carrier.inverse() * (ball_in_machine - frame.origin_in_machine_mm);
-        from_origin[self.frame[2] as usize]
+        from_origin[self.frame[2].index()]
     }
 }
 

@@ -28,7 +28,7 @@ pub fn line<const N: usize>(points_mm: &[SVector<f64, N>]) -> Result<Line<N>, Ge
     let alike = scatter.spread[1] > (1.0 - 1e-12) * scatter.spread[0];
     if !scatter.spans(1) || alike {
         let why = if alike && scatter.spread[0] > 0.0 {
-            "they spread alike in two directions"
+            "they spread equally in two directions"
         } else {
             "they coincide"
         };

@@ -34,7 +34,7 @@ pub(super) static METHOD: Method = Method {
     source: "S4 (Ibaraki et al., DBB5), eq. 1-7; ISO 10791-6 BK2, BK4; docs/design/physics.md §5, §8",
     about: "Each setup is recognised by how its bar lies and what moves: a rotary axis alone with the bar across or along it \
             (C-X, C-Y, C-Z, B-X, B-Z, B-Y), a rotary axis followed by linear ones with the bar along it (C-XY), any other path. \
-            Means give location errors, shapes give error motions and circularities; beside them the joint fit.",
+            Means give location errors, shapes give error motions and circularities; next to them the joint fit.",
     needs: "ball-bar readings while a rotary axis turns by 90° or more: alone, with the ball on its line, best at two heights with \
             the bar in both directions across it and along it; or followed by linear axes",
     gives: "location errors of each axis, radial, axial and tilt error motions, circularity of every trace, likely causes",

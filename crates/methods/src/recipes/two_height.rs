@@ -27,7 +27,7 @@ pub(super) static METHOD: Method = Method {
     title: "Error motions and location errors of one rotary axis from two heights",
     source: "S0 (Kenno et al. 2020), eq. 1-3; docs/design/physics.md §3",
     about: "Only one rotary axis turns, the ball sits near its line at two heights. The circle the ball makes by being set \
-            off the axis, the place of the axis line, and what is left (the error motions) are told apart by least squares.",
+            off the axis, the place of the axis line, and the residual (the error motions) are separated by least squares.",
     needs: "an R-test at two heights of the ball near the axis line, one rotary axis turning alone by 90° or more, best two \
             turns both ways",
     gives: "setting errors, the four location errors of the axis, five error motions over its angle",

@@ -4,7 +4,7 @@ use super::Volume;
 use crate::NotTabulated;
 use crate::axis_errors::{changed_states, differ, size, state_at};
 use nalgebra::{DMatrix, Isometry3, Point3, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, State, Twist};
+use trunnion_core::{AxisLetter, AxisValues, Slot, State, Twist};
 use trunnion_effects::{Instance, Model, Scene};
 use trunnion_engine::{Identification, IdentifyError};
 use trunnion_machine::propagation::JointFrame;
@@ -146,7 +146,7 @@ impl Placed {
         }
         let changes = |state: &State| {
             let (changed, _) = self.motions(scene, fit, state);
-            AxisLetter::ALL.into_iter().any(|letter| differ(&changed[letter], &joints[letter]))
+            Slot::ALL.into_iter().any(|letter| differ(&changed[letter], &joints[letter]))
         };
         let what = changed_states(scene, &here).into_iter().find(|(_, state)| changes(state))?.0;
         why(format!("it depends on {what}; the map holds it at rest, at the beginning"))

@@ -12,6 +12,8 @@ const INSIDE: f64 = 1e-6;
 /// Ranges of the axes, and how many places of each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
+    /// Joints of the machine.
+    pub joints: Vec<AxisLetter>,
     /// Smallest and largest position, mm and rad; an axis at one place has both alike.
     pub range: AxisValues<(f64, f64)>,
     /// Places of each axis that moves.
@@ -35,7 +37,7 @@ pub enum VolumeError {
     #[error("--volume: the machine {machine} has no axis {letter}; allowed: {allowed}")]
     NoAxis {
         /// What was found.
-        letter: AxisLetter,
+        letter: String,
         /// Name of the machine.
         machine: String,
         /// Its axes.
@@ -74,16 +76,11 @@ impl Volume {
     /// A text that is no list of ranges, axes the machine has not, ranges beyond the measured ones, too many places.
     pub fn parse(text: &str, steps: usize, scene: &Scene) -> Result<Self, VolumeError> {
         let machine = &scene.machine;
-        let measured =
-            |letter: AxisLetter| machine.axis(letter).map_or((0.0, 0.0), |_| scene.position_range[letter]);
-        let mut range =
-            AxisValues::from_fn(|letter| if letter.is_rotary() { (0.0, 0.0) } else { measured(letter) });
+        let measured = |letter: AxisLetter| scene.position_range[letter];
+        let mut range = AxisValues::of(machine.linear_joints(), measured);
         let mut given = Vec::new();
         for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
-            let (letter, inside) = read(part).ok_or_else(|| VolumeError::NoRange { part: part.into() })?;
-            if machine.axis(letter).is_none() {
-                return Err(no_axis(machine, letter));
-            }
+            let (letter, inside) = read(part, machine)?;
             if given.contains(&letter) {
                 return Err(VolumeError::Twice(letter));
             }
@@ -94,7 +91,7 @@ impl Volume {
             }
             range[letter] = inside;
         }
-        let volume = Self { range, steps, point_in_tool_mm: [0.0; 3] };
+        let volume = Self { joints: machine.joints(), range, steps, point_in_tool_mm: [0.0; 3] };
         let places = (steps as f64).powi(volume.moving().count() as i32);
         match () {
             () if places <= 1.0 => Err(VolumeError::Empty),
@@ -105,7 +102,7 @@ impl Volume {
 
     /// Axes with more than one place.
     pub fn moving(&self) -> impl Iterator<Item = AxisLetter> + '_ {
-        AxisLetter::ALL.into_iter().filter(|&letter| self.range[letter].1 > self.range[letter].0)
+        self.joints.iter().copied().filter(|&letter| self.range[letter].1 > self.range[letter].0)
     }
 
     /// Places of an axis, mm or rad.
@@ -119,7 +116,7 @@ impl Volume {
 
     /// All positions, the last axis fastest.
     pub fn grid(&self) -> Vec<AxisValues<f64>> {
-        AxisLetter::ALL.into_iter().fold(vec![AxisValues::default()], |grid, letter| {
+        self.joints.iter().fold(vec![AxisValues::default()], |grid, &letter| {
             let places = self.places(letter);
             let with = |at: AxisValues<f64>, place: f64| {
                 let mut at = at;
@@ -134,27 +131,27 @@ impl Volume {
 
     /// E.g. `X −240..240 mm, B 0°`, of the axes of a machine.
     pub fn words(&self, machine: &Machine) -> String {
-        let axes = AxisLetter::ALL.into_iter().filter(|&letter| machine.axis(letter).is_some());
+        let axes = machine.joints().into_iter();
         axes.map(|letter| spelt(letter, self.range[letter])).collect::<Vec<_>>().join(", ")
     }
 }
 
 /// `X=-200..200` or `C=30`, mm or degrees, as inside units.
-fn read(part: &str) -> Option<(AxisLetter, (f64, f64))> {
-    let (name, range) = part.split_once('=')?;
-    let letter = AxisLetter::parse(name.trim())?;
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+fn read(part: &str, machine: &Machine) -> Result<(AxisLetter, (f64, f64)), VolumeError> {
+    let no_range = || VolumeError::NoRange { part: part.into() };
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(no_range);
+    let (name, range) = part.split_once('=').ok_or_else(no_range)?;
     let (low, high) = match range.split_once("..") {
         Some((low, high)) => (number(low)?, number(high)?),
         None => (number(range)?, number(range)?),
     };
+    let letter = machine.joint(name.trim()).ok_or_else(|| VolumeError::NoAxis {
+        letter: name.trim().into(),
+        machine: machine.name.clone(),
+        allowed: machine.joints_near(name.trim()),
+    })?;
     let inside = |x: f64| if letter.is_rotary() { convert::rad_from_deg(x) } else { x };
-    (low <= high).then(|| (letter, (inside(low), inside(high))))
-}
-
-fn no_axis(machine: &Machine, letter: AxisLetter) -> VolumeError {
-    let allowed: Vec<&str> = machine.axes().map(|axis| axis.letter.as_str()).collect();
-    VolumeError::NoAxis { letter, machine: machine.name.clone(), allowed: allowed.join(", ") }
+    if low > high { Err(no_range()) } else { Ok((letter, (inside(low), inside(high)))) }
 }
 
 fn spelt(letter: AxisLetter, (low, high): (f64, f64)) -> String {

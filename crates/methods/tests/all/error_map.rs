@@ -119,5 +119,5 @@ fn a_ball_beside_the_nest_is_refused() {
     run.points[7].state.position.0[0] += 12.0;
     let method = recipes::find("error-map").expect("registered");
     let error = (method.run)(&[run], &MethodOptions::default()).unwrap_err().to_string();
-    assert!(error.contains("12.0 mm beside the nest") && error.contains("linear axes"), "{error}");
+    assert!(error.contains("12.0 mm off the nest") && error.contains("linear axes"), "{error}");
 }

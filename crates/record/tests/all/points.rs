@@ -105,3 +105,67 @@ fn a_ball_bar_run_has_one_reading_a_point_and_none_of_the_other_instrument() {
     let shown = import(&both, &setup).unwrap_err().to_string();
     assert!(shown.contains("points.csv:3:15: dx_um = 1; allowed: an empty cell"), "{shown}");
 }
+
+const ROBOT: &str = include_str!("../../../machine/tests/data/robot.toml");
+const ROBOT_SETUP: &str = r#"
+format = "trunnion-points/1"
+machine = "robot"
+[[setup]]
+name = "a"
+instrument = "tracker"
+nest = "table"
+ball_in_table_mm = [1000, 0, 0]
+bar_length_mm = 0
+"#;
+const ROBOT_POINTS: &str = "setup,j1_deg,j2_deg,j3_deg,j4_deg,j5_deg,j6_deg,direction_j1,l_mm
+a,10,-20,30,-40,50,-60,1,1200.5
+a,12,-21,31,-41,51,-61,-1,1201.5
+";
+
+fn import_of(machine_text: &'static str, points: &str, setup: &str) -> Result<Run, Problems> {
+    let machine = |name: &str| Machine::parse(name, "machine.toml", machine_text).ok();
+    points_csv::import_files("run", ("points.csv", points), ("setup.toml", setup), &machine)
+}
+
+#[test]
+fn joints_of_a_robot_are_columns() {
+    let run = import_of(ROBOT, ROBOT_POINTS, ROBOT_SETUP).unwrap();
+    let [j1, .., j6] = run.machine.joints()[..] else { panic!("six joints") };
+    let second = &run.points[1].state;
+    assert_eq!((second.position[j1], second.position[j6]), (12f64.to_radians(), (-61f64).to_radians()));
+    assert_eq!((second.direction[j1], second.direction[j6]), (-1.0, -1.0));
+    let text = export::points_csv(&run);
+    assert!(text.starts_with("setup,j1_deg,j2_deg,j3_deg,j4_deg,j5_deg,j6_deg,direction_j1,"), "{text}");
+    assert_eq!(import_of(ROBOT, &text, ROBOT_SETUP).unwrap(), run);
+}
+
+#[test]
+fn second_linear_axes_and_a_spindle_are_columns() {
+    let machine = include_str!("../../../machine/tests/data/two-carriages.toml");
+    let points = "setup,x_mm,y_mm,z_mm,u_mm,v_mm,w_mm,c_deg,spindle_deg,l_mm\na,1,2,3,4,5,6,7,8,900\n";
+    let run = import_of(machine, points, &ROBOT_SETUP.replace("robot", "two-carriages")).unwrap();
+    let state = &run.points[0].state;
+    assert_eq!((state.position[AxisLetter::U], state.position[AxisLetter::W]), (4.0, 6.0));
+    let spindle = run.machine.joint("spindle").unwrap();
+    assert_eq!(state.position[spindle], 8f64.to_radians());
+    assert!(export::points_csv(&run).contains(",spindle_deg,"));
+}
+
+#[test]
+fn a_column_of_no_joint_is_refused_with_the_nearest() {
+    let points = ROBOT_POINTS.replace("direction_j1", "direction_j7");
+    let shown = import_of(ROBOT, &points, ROBOT_SETUP).unwrap_err().to_string();
+    assert!(
+        shown.contains("column \"direction_j7\"") && shown.contains("Did you mean direction_j1?"),
+        "{shown}"
+    );
+}
+
+/// `j1_deg` is a reading of a passive arm unless the machine has a joint of that name.
+#[test]
+fn a_passive_arm_on_a_machine_with_joints_of_its_names_is_refused() {
+    let setup =
+        ROBOT_SETUP.replace("tracker", "passive-arm").replace("bar_length_mm = 0", "arms_mm = [200, 200]");
+    let shown = import_of(ROBOT, ROBOT_POINTS, &setup).unwrap_err().to_string();
+    assert!(shown.contains("j1_deg is a reading of an instrument and the position of a joint"), "{shown}");
+}

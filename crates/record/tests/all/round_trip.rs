@@ -101,6 +101,8 @@ fn everything_recorded_is_read_back_bit_for_bit_in_order_of_time() {
         if i % 8 == 0 {
             let mut position = AxisValues::default();
             position.0[5] = f64::from(i) * 1e-4;
+            // A joint beyond X Y Z A B C.
+            position.0[11] = f64::from(i) * -3e-4;
             let stamp =
                 Stamp { tick_s: 1e-9, ticks: u64::from(i) * 250_000 + 1_700_000_000_000_000_000, ..stamp };
             axes.push(AxisSample {

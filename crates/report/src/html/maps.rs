@@ -38,7 +38,7 @@ pub struct Map {
 impl Grid {
     /// `None` unless two rotary axes moved.
     pub fn of(input: &CompareInput) -> Option<Self> {
-        let axes = Axes::of(&input.points);
+        let axes = Axes::of(&input.rotary, &input.points);
         let (tilting, turning) = (axes.tilting?, axes.turning?);
         let [tilts, turns] = [tilting, turning].map(|letter| stations(&input.points, letter));
         Some(Self { axes, tilting, turning, tilts, turns })

@@ -15,7 +15,7 @@ use trunnion_core::convert::{um_from_mm, urad_from_rad};
 const ON_AXIS_MM: f64 = 5.0;
 
 pub fn section(input: &CompareInput) -> String {
-    let axes = Axes::of(&input.points);
+    let axes = Axes::of(&input.rotary, &input.points);
     let Some(turning) = axes.turning.filter(|_| input.points.len() > 2) else { return String::new() };
     let turns = stations(&input.points, turning);
     let tilts = axes.tilting.map_or(vec![0.0], |letter| stations(&input.points, letter));

@@ -12,7 +12,7 @@ use trunnion_core::AxisLetter;
 const DRAWN_SHARE: f64 = 0.25;
 
 pub fn section(input: &CompareInput) -> String {
-    let axes = Axes::of(&input.points);
+    let axes = Axes::of(&input.rotary, &input.points);
     let Some(turning) = axes.turning.filter(|_| !input.on_the_fly) else { return String::new() };
     let three =
         |p: &&PointView| input.setups.get(p.setup).is_some_and(|s| s.components.len() == 3) && !p.outlier;

@@ -29,7 +29,7 @@ fn over_time(input: &CompareInput) -> String {
 }
 
 fn over_turning_axis(input: &CompareInput) -> String {
-    let Some(turning) = Axes::of(&input.points).turning.filter(|_| input.on_the_fly) else {
+    let Some(turning) = Axes::of(&input.rotary, &input.points).turning.filter(|_| input.on_the_fly) else {
         return String::new();
     };
     let angle = |p: &crate::PointView| deg_from_rad(p.position[turning]);
@@ -49,7 +49,7 @@ fn charts(
     x_of: impl Fn(&crate::PointView) -> f64,
     marks: [Mark; 2],
 ) -> String {
-    let axes = Axes::of(&input.points);
+    let axes = Axes::of(&input.rotary, &input.points);
     let letter = axes.turning.map_or("", AxisLetter::as_str);
     let mut of_components = Vec::new();
     for component in component_names(input) {

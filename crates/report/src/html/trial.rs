@@ -161,7 +161,7 @@ fn drawn(grid: &Grid, pairs: &[[Map; 2]], limit_um: f64) -> String {
 
 /// Without a grid: one chart a component over the turning axis, or over time, before and after.
 fn charts(input: &CompareInput, trial: &Trial) -> String {
-    let turning = Axes::of(&input.points).turning;
+    let turning = Axes::of(&input.rotary, &input.points).turning;
     let x = |p: &crate::PointView| match turning {
         Some(letter) => deg_from_rad(p.position[letter]),
         None => p.time_s.map_or(f64::NAN, |t| t / s_from_min(1.0)),

@@ -58,16 +58,16 @@ fn view(map: &VolumetricMap, [across, up, through]: [AxisLetter; 3], magnificati
         places.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
     };
     let held = |letter: AxisLetter| if letter.is_rotary() { nearest_zero(letter) } else { middle(letter) };
-    let others = || AxisLetter::ALL.into_iter().filter(|letter| *letter != across && *letter != up);
+    let others = || map.volume.joints.iter().copied().filter(|letter| *letter != across && *letter != up);
     let here =
         |point: &&MapPoint| others().all(|letter| (point.position[letter] - held(letter)).abs() < 1e-9);
     let mut points: Vec<&MapPoint> = map.points.iter().filter(here).collect();
     let by = |p: &&MapPoint, letter: AxisLetter| p.position[letter];
     points.sort_by(|a, b| by(a, across).total_cmp(&by(b, across)).then(by(a, up).total_cmp(&by(b, up))));
-    let nominal = |p: &MapPoint| (p.in_table_mm[across as usize], p.in_table_mm[up as usize]);
+    let nominal = |p: &MapPoint| (p.in_table_mm[across.index()], p.in_table_mm[up.index()]);
     let displaced = |p: &MapPoint| {
         let moved = |k: usize| p.in_table_mm[k] + magnification * p.error.translation_mm[k];
-        (moved(across as usize), moved(up as usize))
+        (moved(across.index()), moved(up.index()))
     };
     let rows = |of: &dyn Fn(&MapPoint) -> (f64, f64)| -> Vec<Vec<(f64, f64)>> {
         points

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
-use trunnion_core::{AxisLetter, AxisSample, AxisValues};
+use trunnion_core::{AxisSample, AxisValues, Slot};
 
 /// Smallest motion back that counts as a reversal: more than the overshoot of a servo coming to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ impl Default for ReversalBand {
 }
 
 impl ReversalBand {
-    fn of(&self, letter: AxisLetter) -> f64 {
+    fn of(&self, letter: Slot) -> f64 {
         if letter.is_rotary() { self.rotary_rad } else { self.linear_mm }
     }
 }

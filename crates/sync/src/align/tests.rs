@@ -1,5 +1,5 @@
 use super::*;
-use trunnion_core::AxisLetter::{B, C, X};
+use trunnion_core::axis::iso::{B, C, X};
 use trunnion_core::{AxisLetter, AxisValues};
 
 fn axes(time_s: f64, values: &[(AxisLetter, f64)]) -> AxisSample {

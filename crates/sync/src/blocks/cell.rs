@@ -6,7 +6,7 @@
 use super::spectrum::Noise;
 use super::{FINEST, Sample, UNIT};
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, AxisValues, Point, Quality, State};
+use trunnion_core::{AxisValues, Point, Quality, Slot, State};
 
 /// Time that counts as one unit of travel, s.
 const UNIT_S: f64 = 10.0;
@@ -99,7 +99,7 @@ impl Cell {
             return false;
         }
         let coarse = (width / COARSE).max(1.0);
-        AxisLetter::ALL.into_iter().all(|letter| {
+        Slot::ALL.into_iter().all(|letter| {
             let unit = UNIT[letter];
             let travel = joined(self.position[letter], next.position[letter]);
             let change = joined(self.velocity[letter], next.velocity[letter]);
@@ -150,7 +150,7 @@ impl Cell {
         for (m, x) in self.temperature_degc.iter_mut().zip(&next.temperature_degc) {
             *m += (x - *m) * share;
         }
-        for letter in AxisLetter::ALL {
+        for letter in Slot::ALL {
             self.position[letter] = joined(self.position[letter], next.position[letter]);
             self.velocity[letter] = joined(self.velocity[letter], next.velocity[letter]);
             self.since_reversal[letter] = joined(self.since_reversal[letter], next.since_reversal[letter]);
@@ -184,7 +184,7 @@ impl Cell {
     /// The state at the mean time. The mean of a curved path lies inside the curve: `q(t̄) = q̄ − ½ a var(t)`.
     pub fn state(&self) -> State {
         let sagitta = if self.timed { 0.5 * self.time_variance() } else { 0.0 };
-        let on_path = |letter: AxisLetter| {
+        let on_path = |letter: Slot| {
             let (low, high) = self.position[letter];
             (self.mean.position[letter] - self.mean.acceleration[letter] * sagitta).clamp(low, high)
         };

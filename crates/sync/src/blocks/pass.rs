@@ -3,7 +3,8 @@
 use super::spectrum::{Noise, Pyramid};
 use super::{Sample, UNIT};
 use std::collections::HashMap;
-use trunnion_core::{AxisLetter, AxisValues, Point, State};
+use trunnion_core::axis::SLOTS;
+use trunnion_core::{AxisLetter, AxisValues, Point, Slot, State};
 
 /// Ratio of neighbouring classes of feed.
 const FEED_CLASS: f64 = 1.25;
@@ -59,15 +60,17 @@ impl Band {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct PassKey {
     setup: usize,
-    heading: [i8; 3],
+    heading: [i8; SLOTS],
     feed_class: i32,
 }
 
 /// The pass a state belongs to, and the feed that stands for its class. `feed` of the sample before, if it goes on: a
 /// feed near the border of two classes must not flicker between them.
 pub(super) fn key(state: &State, feed: Option<f64>) -> (PassKey, f64) {
-    let rotary = state.velocity.0[3..].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let linear = state.velocity.0[..3].iter().map(|v| v * v).sum::<f64>().sqrt();
+    let speeds =
+        |rotary| state.velocity.iter().filter(move |(slot, _)| slot.is_rotary() == rotary).map(|(_, v)| v);
+    let rotary = speeds(true).fold(0.0_f64, |most, v| most.max(v.abs()));
+    let linear = speeds(false).map(|v| v * v).sum::<f64>().sqrt();
     // A standing encoder flickers: turning is what is not tiny beside the motion of the linear axes.
     let turns = rotary / UNIT[AxisLetter::C] > 0.02 * linear / UNIT[AxisLetter::X];
     let speed = if turns { rotary } else { linear };
@@ -77,8 +80,8 @@ pub(super) fn key(state: &State, feed: Option<f64>) -> (PassKey, f64) {
         _ => 0.0,
     };
     let feed_class = if feed > 0.0 { (feed.ln() / FEED_CLASS.ln()).round() as i32 } else { i32::MIN };
-    let heading = AxisLetter::ROTARY.map(|letter| {
-        let direction = state.direction[letter];
+    let heading = Slot::ALL.map(|slot| {
+        let direction = if slot.is_rotary() { state.direction[slot] } else { 0.0 };
         i8::from(direction > 0.0) - i8::from(direction < 0.0)
     });
     (PassKey { setup: state.setup, heading, feed_class }, feed)

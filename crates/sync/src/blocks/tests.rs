@@ -1,6 +1,6 @@
 use super::*;
 use std::f64::consts::TAU;
-use trunnion_core::AxisLetter::{C, X, Y};
+use trunnion_core::axis::iso::{C, X, Y};
 
 /// Both ways round C at `step_rad`, X and Y following on radius 100 mm; readings `kinematic(state) + error(state, i)`.
 fn sweep(samples: usize, feed: f64, error: impl Fn(&State, usize) -> f64) -> Vec<Point> {

@@ -1,7 +1,7 @@
 //! Standing and moving, from axis positions alone.
 
 use trunnion_core::reading::AxisReading;
-use trunnion_core::{AxisLetter, AxisValues, HostTime};
+use trunnion_core::{AxisValues, HostTime, Slot};
 
 /// An axis that stays so near to where it stood, stands: more than servo jitter and thermal drift of a long stand, mm.
 const STILL_MM: f64 = 0.02;
@@ -68,7 +68,7 @@ impl Motion {
 }
 
 fn moved(anchor: &AxisValues<f64>, now: &AxisReading) -> bool {
-    AxisLetter::ALL.iter().any(|&letter| {
+    Slot::ALL.iter().any(|&letter| {
         let limit = if letter.is_rotary() { STILL_RAD } else { STILL_MM };
         now.present[letter] && (now.position[letter] - anchor[letter]).abs() > limit
     })

@@ -2,7 +2,7 @@ use super::*;
 use crate::align::{AlignLimits, Aligner};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trunnion_core::AxisLetter::{B, C, X, Y, Z};
+use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::{AxisSample, ProbeSample};
 
 const SETTLE: Settle = Settle {

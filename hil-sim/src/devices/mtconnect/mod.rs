@@ -54,7 +54,7 @@ pub struct AgentConfig {
 impl AgentConfig {
     /// A five-axis machine with axes X, Y, Z, B, C at 125 lines per second, on a free port of this computer.
     pub fn new(wall_ns_at_origin: i64, clock: DeviceClock) -> Self {
-        use AxisLetter::{B, C, X, Y, Z};
+        use trunnion_core::axis::iso::{B, C, X, Y, Z};
         Self {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
             device: "VMC-5Axis".into(),

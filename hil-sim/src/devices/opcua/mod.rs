@@ -59,7 +59,7 @@ pub struct ControllerConfig {
 impl ControllerConfig {
     /// A five-axis machine with axes X, Y, Z, B, C, sampled 1 ms apart every 10 ms, on a free port of this computer.
     pub fn new(wall_ns_at_origin: i64, clock: DeviceClock) -> Self {
-        use AxisLetter::{B, C, X, Y, Z};
+        use trunnion_core::axis::iso::{B, C, X, Y, Z};
         Self {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
             server: "SINUMERIK".into(),

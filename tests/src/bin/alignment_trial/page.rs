@@ -30,7 +30,7 @@ fn introduction(seconds: f64) -> String {
          instants. A reading of an R-test whose linear axes follow the ball costs only |de/dθ|·ω·δt, some hundred times less.\n\n\
          Stamped on arrival: when the bytes were read. Line: the lower hull of arrivals against the device's clock (`acquire::clock`),\n\
          as it goes, and fitted over the whole run. Mean ± spread (rms about the mean), µs; the mean is latency, which nobody can see in\n\
-         one stream. Aligned: the delay of the sync gestures taken out; mean and spread of what is left against the axes by MTConnect.\n\n"
+         one stream. Aligned: the delay of the synchronisation moves is subtracted; mean and spread of the remainder against the axes by MTConnect.\n\n"
     )
 }
 
@@ -72,7 +72,7 @@ const REMARKS: &str = "\
 A DL-RS1A refreshes its values every 13 ms and does not say when: 13 ms/√12 = 3.8 ms stay whatever is done. An indicator that\n\
 takes its value anywhere in the 30 ms until its answer is stamped in the middle: 30 ms/√12 = 8.7 ms stay; one that latches at\n\
 the request is stamped with it. linuxcncrsh renews its values every 10 ms and is asked every 4 ms: shorten `[TASK] CYCLE_TIME`.\n\
-An OPC UA server tells changes only: while some axes stand, an instant is known when they have told nothing for three samplings and\n\
+An OPC UA server reports changes only: while some axes are stationary, an instant is known once they report nothing for three samplings and\n\
 20 ms, and that wait is in the mean.\n\n\
 Behind a serial adapter the moment of a SYNC lies between its writing and the arrival of its values, and only the sum of the two\n\
 waits is seen, which no line can share out. The writing is taken: a USB adapter lets the SYNC wait less than 1 ms before the bus and\n\

@@ -135,8 +135,8 @@ fn introduction(args: &Args, visible: &Visible) -> String {
         remark; **doubted**: another name with the remark that a part remains.\n\
         - **Captured**: share of the hidden signal's surviving variance that base model and found set, fitted to the trial, \
         remove on an *unseen* cycle of the same machine (heights 85 and 135 mm instead of 60 and 160, B shifted by 15°, C by 7.5°, no noise, base model \
-        settled anew). Of runs in which something was found.\n\
-        - **Ladder end**: rms after base model and found set over the noise floor: the rms of the same readings without the \
+        fitted again). Of runs in which something was found.\n\
+        - **Ladder end**: rms after base model and found set over the rms of the same readings without the \
         hidden part after the base model.\n\
         - Cells: count of runs (share).\n\n\
         Hidden from the catalogue: {}. In no catalogue: {}.{}\n",

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
-use trunnion_core::AxisLetter::C;
 use trunnion_core::AxisValues;
+use trunnion_core::axis::iso::C;
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
 use trunnion_hil_sim::devices::{

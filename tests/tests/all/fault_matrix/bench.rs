@@ -11,7 +11,7 @@ use tokio::time::timeout_at;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceState, DeviceStatus, SessionEnd, parse_devices, start};
-use trunnion_core::AxisLetter::C;
+use trunnion_core::axis::iso::C;
 use trunnion_core::reading::{Message, Reading};
 use trunnion_core::{AxisValues, Clock, HostTime};
 use trunnion_hil_sim::devices::{CycleState, TimeOrigin, World};

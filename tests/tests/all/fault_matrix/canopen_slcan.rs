@@ -47,7 +47,7 @@ fn own(trouble: Trouble) -> Option<Cell> {
         },
         Trouble::Restarted => {
             return Some(Cell::Cannot(
-                "a node that starts anew says so on the bus, as the node under \"wrong identity\" does",
+                "a node that restarts reports it on the bus, as the node under \"wrong identity\" does",
             ));
         }
         _ => return None,

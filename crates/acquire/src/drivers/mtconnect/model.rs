@@ -33,7 +33,7 @@ impl Items {
             items.iter().find(|item| item.id == wanted || item.name.as_deref() == Some(wanted))
         };
         let mut axes = AxisValues::default();
-        for letter in AxisLetter::ALL {
+        for letter in AxisLetter::ISO {
             axes[letter] = match &named[letter] {
                 Some(name) => {
                     Some(by_name(name).ok_or(format!("a data item {name} for axis {letter}"))?.id.clone())
@@ -44,7 +44,9 @@ impl Items {
             };
         }
         if axes.0.iter().all(Option::is_none) {
-            return Err("actual positions of axes named X, Y, Z, A, B or C (or name them in `axes`)".into());
+            return Err(
+                "actual positions of axes named X, Y, Z, A, B, C, U, V or W (or name them in `axes`)".into(),
+            );
         }
         let signal = match signal {
             Some(name) => Some(by_name(name).ok_or(format!("a data item {name} for the signal"))?.id.clone()),
@@ -68,7 +70,7 @@ impl Items {
 
     /// The axes found.
     pub(super) fn letters(&self) -> Vec<AxisLetter> {
-        self.axes.iter().filter(|(_, id)| id.is_some()).map(|(letter, _)| letter).collect()
+        AxisLetter::ISO.into_iter().filter(|&letter| self.axes[letter].is_some()).collect()
     }
 }
 
@@ -192,7 +194,7 @@ impl Model {
 
     fn axis_of(&self, observation: &Observation) -> Option<AxisLetter> {
         let is_it = |id: &Option<String>| id.as_ref() == Some(&observation.data_item_id);
-        self.items.axes.iter().find(|(_, id)| is_it(id)).map(|(letter, _)| letter)
+        AxisLetter::ISO.into_iter().find(|&letter| is_it(&self.items.axes[letter]))
     }
 
     fn set_axis(&mut self, letter: AxisLetter, observation: &Observation, arrival: HostTime) {
@@ -230,7 +232,7 @@ impl Model {
     /// A reading of all axes at a stamp; none while one that the controller has is unavailable.
     fn axes(&mut self, stamp_ns: i64, arrival: HostTime, held: bool) -> Option<Reading> {
         let present = AxisValues::from_fn(|letter| self.items.axes[letter].is_some());
-        if AxisLetter::ALL.iter().any(|&letter| present[letter] && self.position[letter].is_none()) {
+        if AxisLetter::ISO.iter().any(|&letter| present[letter] && self.position[letter].is_none()) {
             return None;
         }
         if let Some(since) = self.absent_since.take() {

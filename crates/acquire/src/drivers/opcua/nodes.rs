@@ -61,8 +61,8 @@ pub(super) async fn find(
     let mut known = [None, None, None];
     match &device.layout {
         Layout::Nodes(named) => {
-            for (letter, text) in named.iter() {
-                if let Some(text) = text {
+            for letter in AxisLetter::ISO {
+                if let Some(text) = &named[letter] {
                     found.push((letter, node_id(text)?));
                 }
             }

@@ -5,7 +5,7 @@ use super::super::{Cycle, Leg, Motion};
 use super::{CourseRules, Step};
 use crate::RunKind;
 use nalgebra::{Point3, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, State};
+use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Slot, State};
 use trunnion_machine::{JointErrors, Machine};
 
 /// Shortest standing still before a sweep, s: it tells the passes of a recording apart.
@@ -43,7 +43,7 @@ impl Place {
 
     fn is(&self, other: &Self) -> bool {
         (self.angle_rad - other.angle_rad).abs() < STANDSTILL
-            && AxisLetter::ALL
+            && Slot::ALL
                 .into_iter()
                 .all(|letter| (self.asked[letter] - other.asked[letter]).abs() < STANDSTILL)
     }
@@ -295,7 +295,7 @@ impl<'a> Guide<'a> {
             let limit = self.machine.axis(letter).and_then(|axis| axis.facts.feed_limit);
             (to[letter] - from[letter]).abs() / limit.map_or(usual, |limit| limit.min(usual))
         };
-        AxisLetter::ALL.into_iter().map(of_axis).fold(0.0, f64::max)
+        self.machine.joints().into_iter().map(of_axis).fold(0.0, f64::max)
     }
 
     /// The free spindle: above all balls and all places where it comes down; where the cycle names the linear axes, as high as

@@ -7,8 +7,7 @@ use trunnion_core::AxisLetter;
 use trunnion_effects::Scene;
 
 pub(super) fn linear(experiment: &Experiment, drafts: &mut Vec<Draft>) {
-    let letters: Vec<AxisLetter> =
-        AxisLetter::LINEAR.into_iter().filter(|&l| experiment.machine().axis(l).is_some()).collect();
+    let letters = experiment.machine().linear_joints();
     for (i, first) in letters.iter().enumerate() {
         let one = |factor: String, order: usize, words: String| {
             Draft::new("linear", order, vec![factor], words).ground()
@@ -35,7 +34,7 @@ pub(super) fn linear(experiment: &Experiment, drafts: &mut Vec<Draft>) {
 /// While axes move: with speed and acceleration.
 pub(super) fn moving(rotary: &[AxisLetter], scene: &Scene, drafts: &mut Vec<Draft>) {
     let fastest = |letter: AxisLetter| scene.speed_range[letter].1;
-    for letter in AxisLetter::ALL.into_iter().filter(|&letter| fastest(letter) > 0.0) {
+    for letter in scene.machine.joints().into_iter().filter(|&letter| fastest(letter) > 0.0) {
         for (order, factors, words) in companions(rotary) {
             for (factor, how) in [
                 (format!("v{letter}"), format!("in proportion to the speed of {letter}")),

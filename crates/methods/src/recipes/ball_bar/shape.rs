@@ -77,7 +77,7 @@ impl Shape {
         let fit = least_squares(&design, &moved, 1e-6);
         if fit.rank < rows[0].len() && track.kind != Kind::Path {
             let found = format!(
-                "the readings of setup {} do not tell its mean from the setting of the ball",
+                "in the readings of setup {} the mean is confounded with the setting of the ball",
                 track.setup
             );
             return Err(method.lacks(found, "Turn the axis farther, best once around."));

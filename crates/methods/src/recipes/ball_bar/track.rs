@@ -67,7 +67,7 @@ impl Axis {
 
     /// The letters of the rotations about u, v, w.
     pub fn rotations(self) -> [AxisLetter; 3] {
-        self.frame.map(|letter| AxisLetter::ROTARY[letter as usize])
+        self.frame.map(|letter| AxisLetter::ROTARY[letter.index()])
     }
 }
 
@@ -177,19 +177,20 @@ impl<'a> Seen<'a> {
         let moves = |letter: AxisLetter| span(self.points.iter().map(|p| p.state.position[letter]));
         let still =
             |letter: &AxisLetter| moves(*letter) <= if letter.is_rotary() { STILL_RAD } else { STILL_MM };
+        let (joints, rotary) = (self.machine.joints(), self.machine.rotary_joints());
         let turning: Vec<_> =
-            AxisLetter::ROTARY.into_iter().filter(|&letter| moves(letter) > LEAST_TURN_RAD).collect();
-        if AxisLetter::ROTARY.iter().all(still) {
+            rotary.iter().copied().filter(|&letter| moves(letter) > LEAST_TURN_RAD).collect();
+        if rotary.iter().all(still) {
             return Err("only linear axes move".into());
         }
         let others_still =
             |axis: AxisLetter, among: &[AxisLetter]| among.iter().filter(|l| **l != axis).all(still);
         let lone = match turning[..] {
-            [axis] if others_still(axis, &AxisLetter::ROTARY) => Placed::of(self.machine, axis),
+            [axis] if others_still(axis, &rotary) => Placed::of(self.machine, axis),
             _ => None,
         };
         let (kind, samples) = match &lone {
-            Some(placed) => self.of_axis(placed, others_still(placed.axis.letter, &AxisLetter::ALL)),
+            Some(placed) => self.of_axis(placed, others_still(placed.axis.letter, &joints)),
             None => (Kind::Path, self.around_path()?),
         };
         let setup = name.into();
@@ -289,9 +290,9 @@ struct Placed<'a> {
 
 impl<'a> Placed<'a> {
     fn of(machine: &'a Machine, letter: AxisLetter) -> Option<Self> {
-        let along = letter as usize % 3;
-        let frame = [(along + 1) % 3, (along + 2) % 3, along].map(|k| AxisLetter::LINEAR[k]);
         let joint = machine.axis(letter)?;
+        let along = joint.direction.iamax();
+        let frame = [(along + 1) % 3, (along + 2) % 3, along].map(|k| AxisLetter::LINEAR[k]);
         let (cosine, side) = (joint.direction[along], machine.side(letter)?);
         let sense = joint.sense * cosine.signum();
         (cosine.abs() > ALONG).then_some(Self { machine, axis: Axis { letter, frame }, side, sense })
@@ -301,7 +302,7 @@ impl<'a> Placed<'a> {
     fn in_frame(&self, position: &AxisValues<f64>, in_machine: &Vector3<f64>) -> Vector3<f64> {
         let frame = self.machine.joint_frame(self.axis.letter, position).expect("the machine has this axis");
         let in_carrier = frame.machine_from_carrier.inverse() * in_machine;
-        Vector3::from_fn(|k, _| in_carrier[self.axis.frame[k] as usize])
+        Vector3::from_fn(|k, _| in_carrier[self.axis.frame[k].index()])
     }
 
     /// The ball that the axis carries, from its reference point, u, v, w, mm.

@@ -266,7 +266,7 @@ fn notes(found: &Found<'_>) -> Vec<String> {
         .collect();
     if !short.is_empty() {
         notes.push(format!(
-            "Turned less than once around ({}): mean, setting and slow shapes are told apart less well.",
+            "Turned less than once around ({}): mean, setting and slow shapes are separated less well.",
             short.join(", ")
         ));
     }

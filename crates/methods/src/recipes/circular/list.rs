@@ -36,19 +36,19 @@ pub(super) fn listed(machine: &Machine, trace: &Trace) -> Vec<Listed> {
     let both_ways = [1.0, -1.0].iter().all(|way| trace.samples.iter().any(|s| s.way == *way));
     let speed = trace.samples.iter().all(|s| s.speed_mm_per_s > 0.0);
     let item = |kind, name: String, unit, about| Listed { kind, name, unit, about };
-    let squareness = ["EC0Y", "EA0Z", "EB0Z"][a as usize];
+    let squareness = ["EC0Y", "EA0Z", "EB0Z"][a.index()];
     let mut list = vec![
         item(
             ListedKind::Squareness,
             squareness.into(),
             Unit::URAD,
-            "squareness: oval at 45°, alike both ways",
+            "squareness: oval at 45°, the same both ways",
         ),
         item(
             ListedKind::ScaleMismatch,
             format!("scale {a}−{b}"),
             Unit::UM_PER_M,
-            "scale mismatch, first axis longer: oval at 0° or 90°, alike both ways",
+            "scale mismatch, first axis longer: oval at 0° or 90°, the same both ways",
         ),
     ];
     if both_ways && speed {
@@ -69,7 +69,7 @@ pub(super) fn listed(machine: &Machine, trace: &Trace) -> Vec<Listed> {
             let about = "amplitude of one wave a screw lead";
             list.push(item(ListedKind::Cyclic(k, lead_mm), format!("cyclic {letter}"), Unit::UM, about));
         }
-        let about = "bow of the guide over ±R: three lobes, alike both ways";
+        let about = "bow of the guide over ±R: three lobes, the same both ways";
         list.push(item(ListedKind::Straightness(k), format!("straightness {letter}"), Unit::UM, about));
     }
     list

@@ -65,7 +65,7 @@ pub(super) fn together(fits: &[Fitted<'_>]) -> Vec<Together> {
 
 fn unit_factor(letter: AxisLetter) -> [f64; 3] {
     let mut factors = [0.0; 3];
-    factors[letter as usize] = 1.0;
+    factors[letter.index()] = 1.0;
     factors
 }
 

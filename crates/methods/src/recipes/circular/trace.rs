@@ -92,7 +92,7 @@ fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, 
         return Err(format!("is read by a {}, not by a ball bar", setup.instrument.name()));
     }
     if points.len() < LEAST_READINGS {
-        return Err(format!("has {} readings; {LEAST_READINGS} or more tell the errors apart", points.len()));
+        return Err(format!("has {} readings; {LEAST_READINGS} or more separate the errors", points.len()));
     }
     let moves = |letter: &AxisLetter| {
         let positions = || points.iter().map(|p| p.state.position[*letter]);
@@ -100,7 +100,7 @@ fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, 
             positions().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         high - low > if letter.is_rotary() { STILL_RAD } else { STILL_MM }
     };
-    let moving: Vec<AxisLetter> = AxisLetter::ALL.into_iter().filter(moves).collect();
+    let moving: Vec<AxisLetter> = machine.joints().into_iter().filter(moves).collect();
     let plane =
         PLANES.into_iter().find(|plane| moving.len() == 2 && plane.iter().all(|l| moving.contains(l)));
     let Some([a, b]) = plane else {
@@ -111,11 +111,11 @@ fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, 
         });
     };
     let bars: Vec<Vector3<f64>> = points.iter().map(|p| bar_mm(machine, setup, p)).collect();
-    let out_of_plane = 3 - a as usize - b as usize;
+    let out_of_plane = 3 - a.index() - b.index();
     if let Some(bar) = bars.iter().find(|bar| bar[out_of_plane].abs() > FLAT * bar.norm()) {
         return Err(format!("the bar leaves the plane {a}{b} by {:.3} mm", bar[out_of_plane].abs()));
     }
-    let angles: Vec<f64> = bars.iter().map(|bar| bar[b as usize].atan2(bar[a as usize])).collect();
+    let angles: Vec<f64> = bars.iter().map(|bar| bar[b.index()].atan2(bar[a.index()])).collect();
     let quadrants = [0, 1, 2, 3].map(|q| {
         let middle = std::f64::consts::FRAC_PI_4 + std::f64::consts::FRAC_PI_2 * f64::from(q);
         angles.iter().any(|angle| (angle - middle).cos() > 0.9)
@@ -128,7 +128,7 @@ fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, 
     let sense = [a, b].map(|letter| {
         let mean = points.iter().map(|p| p.state.position[letter]).sum::<f64>() / points.len() as f64;
         let together =
-            points.iter().zip(&bars).map(|(p, bar)| (p.state.position[letter] - mean) * bar[letter as usize]);
+            points.iter().zip(&bars).map(|(p, bar)| (p.state.position[letter] - mean) * bar[letter.index()]);
         together.sum::<f64>().signum()
     });
     let samples = (0..points.len()).map(|i| {

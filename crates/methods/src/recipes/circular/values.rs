@@ -81,7 +81,7 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
     values.push(value.note("rms of what neither the list nor the noise of the readings explains"));
     let value =
         FoundValue::new(format!("{plane} unexplained circularity"), fit.left_circularity_mm, Unit::UM, None);
-    values.push(value.note("range of what is left, noise included"));
+    values.push(value.note("range of the residual, noise included"));
     for error in &fit.errors {
         let name = format!("{plane} {}", error.listed.name);
         let value = FoundValue::new(name, error.value, error.listed.unit, Some(error.u));
@@ -143,13 +143,13 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
         let plane = &fit.trace.name;
         if fit.left_rms_mm > NOISE_AND_MORE * fit.noise_mm {
             notes.push(format!(
-                "{plane}: the list does not explain everything. See the chart of what is left: where it stands out, and whether both ways alike. \
+                "{plane}: the list does not explain everything. See the chart of the residual: where it is large, and whether both ways agree. \
                  The joint fit and `diagnose` look for what is missing."
             ));
         }
         if fit.iso.g_mm.len() < 2 {
             notes.push(format!(
-                "{plane} was read one way only: G(b), backlash, lateral play and servo mismatch are not seen. Run it both ways."
+                "{plane} was read one way only: G(b), backlash, lateral play and servo mismatch are not observable. Run it both ways."
             ));
         } else if fit.trace.samples.iter().any(|s| s.speed_mm_per_s == 0.0) {
             notes.push(format!(
@@ -165,7 +165,7 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
             let spike = format!("reversal spike {letter}");
             if fit.errors.iter().all(|error| error.listed.name != spike) {
                 notes.push(format!(
-                    "{plane}: no {spike} stands out of the noise; it was left out of the list."
+                    "{plane}: no {spike} is significant; it is not on the list."
                 ));
             }
             if machine.axis(letter).is_some_and(|axis| axis.facts.screw_lead_mm.is_none()) {

@@ -40,7 +40,7 @@ impl CErrors {
 
 /// `None` when the nest positions lie on one line along which no tilt is seen.
 fn at_pose(grid: &Grid<'_>, here: &[(&Cell, Vector3<f64>)]) -> Option<Twist> {
-    let along = grid.turning as usize % 3;
+    let along = grid.turning.index() % 3;
     let across = [(along + 1) % 3, (along + 2) % 3].map(|k| Vector3::<f64>::ith(k, 1.0));
     let in_carrier = |(cell, left): &(&Cell, Vector3<f64>)| {
         let carrier_from_machine = cell.turning.machine_from_carrier.inverse();

@@ -82,7 +82,7 @@ impl<'a> Grid<'a> {
                 let off_mm = of_setup().map(|p| commanded_mm(run, p).norm()).fold(0.0, f64::max);
                 if off_mm > BESIDE_MM {
                     let found =
-                        format!("in setup {name} the ball is commanded up to {off_mm:.1} mm beside the nest");
+                        format!("in setup {name} the ball is commanded up to {off_mm:.1} mm off the nest");
                     return Err(method
                         .lacks(found, "Check the positions of the linear axes and the place of the nest."));
                 }

@@ -44,10 +44,12 @@ impl Locations {
             .parameters
             .iter()
             .filter(|p| p.effect == LOCATION_ERRORS && p.observable())
-            .filter_map(|p| constant(&p.name).map(|(axis, twist)| (p, axis, twist)))
-            .filter(|(_, axis, _)| [grid.tilting, grid.turning].contains(axis))
+            .filter_map(|p| {
+                let axes = [grid.tilting, grid.turning];
+                constant(&p.name, axes).map(|(axis, twist)| (p, axis, twist))
+            })
             .collect();
-        let along = Vector3::ith(grid.turning as usize % 3, 1.0);
+        let along = Vector3::ith(grid.turning.index() % 3, 1.0);
         let offsets = [Twist::translation(along), Twist::rotation(along)].map(|twist| (grid.turning, twist));
         let constants: Vec<(AxisLetter, Twist)> =
             observable.iter().map(|(_, axis, twist)| (*axis, *twist)).chain(offsets).collect();
@@ -92,14 +94,14 @@ impl Locations {
     }
 }
 
-/// Axis and unit twist of a location error by its name, `EX0C`.
-fn constant(name: &str) -> Option<(AxisLetter, Twist)> {
-    let letters: Vec<char> = name.chars().collect();
-    let &['E', direction, '0', axis] = &letters[..] else { return None };
-    let direction = AxisLetter::parse(&direction.to_string())?;
-    let unit = Vector3::ith(direction as usize % 3, 1.0);
+/// Axis and unit twist of a location error of one of these axes by its name, `EX0C`.
+fn constant(name: &str, axes: [AxisLetter; 2]) -> Option<(AxisLetter, Twist)> {
+    let of_axes = axes.into_iter().flat_map(|axis| AxisLetter::ALL.map(|direction| (axis, direction)));
+    let (axis, direction) =
+        of_axes.into_iter().find(|(axis, direction)| format!("E{direction}0{axis}") == name)?;
+    let unit = Vector3::ith(direction.index() % 3, 1.0);
     let twist = if direction.is_rotary() { Twist::rotation(unit) } else { Twist::translation(unit) };
-    Some((AxisLetter::parse(&axis.to_string())?, twist))
+    Some((axis, twist))
 }
 
 /// An error at the joint of the turning axis as one at the joint of the tilting axis.

@@ -7,7 +7,7 @@
 
 use crate::findings::{Cell, Column, FoundTable};
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, InstrumentKind, Point, Quality};
+use trunnion_core::{InstrumentKind, Point, Quality, Slot};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_instruments::predict;
@@ -84,8 +84,8 @@ fn steps(run: &Run, setup: usize) -> Option<Vec<NestStep>> {
     let of_setup = |p: &&Point| p.state.setup == setup && p.quality == Quality::Good;
     let first = run.points.iter().filter(of_setup).find(|point| is_step(run, point))?;
     let same_pose = |p: &&Point| {
-        let turned = |letter| (p.state.position[letter] - first.state.position[letter]).abs();
-        AxisLetter::ROTARY.into_iter().all(|letter| turned(letter) < 1e-6)
+        let turned = |letter: Slot| (p.state.position[letter] - first.state.position[letter]).abs();
+        Slot::ALL.into_iter().filter(|slot| slot.is_rotary()).all(|slot| turned(slot) < 1e-6)
     };
     let here = run.points.iter().filter(of_setup).filter(same_pose);
     let step = |p: &Point| NestStep { ball_in_nest_mm: commanded_mm(run, p), probes_mm: p.reading_mm };

@@ -189,7 +189,7 @@ fn notes(grid: &Grid<'_>, b_errors: &BErrors) -> Vec<String> {
             "Readings of one pose and nest repeat to {:.2} µm (standard deviation; directions of approach included).",
             mm * Unit::UM.per_inside
         ),
-        None => "No pose was read twice, so nothing tells how well readings repeat.".into(),
+        None => "No pose was read twice, so the repeatability is not known.".into(),
     };
     let offsets = grid.nests.iter().zip(&b_errors.offsets_mm).map(|(nest, offset)| {
         let um = offset * Unit::UM.per_inside;
@@ -203,7 +203,7 @@ fn notes(grid: &Grid<'_>, b_errors: &BErrors) -> Vec<String> {
             grid.nests.join(", ")
         ),
         format!(
-            "The errors of {b} hold what is alike at all {c} of a {b} angle: constant errors of {c} too (S1 §5.3 reads them off as averages). \
+            "The errors of {b} hold what is the same at all {c} of a {b} angle: constant errors of {c} too (S1 §5.3 reads them off as averages). \
              E{c}{c} is taken as zero."
         ),
         repeats,

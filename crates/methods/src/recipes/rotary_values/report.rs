@@ -242,7 +242,7 @@ fn notes(turning: &Turning, judged: &[Judged], stations: &Stations) -> Vec<Strin
     )];
     if turns < 2 {
         notes.push(
-            "A direction has a single turn: what repeats and what does not cannot be told apart there; only the total is given. \
+            "A direction has a single turn: synchronous and asynchronous motion are not distinguishable there; only the total is given. \
              Turn twice or more in each direction."
                 .into(),
         );
@@ -254,7 +254,7 @@ fn notes(turning: &Turning, judged: &[Judged], stations: &Stations) -> Vec<Strin
     }
     if judged.iter().all(|signal| !signal.bound) {
         notes.push(
-            "All balls sit at one height: tilt error motion cannot be seen. Measure a second height.".into(),
+            "All balls sit at one height: tilt error motion is not observable. Measure a second height.".into(),
         );
     }
     notes.extend(turning.left_out.iter().map(|left| format!("Left out: {left}.")));

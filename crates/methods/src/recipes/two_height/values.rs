@@ -167,7 +167,7 @@ fn notes(turning: &Turning, heights: &Heights) -> Vec<String> {
     let axis = turning.axis;
     let places: Vec<_> = heights.sets.iter().map(|s| format!("{} {:.1} mm", s.name, s.height_mm)).collect();
     let mut notes = vec![format!(
-        "Axis {axis} turns alone; heights of the ball along it: {}. Positioning error E{}{axis} cannot be seen with the ball on the axis.",
+        "Axis {axis} turns alone; heights of the ball along it: {}. Positioning error E{}{axis} is not observable with the ball on the axis.",
         places.join(", "),
         turning.rotations()[2]
     )];
@@ -182,7 +182,7 @@ fn notes(turning: &Turning, heights: &Heights) -> Vec<String> {
     ));
     if !turning.whole_turn() {
         notes.push(format!(
-            "{axis} did not go around: slow error motions and the setting are told apart less well than over a whole turn."
+            "{axis} did not go around: slow error motions and the setting are separated less well than over a whole turn."
         ));
     }
     if heights.sets.iter().all(|set| set.repeated) {

@@ -4,7 +4,7 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 use proptest::prelude::*;
-use trunnion_core::AxisLetter::{A, C, X, Y, Z};
+use trunnion_core::axis::iso::{A, C, X, Y, Z};
 use trunnion_core::{AxisLetter, AxisValues};
 use trunnion_machine::{JointErrors, Machine, shipped};
 
