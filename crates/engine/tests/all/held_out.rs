@@ -1,7 +1,7 @@
 //! The unit left out of a fit is called by what it is, and what cannot be known gets no figure.
 
 use crate::common::points_run;
-use trunnion_core::AxisLetter::C;
+use trunnion_core::axis::iso::C;
 use trunnion_cycles::Run;
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
