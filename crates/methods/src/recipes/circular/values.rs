@@ -164,9 +164,7 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
         for letter in fit.trace.plane {
             let spike = format!("reversal spike {letter}");
             if fit.errors.iter().all(|error| error.listed.name != spike) {
-                notes.push(format!(
-                    "{plane}: no {spike} is significant; it is not on the list."
-                ));
+                notes.push(format!("{plane}: no {spike} is significant; it is not on the list."));
             }
             if machine.axis(letter).is_some_and(|axis| axis.facts.screw_lead_mm.is_none()) {
                 notes.push(format!(

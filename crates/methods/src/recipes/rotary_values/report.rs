@@ -254,7 +254,8 @@ fn notes(turning: &Turning, judged: &[Judged], stations: &Stations) -> Vec<Strin
     }
     if judged.iter().all(|signal| !signal.bound) {
         notes.push(
-            "All balls sit at one height: tilt error motion is not observable. Measure a second height.".into(),
+            "All balls sit at one height: tilt error motion is not observable. Measure a second height."
+                .into(),
         );
     }
     notes.extend(turning.left_out.iter().map(|left| format!("Left out: {left}.")));
