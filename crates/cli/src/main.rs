@@ -11,7 +11,7 @@ mod virtual_setup;
 use clap::{Parser, Subcommand};
 use commands::{
     add, attribute, check_config, compare, compensation, daemon, demo, devices, diagnose, export, identify,
-    import, ladder, nc_program, plan, remove, replay, simulate, volumetric,
+    import, ladder, nc_program, plan, predict, remove, replay, simulate, volumetric,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -41,6 +41,7 @@ enum Command {
     Remove(remove::Args),
     Ladder(ladder::Args),
     Plan(plan::Args),
+    Predict(predict::Args),
     NcProgram(nc_program::Args),
     Compensation(compensation::Args),
     Simulate(simulate::Args),
@@ -64,6 +65,7 @@ fn main() -> ExitCode {
         Command::Remove(args) => remove::run(&args),
         Command::Ladder(args) => ladder::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Predict(args) => predict::run(&args),
         Command::NcProgram(args) => nc_program::run(&args),
         Command::Compensation(args) => compensation::run(&args),
         Command::Simulate(args) => simulate::run(&args),

@@ -25,9 +25,10 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 }
 
 /// Prints JSON, indented, with a final newline; never wrapped.
-pub fn print_json(value: &serde_json::Value) -> anyhow::Result<()> {
+pub fn print_json(answer: &impl serde::Serialize) -> anyhow::Result<()> {
+    let text = trunnion::results::to_json(answer).context("writing the result as JSON")?;
     let mut out = std::io::stdout().lock();
-    gone_is_fine(writeln!(out, "{value:#}").and_then(|()| out.flush())).context("writing the result")
+    gone_is_fine(out.write_all(text.as_bytes()).and_then(|()| out.flush())).context("writing the result")
 }
 
 /// Prints a remark or an error, `trunnion: …`, on standard error. Nobody is left to read it when that fails.

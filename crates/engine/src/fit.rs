@@ -9,7 +9,6 @@ mod holdout;
 pub mod identification;
 pub mod options;
 mod shape;
-mod show;
 mod structured;
 mod uncertainty;
 

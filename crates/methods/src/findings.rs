@@ -3,8 +3,6 @@
 //! Inside units throughout (mm, rad, s, K); every number carries the [`Unit`] in which people read it, and whoever shows
 //! it multiplies by `unit.per_inside`. Nothing here draws: `trunnion-report` does.
 
-mod json;
-
 use crate::recipes::Convention;
 use trunnion_effects::Unit;
 

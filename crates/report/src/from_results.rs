@@ -1,9 +1,6 @@
 //! From results to what is shown: the one place where inside units become screen units and poses become pictures.
 
-use crate::{
-    CompareInput, IdentificationView, LadderRow, Noise, ParameterRow, Place, PointView, SetupView, Trial,
-    UnobservableRow,
-};
+use crate::{CompareInput, LadderRow, Noise, Place, PointView, SetupView, Trial};
 use nalgebra::{DVector, Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 use trunnion_core::convert::um_from_mm;
@@ -11,18 +8,23 @@ use trunnion_core::{AxisValues, Point, Setup};
 use trunnion_cycles::RunKind;
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_engine::compare::places as worst_places;
-use trunnion_engine::{Diagnosis, Experiment, Identification, Repeatability, Verdict};
+use trunnion_engine::{Experiment, Identification};
 use trunnion_machine::{JointErrors, Machine};
+use trunnion_results as results;
+use trunnion_results::sentences::noise_origin;
+use trunnion_results::{Diagnosis, Parameter, Verdict};
 
 impl CompareInput {
     /// The report of one fit. Label, ladder, losses and timing are the caller's to fill in.
     pub fn new(experiment: &Experiment, fit: &Identification, diagnosis: Option<Diagnosis>) -> Self {
-        let identification = IdentificationView::from(fit);
+        let identification = results::Identification::from(fit);
+        let noise = Noise::of(&identification);
         // Where the diagnosis hears nothing but noise, no place is blamed.
         let silent = diagnosis.as_ref().is_some_and(|d| d.verdict == Verdict::NoiseFloor);
         let places = if silent { Vec::new() } else { worst_places(experiment, &fit.residual_mm, &fit.used) };
         Self {
             identification,
+            noise,
             label: String::new(),
             setups: experiment.setups.iter().map(SetupView::from).collect(),
             points: points_of(experiment, &fit.predicted_mm, &fit.used),
@@ -53,21 +55,21 @@ impl Trial {
         let silent = then.as_ref().is_some_and(|d| d.verdict == Verdict::NoiseFloor);
         let places = |fit: &Identification| worst_places(experiment, &fit.residual_mm, &fit.used);
         let fits = [before, after];
-        let view = IdentificationView::from(after);
+        let view = results::Identification::from(after);
         let components: Vec<&str> = added.iter().filter_map(|entry| entry.component.as_deref()).collect();
         let expression = match (&entry.site, &entry.expression) {
             (Some(site), Some(expression)) => format!("{} at {site}: {expression}", components.join(", ")),
             _ => String::new(),
         };
-        let is_new = |p: &ParameterRow| added.iter().any(|entry| entry.id == p.effect);
+        let is_new = |p: &Parameter| added.iter().any(|entry| entry.id == p.effect);
         Self {
             effect: entry.id.clone(),
             expression,
             fit_um: fits.map(|fit| um_from_mm(fit.rms_mm)),
             holdout_um: fits.map(|fit| fit.holdout_rms_mm().map(um_from_mm)),
-            noise: view.noise,
+            noise: Noise::of(&view),
             parameters: view.parameters.into_iter().filter(is_new).collect(),
-            moved: entry.ladder.as_ref().map_or(Vec::new(), |row| row.moved.clone()),
+            moved: entry.ladder.as_ref().map_or(Vec::new(), |row| results::LadderRow::from(row).moved),
             places: [places(before), if silent { Vec::new() } else { places(after) }],
             points: fits.map(|fit| points_of(experiment, &fit.predicted_mm, &fit.used)),
             then,
@@ -88,7 +90,7 @@ pub fn ladder_of(model: &Model) -> Vec<LadderRow> {
             holdout_before_um: ladder.holdout_before_um,
             holdout_after_um: ladder.holdout_after_um,
             noise_um: ladder.noise_um,
-            moved: ladder.moved.clone(),
+            moved: ladder.moved.iter().map(results::Moved::from).collect(),
         })
     };
     model.effects.iter().filter_map(row).collect()
@@ -216,49 +218,9 @@ impl From<&Setup> for SetupView {
     }
 }
 
-impl From<&Identification> for IdentificationView {
-    fn from(fit: &Identification) -> Self {
-        let parameter = |p: &trunnion_engine::FittedParameter| ParameterRow {
-            name: p.name.clone(),
-            effect: p.effect.clone(),
-            value: p.screen_value(),
-            u: p.screen_u(),
-            unit: p.unit.symbol.into(),
-            note: p.note.clone(),
-        };
-        let unobservable = |row: &trunnion_engine::Unobservable| UnobservableRow {
-            direction: row.direction.clone(),
-            why: row.why.clone(),
-        };
-        let together = |c: &trunnion_engine::Combination| ParameterRow {
-            name: c.text.clone(),
-            value: Some(c.value),
-            u: Some(c.u),
-            unit: c.unit.into(),
-            ..ParameterRow::default()
-        };
-        Self {
-            seen_together: fit.seen_together.iter().map(together).collect(),
-            machine: fit.machine.clone(),
-            runs: fit.runs.clone(),
-            effects: fit.effects.iter().map(|effect| effect.id.clone()).collect(),
-            points: fit.points,
-            outliers: fit.outliers.len(),
-            rms_um: um_from_mm(fit.rms_mm),
-            noise: noise_view(fit.repeatability),
-            holdout_rms_um: fit.holdout_rms_mm().map(um_from_mm),
-            parameters: fit.parameters.iter().map(parameter).collect(),
-            unobservable: fit.unobservable.iter().map(unobservable).collect(),
-        }
-    }
-}
-
-fn noise_view(repeatability: Option<Repeatability>) -> Noise {
-    match repeatability {
-        Some(found) => Noise {
-            rms_um: Some(um_from_mm(found.sigma_mm)),
-            origin: format!("poses measured more than once, {} repeats", found.repeats),
-        },
-        None => Noise { rms_um: None, origin: "not known: no pose was measured twice".into() },
+impl Noise {
+    /// The repeatability of a fit, with its origin.
+    pub fn of(fit: &results::Identification) -> Self {
+        Self { rms_um: fit.noise_um, origin: noise_origin(fit) }
     }
 }

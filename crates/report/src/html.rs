@@ -18,8 +18,8 @@ mod volumetric;
 use crate::markup::{element, escape};
 use crate::number::um;
 use crate::{CompareInput, LadderRow, Trial};
-use trunnion_methods::Findings;
 use trunnion_methods::volumetric::VolumetricMap;
+use trunnion_results::Findings;
 
 const STYLE: &str = include_str!("html/style.css");
 

@@ -2,16 +2,16 @@
 
 use nalgebra::{Matrix3, Vector3};
 use trunnion_core::{AxisLetter, AxisValues};
-use trunnion_effects::Moved;
-use trunnion_engine::Diagnosis;
 use trunnion_engine::compare::Place as WorstPlace;
-use trunnion_sync::time_quality::TimeQuality;
+use trunnion_results::{Diagnosis, Identification, Moved, Parameter, TimeQuality};
 
 /// Everything the compare report shows. Empty lists and `None` leave their section out or say what is missing.
 #[derive(Clone, Debug, Default)]
 pub struct CompareInput {
     /// The fit, with its parameters.
-    pub identification: IdentificationView,
+    pub identification: Identification,
+    /// The repeatability.
+    pub noise: Noise,
     /// Date, software version or whatever else the caller wants under the headline; may be empty.
     pub label: String,
     /// Setups; `PointView::setup` indexes them.
@@ -52,7 +52,7 @@ pub struct Trial {
     /// The repeatability.
     pub noise: Noise,
     /// Parameters of the effect.
-    pub parameters: Vec<ParameterRow>,
+    pub parameters: Vec<Parameter>,
     /// Parameters of the other effects that move when it comes in.
     pub moved: Vec<Moved>,
     /// Where the model fails most, without and with it.
@@ -63,33 +63,6 @@ pub struct Trial {
     pub then: Option<Diagnosis>,
 }
 
-/// A fit as people read it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct IdentificationView {
-    /// Machine name.
-    pub machine: String,
-    /// Names of the runs.
-    pub runs: Vec<String>,
-    /// Effects of the model, in the order they were added.
-    pub effects: Vec<String>,
-    /// Points that took part.
-    pub points: usize,
-    /// Points set aside by the robust loss.
-    pub outliers: usize,
-    /// Root mean square of the residual, µm per component, outliers left out.
-    pub rms_um: f64,
-    /// The repeatability.
-    pub noise: Noise,
-    /// Residual on data left out of the fit, µm rms.
-    pub holdout_rms_um: Option<f64>,
-    /// Parameters; those without a value cannot be seen in these data.
-    pub parameters: Vec<ParameterRow>,
-    /// What cannot be told apart.
-    pub unobservable: Vec<UnobservableRow>,
-    /// What is seen in combination only: the combination as a parameter.
-    pub seen_together: Vec<ParameterRow>,
-}
-
 /// Repeatability of a reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Noise {
@@ -97,32 +70,6 @@ pub struct Noise {
     pub rms_um: Option<f64>,
     /// Where the figure comes from, e.g. "both directions at the same pose".
     pub origin: String,
-}
-
-/// One parameter of the model.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ParameterRow {
-    /// Name, e.g. `EX0C`.
-    pub name: String,
-    /// The effect it belongs to.
-    pub effect: String,
-    /// Value in `unit`; `None` when unobservable.
-    pub value: Option<f64>,
-    /// Standard uncertainty in `unit`.
-    pub u: Option<f64>,
-    /// Unit as in the JSON, e.g. `um`, `urad`.
-    pub unit: String,
-    /// A remark for a person; may be empty.
-    pub note: String,
-}
-
-/// A combination of parameters that these readings cannot see.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct UnobservableRow {
-    /// The direction, e.g. `EX0C + ball-setting.low.x`.
-    pub direction: String,
-    /// Why, for a person.
-    pub why: String,
 }
 
 /// One instrument mounted in one way, as shown.

@@ -11,7 +11,7 @@ mod from_results;
 mod html;
 mod input;
 mod markup;
-mod number;
+
 mod svg;
 mod text;
 mod time_quality;
@@ -19,16 +19,15 @@ mod views;
 mod volumetric;
 mod words;
 
+use trunnion_results::number;
+
 pub use from_results::{ladder_of, points_of};
 pub use html::{compare_html, findings_html, ladder_html, trial_html, volumetric_html};
-pub use input::{
-    CompareInput, IdentificationView, LadderRow, Noise, ParameterRow, Place, PointView, SetupView, Trial,
-    UnobservableRow,
-};
+pub use input::{CompareInput, LadderRow, Noise, Place, PointView, SetupView, Trial};
 pub use text::{
     compare_text, diagnosis_text, findings_text, identification_text, ladder_text, location_text,
-    timing_text, trial_text, volumetric_text,
+    prediction_text, timing_text, trial_text, volumetric_text,
 };
-pub use time_quality::{duration, time_quality_json};
+pub use time_quality::duration;
 pub use volumetric::error_map_csv;
 pub use words::repeatability;

@@ -2,38 +2,39 @@
 
 mod findings;
 mod ladder;
+mod prediction;
 mod timing;
 mod volumetric;
 
 pub use findings::findings_text;
 pub use ladder::ladder_text;
+pub use prediction::prediction_text;
 pub use timing::timing_text;
 pub use volumetric::{location_text, volumetric_text};
 
-use crate::number::{percent, plain, um, um_or_dash, unit_on_screen, value_and_u};
+use crate::number::{percent, percent_or_dash, plain, um, um_or_dash, unit_on_screen, value_and_u};
 use crate::views::cuts;
 use crate::words::{
     NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, formula_shape,
     formula_site, headline, planned_words, repeatability, trial_verdict, verdict,
 };
-use crate::{CompareInput, IdentificationView, Noise, ParameterRow, Trial};
+use crate::{CompareInput, Noise, Trial};
 use std::iter::once;
-use trunnion_effects::Moved;
 use trunnion_engine::compare::Place;
-use trunnion_engine::{Candidate, Diagnosis, FormulaProposal};
+use trunnion_results::{Candidate, Diagnosis, FormulaProposal, Identification, Moved, Parameter};
 
 /// Longest bar, characters.
 const BAR: f64 = 30.0;
 
 /// Fit, parameters with uncertainty, and what cannot be told apart.
-pub fn identification_text(view: &IdentificationView) -> String {
+pub fn identification_text(view: &Identification) -> String {
     let mut out = format!("Machine {}, runs: {}\n", clean(&view.machine), clean(&view.runs.join(", ")));
     out += &format!("Model: {}\n\n", clean(&view.effects.join(" + ")));
     out += &columns(
         &[
             vec!["points".into(), format!("{} ({} set aside)", view.points, view.outliers)],
             vec!["error left".into(), format!("{} rms", um(view.rms_um))],
-            vec!["repeatability".into(), noise(&view.noise)],
+            vec!["repeatability".into(), noise(&Noise::of(view))],
             vec!["held-out".into(), um_or_dash(view.holdout_rms_um)],
         ],
         &[],
@@ -43,8 +44,8 @@ pub fn identification_text(view: &IdentificationView) -> String {
     if !view.seen_together.is_empty() {
         out += "\nSeen only together\n";
         for row in &view.seen_together {
-            let (value, u) = value_and_u(row.value, row.u, &row.unit);
-            out += &format!("  {} = {value} (u {u})\n", clean(&row.name));
+            let (value, u) = value_and_u(Some(row.value), Some(row.u), &row.unit);
+            out += &format!("  {} = {value} (u {u})\n", clean(&row.combination));
         }
     }
     if !view.unobservable.is_empty() {
@@ -129,7 +130,7 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
         "{} rms left ({}); what was found explains {} of the mean square.\n",
         um(residual.rms_um),
         repeatability(residual.noise_um),
-        percent(residual.unexplained_fraction)
+        percent_or_dash(residual.unexplained_fraction)
     );
     if !diagnosis.candidates.is_empty() {
         out += "\n";
@@ -206,7 +207,7 @@ fn best_candidate(best: &Candidate) -> String {
     out
 }
 
-fn parameters(rows: &[ParameterRow]) -> String {
+fn parameters(rows: &[Parameter]) -> String {
     let head = ["parameter", "value", "u", "effect", "remark"].map(String::from).to_vec();
     let rows = rows.iter().map(|p| {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);

@@ -1,7 +1,7 @@
-//! How well the samples of a run are known in time, as tables for page and terminal, and as JSON.
+//! How well the samples of a run are known in time, as tables for page and terminal.
 
 use crate::number::{MISSING, minus, plain};
-use trunnion_sync::time_quality::{Gesture, StreamTiming, TimeQuality};
+use trunnion_results::{Gesture, GestureChannel, Stream, TimeQuality};
 
 /// Head of the table of streams.
 pub const HEAD: [&str; 9] = [
@@ -28,21 +28,21 @@ pub fn rows(quality: &TimeQuality) -> Vec<Vec<String>> {
     quality.streams.iter().map(row).collect()
 }
 
-fn row(stream: &StreamTiming) -> Vec<String> {
+fn row(stream: &Stream) -> Vec<String> {
     let gaps = match stream.gaps {
-        (0, _) => "none".into(),
-        (count, seconds) => format!("{count}, together {} s", plain(seconds)),
+        0 => "none".into(),
+        count => format!("{count}, together {} s", plain(stream.gap_s)),
     };
     vec![
         stream.name.clone(),
         stream.samples.to_string(),
-        plain(stream.rate_hz),
+        stream.rate_hz.map_or(MISSING.into(), plain),
         stream.drift_ppm.map_or(MISSING.into(), |ppm| minus(format!("{ppm:+.2} ppm"))),
         stream.jitter_before_s.map_or(MISSING.into(), duration),
         stream.jitter_after_s.map_or(MISSING.into(), duration),
         gaps,
         stream.lost.to_string(),
-        match stream.delay_s {
+        match stream.delay_s.zip(stream.delay_u_s) {
             Some((delay_s, u_s)) => format!("{} (u {})", duration(delay_s), duration(u_s)),
             None => MISSING.into(),
         },
@@ -72,12 +72,10 @@ pub fn sentences(quality: &TimeQuality) -> Vec<String> {
 }
 
 fn gesture(gesture: &Gesture) -> String {
-    let seen = match gesture.seen.as_slice() {
+    let seen = match gesture.channels.as_slice() {
         [] => "no probe saw it".into(),
         seen => {
-            let of = |seen: &trunnion_sync::time_quality::GestureDelay| {
-                format!("{} (u {})", duration(seen.delay_s), duration(seen.u_s))
-            };
+            let of = |seen: &GestureChannel| format!("{} (u {})", duration(seen.delay_s), duration(seen.u_s));
             format!("readings later by {}", seen.iter().map(of).collect::<Vec<_>>().join(", "))
         }
     };
@@ -97,30 +95,4 @@ pub fn duration(seconds: f64) -> String {
         s if s >= 1e-3 => format!("{} ms", plain(seconds * 1e3)),
         _ => format!("{} µs", plain(seconds * 1e6)),
     }
-}
-
-/// For programs.
-pub fn time_quality_json(quality: &TimeQuality) -> serde_json::Value {
-    let streams: Vec<_> = quality
-        .streams
-        .iter()
-        .map(|s| {
-            serde_json::json!({
-                "name": s.name, "samples": s.samples, "rate_hz": s.rate_hz, "lines": s.lines, "drift_ppm": s.drift_ppm,
-                "jitter_before_s": s.jitter_before_s, "jitter_after_s": s.jitter_after_s, "gaps": s.gaps.0,
-                "gap_s": s.gaps.1, "lost": s.lost, "skew_s": s.skew_s, "held": s.held,
-                "delay_s": s.delay_s.map(|delay| delay.0), "delay_u_s": s.delay_s.map(|delay| delay.1),
-            })
-        })
-        .collect();
-    let gestures: Vec<_> = quality
-        .gestures
-        .iter()
-        .map(|g| {
-            serde_json::json!({ "time_s": g.time_s, "axis": g.axis.to_string(), "stroke_mm": g.stroke_mm,
-                "channels": g.seen.iter().map(|seen| serde_json::json!({ "channel": seen.channel,
-                    "delay_s": seen.delay_s, "u_s": seen.u_s, "gain": seen.gain, "rms_mm": seen.rms_mm })).collect::<Vec<_>>() })
-        })
-        .collect();
-    serde_json::json!({ "run": quality.run, "streams": streams, "gestures": gestures, "notes": quality.notes })
 }

@@ -3,8 +3,8 @@
 use crate::number::{MISSING, minus, um, value_and_u};
 use trunnion_core::AxisLetter;
 use trunnion_core::convert::{deg_from_rad, um_from_mm, urad_from_rad};
-use trunnion_methods::notation::LocationError;
 use trunnion_methods::volumetric::{Datum, Extreme, Unseen, VolumetricMap};
+use trunnion_results::LocationError;
 
 /// Heads of the table of values.
 pub const HEADS: [&str; 4] = ["over the volume", "value", "u", "from where to where"];
@@ -109,11 +109,9 @@ pub fn error_map_csv(map: &VolumetricMap, axes: &[AxisLetter]) -> String {
 pub fn location_rows(errors: &[LocationError]) -> Vec<Vec<String>> {
     let mut rows = vec![["symbol", "value", "u", "remark"].map(String::from).to_vec()];
     rows.extend(errors.iter().map(|error| {
-        let unit = error.unit();
-        let screen = |x: Option<f64>| x.map(|x| x * unit.per_inside);
         let (value, u) = match (error.value, error.without_number.is_empty()) {
             (None, false) => ("no number".into(), MISSING.into()),
-            _ => value_and_u(screen(error.value), screen(error.u), unit.symbol),
+            _ => value_and_u(error.value, error.u, &error.unit),
         };
         let remark = match error.without_number.len() {
             0 => String::new(),

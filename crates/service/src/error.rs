@@ -9,6 +9,9 @@ use trunnion_record::RecordError;
 /// Why the service, or one cycle of it, failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ServiceError {
+    /// An answer that JSON cannot hold.
+    #[error("cannot write an answer as JSON")]
+    Json(#[from] serde_json::Error),
     /// The cycle cannot be measured with these devices.
     #[error("the cycle cannot be measured")]
     Plan(#[from] PlanError),

@@ -1,7 +1,44 @@
 //! From recordings to answers: the library that command line, service and page share.
+//!
+//! ```
+//! # fn main() -> Result<(), trunnion::Error> {
+//! # let points = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-gravity/points.csv");
+//! # let other = trunnion::open(points)?;
+//! let run = trunnion::open(points)?;
+//! let fit = run.fit(&run.base_model())?;
+//! let step = fit.diagnose()?.add("gravity-sag:B")?;
+//! println!("{}", step.summary());
+//! println!("{:.0} % inside the band", 100.0 * step.predict(&other)?.runs[0].inside_95_fraction);
+//! # assert!(step.row().error_after_um < step.row().error_before_um);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Every answer is a value of `trunnion-results` ([`results`]): a serde type with a JSON schema. [`Fit::results`],
+//! [`Diagnosed::results`] and [`Step::results`] give it, `summary` gives the same as text.
 
 pub mod analysis;
+mod compared;
+mod diagnosed;
+mod error;
+mod experiment;
+pub mod files;
+mod fit;
+mod methods;
+mod model;
 pub mod page;
+mod prediction;
 pub mod recorded;
 pub mod recording;
+mod step;
 pub mod timing;
+
+pub use compared::{Compared, Trial};
+pub use diagnosed::Diagnosed;
+pub use error::Error;
+pub use experiment::{Experiment, open, open_all, open_with, read, read_points};
+pub use fit::Fit;
+pub use methods::{Attributed, Volumetric, attribute_run};
+pub use model::Model;
+pub use step::Step;
+pub use trunnion_results as results;

@@ -5,7 +5,7 @@ use trunnion_core::Gap;
 use trunnion_effects::Model;
 use trunnion_engine::{Diagnosis, Experiment, Identification};
 use trunnion_report::{CompareInput, LadderRow, compare_html};
-use trunnion_sync::time_quality::TimeQuality;
+use trunnion_results::TimeQuality;
 
 /// The page after a whole analysis: the base model's diagnosis, the ladder, the final fit.
 pub fn compare_page(
@@ -38,7 +38,7 @@ pub fn compare_input(
         ladder: ladder(model),
         losses: losses.to_vec(),
         timing: timing.to_vec(),
-        ..CompareInput::new(experiment, identification, diagnosis.cloned())
+        ..CompareInput::new(experiment, identification, diagnosis.map(Into::into))
     }
 }
 

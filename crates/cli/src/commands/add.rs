@@ -1,14 +1,12 @@
 //! `trunnion add`: put an effect into the model, refit, append the ladder row.
 
-use crate::load::RunArgs;
+use crate::load::{Loaded, RunArgs};
 use crate::outcome::Outcome;
 use crate::{load, terminal};
-use anyhow::{Context, bail};
+use anyhow::Context;
 use std::path::PathBuf;
-use trunnion::analysis;
+use trunnion::Model;
 use trunnion::analysis::FormulaText;
-use trunnion_effects::{LadderRow, Model, ModelEffect};
-use trunnion_engine::Experiment;
 
 /// Add an effect to the model, refit, and show how far the error falls
 ///
@@ -73,72 +71,16 @@ fn grid(text: &str) -> Result<(String, Vec<f64>), String> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let load::Loaded { runs, outcome, .. } = load::runs(&args.runs)?;
-    let experiment = Experiment::new(&runs)?;
-    let text = if args.model.exists() {
-        load::read(&args.model)?
-    } else {
-        Model::base(&experiment.machine().name).to_text()
-    };
-    let model = Model::parse(&args.model.display().to_string(), &text)?;
-    let told = args.formula.told();
-    let (step, longer) = match model.effects.iter().position(|entry| entry.id == args.effect) {
-        None => {
-            let entries = analysis::entries(&experiment, &model, &args.effect, &told)?;
-            let step = analysis::put(&experiment, &model, entries, &today()?)?;
-            let longer =
-                step.entries.iter().try_fold(text.clone(), |text, entry| Model::append(&text, entry))?;
-            (step, longer)
-        }
-        Some(at) => {
-            let entry = written_by_hand(args, &model, at, &told)?;
-            let mut shorter = model.clone();
-            shorter.effects.truncate(at);
-            let step = analysis::put(&experiment, &shorter, vec![entry], &today()?)?;
-            let longer = Model::with_ladder_row(&text, &args.effect, ladder_row(&step)?)?;
-            (step, longer)
-        }
-    };
-    std::fs::write(&args.model, longer).with_context(|| format!("cannot write {}", args.model.display()))?;
-    let row = ladder_row(&step)?;
+    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let model = Model::load_or_base(&args.model, &experiment.machine().name)?;
+    let step = experiment.fit(&model)?.add_as(&args.effect, &args.formula.told())?.dated(&today()?)?;
+    step.model().save(&args.model)?;
     if args.json {
-        terminal::print_json(&serde_json::json!({
-            "effect": args.effect, "model": args.model.display().to_string(),
-            "error_before_um": row.error_before_um, "error_after_um": row.error_after_um,
-            "holdout_before_um": row.holdout_before_um, "holdout_after_um": row.holdout_after_um,
-            "holdout_unit": row.holdout_unit, "noise_um": row.noise_um, "moved": super::ladder::moved_json(row),
-            "identification": step.identification.to_json(),
-        }))?;
+        terminal::print_json(&step.results(&args.model.display().to_string()))?;
     } else {
-        let ladder = trunnion::page::ladder(&step.model);
-        terminal::print(&trunnion_report::ladder_text(&ladder, row.noise_um))?;
-        terminal::print("\n")?;
-        terminal::print(&trunnion_report::identification_text(&(&step.identification).into()))?;
+        terminal::print(&step.summary())?;
     }
     Ok(outcome)
-}
-
-fn ladder_row(step: &analysis::Step) -> anyhow::Result<&LadderRow> {
-    step.entry.ladder.as_ref().context("an added effect has a ladder row")
-}
-
-/// The entry at `at`, when it waits for its ladder row.
-fn written_by_hand(args: &Args, model: &Model, at: usize, told: &FormulaText) -> anyhow::Result<ModelEffect> {
-    let file = args.model.display();
-    let entry = &model.effects[at];
-    if *told != FormulaText::default() {
-        bail!(
-            "{} is in {file} already; edit its expression there, or `trunnion remove` it first",
-            args.effect
-        );
-    }
-    if entry.ladder.is_some() || trunnion_effects::catalogue::BASE.contains(&entry.id.as_str()) {
-        bail!(
-            "{} is in {file} already; `trunnion remove` it, or delete its [effect.ladder] to measure it anew",
-            args.effect
-        );
-    }
-    Ok(entry.clone())
 }
 
 /// Today's date, UTC, as `YYYY-MM-DD`.

@@ -4,8 +4,7 @@ use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
-use trunnion_cycles::Cycle;
-use trunnion_methods::attribution::{Motion, attribute};
+use trunnion::Attributed;
 use trunnion_report::{findings_html, findings_text};
 
 /// Find out which axis made the deviation of a recording on the fly
@@ -35,33 +34,14 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let recording = trunnion_record::read_run(&args.run, &|name| load::machine(name).ok())
-        .with_context(|| format!("cannot read the recording {}", args.run.display()))?;
-    let mut outcome = Outcome::Done;
-    if let Some(damage) = &recording.damage {
-        terminal::remark(&format!("{}: {damage}", args.run.display()));
-        outcome = Outcome::DataLoss;
-    }
-    let text = &recording.header.cycle_text;
-    let cycle = if text.is_empty() || args.smooth {
-        None
-    } else {
-        Some(Cycle::parse(&format!("the cycle in {}", args.run.display()), text)?)
-    };
-    let attribution = attribute(&Motion {
-        run: &recording.run.name,
-        machine: &recording.run.machine,
-        samples: &recording.axis_samples,
-        cycle: cycle.as_ref(),
-        knot_s: args.knot_s,
-    })?;
-    let findings = attribution.to_findings();
+    let Attributed { findings, damage } = trunnion::attribute_run(&args.run, args.knot_s, args.smooth)?;
+    let outcome = load::told(damage.map(|damage| format!("{}: {damage}", args.run.display())));
     if let Some(path) = &args.html {
         std::fs::write(path, findings_html(&findings, &trunnion::page::label()))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        terminal::print_json(&findings.to_json())?;
+        terminal::print_json(&findings)?;
     } else {
         terminal::print(&findings_text(&findings))?;
         if let Some(path) = &args.html {

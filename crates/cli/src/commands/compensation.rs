@@ -1,10 +1,11 @@
 //! `trunnion compensation`: what a model says of each axis as tables for the controller.
 
-use crate::load::{ModelArgs, RunArgs};
+use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
+use trunnion::results::{CompensationSummary, CompensationValues};
 use trunnion_core::convert::{um_from_mm, urad_from_rad};
 use trunnion_methods::{AxisErrors, AxisTable};
 use trunnion_report::compensation;
@@ -39,10 +40,8 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = compensation::format(&args.format).context("the command line allows known formats only")?;
-    let load::Loaded { runs, outcome, .. } = load::runs(&args.runs)?;
-    let (experiment, model) = load::experiment(&runs, &args.model)?;
-    let fit = trunnion_engine::identify(&experiment, &model, &trunnion_engine::fit::Options::default())?;
-    let errors = AxisErrors::new(&experiment, &model, &fit)?;
+    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let errors = experiment.fit(&args.model.model(&experiment)?)?.axis_errors()?;
     if errors.axes.is_empty() {
         let why: Vec<String> = errors.left_out.iter().map(|l| format!("{}: {}", l.effect, l.why)).collect();
         bail!("nothing of the model can be put into tables of axis errors ({})", why.join("; "));
@@ -55,20 +54,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
     if args.json {
-        terminal::print_json(&serde_json::json!({
-            "format": "trunnion-compensation-summary/1",
-            "machine": errors.machine,
-            "runs": errors.runs,
-            "values": if args.corrections { "correction" } else { "error" },
-            "holds": errors.effects,
-            "left_out": errors.left_out.iter().map(|l| serde_json::json!({"effect": l.effect, "why": l.why})).collect::<Vec<_>>(),
-            "axes": errors.axes.iter().map(|table| serde_json::json!({
-                "axis": table.axis.as_str(),
-                "rows": table.positions.len(),
-                "whole_turn": table.whole_turn,
-            })).collect::<Vec<_>>(),
-            "written": path.display().to_string(),
-        }))?;
+        let values =
+            if args.corrections { CompensationValues::Correction } else { CompensationValues::Error };
+        terminal::print_json(&CompensationSummary::new(&errors, values, path.display().to_string()))?;
     } else {
         terminal::print(&summary(&errors, &path.display().to_string()))?;
     }

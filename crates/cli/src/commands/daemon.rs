@@ -44,7 +44,7 @@ pub fn prepare(path: &Path) -> anyhow::Result<Prepared> {
     let cycle = Cycle::parse(&config.cycle.display().to_string(), &cycle_text)?;
     let machine = load::machine(&cycle.machine)?;
     let model = match &config.model {
-        Some(path) => load::model(path)?,
+        Some(path) => trunnion::Model::load(path)?.entries().clone(),
         None => Model::base(&machine.name),
     };
     let texts = Texts { machine: load::machine_text(&cycle.machine)?, cycle: cycle_text, config: text };

@@ -18,6 +18,7 @@ use std::time::Duration;
 use story::{story, truth_text};
 use tokio_util::sync::CancellationToken;
 use trunnion::page;
+use trunnion::results::{self, TimeQuality};
 use trunnion_acquire::config::channels;
 use trunnion_core::{Clock, convert};
 use trunnion_cycles::Cycle;
@@ -35,7 +36,6 @@ use trunnion_service::daemon;
 use trunnion_service::daemon::{NewRun, Recorded, Texts};
 use trunnion_service::live::{Live, Plan};
 use trunnion_sync::CycleBounds;
-use trunnion_sync::time_quality::TimeQuality;
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
 ///
@@ -155,15 +155,15 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
             "seed": args.seed,
             "hidden": virtual_machine.truth().hidden.iter().map(hidden::Hidden::id).collect::<Vec<_>>(),
             "found": analysis.steps.iter().map(|step| step.entry.id.clone()).collect::<Vec<_>>(),
-            "verdict": analysis.diagnoses[0].verdict.as_str(),
-            "diagnosis": analysis.diagnoses[0].to_json(),
+            "verdict": results::Verdict::from(analysis.diagnoses[0].verdict).as_str(),
+            "diagnosis": results::Diagnosis::from(&analysis.diagnoses[0]),
             "ladder": page::ladder(&analysis.model).iter().map(|row| serde_json::json!({
                 "effect": row.effect, "error_before_um": row.fit_before_um, "error_after_um": row.fit_after_um,
                 "holdout_before_um": row.holdout_before_um, "holdout_after_um": row.holdout_after_um,
             })).collect::<Vec<_>>(),
-            "identification": analysis.identification().to_json(),
-            "last_diagnosis": analysis.diagnosis().to_json(),
-            "on_the_fly": on_the_fly.map(|fit| fit.to_json()),
+            "identification": results::Identification::from(analysis.identification()),
+            "last_diagnosis": results::Diagnosis::from(analysis.diagnosis()),
+            "on_the_fly": on_the_fly.as_ref().map(results::Identification::from),
             "report": report.display().to_string(),
             "losses": losses,
         }))?;
@@ -292,7 +292,10 @@ fn fit_again(
             .is_ok_and(|instance| !instance.parameters(&experiment.scene).is_empty())
     });
     let options = trunnion_engine::fit::Options::default();
-    Ok((trunnion_engine::identify(&experiment, &reachable, &options)?, recording.timing))
+    Ok((
+        trunnion_engine::identify(&experiment, &reachable, &options)?,
+        recording.timing.as_ref().map(TimeQuality::from),
+    ))
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {

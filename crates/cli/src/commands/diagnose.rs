@@ -1,10 +1,8 @@
 //! `trunnion diagnose`: which physical effect is missing from the model.
 
-use crate::load::{ModelArgs, RunArgs};
+use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
 use crate::{load, terminal};
-use trunnion::analysis;
-use trunnion_report::diagnosis_text;
 
 /// Say which physical effect is missing from the model
 ///
@@ -23,13 +21,12 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let load::Loaded { runs, outcome, .. } = load::runs(&args.runs)?;
-    let (experiment, model) = load::experiment(&runs, &args.model)?;
-    let diagnosis = analysis::diagnose_and_plan(&experiment, &model)?;
+    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let answer = experiment.fit(&args.model.model(&experiment)?)?.diagnose()?;
     if args.json {
-        terminal::print_json(&diagnosis.to_json())?;
+        terminal::print_json(&answer.results())?;
     } else {
-        terminal::print(&diagnosis_text(&diagnosis))?;
+        terminal::print(&answer.summary())?;
     }
     Ok(outcome)
 }

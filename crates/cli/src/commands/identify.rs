@@ -1,18 +1,16 @@
 //! `trunnion identify`: the machine's errors with uncertainties, and what cannot be seen; or by a named method of the
 //! literature.
 
-use crate::load::{ModelArgs, RunArgs};
+use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion_core::AxisLetter;
-use trunnion_methods::notation::{Layout, LocationError, Notation};
+use trunnion_methods::notation::Notation;
 use trunnion_methods::recipes;
 use trunnion_methods::recipes::{Convention, MethodOptions, REGISTRY};
-use trunnion_report::{
-    findings_html, findings_text, identification_text, location_text, time_quality_json, timing_text,
-};
+use trunnion_report::{findings_html, findings_text, identification_text, location_text, timing_text};
 
 /// Identify the machine's errors from recordings
 ///
@@ -81,60 +79,31 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 fn jointly(args: &Args) -> anyhow::Result<Outcome> {
-    let load::Loaded { runs, outcome, mut timing } = load::runs(&args.runs)?;
-    let (experiment, model) = load::experiment(&runs, &args.model)?;
-    load::tell_delay(&experiment, &mut timing)?;
-    let identification =
-        trunnion_engine::identify(&experiment, &model, &trunnion_engine::fit::Options::default())?;
-    let located = args
-        .notation
-        .map(|notation| (notation, Layout::new(experiment.machine()).of_fit(&identification, notation)));
+    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let fit = experiment.fit(&args.model.model(&experiment)?)?;
+    let mut answer = fit.results();
+    answer.time_quality = experiment.time_quality()?;
+    answer.location_errors = args.notation.map(|notation| fit.location_errors(notation));
     if args.json {
-        let mut json = identification.to_json();
-        if let Some((notation, errors)) = &located {
-            json["location_errors"] = location_json(*notation, errors);
-        }
-        if !timing.is_empty() {
-            json["time_quality"] = timing.iter().map(time_quality_json).collect();
-        }
-        terminal::print_json(&json)?;
+        terminal::print_json(&answer)?;
     } else {
-        let mut text = identification_text(&(&identification).into());
-        if let Some((notation, errors)) = &located {
-            text += &location_text(errors, *notation);
-        }
-        text += &timing_text(&timing);
-        terminal::print(&text)?;
+        let located = answer.location_errors.as_ref().map_or(String::new(), location_text);
+        terminal::print(&(identification_text(&answer) + &located + &timing_text(&answer.time_quality)))?;
     }
     Ok(outcome)
 }
 
-fn location_json(notation: Notation, errors: &[LocationError]) -> serde_json::Value {
-    let values = errors.iter().map(|error| {
-        let unit = error.unit();
-        serde_json::json!({
-            "symbol": error.symbol,
-            "axis": error.component.axis.as_str(),
-            "against": match notation { Notation::Relative => error.component.against.as_str(), Notation::Absolute => "machine" },
-            "value": error.value.map(|x| x * unit.per_inside),
-            "u": error.u.map(|x| x * unit.per_inside),
-            "unit": unit.symbol,
-            "without_number": error.without_number,
-        })
-    });
-    serde_json::json!({"notation": notation.name(), "values": values.collect::<Vec<_>>()})
-}
-
 fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
-    let method = recipes::find(name)?;
-    let load::Loaded { runs, outcome, .. } = load::runs_for_method(&args.runs)?;
-    let findings = (method.run)(&runs, &MethodOptions { axis: args.axis, convention: args.convention })?;
+    recipes::find(name)?;
+    let Loaded { experiment, outcome } = load::runs_for_method(&args.runs)?;
+    let options = MethodOptions { axis: args.axis, convention: args.convention };
+    let findings = experiment.by_method(name, &options)?;
     if let Some(path) = &args.html {
         std::fs::write(path, findings_html(&findings, &trunnion::page::label()))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        terminal::print_json(&findings.to_json())?;
+        terminal::print_json(&findings)?;
     } else {
         terminal::print(&findings_text(&findings))?;
     }

@@ -1,10 +1,10 @@
 //! `trunnion ladder`: the effects added so far, with the error after each.
 
 use crate::outcome::Outcome;
-use crate::{load, terminal};
+use crate::terminal;
 use anyhow::Context;
 use std::path::PathBuf;
-use trunnion_effects::LadderRow;
+use trunnion::Model;
 use trunnion_report::{ladder_html, ladder_text};
 
 /// Show the effects added to a model, with the error after each
@@ -24,29 +24,14 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let model = load::model(&args.model)?;
-    let ladder = trunnion::page::ladder(&model);
+    let model = Model::load(&args.model)?;
+    let ladder = trunnion::page::ladder(model.entries());
     if let Some(path) = &args.html {
-        std::fs::write(path, ladder_html(&model.machine, &ladder))
+        std::fs::write(path, ladder_html(&model.entries().machine, &ladder))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        let rows: Vec<_> = model
-            .effects
-            .iter()
-            .map(|entry| {
-                let ladder = entry.ladder.as_ref().map(|row| {
-                    serde_json::json!({
-                        "date": row.date, "run": row.run,
-                        "error_before_um": row.error_before_um, "error_after_um": row.error_after_um,
-                        "holdout_before_um": row.holdout_before_um, "holdout_after_um": row.holdout_after_um,
-                        "holdout_unit": row.holdout_unit, "noise_um": row.noise_um, "moved": moved_json(row),
-                    })
-                });
-                serde_json::json!({ "effect": entry.id, "ladder": ladder })
-            })
-            .collect();
-        terminal::print_json(&serde_json::json!({ "format": "trunnion-ladder/1", "rows": rows }))?;
+        terminal::print_json(&model.ladder())?;
     } else {
         terminal::print(&ladder_text(&ladder, None))?;
         if let Some(path) = &args.html {
@@ -54,10 +39,4 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
     }
     Ok(Outcome::Done)
-}
-
-/// Parameters that moved when an effect came in.
-pub fn moved_json(row: &LadderRow) -> Vec<serde_json::Value> {
-    let moved = |m: &trunnion_effects::Moved| serde_json::json!({ "name": m.name, "before": m.before, "after": m.after, "u": m.u, "unit": m.unit });
-    row.moved.iter().map(moved).collect()
 }

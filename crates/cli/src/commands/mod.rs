@@ -15,6 +15,7 @@ pub mod import;
 pub mod ladder;
 pub mod nc_program;
 pub mod plan;
+pub mod predict;
 pub mod remove;
 pub mod replay;
 pub mod simulate;

@@ -1,12 +1,14 @@
 //! `trunnion plan`: what to measure next, or what a cycle would not show.
 
+use crate::load::Loaded;
 use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
+use trunnion::results;
 use trunnion_cycles::Cycle;
 use trunnion_engine::next_cycle;
-use trunnion_engine::next_cycle::{Options, Plan, Preview, Rivals};
+use trunnion_engine::next_cycle::{Options, Plan, Preview};
 
 /// Plan the cycle that separates what cannot be told apart, or say what a cycle cannot show
 ///
@@ -49,7 +51,7 @@ fn look_at(path: &Path, json: bool) -> anyhow::Result<Outcome> {
     let machine = load::machine(&cycle.machine)?;
     let preview = next_cycle::preview(&machine, &cycle, &Options::default())?;
     if json {
-        terminal::print_json(&preview.to_json())?;
+        terminal::print_json(&results::Preview::from(&preview))?;
     } else {
         terminal::print(&preview_text(&preview))?;
     }
@@ -57,20 +59,13 @@ fn look_at(path: &Path, json: bool) -> anyhow::Result<Outcome> {
 }
 
 fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
-    let load::Loaded { runs, outcome, .. } = load::runs(&load::RunArgs::of(args.runs.clone()))?;
-    let (experiment, model) = load::experiment(&runs, &load::ModelArgs { model: args.model.clone() })?;
-    let rivals = if args.rivals.is_empty() {
-        let options = trunnion_engine::diagnosis::Options::default();
-        next_cycle::wanted(&trunnion_engine::diagnose(&experiment, &model, &options)?)
-    } else {
-        next_cycle::rivals_named(&args.rivals, experiment.machine())?
-    };
-    if matches!(&rivals, Rivals::Reveal(effects) if effects.is_empty()) {
+    let Loaded { experiment, outcome } = load::runs(&load::RunArgs::of(args.runs.clone()))?;
+    let model = load::ModelArgs { model: args.model.clone() }.model(&experiment)?;
+    let Some(plan) = experiment.fit(&model)?.plan(&args.rivals)? else {
         bail!(
             "nothing is confused and nothing is hidden in these runs; name effects with --rivals to compare them"
-        );
-    }
-    let plan = next_cycle::plan(&experiment, &model, &rivals, &Options::default())?;
+        )
+    };
     let written = match (&args.output, &plan.next) {
         (Some(path), Some(cycle)) => {
             std::fs::write(path, cycle_text(&plan, cycle))
@@ -80,9 +75,8 @@ fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
         _ => None,
     };
     if args.json {
-        let mut value = plan.to_json();
-        value["written"] = written.map(|path| path.display().to_string()).into();
-        terminal::print_json(&value)?;
+        let written = written.map(|path| path.display().to_string());
+        terminal::print_json(&results::Plan { written, ..(&plan).into() })?;
     } else {
         terminal::print(&plan_text(&plan))?;
         match (written, &args.output) {

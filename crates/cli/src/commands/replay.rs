@@ -1,12 +1,12 @@
 //! `trunnion replay`: the analysis of a recording once more, from the file alone.
 
-use crate::load::ModelArgs;
+use crate::load::{Loaded, ModelArgs};
 use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion::analysis;
-use trunnion_engine::Experiment;
+use trunnion::results::{Diagnosis, Identification, to_json};
 
 /// Analyse a recording again; writes the same bytes as the live run did
 ///
@@ -24,11 +24,11 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let load::Loaded { runs, outcome, .. } = load::runs(&load::RunArgs::of(vec![args.run.clone()]))?;
-    let model = load::experiment(&runs, &args.model)?.1;
-    let analysis = analysis::climb(&Experiment::new(&runs)?, &model, "")?;
-    let identification = format!("{:#}\n", analysis.identification().to_json());
-    let diagnosis = format!("{:#}\n", analysis.diagnoses[0].to_json());
+    let Loaded { experiment, outcome } = load::runs(&load::RunArgs::of(vec![args.run.clone()]))?;
+    let model = args.model.model(&experiment)?;
+    let analysis = analysis::climb(experiment.points(), model.entries(), "")?;
+    let identification = to_json(&Identification::from(analysis.identification()))?;
+    let diagnosis = to_json(&Diagnosis::from(&analysis.diagnoses[0]))?;
     let Some(folder) = &args.output else {
         terminal::print(&identification)?;
         terminal::print(&diagnosis)?;

@@ -1,14 +1,11 @@
 //! `trunnion volumetric`: how far tool and table are off all over a volume, by a fitted model.
 
-use crate::load::{ModelArgs, RunArgs};
+use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
-use trunnion_core::AxisLetter;
-use trunnion_core::convert::{deg_from_rad, um_from_mm, urad_from_rad};
-use trunnion_methods::volumetric::{Datum, Extreme, Volume, VolumetricMap};
-use trunnion_report::{error_map_csv, volumetric_html, volumetric_text};
+use trunnion_methods::volumetric::Datum;
 
 /// Volumetric accuracy and error map of a volume, by a model fitted to recordings
 ///
@@ -65,68 +62,23 @@ fn datum(text: &str) -> Result<Datum, String> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let load::Loaded { runs, outcome, .. } = load::runs(&args.runs)?;
-    let (experiment, model) = load::experiment(&runs, &args.model)?;
-    let volume = Volume::parse(&args.volume, usize::from(args.steps), &experiment.scene)?;
-    let volume = Volume { point_in_tool_mm: args.tool_point.0, ..volume };
-    let words = volume.words(experiment.machine());
-    let fit = trunnion_engine::identify(&experiment, &model, &trunnion_engine::fit::Options::default())?;
-    let map = VolumetricMap::new(&experiment, &model, &fit, volume, args.datum)?;
-    let axes = experiment.machine().joints();
+    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let fit = experiment.fit(&args.model.model(&experiment)?)?;
+    let answer = fit.volumetric(&args.volume, usize::from(args.steps), args.tool_point.0, args.datum)?;
     if let Some(path) = &args.html {
-        write(path, &volumetric_html(&map, &words, &trunnion::page::label()))?;
+        write(path, &answer.page())?;
     }
     if let Some(path) = &args.csv {
-        write(path, &error_map_csv(&map, &axes))?;
+        write(path, &answer.error_map_csv())?;
     }
     if args.json {
-        terminal::print_json(&json(&map, &axes))?;
+        terminal::print_json(&answer.results())?;
     } else {
-        terminal::print(&volumetric_text(&map, &words))?;
+        terminal::print(&answer.summary())?;
     }
     Ok(outcome)
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
-}
-
-fn json(map: &VolumetricMap, axes: &[AxisLetter]) -> serde_json::Value {
-    let screen = |letter: AxisLetter, x: f64| if letter.is_rotary() { deg_from_rad(x) } else { x };
-    let at = |k: usize| -> serde_json::Map<String, serde_json::Value> {
-        axes.iter()
-            .map(|&letter| (letter.to_string(), screen(letter, map.points[k].position[letter]).into()))
-            .collect()
-    };
-    let extreme = |name: String, rotation: bool, e: &Extreme| {
-        let scaled = if rotation { urad_from_rad } else { um_from_mm };
-        let unit = if rotation { "urad" } else { "um" };
-        serde_json::json!({
-            "name": name, "value": scaled(e.value), "u": scaled(e.u), "unit": unit, "from": at(e.low), "to": at(e.high),
-        })
-    };
-    let ranges = AxisLetter::ALL.into_iter().zip(&map.ranges);
-    let mut values: Vec<serde_json::Value> = ranges
-        .map(|(letter, range)| extreme(format!("range-{}", letter.lower()), letter.is_rotary(), range))
-        .collect();
-    values.push(extreme("longest-vector".into(), false, &map.longest));
-    serde_json::json!({
-        "format": "trunnion-volumetric/1",
-        "machine": map.machine,
-        "runs": map.runs,
-        "volume": axes.iter().map(|&letter| {
-            let (low, high) = map.volume.range[letter];
-            (letter.to_string(), serde_json::json!([screen(letter, low), screen(letter, high)]))
-        }).collect::<serde_json::Map<_, _>>(),
-        "places": map.points.len(),
-        "datum": match map.datum { Datum::BestFit => "fit", Datum::Model => "model" },
-        "values": values,
-        "lower_bound": map.lower_bound(),
-        "unseen": map.unseen.iter().map(|u| serde_json::json!({
-            "direction": u.direction,
-            "moves": u.moves.iter().map(|letter| letter.as_str()).collect::<Vec<_>>(),
-        })).collect::<Vec<_>>(),
-        "stood_still": map.stood_still.iter().map(|letter| letter.as_str()).collect::<Vec<_>>(),
-        "left_out": map.left_out.iter().map(|l| serde_json::json!({"effect": l.effect, "why": l.why})).collect::<Vec<_>>(),
-    })
 }

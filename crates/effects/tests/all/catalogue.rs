@@ -298,7 +298,7 @@ fn ids_and_parameter_names_are_unique_and_ids_lead_back() {
             assert_eq!(unique.len(), names.len(), "{} {names:?}", instance.id());
         }
     }
-    let unknown = Instance::find("sag", &machines()[0]).unwrap_err().to_string();
+    let unknown = Instance::find("gravity-sga", &machines()[0]).unwrap_err().to_string();
     assert!(unknown.contains("gravity-sag:B"), "{unknown}");
 }
 

@@ -1,8 +1,7 @@
-//! The answer of a diagnosis and its JSON form (docs/design/contracts.md §7).
+//! The answer of a diagnosis.
 
 use crate::next_cycle::PlannedCycle;
 use crate::problem::folds::LeftOut;
-use serde_json::{Value, json};
 use trunnion_effects::ModelEffect;
 
 /// What is missing from a model, as far as the data can say.
@@ -149,7 +148,7 @@ pub struct ShapeNumber {
 }
 
 impl Verdict {
-    /// Word used in JSON.
+    /// The verdict in a word.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::MissingEffect => "missing-effect",
@@ -157,78 +156,4 @@ impl Verdict {
             Self::NoiseFloor => "noise-floor",
         }
     }
-}
-
-impl Diagnosis {
-    /// The JSON of docs/design/contracts.md §7.
-    pub fn to_json(&self) -> Value {
-        json!({
-            "format": "trunnion-diagnosis/1",
-            "model": self.model,
-            "residual": {
-                "rms_um": self.residual.rms_um,
-                "holdout_rms_um": self.residual.holdout_rms_um,
-                "holdout_unit": self.residual.holdout_unit.map(LeftOut::name),
-                "noise_um": self.residual.noise_um,
-                "unexplained_fraction": self.residual.unexplained_fraction,
-            },
-            "verdict": self.verdict.as_str(),
-            "candidates": self.candidates.iter().map(candidate_json).collect::<Vec<_>>(),
-            "set": self.set.iter().map(|entry| entry.id.as_str()).collect::<Vec<_>>(),
-            "formula": self.formula.as_ref().map(formula_json),
-            "next_cycle": self.next_cycle.as_ref().map(next_cycle_json),
-        })
-    }
-}
-
-fn next_cycle_json(next: &NextCycle) -> Value {
-    let cycle = next.cycle.as_ref().map(|cycle| {
-        json!({
-            "name": cycle.name,
-            "what": cycle.what,
-            "minutes": cycle.minutes,
-            "separation_before": cycle.separation_before,
-            "separation": cycle.separation,
-            "separates": cycle.separates,
-            "file": cycle.text,
-        })
-    });
-    json!({ "suggestion": next.suggestion, "cycle": cycle })
-}
-
-fn candidate_json(candidate: &Candidate) -> Value {
-    let parameter = |p: &CandidateParameter| {
-        let observable = p.value.is_some();
-        json!({ "name": p.name, "effect": candidate.effect, "value": p.value, "unit": p.unit, "u": p.u,
-            "observable": observable })
-    };
-    json!({
-        "effect": candidate.effect,
-        "evidence": candidate.evidence,
-        "rms_um_after": candidate.rms_um_after,
-        "holdout_rms_um_after": candidate.holdout_rms_um_after,
-        "explains_fraction": candidate.explains_fraction,
-        "parameters": candidate.parameters.iter().map(parameter).collect::<Vec<_>>(),
-        "confused_with": candidate.confused_with,
-        "separate_by": candidate.separate_by,
-        "adequate": candidate.adequate,
-        "why": candidate.why,
-    })
-}
-
-fn formula_json(formula: &FormulaProposal) -> Value {
-    json!({
-        "name": formula.name,
-        "site": formula.site,
-        "component": formula.component,
-        "expression": formula.expression,
-        "shape": formula.shape.iter().map(|n| json!({ "name": n.name, "value": n.value, "unit": n.unit })).collect::<Vec<_>>(),
-        "also": formula.entries.iter().skip(1).map(|entry| entry.id.as_str()).collect::<Vec<_>>(),
-        "evidence": formula.evidence,
-        "rms_um_after": formula.rms_um_after,
-        "holdout_rms_um_after": formula.holdout_rms_um_after,
-        "explains_fraction": formula.explains_fraction,
-        "lives": formula.lives,
-        "resembles": formula.resembles,
-    })
 }

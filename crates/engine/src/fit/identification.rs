@@ -1,6 +1,6 @@
 //! What a fit found: parameters, what could not be seen, residuals, and how far to trust them.
 //!
-//! Inside units throughout (mm, rad, s, K); [`FittedParameter::screen_value`] and the JSON of docs/design/contracts.md §6 convert.
+//! Inside units throughout (mm, rad, s, K); [`FittedParameter::screen_value`] converts.
 //! `residual = measured − predicted`.
 
 use crate::problem::folds::LeftOut;

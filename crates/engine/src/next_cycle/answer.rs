@@ -1,9 +1,8 @@
-//! The plan and its JSON form.
+//! The plan.
 
 use super::design::CycleDesign;
 use super::utility::Utility;
 use super::{HOPELESS_LN, Options, Rivals};
-use serde_json::{Value as Json, json};
 use std::f64::consts::LN_10;
 use trunnion_core::convert;
 use trunnion_cycles::Cycle;
@@ -248,40 +247,4 @@ fn assumptions(pace: &Pace) -> Vec<String> {
             .into(),
         "Effects that the present data do not show are taken at a typical size.".into(),
     ]
-}
-
-impl Plan {
-    /// JSON, `trunnion-plan/1`. Separations are log₁₀ of expected Bayes factors.
-    pub fn to_json(&self) -> Json {
-        let row = |row: &Considered| {
-            json!({
-                "name": row.name,
-                "what": row.what,
-                "minutes": row.minutes,
-                "separation": row.separation_ln / LN_10,
-                "hardest_pair": row.hardest,
-                "pairs_apart": row.apart.len(),
-                "shows": row.shows,
-                "tells_apart": row.tells,
-            })
-        };
-        json!({
-            "format": "trunnion-plan/1",
-            "goal": if self.separates { "separate" } else { "reveal" },
-            "effects": self.effects,
-            "never_shown": self.never_shown,
-            "separation_before": self.before_ln / LN_10,
-            "next": self.next.as_ref().map(|cycle| json!({
-                "name": cycle.name,
-                "minutes": self.considered.first().map(|row| row.minutes),
-                "separation_after": self.considered.first().map(|row| row.separation_ln / LN_10),
-                "cycle": cycle.to_text(),
-            })),
-            "left_open": self.left_open.iter()
-                .map(|open| json!({ "pair": open.pair, "separated_by": open.by })).collect::<Vec<_>>(),
-            "answer": self.answer,
-            "considered": self.considered.iter().map(row).collect::<Vec<_>>(),
-            "assumptions": self.assumptions,
-        })
-    }
 }

@@ -9,7 +9,6 @@ use super::information::{Information, Part, View, finite};
 use super::{Options, PlanError};
 use crate::Experiment;
 use nalgebra::DMatrix;
-use serde_json::{Value, json};
 use trunnion_core::{AxisValues, Point, Quality, Setup, State};
 use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_effects::{Instance, Model};
@@ -248,31 +247,4 @@ fn label(part: &Part<'_>, experiment: &Experiment) -> String {
         .map(|(name, value)| format!("{name} {}", (value * 1e3).round() / 1e3))
         .collect();
     format!("{id} ({})", shape.join(", "))
-}
-
-impl Preview {
-    /// JSON, `trunnion-preview/1`.
-    pub fn to_json(&self) -> Value {
-        let listed = |list: &[(String, String)]| -> Vec<Value> {
-            list.iter().map(|(effect, seen_by)| json!({ "effect": effect, "seen_by": seen_by })).collect()
-        };
-        json!({
-            "format": "trunnion-preview/1",
-            "cycle": self.cycle,
-            "points": self.points,
-            "minutes": self.minutes,
-            "visible": self.visible,
-            "invisible": listed(&self.invisible),
-            "out_of_reach": self.out_of_reach.iter()
-                .map(|(effect, needs)| json!({ "effect": effect, "why": needs })).collect::<Vec<_>>(),
-            "aliases": self.aliases.iter().map(|alias| json!({
-                "one": alias.one,
-                "other": alias.other,
-                "shared_directions": alias.shared,
-                "directions": alias.directions,
-                "separated_by": alias.separated_by.as_ref().map(|(name, minutes)| json!({ "name": name, "minutes": minutes })),
-                "advice": alias.advice,
-            })).collect::<Vec<_>>(),
-        })
-    }
 }

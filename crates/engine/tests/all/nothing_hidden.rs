@@ -13,7 +13,7 @@ fn fitted() -> Identification {
 #[test]
 fn location_errors_come_out_as_put_in() {
     let fit = fitted();
-    println!("{fit}");
+    println!("{:#?}", fit.parameters);
     let truth: serde_json::Value =
         serde_json::from_str(&common::outside("points-nothing-hidden/truth.json").unwrap()).unwrap();
     for (ours, theirs, limit) in [
@@ -46,10 +46,7 @@ fn conventional_zeros_get_no_number_and_are_named() {
     assert_eq!(fit.unobservable.len(), 4);
     let settings = fit.parameters.iter().filter(|p| p.effect == "ball-setting");
     assert!(settings.clone().count() == 6 && settings.clone().all(|p| p.observable()));
-    let json = fit.to_json();
-    assert_eq!(json["format"], "trunnion-identification/1");
-    let nulls = json["parameters"].as_array().unwrap().iter().filter(|p| p["value"].is_null()).count();
-    assert_eq!(nulls, 4);
+    assert_eq!(fit.parameters.iter().filter(|p| p.value.is_none()).count(), 4);
 }
 
 #[test]

@@ -86,8 +86,9 @@ fn check(sheet: &Sheet, fit: &Identification, tolerance: f64) {
         let name = &p.name;
         assert!(
             (value - expected).abs() < tolerance,
-            "{}: {name} = {value}, not {expected}\n{fit}",
-            sheet.name
+            "{}: {name} = {value}, not {expected}\n{:#?}",
+            sheet.name,
+            fit.parameters
         );
     }
     for (name, _) in sheet.expected {
@@ -134,7 +135,7 @@ fn the_outside_tables_are_reproduced_to_their_rounding() {
         );
         // Five decimals of a millimetre; ZOA is printed with four.
         let rounding_mm = if sheet.name == "ZOA" { 5e-5 } else { 5e-6 };
-        assert!(fit.residual_mm.amax() < 1.3 * rounding_mm, "{}: {fit}", sheet.name);
+        assert!(fit.residual_mm.amax() < 1.3 * rounding_mm, "{}: {:#?}", sheet.name, fit.parameters);
         check(&sheet, &fit, 0.05);
     }
 }

@@ -6,7 +6,7 @@ use crate::markup::{element, escape, table};
 use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::svg::{Bar, bars};
 use crate::words::{about, effect_name, formula_shape, formula_site, sources};
-use trunnion_engine::{Candidate, Diagnosis, FormulaProposal};
+use trunnion_results::{Candidate, Diagnosis, FormulaProposal, Parameter};
 
 pub fn section(input: &CompareInput) -> String {
     let body = match &input.diagnosis {
@@ -70,7 +70,7 @@ fn size_table(best: &Candidate) -> String {
     if best.parameters.is_empty() {
         return String::new();
     }
-    let row = |p: &trunnion_engine::CandidateParameter| {
+    let row = |p: &Parameter| {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         vec![p.name.clone(), value, u]
     };

@@ -6,19 +6,15 @@ use crate::number::unit_on_screen;
 use crate::svg::{
     Displaced, Mark, Series, Trace, XyChart, displaced, nice_above, path_chart, polar, xy_chart,
 };
-use trunnion_effects::Unit;
-use trunnion_methods::Findings;
-use trunnion_methods::findings::{AxisName, Chart, Curve, MapPlace, Plot};
+use trunnion_core::convert::{mm_from_um, rad_from_deg};
+use trunnion_results::{AxisName, Chart, Curve, Findings, MapPlace, Plot};
 
 pub fn sections(findings: &Findings, label: &str) -> String {
     let mut html = element("h1", &format!("{} on machine {}", findings.method, findings.machine));
-    let facts = [findings.source, &findings.runs.join(", "), label].map(escape);
+    let facts = [&findings.source, &findings.runs.join(", "), label].map(escape);
     html += &format!(
         "\n<p class=\"soft\">Source: {}. Runs: {}. Signs: {}. {}</p>\n",
-        facts[0],
-        facts[1],
-        findings.convention.name(),
-        facts[2]
+        facts[0], facts[1], findings.convention, facts[2]
     );
     let rows: Vec<_> = findings.values.iter().map(value_row).collect();
     html += &table("Values with standard uncertainties", &VALUE_HEADS, &[1, 2], &rows);
@@ -55,20 +51,18 @@ fn charts(charts: &[Chart]) -> String {
 fn figure(chart: &Chart) -> String {
     let title = &chart.title;
     match &chart.plot {
-        Plot::Polar { unit, curves } => {
-            let trace = |curve: &Curve| Trace { name: curve.name.clone(), points: scaled(curve, 1.0, *unit) };
+        Plot::Polar { y_unit, curves, .. } => {
+            let point = |[deg, value]: &[f64; 2]| (rad_from_deg(*deg), *value);
+            let points = |curve: &Curve| curve.points.iter().map(point).collect();
+            let trace = |curve: &Curve| Trace { name: curve.name.clone(), points: points(curve) };
             let traces: Vec<_> = curves.iter().map(trace).collect();
-            polar(title, &traces, limit(traces.iter().map(|t| &t.points)), unit.symbol)
+            polar(title, &traces, limit(traces.iter().map(|t| &t.points)), y_unit)
         }
         Plot::Xy { x, y, curves } => {
             let series: Vec<_> = curves
                 .iter()
                 .zip(Mark::LINES)
-                .map(|(curve, (mark, _))| Series {
-                    name: curve.name.clone(),
-                    mark,
-                    points: scaled(curve, x.unit.per_inside, y.unit),
-                })
+                .map(|(curve, (mark, _))| Series { name: curve.name.clone(), mark, points: points(curve) })
                 .collect();
             xy_chart(&XyChart {
                 title,
@@ -80,9 +74,8 @@ fn figure(chart: &Chart) -> String {
             })
         }
         Plot::Path { unit, names, curves } => {
-            let paths: Vec<_> =
-                curves.iter().map(|c| (c.name.clone(), scaled(c, unit.per_inside, *unit))).collect();
-            let names = names.clone().map(|name| axis(&AxisName { name, unit: *unit }));
+            let paths: Vec<_> = curves.iter().map(|c| (c.name.clone(), points(c))).collect();
+            let names = names.clone().map(|name| axis(&AxisName { name, unit: unit.clone() }));
             path_chart(title, [&names[0], &names[1]], &paths)
         }
         Plot::PlaneMap { names, magnification, places } => {
@@ -93,9 +86,8 @@ fn figure(chart: &Chart) -> String {
     }
 }
 
-/// The points of a curve, x times a factor, y in its unit.
-fn scaled(curve: &Curve, x_per_inside: f64, y: Unit) -> Vec<(f64, f64)> {
-    curve.points.iter().map(|(a, b)| (a * x_per_inside, b * y.per_inside)).collect()
+fn points(curve: &Curve) -> Vec<(f64, f64)> {
+    curve.points.iter().map(|[x, y]| (*x, *y)).collect()
 }
 
 /// A round number above everything drawn.
@@ -112,7 +104,7 @@ fn limit<'a>(curves: impl Iterator<Item = &'a Vec<(f64, f64)>>) -> f64 {
 
 /// Name and unit.
 fn axis(axis: &AxisName) -> String {
-    let unit = unit_on_screen(axis.unit.symbol);
+    let unit = unit_on_screen(&axis.unit);
     match (axis.name.is_empty(), unit.is_empty()) {
         (_, true) => axis.name.clone(),
         (true, false) => unit,
@@ -122,10 +114,10 @@ fn axis(axis: &AxisName) -> String {
 
 fn magnified(place: &MapPlace, magnification: f64) -> Displaced {
     let [x, y] = place.commanded_mm;
-    let off = |[dx, dy]: [f64; 2]| (x + dx * magnification, y + dy * magnification);
+    let off = |[dx, dy]: [f64; 2]| (x + mm_from_um(dx) * magnification, y + mm_from_um(dy) * magnification);
     Displaced {
         commanded: (x, y),
-        measured: off(place.measured_off_mm),
-        predicted: place.simulated_off_mm.map(off),
+        measured: off(place.measured_off_um),
+        predicted: place.simulated_off_um.map(off),
     }
 }

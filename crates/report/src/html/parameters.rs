@@ -1,13 +1,18 @@
 //! Parameters of the model with their uncertainty, and what cannot be told apart.
 
 use crate::CompareInput;
-use crate::input::ParameterRow;
 use crate::markup::{element, escape, table};
 use crate::number::value_and_u;
+use trunnion_results::{Combination, Parameter};
 
-fn cells(p: &ParameterRow) -> Vec<String> {
+fn cells(p: &Parameter) -> Vec<String> {
     let (value, u) = value_and_u(p.value, p.u, &p.unit);
     vec![p.name.clone(), value, u, p.note.clone()]
+}
+
+fn together(c: &Combination) -> Vec<String> {
+    let (value, u) = value_and_u(Some(c.value), Some(c.u), &c.unit);
+    vec![c.combination.clone(), value, u, String::new()]
 }
 
 pub fn section(input: &CompareInput) -> String {
@@ -24,7 +29,7 @@ pub fn section(input: &CompareInput) -> String {
         body = element("p", "The model has no parameters.");
     }
     if !fit.seen_together.is_empty() {
-        let rows: Vec<Vec<String>> = fit.seen_together.iter().map(cells).collect();
+        let rows: Vec<Vec<String>> = fit.seen_together.iter().map(together).collect();
         let head = ["seen only together", "value", "standard uncertainty", "remark"];
         body += &table("Combinations", &head, &[1, 2], &rows);
     }

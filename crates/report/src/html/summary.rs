@@ -2,7 +2,7 @@
 
 use crate::CompareInput;
 use crate::markup::escape;
-use crate::number::{percent, um, um_or_dash};
+use crate::number::{percent_or_dash, um, um_or_dash};
 use crate::words::{headline, verdict};
 
 pub fn section(input: &CompareInput) -> String {
@@ -28,13 +28,13 @@ fn facts(input: &CompareInput) -> String {
     let fit = &input.identification;
     let mut facts = vec![
         fact("Error left", &um(fit.rms_um), "rms of the residual"),
-        fact("Repeatability", &um_or_dash(fit.noise.rms_um), &fit.noise.origin),
+        fact("Repeatability", &um_or_dash(input.noise.rms_um), &input.noise.origin),
         fact("Held-out error", &um_or_dash(fit.holdout_rms_um), "on data left out of the fit"),
     ];
     if let Some(diagnosis) = &input.diagnosis {
         facts.push(fact(
             "Explained by what was found",
-            &percent(diagnosis.residual.unexplained_fraction),
+            &percent_or_dash(diagnosis.residual.unexplained_fraction),
             "of the mean square of the residual",
         ));
     }

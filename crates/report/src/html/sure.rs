@@ -2,11 +2,11 @@
 
 use crate::CompareInput;
 use crate::markup::{element, escape};
-use crate::number::{percent, um};
+use crate::number::{percent_or_dash, um};
 use crate::words::{
     beyond_figures, effect_name, evidence_words, formula_leads, planned_words, repeatability,
 };
-use trunnion_engine::{Candidate, Diagnosis};
+use trunnion_results::{Candidate, Diagnosis};
 
 pub fn section(input: &CompareInput) -> String {
     let Some(diagnosis) = &input.diagnosis else { return String::new() };
@@ -43,7 +43,7 @@ pub fn section(input: &CompareInput) -> String {
 }
 
 fn noise(diagnosis: &Diagnosis) -> String {
-    let share = percent(diagnosis.residual.unexplained_fraction);
+    let share = percent_or_dash(diagnosis.residual.unexplained_fraction);
     let known = repeatability(diagnosis.residual.noise_um);
     format!("What was found explains {share} of the mean square of the residual; {known}.")
 }

@@ -2,7 +2,7 @@
 
 use crate::markup::{element, table};
 use crate::time_quality::{ABOUT, HEAD, NUMERIC, rows, sentences};
-use trunnion_sync::time_quality::TimeQuality;
+use trunnion_results::TimeQuality;
 
 pub fn section(timing: &[TimeQuality]) -> String {
     if timing.is_empty() {

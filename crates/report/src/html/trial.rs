@@ -7,10 +7,10 @@ use crate::number::{plain, um_or_dash, unit_on_screen, value_and_u};
 use crate::svg::{Bar, Mark, Series, XyChart, bars, legend, nice_above, xy_chart};
 use crate::views::{Axes, component_name, component_names, residuals_um, thinned};
 use crate::words::{about, effect_name, trial_verdict};
-use crate::{CompareInput, ParameterRow, Trial};
+use crate::{CompareInput, Trial};
 use std::collections::HashSet;
 use trunnion_core::convert::{deg_from_rad, s_from_min};
-use trunnion_effects::Moved;
+use trunnion_results::{Moved, Parameter};
 
 /// Pairs shown on the compare page.
 const MOST_PAIRS: usize = 2;
@@ -90,7 +90,7 @@ pub fn most_telling_maps(input: &CompareInput, trial: &Trial) -> String {
 
 /// How big the effect is.
 pub fn size_table(trial: &Trial) -> String {
-    let row = |p: &ParameterRow| {
+    let row = |p: &Parameter| {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         vec![p.name.clone(), value, u, p.note.clone()]
     };

@@ -2,14 +2,14 @@
 
 use super::{clean, columns, paragraph};
 use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row};
-use trunnion_methods::Findings;
+use trunnion_results::Findings;
 
 /// Values, notes and tables; charts are on the page.
 pub fn findings_text(findings: &Findings) -> String {
     let mut out =
         format!("Machine {}, runs: {}\n", clean(&findings.machine), clean(&findings.runs.join(", ")));
-    out += &format!("Method: {} [{}]\n", findings.method, clean(findings.source));
-    out += &format!("Signs: {}\n\n", findings.convention.name());
+    out += &format!("Method: {} [{}]\n", findings.method, clean(&findings.source));
+    out += &format!("Signs: {}\n\n", findings.convention);
     let mut rows = vec![VALUE_HEADS.map(String::from).to_vec()];
     rows.extend(findings.values.iter().map(value_row));
     out += &columns(&rows, &[1, 2]);

@@ -3,7 +3,7 @@
 use super::{clean, columns, paragraph};
 use crate::time_quality::{HEAD, NUMERIC, rows, sentences};
 use std::iter::once;
-use trunnion_sync::time_quality::TimeQuality;
+use trunnion_results::TimeQuality;
 
 /// What is known of every stream's clock; empty without runs.
 pub fn timing_text(timing: &[TimeQuality]) -> String {

@@ -2,8 +2,8 @@
 
 use super::{clean, columns, paragraph};
 use crate::volumetric::{HEADS, location_rows, notes, rows};
-use trunnion_methods::notation::{LocationError, Notation};
 use trunnion_methods::volumetric::VolumetricMap;
+use trunnion_results::LocationErrors;
 
 /// The values and what they lack; `volume` in words.
 pub fn volumetric_text(map: &VolumetricMap, volume: &str) -> String {
@@ -20,12 +20,14 @@ pub fn volumetric_text(map: &VolumetricMap, volume: &str) -> String {
 }
 
 /// Location errors in a notation.
-pub fn location_text(errors: &[LocationError], notation: Notation) -> String {
-    let source = match notation {
-        Notation::Absolute => {
-            "lines of the axes in the machine coordinate system (ISO 230-1; S2 tables 2 and 3)"
-        }
-        Notation::Relative => "lines of the axes against the axis that carries them (S2 tables 4 and 5)",
+pub fn location_text(errors: &LocationErrors) -> String {
+    let source = match errors.notation.as_str() {
+        "absolute" => "lines of the axes in the machine coordinate system (ISO 230-1; S2 tables 2 and 3)",
+        _ => "lines of the axes against the axis that carries them (S2 tables 4 and 5)",
     };
-    format!("\nLocation errors, {}: {source}\n{}", notation.name(), columns(&location_rows(errors), &[1, 2]))
+    format!(
+        "\nLocation errors, {}: {source}\n{}",
+        errors.notation,
+        columns(&location_rows(&errors.values), &[1, 2])
+    )
 }

@@ -8,10 +8,10 @@ use std::path::Path;
 use tracing::info;
 use trunnion::analysis;
 use trunnion::analysis::Analysis;
+use trunnion::results::{Diagnosis, Identification, TimeQuality, Verdict, to_json};
 use trunnion_effects::Model;
 use trunnion_engine::Experiment;
 use trunnion_machine::Machine;
-use trunnion_sync::time_quality::TimeQuality;
 
 /// Analyses a recording as `replay` would: from the file alone.
 ///
@@ -32,7 +32,7 @@ pub fn analyse_recording(
         .map_err(|source| ServiceError::Experiment { path: path.into(), source })?;
     let analysis = analysis::climb(&experiment, model, date)
         .map_err(|source| ServiceError::Analysis { path: path.into(), source: Box::new(source) })?;
-    let mut timing = recording.timing;
+    let mut timing = recording.timing.as_ref().map(TimeQuality::from);
     if let Some(timing) = &mut timing {
         let told = trunnion::timing::delay_by_feeds(&experiment).map_err(|source| {
             ServiceError::Analysis { path: path.into(), source: Box::new(source.into()) }
@@ -58,24 +58,24 @@ pub(super) async fn report_cycle(
         write(&path.with_extension("html"), &html)?;
         write(
             &path.with_extension("identification.json"),
-            &format!("{:#}\n", analysis.identification().to_json()),
+            &to_json(&Identification::from(analysis.identification()))?,
         )?;
-        write(&path.with_extension("diagnosis.json"), &format!("{:#}\n", analysis.diagnoses[0].to_json()))?;
+        write(&path.with_extension("diagnosis.json"), &to_json(&Diagnosis::from(&analysis.diagnoses[0]))?)?;
         Ok::<_, ServiceError>((path, analysis, timing))
     })
     .await
     .map_err(|_| ServiceError::Broken("analysis"))??;
     let (path, analysis, timing) = analysed;
     if let Some(timing) = timing {
-        board.set("quality", &trunnion_report::time_quality_json(&timing));
+        board.set("quality", &serde_json::to_value(&timing)?);
     }
     let added: Vec<&str> = analysis.steps.iter().map(|step| step.entry.id.as_str()).collect();
-    info!(run = %path.display(), verdict = analysis.diagnoses[0].verdict.as_str(), ?added, "analysed");
+    info!(run = %path.display(), verdict = Verdict::from(analysis.diagnoses[0].verdict).as_str(), ?added, "analysed");
     board.set(
         "result",
         &json!({
             "run": path.file_name().map(|name| name.to_string_lossy()),
-            "verdict": analysis.diagnoses[0].verdict.as_str(),
+            "verdict": Verdict::from(analysis.diagnoses[0].verdict).as_str(),
             "missing_effects": added,
             "rms_um_before": trunnion_core::convert::um_from_mm(analysis.before.rms_mm),
             "rms_um_after": trunnion_core::convert::um_from_mm(analysis.identification().rms_mm),

@@ -4,8 +4,6 @@
 //! error with its unit, parameters and u of `identify`, of the diagnosis (residual and candidate), of adding an effect and of the
 //! row it makes on the ladder.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
-
 use std::path::Path;
 use trunnion::analysis::{Step, add, diagnose};
 use trunnion_core::convert::um_from_mm;

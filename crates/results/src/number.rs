@@ -1,7 +1,13 @@
-//! Numbers with their units, as a person reads them. What is not finite becomes a dash.
+//! Numbers with their units: what JSON holds ([`finite`]), and what a person reads. What is not finite is not known: `null`
+//! there, a dash here.
 
 /// What stands for a number that is missing or not finite.
 pub const MISSING: &str = "—";
+
+/// A number that JSON can hold.
+pub fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
 
 /// Unit on screen for the ASCII unit of files, e.g. `µm` for `um`.
 pub fn unit_on_screen(unit: &str) -> String {
@@ -54,6 +60,11 @@ pub fn percent(share: f64) -> String {
     if share.is_finite() { format!("{} %", minus(format!("{:.0}", share * 100.0))) } else { MISSING.into() }
 }
 
+/// The same, or a dash.
+pub fn percent_or_dash(share: Option<f64>) -> String {
+    share.map_or(MISSING.into(), percent)
+}
+
 /// Degrees from rad, `−90°`, with decimals only where needed.
 pub fn degrees(rad: f64) -> String {
     if !rad.is_finite() {
@@ -95,6 +106,7 @@ pub fn signed(value: f64, decimals: usize) -> String {
     if is_zero { text[1..].into() } else { minus(text) }
 }
 
+/// A true minus sign for each hyphen.
 pub fn minus(text: String) -> String {
     text.replace('-', "−")
 }

@@ -1,0 +1,41 @@
+//! `trunnion predict`: a model against runs that it was not fitted to.
+
+use crate::load::{Loaded, RunArgs};
+use crate::outcome::Outcome;
+use crate::{load, terminal};
+use std::path::PathBuf;
+use trunnion::Model;
+
+/// Predict runs with values fitted to others: error, and share of the readings inside the 95 % band
+///
+/// The model is fitted to the recordings given with --fitted. Its values are frozen; only how the ball was set is fitted to
+/// each new run.
+///
+/// Example: trunnion predict wednesday.mcap --fitted tuesday.mcap --model machine.model.toml
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    runs: RunArgs,
+    /// Recordings that the model is fitted to
+    #[arg(long, value_name = "RUN", required = true, num_args = 1..)]
+    fitted: Vec<PathBuf>,
+    /// Model file
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// Print JSON (format trunnion-prediction/1)
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let model = Model::load(&args.model)?;
+    let Loaded { experiment: fitted, outcome: of_fitted } = load::runs(&RunArgs::of(args.fitted.clone()))?;
+    let Loaded { experiment: other, outcome } = load::runs(&args.runs)?;
+    let prediction = fitted.fit(&model)?.predict(&other)?;
+    if args.json {
+        terminal::print_json(&prediction)?;
+    } else {
+        terminal::print(&trunnion_report::prediction_text(&prediction))?;
+    }
+    Ok(if of_fitted == Outcome::DataLoss { of_fitted } else { outcome })
+}

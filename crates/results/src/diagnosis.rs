@@ -1,0 +1,295 @@
+//! A diagnosis: which effect is missing from the model, as far as the data can say.
+
+use crate::identification::{LeftOut, Parameter};
+use crate::number::finite;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use trunnion_effects::Formula;
+use trunnion_engine as engine;
+
+/// `trunnion-diagnosis/1`: the answer of a diagnosis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Diagnosis {
+    /// Format and version.
+    pub format: DiagnosisFormat,
+    /// Ids of the effects of the model that was judged, in order.
+    pub model: Vec<String>,
+    /// Size of what this model leaves.
+    pub residual: Residual,
+    /// The answer in one word.
+    pub verdict: Verdict,
+    /// Candidates, best first; empty when nothing is claimed.
+    pub candidates: Vec<Candidate>,
+    /// Ids of the effects that together explain the residual.
+    pub set: Vec<String>,
+    /// An expression that describes the residual better than any effect of the catalogue.
+    pub formula: Option<FormulaProposal>,
+    /// What to measure next.
+    pub next_cycle: Option<NextCycle>,
+    /// Effects that this cycle cannot show: the model imitates them.
+    #[serde(default)]
+    pub not_visible: Vec<String>,
+    /// Effects that these runs cannot have (no time stamps, nothing moved, one load, …).
+    #[serde(default)]
+    pub out_of_reach: Vec<String>,
+}
+
+/// Format and version of a diagnosis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum DiagnosisFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-diagnosis/1")]
+    V1,
+}
+
+/// Size of the residual of a model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Residual {
+    /// Root mean square without outliers, µm per component.
+    pub rms_um: f64,
+    /// Held-out error, µm rms; null when nothing could be left out.
+    pub holdout_rms_um: Option<f64>,
+    /// The unit that was left out in turn.
+    pub holdout_unit: Option<LeftOut>,
+    /// Repeatability of a reading, µm per component; null where no pose was measured twice.
+    pub noise_um: Option<f64>,
+    /// Share of the residual's mean square that what was found explains, 0…1.
+    pub unexplained_fraction: Option<f64>,
+}
+
+/// The answer of a diagnosis in one word.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// An effect of the catalogue explains the residual: the first candidate.
+    MissingEffect,
+    /// The residual has structure that no effect of the catalogue explains as well as an expression does.
+    UnnamedStructure,
+    /// Nothing above the noise.
+    NoiseFloor,
+    /// These data cannot say.
+    Undecided,
+    /// The run is not whole or not plausible.
+    #[default]
+    NotJudged,
+}
+
+/// One effect that would explain part of the residual.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Candidate {
+    /// Effect id.
+    pub effect: String,
+    /// log₁₀ of the Bayes factor against noise only.
+    pub evidence: f64,
+    /// Residual with it in the model, µm rms.
+    pub rms_um_after: f64,
+    /// Held-out error with it in the model, µm rms; null when nothing could be left out.
+    pub holdout_rms_um_after: Option<f64>,
+    /// Share of the explainable mean square that it explains, 0…1.
+    pub explains_fraction: f64,
+    /// Its parameters as fitted, shape numbers included.
+    pub parameters: Vec<Parameter>,
+    /// Effects that the data do not well distinguish from it.
+    pub confused_with: Vec<String>,
+    /// The measurement that would separate them; empty when it is confused with none.
+    pub separate_by: String,
+    /// True when nothing structured remains with it alone.
+    pub adequate: bool,
+    /// What it is and what speaks for it.
+    pub why: String,
+}
+
+/// An expression ready to add as `formula:NAME`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FormulaProposal {
+    /// Name of the effect.
+    pub name: String,
+    /// Where it acts: `axis:B`, `ball`, `spindle`, …
+    pub site: String,
+    /// `dx` … `ec`.
+    pub component: String,
+    /// The expression.
+    pub expression: String,
+    /// Values of its shape numbers.
+    pub shape: Vec<ShapeNumber>,
+    /// Ids of the further entries of the proposal, one for each further component.
+    pub also: Vec<String>,
+    /// The components of all entries, the first one's first.
+    #[serde(default)]
+    pub components: Vec<String>,
+    /// log₁₀ of the Bayes factor against noise only.
+    pub evidence: f64,
+    /// Residual with it in the model, µm rms.
+    pub rms_um_after: f64,
+    /// Held-out error with it in the model, µm rms; null when nothing could be left out.
+    pub holdout_rms_um_after: Option<f64>,
+    /// Share of the explainable mean square that it explains, 0…1.
+    pub explains_fraction: f64,
+    /// What it does, and where, in words.
+    pub lives: String,
+    /// The effect of the catalogue it resembles most.
+    pub resembles: Option<String>,
+}
+
+/// A shape number of an expression.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ShapeNumber {
+    /// Its name in the expression.
+    pub name: String,
+    /// Value in `unit`.
+    pub value: f64,
+    /// `rad`, `s`, `rad/s`, `rad/mm` or `1`.
+    pub unit: String,
+}
+
+/// What to measure next.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NextCycle {
+    /// What to do.
+    pub suggestion: String,
+    /// The planned cycle; null when none was planned or none helps.
+    pub cycle: Option<PlannedCycle>,
+}
+
+/// A cycle that separates effects.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PlannedCycle {
+    /// Its name.
+    pub name: String,
+    /// What it does.
+    pub what: String,
+    /// Machine time with mounting, min.
+    pub minutes: f64,
+    /// log₁₀ of the expected odds between the hardest pair in the present data.
+    pub separation_before: f64,
+    /// The same after the cycle.
+    pub separation: f64,
+    /// Pairs of effects that it separates.
+    pub separates: Vec<[String; 2]>,
+    /// The cycle file, `trunnion-cycle/1`.
+    pub file: String,
+}
+
+impl Verdict {
+    /// The word in JSON.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::MissingEffect => "missing-effect",
+            Self::UnnamedStructure => "unnamed-structure",
+            Self::NoiseFloor => "noise-floor",
+            Self::Undecided => "undecided",
+            Self::NotJudged => "not-judged",
+        }
+    }
+}
+
+impl Diagnosis {
+    /// The effect or formula that leads, if the verdict names one.
+    pub fn best(&self) -> Option<String> {
+        match self.verdict {
+            Verdict::MissingEffect => self.candidates.first().map(|candidate| candidate.effect.clone()),
+            Verdict::UnnamedStructure => self.formula.as_ref().map(|formula| Formula::id_of(&formula.name)),
+            Verdict::NoiseFloor | Verdict::Undecided | Verdict::NotJudged => None,
+        }
+    }
+}
+
+impl From<engine::Verdict> for Verdict {
+    fn from(verdict: engine::Verdict) -> Self {
+        match verdict {
+            engine::Verdict::MissingEffect => Self::MissingEffect,
+            engine::Verdict::UnnamedStructure => Self::UnnamedStructure,
+            engine::Verdict::NoiseFloor => Self::NoiseFloor,
+        }
+    }
+}
+
+impl From<&engine::Diagnosis> for Diagnosis {
+    fn from(diagnosis: &engine::Diagnosis) -> Self {
+        Self {
+            format: DiagnosisFormat::V1,
+            model: diagnosis.model.clone(),
+            residual: Residual {
+                rms_um: diagnosis.residual.rms_um,
+                holdout_rms_um: diagnosis.residual.holdout_rms_um.and_then(finite),
+                holdout_unit: diagnosis.residual.holdout_unit.map(LeftOut::from),
+                noise_um: diagnosis.residual.noise_um.and_then(finite),
+                unexplained_fraction: finite(diagnosis.residual.unexplained_fraction),
+            },
+            verdict: diagnosis.verdict.into(),
+            candidates: diagnosis.candidates.iter().map(Candidate::from).collect(),
+            set: diagnosis.set.iter().map(|entry| entry.id.clone()).collect(),
+            formula: diagnosis.formula.as_ref().map(FormulaProposal::from),
+            next_cycle: diagnosis.next_cycle.as_ref().map(NextCycle::from),
+            not_visible: diagnosis.not_visible.clone(),
+            out_of_reach: diagnosis.out_of_reach.clone(),
+        }
+    }
+}
+
+impl From<&engine::Candidate> for Candidate {
+    fn from(candidate: &engine::Candidate) -> Self {
+        let parameter = |p: &engine::CandidateParameter| Parameter {
+            name: p.name.clone(),
+            effect: candidate.effect.clone(),
+            value: p.value.and_then(finite),
+            unit: p.unit.clone(),
+            u: p.u.and_then(finite),
+            observable: p.value.is_some(),
+            note: String::new(),
+        };
+        Self {
+            effect: candidate.effect.clone(),
+            evidence: candidate.evidence,
+            rms_um_after: candidate.rms_um_after,
+            holdout_rms_um_after: candidate.holdout_rms_um_after.and_then(finite),
+            explains_fraction: candidate.explains_fraction,
+            parameters: candidate.parameters.iter().map(parameter).collect(),
+            confused_with: candidate.confused_with.clone(),
+            separate_by: candidate.separate_by.clone(),
+            adequate: candidate.adequate,
+            why: candidate.why.clone(),
+        }
+    }
+}
+
+impl From<&engine::FormulaProposal> for FormulaProposal {
+    fn from(formula: &engine::FormulaProposal) -> Self {
+        let number = |n: &engine::ShapeNumber| ShapeNumber {
+            name: n.name.clone(),
+            value: n.value,
+            unit: n.unit.into(),
+        };
+        Self {
+            name: formula.name.clone(),
+            site: formula.site.clone(),
+            component: formula.component.clone(),
+            expression: formula.expression.clone(),
+            shape: formula.shape.iter().map(number).collect(),
+            also: formula.entries.iter().skip(1).map(|entry| entry.id.clone()).collect(),
+            components: formula.entries.iter().filter_map(|entry| entry.component.clone()).collect(),
+            evidence: formula.evidence,
+            rms_um_after: formula.rms_um_after,
+            holdout_rms_um_after: formula.holdout_rms_um_after.and_then(finite),
+            explains_fraction: formula.explains_fraction,
+            lives: formula.lives.clone(),
+            resembles: formula.resembles.clone(),
+        }
+    }
+}
+
+impl From<&engine::NextCycle> for NextCycle {
+    fn from(next: &engine::NextCycle) -> Self {
+        let planned = |cycle: &engine::next_cycle::PlannedCycle| PlannedCycle {
+            name: cycle.name.clone(),
+            what: cycle.what.clone(),
+            minutes: cycle.minutes,
+            separation_before: cycle.separation_before,
+            separation: cycle.separation,
+            separates: cycle.separates.clone(),
+            file: cycle.text.clone(),
+        };
+        Self { suggestion: next.suggestion.clone(), cycle: next.cycle.as_ref().map(planned) }
+    }
+}

@@ -1,0 +1,345 @@
+//! A fit: parameters with uncertainties, what is not observable, and how far to trust the numbers.
+
+use crate::location::LocationErrors;
+use crate::number::finite;
+use crate::time_quality::TimeQuality;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use trunnion_core::convert::um_from_mm;
+use trunnion_engine as engine;
+
+/// `trunnion-identification/1`: the answer of a fit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Identification {
+    /// Format and version.
+    pub format: IdentificationFormat,
+    /// Name of the machine.
+    pub machine: String,
+    /// Names of the runs that were fitted together.
+    pub runs: Vec<String>,
+    /// Ids of the effects of the model, in the order they were added.
+    pub effects: Vec<String>,
+    /// Shape numbers of the effects that have any.
+    pub shapes: Vec<Shape>,
+    /// Points given to the fit, outliers included.
+    pub points: usize,
+    /// Points that the robust loss excluded.
+    pub outliers: usize,
+    /// Which points these are.
+    pub outlier_points: Vec<Outlier>,
+    /// Root mean square of the scalar residuals, outliers left out, µm.
+    pub rms_um: f64,
+    /// Repeatability of one scalar reading, µm; null where no pose was measured twice.
+    pub noise_um: Option<f64>,
+    /// Where `noise_um` comes from.
+    pub noise_origin: Option<NoiseOrigin>,
+    /// How many times a pose was measured again.
+    pub repeats: Option<usize>,
+    /// Degrees of freedom behind `noise_um`.
+    pub noise_degrees_of_freedom: Option<usize>,
+    /// Where the standard uncertainties come from.
+    pub u_origin: UncertaintyOrigin,
+    /// Parts of the noise behind the standard uncertainties.
+    pub noise_parts: Vec<NoisePart>,
+    /// Noise of each run and instrument, as the readings were weighted.
+    pub noise_by_run: Vec<NoiseOfRun>,
+    /// Held-out error, µm rms; null when nothing could be left out.
+    pub holdout_rms_um: Option<f64>,
+    /// The unit that was left out in turn for the held-out error.
+    pub holdout_unit: Option<LeftOut>,
+    /// How many of them were left out in turn.
+    pub holdout_parts: Option<usize>,
+    /// Rank of the scaled design.
+    pub rank: usize,
+    /// Condition number of the scaled design within its rank.
+    pub condition: Option<f64>,
+    /// Scalar readings used minus parameters determined.
+    pub degrees_of_freedom: usize,
+    /// Every parameter of the model, effect after effect.
+    pub parameters: Vec<Parameter>,
+    /// Directions in parameter space that these runs do not observe.
+    pub unobservable: Vec<Unobservable>,
+    /// Combinations that are observed although none of their parameters is.
+    pub seen_together: Vec<Combination>,
+    /// Location errors in a notation, when one was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub location_errors: Option<LocationErrors>,
+    /// How well each run with time stamps is known in time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub time_quality: Vec<TimeQuality>,
+}
+
+/// Format and version of an identification.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum IdentificationFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-identification/1")]
+    V1,
+}
+
+/// Shape numbers of one effect.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Shape {
+    /// Effect id.
+    pub effect: String,
+    /// Their names, with unit.
+    pub names: Vec<String>,
+    /// Their values.
+    pub values: Vec<f64>,
+}
+
+/// An excluded point.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Outlier {
+    /// Index among the points of the fit.
+    pub point: usize,
+    /// Name of the run.
+    pub run: String,
+    /// Name of the setup.
+    pub setup: String,
+    /// Positions of the rotary axes, e.g. `B -30.000° C 120.000°`.
+    pub pose: String,
+    /// Length of the residual, µm.
+    pub residual_um: f64,
+}
+
+/// Where the noise of a reading comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoiseOrigin {
+    /// Scatter of poses that were measured more than once.
+    Repeats,
+}
+
+/// Where the standard uncertainties come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum UncertaintyOrigin {
+    /// From clusters of the residual: pass × position of the slow axis.
+    #[default]
+    Clusters,
+    /// From the parts of a machine's noise.
+    NoiseParts,
+}
+
+/// A part of a machine's noise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NoisePart {
+    /// What it is.
+    pub part: String,
+    /// Standard deviation, µm.
+    pub um: f64,
+}
+
+/// Noise of one instrument in one run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NoiseOfRun {
+    /// Name of the run.
+    pub run: String,
+    /// The instrument.
+    pub instrument: String,
+    /// Scalar readings used.
+    pub readings: usize,
+    /// Root mean square of their residuals, µm.
+    pub rms_um: f64,
+    /// What does not average down, µm.
+    pub floor_um: f64,
+    /// Standard error of the readings by their samples, µm; 0 when not known.
+    pub samples_um: f64,
+}
+
+/// The unit that is left out of a fit in turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LeftOut {
+    /// Whole runs: each was measured in one pass.
+    Run,
+    /// Whole setups: each was measured in one pass.
+    Setup,
+    /// Whole passes: one setup in one combination of directions and feed.
+    Pass,
+    /// Blocks of equal position of the slowest axis.
+    Block,
+}
+
+/// One parameter of a model or a candidate.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Parameter {
+    /// Name, e.g. `EX0C`.
+    pub name: String,
+    /// Id of its effect.
+    pub effect: String,
+    /// Value in `unit`; null when it is not observable.
+    pub value: Option<f64>,
+    /// Unit, e.g. `um`, `urad`.
+    pub unit: String,
+    /// Standard uncertainty in `unit`; null when it is not observable or was held.
+    pub u: Option<f64>,
+    /// True when it has a number.
+    pub observable: bool,
+    /// A remark; may be empty.
+    #[serde(default)]
+    pub note: String,
+}
+
+/// A direction in parameter space that moves no reading.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Unobservable {
+    /// Parameter names with coefficients, e.g. `EX0A - EX0C`.
+    pub direction: String,
+    /// Why, and what the numbers given mean.
+    pub why: String,
+    /// The same by name.
+    pub terms: Vec<Term>,
+}
+
+/// One parameter of a direction.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Term {
+    /// Name of the parameter.
+    pub name: String,
+    /// Coefficient in its unit.
+    pub coefficient: f64,
+}
+
+/// A combination that is observed although none of its parameters is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Combination {
+    /// E.g. `linear-scale:X.scale + linear-scale:Y.scale`.
+    pub combination: String,
+    /// Value in `unit`.
+    pub value: f64,
+    /// Unit.
+    pub unit: String,
+    /// Standard uncertainty in `unit`.
+    pub u: f64,
+}
+
+impl Identification {
+    /// The parameter of this name.
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
+        self.parameters.iter().find(|parameter| parameter.name == name)
+    }
+}
+
+impl From<&engine::Identification> for Identification {
+    fn from(fit: &engine::Identification) -> Self {
+        Self {
+            format: IdentificationFormat::V1,
+            machine: fit.machine.clone(),
+            runs: fit.runs.clone(),
+            effects: fit.effects.iter().map(|effect| effect.id.clone()).collect(),
+            shapes: fit.effects.iter().filter(|effect| !effect.shape.is_empty()).map(shape).collect(),
+            points: fit.points,
+            outliers: fit.outliers.len(),
+            outlier_points: fit.outliers.iter().map(outlier).collect(),
+            rms_um: um_from_mm(fit.rms_mm),
+            noise_um: fit.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
+            noise_origin: fit.repeatability.map(|_| NoiseOrigin::Repeats),
+            repeats: fit.repeatability.map(|noise| noise.repeats),
+            noise_degrees_of_freedom: fit.repeatability.map(|noise| noise.degrees_of_freedom),
+            u_origin: match fit.noise_parts.is_empty() {
+                true => UncertaintyOrigin::Clusters,
+                false => UncertaintyOrigin::NoiseParts,
+            },
+            noise_parts: fit.noise_parts.iter().map(noise_part).collect(),
+            noise_by_run: fit.noise_by_run.iter().map(noise_of_run).collect(),
+            holdout_rms_um: fit.holdout_rms_mm().map(um_from_mm).and_then(finite),
+            holdout_unit: fit.holdout.map(|holdout| holdout.left_out.into()),
+            holdout_parts: fit.holdout.map(|holdout| holdout.parts),
+            rank: fit.rank,
+            condition: finite(fit.condition),
+            degrees_of_freedom: fit.degrees_of_freedom,
+            parameters: fit.parameters.iter().map(Parameter::from).collect(),
+            unobservable: fit.unobservable.iter().map(unobservable).collect(),
+            seen_together: fit.seen_together.iter().map(combination).collect(),
+            location_errors: None,
+            time_quality: Vec::new(),
+        }
+    }
+}
+
+impl LeftOut {
+    /// Several of them, in a word.
+    pub fn plural(self) -> &'static str {
+        match self {
+            Self::Run => "runs",
+            Self::Setup => "setups",
+            Self::Pass => "passes",
+            Self::Block => "blocks",
+        }
+    }
+}
+
+impl From<engine::LeftOut> for LeftOut {
+    fn from(unit: engine::LeftOut) -> Self {
+        match unit {
+            engine::LeftOut::Runs => Self::Run,
+            engine::LeftOut::Setups => Self::Setup,
+            engine::LeftOut::Passes => Self::Pass,
+            engine::LeftOut::Blocks => Self::Block,
+        }
+    }
+}
+
+impl From<&engine::FittedParameter> for Parameter {
+    fn from(parameter: &engine::FittedParameter) -> Self {
+        Self {
+            name: parameter.name.clone(),
+            effect: parameter.effect.clone(),
+            value: parameter.screen_value().and_then(finite),
+            unit: parameter.unit.symbol.into(),
+            u: parameter.screen_u().and_then(finite),
+            observable: parameter.observable(),
+            note: parameter.note.clone(),
+        }
+    }
+}
+
+fn shape(effect: &engine::FittedEffect) -> Shape {
+    Shape { effect: effect.id.clone(), names: effect.shape_names.clone(), values: effect.shape.clone() }
+}
+
+fn outlier(outlier: &engine::Outlier) -> Outlier {
+    Outlier {
+        point: outlier.point,
+        run: outlier.run.clone(),
+        setup: outlier.setup.clone(),
+        pose: outlier.pose.clone(),
+        residual_um: um_from_mm(outlier.residual_mm),
+    }
+}
+
+fn noise_part(part: &engine::NoisePart) -> NoisePart {
+    NoisePart { part: part.name.into(), um: um_from_mm(part.sigma_mm) }
+}
+
+fn noise_of_run(group: &engine::GroupNoise) -> NoiseOfRun {
+    NoiseOfRun {
+        run: group.run.clone(),
+        instrument: group.instrument.name().into(),
+        readings: group.readings,
+        rms_um: um_from_mm(group.rms_mm),
+        floor_um: um_from_mm(group.floor_mm),
+        samples_um: um_from_mm(group.samples_mm),
+    }
+}
+
+fn unobservable(direction: &engine::Unobservable) -> Unobservable {
+    let term = |(name, coefficient): &(String, f64)| Term { name: name.clone(), coefficient: *coefficient };
+    Unobservable {
+        direction: direction.direction.clone(),
+        why: direction.why.clone(),
+        terms: direction.terms.iter().map(term).collect(),
+    }
+}
+
+fn combination(combination: &engine::Combination) -> Combination {
+    Combination {
+        combination: combination.text.clone(),
+        value: combination.value,
+        unit: combination.unit.into(),
+        u: combination.u,
+    }
+}

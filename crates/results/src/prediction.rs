@@ -1,0 +1,53 @@
+//! A model against runs that it was not fitted to.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `trunnion-prediction/1`: frozen values of a model against other runs. Only the settings of the new runs are fitted.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Prediction {
+    /// Format and version.
+    pub format: PredictionFormat,
+    /// Name of the machine.
+    pub machine: String,
+    /// Runs that the model was fitted to.
+    pub fitted_runs: Vec<String>,
+    /// Ids of the effects of the model, in order.
+    pub effects: Vec<String>,
+    /// Residual of the fit, µm rms: what a prediction can at best leave.
+    pub fit_rms_um: f64,
+    /// Each run that was predicted.
+    pub runs: Vec<RunPrediction>,
+    /// Parameters that the fit did not determine; the prediction takes the values that its datum convention gives them.
+    pub not_determined: Vec<String>,
+}
+
+/// Format and version of a prediction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum PredictionFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-prediction/1")]
+    V1,
+}
+
+/// One run against its prediction.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RunPrediction {
+    /// Name of the run.
+    pub run: String,
+    /// Points of the run.
+    pub points: usize,
+    /// Scalar readings compared.
+    pub readings: usize,
+    /// Root mean square of measured − predicted, µm.
+    pub rms_um: f64,
+    /// Largest |measured − predicted|, µm.
+    pub largest_um: f64,
+    /// Share of the readings inside the 95 % band of the prediction, 0…1.
+    pub inside_95_fraction: f64,
+    /// Half width of that band, µm (rms over the readings).
+    pub band_95_um: f64,
+    /// Parameters that were fitted to this run: how the ball was set.
+    pub fitted_settings: Vec<String>,
+}

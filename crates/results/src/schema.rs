@@ -1,0 +1,35 @@
+//! The JSON schemas, generated from the types.
+
+use crate::{
+    Added, Comparison, CompensationSummary, Diagnosis, Findings, Identification, Ladder, Plan, Prediction,
+    Preview, Removed, TimeQuality, Trial, Volumetric, to_json,
+};
+use schemars::{Schema, schema_for};
+
+/// Every schema with the name of its file in `docs/schemas`, without `.schema.json`.
+pub fn schemas() -> Vec<(&'static str, Schema)> {
+    vec![
+        ("identification", schema_for!(Identification)),
+        ("diagnosis", schema_for!(Diagnosis)),
+        ("comparison", schema_for!(Comparison)),
+        ("trial", schema_for!(Trial)),
+        ("ladder", schema_for!(Ladder)),
+        ("added", schema_for!(Added)),
+        ("removed", schema_for!(Removed)),
+        ("plan", schema_for!(Plan)),
+        ("preview", schema_for!(Preview)),
+        ("prediction", schema_for!(Prediction)),
+        ("findings", schema_for!(Findings)),
+        ("volumetric", schema_for!(Volumetric)),
+        ("compensation-summary", schema_for!(CompensationSummary)),
+        ("time-quality", schema_for!(TimeQuality)),
+    ]
+}
+
+/// A schema as its file holds it.
+///
+/// # Errors
+/// None that a schema of this crate can have.
+pub fn schema_text(schema: &Schema) -> Result<String, serde_json::Error> {
+    to_json(schema)
+}

@@ -1,0 +1,195 @@
+//! What the numbers say, in sentences: shared by page, terminal and every other surface. Each thing is said once.
+
+use crate::number::{degrees, plain, um, unit_on_screen};
+use crate::{
+    Candidate, Diagnosis, FormulaProposal, Identification, Moved, Parameter, PlannedCycle, ShapeNumber,
+    Verdict,
+};
+use trunnion_effects::catalogue::effect;
+use trunnion_effects::{About, SOURCES};
+
+/// A parameter is worth telling when it exceeds this many standard uncertainties.
+const CLEAR_U: f64 = 3.0;
+/// A turn is weighed against a shift at this distance, mm.
+const LEVER_MM: f64 = 100.0;
+
+/// What the catalogue knows of an effect id; `None` for a formula or a foreign id.
+pub fn about(id: &str) -> Option<&'static About> {
+    effect(id).map(|effect| &effect.about)
+}
+
+/// `Title (id)`, or the id alone.
+pub fn effect_name(id: &str) -> String {
+    about(id).map_or(id.into(), |about| format!("{} ({id})", about.title))
+}
+
+/// True when an expression leads the named effects.
+pub fn formula_leads(diagnosis: &Diagnosis) -> bool {
+    diagnosis.verdict == Verdict::UnnamedStructure && diagnosis.formula.is_some()
+}
+
+/// The largest errors of place and direction of the axes, in words.
+pub fn location_sentence(parameters: &[Parameter], besides: &str) -> Option<String> {
+    let mut errors: Vec<(f64, String)> = parameters
+        .iter()
+        .filter_map(|p| {
+            let (value, u) = p.value.zip(p.u)?;
+            let size = if p.unit == "urad" { value.abs() * LEVER_MM * 1e-3 } else { value.abs() };
+            (value.abs() > CLEAR_U * u).then_some((size, location_words(&p.name, value)?))
+        })
+        .collect();
+    errors.sort_by(|a, b| b.0.total_cmp(&a.0));
+    errors.truncate(3);
+    if errors.is_empty() {
+        return None;
+    }
+    let list = errors.into_iter().map(|(_, words)| words).collect::<Vec<_>>().join("; ");
+    let axes = if besides.is_empty() { "Axes" } else { "axes" };
+    Some(format!("{besides}{axes} are not where the control believes: {list}."))
+}
+
+/// `axis B lies 13.6 µm off along Z` from `EZ0B`; `None` for what is no location error.
+fn location_words(name: &str, value: f64) -> Option<String> {
+    let (direction, axis) = name.strip_prefix('E')?.split_once('0')?;
+    let ([direction], false) = (direction.as_bytes(), axis.is_empty()) else { return None };
+    let direction = char::from(*direction);
+    match direction {
+        'X' | 'Y' | 'Z' => Some(format!("axis {axis} lies {} µm off along {direction}", plain(value))),
+        'A' | 'B' | 'C' if axis.strip_prefix(direction) == Some("") => {
+            Some(format!("the zero of {axis} is off by {} µrad", plain(value)))
+        }
+        'A' | 'B' | 'C' => {
+            let about = ['X', 'Y', 'Z'][usize::from(direction as u8 - b'A')];
+            let over = plain(value * LEVER_MM * 1e-3);
+            Some(format!("axis {axis} leans {} µrad about {about} ({over} µm over 100 mm)", plain(value)))
+        }
+        _ => None,
+    }
+}
+
+/// True for the parameter names of `location-errors`.
+pub fn is_location(name: &str) -> bool {
+    location_words(name, 0.0).is_some()
+}
+
+/// `EX0C −3.20 → −1.10 µm, 8 u`.
+pub fn moved_words(moved: &Moved) -> String {
+    format!(
+        "{} {} → {} {}, {:.0} u",
+        moved.name,
+        plain(moved.before),
+        plain(moved.after),
+        unit_on_screen(&moved.unit),
+        moved.in_u()
+    )
+}
+
+/// The location error that moved most.
+pub fn most_moved(moved: &[Moved]) -> Option<&Moved> {
+    moved.iter().find(|m| is_location(&m.name))
+}
+
+/// What log₁₀ evidence means.
+pub fn evidence_words(evidence: f64) -> String {
+    let odds = match evidence {
+        e if e >= 6.0 => "more than a million to one".into(),
+        e if e >= 3.0 => format!("about {} to one", plain(10_f64.powf(e.floor()))),
+        e => format!("{} to one", plain(10_f64.powf(e))),
+    };
+    let word = match evidence {
+        e if e >= 4.0 => "It is no chance",
+        e if e >= 2.0 => "It is hardly chance",
+        e if e >= 1.3 => "It may be chance",
+        _ => "It may well be chance",
+    };
+    format!("{word}: the readings favour it over mere noise {odds} (evidence 10^{evidence:.1})")
+}
+
+/// What a diagnosis says of a candidate beyond what the catalogue says of the effect.
+pub fn beyond_catalogue(candidate: &Candidate) -> String {
+    let mut why = candidate.why.clone();
+    if let Some(about) = about(&candidate.effect) {
+        for said in [format!("Likely cause: {}", about.cause), about.explanation.into(), about.cause.into()] {
+            why = why.replacen(&said, "", 1);
+        }
+    }
+    why.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Which cause goes with an effect: label and text, for those the catalogue knows.
+pub fn explanation(id: &str) -> Vec<(&'static str, String)> {
+    about(id).map_or(Vec::new(), |about| {
+        let source = sources(about.source);
+        let mut said = vec![
+            ("What it is", about.explanation.to_string()),
+            ("Likely cause", about.cause.into()),
+            ("Valid", about.validity.into()),
+        ];
+        if !source.is_empty() {
+            said.push(("Source", source));
+        }
+        said
+    })
+}
+
+/// The sources of an effect with their authors instead of the catalogue's numbers; empty where it has none of its own.
+pub fn sources(source: &str) -> String {
+    let public = source.split("; ").filter(|part| !part.starts_with("docs/"));
+    let named = |part: &str| {
+        let known = SOURCES.iter().find_map(|(number, author)| Some((author, part.strip_prefix(number)?)));
+        known.map_or(part.to_string(), |(author, rest)| format!("{author}{rest}"))
+    };
+    public.map(named).collect::<Vec<_>>().join("; ")
+}
+
+/// The same without the figures and the judgement that the page shows elsewhere.
+pub fn beyond_figures(candidate: &Candidate) -> String {
+    let shown = ["With it the error falls", "Nothing structured remains", "A part remains that"];
+    let why = beyond_catalogue(candidate);
+    let sentences =
+        why.split_inclusive(". ").filter(|s| !shown.iter().any(|start| s.trim_start().starts_with(start)));
+    sentences.collect::<String>().trim().to_string()
+}
+
+/// What a planned cycle costs and settles.
+pub fn planned_words(cycle: &PlannedCycle) -> String {
+    let pairs: Vec<String> = cycle.separates.iter().map(|[a, b]| format!("{a} from {b}")).collect();
+    format!(
+        "Cycle \"{}\": about {:.0} minutes of machine time with mounting. It tells {}. The command \"trunnion plan\" with the \
+         same recordings and model writes its file.",
+        cycle.name,
+        cycle.minutes,
+        pairs.join(", ")
+    )
+}
+
+/// Where a formula acts: `dx, dz at axis:B`.
+pub fn formula_site(formula: &FormulaProposal) -> String {
+    format!("{} at {}", formula.components.join(", "), formula.site)
+}
+
+/// The shape numbers of a formula: `at = 32.0°, width = 12.4°`; empty when it has none.
+pub fn formula_shape(formula: &FormulaProposal) -> String {
+    let number = |n: &ShapeNumber| match n.unit.as_str() {
+        "rad" => format!("{} = {}", n.name, degrees(n.value)),
+        "1" => format!("{} = {:.2}", n.name, n.value),
+        unit => format!("{} = {} {unit}", n.name, plain(n.value)),
+    };
+    formula.shape.iter().map(number).collect::<Vec<_>>().join(", ")
+}
+
+/// Where the repeatability of a fit comes from.
+pub fn noise_origin(fit: &Identification) -> String {
+    fit.repeats.map_or_else(
+        || "not known: no pose was measured twice".into(),
+        |repeats| format!("poses measured more than once, {repeats} repeats"),
+    )
+}
+
+/// How well readings repeat, for a bracket.
+pub fn repeatability(noise_um: Option<f64>) -> String {
+    noise_um.map_or_else(
+        || "repeatability not known: no pose was measured twice".into(),
+        |noise_um| format!("repeatability {}", um(noise_um)),
+    )
+}

@@ -1,0 +1,130 @@
+//! How well the samples of a run are known in time.
+
+use crate::number::finite;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use trunnion_sync::time_quality as sync;
+
+/// Time quality of one run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TimeQuality {
+    /// Name of the run.
+    pub run: String,
+    /// Every stream of samples: the probe channels, then the controller.
+    pub streams: Vec<Stream>,
+    /// Synchronisation moves found.
+    pub gestures: Vec<Gesture>,
+    /// What a person should know, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// One stream of samples.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Stream {
+    /// Channel or `controller`.
+    pub name: String,
+    /// Samples recorded.
+    pub samples: u64,
+    /// Mean rate, 1/s.
+    pub rate_hz: Option<f64>,
+    /// Lines fitted to its clock.
+    pub lines: usize,
+    /// Drift of the device's clock against the host's, 1e-6.
+    pub drift_ppm: Option<f64>,
+    /// Spread of the arrivals about the line (rms), s.
+    pub jitter_before_s: Option<f64>,
+    /// What the line does not follow (rms), s.
+    pub jitter_after_s: Option<f64>,
+    /// Gaps.
+    pub gaps: usize,
+    /// Their length together, s.
+    pub gap_s: f64,
+    /// Samples known to be lost.
+    pub lost: u64,
+    /// Largest difference between the stamps of the axes in one reading, s.
+    pub skew_s: f64,
+    /// Readings in which the controller reported only that nothing had changed.
+    pub held: u64,
+    /// Delay against the axes, s, already taken out of the times.
+    pub delay_s: Option<f64>,
+    /// Its standard uncertainty, s.
+    pub delay_u_s: Option<f64>,
+}
+
+/// A synchronisation move: strokes of one linear axis that axes and probes see alike.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Gesture {
+    /// When it began, s since the run began.
+    pub time_s: f64,
+    /// The axis.
+    pub axis: String,
+    /// Length of a stroke, mm.
+    pub stroke_mm: f64,
+    /// What each channel saw.
+    pub channels: Vec<GestureChannel>,
+}
+
+/// One channel in a synchronisation move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct GestureChannel {
+    /// Channel.
+    pub channel: u16,
+    /// By how much the readings come after the axes, s.
+    pub delay_s: f64,
+    /// Its standard uncertainty, s.
+    pub u_s: f64,
+    /// Change of the reading by the motion of the axis, mm/mm.
+    pub gain: f64,
+    /// What the fit leaves (rms), mm.
+    pub rms_mm: f64,
+}
+
+impl From<&sync::TimeQuality> for TimeQuality {
+    fn from(quality: &sync::TimeQuality) -> Self {
+        Self {
+            run: quality.run.clone(),
+            streams: quality.streams.iter().map(Stream::from).collect(),
+            gestures: quality.gestures.iter().map(Gesture::from).collect(),
+            notes: quality.notes.clone(),
+        }
+    }
+}
+
+impl From<&sync::StreamTiming> for Stream {
+    fn from(stream: &sync::StreamTiming) -> Self {
+        Self {
+            name: stream.name.clone(),
+            samples: stream.samples,
+            rate_hz: finite(stream.rate_hz),
+            lines: stream.lines,
+            drift_ppm: stream.drift_ppm.and_then(finite),
+            jitter_before_s: stream.jitter_before_s.and_then(finite),
+            jitter_after_s: stream.jitter_after_s.and_then(finite),
+            gaps: stream.gaps.0,
+            gap_s: stream.gaps.1,
+            lost: stream.lost,
+            skew_s: stream.skew_s,
+            held: stream.held,
+            delay_s: stream.delay_s.and_then(|delay| finite(delay.0)),
+            delay_u_s: stream.delay_s.and_then(|delay| finite(delay.1)),
+        }
+    }
+}
+
+impl From<&sync::Gesture> for Gesture {
+    fn from(gesture: &sync::Gesture) -> Self {
+        let channel = |seen: &sync::GestureDelay| GestureChannel {
+            channel: seen.channel,
+            delay_s: seen.delay_s,
+            u_s: seen.u_s,
+            gain: seen.gain,
+            rms_mm: seen.rms_mm,
+        };
+        Self {
+            time_s: gesture.time_s,
+            axis: gesture.axis.to_string(),
+            stroke_mm: gesture.stroke_mm,
+            channels: gesture.seen.iter().map(channel).collect(),
+        }
+    }
+}

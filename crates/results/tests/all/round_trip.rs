@@ -1,0 +1,111 @@
+//! Answers on committed data are written as JSON and read back without a change.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fmt::Debug;
+use std::path::PathBuf;
+use trunnion_cycles::{Cycle, Run};
+use trunnion_effects::{Model, ModelEffect};
+use trunnion_engine::{Experiment, diagnosis, fit, next_cycle};
+use trunnion_machine::shipped;
+use trunnion_methods::notation::{Layout, Notation};
+use trunnion_methods::recipes::{MethodOptions, REGISTRY};
+use trunnion_methods::volumetric as methods;
+use trunnion_results::{
+    Comparison, Diagnosis, Findings, Identification, Ladder, LocationErrors, Place, Plan, Preview, Verdict,
+    Volumetric, to_json,
+};
+
+fn run(folder: &str) -> Run {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data").join(folder);
+    let text = |file: &str| std::fs::read_to_string(path.join(file)).unwrap();
+    let (points, setup) = (text("points.csv"), text("setup.toml"));
+    let files = (("points.csv", points.as_str()), ("setup.toml", setup.as_str()));
+    trunnion_record::points_csv::import_files(folder, files.0, files.1, &shipped::machine).unwrap()
+}
+
+/// Reads back what is written; the same value, and the same bytes when written again.
+fn returns<T: Serialize + DeserializeOwned + PartialEq + Debug>(answer: &T) -> serde_json::Value {
+    let text = to_json(answer).unwrap();
+    let read: T = serde_json::from_str(&text).unwrap();
+    assert_eq!(&read, answer);
+    assert_eq!(to_json(&read).unwrap(), text);
+    serde_json::from_str(&text).unwrap()
+}
+
+#[test]
+fn identification_and_diagnosis_of_committed_runs_return() {
+    for folder in ["points-gravity", "points-unnamed", "points-nothing-hidden", "points-backlash-and-drift"] {
+        let experiment = Experiment::new(&[run(folder)]).unwrap();
+        let model = Model::base(&experiment.machine().name);
+        let fitted = trunnion_engine::identify(&experiment, &model, &fit::Options::default()).unwrap();
+        let mut identification = Identification::from(&fitted);
+        let errors = Layout::new(experiment.machine()).of_fit(&fitted, Notation::Relative);
+        identification.location_errors = Some(LocationErrors::new(Notation::Relative, &errors));
+        let json = returns(&identification);
+        assert_eq!(json["format"], "trunnion-identification/1");
+        assert_eq!(
+            json["outliers"].as_u64().unwrap(),
+            json["outlier_points"].as_array().unwrap().len() as u64
+        );
+        for parameter in json["parameters"].as_array().unwrap() {
+            assert_eq!(parameter["observable"], !parameter["value"].is_null(), "{parameter}");
+        }
+        let diagnosis =
+            trunnion_engine::diagnose(&experiment, &model, &diagnosis::Options::default()).unwrap();
+        let answer = Diagnosis::from(&diagnosis);
+        let json = returns(&answer);
+        assert_eq!(json["format"], "trunnion-diagnosis/1");
+        assert_eq!(json["verdict"], answer.verdict.as_str());
+        let places = trunnion_engine::compare::places(&experiment, &fitted.residual_mm, &fitted.used);
+        returns(&Comparison {
+            places: places.iter().map(Place::from).collect(),
+            identification,
+            diagnosis: answer,
+            ..Comparison::default()
+        });
+    }
+}
+
+#[test]
+fn findings_plan_preview_ladder_and_volume_return() {
+    let runs = [run("points-gravity")];
+    let found: Vec<_> =
+        REGISTRY.iter().filter_map(|method| (method.run)(&runs, &MethodOptions::default()).ok()).collect();
+    assert!(!found.is_empty(), "no method can use this run");
+    for findings in &found {
+        returns(&Findings::from(findings));
+    }
+    let experiment = Experiment::new(&runs).unwrap();
+    let mut model = Model::base(&experiment.machine().name);
+    let rivals = ["backlash:C", "encoder-eccentricity:C"].map(String::from);
+    let rivals = next_cycle::rivals_named(&rivals, experiment.machine()).unwrap();
+    let plan = next_cycle::plan(&experiment, &model, &rivals, &next_cycle::Options::default()).unwrap();
+    returns(&Plan::from(&plan));
+    let text = include_str!("../../../../config/cycles/demo-static.toml");
+    let cycle = Cycle::parse("demo-static.toml", text).unwrap();
+    let machine = shipped::machine(&cycle.machine).unwrap();
+    returns(&Preview::from(&next_cycle::preview(&machine, &cycle, &next_cycle::Options::default()).unwrap()));
+    let fitted = trunnion_engine::identify(&experiment, &model, &fit::Options::default()).unwrap();
+    let volume = methods::Volume::parse("", 3, &experiment.scene).unwrap();
+    let map =
+        methods::VolumetricMap::new(&experiment, &model, &fitted, volume, methods::Datum::BestFit).unwrap();
+    let axes: Vec<_> = experiment.machine().axes().into_iter().map(|axis| axis.letter).collect();
+    returns(&Volumetric::new(&map, &axes));
+    model.effects.push(ModelEffect {
+        id: "gravity-sag:B".into(),
+        ladder: Some(trunnion_effects::LadderRow { date: "2026-03-01".into(), ..Default::default() }),
+        ..ModelEffect::default()
+    });
+    returns(&Ladder::from(&model));
+}
+
+#[test]
+fn another_format_or_verdict_is_refused() {
+    let text = to_json(&Diagnosis::default()).unwrap();
+    assert!(serde_json::from_str::<Diagnosis>(&text).is_ok());
+    for (found, wanted) in [("trunnion-diagnosis/1", "trunnion-diagnosis/2"), ("not-judged", "all-well")] {
+        assert!(serde_json::from_str::<Diagnosis>(&text.replace(found, wanted)).is_err(), "{wanted}");
+    }
+    assert_eq!(Diagnosis::default().verdict, Verdict::NotJudged);
+}

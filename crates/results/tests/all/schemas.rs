@@ -1,0 +1,34 @@
+//! The committed schemas are those of the types.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../docs/schemas")
+}
+
+#[test]
+fn committed_schemas_are_current() {
+    for (name, schema) in trunnion_results::schemas() {
+        let file = folder().join(format!("{name}.schema.json"));
+        let committed = std::fs::read_to_string(&file).unwrap_or_default();
+        let generated = trunnion_results::schema_text(&schema).unwrap();
+        assert!(
+            committed == generated,
+            "{} is not current: run `cargo run -p trunnion-results --example schemas`",
+            file.display()
+        );
+    }
+}
+
+#[test]
+fn every_committed_schema_is_of_a_type() {
+    let expected: BTreeSet<String> =
+        trunnion_results::schemas().iter().map(|(name, _)| format!("{name}.schema.json")).collect();
+    let committed: BTreeSet<String> = std::fs::read_dir(folder())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.ends_with(".schema.json"))
+        .collect();
+    assert_eq!(committed, expected);
+}

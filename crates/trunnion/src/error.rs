@@ -1,0 +1,108 @@
+//! What can go wrong on the way from a path to an answer; the cause is chained.
+
+use crate::analysis::AnalysisError;
+use std::path::{Path, PathBuf};
+use trunnion_core::Problems;
+use trunnion_engine::next_cycle::PlanError;
+use trunnion_engine::{DiagnoseError, ExperimentError, IdentifyError};
+use trunnion_record::RecordError;
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A text file that cannot be read.
+    #[error("cannot read {}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// A file that cannot be written.
+    #[error("cannot write {}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// A recording that cannot be read.
+    #[error("cannot read the recording {}", path.display())]
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: RecordError,
+    },
+    /// Problems of a hand-written file, each with line, what was found and what is allowed.
+    #[error(transparent)]
+    Problems(#[from] Problems),
+    /// A machine that is neither shipped nor a file.
+    #[error(
+        "there is no machine \"{name}\"; allowed: {allowed}, or the path of a machine file ending in .toml"
+    )]
+    NoSuchMachine {
+        /// As asked.
+        name: String,
+        /// The shipped ones.
+        allowed: String,
+    },
+    /// Runs that cannot be fitted together.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// The fit failed.
+    #[error(transparent)]
+    Fit(#[from] IdentifyError),
+    /// The diagnosis failed.
+    #[error(transparent)]
+    Diagnose(#[from] DiagnoseError),
+    /// An effect cannot be added or removed, or a fit on the way failed.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// No cycle could be planned.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A named method cannot be applied.
+    #[error(transparent)]
+    Method(#[from] trunnion_methods::recipes::MethodError),
+    /// The deviation of a recording cannot be attributed to its axes.
+    #[error(transparent)]
+    Attribution(#[from] trunnion_methods::attribution::AttributionError),
+    /// A volume that the machine does not have.
+    #[error(transparent)]
+    Volume(#[from] trunnion_methods::volumetric::VolumeError),
+    /// A model of another machine than that of the runs to predict.
+    #[error(
+        "the model was fitted on machine {fitted}, run {run} was measured on machine {found}; predict runs of one machine"
+    )]
+    OtherMachine {
+        /// Machine of the fit.
+        fitted: String,
+        /// The run.
+        run: String,
+        /// Its machine.
+        found: String,
+    },
+    /// The effect is in the model file already.
+    #[error(
+        "{effect} is in the model already; remove it first, or delete its [effect.ladder] to measure it again"
+    )]
+    InModel {
+        /// Effect id.
+        effect: String,
+    },
+}
+
+impl Error {
+    /// Reading `path` failed.
+    pub(crate) fn read(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::Read { path, source }
+    }
+
+    /// Writing `path` failed.
+    pub(crate) fn write(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::Write { path, source }
+    }
+}

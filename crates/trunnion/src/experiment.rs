@@ -1,0 +1,156 @@
+//! Runs opened together, ready to be fitted.
+
+use crate::recording::{self, Recording};
+use crate::{Error, Fit, Model, files, timing};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use trunnion_cycles::Run;
+use trunnion_machine::Machine;
+use trunnion_results as results;
+use trunnion_sync::blocks::Limits;
+use trunnion_sync::time_quality::TimeQuality;
+
+/// Runs of one machine, opened together. Clones share the data.
+#[derive(Clone)]
+pub struct Experiment {
+    opened: Arc<Opened>,
+}
+
+struct Opened {
+    runs: Vec<Run>,
+    points: trunnion_engine::Experiment,
+    timing: Vec<TimeQuality>,
+    damage: Vec<String>,
+    reductions: Vec<String>,
+}
+
+/// Opens one run: a recording (`.mcap`), or a points file (`.csv`) with its `setup.toml` next to it.
+///
+/// # Errors
+/// A file that cannot be read, or holds no usable point.
+pub fn open(path: impl AsRef<Path>) -> Result<Experiment, Error> {
+    open_all([path])
+}
+
+/// Opens several runs of one machine to be fitted together.
+///
+/// # Errors
+/// As [`open`]; runs of different machines.
+pub fn open_all<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Experiment, Error> {
+    open_with(paths, Limits::default())
+}
+
+/// The same with other limits on the blocks to which a long run on the fly is reduced.
+///
+/// # Errors
+/// As [`open_all`].
+pub fn open_with<P: AsRef<Path>>(
+    paths: impl IntoIterator<Item = P>,
+    limits: Limits,
+) -> Result<Experiment, Error> {
+    let recordings: Vec<(PathBuf, Recording)> = paths
+        .into_iter()
+        .map(|path| Ok((path.as_ref().to_owned(), read(path.as_ref(), Some(limits))?)))
+        .collect::<Result<_, Error>>()?;
+    Experiment::of_recordings(recordings)
+}
+
+/// Reads a recording, or a points file with its `setup.toml`; with `limits` a long run on the fly is reduced to blocks.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn read(path: &Path, limits: Option<Limits>) -> Result<Recording, Error> {
+    if path.extension().is_some_and(|ending| ending == "csv") {
+        let run = read_points(path, &path.with_file_name("setup.toml"))?;
+        return Ok(Recording { run, reduction: None, damage: None, timing: None });
+    }
+    recording::read(path, &|name| files::machine(name).ok(), limits)
+        .map_err(|source| Error::Recording { path: path.into(), source })
+}
+
+/// Reads a points file with its setup file.
+///
+/// # Errors
+/// Every problem of both files at once.
+pub fn read_points(points: &Path, setup: &Path) -> Result<Run, Error> {
+    let (setup_text, points_text) = (files::read(setup)?, files::read(points)?);
+    let stem = points.file_stem().map_or_else(|| "points".into(), |stem| stem.to_string_lossy());
+    // `points.csv` is called after its folder.
+    let folder = points.parent().and_then(Path::file_name).map(|name| name.to_string_lossy());
+    let name = folder.filter(|_| stem == "points").unwrap_or(stem);
+    Ok(trunnion_record::points_csv::import_files(
+        &name,
+        (&points.display().to_string(), &points_text),
+        (&setup.display().to_string(), &setup_text),
+        &|machine| files::machine(machine).ok(),
+    )?)
+}
+
+impl Experiment {
+    /// Recordings as read, each with its path.
+    ///
+    /// # Errors
+    /// No usable point, or runs of different machines.
+    pub fn of_recordings(recordings: Vec<(PathBuf, Recording)>) -> Result<Self, Error> {
+        let (mut runs, mut timing, mut damage, mut reductions) = (vec![], vec![], vec![], vec![]);
+        for (path, recording) in recordings {
+            let named = |text: String| format!("{}: {text}", path.display());
+            damage.extend(recording.damage.as_ref().map(|damage| named(damage.to_string())));
+            reductions.extend(recording.reduction.as_ref().map(|reduction| named(reduction.summary())));
+            timing.extend(recording.timing);
+            runs.push(recording.run);
+        }
+        let points = trunnion_engine::Experiment::new(&runs)?;
+        Ok(Self { opened: Arc::new(Opened { runs, points, timing, damage, reductions }) })
+    }
+
+    /// The machine.
+    pub fn machine(&self) -> &Machine {
+        self.opened.points.machine()
+    }
+
+    /// The runs, as read.
+    pub fn runs(&self) -> &[Run] {
+        &self.opened.runs
+    }
+
+    /// Points, rows and columns of the runs together.
+    pub fn points(&self) -> &trunnion_engine::Experiment {
+        &self.opened.points
+    }
+
+    /// What is wrong with the files, one sentence for each that is damaged.
+    pub fn damage(&self) -> &[String] {
+        &self.opened.damage
+    }
+
+    /// How long runs on the fly were reduced to blocks, one sentence for each.
+    pub fn reductions(&self) -> &[String] {
+        &self.opened.reductions
+    }
+
+    /// How well each run with time stamps is known in time; the last one with what the sweeps tell of delays.
+    ///
+    /// # Errors
+    /// When the fit behind the delays fails.
+    pub fn time_quality(&self) -> Result<Vec<results::TimeQuality>, Error> {
+        let mut timing: Vec<_> = self.opened.timing.iter().map(results::TimeQuality::from).collect();
+        if let Some(last) = timing.last_mut() {
+            last.notes.extend(timing::delay_by_feeds(self.points())?);
+        }
+        Ok(timing)
+    }
+
+    /// The model that every other begins with: location errors and ball setting.
+    pub fn base_model(&self) -> Model {
+        Model::base(&self.machine().name)
+    }
+
+    /// Fits every effect of a model to the runs together.
+    ///
+    /// # Errors
+    /// A model that does not suit machine or runs, or a fit that does not converge.
+    pub fn fit(&self, model: &Model) -> Result<Fit, Error> {
+        Fit::new(self, model)
+    }
+}

@@ -1,0 +1,64 @@
+//! Machines and texts from the names and paths that a user gives.
+
+use crate::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use trunnion_core::names;
+use trunnion_machine::{Machine, shipped};
+
+/// A machine file by path, or a shipped machine by name.
+///
+/// # Errors
+/// No such machine, or a machine file with problems.
+pub fn machine(name: &str) -> Result<Machine, Error> {
+    let path = Path::new(name);
+    if path.extension().is_some_and(|ending| ending == "toml") {
+        let text = read(path)?;
+        let stem = path.file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
+        return Ok(Machine::parse(&stem, name, &text)?);
+    }
+    shipped::machine(name).ok_or_else(|| Error::NoSuchMachine {
+        name: name.into(),
+        allowed: names::allowed(name, shipped::FILES.map(|(name, _)| name)),
+    })
+}
+
+/// The text of a machine by the name or path in a file, for the recording.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn machine_text(name: &str) -> Result<String, Error> {
+    match shipped::FILES.iter().find(|(shipped, _)| *shipped == name) {
+        Some((_, text)) => Ok((*text).into()),
+        None => read(Path::new(name)),
+    }
+}
+
+/// Reads a text file; the error names it.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn read(path: &Path) -> Result<String, Error> {
+    std::fs::read_to_string(path).map_err(Error::read(path))
+}
+
+/// Writes a text file whole or not at all: next to it first, then under its name.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_whole(path: &Path, text: &str) -> Result<(), Error> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.tmp", std::process::id()));
+    let beside: PathBuf = path.with_file_name(name);
+    let write = || {
+        let mut file = std::fs::File::create(&beside)?;
+        file.write_all(text.as_bytes())?;
+        file.sync_all()?;
+        std::fs::rename(&beside, path)
+    };
+    write().map_err(|error| {
+        // The half-written file is of no use; the first error is the one to report.
+        std::fs::remove_file(&beside).ok();
+        Error::write(path)(error)
+    })
+}

@@ -1,0 +1,130 @@
+//! Named methods, attribution, volumetric accuracy, axis errors and notations of opened runs.
+
+use crate::{Error, Experiment, Fit, files};
+use std::path::Path;
+use trunnion_core::AxisLetter;
+use trunnion_cycles::Cycle;
+use trunnion_methods::AxisErrors;
+use trunnion_methods::attribution::{Motion, attribute};
+use trunnion_methods::notation::{Layout, Notation};
+use trunnion_methods::recipes::{self, MethodOptions};
+use trunnion_methods::volumetric::{Datum, Volume, VolumetricMap};
+use trunnion_results as results;
+
+/// Volumetric accuracy of a machine by a fitted model.
+pub struct Volumetric {
+    map: VolumetricMap,
+    axes: Vec<AxisLetter>,
+    words: String,
+}
+
+/// What the axes' own encoders say of a deviation.
+pub struct Attributed {
+    /// The answer.
+    pub findings: results::Findings,
+    /// What is wrong with the file.
+    pub damage: Option<String>,
+}
+
+impl Experiment {
+    /// What a named method of the literature finds in the runs.
+    ///
+    /// # Errors
+    /// No method of this name; runs that lack what it needs.
+    pub fn by_method(&self, name: &str, options: &MethodOptions) -> Result<results::Findings, Error> {
+        let method = recipes::find(name)?;
+        Ok((&(method.run)(self.runs(), options)?).into())
+    }
+}
+
+impl Fit {
+    /// The location errors in a notation.
+    pub fn location_errors(&self, notation: Notation) -> results::LocationErrors {
+        let errors = Layout::new(self.experiment().machine()).of_fit(self.identification(), notation);
+        results::LocationErrors::new(notation, &errors)
+    }
+
+    /// Location and component errors of every axis, for compensation tables.
+    ///
+    /// # Errors
+    /// A model that does not suit the runs.
+    pub fn axis_errors(&self) -> Result<AxisErrors, Error> {
+        let (points, model) = (self.experiment().points(), self.model().entries());
+        Ok(AxisErrors::new(points, model, self.identification())?)
+    }
+
+    /// Deviations of tool against table over a volume, e.g. `X=-200..200,B=-90..90`, at so many places along each axis, of a point
+    /// in tool axes (mm).
+    ///
+    /// # Errors
+    /// A volume that the machine does not have.
+    pub fn volumetric(
+        &self,
+        volume: &str,
+        steps: usize,
+        point_in_tool_mm: [f64; 3],
+        datum: Datum,
+    ) -> Result<Volumetric, Error> {
+        let experiment = self.experiment();
+        let volume = Volume::parse(volume, steps, &experiment.points().scene)?;
+        let volume = Volume { point_in_tool_mm, ..volume };
+        let words = volume.words(experiment.machine());
+        let map = VolumetricMap::new(
+            experiment.points(),
+            self.model().entries(),
+            self.identification(),
+            volume,
+            datum,
+        )?;
+        let axes = experiment.machine().joints();
+        Ok(Volumetric { map, axes, words })
+    }
+}
+
+impl Volumetric {
+    /// The answer: `trunnion-volumetric/1`.
+    pub fn results(&self) -> results::Volumetric {
+        results::Volumetric::new(&self.map, &self.axes)
+    }
+
+    /// The answer as text.
+    pub fn summary(&self) -> String {
+        trunnion_report::volumetric_text(&self.map, &self.words)
+    }
+
+    /// The answer as a page of its own.
+    pub fn page(&self) -> String {
+        trunnion_report::volumetric_html(&self.map, &self.words, &crate::page::label())
+    }
+
+    /// The error map as a table.
+    pub fn error_map_csv(&self) -> String {
+        trunnion_report::error_map_csv(&self.map, &self.axes)
+    }
+}
+
+/// Which axis made the deviation of a recording on the fly, from the axes' own encoders. The ideal motion comes from the cycle in
+/// the recording, unless `smooth` asks for a smooth path with a knot every `knot_s`.
+///
+/// # Errors
+/// A recording that cannot be read or holds no axis positions.
+pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attributed, Error> {
+    let recording = trunnion_record::read_run(path, &|name| files::machine(name).ok())
+        .map_err(|source| Error::Recording { path: path.into(), source })?;
+    let text = &recording.header.cycle_text;
+    let cycle = match text.is_empty() || smooth {
+        true => None,
+        false => Some(Cycle::parse(&format!("the cycle in {}", path.display()), text)?),
+    };
+    let attribution = attribute(&Motion {
+        run: &recording.run.name,
+        machine: &recording.run.machine,
+        samples: &recording.axis_samples,
+        cycle: cycle.as_ref(),
+        knot_s,
+    })?;
+    Ok(Attributed {
+        findings: (&attribution.to_findings()).into(),
+        damage: recording.damage.as_ref().map(ToString::to_string),
+    })
+}

@@ -1,0 +1,101 @@
+//! A model with the text of its file, so that what a person wrote into it stays.
+
+use crate::{Error, files};
+use std::path::Path;
+use trunnion_effects as effects;
+use trunnion_effects::{LadderRow, ModelEffect};
+use trunnion_results as results;
+
+/// Name of a model in problems of its edited text, which is read again so that the model always is what its file will hold.
+const EDITED: &str = "model";
+
+/// The effects that explain a machine, in the order they were added (`trunnion-model/1`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    entries: effects::Model,
+    text: String,
+}
+
+impl Model {
+    /// Location errors and ball setting alone.
+    pub fn base(machine: &str) -> Self {
+        effects::Model::base(machine).into()
+    }
+
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// A file that cannot be read; every problem of the file.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        Self::parse(&path.display().to_string(), files::read(path)?)
+    }
+
+    /// Reads a model file; the base model where there is none yet.
+    ///
+    /// # Errors
+    /// As [`Model::load`].
+    pub fn load_or_base(path: impl AsRef<Path>, machine: &str) -> Result<Self, Error> {
+        if path.as_ref().exists() { Self::load(path) } else { Ok(Self::base(machine)) }
+    }
+
+    /// Reads the text of a model file; `file` is the name in problems.
+    ///
+    /// # Errors
+    /// Every problem of the text.
+    pub fn parse(file: &str, text: String) -> Result<Self, Error> {
+        Ok(Self { entries: effects::Model::parse(file, &text)?, text })
+    }
+
+    /// Writes the model file whole or not at all; comments of the file it was read from stay.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        files::write_whole(path.as_ref(), &self.text)
+    }
+
+    /// Ids of the effects, in order.
+    pub fn effects(&self) -> Vec<&str> {
+        self.entries.effects.iter().map(|entry| entry.id.as_str()).collect()
+    }
+
+    /// The ladder: what adding each effect did.
+    pub fn ladder(&self) -> results::Ladder {
+        (&self.entries).into()
+    }
+
+    /// The entries as the engine takes them.
+    pub fn entries(&self) -> &effects::Model {
+        &self.entries
+    }
+
+    /// The text of the file.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// With more entries at the end.
+    pub(crate) fn with(&self, entries: &[ModelEffect]) -> Result<Self, Error> {
+        let text =
+            entries.iter().try_fold(self.text.clone(), |text, entry| effects::Model::append(&text, entry))?;
+        Self::parse(EDITED, text)
+    }
+
+    /// With another ladder row of the entry `id`.
+    pub(crate) fn with_ladder_row(&self, id: &str, row: &LadderRow) -> Result<Self, Error> {
+        Self::parse(EDITED, effects::Model::with_ladder_row(&self.text, id, row)?)
+    }
+
+    /// Without the entry `id`.
+    pub(crate) fn without(&self, id: &str) -> Result<Self, Error> {
+        Self::parse(EDITED, effects::Model::without(&self.text, id)?)
+    }
+}
+
+impl From<effects::Model> for Model {
+    fn from(entries: effects::Model) -> Self {
+        let text = entries.to_text();
+        Self { entries, text }
+    }
+}

@@ -1,0 +1,94 @@
+//! The way a user of the library goes, on committed runs.
+
+use std::path::PathBuf;
+use trunnion::results::{Identification, Verdict};
+use trunnion::{Error, Model};
+
+fn committed(folder: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data").join(folder).join("points.csv")
+}
+
+#[test]
+fn the_missing_effect_is_found_added_and_saved() {
+    let run = trunnion::open(committed("points-gravity")).unwrap();
+    let base = run.fit(&run.base_model()).unwrap();
+    let diagnosed = base.diagnose().unwrap();
+    assert_eq!(diagnosed.results().verdict, Verdict::MissingEffect);
+    let effect = diagnosed.best().unwrap();
+    assert_eq!(effect, "gravity-sag:B");
+
+    let step = diagnosed.add(&effect).unwrap().dated("2026-03-01").unwrap();
+    assert_eq!(step.before().results(), base.results());
+    assert!(step.row().error_after_um < 0.5 * step.row().error_before_um);
+    assert!(matches!(step.add(&effect), Err(Error::InModel { .. })));
+
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("machine.model.toml");
+    let commented = format!("# by hand\n{}", base.model().text());
+    let by_hand = Model::parse("machine.model.toml", commented).unwrap();
+    let step = run.fit(&by_hand).unwrap().add(&effect).unwrap().dated("2026-03-01").unwrap();
+    step.model().save(&file).unwrap();
+    let loaded = Model::load(&file).unwrap();
+    assert!(loaded.text().starts_with("# by hand\n"));
+    assert_eq!(loaded.ladder(), step.ladder());
+    assert_eq!(run.fit(&loaded).unwrap().results(), step.fit().results());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside the model");
+
+    let without = step.fit().remove(&effect, "2026-03-02").unwrap();
+    assert_eq!(without.results(), base.results());
+    assert!(without.model().text().starts_with("# by hand\n"));
+}
+
+#[test]
+fn every_surface_shows_the_same_figures() {
+    let run = trunnion::open(committed("points-unnamed")).unwrap();
+    let fit = run.fit(&run.base_model()).unwrap();
+    let answer = fit.results();
+    let json = trunnion::results::to_json(&answer).unwrap();
+    assert_eq!(serde_json::from_str::<Identification>(&json).unwrap(), answer);
+    assert!(fit.summary().contains(&trunnion::results::number::um(answer.rms_um)));
+    assert_eq!(fit.compare().unwrap().results().identification, answer);
+}
+
+#[test]
+fn a_run_predicts_itself_as_well_as_its_fit_and_another_machine_is_refused() {
+    let run = trunnion::open(committed("points-gravity")).unwrap();
+    let fit = run.fit(&run.base_model()).unwrap().add("gravity-sag:B").unwrap().fit().clone();
+    let prediction = fit.predict(&run).unwrap();
+    let of_run = &prediction.runs[0];
+    // Frozen at the values of the least squares: what the outliers of the fit add is all that may differ.
+    assert!(
+        of_run.rms_um >= 0.99 * prediction.fit_rms_um && of_run.rms_um < 1.5 * prediction.fit_rms_um,
+        "{of_run:?}"
+    );
+    assert!(of_run.inside_95_fraction > 0.9, "{of_run:?}");
+    assert!(!of_run.fitted_settings.is_empty());
+    assert!(
+        of_run
+            .fitted_settings
+            .iter()
+            .all(|name| fit.results().parameter(name).unwrap().effect == "ball-setting")
+    );
+
+    let base = run.fit(&run.base_model()).unwrap().predict(&run).unwrap();
+    assert!(base.runs[0].rms_um > 2.0 * of_run.rms_um, "without its cause the prediction is worse");
+}
+
+#[test]
+fn what_cannot_be_opened_is_named() {
+    let chain = |error: Error| {
+        let mut text = error.to_string();
+        let mut cause = std::error::Error::source(&error);
+        while let Some(error) = cause {
+            text += &format!(": {error}");
+            cause = error.source();
+        }
+        text
+    };
+    let nowhere = trunnion::open("nowhere/run.mcap").err().unwrap();
+    assert!(chain(nowhere).contains("nowhere/run.mcap"));
+    let no_setup = trunnion::open(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.csv")).err().unwrap();
+    assert!(chain(no_setup).contains("setup.toml"));
+    let machine = trunnion::files::machine("table-xy").err().unwrap().to_string();
+    assert!(machine.contains("table-xy") && machine.contains("table-bc"), "{machine}");
+}
