@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let fit = identify(&experiment, &model, &Options::default())?;
     let diagnosis =
         trunnion_engine::diagnose(&experiment, &model, &trunnion_engine::diagnosis::Options::default())?;
-    let mut input = CompareInput::new(&experiment, &fit, Some(diagnosis));
+    let mut input = CompareInput::new(&experiment, &fit, Some((&diagnosis).into()));
     input.label = "Sample report of imported points.".into();
     if let Some(effect) = rest.first() {
         let before = identify(&experiment, &base, &Options::default())?;
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}", identification_text(&input.identification));
     println!("{}", compare_text(&input));
     println!("{}", input.diagnosis.as_ref().map(diagnosis_text).unwrap_or_default());
-    println!("{}", ladder_text(&input.ladder, input.identification.noise.rms_um));
+    println!("{}", ladder_text(&input.ladder, input.noise.rms_um));
     Ok(())
 }
 

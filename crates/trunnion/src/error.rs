@@ -32,7 +32,7 @@ pub enum Error {
         /// The file.
         path: PathBuf,
         /// The cause.
-        source: RecordError,
+        source: Box<RecordError>,
     },
     /// Problems of a hand-written file, each with line, what was found and what is allowed.
     #[error(transparent)]

@@ -65,7 +65,7 @@ pub fn read(path: &Path, limits: Option<Limits>) -> Result<Recording, Error> {
         return Ok(Recording { run, reduction: None, damage: None, timing: None });
     }
     recording::read(path, &|name| files::machine(name).ok(), limits)
-        .map_err(|source| Error::Recording { path: path.into(), source })
+        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })
 }
 
 /// Reads a points file with its setup file.

@@ -110,7 +110,7 @@ impl Volumetric {
 /// A recording that cannot be read or holds no axis positions.
 pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attributed, Error> {
     let recording = trunnion_record::read_run(path, &|name| files::machine(name).ok())
-        .map_err(|source| Error::Recording { path: path.into(), source })?;
+        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
     let text = &recording.header.cycle_text;
     let cycle = match text.is_empty() || smooth {
         true => None,

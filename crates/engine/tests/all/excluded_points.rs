@@ -106,8 +106,8 @@ fn a_held_parameter_keeps_its_value_and_a_prior_draws() {
     model.effects[0].prior = vec![("EC0C".into(), Prior { value: 20.0, u: 2.0 })];
     let drawn = fit(nothing_hidden(), &model).unwrap();
     let p = drawn.parameter("EC0C").unwrap();
-    assert!((p.screen_value().unwrap() - 20.0).abs() < 0.1, "{drawn}");
-    assert!((p.screen_u().unwrap() - 2.0).abs() < 0.1, "{drawn}");
+    assert!((p.screen_value().unwrap() - 20.0).abs() < 0.1, "{p:?}");
+    assert!((p.screen_u().unwrap() - 2.0).abs() < 0.1, "{p:?}");
 }
 
 #[test]

@@ -52,8 +52,6 @@ fn units_that_share_no_unknown_predict_nothing_of_each_other() {
 fn without_a_repeated_pose_the_repeatability_is_not_known() {
     let fit = fit(&[forward()], &Model::base("table-bc"));
     assert_eq!(fit.repeatability, None);
-    assert!(fit.to_json()["noise_um"].is_null());
-    assert!(fit.to_string().contains("repeatability not known: no pose was measured twice"));
 }
 
 #[test]

@@ -13,6 +13,7 @@ use trunnion_report::{
     CompareInput, Trial, compare_html, compare_text, findings_html, findings_text, ladder_html, ladder_of,
     ladder_text, trial_html, trial_text,
 };
+use trunnion_results::Findings;
 
 /// Two heights, B every 45°, C every 45° forth and back; the tool reads 2.5 µm further along Z with C going forward, and
 /// as much less with C going back. Where a pass begins, C comes from the other side.
@@ -121,7 +122,7 @@ fn the_page_of_a_named_method_shows_values_charts_and_tables() {
         let ball = run.setups[point.state.setup].ball_in_table_mm;
         point.state.position = run.machine.follow(&point.state.position, &ball).unwrap();
     }
-    let findings = (method.run)(&[run], &MethodOptions::default()).unwrap();
+    let findings = Findings::from(&(method.run)(&[run], &MethodOptions::default()).unwrap());
     let page = findings_html(&findings, "Trunnion <test>");
     check_page(&page);
     let order = [

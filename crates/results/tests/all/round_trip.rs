@@ -90,7 +90,7 @@ fn findings_plan_preview_ladder_and_volume_return() {
     let volume = methods::Volume::parse("", 3, &experiment.scene).unwrap();
     let map =
         methods::VolumetricMap::new(&experiment, &model, &fitted, volume, methods::Datum::BestFit).unwrap();
-    let axes: Vec<_> = experiment.machine().axes().into_iter().map(|axis| axis.letter).collect();
+    let axes = experiment.machine().joints();
     returns(&Volumetric::new(&map, &axes));
     model.effects.push(ModelEffect {
         id: "gravity-sag:B".into(),
