@@ -71,6 +71,7 @@ const PORT: u16 = 4840;
 
 /// Where positions and states are.
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "one for each controller")]
 enum Layout {
     /// Machine axes in order of their numbers.
     Sinumerik { axes: Vec<AxisLetter>, unit: String },
