@@ -85,6 +85,7 @@ fn encoded(topic: Topic, time_s: f64, samples: usize, message: &impl Message) ->
 }
 
 /// A message read back.
+#[expect(clippy::large_enum_variant, reason = "one at a time, passed on at once")]
 pub enum Decoded {
     Header(RunHeader),
     /// A batch of one channel, in order of time.

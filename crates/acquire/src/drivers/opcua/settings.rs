@@ -10,6 +10,7 @@ pub(super) const PORT: u16 = 4840;
 
 /// Where positions and states are.
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "one for each controller")]
 pub(super) enum Layout {
     /// Machine axes in order of their numbers.
     Sinumerik { axes: Vec<AxisLetter>, unit: String },
