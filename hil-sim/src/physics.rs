@@ -8,6 +8,10 @@ pub mod grid;
 pub mod hidden;
 mod instruments;
 mod legs;
+pub(crate) mod rotation;
+mod virtual_machine;
+
+pub use virtual_machine::{OtherMachine, VirtualMachine, simulate_points};
 pub(crate) mod natural;
 mod sampler;
 
@@ -17,26 +21,8 @@ pub use sampler::Sampler;
 use crate::compensation::{CannotCorrect, Compensation};
 use crate::truth::Truth;
 use hidden::Scene;
-use natural::NaturalMotion;
 use trunnion_core::{AxisValues, State};
 use trunnion_machine::{Machine, Side};
-
-/// A machine with a truth.
-#[derive(Clone, Debug)]
-pub struct VirtualMachine {
-    machine: Machine,
-    truth: Truth,
-    natural: Vec<NaturalMotion>,
-    compensation: Option<Compensation>,
-}
-
-/// The truth belongs to another machine.
-#[derive(Debug, thiserror::Error)]
-#[error("the truth is of machine {truth}, not of {machine}; load the machine file it names")]
-pub struct OtherMachine {
-    truth: String,
-    machine: String,
-}
 
 impl VirtualMachine {
     /// Builds the machine the truth describes. Whether the hidden physics fit the machine was checked when the truth was made.
@@ -121,9 +107,4 @@ impl VirtualMachine {
         }
         wrong
     }
-}
-
-/// Noise-free readings of a list of states, each with the setup it names.
-pub fn simulate_points(machine: &VirtualMachine, states: &[State]) -> Vec<[f64; 3]> {
-    states.iter().map(|state| machine.ideal_reading_mm(state.setup, state)).collect()
 }

@@ -12,7 +12,8 @@
 //! ```
 //! Further keys belong to the driver and are described in its file.
 
-use crate::drivers::{DRIVERS, Device};
+use crate::driver::Device;
+use crate::drivers::DRIVERS;
 use std::sync::Arc;
 use std::time::Duration;
 use trunnion_core::input::{Document, Table};

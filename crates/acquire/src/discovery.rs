@@ -2,7 +2,7 @@
 
 use crate::drivers::DRIVERS;
 use crate::probe::{Answer, Found, Medium, Probe, Scheme};
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

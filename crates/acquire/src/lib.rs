@@ -4,12 +4,20 @@
 //! retries), [`supervisor`] keeps all of them alive and sends [`trunnion_core::reading::Message`]s through one bounded
 //! queue. What readings become is `trunnion-sync`'s, shared with replay.
 
+mod axis_name;
 pub mod config;
 pub mod discovery;
+pub mod driver;
 pub mod drivers;
+pub mod link;
+mod monitor;
 pub mod probe;
+mod session_end;
+mod status;
 pub mod supervisor;
 pub mod transport;
 
 pub use config::{DeviceConfig, parse_devices, read_devices};
-pub use supervisor::{Acquisition, DeviceState, DeviceStatus, SessionEnd, start};
+pub use session_end::SessionEnd;
+pub use status::{DeviceState, DeviceStatus};
+pub use supervisor::{Acquisition, start};

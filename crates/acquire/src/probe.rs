@@ -3,7 +3,9 @@
 //! A probe asks questions that change nothing, waits for every answer with a limit, and closes what it opened. It never
 //! stops an output, opens a bus, resets or zeroes anything. What it asks is told to the user ([`Probe::asks`]).
 
-use crate::supervisor::{DeviceStatus, Link, Outlet, SessionEnd};
+use crate::link::{Link, Outlet};
+use crate::session_end::SessionEnd;
+use crate::status::DeviceStatus;
 use crate::transport::serial;
 use crate::transport::serial::{Framing, Port};
 use std::future::Future;

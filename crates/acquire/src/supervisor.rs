@@ -4,14 +4,10 @@
 //! health), never retries a wrong device, lets cancellation win ties, counts and publishes every end, and turns lost
 //! connections into recorded gaps.
 
-mod axes_vigil;
-mod link;
-mod thermometers;
-mod vigil;
-
-pub use link::{Link, Outlet};
-
 use crate::config::{DeviceConfig, channels};
+use crate::link::{Link, Outlet};
+use crate::session_end::SessionEnd;
+use crate::status::DeviceStatus;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
@@ -24,121 +20,6 @@ const FIRST_WAIT: Duration = Duration::from_millis(250);
 const LONGEST_WAIT: Duration = Duration::from_secs(10);
 /// Messages between sessions and their reader: 2 s of four probes at 4 kHz.
 pub const QUEUE_LENGTH: usize = 32_768;
-
-/// Why a session ended.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SessionEnd {
-    /// The port or address is not there.
-    #[error("{address} is not there; {remedy}")]
-    Absent {
-        /// Port, interface or address, with the system's words where it has some.
-        address: String,
-        /// What to do, as fits the address.
-        remedy: &'static str,
-    },
-    /// The port hung up or the peer closed the connection.
-    #[error("disconnected: {0}")]
-    Disconnected(String),
-    /// Nothing came for too long.
-    #[error("silent for {} ms: {who}", waited.as_millis())]
-    Silent {
-        /// Who was to send.
-        who: String,
-        /// How long was waited.
-        waited: Duration,
-    },
-    /// Another device answers; not retried.
-    #[error("wrong device: found {found}, expected {expected}; correct the port or the configuration")]
-    WrongDevice {
-        /// What answers.
-        found: String,
-        /// What the configuration says.
-        expected: String,
-    },
-    /// The device does not keep to the protocol.
-    #[error("{doing}: {fault}")]
-    Protocol {
-        /// What was being done.
-        doing: &'static str,
-        /// What was wrong, with its causes.
-        fault: String,
-    },
-    /// The agent or node was restarted: what was read from it no longer holds.
-    #[error("restarted: {0}")]
-    Restarted(String),
-    /// The system does not let us: permission, or in use.
-    #[error("cannot open {address}: {why}")]
-    Refused {
-        /// Port or address.
-        address: String,
-        /// The system's words.
-        why: String,
-    },
-    /// We were asked to stop.
-    #[error("stopped")]
-    Cancelled,
-}
-
-impl SessionEnd {
-    /// Names of the kinds, in the order of [`DeviceStatus::ends`].
-    pub const KINDS: [&'static str; 8] =
-        ["absent", "disconnected", "silent", "wrong-device", "protocol", "restarted", "refused", "cancelled"];
-
-    /// Index into [`SessionEnd::KINDS`].
-    pub fn kind(&self) -> usize {
-        match self {
-            Self::Absent { .. } => 0,
-            Self::Disconnected(_) => 1,
-            Self::Silent { .. } => 2,
-            Self::WrongDevice { .. } => 3,
-            Self::Protocol { .. } => 4,
-            Self::Restarted(_) => 5,
-            Self::Refused { .. } => 6,
-            Self::Cancelled => 7,
-        }
-    }
-}
-
-/// What a device is doing, for the status page.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DeviceState {
-    /// Its port or address is not there. A state, not a failure.
-    #[default]
-    Absent,
-    /// A session is opening and identifying it.
-    Connecting,
-    /// Readings arrive.
-    Streaming,
-    /// Readings arrive, but the number of a channel does not change any more; they carry no value until it does.
-    Stuck,
-    /// It was there and stopped sending.
-    Silent,
-    /// The connection was lost or failed; the next attempt waits.
-    Failed,
-    /// Another device answers; a person must act.
-    WrongDevice,
-    /// The system does not let us open it.
-    Refused,
-    /// The program is stopping.
-    Stopped,
-}
-
-/// State of a device with its history.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct DeviceStatus {
-    /// Now.
-    pub state: DeviceState,
-    /// What the device said of itself, empty until identified.
-    pub identity: String,
-    /// Connections begun.
-    pub epoch: u32,
-    /// How often sessions ended, by kind ([`SessionEnd::KINDS`]).
-    pub ends: [u64; 8],
-    /// The last end.
-    pub last_end: Option<SessionEnd>,
-    /// Messages of this device lost because nobody took them in time.
-    pub lost_messages: u64,
-}
 
 /// The running acquisition.
 pub struct Acquisition {

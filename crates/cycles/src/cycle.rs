@@ -30,21 +30,18 @@
 //! frame = "machine"                   # keeps its direction in the machine, or "table": turns with it
 //! ```
 
-mod course;
+pub mod course;
 mod path;
 mod read;
-mod visit;
+pub mod visit;
 mod write;
 
-pub use course::{CourseRules, Step};
 pub use path::{Line, Path};
-pub use visit::{Pace, VisitError, Visits};
 
 use crate::RunKind;
 use nalgebra::{Point3, Unit, Vector3};
-use trunnion_core::input::Document;
 use trunnion_core::setup::Setup;
-use trunnion_core::{AxisLetter, AxisValues, Problems};
+use trunnion_core::{AxisLetter, AxisValues};
 use trunnion_machine::{JointErrors, Machine};
 
 /// A cycle file, `format = "trunnion-cycle/1"`.
@@ -192,16 +189,6 @@ pub struct Pose {
 }
 
 impl Cycle {
-    /// Reads a cycle file.
-    ///
-    /// # Errors
-    /// Every problem of the file with its line.
-    pub fn parse(file: &str, text: &str) -> Result<Self, Problems> {
-        let document = Document::parse(file, text)?;
-        let cycle = read::read(&document);
-        document.finish(cycle)
-    }
-
     /// The poses of a static cycle in order; empty for one on the fly. `None` when the machine cannot
     /// follow the ball.
     pub fn poses(&self, machine: &Machine) -> Option<Vec<Pose>> {
@@ -352,7 +339,7 @@ impl Cycle {
         rotary: &AxisValues<f64>,
     ) -> Option<AxisValues<f64>> {
         let setup = &self.setups[setup];
-        reach(machine, setup, rotary, &self.place_in_table_mm(machine, setup, target, rotary))
+        path::reach(machine, setup, rotary, &self.place_in_table_mm(machine, setup, target, rotary))
     }
 
     /// Where the spindle side has to be: at the target, or a bar's length away from it; table axes, mm.
@@ -426,19 +413,6 @@ struct Station {
     asked: AxisValues<f64>,
     /// Index of the target.
     target: usize,
-}
-
-/// All axes with the spindle-side ball of `setup` at a place of the table, the rotary axes at `rotary`.
-fn reach(
-    machine: &Machine,
-    setup: &Setup,
-    rotary: &AxisValues<f64>,
-    place_in_table_mm: &Point3<f64>,
-) -> Option<AxisValues<f64>> {
-    let none = JointErrors::default();
-    let table_from_tool = machine.machine_from_table(rotary, &none).rotation.inverse()
-        * machine.machine_from_tool(rotary, &none).rotation;
-    machine.follow(rotary, &(place_in_table_mm - table_from_tool * setup.ball_in_tool_mm.coords))
 }
 
 /// One pass of one setup.

@@ -5,4 +5,6 @@ pub mod nc;
 mod run;
 
 pub use cycle::Cycle;
+pub use cycle::course::{CourseRules, Step};
+pub use cycle::visit::{Pace, VisitError, Visits};
 pub use run::{Run, RunKind};

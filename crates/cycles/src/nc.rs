@@ -5,6 +5,7 @@
 //! that what is measured is the machine and not the controller's model of it.
 
 mod compose;
+mod dialect;
 mod fanuc;
 mod heidenhain;
 mod linuxcnc;
@@ -12,23 +13,9 @@ mod program;
 mod siemens;
 mod words;
 
-pub use program::{Block, Program};
+pub use dialect::Dialect;
 
-/// One dialect: plain data and a function, one constant per file.
-pub struct Dialect {
-    /// Name on the command line and of the file.
-    pub name: &'static str,
-    /// Controllers that read it.
-    pub controllers: &'static str,
-    /// Where the syntax is described.
-    pub source: &'static str,
-    /// Usual ending of the file name.
-    pub ending: &'static str,
-    /// Decimals of positions in mm and degrees that such controllers usually take.
-    pub decimals: usize,
-    /// The text of the program; decimals of positions.
-    pub write: fn(&Program, usize) -> String,
-}
+pub use program::{Block, Program};
 
 /// The registry.
 pub static DIALECTS: [&Dialect; 4] =

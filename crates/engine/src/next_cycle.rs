@@ -32,7 +32,7 @@ use candidates::candidates;
 use design::CycleDesign;
 use information::Part;
 use present::Present;
-use trunnion_cycles::cycle::{Pace, VisitError};
+use trunnion_cycles::{Pace, VisitError};
 use trunnion_effects::{Instance, Model, ModelEffect, UnknownEffect};
 
 /// What a plan may assume.

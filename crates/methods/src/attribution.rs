@@ -8,50 +8,20 @@
 //! Limits: an encoder sees what its own axis does: lag, reversal spikes, cyclic speed. Errors between encoders and tool
 //! (geometry, backlash behind an encoder, bending) are in no share.
 
+mod error;
 mod ideal;
+mod motion;
 mod present;
 mod smooth;
 
+pub use motion::{Ideal, Motion};
+
+pub use error::AttributionError;
+
 use nalgebra::{Point3, Vector3};
 use std::ops::Range;
-use trunnion_core::{AxisLetter, AxisSample, AxisValues};
-use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::VisitError;
-use trunnion_machine::{JointErrors, Machine};
-
-/// A motion that can be judged.
-#[derive(Clone, Copy, Debug)]
-pub struct Motion<'a> {
-    /// Name of the recording.
-    pub run: &'a str,
-    /// The machine.
-    pub machine: &'a Machine,
-    /// Positions by the axes' own encoders, in order of time.
-    pub samples: &'a [AxisSample],
-    /// The cycle that was run.
-    pub cycle: Option<&'a Cycle>,
-    /// Distance of the knots of a smooth path, s: what lasts longer passes for the path.
-    pub knot_s: f64,
-}
-
-/// Where the ideal motion comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Ideal {
-    /// The cycle: the turning axis, or the way along its curve, at a constant feed, the others as it commands them.
-    Cycle {
-        /// Name of the cycle.
-        name: String,
-        /// The axis that turns; `None` along a curve.
-        turning: Option<AxisLetter>,
-    },
-    /// A smooth path through the measured positions of each axis.
-    Smooth {
-        /// Distance of the knots, s.
-        knot_s: f64,
-        /// Why not the cycle; empty when there was none.
-        why: String,
-    },
-}
+use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_machine::JointErrors;
 
 /// Shares of the axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,54 +64,6 @@ pub struct Deviation {
     pub place_mm: Vec<Vector3<f64>>,
     /// Rotation of the tool, rad.
     pub turn_rad: Vec<Vector3<f64>>,
-}
-
-/// A motion that cannot be judged.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum AttributionError {
-    /// No axis positions.
-    #[error(
-        "recording {run} holds {found} axis positions, {least} are needed; record with the CNC connected, or simulate a cycle on the fly"
-    )]
-    NoAxes {
-        /// The recording.
-        run: String,
-        /// Samples found.
-        found: usize,
-        /// Samples needed.
-        least: usize,
-    },
-    /// A knot distance that the samples cannot support.
-    #[error(
-        "a smooth path with knots every {knot_s} s is not possible here; allowed: {low:.3}..={high:.3} s"
-    )]
-    Knots {
-        /// As asked.
-        knot_s: f64,
-        /// Smallest possible.
-        low: f64,
-        /// Largest possible.
-        high: f64,
-    },
-    /// The cycle does not fit the machine.
-    #[error("the cycle of recording {run} cannot be run on its machine")]
-    Cycle {
-        /// The recording.
-        run: String,
-        /// Why.
-        #[source]
-        source: VisitError,
-    },
-    /// No pose for a measured or ideal position.
-    #[error(
-        "recording {run}: the machine has no pose for the axis positions at {time_s:.3} s; was it recorded on another machine?"
-    )]
-    NoPose {
-        /// The recording.
-        run: String,
-        /// When.
-        time_s: f64,
-    },
 }
 
 /// Fewest axis positions for a judgement.

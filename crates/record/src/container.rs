@@ -4,7 +4,7 @@
 //! file and against [`LARGEST`] before anything is allocated, checksums are compared, and whatever is wrong
 //! is noted with its offset. A bad chunk is skipped; a bad length ends the walk.
 
-use crate::reader::Damage;
+use crate::damage::Damage;
 use crc32fast::Hasher;
 use mcap::records::op;
 use std::io::{self, Read};

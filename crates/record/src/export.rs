@@ -1,7 +1,6 @@
 //! A recording as tables. The points table is the format that [`crate::points_csv`] imports.
 
 use crate::item::RunHeader;
-use std::fmt::Write;
 use trunnion_core::{
     AxisLetter, AxisSample, InstrumentKind, Point, ProbeSample, Quality, ReadingColumn, Setup, convert,
 };
@@ -22,7 +21,7 @@ pub fn points_csv(run: &Run) -> String {
     names.extend(columns.iter().map(|column| column.name().into()));
     names.extend(run.channels.iter().map(|channel| format!("{channel}_degc")));
 
-    let mut table = names.join(",") + "\n";
+    let mut table = Table::with_header(&names);
     for point in run.good_points() {
         let state = &point.state;
         let setup = run.setups.get(state.setup);
@@ -45,9 +44,9 @@ pub fn points_csv(run: &Run) -> String {
         };
         cells.extend(columns.iter().map(|column| reading(column).unwrap_or_default()));
         cells.extend(state.temperature_degc.iter().map(|&degc| digits(degc, 4)));
-        table += &(cells.join(",") + "\n");
+        table.row(&cells);
     }
-    table
+    table.text()
 }
 
 /// The columns that hold the readings of these instruments, each once, in the order of the kinds.
@@ -70,16 +69,15 @@ pub fn points_left_out(run: &Run) -> usize {
 /// Probe samples: `time_s,probe,device_ticks,raw,value_um`; an empty value means the device reported an
 /// error.
 pub fn probe_samples_csv(header: &RunHeader, samples: &[ProbeSample]) -> String {
-    let mut table = String::from("time_s,probe,device_ticks,raw,value_um\n");
+    let mut table = Table::with_header(&["time_s", "probe", "device_ticks", "raw", "value_um"]);
     for sample in samples {
         let name = header.probes.get(usize::from(sample.channel)).filter(|name| !name.is_empty());
         let name = name.cloned().unwrap_or_else(|| sample.channel.to_string());
         let value = sample.value_mm.is_finite().then(|| digits(convert::um_from_mm(sample.value_mm), 4));
-        let (time, ticks, raw) = (digits(sample.time_s, 9), sample.stamp.ticks, sample.raw);
-        writeln!(table, "{time},{name},{ticks},{raw},{}", value.unwrap_or_default())
-            .expect("writing to a string cannot fail");
+        let (ticks, raw) = (sample.stamp.ticks.to_string(), sample.raw.to_string());
+        table.row(&[digits(sample.time_s, 9), name, ticks, raw, value.unwrap_or_default()]);
     }
-    table
+    table.text()
 }
 
 /// Column of the position of a joint: `x_mm`, `j1_deg`.
@@ -91,16 +89,35 @@ pub(crate) fn position_column(joint: AxisLetter) -> String {
 pub fn axis_samples_csv(joints: &[AxisLetter], samples: &[AxisSample]) -> String {
     let names = joints.iter().copied().map(position_column);
     let names: Vec<String> = std::iter::once("time_s".into()).chain(names).collect();
-    let mut table = names.join(",") + "\n";
+    let mut table = Table::with_header(&names);
     for sample in samples {
         let cells = joints.iter().map(|&letter| {
             let value = sample.position[letter];
             digits(if letter.is_rotary() { convert::deg_from_rad(value) } else { value }, 7)
         });
-        let cells: Vec<String> = std::iter::once(digits(sample.time_s, 9)).chain(cells).collect();
-        table += &(cells.join(",") + "\n");
+        table.row(std::iter::once(digits(sample.time_s, 9)).chain(cells));
     }
-    table
+    table.text()
+}
+
+/// Comma-separated text; cells are quoted where they must be.
+struct Table(csv::Writer<Vec<u8>>);
+
+impl Table {
+    fn with_header(names: &[impl AsRef<[u8]>]) -> Self {
+        let mut table = Self(csv::Writer::from_writer(Vec::new()));
+        table.row(names);
+        table
+    }
+
+    fn row(&mut self, cells: impl IntoIterator<Item = impl AsRef<[u8]>>) {
+        self.0.write_record(cells).expect("rows of one length go to memory");
+    }
+
+    fn text(self) -> String {
+        let bytes = self.0.into_inner().expect("memory takes every byte");
+        String::from_utf8(bytes).expect("cells are text")
+    }
 }
 
 fn position(point: &Point, letter: AxisLetter) -> String {

@@ -4,10 +4,11 @@
 //! moment leaves one of them whole. Runs found at the next start take the same way.
 
 use crate::container::{MessageRecord, Record, walk};
+use crate::damage::Damage;
 use crate::error::RecordError;
 use crate::item::RunHeader;
-use crate::journal::{JOURNAL_ENDING, wall_time};
-use crate::reader::{Damage, decode_header};
+use crate::journal::{FINISHED_METADATA, JOURNAL_ENDING, wall_time};
+use crate::reader::decode_header;
 use crate::schema::FILE_DESCRIPTOR_SET;
 use crate::wire::{Topic, encode_event};
 use mcap::records::{MessageHeader, Metadata};
@@ -20,8 +21,6 @@ use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use trunnion_core::Event;
 
-/// Metadata record that says the messages are in order of `log_time`.
-pub const FINISHED_METADATA: &str = "trunnion:finished";
 /// A journal cut short by a crash ends with at most one unfinished message.
 const LONGEST_TAIL: u64 = 64 * 1024;
 /// Ending while the finished file is being written.

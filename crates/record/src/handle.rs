@@ -203,18 +203,14 @@ fn write_overflow(recorder: &mut Recorder, shared: &Mutex<Shared>, clock: &dyn C
 
 /// First time, last time and number of samples of an item.
 fn extent(item: &Item) -> (f64, f64, u64) {
-    let span = |first: Option<f64>, last: Option<f64>, samples: usize| {
-        (first.unwrap_or(0.0), last.unwrap_or(0.0), samples as u64)
-    };
+    let at = |time_s: f64| (time_s, time_s, 1);
     match item {
-        Item::Probes(s) => span(s.first().map(|s| s.time_s), s.last().map(|s| s.time_s), s.len()),
-        Item::Axes(s) => span(s.first().map(|s| s.time_s), s.last().map(|s| s.time_s), s.len()),
-        Item::Point(point) => span(point.state.time_s, point.state.time_s, 1),
-        Item::Controller(state) => (state.time_s, state.time_s, 1),
-        Item::Temperature(reading) => (reading.time_s, reading.time_s, 1),
-        Item::Event(event) => (event.time_s, event.time_s, 1),
+        Item::Probe(sample) => at(sample.time_s),
+        Item::Axes(sample) => at(sample.time_s),
+        Item::Point(point) => at(point.state.time_s.unwrap_or(0.0)),
+        Item::Temperature(reading) => at(reading.time_s),
+        Item::Event(event) => at(event.time_s),
         Item::Gap(gap) => (gap.from_s, gap.to_s, 1),
-        Item::Log(line) => (line.time_s, line.time_s, 1),
     }
 }
 

@@ -66,45 +66,21 @@ impl RunHeader {
 }
 
 /// One thing to record, or one thing read back. Times are run time.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "the queue is bounded, and one box a sample batch would cost more"
-)]
+#[expect(clippy::large_enum_variant, reason = "the queue is bounded, and one box a sample would cost more")]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
-    /// Probe samples in order of time; channels may be mixed when recording, one channel when read.
-    Probes(Vec<ProbeSample>),
-    /// Axis positions in order of time.
-    Axes(Vec<AxisSample>),
+    /// A displacement.
+    Probe(ProbeSample),
+    /// Axis positions.
+    Axes(AxisSample),
     /// A point.
     Point(Point),
-    /// What the controller is doing.
-    Controller(ControllerState),
     /// A temperature.
     Temperature(Temperature),
     /// An event.
     Event(Event),
     /// A gap.
     Gap(Gap),
-    /// A line of the log.
-    Log(LogLine),
-}
-
-/// What the controller says it is doing.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ControllerState {
-    /// When, s since the run began.
-    pub time_s: f64,
-    /// Execution state in the controller's words, e.g. `ACTIVE`.
-    pub execution: String,
-    /// Mode in the controller's words, e.g. `AUTOMATIC`.
-    pub mode: String,
-    /// Program being run; empty when unknown.
-    pub program: String,
-    /// Line or block number being run.
-    pub line: Option<i64>,
-    /// Feed override, %.
-    pub feed_override_percent: Option<f64>,
 }
 
 /// One reading of a temperature channel.
@@ -116,15 +92,4 @@ pub struct Temperature {
     pub channel: u16,
     /// °C; NaN when the sensor reported an error.
     pub value_degc: f64,
-}
-
-/// A line of the program's log.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LogLine {
-    /// When, s since the run began.
-    pub time_s: f64,
-    /// `error`, `warn`, `info` or `debug`.
-    pub level: String,
-    /// The line.
-    pub text: String,
 }

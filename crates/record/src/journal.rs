@@ -20,6 +20,8 @@ pub const JOURNAL_ENDING: &str = ".active";
 /// Names of the attachments.
 pub const MACHINE_TEXT: &str = "machine.toml";
 pub const CYCLE_TEXT: &str = "cycle.toml";
+/// Metadata record that says the messages are in order of `log_time`.
+pub const FINISHED_METADATA: &str = "trunnion:finished";
 pub const CONFIG_TEXT: &str = "config.toml";
 /// Name of the metadata record.
 pub const RUN_METADATA: &str = "trunnion:run";

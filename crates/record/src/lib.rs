@@ -7,6 +7,7 @@
 //! damaged or not; [`visit_points`] reads the points alone, however many there are. [`points_csv`] and [`export`] are the ways in and out as tables.
 
 mod container;
+mod damage;
 mod error;
 pub mod export;
 mod finish;
@@ -16,16 +17,18 @@ mod journal;
 mod lossless;
 pub mod points_csv;
 mod reader;
+mod rows;
 mod schema;
+mod whole_run;
 mod wire;
 mod writer;
 
+pub use damage::Damage;
 pub use error::RecordError;
 pub use finish::{FinishedFile, recover_orphans};
 pub use handle::{RecordSender, RecorderHandle, RecorderStatus};
-pub use item::{ControllerState, Item, LogLine, RunHeader, Temperature};
-pub use reader::{
-    Damage, OnPoint, Recording, RunStart, read_header, read_run, visit, visit_points, visit_samples,
-};
+pub use item::{Item, RunHeader, Temperature};
+pub use reader::{OnPoint, Recording, RunStart, read_header, read_run, visit, visit_points, visit_samples};
 pub use schema::FILE_DESCRIPTOR_SET;
-pub use writer::{Finished, Recorder, write_run, write_run_with_axes};
+pub use whole_run::{write_run, write_run_with_axes};
+pub use writer::{Finished, Recorder};

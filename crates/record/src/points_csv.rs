@@ -4,6 +4,7 @@
 //! column, what was found and what is allowed.
 
 use crate::export::{position_column, reading_columns};
+use crate::rows::{Cell, Row, rows};
 use std::collections::HashSet;
 use trunnion_core::direction::fill_directions;
 use trunnion_core::names::nearest;
@@ -98,16 +99,14 @@ fn read(
     machine: Option<&Machine>,
 ) -> Result<(Vec<Point>, Vec<String>), Vec<Problem>> {
     let mut notes = Notes { file, list: Vec::new(), more: 0 };
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
-    let Some((header_line, header)) = lines.next() else {
+    let mut rows = rows(text).into_iter();
+    let Some(Row { line: header_line, cells: header }) = rows.next() else {
         notes.add(0, 0, "the file is empty", "a header row and a row for each point", "");
         return Err(notes.finish());
     };
-    let columns = read_header(&mut notes, header_line, header, setups, machine);
+    let columns = read_header(&mut notes, header_line, &header, setups, machine);
     let mut points = Vec::new();
-    for (line, row) in lines {
-        let cells: Vec<(usize, &str)> = cells(row).collect();
+    for Row { line, cells } in rows {
         if cells.len() != columns.len() {
             let found = format!("{} cells", cells.len());
             let advice = "A decimal mark must be a point; cells are separated by commas.";
@@ -136,7 +135,7 @@ fn read(
 fn read_header(
     notes: &mut Notes<'_>,
     line: usize,
-    header: &str,
+    header: &[Cell],
     setups: Option<&[Setup]>,
     machine: Option<&Machine>,
 ) -> Vec<Option<Column>> {
@@ -168,14 +167,15 @@ fn read_header(
     let names = allowed.iter().map(Column::name).collect::<Vec<_>>().join(", ") + ", NAME_degc";
 
     let mut columns: Vec<Option<Column>> = Vec::new();
-    for (at, cell) in cells(header) {
+    let semicolons = header.iter().any(|(_, cell)| cell.contains(';'));
+    for &(at, ref cell) in header {
         let column = Column::parse(cell, &allowed);
         if column.is_none() && (machine.is_some() || !may_be_joint(cell)) {
             let advice = match nearest(
                 cell,
                 allowed.iter().map(Column::name).collect::<Vec<_>>().iter().map(String::as_str),
             ) {
-                _ if header.contains(';') => "Separate the columns by commas.".into(),
+                _ if semicolons => "Separate the columns by commas.".into(),
                 Some(near) => format!("Did you mean {near}?"),
                 None => String::new(),
             };
@@ -203,13 +203,13 @@ fn read_row(
     notes: &mut Notes<'_>,
     line: usize,
     columns: &[Option<Column>],
-    cells: &[(usize, &str)],
+    cells: &[Cell],
     setups: Option<&[Setup]>,
 ) -> Option<Point> {
     let before = notes.count();
-    let setup_cell = columns.iter().position(|column| *column == Some(Column::Setup)).map(|at| cells[at]);
-    let setup = setups.zip(setup_cell).and_then(|(setups, (at, name))| {
-        let setup = setups.iter().position(|setup| setup.name == name);
+    let setup_cell = columns.iter().position(|column| *column == Some(Column::Setup)).map(|at| &cells[at]);
+    let setup = setups.zip(setup_cell).and_then(|(setups, &(at, ref name))| {
+        let setup = setups.iter().position(|setup| setup.name == *name);
         if setup.is_none() {
             let names = setups.iter().map(|setup| setup.name.as_str()).collect::<Vec<_>>().join(", ");
             notes.add(line, at, &format!("setup \"{name}\""), &names, "Each setup needs a [[setup]] table.");
@@ -219,7 +219,7 @@ fn read_row(
     let mounted = setups.zip(setup).map(|(setups, setup)| &setups[setup]);
     let mut state = State { setup: setup.unwrap_or(0), ..State::default() };
     let mut reading_mm = [0.0; 3];
-    for (column, &(at, cell)) in columns.iter().zip(cells) {
+    for (column, &(at, ref cell)) in columns.iter().zip(cells) {
         let Some(column) = column else { continue };
         let foreign = match column {
             Column::Setup => continue,
@@ -308,18 +308,6 @@ impl Column {
             Self::Temperature(name) => format!("{name}_degc"),
         }
     }
-}
-
-/// Cells of a row with the column (in characters, from 1) at which each begins.
-fn cells(row: &str) -> impl Iterator<Item = (usize, &str)> {
-    let mut at = 1;
-    row.split(',').map(move |cell| {
-        let begins = at + cell.chars().take_while(|c| c.is_whitespace()).count();
-        at += cell.chars().count() + 1;
-        let cell = cell.trim();
-        let bare = cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"'));
-        (begins, bare.unwrap_or(cell))
-    })
 }
 
 struct Notes<'a> {

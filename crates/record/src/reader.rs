@@ -1,36 +1,18 @@
 //! Reading a recording: finished, still a journal, or damaged.
 
 use crate::container::{Record, walk};
+use crate::damage::Damage;
 use crate::error::RecordError;
-use crate::finish::FINISHED_METADATA;
-use crate::item::{ControllerState, Item, LogLine, RunHeader, Temperature};
-use crate::journal::{CONFIG_TEXT, CYCLE_TEXT, MACHINE_TEXT};
+use crate::item::{Item, RunHeader, Temperature};
+use crate::journal::{CONFIG_TEXT, CYCLE_TEXT, FINISHED_METADATA, MACHINE_TEXT};
 use crate::wire::{Decoded, POINT_SCHEMA, SAMPLE_SCHEMAS, decode};
 use std::collections::HashMap;
-use std::fmt;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 use trunnion_core::{AxisSample, Event, Gap, Point, ProbeSample};
 use trunnion_cycles::Run;
 use trunnion_machine::Machine;
-
-/// What of a recording cannot be read.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Damage {
-    /// Byte at which the first damage was found.
-    pub offset: u64,
-    /// What is wrong there.
-    pub reason: String,
-    /// What is missing because of it.
-    pub lost: String,
-}
-
-impl fmt::Display for Damage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "damaged at byte {}: {}; lost: {}", self.offset, self.reason, self.lost)
-    }
-}
 
 /// Everything a recording holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,14 +27,10 @@ pub struct Recording {
     pub axis_samples: Vec<AxisSample>,
     /// Temperatures in order of time.
     pub temperatures: Vec<Temperature>,
-    /// States of the controller in order of time.
-    pub controller_states: Vec<ControllerState>,
     /// Events in order of time.
     pub events: Vec<Event>,
     /// Gaps in order of their beginnings.
     pub gaps: Vec<Gap>,
-    /// The log.
-    pub log: Vec<LogLine>,
     /// What could not be read; `None` when the file is whole.
     pub damage: Option<Damage>,
 }
@@ -67,19 +45,16 @@ pub fn read_run(
     machine_by_name: &dyn Fn(&str) -> Option<Machine>,
 ) -> Result<Recording, RecordError> {
     let (mut probe_samples, mut axis_samples, mut temperatures) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut controller_states, mut events) = (Vec::new(), Vec::new());
-    let (mut gaps, mut log) = (Vec::new(), Vec::new());
+    let (mut events, mut gaps) = (Vec::new(), Vec::new());
     let mut points: Vec<(u64, Point)> = Vec::new();
     let (header, damage) = visit_indexed(path, &|_| true, &mut |index, item| {
         match item {
-            Item::Probes(samples) => probe_samples.extend(samples),
-            Item::Axes(samples) => axis_samples.extend(samples),
+            Item::Probe(sample) => probe_samples.push(sample),
+            Item::Axes(sample) => axis_samples.push(sample),
             Item::Point(point) => points.push((index, point)),
-            Item::Controller(state) => controller_states.push(state),
             Item::Temperature(reading) => temperatures.push(reading),
             Item::Event(event) => events.push(event),
             Item::Gap(gap) => gaps.push(gap),
-            Item::Log(line) => log.push(line),
         }
         true
     })?;
@@ -92,10 +67,8 @@ pub fn read_run(
         probe_samples,
         axis_samples,
         temperatures,
-        controller_states,
         events,
         gaps,
-        log,
         damage,
     })
 }
@@ -151,7 +124,7 @@ pub fn visit_points(
     let mut start: Option<RunStart> = None;
     let mut refused = None;
     let (header, damage) =
-        walk_items(path, &|schema| schema == POINT_SCHEMA, &mut |texts, header, _, _, index, item| {
+        walk_items(path, &|schema| schema == POINT_SCHEMA, &mut |texts, header, _, _, decoded| {
             if start.is_none() {
                 let header = header_with(header.clone(), texts);
                 match machine_of(path, &header, machine_by_name) {
@@ -162,7 +135,7 @@ pub fn visit_points(
                     }
                 }
             }
-            if let (Some(start), Item::Point(point)) = (&start, item) {
+            if let (Some(start), Decoded::Item { index, item: Item::Point(point) }) = (&start, decoded) {
                 on_point(start, index, point);
             }
             true
@@ -190,7 +163,7 @@ fn machine_of(
     }
 }
 
-/// Hands every item to `on_item` in order of acquisition time (a batch counts with its first sample) until that says
+/// Hands every item to `on_item` in order of acquisition time (samples written together count with their first) until that says
 /// false. A finished recording streams, one chunk in memory; a journal is sorted in memory first.
 ///
 /// # Errors
@@ -227,33 +200,45 @@ fn visit_indexed(
     wanted: &dyn Fn(&str) -> bool,
     on_item: &mut dyn FnMut(u64, Item) -> bool,
 ) -> Result<(RunHeader, Option<Damage>), RecordError> {
-    let mut waiting: Vec<(u64, u64, Item)> = Vec::new();
-    let (header, damage) = walk_items(path, wanted, &mut |_, _, sorted, log_time, index, item| {
+    let mut waiting: Vec<(u64, Decoded)> = Vec::new();
+    let (header, damage) = walk_items(path, wanted, &mut |_, _, sorted, log_time, decoded| {
         if sorted {
-            return on_item(index, item);
+            return decoded.hand_over(on_item);
         }
-        waiting.push((log_time, index, item));
+        waiting.push((log_time, decoded));
         true
     })?;
-    waiting.sort_by_key(|(log_time, _, _)| *log_time);
-    for (_, index, item) in waiting {
-        if !on_item(index, item) {
+    waiting.sort_by_key(|(log_time, _)| *log_time);
+    for (_, decoded) in waiting {
+        if !decoded.hand_over(on_item) {
             break;
         }
     }
     Ok((header, damage))
 }
 
+impl Decoded {
+    /// Hands over its items one by one, until `on_item` says false; then it is false too.
+    fn hand_over(self, on_item: &mut dyn FnMut(u64, Item) -> bool) -> bool {
+        match self {
+            Self::Probes(samples) => samples.into_iter().all(|sample| on_item(0, Item::Probe(sample))),
+            Self::Axes(samples) => samples.into_iter().all(|sample| on_item(0, Item::Axes(sample))),
+            Self::Item { index, item } => on_item(index, item),
+            Self::Header(_) | Self::Skipped => true,
+        }
+    }
+}
+
 type Texts = HashMap<String, String>;
 
-/// Texts and header read so far, whether the file is sorted, time, place among the points, and the item.
-type OnItem<'v> = &'v mut dyn FnMut(&Texts, &RunHeader, bool, u64, u64, Item) -> bool;
+/// Texts and header read so far, whether the file is sorted, time, and what was read.
+type OnDecoded<'v> = &'v mut dyn FnMut(&Texts, &RunHeader, bool, u64, Decoded) -> bool;
 
-/// Hands the items of the schemas that `wanted` names to `on_item` in the order of the file.
+/// Hands the messages of the schemas that `wanted` names to `on_item` in the order of the file.
 fn walk_items(
     path: &Path,
     wanted: &dyn Fn(&str) -> bool,
-    on_item: OnItem<'_>,
+    on_decoded: OnDecoded<'_>,
 ) -> Result<(RunHeader, Option<Damage>), RecordError> {
     let file = File::open(path).map_err(RecordError::io("open", path))?;
     let bytes = file.metadata().map_err(RecordError::io("look at", path))?.len();
@@ -282,13 +267,13 @@ fn walk_items(
                 }
                 match decode(schema, message.data).map_err(|error| error.to_string())? {
                     Decoded::Header(found) => header = header.take().or(Some(found)),
-                    Decoded::Item { index, item } => match &header {
+                    Decoded::Skipped => {}
+                    decoded => match &header {
                         Some(header) => {
-                            return Ok(on_item(&texts, header, sorted, message.log_time, index, item));
+                            return Ok(on_decoded(&texts, header, sorted, message.log_time, decoded));
                         }
                         None => return Err("a message before the header of the run".into()),
                     },
-                    Decoded::Skipped => {}
                 }
             }
         }

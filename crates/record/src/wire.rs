@@ -2,7 +2,7 @@
 
 mod setup;
 
-use crate::item::{ControllerState, Item, LogLine, RunHeader, Temperature};
+use crate::item::{Item, RunHeader, Temperature};
 use crate::lossless::Line;
 use crate::{lossless, schema as pb};
 use nalgebra::Vector3;
@@ -26,11 +26,9 @@ pub enum Topic {
     Probe(u16),
     Axes,
     Point,
-    Controller,
     Temperature,
     Event,
     Gap,
-    Log,
     Plot(u16),
     PlotAxes,
 }
@@ -47,11 +45,9 @@ impl Topic {
             Self::Probe(channel) => format!("/probe/{}", probe(channel)),
             Self::Axes => "/axes".into(),
             Self::Point => "/point".into(),
-            Self::Controller => "/controller".into(),
             Self::Temperature => "/temperature".into(),
             Self::Event => "/event".into(),
             Self::Gap => "/gap".into(),
-            Self::Log => "/log".into(),
             Self::Plot(channel) => format!("/plot/{}", probe(channel)),
             Self::PlotAxes => "/plot/axes".into(),
         }
@@ -64,11 +60,9 @@ impl Topic {
             Self::Probe(_) => "trunnion.ProbeBatch",
             Self::Axes => "trunnion.AxisBatch",
             Self::Point => POINT_SCHEMA,
-            Self::Controller => "trunnion.ControllerState",
             Self::Temperature => "trunnion.Temperature",
             Self::Event => "trunnion.Event",
             Self::Gap => "trunnion.Gap",
-            Self::Log => "trunnion.LogLine",
             Self::Plot(_) => "trunnion.PlotSample",
             Self::PlotAxes => "trunnion.PlotAxes",
         }
@@ -91,8 +85,13 @@ fn encoded(topic: Topic, time_s: f64, samples: usize, message: &impl Message) ->
 }
 
 /// A message read back.
+#[expect(clippy::large_enum_variant, reason = "one at a time, passed on at once")]
 pub enum Decoded {
     Header(RunHeader),
+    /// A batch of one channel, in order of time.
+    Probes(Vec<ProbeSample>),
+    /// A batch in order of time.
+    Axes(Vec<AxisSample>),
     /// `index` orders points; 0 for everything else.
     Item {
         index: u64,
@@ -120,18 +119,14 @@ pub fn decode(schema: &str, payload: &[u8]) -> Result<Decoded, WireError> {
             let index = message.index;
             return Ok(Decoded::Item { index, item: Item::Point(point_from(message)?) });
         }
-        "trunnion.ProbeBatch" => Item::Probes(probes_from(pb::ProbeBatch::decode(payload)?)?),
-        "trunnion.AxisBatch" => Item::Axes(axes_from(pb::AxisBatch::decode(payload)?)?),
+        "trunnion.ProbeBatch" => {
+            return Ok(Decoded::Probes(probes_from(pb::ProbeBatch::decode(payload)?)?));
+        }
+        "trunnion.AxisBatch" => return Ok(Decoded::Axes(axes_from(pb::AxisBatch::decode(payload)?)?)),
         "trunnion.ControllerState" => {
             let m = pb::ControllerState::decode(payload)?;
-            Item::Controller(ControllerState {
-                time_s: m.time_s(),
-                execution: m.execution,
-                mode: m.mode,
-                program: m.program,
-                line: m.line,
-                feed_override_percent: m.feed_override_percent,
-            })
+            let text = format!("{} {}", m.execution, m.program).trim().into();
+            Item::Event(Event { time_s: m.time_s(), kind: "controller".into(), text })
         }
         "trunnion.Temperature" => {
             let m = pb::Temperature::decode(payload)?;
@@ -149,7 +144,7 @@ pub fn decode(schema: &str, payload: &[u8]) -> Result<Decoded, WireError> {
         }
         "trunnion.LogLine" => {
             let m = pb::LogLine::decode(payload)?;
-            Item::Log(LogLine { time_s: m.time_s(), level: m.level, text: m.text })
+            Item::Event(Event { time_s: m.time_s(), kind: m.level, text: m.text })
         }
         _ => return Ok(Decoded::Skipped),
     };
@@ -400,7 +395,7 @@ fn point_from(m: pb::Point) -> Result<Point, WireError> {
             temperature_degc: m.temperature_degc.clone(),
             setup: usize::try_from(m.setup).ok()?,
             target: usize::try_from(m.target).ok()?,
-            deflection_mm: Vector3::from(three(&m.deflection_mm)?),
+            deflection_mm: Vector3::from(setup::three(&m.deflection_mm)?),
         };
         let quality = match m.quality.as_str() {
             "good" => Quality::Good,
@@ -408,23 +403,10 @@ fn point_from(m: pb::Point) -> Result<Point, WireError> {
             "no-reading" => Quality::NoReading,
             _ => return None,
         };
-        let (reading_mm, spread_mm) = (three(&m.reading_mm)?, three(&m.spread_mm)?);
+        let (reading_mm, spread_mm) = (setup::three(&m.reading_mm)?, setup::three(&m.spread_mm)?);
         Some(Point { state, reading_mm, spread_mm, samples: m.samples, quality })
     };
     point().ok_or(WireError::Inconsistent("Point"))
-}
-
-/// The items that are one message each.
-pub fn encode_controller(state: &ControllerState) -> Encoded {
-    let message = pb::ControllerState {
-        time_s: Some(state.time_s),
-        execution: state.execution.clone(),
-        mode: state.mode.clone(),
-        program: state.program.clone(),
-        line: state.line,
-        feed_override_percent: state.feed_override_percent,
-    };
-    encoded(Topic::Controller, state.time_s, 1, &message)
 }
 
 /// A temperature.
@@ -453,13 +435,6 @@ pub fn encode_gap(gap: &Gap) -> Encoded {
     encoded(Topic::Gap, gap.from_s, 1, &message)
 }
 
-/// A line of the log.
-pub fn encode_log(line: &LogLine) -> Encoded {
-    let message =
-        pb::LogLine { time_s: Some(line.time_s), level: line.level.clone(), text: line.text.clone() };
-    encoded(Topic::Log, line.time_s, 1, &message)
-}
-
 /// A probe value for viewers.
 pub fn encode_plot(sample: &ProbeSample) -> Encoded {
     let message = pb::PlotSample { value_um: convert::um_from_mm(sample.value_mm) };
@@ -486,10 +461,6 @@ fn from_places(list: &[f64]) -> Option<AxisValues<f64>> {
     let mut values = AxisValues::default();
     values.0.get_mut(..list.len()).filter(|_| list.len() >= NAMED)?.copy_from_slice(list);
     Some(values)
-}
-
-fn three(list: &[f64]) -> Option<[f64; 3]> {
-    <[f64; 3]>::try_from(list).ok()
 }
 
 #[cfg(test)]

@@ -7,9 +7,6 @@
 mod batches;
 #[cfg(test)]
 mod tests;
-mod whole_run;
-
-pub use whole_run::{write_run, write_run_with_axes};
 
 use crate::error::RecordError;
 use crate::finish::{FinishedFile, finish_journal};
@@ -107,31 +104,25 @@ impl Recorder {
     /// as lost, [`Recorder::failing`] says so, and the recording holds a gap.
     pub fn append(&mut self, item: Item, arrival: HostTime) {
         match item {
-            Item::Probes(samples) => {
-                for sample in samples {
-                    self.plot_probe(&sample, arrival);
-                    if let Some(full) = self.probes.push(sample.channel, sample, arrival) {
-                        self.write_probes(sample.channel, &full, arrival);
-                    }
+            Item::Probe(sample) => {
+                self.plot_probe(&sample, arrival);
+                if let Some(full) = self.probes.push(sample.channel, sample, arrival) {
+                    self.write_probes(sample.channel, &full, arrival);
                 }
             }
-            Item::Axes(samples) => {
-                for sample in samples {
-                    self.plot_axes(&sample, arrival);
-                    if let Some(full) = self.axes.push((), sample, arrival) {
-                        self.write_axes(&full, arrival);
-                    }
+            Item::Axes(sample) => {
+                self.plot_axes(&sample, arrival);
+                if let Some(full) = self.axes.push((), sample, arrival) {
+                    self.write_axes(&full, arrival);
                 }
             }
             Item::Point(point) => {
                 self.points += 1;
                 self.write(wire::encode_point(self.points - 1, &point), arrival);
             }
-            Item::Controller(state) => self.write(wire::encode_controller(&state), arrival),
             Item::Temperature(reading) => self.write(wire::encode_temperature(&reading), arrival),
             Item::Event(event) => self.write(wire::encode_event(&event), arrival),
             Item::Gap(gap) => self.write(wire::encode_gap(&gap), arrival),
-            Item::Log(line) => self.write(wire::encode_log(&line), arrival),
         }
         self.flush_aged(arrival);
     }

@@ -3,5 +3,7 @@
 pub mod clock;
 pub mod config;
 pub mod daemon;
+mod error;
 pub mod live;
 pub mod mqtt;
+mod recording;

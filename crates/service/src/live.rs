@@ -4,13 +4,15 @@
 
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::mpsc;
+use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
+use trunnion_acquire::supervisor::QUEUE_LENGTH;
+use trunnion_acquire::{Acquisition, DeviceConfig, DeviceStatus};
 use trunnion_core::reading::Message;
 use trunnion_core::{Channel, Clock, Event, Gap, HostTime, Role};
 use trunnion_record::{Item, RecordSender, Temperature};
-use trunnion_sync::forming::{Formed, Forming};
-use trunnion_sync::{Bound, CycleBounds, EndReason, Progress, TimeBase, Timed};
+use trunnion_sync::forming::Forming;
+use trunnion_sync::{Bound, CycleBounds, CycleEvent, EndReason, Progress, TimeBase, Timed};
 
 pub use trunnion_sync::plan::{Plan, PlanError, check};
 
@@ -47,87 +49,120 @@ const AWAY_S: f64 = 2.5;
 /// With no message of any device for so long the cycle ends.
 const SILENCE: Duration = Duration::from_secs(60);
 
-/// Waits until a cycle begins, by the rule of `bounds`. `None` when cancelled or when all devices are gone.
-pub async fn wait_for_start(
-    messages: &mut mpsc::Receiver<Message>,
-    timebase: &mut TimeBase,
-    bounds: &mut CycleBounds,
-    cancel: &CancellationToken,
-) -> Option<Start> {
-    bounds.ended_otherwise();
-    let mut temperature_channels: Vec<String> = Vec::new();
-    loop {
-        let message = tokio::select! {
-            biased;
-            () = cancel.cancelled() => return None,
-            message = messages.recv() => message?,
-        };
-        if let Some(Timed::Temperature { name, .. }) = timebase.translate(&message)
-            && !temperature_channels.contains(&name)
-        {
-            temperature_channels.push(name);
-        }
-        if let Some(Bound::Begins { at, why }) = bounds.take(&message.reading) {
-            return Some(Start { at, why, temperature_channels });
-        }
-    }
+/// Told how far a cycle is.
+pub type OnProgress<'a> = &'a mut (dyn FnMut(Progress) + Send);
+
+/// The devices of a running service, their clocks, and the rule by which cycles begin and end.
+pub struct Live {
+    acquisition: Acquisition,
+    timebase: TimeBase,
+    bounds: CycleBounds,
+    clock: Arc<dyn Clock>,
+    cancel: CancellationToken,
 }
 
-/// Measures one cycle until it ends. Run time zero is `start`.
-///
-/// # Errors
-/// When the plan cannot be measured.
-#[expect(clippy::too_many_arguments, reason = "the parts of a running service, borrowed separately")]
-pub async fn measure(
-    plan: &Plan,
-    start: &Start,
-    messages: &mut mpsc::Receiver<Message>,
-    timebase: &mut TimeBase,
-    bounds: &mut CycleBounds,
-    recorder: &RecordSender,
-    clock: &Arc<dyn Clock>,
-    cancel: &CancellationToken,
-    progress: &mut (dyn FnMut(Progress) + Send),
-) -> Result<Measured, PlanError> {
-    timebase.begin_run(start.at);
-    let mut measurement = Measurement::new(plan, &start.temperature_channels, recorder)?;
-    let begun = Event { time_s: 0.0, kind: "cycle-start".into(), text: start.why.clone() };
-    measurement.record(Item::Event(begun), clock.now());
-    let mut last_progress = 0;
-    while measurement.forming.ended().is_none() {
-        let message = tokio::select! {
-            biased;
-            () = cancel.cancelled() => None,
-            received = tokio::time::timeout(SILENCE, messages.recv()) => match received {
-                Ok(message) => message,
-                Err(_) => {
-                    measurement.finish(EndReason::NoMotion, clock.now());
-                    break;
-                }
-            },
-        };
-        measurement.most_waiting = measurement.most_waiting.max(messages.len() + 1);
-        let Some(message) = message else {
-            measurement.finish(EndReason::Stopped, clock.now());
-            break;
-        };
-        if let Some(Bound::Ends { at, why }) = bounds.take(&message.reading) {
-            measurement.told_end(timebase.seconds(at), why, clock.now());
-        }
-        measurement.take(&message, timebase, clock.now());
-        let now = measurement.forming.progress();
-        if now.done != last_progress {
-            last_progress = now.done;
-            progress(now);
+impl Live {
+    /// Starts a session for every device, on the current tokio runtime. Cancelling `cancel` stops them.
+    pub fn start(
+        devices: Vec<DeviceConfig>,
+        bounds: CycleBounds,
+        clock: Arc<dyn Clock>,
+        cancel: CancellationToken,
+    ) -> Self {
+        let acquisition = trunnion_acquire::start(devices, clock.clone(), cancel.clone(), QUEUE_LENGTH);
+        Self { acquisition, timebase: TimeBase::new(clock.now()), bounds, clock, cancel }
+    }
+
+    /// Status of each device, in the order of the configuration.
+    pub fn states(&self) -> Vec<watch::Receiver<DeviceStatus>> {
+        self.acquisition.states.clone()
+    }
+
+    /// The clocks of the host.
+    pub fn clock(&self) -> &Arc<dyn Clock> {
+        &self.clock
+    }
+
+    /// Stops all sessions and waits for them.
+    pub async fn stop(self) {
+        self.acquisition.stop().await;
+    }
+
+    /// Waits until a cycle begins. `None` when cancelled or when all devices are gone.
+    pub async fn wait_for_start(&mut self) -> Option<Start> {
+        self.bounds.ended_otherwise();
+        let mut temperature_channels: Vec<String> = Vec::new();
+        loop {
+            let message = tokio::select! {
+                biased;
+                () = self.cancel.cancelled() => return None,
+                message = self.acquisition.messages.recv() => message?,
+            };
+            if let Some(Timed::Temperature { name, .. }) = self.timebase.translate(&message)
+                && !temperature_channels.contains(&name)
+            {
+                temperature_channels.push(name);
+            }
+            if let Some(Bound::Begins { at, why }) = self.bounds.take(&message.reading) {
+                return Some(Start { at, why, temperature_channels });
+            }
         }
     }
-    measurement.record_open_gaps(clock.now());
-    Ok(measurement.into_measured())
+
+    /// Measures one cycle until it ends. Run time zero is `start`.
+    ///
+    /// # Errors
+    /// When the plan cannot be measured.
+    pub async fn measure(
+        &mut self,
+        plan: &Plan,
+        start: &Start,
+        recorder: &RecordSender,
+        progress: OnProgress<'_>,
+    ) -> Result<Measured, PlanError> {
+        self.timebase.begin_run(start.at);
+        let mut measurement = Measurement::new(plan, &start.temperature_channels, recorder)?;
+        let begun = Event { time_s: 0.0, kind: "cycle-start".into(), text: start.why.clone() };
+        measurement.record(Item::Event(begun), self.clock.now());
+        let mut last_progress = 0;
+        while measurement.forming.ended().is_none() {
+            let messages = &mut self.acquisition.messages;
+            let message = tokio::select! {
+                biased;
+                () = self.cancel.cancelled() => None,
+                received = tokio::time::timeout(SILENCE, messages.recv()) => match received {
+                    Ok(message) => message,
+                    Err(_) => {
+                        measurement.finish(EndReason::NoMotion, self.clock.now());
+                        break;
+                    }
+                },
+            };
+            measurement.most_waiting = measurement.most_waiting.max(messages.len() + 1);
+            let Some(message) = message else {
+                measurement.finish(EndReason::Stopped, self.clock.now());
+                break;
+            };
+            if let Some(Bound::Ends { at, why }) = self.bounds.take(&message.reading) {
+                measurement.end_seen(self.timebase.seconds(at), why, self.clock.now());
+            }
+            measurement.take(&message, &mut self.timebase, self.clock.now());
+            let now = measurement.forming.progress();
+            if now.done != last_progress {
+                last_progress = now.done;
+                progress(now);
+            }
+        }
+        measurement.record_open_gaps(self.clock.now());
+        Ok(measurement.into_measured())
+    }
 }
 
 /// A cycle being measured.
 struct Measurement<'m> {
     forming: Forming,
+    /// What the last sample gave, until it is recorded.
+    formed: Vec<CycleEvent>,
     recorder: &'m RecordSender,
     channels: &'m [Channel],
     points: u64,
@@ -147,6 +182,7 @@ impl<'m> Measurement<'m> {
     ) -> Result<Self, PlanError> {
         Ok(Self {
             forming: Forming::new(plan, temperature_channels.len())?,
+            formed: Vec::new(),
             recorder,
             channels: &plan.channels,
             points: 0,
@@ -165,46 +201,39 @@ impl<'m> Measurement<'m> {
             let source = named.map_or_else(|| "controller".into(), |channel| channel.name.clone());
             self.gap(timebase.jump_gap(&source, &jump), now);
         }
-        let formed = match timed {
+        match timed {
             Timed::Probe(sample) => {
                 if let Some(newest_s) = self.newest_s.get_mut(usize::from(sample.channel)) {
                     *newest_s = newest_s.max(sample.time_s);
                 }
-                self.record(Item::Probes(vec![sample]), now);
-                self.forming.probe(&sample)
+                self.record(Item::Probe(sample), now);
+                self.forming.probe(&sample, &mut self.formed);
             }
             Timed::Axes(sample) => {
                 if let Some(newest_s) = self.newest_s.last_mut() {
                     *newest_s = newest_s.max(sample.time_s);
                 }
-                self.record(Item::Axes(vec![sample]), now);
-                self.forming.axes(&sample)
+                self.record(Item::Axes(sample), now);
+                self.forming.axes(&sample, &mut self.formed);
             }
-            Timed::Gap(gap) => {
-                self.gap(gap, now);
-                Vec::new()
-            }
+            Timed::Gap(gap) => self.gap(gap, now),
             Timed::Temperature { name, degc, time_s } => {
                 if let Some(channel) = self.temperature_channels.iter().position(|known| *known == name) {
                     self.forming.temperature(channel, degc);
                     let channel = channel as u16;
                     self.record(Item::Temperature(Temperature { time_s, channel, value_degc: degc }), now);
                 }
-                Vec::new()
             }
-            Timed::Event(event) => {
-                self.record(Item::Event(event), now);
-                Vec::new()
-            }
-        };
-        self.keep(formed, now);
+            Timed::Event(event) => self.record(Item::Event(event), now),
+        }
+        self.keep(now);
         if self.controller_ended_s.is_some_and(|ended_s| self.forming.newest_s() > ended_s + AFTERMATH_S) {
             self.finish(EndReason::ControllerEnded, now);
         }
     }
 
     /// The controller, or a long stand, shows the end; samples under way are still taken.
-    fn told_end(&mut self, time_s: f64, why: String, now: HostTime) {
+    fn end_seen(&mut self, time_s: f64, why: String, now: HostTime) {
         self.record(Item::Event(Event { time_s, kind: "end-seen".into(), text: why }), now);
         self.controller_ended_s = Some(time_s);
     }
@@ -226,20 +255,23 @@ impl<'m> Measurement<'m> {
     }
 
     fn finish(&mut self, reason: EndReason, now: HostTime) {
-        let formed = self.forming.finish(reason);
-        self.keep(formed, now);
+        self.forming.finish(reason, &mut self.formed);
+        self.keep(now);
     }
 
-    fn keep(&mut self, formed: Vec<Formed>, now: HostTime) {
-        for formed in formed {
-            match formed {
-                Formed::Point(point) => {
+    /// Records what was formed.
+    fn keep(&mut self, now: HostTime) {
+        let mut formed = std::mem::take(&mut self.formed);
+        for event in formed.drain(..) {
+            match event.into_point() {
+                Ok(point) => {
                     self.record(Item::Point(point), now);
                     self.points += 1;
                 }
-                Formed::Event(event) => self.record(Item::Event(event), now),
+                Err(event) => self.record(Item::Event(event), now),
             }
         }
+        self.formed = formed;
     }
 
     fn gap(&mut self, gap: Gap, now: HostTime) {

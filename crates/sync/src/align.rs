@@ -14,7 +14,7 @@ pub use axes::{AxisState, ReversalBand};
 
 use axes::AxisHistory;
 use std::collections::VecDeque;
-use trunnion_core::{AxisSample, AxisValues, ProbeSample};
+use trunnion_core::{AxisSample, ProbeSample};
 
 /// Limits of the alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,42 +35,14 @@ impl Default for AlignLimits {
     }
 }
 
-/// All that is known of one instant.
+/// What comes out, in order of time: all that is known of one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AlignedSample {
-    /// When, s since the run began.
-    pub time_s: f64,
-    /// Axis positions, mm and rad.
-    pub position: AxisValues<f64>,
-    /// Axis velocities, mm/s and rad/s.
-    pub velocity: AxisValues<f64>,
-    /// Axis accelerations, mm/s² and rad/s².
-    pub acceleration: AxisValues<f64>,
-    /// Direction of the last motion of each axis: −1, 0 (none seen yet), +1.
-    pub direction: AxisValues<f64>,
-    /// Travel since the last reversal of each axis (or since the first sample), mm and rad.
-    pub since_reversal: AxisValues<f64>,
-    /// Channels of the instrument, mm; NaN where one has no value; 0 where the instrument has none.
-    pub channels_mm: [f64; 3],
-}
-
-/// What comes out, in order of time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Aligned {
-    /// The axes alone: comes also while the probes are away.
-    Axes(AxisState),
-    /// Axes and probes.
-    Sample(AlignedSample),
-}
-
-impl Aligned {
-    /// When, s since the run began.
-    pub fn time_s(&self) -> f64 {
-        match self {
-            Self::Axes(state) => state.time_s,
-            Self::Sample(sample) => sample.time_s,
-        }
-    }
+pub struct Aligned {
+    /// The axes, and when.
+    pub state: AxisState,
+    /// Channels of the instrument, mm; NaN where one has no value, 0 where the instrument has none. `None`: the axes
+    /// alone, which come also while the probes are away.
+    pub channels_mm: Option<[f64; 3]>,
 }
 
 /// What was given out and what was refused.
@@ -113,30 +85,28 @@ impl Aligner {
         }
     }
 
-    /// Takes a displacement; channels of other instruments are ignored.
-    pub fn push_probe(&mut self, sample: &ProbeSample) -> Vec<Aligned> {
-        let Some(k) = self.channels.iter().position(|&channel| channel == sample.channel) else {
-            return Vec::new();
-        };
+    /// Takes a displacement; channels of other instruments are ignored. What is known now goes to the end of `out`.
+    pub fn push_probe(&mut self, sample: &ProbeSample, out: &mut Vec<Aligned>) {
+        let Some(k) = self.channels.iter().position(|&channel| channel == sample.channel) else { return };
         if !self.probes[k].push(sample.time_s, sample.value_mm) {
             self.counts.out_of_order += 1;
         }
         self.newest_s = self.newest_s.max(sample.time_s);
-        self.give_out(false)
+        self.give_out(false, out);
     }
 
-    /// Takes axis positions.
-    pub fn push_axes(&mut self, sample: &AxisSample) -> Vec<Aligned> {
+    /// Takes axis positions. What is known now goes to the end of `out`.
+    pub fn push_axes(&mut self, sample: &AxisSample, out: &mut Vec<Aligned>) {
         if !self.axes.push(sample) {
             self.counts.out_of_order += 1;
         }
         self.newest_s = self.newest_s.max(sample.time_s);
-        self.give_out(false)
+        self.give_out(false, out);
     }
 
     /// Gives out what was waiting for samples that will not come.
-    pub fn finish(&mut self) -> Vec<Aligned> {
-        self.give_out(true)
+    pub fn finish(&mut self, out: &mut Vec<Aligned>) {
+        self.give_out(true, out);
     }
 
     /// What was given out and refused so far.
@@ -144,30 +114,27 @@ impl Aligner {
         self.counts
     }
 
-    fn give_out(&mut self, at_end: bool) -> Vec<Aligned> {
-        let mut out = Vec::new();
+    fn give_out(&mut self, at_end: bool, out: &mut Vec<Aligned>) {
         loop {
             let sample_s = self.probes[0].waiting.front().map(|&(time_s, _)| time_s);
             let axes_s = self.axes.next_time();
             match (sample_s, axes_s) {
-                (None, None) => return out,
+                (None, None) => return,
                 (Some(sample_s), axes_s) if axes_s.is_none_or(|axes_s| sample_s <= axes_s) => {
                     let overdue = at_end || self.newest_s - sample_s > self.limits.wait_s;
                     if !overdue && !self.is_known_around(sample_s) {
-                        return out;
+                        return;
                     }
-                    if let Some(sample) = self.take_sample() {
-                        out.push(Aligned::Sample(sample));
-                    }
+                    out.extend(self.take_sample());
                 }
                 (sample_s, Some(axes_s)) => {
                     // Without a later probe sample one may still come that belongs before these axes.
                     let overdue = at_end || self.newest_s - axes_s > self.limits.wait_s;
                     if sample_s.is_none() && !overdue && self.probes[0].newest_s() < axes_s {
-                        return out;
+                        return;
                     }
-                    let Some(state) = self.axes.take_next(overdue) else { return out };
-                    out.push(Aligned::Axes(state));
+                    let Some(state) = self.axes.take_next(overdue) else { return };
+                    out.push(Aligned { state, channels_mm: None });
                 }
                 (Some(_), None) => unreachable!("the first arm takes every sample without axes"),
             }
@@ -179,7 +146,7 @@ impl Aligner {
         self.axes.is_known_around(time_s) && others.into_iter().all(|series| series.newest_s() >= time_s)
     }
 
-    fn take_sample(&mut self) -> Option<AlignedSample> {
+    fn take_sample(&mut self) -> Option<Aligned> {
         let (time_s, first_mm) = self.probes[0].waiting.pop_front()?;
         let mut channels_mm = [first_mm, 0.0, 0.0];
         for k in 1..self.channels.len() {
@@ -196,15 +163,7 @@ impl Aligner {
         self.given_s = time_s;
         self.counts.samples += 1;
         self.counts.incomplete += u64::from(channels_mm.iter().any(|value| value.is_nan()));
-        Some(AlignedSample {
-            time_s,
-            position: state.position,
-            velocity: state.velocity,
-            acceleration: state.acceleration,
-            direction: state.direction,
-            since_reversal: state.since_reversal,
-            channels_mm,
-        })
+        Some(Aligned { state, channels_mm: Some(channels_mm) })
     }
 }
 

@@ -21,33 +21,20 @@
 mod cell;
 mod mishaps;
 mod pass;
+mod sample;
 pub mod spectrum;
+
+use sample::{FINEST, Sample, UNIT};
 
 use cell::Cell;
 use mishaps::Hampel;
 use pass::{PassKey, PassSums};
 use std::collections::HashMap;
-use trunnion_core::axis::SLOTS;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::{AxisValues, Point, Quality, Slot, State};
 
 pub use pass::{Band, PassSummary};
 
-/// Travel that counts as one unit: 2 mm and 1° (rad).
-pub(crate) const UNIT: AxisValues<f64> = {
-    let degree = std::f64::consts::PI / 180.0;
-    let mut unit = [2.0; SLOTS];
-    let mut k = 0;
-    while k < SLOTS {
-        if Slot::ALL[k].is_rotary() {
-            unit[k] = degree;
-        }
-        k += 1;
-    }
-    AxisValues(unit)
-};
-/// Width of a block before any merging, units.
-const FINEST: f64 = 0.125;
 /// From this width on directions that flicker may be averaged, if nothing else helps, units.
 const LAST_RESORT: f64 = 256.0;
 
@@ -112,14 +99,6 @@ struct Last {
     position: AxisValues<f64>,
     pass: usize,
     feed: f64,
-}
-
-/// One sample on its way into a block.
-pub(crate) struct Sample {
-    pub index: u64,
-    pub point: Point,
-    /// Reading − nominal reading, mm.
-    pub departure_mm: [f64; 3],
 }
 
 impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {

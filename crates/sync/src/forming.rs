@@ -8,22 +8,14 @@ use crate::{
     SweepRules,
 };
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, AxisSample, Event, Point, ProbeSample, Quality};
+use trunnion_core::{AxisLetter, AxisSample, Point, ProbeSample, Quality};
 use trunnion_cycles::cycle::Motion;
-
-/// What came of samples.
-#[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "nearly all of them are points")]
-pub enum Formed {
-    /// A point, zeroed at the first good one of its setup.
-    Point(Point),
-    /// Something a reader of the recording should know.
-    Event(Event),
-}
 
 /// A cycle on its way from samples to points.
 pub struct Forming {
     aligner: Aligner,
+    /// What the aligner gave, until it is read.
+    steps: Vec<Aligned>,
     reader: Reader,
     /// Reading of the first good point of each setup: only changes from there are measured (S1 eq. 14).
     zero_mm: Vec<Option<Vector3<f64>>>,
@@ -37,20 +29,19 @@ enum Reader {
 }
 
 impl Reader {
-    fn push(&mut self, step: &Aligned) -> Vec<CycleEvent> {
+    fn push(&mut self, step: &Aligned, out: &mut Vec<CycleEvent>) {
         match self {
-            Self::Static(cycle) => cycle.push(step),
-            Self::Sweep(cycle) => sweep_events(cycle.push(step)),
+            Self::Static(cycle) => cycle.push(step, out),
+            Self::Sweep(cycle) => out.extend(cycle.push(step).map(sweep_event)),
         }
     }
 
-    fn finish(&mut self, reason: EndReason, time_s: f64) -> Vec<CycleEvent> {
+    fn finish(&mut self, reason: EndReason, time_s: f64, out: &mut Vec<CycleEvent>) {
         match self {
-            Self::Static(cycle) => cycle.finish(reason, time_s),
+            Self::Static(cycle) => cycle.finish(reason, time_s, out),
             Self::Sweep(cycle) => {
-                let mut events = sweep_events(cycle.finish());
-                events.push(CycleEvent::Ended { reason, time_s });
-                events
+                out.extend(cycle.finish().map(sweep_event));
+                out.push(CycleEvent::Ended { reason, time_s });
             }
         }
     }
@@ -62,13 +53,11 @@ impl Reader {
         }
     }
 
-    /// Samples of steady turning that became no point, in words; `None` when there were none.
-    fn left_out(&self) -> Option<String> {
+    /// Samples of steady turning that became no point; `None` when there were none.
+    fn left_out(&self, time_s: f64) -> Option<CycleEvent> {
         let Self::Sweep(cycle) = self else { return None };
         let (incomplete, unplanned) = (cycle.incomplete(), cycle.unplanned());
-        (incomplete + unplanned > 0).then(|| {
-            format!("{incomplete} samples lack a channel, {unplanned} belong to no pass of the cycle")
-        })
+        (incomplete + unplanned > 0).then_some(CycleEvent::LeftOut { time_s, incomplete, unplanned })
     }
 
     fn progress(&self) -> Progress {
@@ -80,12 +69,9 @@ impl Reader {
 }
 
 /// The points of a sweep belong to no pose of a list.
-fn sweep_events(point: Option<Point>) -> Vec<CycleEvent> {
-    let event = |point: Point| {
-        let time_s = point.state.time_s.unwrap_or(0.0);
-        CycleEvent::Point { pose: 0, point, time_s }
-    };
-    point.into_iter().map(event).collect()
+fn sweep_event(point: Point) -> CycleEvent {
+    let time_s = point.state.time_s.unwrap_or(0.0);
+    CycleEvent::Point { pose: 0, point, time_s }
 }
 
 impl Forming {
@@ -120,6 +106,7 @@ impl Forming {
         };
         Ok(Self {
             aligner: Aligner::new(&channels, AlignLimits::default()),
+            steps: Vec::new(),
             reader,
             zero_mm: vec![None; plan.cycle.setups.len()],
             newest_s: 0.0,
@@ -127,18 +114,19 @@ impl Forming {
         })
     }
 
-    /// Takes a displacement.
-    pub fn probe(&mut self, sample: &ProbeSample) -> Vec<Formed> {
+    /// Takes a displacement. What came of it goes to the end of `out`: points are zeroed at the first good one of their
+    /// setup.
+    pub fn probe(&mut self, sample: &ProbeSample, out: &mut Vec<CycleEvent>) {
         self.newest_s = self.newest_s.max(sample.time_s);
-        let aligned = self.aligner.push_probe(sample);
-        self.read(&aligned)
+        self.aligner.push_probe(sample, &mut self.steps);
+        self.read(out);
     }
 
-    /// Takes axis positions.
-    pub fn axes(&mut self, sample: &AxisSample) -> Vec<Formed> {
+    /// Takes axis positions, as [`Forming::probe`] takes a displacement.
+    pub fn axes(&mut self, sample: &AxisSample, out: &mut Vec<CycleEvent>) {
         self.newest_s = self.newest_s.max(sample.time_s);
-        let aligned = self.aligner.push_axes(sample);
-        self.read(&aligned)
+        self.aligner.push_axes(sample, &mut self.steps);
+        self.read(out);
     }
 
     /// Sets a temperature channel to its latest value, °C.
@@ -162,53 +150,37 @@ impl Forming {
     }
 
     /// Ends the cycle and gives out what was waiting.
-    pub fn finish(&mut self, reason: EndReason) -> Vec<Formed> {
+    pub fn finish(&mut self, reason: EndReason, out: &mut Vec<CycleEvent>) {
         if self.ended.is_some() {
-            return Vec::new();
+            return;
         }
-        let aligned = self.aligner.finish();
-        let mut formed = self.read(&aligned);
-        let events = self.reader.finish(reason, self.newest_s);
-        formed.extend(self.react(events));
-        if let Some(text) = self.reader.left_out() {
-            formed.push(Formed::Event(Event {
-                time_s: self.newest_s,
-                kind: "samples-left-out".into(),
-                text,
-            }));
-        }
+        self.aligner.finish(&mut self.steps);
+        self.read(out);
+        let from = out.len();
+        self.reader.finish(reason, self.newest_s, out);
+        self.note(&mut out[from..]);
+        out.extend(self.reader.left_out(self.newest_s));
         self.ended.get_or_insert(reason);
-        formed
     }
 
-    fn read(&mut self, aligned: &[Aligned]) -> Vec<Formed> {
-        let mut formed = Vec::new();
-        for step in aligned {
-            let events = self.reader.push(step);
-            formed.extend(self.react(events));
+    /// Reads what the aligner gave.
+    fn read(&mut self, out: &mut Vec<CycleEvent>) {
+        let from = out.len();
+        for step in self.steps.drain(..) {
+            self.reader.push(&step, out);
         }
-        formed
+        self.note(&mut out[from..]);
     }
 
-    fn react(&mut self, events: Vec<CycleEvent>) -> Vec<Formed> {
-        let mut formed = Vec::new();
+    /// Zeroes the points, and notes the end.
+    fn note(&mut self, events: &mut [CycleEvent]) {
         for event in events {
-            formed.push(match event {
-                CycleEvent::Point { mut point, .. } => {
-                    self.zero(&mut point);
-                    Formed::Point(point)
-                }
-                CycleEvent::UnknownStand { time_s, position } => {
-                    let text = format!("stand at none of the poses to come: {:?}", position.0);
-                    Formed::Event(Event { time_s, kind: "unknown-stand".into(), text })
-                }
-                CycleEvent::Ended { reason, time_s } => {
-                    self.ended = Some(reason);
-                    Formed::Event(Event { time_s, kind: "cycle-end".into(), text: format!("{reason:?}") })
-                }
-            });
+            match event {
+                CycleEvent::Point { point, .. } => self.zero(point),
+                CycleEvent::Ended { reason, .. } => self.ended = Some(*reason),
+                CycleEvent::UnknownDwell { .. } | CycleEvent::LeftOut { .. } => {}
+            }
         }
-        formed
     }
 
     fn zero(&mut self, point: &mut Point) {

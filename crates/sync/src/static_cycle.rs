@@ -9,118 +9,17 @@
 //! Two poses at one place one after the other (the grid turns back) may be one stand: the second is read from a window
 //! of its own behind the first. Should the machine leave and come back to it, the later reading counts.
 
+mod rules;
 mod stand;
 
+pub use rules::StaticRules;
+
 use crate::align::{Aligned, AxisState};
+use crate::cycle_event::{CycleEvent, EndReason, Progress};
 use crate::nest::NestCalibration;
 use stand::Stand;
 use trunnion_core::{AxisLetter, AxisValues, Point, Quality};
-use trunnion_cycles::cycle::{Pose, Settle};
-
-/// Rules of a static cycle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StaticRules {
-    /// When a point may be read (from the cycle file).
-    pub settle: Settle,
-    /// Largest distance of a linear axis from the pose, mm.
-    pub near_mm: f64,
-    /// Largest distance of a rotary axis from the pose, rad.
-    pub near_rad: f64,
-    /// Longest distance of two samples inside a window, s.
-    pub sample_gap_s: f64,
-    /// Fewest samples of a point.
-    pub fewest_samples: usize,
-    /// Standing longer than this with nothing left to read ends the cycle, s.
-    pub end_after_still_s: f64,
-}
-
-impl StaticRules {
-    /// Usual rules around those of the cycle file.
-    pub fn new(settle: Settle) -> Self {
-        Self {
-            settle,
-            near_mm: 0.5,
-            near_rad: 0.01,
-            sample_gap_s: 0.05,
-            fewest_samples: 5,
-            end_after_still_s: 120.0,
-        }
-    }
-
-    /// For a cycle whose program waits so long between two rounds, s: that standing still is not its end.
-    pub fn with_wait(self, wait_s: f64) -> Self {
-        Self { end_after_still_s: self.end_after_still_s + wait_s, ..self }
-    }
-
-    fn is_near(&self, position: &AxisValues<f64>, pose: &Pose, axes: &[AxisLetter]) -> bool {
-        axes.iter().all(|&letter| {
-            let off = position[letter] - pose.position[letter];
-            if letter.is_rotary() {
-                whole_turns_off(off).abs() <= self.near_rad
-            } else {
-                off.abs() <= self.near_mm
-            }
-        })
-    }
-}
-
-/// A controller may show an angle modulo a turn.
-fn whole_turns_off(angle_rad: f64) -> f64 {
-    angle_rad - (angle_rad / std::f64::consts::TAU).round() * std::f64::consts::TAU
-}
-
-/// What happened.
-#[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "a few events a minute, nearly all of them points")]
-pub enum CycleEvent {
-    /// The point of a pose; poses come in order, each once.
-    Point {
-        /// Index of the pose.
-        pose: usize,
-        /// What was read.
-        point: Point,
-        /// When it was decided, s since the run began.
-        time_s: f64,
-    },
-    /// A stand at none of the poses to come, for the log.
-    UnknownStand {
-        /// When it began, s since the run began.
-        time_s: f64,
-        /// Where.
-        position: AxisValues<f64>,
-    },
-    /// The cycle is over; nothing comes after it.
-    Ended {
-        /// Why.
-        reason: EndReason,
-        /// When, s since the run began.
-        time_s: f64,
-    },
-}
-
-/// Why a cycle ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EndReason {
-    /// Every pose has its point.
-    Complete,
-    /// The controller says that its program ended.
-    ControllerEnded,
-    /// No axis moved for too long.
-    NoMotion,
-    /// The recording ended or a person stopped it.
-    Stopped,
-}
-
-/// How far a cycle is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// Points decided.
-    pub done: usize,
-    /// Points in all.
-    pub total: usize,
-    /// At the pace so far; `None` before the second point.
-    pub seconds_left: Option<f64>,
-}
+use trunnion_cycles::cycle::Pose;
 
 /// The state machine.
 #[derive(Clone, Debug)]
@@ -190,27 +89,23 @@ impl StaticCycle {
         self.ended
     }
 
-    /// Takes the next step of the alignment; steps come in order of time.
-    pub fn push(&mut self, step: &Aligned) -> Vec<CycleEvent> {
-        let mut events = Vec::new();
-        match step {
+    /// Takes the next step of the alignment; steps come in order of time. What happened goes to the end of `events`.
+    pub fn push(&mut self, step: &Aligned, events: &mut Vec<CycleEvent>) {
+        match step.channels_mm {
             _ if self.ended => {}
-            Aligned::Sample(sample) => self.stand.push_sample(sample),
-            Aligned::Axes(state) => self.push_axes(state, &mut events),
+            Some(channels_mm) => self.stand.push_sample(step.state.time_s, channels_mm),
+            None => self.push_axes(&step.state, events),
         }
-        events
     }
 
     /// Ends the cycle from outside; the poses left get points without reading.
-    pub fn finish(&mut self, reason: EndReason, time_s: f64) -> Vec<CycleEvent> {
-        let mut events = Vec::new();
+    pub fn finish(&mut self, reason: EndReason, time_s: f64, events: &mut Vec<CycleEvent>) {
         if !self.ended {
-            self.leave(time_s, &mut events);
+            self.leave(time_s, events);
         }
         if !self.ended {
-            self.end(reason, time_s, &mut events);
+            self.end(reason, time_s, events);
         }
-        events
     }
 
     fn push_axes(&mut self, state: &AxisState, events: &mut Vec<CycleEvent>) {
@@ -238,7 +133,7 @@ impl StaticCycle {
         let Some(ahead) = self.find_pose(&state.position) else {
             if !std::mem::replace(&mut self.told_unknown, true) {
                 let time_s = self.stand.began_s();
-                events.push(CycleEvent::UnknownStand { time_s, position: state.position });
+                events.push(CycleEvent::UnknownDwell { time_s, position: state.position });
             }
             return;
         };

@@ -8,9 +8,10 @@
 
 mod passes;
 
-use crate::align::{Aligned, AlignedSample};
+use crate::align::Aligned;
+use crate::align::AxisState;
+use crate::cycle_event::Progress;
 use crate::nest::NestCalibration;
-use crate::static_cycle::Progress;
 use nalgebra::Vector3;
 use passes::Passes;
 use trunnion_core::{AxisLetter, AxisValues, Point, Quality};
@@ -51,7 +52,7 @@ impl SweepRules {
     }
 
     /// The signed feed at which a sample was taken, if it counts.
-    fn feed_of(&self, sample: &AlignedSample) -> Option<f64> {
+    fn feed_of(&self, sample: &AxisState) -> Option<f64> {
         let velocity = sample.velocity[self.axis];
         let (low, high) =
             (self.from_to_rad.0.min(self.from_to_rad.1), self.from_to_rad.0.max(self.from_to_rad.1));
@@ -69,7 +70,7 @@ pub struct SweepCycle {
     rules: SweepRules,
     calibration: NestCalibration,
     temperature_degc: Vec<f64>,
-    block: Vec<AlignedSample>,
+    block: Vec<(AxisState, [f64; 3])>,
     block_pass: usize,
     passes: Passes,
     incomplete: u64,
@@ -98,32 +99,32 @@ impl SweepCycle {
 
     /// Takes the next step of the alignment; gives at most one point.
     pub fn push(&mut self, step: &Aligned) -> Option<Point> {
-        let Aligned::Sample(sample) = step else { return None };
+        let (sample, channels_mm) = (&step.state, step.channels_mm?);
         let place = self.rules.feed_of(sample).map(|feed| (feed, sample.position[self.rules.axis]));
         let pass = place.and_then(|(feed, angle)| self.passes.take(feed, angle));
         let Some(pass) = pass else { return self.finish() };
-        if sample.channels_mm.iter().any(|mm| mm.is_nan()) {
+        if channels_mm.iter().any(|mm| mm.is_nan()) {
             self.incomplete += 1;
             return self.finish();
         }
-        let joins = self.block.last().is_some_and(|last| {
+        let joins = self.block.last().is_some_and(|(last, _)| {
             pass == self.block_pass && sample.time_s - last.time_s <= self.rules.sample_gap_s
         });
         let due = self.rules.points_per_s <= 0.0
-            || self
-                .block
-                .first()
-                .is_some_and(|first| (sample.time_s - first.time_s) * self.rules.points_per_s >= 1.0 - 1e-6);
+            || self.block.first().is_some_and(|(first, _)| {
+                (sample.time_s - first.time_s) * self.rules.points_per_s >= 1.0 - 1e-6
+            });
         let point = if joins && !due { None } else { self.finish() };
         self.block_pass = pass;
-        self.block.push(*sample);
+        self.block.push((*sample, channels_mm));
         point
     }
 
     /// The point of the block not yet complete, if any. Call at the end.
     pub fn finish(&mut self) -> Option<Point> {
-        let block = std::mem::take(&mut self.block);
-        (!block.is_empty()).then(|| self.point(&block))
+        let point = (!self.block.is_empty()).then(|| self.point(&self.block));
+        self.block.clear();
+        point
     }
 
     /// Samples left out because a channel had no value.
@@ -141,14 +142,15 @@ impl SweepCycle {
         self.passes.progress()
     }
 
-    fn point(&self, block: &[AlignedSample]) -> Point {
+    fn point(&self, block: &[(AxisState, [f64; 3])]) -> Point {
         let n = block.len() as f64;
-        let mean = |value: &dyn Fn(&AlignedSample) -> f64| block.iter().map(value).sum::<f64>() / n;
-        let axes = |values: fn(&AlignedSample) -> &AxisValues<f64>| {
+        let mean =
+            |value: &dyn Fn(&AxisState) -> f64| block.iter().map(|(state, _)| value(state)).sum::<f64>() / n;
+        let axes = |values: fn(&AxisState) -> &AxisValues<f64>| {
             AxisValues::from_fn(|letter| mean(&|sample| values(sample)[letter]))
         };
         let readings: Vec<Vector3<f64>> =
-            block.iter().map(|sample| self.calibration.reading_mm(sample.channels_mm)).collect();
+            block.iter().map(|(_, channels_mm)| self.calibration.reading_mm(*channels_mm)).collect();
         let reading = readings.iter().sum::<Vector3<f64>>() / n;
         let square = |r: &Vector3<f64>| (r - reading).component_mul(&(r - reading));
         let spread = (readings.iter().map(square).sum::<Vector3<f64>>() / (n - 1.0).max(1.0)).map(f64::sqrt);
@@ -160,7 +162,7 @@ impl SweepCycle {
             quality: Quality::Good,
         };
         point.state.position = axes(|sample| &sample.position);
-        point.state.direction = block[block.len() / 2].direction;
+        point.state.direction = block[block.len() / 2].0.direction;
         point.state.velocity = axes(|sample| &sample.velocity);
         point.state.acceleration = axes(|sample| &sample.acceleration);
         point.state.since_reversal = axes(|sample| &sample.since_reversal);
@@ -192,15 +194,15 @@ mod tests {
                     values[AxisLetter::C] = value;
                     values
                 };
-                steps.push(Aligned::Sample(AlignedSample {
+                let state = AxisState {
                     time_s,
                     position: axis(angle),
                     velocity: axis(speed),
                     acceleration: axis(acceleration),
                     direction: axis(velocity.signum()),
                     since_reversal: axis(0.0),
-                    channels_mm: [angle, 0.0, 1.0],
-                }));
+                };
+                steps.push(Aligned { state, channels_mm: Some([angle, 0.0, 1.0]) });
             }
         }
         steps
@@ -233,8 +235,7 @@ mod tests {
     #[test]
     fn a_missing_value_breaks_the_block_and_is_counted() {
         let mut steps = run();
-        let Aligned::Sample(sample) = &mut steps[1000] else { unreachable!() };
-        sample.channels_mm[2] = f64::NAN;
+        steps[1000].channels_mm.as_mut().unwrap()[2] = f64::NAN;
         let mut cycle = sweep();
         let points: Vec<Point> = steps.iter().filter_map(|step| cycle.push(step)).collect();
         assert_eq!(cycle.incomplete(), 1);

@@ -13,9 +13,10 @@ use trunnion_cycles::{Run, RunKind};
 use trunnion_engine::Nominal;
 use trunnion_machine::Machine;
 use trunnion_record::{Damage, Item, RecordError, RunHeader, RunStart};
+use trunnion_sync::CycleEvent;
 use trunnion_sync::EndReason;
 use trunnion_sync::blocks::{Limits, Reducer, Reduction};
-use trunnion_sync::forming::{Formed, Forming};
+use trunnion_sync::forming::Forming;
 use trunnion_sync::time_quality::TimeQuality;
 
 /// A recording as read.
@@ -79,28 +80,27 @@ fn form_anew(
     let mut batches = Batches::new(send);
     batches.start = Some(start.clone());
     let mut index = 0;
-    let mut hand_over = |formed: Vec<Formed>| {
-        for formed in formed {
-            if let Formed::Point(point) = formed {
+    let mut hand_over = |formed: &mut Vec<CycleEvent>| {
+        for event in formed.drain(..) {
+            if let CycleEvent::Point { point, .. } = event {
                 batches.push(index, point);
                 index += 1;
             }
         }
     };
+    let mut formed = Vec::new();
     let (_, damage) = trunnion_record::visit_samples(path, &mut |item| {
         match item {
-            Item::Probes(samples) => {
-                samples.into_iter().for_each(|sample| hand_over(forming.probe(&timing.probe(sample))))
-            }
-            Item::Axes(samples) => {
-                samples.into_iter().for_each(|sample| hand_over(forming.axes(&timing.axes(sample))))
-            }
+            Item::Probe(sample) => forming.probe(&timing.probe(sample), &mut formed),
+            Item::Axes(sample) => forming.axes(&timing.axes(sample), &mut formed),
             Item::Temperature(reading) => forming.temperature(reading.channel.into(), reading.value_degc),
             _ => {}
         }
+        hand_over(&mut formed);
         true
     })?;
-    hand_over(forming.finish(EndReason::Stopped));
+    forming.finish(EndReason::Stopped, &mut formed);
+    hand_over(&mut formed);
     batches.finish();
     Ok((start, damage))
 }

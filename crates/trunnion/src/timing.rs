@@ -62,21 +62,17 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, Record
     let mut at_gesture = AxisValues::default();
     let (header, _) = visit_samples(path, &mut |item| {
         match item {
-            Item::Probes(samples) => {
-                for sample in samples {
-                    stamped |= !sample.stamp.arrival_s.is_nan();
-                    survey.probe(&sample);
-                    finder.probe(&sample);
-                }
+            Item::Probe(sample) => {
+                stamped |= !sample.stamp.arrival_s.is_nan();
+                survey.probe(&sample);
+                finder.probe(&sample);
             }
-            Item::Axes(samples) => {
-                for sample in samples {
-                    stamped |= !sample.stamp.arrival_s.is_nan();
-                    survey.axes(&sample);
-                    if let Some(gesture) = finder.axes(&sample) {
-                        at_gesture = sample.position;
-                        gestures.push(gesture);
-                    }
+            Item::Axes(sample) => {
+                stamped |= !sample.stamp.arrival_s.is_nan();
+                survey.axes(&sample);
+                if let Some(gesture) = finder.axes(&sample) {
+                    at_gesture = sample.position;
+                    gestures.push(gesture);
                 }
             }
             Item::Gap(gap) if gap.to_s > BEGIN_S => gaps.push(gap),

@@ -4,6 +4,7 @@
 //! outward [docs/design/physics.md §2.1; S1 eq. 6–7], a platform of parallel legs before the joints in series; o a point of a rotary axis' line, or the travelling carriage of a linear one.
 
 use super::legs;
+use super::rotation::turned;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use trunnion_core::{AxisLetter, AxisValues, Twist};
 use trunnion_machine::{Axis, Machine, Side};
@@ -41,12 +42,6 @@ fn carrier_from_carried(axis: &Axis, position: f64, error: &Twist) -> Matrix4<f6
     let [a, b, c] = [error.rotation_rad.x, error.rotation_rad.y, error.rotation_rad.z];
     let tilt = turned(&Vector3::x(), a) * turned(&Vector3::y(), b) * turned(&Vector3::z(), c);
     moved(&error.translation_mm) * about_point(&origin, &tilt) * motion
-}
-
-/// Rodrigues: I + sin θ [k]× + (1 − cos θ) [k]×².
-pub fn turned(along: &Vector3<f64>, angle_rad: f64) -> Matrix3<f64> {
-    let cross = along.cross_matrix();
-    Matrix3::identity() + cross * angle_rad.sin() + cross * cross * (1.0 - angle_rad.cos())
 }
 
 fn moved(by_mm: &Vector3<f64>) -> Matrix4<f64> {

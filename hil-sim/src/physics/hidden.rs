@@ -12,13 +12,14 @@ mod drift_gravity;
 mod drive_pitch;
 mod encoder_eccentricity;
 mod gravity_sag;
+mod kind;
 mod linear_scale;
 mod local_bump;
 mod radial_error_motion;
 mod reversal_spike;
 mod servo_lag;
 mod setup_slip;
-mod size;
+pub mod size;
 mod soft_step;
 mod squareness;
 mod stiff_stop;
@@ -28,43 +29,16 @@ mod thermal_drift;
 mod tilt_error_motion;
 mod unbalance;
 
-pub use size::{effect_rms_mm, surviving_rms_mm};
+pub use kind::{Circumstances, Kind, Place, Scene, SeenIn};
 
-use super::chain;
 use super::disturbance::Disturbance;
-use crate::truth::SimSetup;
-use nalgebra::Vector3;
 use rand::seq::IndexedRandom;
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trunnion_core::{AxisLetter, State, Twist};
 use trunnion_machine::Machine;
 
 /// Raw rms of an effect of `sigma` = 1 over the readings of the cycle in which it is seen, mm [docs/design/physics.md §9: 4–8 µm].
 pub const TYPICAL_RMS_MM: f64 = 5e-3;
-
-/// One kind of hidden physics.
-#[derive(Debug)]
-pub struct Kind {
-    /// File name with hyphens; the id without its place.
-    pub name: &'static str,
-    /// What happens, in one line.
-    pub about: &'static str,
-    /// What a unit of amplitude is, e.g. `lost motion, mm or rad`.
-    pub amplitude: &'static str,
-    /// Where it can be.
-    pub places: &'static [Place],
-    /// In which cycle it shows.
-    pub seen_in: SeenIn,
-    /// Whether the axis' own encoder sees it: it is a following error, not one between encoder and tool.
-    pub at_encoder: bool,
-    /// Whether the program's catalogue promises an effect of this id (docs/design/contracts.md §1).
-    pub catalogued: bool,
-    /// Names of the shape's numbers, units in the name.
-    pub shape: &'static [&'static str],
-    draw: fn(&mut ChaCha8Rng, &Circumstances<'_>) -> Vec<f64>,
-    disturb: fn(&Scene<'_>, &[f64]) -> Disturbance,
-}
 
 /// The registry.
 pub const KINDS: [&Kind; 23] = [
@@ -92,54 +66,6 @@ pub const KINDS: [&Kind; 23] = [
     &tilt_error_motion::KIND,
     &unbalance::KIND,
 ];
-
-/// Where a hidden effect sits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// In the machine as a whole.
-    Machine,
-    /// At one axis.
-    Axis(AxisLetter),
-    /// Between two axes: the first turned against the second.
-    Pair(AxisLetter, AxisLetter),
-}
-
-/// In which cycle an effect shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SeenIn {
-    /// In points read at rest.
-    StaticGrid,
-    /// Only while axes move.
-    OnTheFly,
-}
-
-/// What a draw may depend on.
-#[derive(Clone, Copy, Debug)]
-pub struct Circumstances<'a> {
-    /// The machine.
-    pub machine: &'a Machine,
-    /// Where the effect will sit.
-    pub place: Place,
-    /// Setups, measured one after the other.
-    pub setups: usize,
-    /// Smallest and largest coordinate of the axis at `place` in the cycle that shows the effect, mm or rad.
-    pub travel: (f64, f64),
-    /// Length of the run, s.
-    pub run_duration_s: f64,
-}
-
-/// What an effect may depend on.
-#[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
-    /// The machine.
-    pub machine: &'a Machine,
-    /// Where the effect sits.
-    pub place: Place,
-    /// The setup read.
-    pub setup: usize,
-    /// What the machine is doing.
-    pub state: &'a State,
-}
 
 /// One hidden effect of one machine.
 #[derive(Clone, Debug)]
@@ -242,36 +168,6 @@ const SHOWN_BY_A_STATIC_RUN: [&str; 13] = [
 ];
 
 impl Hidden {
-    /// Draws the shape of an effect and gives it the size asked for.
-    ///
-    /// # Errors
-    /// Unknown id, an axis the machine has not, or an effect these setups cannot see.
-    pub fn draw(
-        choice: &HiddenChoice,
-        machine: &Machine,
-        setups: &[SimSetup],
-        run_duration_s: f64,
-        rng: &mut ChaCha8Rng,
-    ) -> Result<Self, UnknownHidden> {
-        let (kind, place) = find(&choice.id)?;
-        if !fits(machine, place) {
-            return Err(UnknownHidden::NoSuchAxis { id: choice.id.clone(), machine: machine.name.clone() });
-        }
-        let states = size::states(kind, machine, setups, run_duration_s);
-        let travel = travel(place, &states);
-        let around = Circumstances { machine, place, setups: setups.len(), travel, run_duration_s };
-        let shape = (kind.draw)(rng, &around);
-        let mut hidden = Self { kind, place, amplitude: 1.0, shape };
-        // Sized by a small amplitude, so that the exact transforms stay in their linear range.
-        hidden.amplitude = size::PROBE_AMPLITUDE;
-        let probed_mm = effect_rms_mm(&hidden, machine, setups, &states);
-        if probed_mm < 1e-12 {
-            return Err(UnknownHidden::NoEffect { id: choice.id.clone(), machine: machine.name.clone() });
-        }
-        hidden.amplitude *= choice.sigma * TYPICAL_RMS_MM / probed_mm;
-        Ok(hidden)
-    }
-
     /// Its id.
     pub fn id(&self) -> String {
         id(self.kind, self.place)
@@ -289,55 +185,12 @@ impl PartialEq for Hidden {
     }
 }
 
-impl Scene<'_> {
-    /// The letter of the axis where the effect sits.
-    fn letter(&self) -> AxisLetter {
-        match self.place {
-            Place::Axis(letter) | Place::Pair(letter, _) => letter,
-            Place::Machine => AxisLetter::C,
-        }
-    }
-
-    /// Position of that axis.
-    fn here(&self) -> f64 {
-        self.state.position[self.letter()]
-    }
-
-    /// Time into the run, s; zero when the measurement has no time.
-    fn time_s(&self) -> f64 {
-        self.state.time_s.unwrap_or(0.0)
-    }
-
-    /// A positioning error of that axis, in its own coordinate.
-    fn positioning(&self, letter: AxisLetter, error: f64) -> Disturbance {
-        let Some(axis) = self.machine.axis(letter) else { return Disturbance::default() };
-        let along = axis.direction.into_inner() * (axis.sense * error);
-        let twist = if axis.is_rotary() { Twist::rotation(along) } else { Twist::translation(along) };
-        Disturbance::joint(letter, twist)
-    }
-
-    /// (across, along): two directions across an axis and the axis itself, right-handed, in the axes of its carrier.
-    fn trihedron(&self) -> [Vector3<f64>; 3] {
-        let i = self.letter().index() % 3;
-        [(i + 1) % 3, (i + 2) % 3, i].map(|k| Vector3::ith(k, 1.0))
-    }
-}
-
 fn id(kind: &Kind, place: Place) -> String {
     match place {
         Place::Machine => kind.name.into(),
         Place::Axis(letter) => format!("{}:{letter}", kind.name),
         Place::Pair(turned, against) => format!("{}:{turned}{against}", kind.name),
     }
-}
-
-/// Smallest and largest coordinate of the axis at a place; zeros where there is none.
-fn travel(place: Place, states: &[State]) -> (f64, f64) {
-    let (Place::Axis(letter) | Place::Pair(letter, _)) = place else { return (0.0, 0.0) };
-    let positions = || states.iter().map(|state| state.position[letter]);
-    let low = positions().fold(f64::INFINITY, f64::min);
-    let high = positions().fold(f64::NEG_INFINITY, f64::max);
-    if low <= high { (low, high) } else { (0.0, 0.0) }
 }
 
 /// Whether the machine has the axes of a place.
@@ -347,34 +200,4 @@ pub fn fits(machine: &Machine, place: Place) -> bool {
         Place::Axis(letter) => machine.axis(letter).is_some(),
         Place::Pair(one, other) => machine.axis(one).is_some() && machine.axis(other).is_some(),
     }
-}
-
-const A: Place = Place::Axis(AxisLetter::A);
-const B: Place = Place::Axis(AxisLetter::B);
-const C: Place = Place::Axis(AxisLetter::C);
-const X: Place = Place::Axis(AxisLetter::X);
-const Y: Place = Place::Axis(AxisLetter::Y);
-const Z: Place = Place::Axis(AxisLetter::Z);
-
-/// The numbers of a shape by position; their count was checked when the truth was made.
-fn numbers<const N: usize>(shape: &[f64]) -> [f64; N] {
-    shape.try_into().expect("a shape has the length of its kind's names, checked when drawn and when read")
-}
-
-/// An angle anywhere on the circle, rad.
-fn any_angle(rng: &mut impl Rng) -> f64 {
-    rng.random_range(0.0..std::f64::consts::TAU)
-}
-
-/// +1 or −1.
-fn any_sign(rng: &mut impl Rng) -> f64 {
-    if rng.random::<bool>() { 1.0 } else { -1.0 }
-}
-
-/// A direction in space.
-fn any_direction(rng: &mut impl Rng) -> Vector3<f64> {
-    let z = rng.random_range(-1.0..1.0_f64);
-    let around = any_angle(rng);
-    let r = (1.0 - z * z).sqrt();
-    Vector3::new(r * around.cos(), r * around.sin(), z)
 }

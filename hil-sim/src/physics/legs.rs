@@ -6,7 +6,7 @@
 //!   leg 2 stands across the platform's X: `(B₂ − A₂)·R x̂ = 0`                        [S3 fig. 1–2: 2-UPR-SPR]
 //! Newton with derivatives by differences.
 
-use super::chain::turned;
+use super::rotation::turned;
 use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector3};
 use trunnion_core::{AxisValues, Twist};
 use trunnion_machine::{Machine, Tripod};

@@ -1,9 +1,9 @@
 //! The sealed truth file, `format = "trunnion-truth/1"`. The program under test never reads it.
 
+use super::location::LocationError;
 use super::{Instrument, NestOn, Noise, PlacedSetup, SimSetup, Truth};
 use crate::physics::hidden;
 use crate::physics::hidden::Hidden;
-use crate::truth::draw::LocationError;
 use nalgebra::Point3;
 use std::ops::RangeInclusive;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, value};

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod circles;
 mod citations;
 mod edges;
 mod fault_matrix;

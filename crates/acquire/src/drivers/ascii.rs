@@ -12,8 +12,9 @@
 mod probe;
 mod settings;
 
-use super::{Device, Driver, Session};
-use crate::supervisor::{Link, SessionEnd};
+use crate::driver::{Device, Driver, Session};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use crate::transport::asked::{Exchange, exchange};
 use crate::transport::serial;
 use crate::transport::serial::Port;

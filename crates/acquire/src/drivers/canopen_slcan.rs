@@ -9,8 +9,9 @@ mod adapter;
 mod probe;
 
 use super::canopen::Network;
-use super::{Device, Driver, Session};
-use crate::supervisor::{Link, SessionEnd};
+use crate::driver::{Device, Driver, Session};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use adapter::OpenAdapter;
 use std::convert::Infallible;
 use std::sync::Arc;

@@ -10,9 +10,10 @@ mod socket;
 mod stamps;
 
 use super::canopen::Network;
-use super::{Device, Driver, Session};
+use crate::driver::{Device, Driver, Session};
+use crate::link::Link;
 use crate::probe::{Answer, Found, Medium, Probe, Probing};
-use crate::supervisor::{Link, SessionEnd};
+use crate::session_end::SessionEnd;
 use socket::OpenInterface;
 use std::convert::Infallible;
 use std::sync::Arc;

@@ -12,11 +12,13 @@
 
 mod probe;
 
-use super::{Device, Driver, Session};
-use crate::supervisor::{Link, SessionEnd};
+use crate::driver::{Device, Driver, Session};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use crate::transport::asked::{Exchange, exchange};
 use crate::transport::serial;
 use crate::transport::serial::{Framing, Port};
+use probe::REPLY_LIMIT;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
@@ -37,8 +39,6 @@ pub const DRIVER: Driver = Driver {
     probe: Some(probe::PROBE),
 };
 
-/// The reply of 15 heads takes 160 ms at 9600 baud.
-const REPLY_LIMIT: Duration = Duration::from_millis(300);
 /// Requests that may stay without answer before a session gives up identifying.
 const ATTEMPTS: usize = 3;
 const TICK_S: f64 = 1e-6;

@@ -11,9 +11,10 @@
 mod exchange;
 mod probe;
 
-use super::{Device, Driver, Session};
-use crate::supervisor::{Link, SessionEnd};
-use exchange::{Answered, Exchange};
+use crate::driver::{Device, Driver, Session};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
+use exchange::{Answered, Exchange, PASSWORD, PORT, unexpected};
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
@@ -32,9 +33,6 @@ pub const DRIVER: Driver = Driver {
     probe: Some(probe::PROBE),
 };
 
-/// Port and connection password of linuxcncrsh when nobody gave it others.
-const PORT: u16 = 5007;
-const PASSWORD: &str = "EMC";
 /// The same answer for so long means that the axes stand, s.
 const STANDS_AFTER: Duration = Duration::from_millis(30);
 /// Positions of standing axes are sent so often.
@@ -156,10 +154,6 @@ impl LinuxCnc {
     fn present(&self) -> AxisValues<bool> {
         AxisValues::of(self.joints.iter().copied(), |_| true)
     }
-}
-
-fn unexpected(answered: &Answered) -> SessionEnd {
-    SessionEnd::Protocol { doing: "asking LinuxCNC", fault: format!("it answered {:?}", answered.reply) }
 }
 
 /// Answers to positions: which are new, and since when.

@@ -11,8 +11,9 @@
 mod model;
 mod probe;
 
-use super::{Device, Driver, Session};
-use crate::supervisor::{Link, SessionEnd};
+use crate::driver::{Device, Driver, Session};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use crate::transport::http;
 use hyper::Uri;
 use model::{Items, Model};
@@ -285,9 +286,4 @@ fn unexpected(doing: &'static str, document: &Document) -> SessionEnd {
         Document::Streams(_) => "the agent sent a streams document".into(),
     };
     SessionEnd::Protocol { doing, fault }
-}
-
-/// Axis named by a component or data item: `C`, `C1`, `c`; `S` and others are none.
-pub(super) fn letter_of(name: &str) -> Option<AxisLetter> {
-    AxisLetter::parse(name.trim_end_matches(|c: char| c.is_ascii_digit()))
 }

@@ -5,10 +5,12 @@
 
 mod probe;
 
-use super::{Device, Driver, Session};
-use crate::supervisor::{Link, SessionEnd};
+use crate::driver::{Device, Driver, Session};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use crate::transport::serial;
 use crate::transport::serial::{Framing, Port};
+use probe::is_of_the_family;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
@@ -83,10 +85,6 @@ struct Connection {
     decoder: Decoder,
     /// Events read together with a reply and not yet handled.
     blocks: Vec<Event>,
-}
-
-fn is_of_the_family(info: &SensorInfo) -> bool {
-    ["ILD132", "ILD142"].iter().any(|family| info.name.to_ascii_uppercase().starts_with(family))
 }
 
 impl Connection {

@@ -1,6 +1,7 @@
 //! Devices that speak only when they are asked: one request, one answer, and the moments of both.
 
-use crate::supervisor::{Link, SessionEnd};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use crate::transport::serial::Port;
 use std::time::Duration;
 use tokio::time::Instant;

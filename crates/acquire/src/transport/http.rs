@@ -1,7 +1,7 @@
 //! HTTP/1.1 GET over plain TCP, whole answers and streams, with limits on connecting, on each read, and on size.
 
 use super::tcp::{self, CONNECT_LIMIT};
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 use http_body_util::{BodyExt, Empty};
 use hyper::body::{Bytes, Incoming};
 use hyper::{Request, StatusCode, Uri, header};

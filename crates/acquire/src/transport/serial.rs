@@ -5,7 +5,8 @@
 //! refusal is told. A pseudo-terminal is always 8N1, so a 7-bit format must not rely on the port to take the parity
 //! bit away.
 
-use crate::supervisor::{Link, SessionEnd};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use crate::transport::trouble;
 use std::fmt;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! A TCP connection to `host:port`, with the system's words turned into reasons.
 
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 use std::io::ErrorKind;
 use std::time::Duration;
 use tokio::net::TcpStream;

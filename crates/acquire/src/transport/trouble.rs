@@ -1,7 +1,7 @@
 //! Why a port cannot be opened or is slow, and what a person can do about it. Linux: the answers are in `/etc/group`,
 //! `/proc` and `/sys`.
 
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 use std::fs;
 use std::io::ErrorKind;
 use std::os::unix::fs::MetadataExt;

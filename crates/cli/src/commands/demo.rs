@@ -32,10 +32,10 @@ use trunnion_hil_sim::{HiddenChoice, SimSetup, Truth, VirtualMachine, scenario};
 use trunnion_machine::shipped;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
-use trunnion_service::daemon::{Recorded, Texts};
-use trunnion_service::live::Plan;
-use trunnion_service::{daemon, live};
-use trunnion_sync::{CycleBounds, TimeBase};
+use trunnion_service::daemon;
+use trunnion_service::daemon::{NewRun, Recorded, Texts};
+use trunnion_service::live::{Live, Plan};
+use trunnion_sync::CycleBounds;
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
 ///
@@ -227,38 +227,19 @@ async fn measure(
     let texts = Texts { machine: machine_text, cycle: cycle_text.into(), config: config_text };
 
     let cancel = CancellationToken::new();
-    let mut acquisition = trunnion_acquire::start(
-        config.devices,
-        clock.clone(),
-        cancel.clone(),
-        trunnion_acquire::supervisor::QUEUE_LENGTH,
-    );
-    let mut timebase = TimeBase::new(clock.now());
-    let mut bounds = CycleBounds::default();
-    let start = live::wait_for_start(&mut acquisition.messages, &mut timebase, &mut bounds, &cancel);
+    let mut live = Live::start(config.devices, CycleBounds::default(), clock, cancel.clone());
+    let start = live.wait_for_start();
     let start = tokio::time::timeout(Duration::from_secs(20), start)
         .await
         .context("the simulated controller did not start its program within 20 s")?
         .context("the simulated devices went away")?;
     let run_name = free_name(&args.output, name);
     let mut bar = ProgressBar::new(args.json);
-    let recorded = daemon::record_cycle(
-        &plan,
-        &texts,
-        &args.output,
-        &run_name,
-        start,
-        &mut acquisition.messages,
-        &mut timebase,
-        &mut bounds,
-        &clock,
-        &cancel,
-        &mut |progress| bar.show(progress),
-    )
-    .await;
+    let run = NewRun { plan: &plan, texts: &texts, folder: &args.output, name: &run_name };
+    let recorded = daemon::record_cycle(&run, &mut live, start, &mut |progress| bar.show(progress)).await;
     bar.clear();
     cancel.cancel();
-    acquisition.stop().await;
+    live.stop().await;
     cell.shutdown().await;
     std::fs::remove_dir_all(&ports).with_context(|| format!("cannot remove {}", ports.display()))?;
     Ok(recorded?)

@@ -5,8 +5,8 @@ use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
 use trunnion_core::{State, convert};
-use trunnion_cycles::cycle::{CourseRules, Pace};
 use trunnion_cycles::nc::Program;
+use trunnion_cycles::{CourseRules, Pace};
 use trunnion_cycles::{Cycle, nc};
 use trunnion_machine::Machine;
 

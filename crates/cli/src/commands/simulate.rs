@@ -6,7 +6,7 @@ use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion_core::{AxisSample, InstrumentKind, NestSide, Point, Quality, Setup, State};
-use trunnion_cycles::cycle::Pace;
+use trunnion_cycles::Pace;
 use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{Compensation, Instrument, NestOn, SimSetup, Truth};

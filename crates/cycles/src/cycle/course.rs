@@ -7,125 +7,21 @@
 //! the side of its pass with an overrun; a sweep runs in and out by half the feed times the ramp.
 
 mod guide;
+mod step;
+
+pub use step::{CourseRules, Step};
 
 use super::visit::VisitError;
-use super::{Cycle, Leg, Pace};
+use super::{Cycle, Leg};
 use crate::RunKind;
 use guide::Guide;
-use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, State};
+use trunnion_core::{AxisValues, InstrumentKind, State};
 use trunnion_machine::{Axis, Machine};
 
 /// Farther than this from every pose, no one takes a stand for a pose, rad.
 const FREE_RAD: f64 = 2.5 / 180.0 * std::f64::consts::PI;
 /// Places looked at for standing free of the poses.
 const MOST_PLACES: u32 = 36;
-
-/// How a course is laid out.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CourseRules {
-    /// Run-in, settling and the feed limits of axes whose machine file gives none.
-    pub pace: Pace,
-    /// Largest distance of the tool point from its path over the table in the straight pieces of a sweep, mm.
-    pub chord_mm: f64,
-    /// The same on the way from pose to pose, mm.
-    pub transfer_chord_mm: f64,
-    /// Largest speed of a linear axis from pose to pose, mm/s.
-    pub transfer_mm_per_s: f64,
-    /// Largest speed of a rotary axis from pose to pose, rad/s.
-    pub transfer_rad_per_s: f64,
-    /// Height of the retracted spindle above the highest ball, mm.
-    pub clearance_mm: f64,
-    /// Standing still at a pose at rest, s; `None`: settling and two windows of the cycle.
-    pub dwell_s: Option<f64>,
-    /// Length of one stroke of the gesture that begins and ends a cycle on the fly, mm.
-    pub stroke_mm: f64,
-    /// Strokes of the gesture, each there and back.
-    pub strokes: usize,
-}
-
-impl Default for CourseRules {
-    /// Chords of 0.5 µm in sweeps and 50 µm between poses, 2000 mm/min and 1800°/min, 100 mm clearance, three strokes of
-    /// 0.2 mm.
-    fn default() -> Self {
-        Self {
-            pace: Pace::default(),
-            chord_mm: 0.5e-3,
-            transfer_chord_mm: 0.05,
-            transfer_mm_per_s: 2000.0 / 60.0,
-            transfer_rad_per_s: std::f64::consts::TAU * 5.0 / 60.0,
-            clearance_mm: 100.0,
-            dwell_s: None,
-            stroke_mm: 0.2,
-            strokes: 3,
-        }
-    }
-}
-
-/// One step of a course. Positions are of all axes, mm and rad; every move is straight in axis space.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Step {
-    /// The spindle stands free above a setup: first in height, then the rotary axes, then over the place.
-    Above {
-        /// Where.
-        at: AxisValues<f64>,
-    },
-    /// The operator fits what is named by the setups; the spindle is free.
-    Fit {
-        /// Indices of the setups.
-        setups: Vec<usize>,
-    },
-    /// Straight down: ball and nest come together, or the table's ball comes within a bar's length.
-    Join {
-        /// Index of the setup.
-        setup: usize,
-        /// Where they are together.
-        at: AxisValues<f64>,
-        /// True when the operator has to see to it (a bar to put in, probes to look at).
-        attended: bool,
-    },
-    /// Straight up again; a bar is taken out first.
-    Part {
-        /// Index of the setup.
-        setup: usize,
-        /// Where the spindle is free.
-        to: AxisValues<f64>,
-    },
-    /// Along straight pieces, each at the speed the slowest axis allows.
-    Transfer {
-        /// End and duration, s, of every piece.
-        pieces: Vec<(AxisValues<f64>, f64)>,
-    },
-    /// Stand until the pose is read.
-    Stand {
-        /// How long, s.
-        seconds: f64,
-    },
-    /// Stand for another reason.
-    Wait {
-        /// How long, s.
-        seconds: f64,
-        /// Why.
-        reason: &'static str,
-    },
-    /// A small motion that is seen by axes and probes alike.
-    Gesture {
-        /// The axis that strokes.
-        axis: AxisLetter,
-        /// End and duration, s, of every stroke.
-        pieces: Vec<(AxisValues<f64>, f64)>,
-    },
-    /// At the feed of the cycle through pieces of equal duration.
-    Sweep {
-        /// The axis at its feed; `None` along a curve.
-        turning: Option<AxisLetter>,
-        /// Signed feed, rad/s of that axis or of the angle along the curve.
-        feed: f64,
-        /// Duration of every piece, s.
-        piece_s: f64,
-        /// Ends of the pieces; run-in and run-out included.
-        ends: Vec<AxisValues<f64>>,
-    },
-}
 
 impl Cycle {
     /// True when it touches surfaces or balls: that is left to the probing cycles of the controller.

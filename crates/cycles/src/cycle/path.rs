@@ -20,7 +20,6 @@
 //! feeds_mm_per_min = [1000]
 //! ```
 
-use super::reach;
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use trunnion_core::{AxisLetter, AxisValues, Setup};
 use trunnion_machine::{JointErrors, Machine};
@@ -153,4 +152,17 @@ fn pointing(
         }
         machine.reach(&start, place_in_table_mm, direction)
     })
+}
+
+/// All axes with the spindle-side ball of `setup` at a place of the table, the rotary axes at `rotary`.
+pub(super) fn reach(
+    machine: &Machine,
+    setup: &Setup,
+    rotary: &AxisValues<f64>,
+    place_in_table_mm: &Point3<f64>,
+) -> Option<AxisValues<f64>> {
+    let none = JointErrors::default();
+    let table_from_tool = machine.machine_from_table(rotary, &none).rotation.inverse()
+        * machine.machine_from_tool(rotary, &none).rotation;
+    machine.follow(rotary, &(place_in_table_mm - table_from_tool * setup.ball_in_tool_mm.coords))
 }

@@ -4,13 +4,25 @@ use super::{Bar, BarFrame, Cycle, GridAxis, Line, Motion, Path, Rounds, Settle};
 use nalgebra::Unit;
 use trunnion_core::input::{Document, Table};
 use trunnion_core::setup::read_setups;
-use trunnion_core::{AxisLetter, AxisValues, Setup, convert};
+use trunnion_core::{AxisLetter, AxisValues, Problems, Setup, convert};
 
 /// Largest angle a cycle file may name, degrees.
 const FARTHEST_DEG: f64 = 36_000.0;
 
 /// The cycle of a document; problems are noted in it.
-pub(super) fn read(document: &Document<'_>) -> Option<Cycle> {
+impl Cycle {
+    /// Reads a cycle file.
+    ///
+    /// # Errors
+    /// Every problem of the file with its line.
+    pub fn parse(file: &str, text: &str) -> Result<Self, Problems> {
+        let document = Document::parse(file, text)?;
+        let cycle = read(&document);
+        document.finish(cycle)
+    }
+}
+
+fn read(document: &Document<'_>) -> Option<Cycle> {
     let root = document.root();
     let format = root.format("trunnion-cycle/1");
     let name = root.string("name");

@@ -1,3 +1,5 @@
+use super::course::CourseRules;
+use super::visit::Pace;
 use super::*;
 use proptest::prelude::*;
 use trunnion_core::convert::rad_from_deg;

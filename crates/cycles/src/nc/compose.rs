@@ -1,7 +1,7 @@
 //! From the steps of a cycle to the blocks of a program, with a header that says what has to be right before the start.
 
 use super::program::{Block, Program, Target};
-use crate::cycle::{CourseRules, Step, VisitError};
+use crate::{CourseRules, Step, VisitError};
 use crate::{Cycle, RunKind};
 use nalgebra::Point3;
 use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, NestSide, Setup, convert};

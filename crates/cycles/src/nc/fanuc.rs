@@ -4,7 +4,7 @@
 //! G04 P in milliseconds. M00 stops; the comment before it is what the program screen shows. G49 ends tool length
 //! compensation and with it tool centre point control (G43.4, G43.5). Comments take capital letters.
 
-use super::Dialect;
+use super::dialect::Dialect;
 use super::program::{Block, Program};
 use super::words::{Moves, fixed, plain, wrapped};
 

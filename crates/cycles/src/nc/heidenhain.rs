@@ -6,7 +6,7 @@
 //! seconds; STOP waits for the operator, who reads the comment before it; cycle 32 bounds the rounding of corners; M127: rotary
 //! axes go where they are told, not the shorter way.
 
-use super::Dialect;
+use super::dialect::Dialect;
 use super::program::{Block, Program, Target};
 use super::words::{Words, identifier, plain, short, wrapped};
 

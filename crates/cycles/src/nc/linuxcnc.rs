@@ -3,7 +3,7 @@
 //! G93: F is the inverse of the duration of the block in minutes and must stand in every block. G4 P in seconds. `(MSG,…)`
 //! shows a message, M0 stops. G64 P Q0: blending within P of the path, without merging blocks. At most 255 characters a line.
 
-use super::Dialect;
+use super::dialect::Dialect;
 use super::program::{Block, Program};
 use super::words::{Moves, plain, short, wrapped};
 

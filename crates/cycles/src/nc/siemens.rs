@@ -4,7 +4,7 @@
 //! and leaves the feed as it is. MSG("…") shows a text until the next one, M0 stops. TRAFOOF ends five-axis transformation
 //! (TRAORI), D0 tool offsets. G60 and G64: exact stop and continuous path.
 
-use super::Dialect;
+use super::dialect::Dialect;
 use super::program::{Block, Program};
 use super::words::{Moves, plain, short, wrapped};
 

@@ -4,8 +4,8 @@ use crate::interpreter::interpret;
 use crate::visited::visited;
 use proptest::prelude::*;
 use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Setup, convert};
+use trunnion_cycles::CourseRules;
 use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::CourseRules;
 use trunnion_cycles::nc::{Block, DIALECTS, Program};
 use trunnion_machine::{JointErrors, Machine, shipped};
 

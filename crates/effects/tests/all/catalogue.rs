@@ -298,7 +298,7 @@ fn ids_and_parameter_names_are_unique_and_ids_lead_back() {
             assert_eq!(unique.len(), names.len(), "{} {names:?}", instance.id());
         }
     }
-    let unknown = Instance::find("sag", &machines()[0]).unwrap_err().to_string();
+    let unknown = Instance::find("gravity-sga", &machines()[0]).unwrap_err().to_string();
     assert!(unknown.contains("gravity-sag:B"), "{unknown}");
 }
 
@@ -555,8 +555,7 @@ fn span(mut columns: DMatrix<f64>) -> DMatrix<f64> {
 /// axis with places, directions, speeds, accelerations and travel since its reversal of its own, temperatures, over time.
 fn rich_scene(machine: &Machine) -> (Scene, Vec<State>) {
     // Steps by roots of primes: no two axes, and no two multiples of their angles, ever go together.
-    let roots =
-        [2.0f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0].map(f64::sqrt);
+    let roots = [2.0f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0].map(f64::sqrt);
     let mut states = rich_states(machine);
     for (i, state) in states.iter_mut().enumerate() {
         let share = |letter: AxisLetter, use_of: usize| {

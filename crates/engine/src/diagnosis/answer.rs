@@ -42,7 +42,9 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Diag
     let verdict = match (candidates.is_empty(), context.formula_leads(&listed)) {
         (_, true) => Verdict::UnnamedStructure,
         (false, false) => Verdict::MissingEffect,
-        (true, false) => Verdict::NoiseFloor,
+        (true, false) if listed.is_empty() => Verdict::NoiseFloor,
+        // Something was found that cannot be added.
+        (true, false) => Verdict::UnnamedStructure,
     };
     let next_cycle = candidates
         .first()

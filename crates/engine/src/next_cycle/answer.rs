@@ -6,7 +6,7 @@ use super::{HOPELESS_LN, Options, Rivals};
 use std::f64::consts::LN_10;
 use trunnion_core::convert;
 use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::Pace;
+use trunnion_cycles::Pace;
 use trunnion_effects::{Instance, Need};
 
 /// What to measure next, and why.

@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Setup, State, convert};
 use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::{Bar, BarFrame, GridAxis, Motion, Pace, Rounds, Settle};
+use trunnion_cycles::Pace;
+use trunnion_cycles::cycle::{Bar, BarFrame, GridAxis, Motion, Rounds, Settle};
 use trunnion_machine::{Axis, Machine};
 
 /// Farthest tilt asked for, rad.

@@ -7,7 +7,7 @@ use super::knowledge::Knowledge;
 use super::utility::Utility;
 use super::{HOPELESS_LN, Options, PlanError};
 use trunnion_core::{Setup, State};
-use trunnion_cycles::cycle::Pace;
+use trunnion_cycles::Pace;
 use trunnion_cycles::{Cycle, RunKind};
 use trunnion_machine::Machine;
 

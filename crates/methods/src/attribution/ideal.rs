@@ -135,7 +135,7 @@ fn commanded(
 }
 
 fn cannot_follow(motion: &Motion<'_>, cycle: &Cycle, sweep: &Sweep) -> AttributionError {
-    let source = cycle::VisitError::CannotFollow {
+    let source = trunnion_cycles::VisitError::CannotFollow {
         machine: motion.machine.name.clone(),
         setup: cycle.setups[sweep.setup].name.clone(),
     };

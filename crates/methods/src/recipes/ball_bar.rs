@@ -17,10 +17,15 @@
 
 mod causes;
 mod charts;
+mod error_motions;
+mod found;
 mod joint_fit;
+mod location;
 mod shape;
 mod track;
 mod values;
+
+use found::Found;
 
 use super::{Method, MethodError, MethodOptions, one_machine};
 use crate::Findings;
@@ -46,21 +51,11 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let tracks = Tracks::of(&METHOD, runs, options.axis)?;
     let shapes = Shape::of_all(&METHOD, &tracks.all)?;
     let axes = AxisShapes::of_all(&shapes);
-    let location = values::locations(&shapes, &axes);
+    let location = location::locations(&shapes, &axes);
     let by_joint_fit = match location.is_empty() {
         true => Vec::new(),
-        false => joint_fit::locations_of(runs, options.axis)?,
+        false => joint_fit::locations_of(&METHOD, runs, options.axis)?,
     };
     let found = Found { tracks: &tracks, shapes: &shapes, axes: &axes, location, by_joint_fit };
-    Ok(values::findings(&machine.name, runs, &found, options.convention))
-}
-
-/// Everything the steps gave.
-struct Found<'a> {
-    tracks: &'a Tracks,
-    shapes: &'a [Shape],
-    axes: &'a [AxisShapes],
-    location: Vec<values::Location>,
-    /// The same location errors from what the joint fit of all effects predicts for these readings.
-    by_joint_fit: Vec<values::Location>,
+    Ok(values::findings(&METHOD, &machine.name, runs, &found, options.convention))
 }

@@ -42,5 +42,5 @@ fn run(runs: &[Run], _: &MethodOptions) -> Result<Findings, MethodError> {
     let traces = Traces::of(&METHOD, runs)?;
     let fits: Vec<Fitted<'_>> =
         traces.all.iter().map(|trace| Fitted::of(&METHOD, machine, trace)).collect::<Result<_, _>>()?;
-    Ok(values::findings(machine, runs, &traces, &fits))
+    Ok(values::findings(&METHOD, machine, runs, &traces, &fits))
 }

@@ -20,10 +20,14 @@
 mod b_errors;
 mod c_errors;
 mod charts;
+mod components;
+mod found;
 mod grid;
 mod location;
 mod nest_calibration;
 mod values;
+
+use found::Found;
 
 use super::{Method, MethodError, MethodOptions};
 use crate::Findings;
@@ -31,11 +35,10 @@ use b_errors::BErrors;
 use c_errors::CErrors;
 use grid::Grid;
 use location::Locations;
-use nest_calibration::Calibration;
 use trunnion_cycles::Run;
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
-use trunnion_engine::{Experiment, Identification, identify};
+use trunnion_engine::{Experiment, identify};
 
 pub(super) static METHOD: Method = Method {
     name: "error-map",
@@ -59,17 +62,7 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let experiment = Experiment::new(runs)?;
     let joint = identify(&experiment, &Model::base(&grid.machine.name), &Options::default())?;
     let locations = Locations::of(&grid, &b_errors, &joint);
-    let b_errors = b_errors.without_gauge(&locations);
+    let b_errors = b_errors.without_gauge(&locations.gauge);
     let found = Found { grid: &grid, b_errors, c_errors, locations, joint, calibration };
-    Ok(values::findings(runs, &found, options.convention))
-}
-
-/// Everything the steps gave.
-struct Found<'a> {
-    grid: &'a Grid<'a>,
-    b_errors: BErrors,
-    c_errors: CErrors,
-    locations: Locations,
-    joint: Identification,
-    calibration: Calibration,
+    Ok(values::findings(&METHOD, runs, &found, options.convention))
 }

@@ -38,5 +38,5 @@ pub(super) static METHOD: Method = Method {
 
 fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let turning = Turning::of(&METHOD, runs, options.axis)?;
-    report::findings(&turning, runs, options.convention)
+    report::findings(&METHOD, &turning, runs, options.convention)
 }

@@ -13,6 +13,7 @@
 
 mod charts;
 mod circle;
+mod error_motions;
 mod fit;
 mod values;
 
@@ -37,5 +38,5 @@ pub(super) static METHOD: Method = Method {
 fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let turning = Turning::of(&METHOD, runs, options.axis)?;
     let heights = Heights::of(&METHOD, &turning)?;
-    Ok(values::findings(&turning, &heights, runs, options.convention))
+    Ok(values::findings(&METHOD, &turning, &heights, runs, options.convention))
 }

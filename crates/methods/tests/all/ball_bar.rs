@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 use trunnion_core::{AxisLetter, Point, Quality};
-use trunnion_cycles::cycle::Pace;
+use trunnion_cycles::Pace;
 use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_instruments::predict;
 use trunnion_machine::{Errors, shipped};

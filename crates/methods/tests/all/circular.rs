@@ -5,7 +5,7 @@ use rand_distr::{Distribution, Normal};
 use std::f64::consts::TAU;
 use trunnion_core::axis::iso::{X, Y};
 use trunnion_core::{Point, Quality, State};
-use trunnion_cycles::cycle::Pace;
+use trunnion_cycles::Pace;
 use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_instruments::predict;
 use trunnion_machine::{Errors, shipped};

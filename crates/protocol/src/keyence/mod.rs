@@ -21,9 +21,4 @@ mod value;
 
 pub use command::{Command, CommandDecoder};
 pub use reply::{Decoder, Refusal, Reply};
-pub use value::{AmplifierFaults, Family, Value};
-
-/// Amplifiers one box can have.
-pub const MOST_AMPLIFIERS: usize = 15;
-/// Data number of an amplifier's error state.
-pub const ERROR_STATE: u16 = 6;
+pub use value::{AmplifierFaults, ERROR_STATE, Family, MOST_AMPLIFIERS, Value};

@@ -1,7 +1,6 @@
 //! What the box says.
 
-use super::MOST_AMPLIFIERS;
-use super::value::Value;
+use super::value::{MOST_AMPLIFIERS, Value};
 use crate::lines::{LineCounts, Lines};
 use thiserror::Error;
 

@@ -17,5 +17,5 @@ pub use document::{
 };
 pub use multipart::{MultipartDecoder, MultipartError, MultipartLosses, Part, boundary, encode_part};
 pub use read::{element_name, parse};
-pub use timestamp::{format_timestamp, parse_timestamp};
+pub use timestamp::{format_timestamp, parse_timestamp, timestamp};
 pub use write::{write_devices, write_error, write_streams};

@@ -1,4 +1,6 @@
+use super::message::{BEL, CR};
 use super::*;
+use crate::can::{CanFrame, CanId};
 use proptest::prelude::*;
 
 fn standard(id: u16, data: &[u8]) -> CanFrame {

@@ -1,6 +1,5 @@
 //! Setups as protobuf messages and back.
 
-use super::three;
 use crate::schema as pb;
 use nalgebra::{Point3, Unit, Vector3};
 use trunnion_core::{Artefact, InstrumentKind, NestSide, Setup, Target};
@@ -82,4 +81,8 @@ fn direction(list: &[f64]) -> Option<Option<Unit<Vector3<f64>>>> {
     }
     let vector = Vector3::from(three(list)?);
     ((vector.norm() - 1.0).abs() < 1e-9).then(|| Some(Unit::new_unchecked(vector)))
+}
+
+pub(super) fn three(list: &[f64]) -> Option<[f64; 3]> {
+    <[f64; 3]>::try_from(list).ok()
 }

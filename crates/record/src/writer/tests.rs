@@ -51,7 +51,7 @@ fn a_full_disk_costs_only_what_the_ring_cannot_hold_and_that_is_a_gap() {
         let value_mm = (raw as f64).sin();
         let time_s = raw as f64 * 1e-5;
         let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
-        recorder.append(Item::Probes(vec![sample]), HostTime(raw * 10_000));
+        recorder.append(Item::Probe(sample), HostTime(raw * 10_000));
         failed |= recorder.failing().is_some_and(|why| why.contains("cannot write"));
         if raw == samples - 150_000 {
             left.store(i64::MAX, Ordering::SeqCst);

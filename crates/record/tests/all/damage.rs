@@ -27,7 +27,7 @@ fn recordings(folder: &Path) -> (PathBuf, PathBuf) {
     for i in 0..SAMPLES {
         let time_s = i as f64 * 1e-3;
         let sample = ProbeSample { time_s, raw: i as i64, value_mm: time_s, ..ProbeSample::default() };
-        recorder.append(Item::Probes(vec![sample]), HostTime(0) + Duration::from_millis(i as u64));
+        recorder.append(Item::Probe(sample), HostTime(0) + Duration::from_millis(i as u64));
     }
     recorder.flush_aged(HostTime(i64::MAX));
     let journal = folder.join("copy.mcap.active");

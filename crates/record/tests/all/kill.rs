@@ -54,7 +54,7 @@ fn record_a_counter_until_killed(folder: &Path) -> ! {
         before = now;
         let time_s = now.seconds_since(HostTime(0));
         let sample = ProbeSample { time_s, raw, value_mm: raw as f64 * 1e-3, ..ProbeSample::default() };
-        if handle.try_send(Item::Probes(vec![sample]), now) {
+        if handle.try_send(Item::Probe(sample), now) {
             writeln!(out, "accepted {raw} {longest_ns}").unwrap();
         }
         std::thread::sleep(Duration::from_millis(1));

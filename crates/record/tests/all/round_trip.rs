@@ -9,9 +9,7 @@ use trunnion_core::{
 };
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::{Machine, shipped};
-use trunnion_record::{
-    ControllerState, Item, LogLine, Recorder, RunHeader, Temperature, points_csv, read_run, visit, write_run,
-};
+use trunnion_record::{Item, Recorder, RunHeader, Temperature, points_csv, read_run, visit, write_run};
 
 const START: HostTime = HostTime(5_000_000_000);
 
@@ -97,7 +95,7 @@ fn everything_recorded_is_read_back_bit_for_bit_in_order_of_time() {
         };
         let sample = ProbeSample { channel, time_s, stamp, raw, value_mm };
         probes.push(sample);
-        recorder.append(Item::Probes(vec![sample]), arrival);
+        recorder.append(Item::Probe(sample), arrival);
         if i % 8 == 0 {
             let mut position = AxisValues::default();
             position.0[5] = f64::from(i) * 1e-4;
@@ -112,7 +110,7 @@ fn everything_recorded_is_read_back_bit_for_bit_in_order_of_time() {
                 skew_s: f64::from(i % 5) * 1e-3,
                 position,
             });
-            recorder.append(Item::Axes(vec![axes[axes.len() - 1]]), arrival);
+            recorder.append(Item::Axes(axes[axes.len() - 1]), arrival);
         }
         if i % 500 == 0 {
             points.push(random_point(&mut rng));
@@ -127,16 +125,8 @@ fn everything_recorded_is_read_back_bit_for_bit_in_order_of_time() {
         lost_samples: Some(0),
         reason: "unplugged".into(),
     };
-    let state = ControllerState { time_s: 0.0, line: Some(-3), mode: "MDI".into(), ..Default::default() };
     let temperature = Temperature { time_s: 2.0, channel: 0, value_degc: 19.44 };
-    let line = LogLine { time_s: 0.5, level: "warn".into(), text: "late".into() };
-    for item in [
-        Item::Event(event.clone()),
-        Item::Gap(gap.clone()),
-        Item::Controller(state.clone()),
-        Item::Temperature(temperature),
-        Item::Log(line.clone()),
-    ] {
+    for item in [Item::Event(event.clone()), Item::Gap(gap.clone()), Item::Temperature(temperature)] {
         recorder.append(item, START);
     }
     assert_eq!(recorder.failing(), None);
@@ -156,16 +146,14 @@ fn everything_recorded_is_read_back_bit_for_bit_in_order_of_time() {
     };
     same(&by_channel(&read.probe_samples), &by_channel(&probes));
     same(&read.axis_samples, &axes);
-    same(
-        &(read.events, read.gaps, read.controller_states, read.temperatures, read.log),
-        &(vec![event], vec![gap], vec![state], vec![temperature], vec![line]),
-    );
+    same(&(read.events, read.gaps, read.temperatures), &(vec![event], vec![gap], vec![temperature]));
 
-    let mut last = f64::NEG_INFINITY;
+    let mut last = [f64::NEG_INFINITY; 3];
     visit(&path, &mut |item| {
-        if let Item::Probes(samples) = item {
-            assert!(samples[0].time_s >= last - 1e-9, "{} after {last}", samples[0].time_s);
-            last = samples[0].time_s;
+        if let Item::Probe(sample) = item {
+            let last = &mut last[usize::from(sample.channel)];
+            assert!(sample.time_s >= *last - 1e-9, "{} after {last}", sample.time_s);
+            *last = sample.time_s;
         }
         true
     })
@@ -252,7 +240,7 @@ fn a_probe_sample_takes_under_fifteen_bytes_in_the_journal_and_under_eight_when_
                 raw,
                 value_mm: (raw as f64 * 1.02 / 65520.0 - 0.01) * 2.0,
             };
-            recorder.append(Item::Probes(vec![sample]), arrival);
+            recorder.append(Item::Probe(sample), arrival);
         }
     }
     let journal = std::fs::metadata(folder.path().join("big.mcap.active")).unwrap().len();

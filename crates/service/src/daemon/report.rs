@@ -1,7 +1,8 @@
 //! From a recording to its report.
 
-use super::{Recorded, ServiceError};
+use crate::error::ServiceError;
 use crate::mqtt::Board;
+use crate::recording::Recorded;
 use serde_json::json;
 use std::path::Path;
 use tracing::info;

@@ -1,7 +1,7 @@
 //! One stand: since when the axes stand, and what the probes read meanwhile.
 
 use super::StaticRules;
-use crate::align::{AlignedSample, AxisState};
+use crate::align::AxisState;
 use crate::nest::NestCalibration;
 use std::collections::VecDeque;
 use trunnion_core::{AxisLetter, AxisValues};
@@ -24,6 +24,13 @@ pub(super) struct Summary {
     pub samples: u32,
 }
 
+/// The channels at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Reading {
+    time_s: f64,
+    channels_mm: [f64; 3],
+}
+
 /// Axes and probes since the machine last moved.
 #[derive(Clone, Debug)]
 pub(super) struct Stand {
@@ -34,7 +41,7 @@ pub(super) struct Stand {
     /// Axis states of the last window.
     axes: VecDeque<AxisState>,
     /// Samples of the last window.
-    samples: VecDeque<AlignedSample>,
+    samples: VecDeque<Reading>,
     /// Since when no axis moved more than the standstill limits.
     still_since_s: f64,
     /// When this stand began; unlike `still_since_s` it is not moved by creeping axes.
@@ -58,9 +65,9 @@ impl Stand {
     }
 
     /// Keeps a sample; it counts once axis states on both sides show that the machine stood.
-    pub(super) fn push_sample(&mut self, sample: &AlignedSample) {
-        self.samples.push_back(*sample);
-        let from_s = self.now_s().unwrap_or(sample.time_s) - self.settle.window_s - TIME_SLACK_S;
+    pub(super) fn push_sample(&mut self, time_s: f64, channels_mm: [f64; 3]) {
+        self.samples.push_back(Reading { time_s, channels_mm });
+        let from_s = self.now_s().unwrap_or(time_s) - self.settle.window_s - TIME_SLACK_S;
         while self.samples.front().is_some_and(|old| old.time_s < from_s) {
             self.samples.pop_front();
         }
@@ -128,7 +135,7 @@ impl Stand {
     }
 
     /// Samples of the window that ends now and lies in this stand, behind what was read.
-    fn window(&self) -> impl Iterator<Item = &AlignedSample> + Clone {
+    fn window(&self) -> impl Iterator<Item = &Reading> + Clone {
         let now_s = self.now_s().unwrap_or(f64::NEG_INFINITY);
         let from_s = (now_s - self.settle.window_s).max(self.still_since_s).max(self.read_until_s);
         let inside = move |time_s: f64| (from_s - TIME_SLACK_S..=now_s + TIME_SLACK_S).contains(&time_s);
@@ -142,7 +149,7 @@ impl Stand {
         if from_s < self.still_since_s.max(self.read_until_s) - TIME_SLACK_S {
             return false;
         }
-        let samples: Vec<&AlignedSample> = self.window().collect();
+        let samples: Vec<&Reading> = self.window().collect();
         let times = std::iter::once(from_s)
             .chain(samples.iter().map(|sample| sample.time_s))
             .chain(std::iter::once(now_s));

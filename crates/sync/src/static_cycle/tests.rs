@@ -4,6 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::{AxisSample, ProbeSample};
+use trunnion_cycles::cycle::Settle;
 
 const SETTLE: Settle = Settle {
     window_s: 0.5,
@@ -43,11 +44,8 @@ impl Shop<'_> {
                     let mut position = AxisValues::default();
                     position[C] = c + 1e-6 * (rng.random::<f64>() - 0.5);
                     position[X] = 1e-4 * (rng.random::<f64>() - 0.5);
-                    out.extend(aligner.push_axes(&AxisSample {
-                        time_s: t,
-                        position,
-                        ..AxisSample::default()
-                    }));
+                    let sample = AxisSample { time_s: t, position, ..AxisSample::default() };
+                    aligner.push_axes(&sample, &mut out);
                 }
                 let values = (self.reading)(t, f64::from(step) * 1e-3 - 0.4, c);
                 for (channel, value) in (0u16..).zip(values) {
@@ -55,19 +53,15 @@ impl Shop<'_> {
                     let value_mm = value + self.noise_mm * 3f64.sqrt() * (2.0 * rng.random::<f64>() - 1.0);
                     let time_s = t + 1e-5 * f64::from(channel);
                     if value.is_finite() || value.is_nan() && channel != 1 {
-                        out.extend(aligner.push_probe(&ProbeSample {
-                            channel,
-                            time_s,
-                            value_mm,
-                            ..ProbeSample::default()
-                        }));
+                        let sample = ProbeSample { channel, time_s, value_mm, ..ProbeSample::default() };
+                        aligner.push_probe(&sample, &mut out);
                     }
                 }
                 ms += 1;
             }
             from = leg.c_rad;
         }
-        out.extend(aligner.finish());
+        aligner.finish(&mut out);
         out
     }
 }
@@ -91,8 +85,9 @@ fn cycle(stations: &[f64]) -> StaticCycle {
 }
 
 fn play(cycle: &mut StaticCycle, steps: &[Aligned]) -> Vec<CycleEvent> {
-    let mut events: Vec<CycleEvent> = steps.iter().flat_map(|step| cycle.push(step)).collect();
-    events.extend(cycle.finish(EndReason::Stopped, steps.last().map_or(0.0, Aligned::time_s)));
+    let mut events = Vec::new();
+    steps.iter().for_each(|step| cycle.push(step, &mut events));
+    cycle.finish(EndReason::Stopped, steps.last().map_or(0.0, |step| step.state.time_s), &mut events);
     events
 }
 
@@ -101,7 +96,7 @@ fn points(events: &[CycleEvent]) -> Vec<Point> {
         .iter()
         .filter_map(|event| match event {
             CycleEvent::Point { pose, point, .. } => Some((*pose, point.clone())),
-            CycleEvent::UnknownStand { .. } | CycleEvent::Ended { .. } => None,
+            _ => None,
         })
         .collect();
     assert!(found.iter().enumerate().all(|(i, (pose, _))| i == *pose), "poses come in order, each once");
@@ -231,7 +226,7 @@ fn coming_back_to_a_pose_already_read_is_no_jump_to_a_later_pass() {
     let steps = Shop { legs: &legs(&way, 1.5), reading: &|_, _, _| [0.0; 3], noise_mm: 0.0 }.run();
     let events = play(&mut cycle(&stations), &steps);
     assert_eq!(qualities(&events), [Good; 5]);
-    assert!(events.iter().any(|event| matches!(event, CycleEvent::UnknownStand { .. })));
+    assert!(events.iter().any(|event| matches!(event, CycleEvent::UnknownDwell { .. })));
 }
 
 #[test]
@@ -241,12 +236,13 @@ fn a_machine_that_stops_for_good_ends_the_cycle_and_progress_tells_the_time_left
     let steps = Shop { legs: &way, reading: &|_, _, _| [0.0; 3], noise_mm: 0.0 }.run();
     let rules = StaticRules { end_after_still_s: 4.0, ..StaticRules::new(SETTLE) };
     let mut cycle = StaticCycle::new(poses(&stations), rules, vec![], vec![C], 0);
-    let events: Vec<CycleEvent> = steps.iter().flat_map(|step| cycle.push(step)).collect();
+    let mut events = Vec::new();
+    steps.iter().for_each(|step| cycle.push(step, &mut events));
     assert_eq!((qualities(&events), end(&events)), (vec![Good, Good, Good, NoReading], EndReason::NoMotion));
 
     let mut again = StaticCycle::new(poses(&stations), rules, vec![], vec![C], 0);
     let third = steps.iter().position(|step| {
-        again.push(step);
+        again.push(step, &mut Vec::new());
         again.progress().done == 3
     });
     assert!(third.is_some());

@@ -4,7 +4,7 @@
 //! back where the present one began. A pass that nobody saw (a device was away) is passed over; a pass seen too early (a
 //! positioning move at a feed of the cycle) does not end the wait for those before it.
 
-use crate::static_cycle::Progress;
+use crate::cycle_event::Progress;
 use trunnion_cycles::cycle::Sweep;
 
 /// A pass counts as swept from this share of the span.

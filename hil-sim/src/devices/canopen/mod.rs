@@ -4,12 +4,14 @@
 //! A SYNC from the host latches all nodes at the instant its line arrives. Sources of the formats:
 //! [`trunnion_protocol::slcan`], [`trunnion_protocol::canopen`].
 
+mod config;
 mod node;
 mod nodes;
 mod objects;
 
+pub use config::{BusConfig, NodeConfig, NodeKind};
+
 pub use nodes::Nodes;
-pub use objects::NodeKind;
 
 use super::clock::{DeviceClock, TimeOrigin};
 use super::faults::{Fault, ScheduledFault};
@@ -21,32 +23,6 @@ use std::sync::Arc;
 use trunnion_protocol::can::CanFrame;
 use trunnion_protocol::canopen::NodeId;
 use trunnion_protocol::slcan::{Adapter, AdapterDecoder, AdapterMessage, HostCommand, StatusFlags};
-
-/// One node.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NodeConfig {
-    /// Its number.
-    pub id: NodeId,
-    /// What it measures.
-    pub kind: NodeKind,
-    /// Serial number, 1018h:04.
-    pub serial: u32,
-    /// Producer heartbeat time, ms; 0 for none.
-    pub heartbeat_ms: u16,
-    /// Event timer of TPDO 1, ms; 0 switches TPDO 1 off, so that only SYNC asks for values.
-    pub event_timer_ms: u16,
-    /// Its clock, which runs heartbeat and event timer.
-    pub clock: DeviceClock,
-}
-
-/// An adapter and the nodes on its bus.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BusConfig {
-    /// The nodes; each number once.
-    pub nodes: Vec<NodeConfig>,
-    /// Clock of the adapter, which stamps frames in ms modulo 60 000.
-    pub adapter_clock: DeviceClock,
-}
 
 impl BusConfig {
     /// A ball bar as node 5 with steps of 100 nm, position every 10 ms and after every SYNC.

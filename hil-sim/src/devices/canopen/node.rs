@@ -1,7 +1,8 @@
 //! One node: network management, heartbeat, SDO, and TPDOs by SYNC and by event timer.
 
 use super::NodeConfig;
-use super::objects::{NodeKind, Objects, TPDOS};
+use super::NodeKind;
+use super::objects::{Objects, TPDOS};
 use crate::devices::clock::DeviceClock;
 use crate::devices::world::World;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Object dictionary of a node: identity, communication parameters that can be written, and the values it measures.
 
-use super::NodeConfig;
+use super::config::{NodeConfig, NodeKind};
 use crate::devices::world::World;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -10,30 +10,6 @@ use trunnion_protocol::canopen::{
     AbortCode, CobId, ObjectDictionary, ObjectKey, PdoCommunication, PdoEntry, PdoMapping, RawBits,
     Transmission, cia404, cia406,
 };
-
-/// What a node measures.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum NodeKind {
-    /// A linear encoder that shows the length of the ball bar, CiA 406.
-    BallBar {
-        /// Measuring step, nm.
-        step_nm: u32,
-        /// What the encoder shows at bar reading 0, mm; counts are not negative.
-        zero_mm: f64,
-    },
-    /// A probe of ±1 mm, CiA 404, its value as I32 in mm.
-    Probe {
-        /// Which of the three readings it sees, 0..=2.
-        channel: usize,
-        /// Decimal digits of the value.
-        digits: u8,
-    },
-    /// A thermometer, CiA 404, its value as I16 in °C.
-    Thermometer {
-        /// Decimal digits of the value.
-        digits: u8,
-    },
-}
 
 /// TPDO 1 by event timer, TPDO 2 by SYNC (CiA 406 default); the same for the probes.
 pub(super) const TPDOS: u16 = 2;

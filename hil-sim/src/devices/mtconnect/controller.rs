@@ -1,7 +1,7 @@
 //! The controller: which data items it has, and one line of values per cycle of its own clock.
 
 use super::AgentConfig;
-use super::http::WallClock;
+use super::wall_clock::WallClock;
 use crate::devices::clock::TimeOrigin;
 use crate::devices::cycles::Cycles;
 use crate::devices::world::World;

@@ -3,7 +3,7 @@
 use super::buffer::Buffer;
 use super::controller::Controller;
 use super::request::{Request, Sample};
-use crate::devices::clock::{DeviceClock, TimeOrigin};
+use super::wall_clock::WallClock;
 use crate::devices::faults::damage;
 use hyper::body::{Body, Bytes, Frame, Incoming};
 use hyper::service::service_fn;
@@ -28,19 +28,6 @@ const MAX_CONNECTIONS: usize = 32;
 /// Documents that wait for a slow reader; then the agent waits, and the buffer runs on.
 const QUEUED_PARTS: usize = 4;
 const BOUNDARY: &str = "cell-7c1f52e0";
-
-/// The controller's wall clock, for the agent's headers.
-pub(super) struct WallClock {
-    pub origin: TimeOrigin,
-    pub ns_at_origin: i64,
-    pub clock: DeviceClock,
-}
-
-impl WallClock {
-    fn now_ns(&self) -> i64 {
-        self.ns_at_origin + (self.clock.device_s(self.origin.now_s()) * 1e9).round() as i64
-    }
-}
 
 /// One life of the agent.
 pub(super) struct Shared {

@@ -3,7 +3,7 @@
 //! Displacement along the axis `sin(nθ + φ)`, n = 2 or 3 (most of n = 1 is a tilt of the table).
 //! Looks like nothing but a lift, alike at every height and radius; for a table axis at zero tilt it is in Z alone.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "axial-error-motion",

@@ -3,7 +3,7 @@
 //! Positioning error `½ h · direction of travel`, h the lost motion.
 //! Looks like a constant difference between the two directions, through the lever of a rotary axis.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "backlash",

@@ -3,7 +3,7 @@
 //! `s = (√(q² + w²) + q)/2`, `q = ±(t − t₀)`: zero before t₀, a straight pull after it, smooth over w.
 //! The table is pulled one way and a little turned. Looks like an effect on one side only. In no catalogue.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "cable-drag",

@@ -3,7 +3,7 @@
 //! A square wave of period P and duty d lifts the table along Z; edges rounded by the heat stored, time constant P/30.
 //! P is a fifth to a third of half a run (7 min of a real one). Looks like two levels in turn. In no catalogue.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "coolant-cycle",

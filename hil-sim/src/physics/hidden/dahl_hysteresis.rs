@@ -3,7 +3,7 @@
 //! Positioning error `−½ h d (1 − 2 e^(−s/s₀))`, d the direction, s the travel since the last reversal, s₀ = 40…120°.
 //! Looks like backlash that needs a third of a turn to set in. In no catalogue.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "dahl-hysteresis",

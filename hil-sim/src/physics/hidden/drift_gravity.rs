@@ -3,7 +3,7 @@
 //! Turn about the axis and drop `(1 − e^(−T/τ)) · sin t`, T the time, t the tilt: what gravity does grows with time.
 //! Looks like sag at the end of the run and like nothing at its beginning. In no catalogue.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "drift-gravity",

@@ -3,7 +3,7 @@
 //! Positioning error `sin(nθ + φ) + r sin(Nθ + ψ)`: n = 3…5 waves a turn from the cutting of the wheel, N waves from its
 //! teeth [S4 table 2]. Looks like encoder eccentricity with more waves. On a 30° grid the teeth alias (72 teeth read as a constant); on the fly both are seen.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "drive-pitch",

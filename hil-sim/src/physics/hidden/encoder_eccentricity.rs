@@ -3,7 +3,7 @@
 //! Positioning error `sin(θ + φ₁) + r sin(2θ + φ₂)` [docs/design/physics.md §9.4: 412.5·e/D arcsec].
 //! Looks like one and two waves a turn along the direction of turning.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "encoder-eccentricity",

@@ -4,8 +4,8 @@
 //! axis, upright) and stiffest along the axis; plus the wind-up of the drive, `w (sin(t + φ) − sin φ)`, t the tilt.
 //! Looks like 1 − cos 2t and sin 2t in the direction of gravity and across, the same at every table angle. Zero at t = 0.
 
-use super::chain::turned;
-use super::*;
+use super::super::rotation::turned;
+use super::kind::*;
 use nalgebra::Matrix3;
 
 pub(super) const KIND: Kind = Kind {

@@ -3,7 +3,7 @@
 //! Positioning error `s · x`, x the commanded position [S2 eq. 1: EXX].
 //! Looks like a stretch of the volume along one direction.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "linear-scale",

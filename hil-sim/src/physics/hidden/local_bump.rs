@@ -3,7 +3,7 @@
 //! `exp(−½ ((θ − θ₀)/w)²)` along the axis and a tilt with it, w = 18…26°, θ taken round the circle.
 //! Looks like one place of one axis. In no catalogue.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "local-bump",

@@ -3,7 +3,7 @@
 //! Displacements across the axis, each of cos nθ and sin nθ, n = 2 or 3 (n = 1 cannot be told from the setting).
 //! Looks like two or three waves a turn, alike at every height and tilt, in the axes of what carries the axis.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "radial-error-motion",

@@ -3,7 +3,7 @@
 //! Positioning error `−h · direction · e^(−s/s₀)`, s travel since the reversal [docs/design/physics.md §5, §9.7]; only while the axis moves.
 //! Looks like a short pulse where an axis turns round: the quadrant glitch of a circle.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "reversal-spike",

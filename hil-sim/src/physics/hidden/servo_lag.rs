@@ -3,7 +3,7 @@
 //! Positioning error `−v / Kv` [docs/design/physics.md §9.8]; with unlike Kv the path of several axes is distorted.
 //! Looks like an error proportional to speed that flips with direction; nothing at rest.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "servo-lag",

@@ -3,7 +3,7 @@
 //! From time t₀ on, in one setup, the ball sits elsewhere: a step fixed to the table.
 //! Looks like a jump that turns with the table.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "setup-slip",

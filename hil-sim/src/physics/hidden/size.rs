@@ -1,17 +1,61 @@
 //! How large an effect is in the readings: raw, and after location errors and settings have swallowed their share.
 
-use super::{Hidden, Kind, SeenIn};
+use super::{
+    Circumstances, Hidden, HiddenChoice, Kind, Place, SeenIn, TYPICAL_RMS_MM, UnknownHidden, find, fits,
+};
 use crate::physics::{VirtualMachine, grid, simulate_points};
 use crate::truth::{SimSetup, Truth, minimum_set};
 use nalgebra::{DMatrix, DVector, Vector3};
+use rand_chacha::ChaCha8Rng;
 use trunnion_core::State;
 use trunnion_machine::Machine;
 
 /// Small enough for every transform to be linear, large enough for every digit to count.
-pub(super) const PROBE_AMPLITUDE: f64 = 1e-6;
+const PROBE_AMPLITUDE: f64 = 1e-6;
+
+impl Hidden {
+    /// Draws the shape of an effect and gives it the size asked for.
+    ///
+    /// # Errors
+    /// Unknown id, an axis the machine has not, or an effect these setups cannot see.
+    pub fn draw(
+        choice: &HiddenChoice,
+        machine: &Machine,
+        setups: &[SimSetup],
+        run_duration_s: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Self, UnknownHidden> {
+        let (kind, place) = find(&choice.id)?;
+        if !fits(machine, place) {
+            return Err(UnknownHidden::NoSuchAxis { id: choice.id.clone(), machine: machine.name.clone() });
+        }
+        let states = states(kind, machine, setups, run_duration_s);
+        let travel = travel(place, &states);
+        let around = Circumstances { machine, place, setups: setups.len(), travel, run_duration_s };
+        let shape = (kind.draw)(rng, &around);
+        let mut hidden = Self { kind, place, amplitude: 1.0, shape };
+        // Sized by a small amplitude, so that the exact transforms stay in their linear range.
+        hidden.amplitude = PROBE_AMPLITUDE;
+        let probed_mm = effect_rms_mm(&hidden, machine, setups, &states);
+        if probed_mm < 1e-12 {
+            return Err(UnknownHidden::NoEffect { id: choice.id.clone(), machine: machine.name.clone() });
+        }
+        hidden.amplitude *= choice.sigma * TYPICAL_RMS_MM / probed_mm;
+        Ok(hidden)
+    }
+}
+
+/// Smallest and largest coordinate of the axis at a place; zeros where there is none.
+fn travel(place: Place, states: &[State]) -> (f64, f64) {
+    let (Place::Axis(letter) | Place::Pair(letter, _)) = place else { return (0.0, 0.0) };
+    let positions = || states.iter().map(|state| state.position[letter]);
+    let low = positions().fold(f64::INFINITY, f64::min);
+    let high = positions().fold(f64::NEG_INFINITY, f64::max);
+    if low <= high { (low, high) } else { (0.0, 0.0) }
+}
 
 /// The cycle in which a kind shows.
-pub(super) fn states(kind: &Kind, machine: &Machine, setups: &[SimSetup], run_duration_s: f64) -> Vec<State> {
+fn states(kind: &Kind, machine: &Machine, setups: &[SimSetup], run_duration_s: f64) -> Vec<State> {
     match kind.seen_in {
         SeenIn::StaticGrid => grid::compressed(grid::standard_bc(machine, setups), run_duration_s),
         SeenIn::OnTheFly => sweeps(machine, setups),

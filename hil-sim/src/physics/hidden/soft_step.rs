@@ -3,7 +3,7 @@
 //! `½ (1 + tanh((t − t₀)/w))`, t₀ = −40…40°, w = 4…12°: a displacement across the axis and a tilt about it.
 //! Looks like two levels with a soft step between them, the same from both sides. In no catalogue.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "soft-step",

@@ -3,7 +3,7 @@
 //! The later axis of the chain turns about the third direction: EC0Y for XY, EA0Z for YZ, EB0Z for ZX [S2 table 2].
 //! Its travel leans: displacement = angle × travel. Looks like a shear of the volume.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "squareness",

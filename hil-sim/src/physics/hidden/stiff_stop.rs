@@ -3,7 +3,7 @@
 //! `max(0, |t| − t₀)`, t₀ = 50…60°: a kink. It pushes the table along the machine's Z and winds up the drive.
 //! Looks like sag at the ends of travel but nothing before. In no catalogue.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "stiff-stop",

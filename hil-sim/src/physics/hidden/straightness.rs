@@ -4,7 +4,7 @@
 //! deviation from its own mean line, so that nothing of it is a squareness, a scale or a place.
 //! Looks like a parabola or an S over one linear axis, whatever the rotary axes do.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "straightness",

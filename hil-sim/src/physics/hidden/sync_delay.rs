@@ -4,7 +4,7 @@
 //! `−v τ` of every rotary axis [docs/design/physics.md §9.8: 21 µm per ms at 360°/min, R 200 mm]. Looks like servo lag of all of them
 //! at once: ∝ v, flips with direction, nothing at rest. While one rotary axis turns alone it *is* that axis' servo lag.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "sync-delay",

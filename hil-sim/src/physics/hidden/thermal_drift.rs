@@ -3,7 +3,7 @@
 //! `u(t) = a (1 − e^(−t/τ₁)) + b (1 − e^(−t/τ₂))`, machine axes, a and b different directions.
 //! Looks like a drift that slows down, the same in every pose; settings of later setups swallow most of it.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "thermal-drift",

@@ -3,7 +3,7 @@
 //! Tilts about both directions across the axis, each of cos nθ and sin nθ, n = 1 or 2 [S1 §5.3: sinusoidal].
 //! Looks like waves that grow with the distance of the ball from the joint, so differently at two heights.
 
-use super::*;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "tilt-error-motion",

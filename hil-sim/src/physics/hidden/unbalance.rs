@@ -5,8 +5,8 @@
 //! bearing (`∝ cos t`), a little. Looks like once a turn, growing with the tilt.
 
 use super::super::grid::tilting_and_turning;
-use super::chain::turned;
-use super::*;
+use super::super::rotation::turned;
+use super::kind::*;
 
 pub(super) const KIND: Kind = Kind {
     name: "unbalance",

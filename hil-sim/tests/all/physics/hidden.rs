@@ -138,7 +138,7 @@ fn a_random_choice_survives_the_fit_of_location_errors_and_settings() {
         let truth =
             Truth::draw(&machine, &low_and_high(), std::slice::from_ref(&choice), RUN_S, seed).unwrap();
         assert!(truth.hidden[0].kind.catalogued);
-        let left_mm = hidden::surviving_rms_mm(&truth.hidden[0], &machine, &low_and_high(), &states);
+        let left_mm = hidden::size::surviving_rms_mm(&truth.hidden[0], &machine, &low_and_high(), &states);
         assert!(left_mm > 0.3e-3, "{} keeps {left_mm} mm", choice.id);
         seen.push(choice.id);
     }

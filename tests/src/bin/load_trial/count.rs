@@ -116,17 +116,14 @@ pub fn count(path: &Path, rates: Rates, duration_s: f64) -> anyhow::Result<Count
     let end_s = duration_s - EDGE_S;
     let read = trunnion_record::visit(path, &mut |item| {
         match item {
-            Item::Probes(samples) => {
-                for sample in samples {
-                    let channel = usize::from(sample.channel);
-                    streams[channel].take(seconds(&sample.stamp), sample.time_s, end_s);
-                }
+            Item::Probe(sample) => {
+                let channel = usize::from(sample.channel);
+                streams[channel].take(seconds(&sample.stamp), sample.time_s, end_s);
             }
-            Item::Axes(samples) => {
-                for sample in samples.iter().filter(|sample| !sample.held) {
-                    streams[4].take(seconds(&sample.stamp), sample.time_s, end_s);
-                    length_s = length_s.max(sample.time_s);
-                }
+            Item::Axes(sample) if sample.held => {}
+            Item::Axes(sample) => {
+                streams[4].take(seconds(&sample.stamp), sample.time_s, end_s);
+                length_s = length_s.max(sample.time_s);
             }
             Item::Point(_) => points += 1,
             // What was missing before the cycle began is no loss of it.
@@ -141,7 +138,7 @@ pub fn count(path: &Path, rates: Rates, duration_s: f64) -> anyhow::Result<Count
                     gap.source, gap.from_s, gap.to_s, gap.lost_samples, gap.reason
                 ));
             }
-            Item::Controller(_) | Item::Temperature(_) | Item::Event(_) | Item::Log(_) => {}
+            Item::Temperature(_) | Item::Event(_) => {}
         }
         true
     });

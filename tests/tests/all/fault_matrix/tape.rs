@@ -43,8 +43,8 @@ impl Tape {
 
     pub fn record(&self, timed: &Timed) {
         let item = match timed.clone() {
-            Timed::Probe(sample) => Item::Probes(vec![sample]),
-            Timed::Axes(sample) => Item::Axes(vec![sample]),
+            Timed::Probe(sample) => Item::Probe(sample),
+            Timed::Axes(sample) => Item::Axes(sample),
             Timed::Gap(gap) => Item::Gap(gap),
             Timed::Event(event) => Item::Event(event),
             Timed::Temperature { degc, time_s, .. } => {

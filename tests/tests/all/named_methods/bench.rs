@@ -1,7 +1,8 @@
 //! A truth file, a shipped cycle file, and the run they give.
 
 use trunnion_core::{InstrumentKind, NestSide, Point, Quality, Setup};
-use trunnion_cycles::cycle::{Motion, Pace};
+use trunnion_cycles::Pace;
+use trunnion_cycles::cycle::Motion;
 use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine};
 use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth};

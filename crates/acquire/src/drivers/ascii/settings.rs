@@ -1,6 +1,6 @@
 //! The keys of the `ascii` driver: a preset, changed where the keys say so.
 
-use crate::drivers::Device;
+use crate::driver::Device;
 use crate::transport::serial::Framing;
 use std::sync::Arc;
 use std::time::Duration;

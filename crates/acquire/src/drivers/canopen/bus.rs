@@ -1,6 +1,7 @@
 //! What a CANopen session needs of whatever carries its frames, and how it reads a node's description over it.
 
-use crate::supervisor::{Link, SessionEnd};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use std::error::Error;
 use std::future::Future;
 use std::time::Duration;

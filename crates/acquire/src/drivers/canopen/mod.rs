@@ -12,8 +12,9 @@ mod nodes;
 
 pub(super) use bus::{Bus, BusEvent};
 
-use crate::supervisor::{Link, SessionEnd};
-use nodes::Nodes;
+use crate::link::Link;
+use crate::session_end::SessionEnd;
+use nodes::{NodeConfig, Nodes};
 use std::convert::Infallible;
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval};
@@ -29,13 +30,6 @@ const LONGEST_TEND: Duration = Duration::from_secs(1);
 pub(super) struct Network {
     sync_period: Duration,
     nodes: Vec<NodeConfig>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct NodeConfig {
-    id: NodeId,
-    role: Role,
-    serial: Option<u32>,
 }
 
 impl Network {

@@ -1,7 +1,7 @@
 //! The nodes while they measure: values to readings, SYNC numbers, heartbeats, silence.
 
-use super::NodeConfig;
-use crate::supervisor::{Link, SessionEnd};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use std::time::Duration;
 use trunnion_core::reading::{ProbeReading, Reading, TemperatureReading};
 use trunnion_core::{HostTime, Role};
@@ -9,7 +9,7 @@ use trunnion_protocol::can::{CanFrame, CanId};
 use trunnion_protocol::canopen::cia404::{InputStatus, Quantity};
 use trunnion_protocol::canopen::node::Scaling;
 use trunnion_protocol::canopen::{
-    Message, NmtState, NodeDescription, Profile, RawBits, Reading as NodeReading, Transmission, Value,
+    Message, NmtState, NodeDescription, NodeId, Profile, RawBits, Reading as NodeReading, Transmission, Value,
 };
 
 /// Device clock of this driver: µs since the session began to measure.
@@ -24,6 +24,14 @@ const ECHO_LIMIT: Duration = Duration::from_millis(200);
 const STAMP_SLACK: Duration = Duration::from_millis(1);
 /// SYNCs whose moments are kept.
 const SYNCS_KEPT: usize = 256;
+
+/// A configured node.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NodeConfig {
+    pub(super) id: NodeId,
+    pub(super) role: Role,
+    pub(super) serial: Option<u32>,
+}
 
 /// Checks profile, serial number and that the node sends what its role needs.
 pub(super) fn check(config: &NodeConfig, found: &NodeDescription) -> Result<(), SessionEnd> {

@@ -1,7 +1,8 @@
 //! A CAN bus behind an slcan adapter.
 
 use crate::drivers::canopen::{Bus, BusEvent};
-use crate::supervisor::{Link, SessionEnd};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use crate::transport::serial;
 use crate::transport::serial::{Framing, Port};
 use std::collections::VecDeque;

@@ -2,7 +2,7 @@
 //! Source: Linux, Documentation/ABI/testing/sysfs-class-net; a CAN controller that is bus-off has no carrier
 //! (drivers/net/can/dev/dev.c, `can_bus_off`).
 
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;

@@ -3,7 +3,8 @@
 use super::interface::{self, refused};
 use super::stamps::Stamps;
 use crate::drivers::canopen::{Bus, BusEvent};
-use crate::supervisor::{Link, SessionEnd};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use socketcan::errors::ErrorCause;
 use socketcan::tokio::CanSocket;
 use socketcan::{CanError, EmbeddedFrame, Frame, Socket, SocketOptions};

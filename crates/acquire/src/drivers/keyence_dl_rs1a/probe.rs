@@ -1,10 +1,13 @@
 //! Is there a DL-RS1A at a port? `M0` reads all its values.
 
-use super::REPLY_LIMIT;
 use crate::probe::{Answer, Found, Medium, Probe, Probing, ask_at};
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 use crate::transport::serial::Framing;
+use std::time::Duration;
 use trunnion_protocol::keyence::{Command, Decoder, Reply};
+
+/// The reply of 15 heads takes 160 ms at 9600 baud.
+pub(super) const REPLY_LIMIT: Duration = Duration::from_millis(300);
 
 pub(super) const PROBE: Probe = Probe {
     medium: Medium::Serial,

@@ -3,7 +3,8 @@
 //! linuxcncrsh takes requests apart in memory that all its connections share: with a second client beside us it now and
 //! then refuses a good request, or answers another's. Such a request is repeated.
 
-use crate::supervisor::{Link, SessionEnd};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use crate::transport::tcp;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -12,6 +13,10 @@ use tokio::net::TcpStream;
 use tokio::time::timeout;
 use trunnion_core::HostTime;
 use trunnion_protocol::linuxcncrsh::{Item, Lines, Reply, Request, parse_reply, write_request};
+
+/// Port and connection password of linuxcncrsh when nobody gave it others.
+pub(super) const PORT: u16 = 5007;
+pub(super) const PASSWORD: &str = "EMC";
 
 /// An answer with the times around it.
 pub(super) struct Answered {
@@ -27,6 +32,11 @@ impl Answered {
     pub(super) fn middle(&self) -> HostTime {
         self.asked + (self.arrival - self.asked) / 2
     }
+}
+
+/// The end of a session that was answered something else than it asked for.
+pub(super) fn unexpected(answered: &Answered) -> SessionEnd {
+    SessionEnd::Protocol { doing: "asking LinuxCNC", fault: format!("it answered {:?}", answered.reply) }
 }
 
 /// A request is made so often before its answer is believed.

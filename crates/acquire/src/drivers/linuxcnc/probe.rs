@@ -1,10 +1,9 @@
 //! Does linuxcncrsh answer at an address? It tells its name and the units of its joints, not which axis each joint moves.
 
-use super::exchange::Exchange;
-use super::{PASSWORD, PORT, unexpected};
+use super::exchange::{Exchange, PASSWORD, PORT, unexpected};
 use crate::probe;
 use crate::probe::{Answer, Found, Medium, Probe, Scheme};
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 use crate::transport::tcp;
 use std::time::Duration;
 use trunnion_protocol::linuxcncrsh::{Item, Reply};

@@ -1,6 +1,6 @@
 //! What the agent's data items mean, and the latest value of each.
 
-use super::letter_of;
+use crate::axis_name::letter_of;
 use std::collections::BTreeMap;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, TemperatureReading};
 use trunnion_core::{AxisLetter, AxisValues, HostTime, convert};

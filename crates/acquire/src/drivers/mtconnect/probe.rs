@@ -1,7 +1,7 @@
 //! Is there an MTConnect agent at a URL? `/probe` describes its devices.
 
 use crate::probe::{Answer, Found, Medium, Probe, Scheme};
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 use crate::transport::http;
 use std::time::Duration;
 use trunnion_protocol::mtconnect::{Document, parse};

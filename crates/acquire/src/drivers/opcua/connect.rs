@@ -1,7 +1,8 @@
 //! From a URL to a session: endpoint, security, user, and the words for what goes wrong.
 
-use super::{OpcUa, PORT, Password};
-use crate::supervisor::{Link, SessionEnd};
+use super::settings::{OpcUa, PORT, Password};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use crate::transport::tcp;
 use opcua::client::{Client, ClientBuilder, IdentityToken, Session};
 use opcua::crypto::{SecurityPolicy, X509};

@@ -1,10 +1,11 @@
 //! Which nodes hold what: given, numbered, or found by browsing.
 
 use super::connect::{Connection, limited};
+use super::settings::{Layout, OpcUa};
 use super::status::Numbers;
-use super::{Layout, OpcUa};
-use crate::drivers::mtconnect::letter_of;
-use crate::supervisor::{Link, SessionEnd};
+use crate::axis_name::letter_of;
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use opcua::types::{
     AttributeId, BrowseDescription, BrowseDirection, BrowseResultMask, EUInformation, NodeId, ObjectId,
     ReadValueId, ReferenceTypeId, StatusCode, TimestampsToReturn, Variant,

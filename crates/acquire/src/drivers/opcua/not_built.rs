@@ -1,7 +1,7 @@
 //! A build without the feature `opcua` says how to get one with it.
 
 use crate::probe::{Answer, Probing};
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 
 /// How to get the driver.
 pub(super) const REMEDY: &str =

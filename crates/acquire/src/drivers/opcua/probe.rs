@@ -3,10 +3,10 @@
 
 use super::connect::{self, Connection};
 use super::nodes::{self, Browser};
-use super::{Layout, Named, OpcUa};
+use super::settings::{Layout, Named, OpcUa};
 use crate::probe;
 use crate::probe::{Answer, Found, Probing};
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 use opcua::types::{NodeId, ObjectId};
 use std::time::Duration;
 use tokio::time::timeout;

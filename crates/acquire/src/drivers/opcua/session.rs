@@ -1,11 +1,12 @@
 //! One session: subscribe, bring the axes to common instants, tell what the controller does.
 
-use super::OpcUa;
 use super::connect::{self, Connection, end_of, limited};
 use super::instants::{Instant, Instants};
 use super::nodes::{self, Nodes};
+use super::settings::OpcUa;
 use super::status::{execution, is_on, number, text};
-use crate::supervisor::{Link, SessionEnd};
+use crate::link::Link;
+use crate::session_end::SessionEnd;
 use opcua::client::{MonitoredItemMap, OnSubscriptionNotificationCore};
 use opcua::types::{
     AttributeId, DataChangeNotification, DataValue, DateTime, ExtensionObject, MonitoredItemCreateRequest,

@@ -1,8 +1,7 @@
 //! Is there an optoNCDT at a port? `GETINFO` tells model, serial number and range, also while it streams.
 
-use super::is_of_the_family;
 use crate::probe::{Answer, Found, Medium, Probe, Probing, ask_at};
-use crate::supervisor::SessionEnd;
+use crate::session_end::SessionEnd;
 use crate::transport::serial::Framing;
 use std::time::Duration;
 use trunnion_protocol::optoncdt::{BlockLength, Command, Decoder, Event, Reply, SensorInfo};
@@ -50,4 +49,9 @@ fn at(port: &str, baud: u32) -> Probing<'_> {
         keys.extend(["role = {role}".into(), format!("range_mm = {range_mm}"), "rate_khz = 1".into()]);
         Answer::Found(Found { identity, keys })
     })
+}
+
+/// True for the sensors this driver speaks to.
+pub(super) fn is_of_the_family(info: &SensorInfo) -> bool {
+    ["ILD132", "ILD142"].iter().any(|family| info.name.to_ascii_uppercase().starts_with(family))
 }

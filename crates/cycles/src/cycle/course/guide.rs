@@ -2,7 +2,7 @@
 
 use super::super::visit::{OVERRUN_MM, OVERRUN_RAD, Sweeping, VisitError};
 use super::super::{Cycle, Leg, Motion};
-use super::{CourseRules, Step};
+use super::step::{CourseRules, Step};
 use crate::RunKind;
 use nalgebra::{Point3, Vector3};
 use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Slot, State};

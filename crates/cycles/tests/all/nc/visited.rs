@@ -4,7 +4,8 @@ use crate::interpreter::Event;
 use nalgebra::Point3;
 use trunnion_core::{AxisLetter, AxisValues, State, convert};
 use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::{CourseRules, Motion, Visits};
+use trunnion_cycles::cycle::Motion;
+use trunnion_cycles::{CourseRules, Visits};
 use trunnion_machine::{JointErrors, Machine};
 
 /// A wrong digit of an angle moves the linear axes by their arm; the longest, mm.

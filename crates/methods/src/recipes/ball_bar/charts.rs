@@ -1,9 +1,9 @@
 //! Pictures of the ball-bar method, like S4 Fig. 6–11: traces after centring, and error motions.
 
-use super::Found;
+use super::error_motions::error_motions;
+use super::found::Found;
 use super::shape::{Contour, Shape};
 use super::track::{Axis, Kind};
-use super::values::error_motions;
 use crate::findings::{AxisName, Chart, Curve, Plot};
 use trunnion_effects::Unit;
 

@@ -2,16 +2,21 @@
 //!
 //! So both are compared in the same quantities, whatever the joint fit shares out between an axis and what carries it.
 
-use super::values::{Location, locations};
-use super::{AxisShapes, METHOD, Shape, Tracks};
-use crate::recipes::MethodError;
+use super::location::{Location, locations};
+use super::shape::{AxisShapes, Shape};
+use super::track::Tracks;
+use crate::recipes::{Method, MethodError};
 use trunnion_core::{AxisLetter, Point};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
 use trunnion_engine::{Experiment, identify};
 
-pub(super) fn locations_of(runs: &[Run], asked: Option<AxisLetter>) -> Result<Vec<Location>, MethodError> {
+pub(super) fn locations_of(
+    method: &Method,
+    runs: &[Run],
+    asked: Option<AxisLetter>,
+) -> Result<Vec<Location>, MethodError> {
     let experiment = Experiment::new(runs)?;
     let joint = identify(&experiment, &Model::base(&experiment.machine().name), &Options::default())?;
     let predicted = |(i, point): (usize, &Point)| {
@@ -29,7 +34,7 @@ pub(super) fn locations_of(runs: &[Run], asked: Option<AxisLetter>) -> Result<Ve
         channels: Vec::new(),
         points: experiment.points.iter().enumerate().map(predicted).collect(),
     };
-    let tracks = Tracks::of(&METHOD, &[predicted_run], asked)?;
-    let shapes = Shape::of_all(&METHOD, &tracks.all)?;
+    let tracks = Tracks::of(method, &[predicted_run], asked)?;
+    let shapes = Shape::of_all(method, &tracks.all)?;
     Ok(locations(&shapes, &AxisShapes::of_all(&shapes)))
 }

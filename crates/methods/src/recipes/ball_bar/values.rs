@@ -2,84 +2,24 @@
 
 use super::causes::{ErrorKind, causes};
 use super::charts::charts;
-use super::shape::{AxisShapes, Contour, Shape};
+use super::error_motions::error_motions;
+use super::found::Found;
+use super::location::Location;
+use super::shape::Shape;
 use super::track::{Kind, span};
-use super::{Found, METHOD};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
-use crate::recipes::Convention;
-use trunnion_core::AxisLetter;
+use crate::recipes::{Convention, Method};
 use trunnion_core::convert::{deg_from_rad, um_from_mm};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
-/// A location error, right-handed, inside units.
-pub(super) struct Location {
-    pub name: String,
-    pub value: f64,
-    pub unit: Unit,
-    pub u: f64,
-    kind: ErrorKind,
-    /// S4 prints it with the opposite sign.
-    opposite_in_source: bool,
-}
-
-impl Location {
-    fn shown(&self, convention: Convention) -> f64 {
-        if convention == Convention::Source && self.opposite_in_source { -self.value } else { self.value }
-    }
-}
-
-/// Location errors by S4 eq. 1–7, in the signs of docs/design/physics.md §1.
-pub(super) fn locations(shapes: &[Shape], axes: &[AxisShapes]) -> Vec<Location> {
-    let mut found = Vec::new();
-    for of_axis in axes {
-        let axis = of_axis.axis;
-        let [tilt_u, tilt_v, _] = axis.rotations();
-        // S4 eq. 1 and 3 are of C.
-        let of_c = axis.frame[2] == AxisLetter::Z;
-        let squareness = |direction, value, u, opposite_in_source| Location {
-            name: axis.symbol(direction, true),
-            value,
-            unit: Unit::URAD,
-            u,
-            kind: ErrorKind::Squareness,
-            opposite_in_source,
-        };
-        if let Some(line) = of_axis.line[1] {
-            found.push(squareness(tilt_u, -line.slope, line.u_slope, false));
-        }
-        if let Some(line) = of_axis.line[0] {
-            found.push(squareness(tilt_v, line.slope, line.u_slope, of_c));
-        }
-        for (k, line) in of_axis.line.iter().enumerate() {
-            let Some(line) = line.filter(|_| of_axis.calibrated) else { continue };
-            found.push(Location {
-                name: axis.symbol(axis.frame[k], true),
-                value: line.at_zero,
-                unit: Unit::UM,
-                u: line.u_at_zero,
-                kind: ErrorKind::Place,
-                opposite_in_source: of_c,
-            });
-        }
-    }
-    for shape in shapes {
-        let Kind::Followed { axis, .. } = shape.kind else { continue };
-        for k in 0..2 {
-            found.push(Location {
-                name: format!("{} by {}", axis.symbol(axis.rotations()[k], true), shape.label),
-                value: shape.centre[k],
-                unit: Unit::URAD,
-                u: shape.u_centre[k],
-                kind: ErrorKind::Squareness,
-                opposite_in_source: false,
-            });
-        }
-    }
-    found
-}
-
-pub(super) fn findings(machine: &str, runs: &[Run], found: &Found<'_>, convention: Convention) -> Findings {
+pub(super) fn findings(
+    method: &Method,
+    machine: &str,
+    runs: &[Run],
+    found: &Found<'_>,
+    convention: Convention,
+) -> Findings {
     let mut values: Vec<FoundValue> = found.location.iter().map(|l| location(l, convention)).collect();
     for motion in found.axes.iter().flat_map(error_motions) {
         let range = span(motion.points.iter().map(|(_, value)| *value));
@@ -105,8 +45,8 @@ pub(super) fn findings(machine: &str, runs: &[Run], found: &Found<'_>, conventio
         tables.push(comparison(found, convention));
     }
     Findings {
-        method: METHOD.name,
-        source: METHOD.source,
+        method: method.name,
+        source: method.source,
         convention,
         machine: machine.into(),
         runs: runs.iter().map(|run| run.name.clone()).collect(),
@@ -127,43 +67,6 @@ fn location(location: &Location, convention: Convention) -> FoundValue {
     } else {
         found.note(words)
     }
-}
-
-/// One error motion over the turn.
-pub(super) struct ErrorMotion {
-    pub name: String,
-    pub unit: Unit,
-    pub points: Contour,
-    pub kind: ErrorKind,
-    /// What it is, and where it holds.
-    pub about: String,
-}
-
-/// Radial, axial and tilt error motions of an axis, those that were measured.
-pub(super) fn error_motions(of_axis: &AxisShapes) -> Vec<ErrorMotion> {
-    let axis = of_axis.axis;
-    let mut motions = Vec::new();
-    for (k, points) in of_axis.translation.iter().enumerate() {
-        let (kind, about) = match of_axis.radial_at_mm.get(k) {
-            None => (ErrorKind::Axial, "axial error motion".into()),
-            Some(at) => {
-                let at = at.unwrap_or(0.0);
-                (
-                    ErrorKind::Radial,
-                    format!("radial error motion at height {at:.0} mm over the reference point"),
-                )
-            }
-        };
-        let name = axis.symbol(axis.frame[k], false);
-        motions.push(ErrorMotion { name, unit: Unit::UM, points: points.clone(), kind, about });
-    }
-    for (k, points) in of_axis.tilt.iter().enumerate() {
-        let name = axis.symbol(axis.rotations()[k], false);
-        let (kind, about) = (ErrorKind::Tilt, "tilt error motion".into());
-        motions.push(ErrorMotion { name, unit: Unit::URAD, points: points.clone(), kind, about });
-    }
-    motions.retain(|motion| !motion.points.is_empty());
-    motions
 }
 
 /// Circularity and mean radial error of every measurement, like S4 tables 3 and 4.

@@ -1,12 +1,11 @@
 //! What the circular method reports.
 
-use super::METHOD;
 use super::charts::charts;
 use super::fit::{Fitted, FittedError};
 use super::planes::together;
 use super::trace::Traces;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
-use crate::recipes::Convention;
+use crate::recipes::{Convention, Method};
 use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
@@ -15,7 +14,13 @@ use trunnion_machine::Machine;
 /// What is left may be this much more than noise before it says that the list lacks something.
 const NOISE_AND_MORE: f64 = 1.5;
 
-pub(super) fn findings(machine: &Machine, runs: &[Run], traces: &Traces, fits: &[Fitted<'_>]) -> Findings {
+pub(super) fn findings(
+    method: &Method,
+    machine: &Machine,
+    runs: &[Run],
+    traces: &Traces,
+    fits: &[Fitted<'_>],
+) -> Findings {
     let mut values: Vec<FoundValue> = fits.iter().flat_map(of_plane).collect();
     let common = together(fits);
     values.extend(common.iter().map(|found| {
@@ -29,8 +34,8 @@ pub(super) fn findings(machine: &Machine, runs: &[Run], traces: &Traces, fits: &
             .note(note)
     }));
     Findings {
-        method: METHOD.name,
-        source: METHOD.source,
+        method: method.name,
+        source: method.source,
         convention: Convention::RightHanded,
         machine: machine.name.clone(),
         runs: runs.iter().map(|run| run.name.clone()).collect(),
@@ -164,9 +169,7 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
         for letter in fit.trace.plane {
             let spike = format!("reversal spike {letter}");
             if fit.errors.iter().all(|error| error.listed.name != spike) {
-                notes.push(format!(
-                    "{plane}: no {spike} is significant; it is not on the list."
-                ));
+                notes.push(format!("{plane}: no {spike} is significant; it is not on the list."));
             }
             if machine.axis(letter).is_some_and(|axis| axis.facts.screw_lead_mm.is_none()) {
                 notes.push(format!(

@@ -1,7 +1,6 @@
 //! Six errors of the tilting axis at each of its angles, all angles of the turning axis together [S1 eq. 10–15].
 
 use super::grid::{Cell, Grid};
-use super::location::Locations;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector, Vector3};
 use trunnion_core::Twist;
@@ -59,8 +58,8 @@ impl BErrors {
 
     /// The map without what an offset of the zero pose along and about the turning axis adds to it.
     #[must_use]
-    pub fn without_gauge(mut self, locations: &Locations) -> Self {
-        for (twist, gauge) in self.at_tilt.iter_mut().zip(&locations.gauge) {
+    pub fn without_gauge(mut self, gauge: &[Twist]) -> Self {
+        for (twist, gauge) in self.at_tilt.iter_mut().zip(gauge) {
             *twist += *gauge * -1.0;
         }
         self

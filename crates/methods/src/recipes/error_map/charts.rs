@@ -2,8 +2,8 @@
 
 use super::b_errors::BErrors;
 use super::c_errors::CErrors;
+use super::components::{components, is_about_itself};
 use super::grid::{Cell, Grid};
-use super::values::{components, is_about_itself};
 use crate::findings::{AxisName, Chart, Curve, MapPlace, Plot};
 use nalgebra::Vector3;
 use trunnion_core::convert::deg_from_rad;

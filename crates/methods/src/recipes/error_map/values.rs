@@ -3,18 +3,19 @@
 use super::b_errors::BErrors;
 use super::c_errors::CErrors;
 use super::charts::charts;
+use super::components::{components, is_about_itself};
+use super::found::Found;
 use super::grid::Grid;
 use super::location::Locations;
-use super::{Found, METHOD};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
-use crate::recipes::Convention;
+use crate::recipes::{Convention, Method};
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, Twist};
+use trunnion_core::Twist;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_engine::Identification;
 
-pub(super) fn findings(runs: &[Run], found: &Found<'_>, convention: Convention) -> Findings {
+pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convention: Convention) -> Findings {
     let Found { grid, b_errors, c_errors, locations, joint, calibration } = found;
     let mut values: Vec<FoundValue> = locations
         .rows
@@ -33,8 +34,8 @@ pub(super) fn findings(runs: &[Run], found: &Found<'_>, convention: Convention) 
     let mut notes = notes(grid, b_errors);
     notes.push(calibration.note.clone());
     Findings {
-        method: METHOD.name,
-        source: METHOD.source,
+        method: method.name,
+        source: method.source,
         convention,
         machine: grid.machine.name.clone(),
         runs: runs.iter().map(|run| run.name.clone()).collect(),
@@ -43,22 +44,6 @@ pub(super) fn findings(runs: &[Run], found: &Found<'_>, convention: Convention) 
         charts: charts(grid, b_errors, c_errors),
         notes,
     }
-}
-
-/// Symbol, unit, and how to take it from an error.
-type Component = (String, Unit, fn(&Twist) -> f64);
-
-/// The six components of the error of an axis.
-pub(super) fn components(axis: AxisLetter) -> [Component; 6] {
-    let symbol = |direction: AxisLetter| format!("E{direction}{axis}");
-    [
-        (symbol(AxisLetter::X), Unit::UM, |t| t.translation_mm.x),
-        (symbol(AxisLetter::Y), Unit::UM, |t| t.translation_mm.y),
-        (symbol(AxisLetter::Z), Unit::UM, |t| t.translation_mm.z),
-        (symbol(AxisLetter::A), Unit::URAD, |t| t.rotation_rad.x),
-        (symbol(AxisLetter::B), Unit::URAD, |t| t.rotation_rad.y),
-        (symbol(AxisLetter::C), Unit::URAD, |t| t.rotation_rad.z),
-    ]
 }
 
 /// How far each component varies beyond what constant location errors make of it.
@@ -92,11 +77,6 @@ fn variations(
         values.push(FoundValue::new(format!("{name} variation"), value, unit, None).note(note));
     }
     values
-}
-
-/// `ECC`, which is taken as zero.
-pub(super) fn is_about_itself(symbol: &str) -> bool {
-    symbol.chars().nth(1) == symbol.chars().nth(2)
 }
 
 /// What each step leaves of the readings, rms per component.

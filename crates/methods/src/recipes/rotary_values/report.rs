@@ -1,11 +1,10 @@
 //! Which signals are judged, and what is reported of them.
 
-use super::METHOD;
 use super::contour::{Contour, Signal};
 use crate::common::stations::Stations;
 use crate::common::turning::{Turned, Turning, TurningSet};
 use crate::findings::{AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot};
-use crate::recipes::{Convention, MethodError};
+use crate::recipes::{Convention, Method, MethodError};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
@@ -29,6 +28,7 @@ struct Judged {
 }
 
 pub(super) fn findings(
+    method: &Method,
     turning: &Turning,
     runs: &[Run],
     convention: Convention,
@@ -42,11 +42,11 @@ pub(super) fn findings(
     let judged = judged(turning, &stations);
     if judged.is_empty() {
         let found = format!("no turn of {} is read at {:.0} % of its angles", turning.axis, 100.0 * WHOLE);
-        return Err(METHOD.lacks(found, "Run config/cycles/rotary-values-c.toml."));
+        return Err(method.lacks(found, "Run config/cycles/rotary-values-c.toml."));
     }
     Ok(Findings {
-        method: METHOD.name,
-        source: METHOD.source,
+        method: method.name,
+        source: method.source,
         convention,
         machine: runs.first().map_or(String::new(), |run| run.machine.name.clone()),
         runs: runs.iter().map(|run| run.name.clone()).collect(),
@@ -254,7 +254,8 @@ fn notes(turning: &Turning, judged: &[Judged], stations: &Stations) -> Vec<Strin
     }
     if judged.iter().all(|signal| !signal.bound) {
         notes.push(
-            "All balls sit at one height: tilt error motion is not observable. Measure a second height.".into(),
+            "All balls sit at one height: tilt error motion is not observable. Measure a second height."
+                .into(),
         );
     }
     notes.extend(turning.left_out.iter().map(|left| format!("Left out: {left}.")));

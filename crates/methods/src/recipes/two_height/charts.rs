@@ -1,8 +1,8 @@
 //! Pictures of the two-height method, like S0 Fig. 5–10 (trajectories and displacements), 22 (components) and 23 (motions).
 
-use super::Turning;
+use super::error_motions::{Signs, error_motions};
 use super::fit::{HeightFit, Heights};
-use super::values::{Signs, error_motions};
+use crate::common::turning::Turning;
 use crate::findings::{AxisName, Chart, Curve, Plot};
 use nalgebra::Vector3;
 use trunnion_effects::Unit;

@@ -1,9 +1,10 @@
 //! Client side of one SDO transfer. Frames go in and out through the caller, who also watches the time: after an
 //! answer stays out, send [`SdoTransfer::give_up`].
 
-use super::*;
+use super::message::*;
 use crate::can::CanFrame;
 use crate::canopen::network::{CobId, NodeId, frame};
+use crate::canopen::objects::ObjectKey;
 
 /// One reading or writing of one object.
 #[derive(Debug, Clone)]

@@ -1,8 +1,9 @@
 //! Server side of SDO, for simulated nodes: one transfer at a time, as CiA 301 demands of one SDO channel.
 
-use super::*;
+use super::message::*;
 use crate::can::CanFrame;
 use crate::canopen::network::{CobId, NodeId, frame};
+use crate::canopen::objects::ObjectKey;
 
 /// The objects of a node.
 pub trait ObjectDictionary {

@@ -1,5 +1,6 @@
 use super::*;
-use crate::supervisor::{DeviceStatus, Outlet};
+use crate::link::Outlet;
+use crate::status::DeviceStatus;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tokio::sync::{mpsc, watch};

@@ -1,9 +1,10 @@
 //! What the supervisor lends to a session: where readings go, whose clock is asked, and the status it publishes.
 
-use super::axes_vigil::{AxesFinding, AxesVigil};
-use super::thermometers::{Absence, Thermometers};
-use super::vigil::{Finding, Vigil};
-use super::{DeviceState, DeviceStatus, SessionEnd};
+use crate::monitor::axes::{AxesFinding, AxisWatchdog};
+use crate::monitor::temperatures::{Absence, TemperatureMonitor};
+use crate::monitor::values::{Finding, ValueMonitor};
+use crate::session_end::SessionEnd;
+use crate::status::{DeviceState, DeviceStatus};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -87,9 +88,9 @@ pub struct Link {
     /// When totals were told last, and which.
     told: Option<(HostTime, Counters)>,
     channel_names: Vec<String>,
-    vigil: Vigil,
-    axes_vigil: AxesVigil,
-    thermometers: Thermometers,
+    values: ValueMonitor,
+    axis_watchdog: AxisWatchdog,
+    temperatures: TemperatureMonitor,
     /// Why a channel has no value.
     meanings: HashMap<u16, String>,
 }
@@ -118,9 +119,9 @@ impl Link {
             gap_reason: None,
             told: None,
             channel_names,
-            vigil: Vigil::default(),
-            axes_vigil: AxesVigil::default(),
-            thermometers: Thermometers::default(),
+            values: ValueMonitor::default(),
+            axis_watchdog: AxisWatchdog::default(),
+            temperatures: TemperatureMonitor::default(),
             meanings: HashMap::new(),
         }
     }
@@ -133,7 +134,7 @@ impl Link {
     /// Says why the channel's next reading has no value, and what to check. It is asked, told and recorded when the value
     /// goes; what is said until there is a value again changes nothing.
     pub fn explain(&mut self, channel: u16, meaning: impl FnOnce() -> String) {
-        if !self.vigil.is_without_value(channel) {
+        if !self.values.is_without_value(channel) {
             self.meanings.insert(channel, meaning());
         }
     }
@@ -164,18 +165,18 @@ impl Link {
         self.last_reading = Some(at);
         self.count(&reading);
         if let Reading::Temperature(temperature) = &reading
-            && let Some(told) = self.thermometers.see(temperature)
+            && let Some(told) = self.temperatures.see(temperature)
         {
             self.tell_temperature(temperature.name.clone(), told);
         }
         let mut reading = reading;
         if let Reading::Probe(probe) = &mut reading
-            && let Some(finding) = self.vigil.see(probe, at)
+            && let Some(finding) = self.values.see(probe, at)
         {
             let channel = probe.channel;
             self.tell(channel, finding);
         }
-        if let Some(finding) = self.axes_vigil.see(&reading, at) {
+        if let Some(finding) = self.axis_watchdog.see(&reading, at) {
             self.tell_axes(finding, at);
         }
         self.send(reading);
@@ -256,7 +257,7 @@ impl Link {
             }
         };
         self.send(Reading::Gap(gap));
-        if self.healthy && !self.vigil.is_stuck() && !self.axes_vigil.is_stuck() {
+        if self.healthy && !self.values.is_stuck() && !self.axis_watchdog.is_stuck() {
             self.status.send_if_modified(|status| {
                 let was_stuck = status.state == DeviceState::Stuck;
                 if was_stuck {
@@ -331,7 +332,7 @@ impl Link {
         self.status.send_if_modified(|status| std::mem::replace(&mut status.lost_messages, lost) != lost);
     }
 
-    pub(super) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         self.epoch += 1;
         self.healthy = false;
         (self.counters, self.told) = (Counters::default(), None);
@@ -345,17 +346,17 @@ impl Link {
         });
     }
 
-    pub(super) fn was_healthy(&self) -> bool {
+    pub(crate) fn was_healthy(&self) -> bool {
         self.healthy
     }
 
-    pub(super) fn ended(&mut self, end: &SessionEnd) {
+    pub(crate) fn ended(&mut self, end: &SessionEnd) {
         let now = self.now();
         self.tell_changed_counters(now);
-        for (channel, finding) in self.vigil.end(now) {
+        for (channel, finding) in self.values.end(now) {
             self.tell(channel, finding);
         }
-        for (name, absence) in self.thermometers.end(now) {
+        for (name, absence) in self.temperatures.end(now) {
             self.tell_temperature(name, absence);
         }
         if *end == SessionEnd::Cancelled {

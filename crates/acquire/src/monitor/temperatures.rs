@@ -6,7 +6,7 @@ use trunnion_core::reading::TemperatureReading;
 
 /// Something to tell about a temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Absence {
+pub(crate) enum Absence {
     /// From here on it has no value.
     Begun,
     /// It has one again, or the session ended.
@@ -15,9 +15,9 @@ pub(super) enum Absence {
 
 /// The temperatures of one device that have no value at present: since when, and how many readings.
 #[derive(Debug, Default)]
-pub(super) struct Thermometers(HashMap<String, (HostTime, u64)>);
+pub(crate) struct TemperatureMonitor(HashMap<String, (HostTime, u64)>);
 
-impl Thermometers {
+impl TemperatureMonitor {
     /// Looks at a reading.
     pub fn see(&mut self, reading: &TemperatureReading) -> Option<Absence> {
         if reading.degc.is_finite() {

@@ -31,7 +31,7 @@ const LEAST_LEVELS: u64 = 4;
 
 /// Something to tell about a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Finding {
+pub(crate) enum Finding {
     /// From here on the device sends no values but this number.
     NoValue { raw: i64 },
     /// There are values again, or the session ended.
@@ -44,7 +44,7 @@ pub(super) enum Finding {
 
 /// The channels of one device.
 #[derive(Debug, Default)]
-pub(super) struct Vigil {
+pub(crate) struct ValueMonitor {
     channels: HashMap<u16, Channel>,
 }
 
@@ -74,7 +74,7 @@ struct Run {
     readings: u64,
 }
 
-impl Vigil {
+impl ValueMonitor {
     /// Looks at a reading that arrived at `at`; takes its value away while the channel is stuck.
     pub fn see(&mut self, reading: &mut ProbeReading, at: HostTime) -> Option<Finding> {
         self.channels.entry(reading.channel).or_default().see(reading, at)
@@ -259,14 +259,14 @@ mod tests {
 
     /// Feeds 50 readings a second of `raw(t)`; NaN stands for no value.
     struct Bench {
-        vigil: Vigil,
+        monitor: ValueMonitor,
         reading: u64,
         rng: ChaCha8Rng,
     }
 
     impl Bench {
         fn new() -> Self {
-            Self { vigil: Vigil::default(), reading: 0, rng: ChaCha8Rng::seed_from_u64(7) }
+            Self { monitor: ValueMonitor::default(), reading: 0, rng: ChaCha8Rng::seed_from_u64(7) }
         }
 
         fn run(
@@ -291,7 +291,7 @@ mod tests {
                     value_mm,
                     arrival: at,
                 };
-                findings.extend(self.vigil.see(&mut reading, at));
+                findings.extend(self.monitor.see(&mut reading, at));
                 readings.push(reading);
             }
             (findings, readings)
@@ -342,7 +342,7 @@ mod tests {
         };
         assert!((to.seconds_since(from) - 2.02).abs() < 1e-9, "from the last value to the next");
         bench.run(0.5, |_, _| f64::NAN);
-        let open = bench.vigil.end(HostTime(5_000_000_000));
+        let open = bench.monitor.end(HostTime(5_000_000_000));
         assert!(matches!(open[..], [(0, Finding::ValueAgain { readings: 25, .. })]), "{open:?}");
     }
 }

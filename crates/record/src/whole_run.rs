@@ -1,9 +1,9 @@
 //! Recordings of runs that are already in memory.
 
-use super::Recorder;
 use crate::error::RecordError;
 use crate::finish::FinishedFile;
 use crate::item::{Item, RunHeader};
+use crate::writer::Recorder;
 use std::path::Path;
 use trunnion_core::AxisSample;
 use trunnion_cycles::Run;
@@ -35,8 +35,8 @@ pub fn write_run_with_axes(
     for point in &run.points {
         recorder.append(Item::Point(point.clone()), header.host_start);
     }
-    if !axes.is_empty() {
-        recorder.append(Item::Axes(axes.to_vec()), header.host_start);
+    for sample in axes {
+        recorder.append(Item::Axes(*sample), header.host_start);
     }
     if let Some(why) = recorder.failing() {
         let source = std::io::Error::other(why.to_string());

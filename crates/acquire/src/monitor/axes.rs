@@ -14,7 +14,7 @@ const AT_LEAST: Duration = Duration::from_secs(2);
 
 /// What was seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum AxesFinding {
+pub(crate) enum AxesFinding {
     /// No motion since then.
     Stuck {
         /// Last motion.
@@ -31,15 +31,15 @@ pub(super) enum AxesFinding {
 
 /// Watches one controller.
 #[derive(Debug, Default)]
-pub(super) struct AxesVigil {
+pub(crate) struct AxisWatchdog {
     last: Option<(AxisValues<f64>, HostTime)>,
     block: String,
     blocks: u32,
     stuck: bool,
 }
 
-impl AxesVigil {
-    pub(super) fn see(&mut self, reading: &Reading, at: HostTime) -> Option<AxesFinding> {
+impl AxisWatchdog {
+    pub(crate) fn see(&mut self, reading: &Reading, at: HostTime) -> Option<AxesFinding> {
         match reading {
             Reading::Axes(axes) => self.axes(axes, at),
             Reading::Controller(controller) => self.controller(controller, at),
@@ -47,7 +47,7 @@ impl AxesVigil {
         }
     }
 
-    pub(super) fn is_stuck(&self) -> bool {
+    pub(crate) fn is_stuck(&self) -> bool {
         self.stuck
     }
 

@@ -1,0 +1,51 @@
+//! Why a motion cannot be judged.
+
+use trunnion_cycles::VisitError;
+
+/// A motion that cannot be judged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AttributionError {
+    /// No axis positions.
+    #[error(
+        "recording {run} holds {found} axis positions, {least} are needed; record with the CNC connected, or simulate a cycle on the fly"
+    )]
+    NoAxes {
+        /// The recording.
+        run: String,
+        /// Samples found.
+        found: usize,
+        /// Samples needed.
+        least: usize,
+    },
+    /// A knot distance that the samples cannot support.
+    #[error(
+        "a smooth path with knots every {knot_s} s is not possible here; allowed: {low:.3}..={high:.3} s"
+    )]
+    Knots {
+        /// As asked.
+        knot_s: f64,
+        /// Smallest possible.
+        low: f64,
+        /// Largest possible.
+        high: f64,
+    },
+    /// The cycle does not fit the machine.
+    #[error("the cycle of recording {run} cannot be run on its machine")]
+    Cycle {
+        /// The recording.
+        run: String,
+        /// Why.
+        #[source]
+        source: VisitError,
+    },
+    /// No pose for a measured or ideal position.
+    #[error(
+        "recording {run}: the machine has no pose for the axis positions at {time_s:.3} s; was it recorded on another machine?"
+    )]
+    NoPose {
+        /// The recording.
+        run: String,
+        /// When.
+        time_s: f64,
+    },
+}

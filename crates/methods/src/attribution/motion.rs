@@ -1,0 +1,39 @@
+//! A motion that can be judged, and where its ideal comes from.
+
+use trunnion_core::{AxisLetter, AxisSample};
+use trunnion_cycles::Cycle;
+use trunnion_machine::Machine;
+
+/// A motion that can be judged.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a> {
+    /// Name of the recording.
+    pub run: &'a str,
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Positions by the axes' own encoders, in order of time.
+    pub samples: &'a [AxisSample],
+    /// The cycle that was run.
+    pub cycle: Option<&'a Cycle>,
+    /// Distance of the knots of a smooth path, s: what lasts longer passes for the path.
+    pub knot_s: f64,
+}
+
+/// Where the ideal motion comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ideal {
+    /// The cycle: the turning axis, or the way along its curve, at a constant feed, the others as it commands them.
+    Cycle {
+        /// Name of the cycle.
+        name: String,
+        /// The axis that turns; `None` along a curve.
+        turning: Option<AxisLetter>,
+    },
+    /// A smooth path through the measured positions of each axis.
+    Smooth {
+        /// Distance of the knots, s.
+        knot_s: f64,
+        /// Why not the cycle; empty when there was none.
+        why: String,
+    },
+}

@@ -1,0 +1,42 @@
+//! Error motions from the shapes.
+
+use super::causes::ErrorKind;
+use super::shape::{AxisShapes, Contour};
+use trunnion_effects::Unit;
+
+/// One error motion over the turn.
+pub(super) struct ErrorMotion {
+    pub name: String,
+    pub unit: Unit,
+    pub points: Contour,
+    pub kind: ErrorKind,
+    /// What it is, and where it holds.
+    pub about: String,
+}
+
+/// Radial, axial and tilt error motions of an axis, those that were measured.
+pub(super) fn error_motions(of_axis: &AxisShapes) -> Vec<ErrorMotion> {
+    let axis = of_axis.axis;
+    let mut motions = Vec::new();
+    for (k, points) in of_axis.translation.iter().enumerate() {
+        let (kind, about) = match of_axis.radial_at_mm.get(k) {
+            None => (ErrorKind::Axial, "axial error motion".into()),
+            Some(at) => {
+                let at = at.unwrap_or(0.0);
+                (
+                    ErrorKind::Radial,
+                    format!("radial error motion at height {at:.0} mm over the reference point"),
+                )
+            }
+        };
+        let name = axis.symbol(axis.frame[k], false);
+        motions.push(ErrorMotion { name, unit: Unit::UM, points: points.clone(), kind, about });
+    }
+    for (k, points) in of_axis.tilt.iter().enumerate() {
+        let name = axis.symbol(axis.rotations()[k], false);
+        let (kind, about) = (ErrorKind::Tilt, "tilt error motion".into());
+        motions.push(ErrorMotion { name, unit: Unit::URAD, points: points.clone(), kind, about });
+    }
+    motions.retain(|motion| !motion.points.is_empty());
+    motions
+}

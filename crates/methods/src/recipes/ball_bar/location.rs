@@ -1,0 +1,75 @@
+//! Location errors from the shapes.
+
+use super::causes::ErrorKind;
+use super::shape::{AxisShapes, Shape};
+use super::track::Kind;
+use crate::recipes::Convention;
+use trunnion_core::AxisLetter;
+use trunnion_effects::Unit;
+
+/// A location error, right-handed, inside units.
+pub(super) struct Location {
+    pub name: String,
+    pub value: f64,
+    pub unit: Unit,
+    pub u: f64,
+    pub kind: ErrorKind,
+    /// S4 prints it with the opposite sign.
+    pub opposite_in_source: bool,
+}
+
+impl Location {
+    pub fn shown(&self, convention: Convention) -> f64 {
+        if convention == Convention::Source && self.opposite_in_source { -self.value } else { self.value }
+    }
+}
+
+/// Location errors by S4 eq. 1–7, in the signs of docs/design/physics.md §1.
+pub(super) fn locations(shapes: &[Shape], axes: &[AxisShapes]) -> Vec<Location> {
+    let mut found = Vec::new();
+    for of_axis in axes {
+        let axis = of_axis.axis;
+        let [tilt_u, tilt_v, _] = axis.rotations();
+        // S4 eq. 1 and 3 are of C.
+        let of_c = axis.frame[2] == AxisLetter::Z;
+        let squareness = |direction, value, u, opposite_in_source| Location {
+            name: axis.symbol(direction, true),
+            value,
+            unit: Unit::URAD,
+            u,
+            kind: ErrorKind::Squareness,
+            opposite_in_source,
+        };
+        if let Some(line) = of_axis.line[1] {
+            found.push(squareness(tilt_u, -line.slope, line.u_slope, false));
+        }
+        if let Some(line) = of_axis.line[0] {
+            found.push(squareness(tilt_v, line.slope, line.u_slope, of_c));
+        }
+        for (k, line) in of_axis.line.iter().enumerate() {
+            let Some(line) = line.filter(|_| of_axis.calibrated) else { continue };
+            found.push(Location {
+                name: axis.symbol(axis.frame[k], true),
+                value: line.at_zero,
+                unit: Unit::UM,
+                u: line.u_at_zero,
+                kind: ErrorKind::Place,
+                opposite_in_source: of_c,
+            });
+        }
+    }
+    for shape in shapes {
+        let Kind::Followed { axis, .. } = shape.kind else { continue };
+        for k in 0..2 {
+            found.push(Location {
+                name: format!("{} by {}", axis.symbol(axis.rotations()[k], true), shape.label),
+                value: shape.centre[k],
+                unit: Unit::URAD,
+                u: shape.u_centre[k],
+                kind: ErrorKind::Squareness,
+                opposite_in_source: false,
+            });
+        }
+    }
+    found
+}

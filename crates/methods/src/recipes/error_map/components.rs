@@ -1,0 +1,25 @@
+//! The six components of the error of an axis.
+
+use trunnion_core::{AxisLetter, Twist};
+use trunnion_effects::Unit;
+
+/// Symbol, unit, and how to take it from an error.
+pub(super) type Component = (String, Unit, fn(&Twist) -> f64);
+
+/// The six components of the error of an axis.
+pub(super) fn components(axis: AxisLetter) -> [Component; 6] {
+    let symbol = |direction: AxisLetter| format!("E{direction}{axis}");
+    [
+        (symbol(AxisLetter::X), Unit::UM, |t| t.translation_mm.x),
+        (symbol(AxisLetter::Y), Unit::UM, |t| t.translation_mm.y),
+        (symbol(AxisLetter::Z), Unit::UM, |t| t.translation_mm.z),
+        (symbol(AxisLetter::A), Unit::URAD, |t| t.rotation_rad.x),
+        (symbol(AxisLetter::B), Unit::URAD, |t| t.rotation_rad.y),
+        (symbol(AxisLetter::C), Unit::URAD, |t| t.rotation_rad.z),
+    ]
+}
+
+/// `ECC`, which is taken as zero.
+pub(super) fn is_about_itself(symbol: &str) -> bool {
+    symbol.chars().nth(1) == symbol.chars().nth(2)
+}

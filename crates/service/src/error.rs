@@ -1,0 +1,51 @@
+//! Why the service, or one cycle of it, failed.
+
+use crate::live::PlanError;
+use std::path::PathBuf;
+use trunnion::analysis::AnalysisError;
+use trunnion_engine::ExperimentError;
+use trunnion_record::RecordError;
+
+/// Why the service, or one cycle of it, failed.
+#[derive(Debug, thiserror::Error)]
+pub enum ServiceError {
+    /// An answer that JSON cannot hold.
+    #[error("cannot write an answer as JSON")]
+    Json(#[from] serde_json::Error),
+    /// The cycle cannot be measured with these devices.
+    #[error("the cycle cannot be measured")]
+    Plan(#[from] PlanError),
+    /// The recording failed.
+    #[error("recording failed")]
+    Record(#[from] RecordError),
+    /// The writing thread could not be started.
+    #[error("cannot start the recording thread")]
+    Thread(#[source] std::io::Error),
+    /// A result could not be written.
+    #[error("cannot write {path}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's words.
+        source: std::io::Error,
+    },
+    /// The points do not make an experiment.
+    #[error("the recording {path} cannot be analysed")]
+    Experiment {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: ExperimentError,
+    },
+    /// The analysis failed.
+    #[error("analysing {path} failed")]
+    Analysis {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: Box<AnalysisError>,
+    },
+    /// A part of the service panicked.
+    #[error("the {0} ended badly; this is a defect of the program")]
+    Broken(&'static str),
+}

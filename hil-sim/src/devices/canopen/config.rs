@@ -1,0 +1,54 @@
+//! What is on the bus.
+
+use super::super::clock::DeviceClock;
+use trunnion_protocol::canopen::NodeId;
+
+/// What a node measures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NodeKind {
+    /// A linear encoder that shows the length of the ball bar, CiA 406.
+    BallBar {
+        /// Measuring step, nm.
+        step_nm: u32,
+        /// What the encoder shows at bar reading 0, mm; counts are not negative.
+        zero_mm: f64,
+    },
+    /// A probe of ±1 mm, CiA 404, its value as I32 in mm.
+    Probe {
+        /// Which of the three readings it sees, 0..=2.
+        channel: usize,
+        /// Decimal digits of the value.
+        digits: u8,
+    },
+    /// A thermometer, CiA 404, its value as I16 in °C.
+    Thermometer {
+        /// Decimal digits of the value.
+        digits: u8,
+    },
+}
+
+/// One node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeConfig {
+    /// Its number.
+    pub id: NodeId,
+    /// What it measures.
+    pub kind: NodeKind,
+    /// Serial number, 1018h:04.
+    pub serial: u32,
+    /// Producer heartbeat time, ms; 0 for none.
+    pub heartbeat_ms: u16,
+    /// Event timer of TPDO 1, ms; 0 switches TPDO 1 off, so that only SYNC asks for values.
+    pub event_timer_ms: u16,
+    /// Its clock, which runs heartbeat and event timer.
+    pub clock: DeviceClock,
+}
+
+/// An adapter and the nodes on its bus.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BusConfig {
+    /// The nodes; each number once.
+    pub nodes: Vec<NodeConfig>,
+    /// Clock of the adapter, which stamps frames in ms modulo 60 000.
+    pub adapter_clock: DeviceClock,
+}

@@ -1,0 +1,72 @@
+//! A controller and its agent, as asked for.
+
+use super::super::clock::DeviceClock;
+use super::super::handle::DeviceError;
+use super::super::world::World;
+use std::net::{Ipv4Addr, SocketAddr};
+use trunnion_core::AxisLetter;
+
+/// A controller and its agent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AgentConfig {
+    /// Where to listen; port 0 takes a free one.
+    pub listen: SocketAddr,
+    /// Name of the device.
+    pub device: String,
+    /// Axes shown.
+    pub axes: Vec<AxisLetter>,
+    /// Lines per second of the controller's clock, 1..=1000.
+    pub rate_hz: f64,
+    /// Resolution of linear positions, mm.
+    pub resolution_mm: f64,
+    /// Resolution of angles, degrees.
+    pub resolution_deg: f64,
+    /// Observations the agent keeps.
+    pub buffer_size: usize,
+    /// Most agents drop samples that are the same as before; without the filter a standing axis is seen to stand at once.
+    pub filters_duplicates: bool,
+    /// The controller's wall clock: what it shows at time 0 of the cell, ns since 1970 UTC, besides the clock's
+    /// offset.
+    pub wall_ns_at_origin: i64,
+    /// Offset, rate error and wander of the wall clock.
+    pub clock: DeviceClock,
+}
+
+impl AgentConfig {
+    /// A five-axis machine with axes X, Y, Z, B, C at 125 lines per second, on a free port of this computer.
+    pub fn new(wall_ns_at_origin: i64, clock: DeviceClock) -> Self {
+        use trunnion_core::axis::iso::{B, C, X, Y, Z};
+        Self {
+            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
+            device: "VMC-5Axis".into(),
+            axes: vec![X, Y, Z, B, C],
+            rate_hz: 125.0,
+            resolution_mm: 1e-4,
+            resolution_deg: 1e-5,
+            buffer_size: 131_072,
+            filters_duplicates: true,
+            wall_ns_at_origin,
+            clock,
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), DeviceError> {
+        let refuse = |setting, found, allowed| {
+            Err(DeviceError::Setting { device: "MTConnect agent", setting, found, allowed })
+        };
+        if !(1.0..=1000.0).contains(&self.rate_hz) {
+            return refuse("rate_hz", self.rate_hz, "1..=1000");
+        }
+        for (setting, found) in
+            [("resolution_mm", self.resolution_mm), ("resolution_deg", self.resolution_deg)]
+        {
+            if !(1e-9..=1.0).contains(&found) {
+                return refuse(setting, found, "1e-9..=1");
+            }
+        }
+        if !(128..=1 << 22).contains(&self.buffer_size) {
+            return refuse("buffer_size", self.buffer_size as f64, "128..=4194304");
+        }
+        Ok(())
+    }
+}
