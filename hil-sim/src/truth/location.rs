@@ -1,7 +1,6 @@
 //! The location errors that a machine can have.
 
 use nalgebra::Vector3;
-use rand_distr::Distribution;
 use trunnion_core::{AxisLetter, Twist};
 use trunnion_machine::{JointErrors, Machine};
 

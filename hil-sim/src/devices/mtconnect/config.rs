@@ -2,7 +2,6 @@
 
 use super::super::clock::DeviceClock;
 use super::super::handle::DeviceError;
-use super::super::world::World;
 use std::net::{Ipv4Addr, SocketAddr};
 use trunnion_core::AxisLetter;
 
