@@ -124,6 +124,8 @@ pub fn climb(experiment: &Experiment, model: &Model, date: &str) -> Result<Analy
 
 fn ascend<'a>(first: &Problem<'a>, date: &str) -> Result<(Analysis, Problem<'a>), AnalysisError> {
     let mut problem = first.clone();
+    // The entries with their ladder rows; a problem knows nothing of those.
+    let mut model = first.model().clone();
     let (mut steps, mut diagnoses) = (Vec::new(), Vec::new());
     loop {
         let diagnosis = diagnosed(&problem)?;
@@ -133,11 +135,12 @@ fn ascend<'a>(first: &Problem<'a>, date: &str) -> Result<(Analysis, Problem<'a>)
         };
         diagnoses.push(diagnosis);
         let Some(effect) = best.filter(|_| steps.len() < MOST_STEPS) else {
-            let (before, model) = (first.fit().clone(), problem.model().clone());
-            return Ok((Analysis { before, steps, diagnoses, model }, problem));
+            return Ok((Analysis { before: first.fit().clone(), steps, diagnoses, model }, problem));
         };
         let added = ModelEffect { id: effect, ..ModelEffect::default() };
-        let (step, larger) = put_on(&problem, vec![added], date)?;
+        let (mut step, larger) = put_on(&problem, vec![added], date)?;
+        model.effects.extend(step.entries.iter().cloned());
+        step.model = model.clone();
         problem = larger;
         steps.push(step);
     }
