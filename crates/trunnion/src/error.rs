@@ -49,28 +49,28 @@ pub enum Error {
     },
     /// Runs that cannot be fitted together.
     #[error(transparent)]
-    Experiment(#[from] ExperimentError),
+    Experiment(Box<ExperimentError>),
     /// The fit failed.
     #[error(transparent)]
-    Fit(#[from] IdentifyError),
+    Fit(Box<IdentifyError>),
     /// The diagnosis failed.
     #[error(transparent)]
-    Diagnose(#[from] DiagnoseError),
+    Diagnose(Box<DiagnoseError>),
     /// An effect cannot be added or removed, or a fit on the way failed.
     #[error(transparent)]
-    Analysis(#[from] AnalysisError),
+    Analysis(Box<AnalysisError>),
     /// No cycle could be planned.
     #[error(transparent)]
-    Plan(#[from] PlanError),
+    Plan(Box<PlanError>),
     /// A named method cannot be applied.
     #[error(transparent)]
-    Method(#[from] trunnion_methods::recipes::MethodError),
+    Method(Box<trunnion_methods::recipes::MethodError>),
     /// The deviation of a recording cannot be attributed to its axes.
     #[error(transparent)]
-    Attribution(#[from] trunnion_methods::attribution::AttributionError),
+    Attribution(Box<trunnion_methods::attribution::AttributionError>),
     /// A volume that the machine does not have.
     #[error(transparent)]
-    Volume(#[from] trunnion_methods::volumetric::VolumeError),
+    Volume(Box<trunnion_methods::volumetric::VolumeError>),
     /// A model of another machine than that of the runs to predict.
     #[error(
         "the model was fitted on machine {fitted}, run {run} was measured on machine {found}; predict runs of one machine"
@@ -91,6 +91,28 @@ pub enum Error {
         /// Effect id.
         effect: String,
     },
+}
+
+/// Large causes are boxed, so that an answer does not carry their size.
+macro_rules! boxed {
+    ($($variant:ident: $cause:ty),* $(,)?) => {
+        $(impl From<$cause> for Error {
+            fn from(cause: $cause) -> Self {
+                Self::$variant(Box::new(cause))
+            }
+        })*
+    };
+}
+
+boxed! {
+    Experiment: ExperimentError,
+    Fit: IdentifyError,
+    Diagnose: DiagnoseError,
+    Analysis: AnalysisError,
+    Plan: PlanError,
+    Method: trunnion_methods::recipes::MethodError,
+    Attribution: trunnion_methods::attribution::AttributionError,
+    Volume: trunnion_methods::volumetric::VolumeError,
 }
 
 impl Error {
