@@ -2,7 +2,7 @@
 //! missing effects, and the next cycle.
 //!
 //! [`problem`] lays points and model out, [`noise`] says how readings scatter, [`solve`] does the arithmetic, [`fit`]
-//! identifies parameters, [`evidence`] weighs effects against noise, [`diagnosis`] ranks what the model lacks,
+//! identifies parameters, `evidence` weighs effects against noise, [`diagnosis`] ranks what the model lacks,
 //! [`compare`] says where the model fails, [`next_cycle`] plans what separates confounded effects.
 
 pub mod compare;

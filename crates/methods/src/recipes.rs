@@ -1,6 +1,6 @@
 //! Named methods: closed recipes of the literature, one file each, one line in [`REGISTRY`].
 //!
-//! A method takes runs and returns [`Findings`]; it does what its source does, with the source's slips mended (docs/design/physics.md §8),
+//! A method takes runs and returns [`crate::Findings`]; it does what its source does, with the source's slips mended (docs/design/physics.md §8),
 //! so that its figures can be compared with the source and with the joint fit. A test walks the directory and the list.
 
 mod ball_bar;

@@ -1,7 +1,7 @@
 //! What the data cannot see: null directions of the scaled design, made sparse and named.
 //!
 //! Null vectors are the right singular vectors with σ ≤ tolerance·σ₁, and those along which the fit
-//! would wander by more than [`MEANINGLESS_MM`] of reading. They are brought to reduced row echelon form. Pivots are first the
+//! would wander by more than `MEANINGLESS_MM` of reading. They are brought to reduced row echelon form. Pivots are first the
 //! parameters that the minimum set of location errors defines as zero (S2 tables 2–5), weakest first, then the most
 //! involved ones. Every pivot is held at zero, which leaves independent columns. A conventional pivot lets the
 //! others of its direction stand for it; any other pivot leaves its whole direction without numbers.
