@@ -105,7 +105,7 @@ fn canonical(printed: &str) -> Vec<Event> {
             "SET_FEED_RATE" => per_min = numbers()[0],
             "STRAIGHT_FEED" => {
                 let place = numbers();
-                let to = AxisValues::from_fn(|letter| place[letter.index()]);
+                let to = AxisValues::from_fn(|slot| place.get(slot.index()).copied().unwrap_or(0.0));
                 events.push(Event::Move { to, seconds: seconds(&at, &to, per_min) });
                 at = to;
             }
