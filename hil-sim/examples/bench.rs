@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 use tokio::time::Instant;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
 use trunnion_hil_sim::devices::canopen::BusConfig;
 #[cfg(feature = "opcua")]
@@ -20,7 +20,7 @@ struct Bench;
 impl World for Bench {
     fn axes(&self, t_s: f64) -> AxisValues<f64> {
         let mut axes = AxisValues::default();
-        (axes[AxisLetter::X], axes[AxisLetter::C]) = (100.0, 0.5 * (0.2 * t_s).sin());
+        (axes[Joint::X], axes[Joint::C]) = (100.0, 0.5 * (0.2 * t_s).sin());
         axes
     }
 

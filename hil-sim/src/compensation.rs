@@ -8,7 +8,7 @@ mod read;
 
 use crate::physics::chain::machine_from_tip;
 use nalgebra::{Matrix3, Point3, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, Twist};
+use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_machine::{Machine, Side};
 
 /// Newton steps; errors are small, so that the second changes nothing that could be seen.
@@ -28,7 +28,7 @@ pub struct Compensation {
 /// Component errors of one axis.
 #[derive(Clone, Debug, PartialEq)]
 struct Table {
-    axis: AxisLetter,
+    axis: Joint,
     /// mm or rad, rising.
     positions: Vec<f64>,
     /// As many, mm and rad.
@@ -60,7 +60,7 @@ impl Compensation {
         for _ in 0..STEPS {
             let gap = wanted - tool_in_table(machine, &corrected, &self.errors_at(&corrected));
             let mut slope = Matrix3::zeros();
-            for (i, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
+            for (i, letter) in Joint::LINEAR.into_iter().enumerate() {
                 let mut moved = corrected;
                 moved[letter] += 1.0;
                 let travel =
@@ -68,7 +68,7 @@ impl Compensation {
                 slope.set_column(i, &travel);
             }
             let step: Vector3<f64> = slope.try_inverse()? * gap;
-            for (i, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
+            for (i, letter) in Joint::LINEAR.into_iter().enumerate() {
                 corrected[letter] += step[i];
             }
         }

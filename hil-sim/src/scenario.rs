@@ -4,7 +4,7 @@ use crate::devices::SimulatedCell;
 use crate::motion::{Follow, Program, ProgramError, Step, Trajectory};
 use crate::physics::{Sampler, VirtualMachine};
 use std::sync::Arc;
-use trunnion_core::{AxisLetter, AxisValues, State};
+use trunnion_core::{AxisValues, Joint, State};
 use trunnion_machine::Machine;
 
 /// Noise of one sample of a probe, mm: averaged away at rest, seen on the fly.
@@ -13,11 +13,11 @@ const SAMPLE_NOISE_MM: f64 = 0.2e-3;
 const MARGIN_S: f64 = 0.4;
 /// Ramps of a sweep, s.
 const RAMP_S: f64 = 0.4;
-/// The gesture before and after a sweep cycle: strokes of X there and back, as the program writer of the product puts them.
+/// The synchronisation move before and after a sweep cycle: strokes of X there and back, as the program writer of the product puts them.
 const STROKE_MM: f64 = 0.2;
 const STROKE_S: f64 = 0.2;
 const STROKES: usize = 3;
-const GESTURE_PAUSE_S: f64 = 1.0;
+const SYNC_MOVE_PAUSE_S: f64 = 1.0;
 
 /// One pose of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +69,7 @@ pub fn static_cycle(
     let mut before = *first;
     for station in stations {
         if station.setup != before.setup {
-            // The ball has been set anew: straight to its first pose.
+            // The ball has been placed again: straight to its first pose.
             steps.push(Step::Move { target: station.position, duration_s: pace.move_s });
         } else {
             let follow = follow(machine.machine(), &machine, station.setup);
@@ -93,7 +93,7 @@ pub fn static_cycle(
 pub fn sweep_cycle(
     machine: Arc<VirtualMachine>,
     program: &str,
-    axis: AxisLetter,
+    axis: Joint,
     from_to_rad: (f64, f64),
     feeds_rad_per_s: &[f64],
     others: &AxisValues<f64>,
@@ -104,7 +104,7 @@ pub fn sweep_cycle(
     rotary[axis] = from;
     let ball = machine.truth().setups[0].setup.ball_in_table_mm;
     let start = machine.machine().follow(&rotary, &ball).unwrap_or(rotary);
-    let mut steps = gesture(&start);
+    let mut steps = sync_move(&start);
     for &feed in feeds_rad_per_s {
         for (from, to) in [(from, to), (to, from)] {
             steps.push(Step::Sweep { axis, from, to, feed, ramp_s: RAMP_S, follow: follow.clone() });
@@ -112,16 +112,16 @@ pub fn sweep_cycle(
         }
     }
     // The passes end where they began.
-    steps.extend(gesture(&start));
+    steps.extend(sync_move(&start));
     let setup_of_step = vec![0; steps.len()];
     Ok(cell(machine, program, Trajectory::compile(&Program { start, steps })?, setup_of_step))
 }
 
 /// Strokes of X about where the machine stands.
-fn gesture(stand: &AxisValues<f64>) -> Vec<Step> {
+fn sync_move(stand: &AxisValues<f64>) -> Vec<Step> {
     let mut there = *stand;
-    there[AxisLetter::X] += STROKE_MM;
-    let pause = || Step::Dwell { duration_s: GESTURE_PAUSE_S };
+    there[Joint::X] += STROKE_MM;
+    let pause = || Step::Dwell { duration_s: SYNC_MOVE_PAUSE_S };
     let strokes =
         (0..STROKES).flat_map(|_| [there, *stand]).map(|target| Step::Move { target, duration_s: STROKE_S });
     std::iter::once(pause()).chain(strokes).chain([pause()]).collect()

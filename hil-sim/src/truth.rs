@@ -6,6 +6,7 @@ mod draw;
 mod errors;
 mod file;
 mod location;
+mod mount;
 mod mounting;
 mod setup;
 

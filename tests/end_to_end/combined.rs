@@ -4,7 +4,7 @@ use crate::program::trunnion;
 use serde_json::Value;
 use std::path::Path;
 
-/// What the truth file holds of the parameters that can be told, screen units.
+/// What the truth file holds of the parameters that are observable, screen units.
 const TRUTH: [(&str, &str, f64); 14] = [
     ("location-errors", "EX0B", 8.0),
     ("location-errors", "EZ0B", -6.0),
@@ -43,7 +43,7 @@ fn identify(runs: &[&str], model: &str) -> Value {
     serde_json::from_str(&trunnion(&args)).unwrap()
 }
 
-/// Value and standard uncertainty; `None` when it cannot be seen.
+/// Value and standard uncertainty; `None` when it is not observable.
 fn found(fit: &Value, effect: &str, name: &str) -> Option<(f64, f64)> {
     let parameters = fit["parameters"].as_array().unwrap();
     let parameter = parameters.iter().find(|p| p["effect"] == effect && p["name"].as_str() == Some(name))?;
@@ -83,7 +83,7 @@ fn r_test_ball_bar_and_tracker_together_know_every_parameter_better_than_each_al
     }
     // χ² of 14 degrees of freedom: the uncertainties as a whole are right (0.1 % and 99.9 %).
     assert!((3.0..36.1).contains(&squares), "χ² {squares}");
-    // B stands still under the ball bar: what it knows of C is the line in the machine.
+    // B is at rest under the ball bar: what it knows of C is the line in the machine.
     for symbol in ["EA0C", "EB0C", "EC0Y"] {
         let (_, u) = located(&together, symbol).unwrap();
         better(1, symbol, u, located(&alone[1], symbol).map(|(_, u)| u));

@@ -50,8 +50,8 @@ impl Shop {
         let mut args =
             vec!["compensation", run, "--model", &self.model, "--format", format, "-o", &file, "--json"];
         args.extend(more);
-        let told = serde_json::from_str(&trunnion(&args)).unwrap();
-        (file, told)
+        let reported = serde_json::from_str(&trunnion(&args)).unwrap();
+        (file, reported)
     }
 
     /// The same file with errors called corrections: a controller that applies it has the sign wrong.
@@ -99,11 +99,11 @@ fn rotary_errors_exported_in_any_format_are_gone_when_applied_and_double_with_th
     assert!(before_um > 10.0, "{before_um}");
     for format in ["csv", "etalon", "isg"] {
         for more in [&[][..], &["--corrections"]] {
-            let (file, told) = shop.export(&before, format, more);
+            let (file, reported) = shop.export(&before, format, more);
             let after_um = rms_um(&shop.measure("after", Some(&file)));
             println!("{format} {more:?}: {before_um:.3} µm before, {after_um:.3} µm after");
             assert!(after_um < 1.05 * NOISE_UM, "{format}: {before_um} before, {after_um} after");
-            assert_eq!(told["left_out"][1]["effect"], "ball-setting", "{told}");
+            assert_eq!(reported["left_out"][1]["effect"], "ball-setting", "{reported}");
         }
         let (file, _) = shop.export(&before, format, &[]);
         let wrong_um = rms_um(&shop.measure("wrong", Some(&shop.wrong_sign(&file))));
@@ -121,8 +121,8 @@ fn errors_of_linear_axes_are_gone_and_backlash_is_named_and_stays() {
     };
     let found = identify(&before);
     for format in ["csv", "etalon", "isg"] {
-        let (file, told) = shop.export(&before, format, &[]);
-        let left_out = told["left_out"].as_array().unwrap();
+        let (file, reported) = shop.export(&before, format, &[]);
+        let left_out = reported["left_out"].as_array().unwrap();
         let backlash = left_out.iter().find(|left| left["effect"] == "backlash:C").unwrap();
         assert_eq!(backlash["why"], "it depends on the direction of C");
         assert!(std::fs::read_to_string(&file).unwrap().contains("does not hold backlash:C"));
@@ -153,8 +153,8 @@ fn a_table_that_does_not_say_its_sign_or_is_no_table_is_refused() {
         let broken = shop.path("broken.txt").display().to_string();
         std::fs::write(&broken, text.replacen(from, to, 1)).unwrap();
         let run = shop.path("refused.mcap").display().to_string();
-        let (done, _, told) = output(&["simulate", &shop.truth, "--compensation", &broken, "-o", &run]);
-        assert!(!done && told.contains(expected), "{told}");
+        let (done, _, reported) = output(&["simulate", &shop.truth, "--compensation", &broken, "-o", &run]);
+        assert!(!done && reported.contains(expected), "{reported}");
     };
     refused("values = error", "values", "does not say whether it holds errors or corrections");
     refused(
@@ -165,6 +165,6 @@ fn a_table_that_does_not_say_its_sign_or_is_no_table_is_refused() {
     refused("C EXC", "C EQC", "EQC; allowed: a component error such as EXC");
     refused("\n-85 ", "\n-85 0.1 ", "8 numbers; allowed: as many numbers as names in the header");
     refused("\n-85 ", "\n-95 ", "two or more rows with rising arguments");
-    let (done, _, told) = output(&["compensation", &before, "--format", "xml"]);
-    assert!(!done && told.contains("possible values: csv, etalon, isg"), "{told}");
+    let (done, _, reported) = output(&["compensation", &before, "--format", "xml"]);
+    assert!(!done && reported.contains("possible values: csv, etalon, isg"), "{reported}");
 }

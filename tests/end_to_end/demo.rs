@@ -13,11 +13,11 @@ fn the_demo_finds_the_hidden_sag_and_replay_repeats_its_bytes() {
     };
     let (code, stdout, stderr) =
         trunnion(&["demo", "--hidden", "gravity-sag:B", "--seed", "7", "--json", "--output", &output]);
-    // A busy machine may lose samples: that is told (exit 3) and is no failure of the diagnosis.
+    // A busy machine may lose samples: that is reported (exit 3) and is no failure of the diagnosis.
     assert!(matches!(code, Some(0 | 3)), "{stderr}");
-    let told: Value = serde_json::from_str(&stdout).unwrap();
-    assert_eq!(told["diagnosis"]["candidates"][0]["effect"], "gravity-sag:B", "{told}");
-    let step = &told["ladder"][0];
+    let reported: Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(reported["diagnosis"]["candidates"][0]["effect"], "gravity-sag:B", "{reported}");
+    let step = &reported["ladder"][0];
     let number = |key: &str| step[key].as_f64().unwrap();
     assert!(number("error_after_um") < 0.5 * number("error_before_um"), "{step}");
     assert!(number("holdout_after_um") < 0.7 * number("holdout_before_um"), "{step}");
@@ -26,7 +26,7 @@ fn the_demo_finds_the_hidden_sag_and_replay_repeats_its_bytes() {
     let run = format!("{output}/static.mcap");
     let (_, replayed, _) = trunnion(&["diagnose", &run, "--json"]);
     let replayed: Value = serde_json::from_str(&replayed).unwrap();
-    assert_eq!(replayed, told["diagnosis"]);
+    assert_eq!(replayed, reported["diagnosis"]);
     let page = std::fs::read_to_string(format!("{output}/report.html")).unwrap();
     assert!(page.contains("gravity-sag:B") && page.contains("<svg"));
 }

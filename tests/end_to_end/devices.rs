@@ -161,8 +161,8 @@ async fn every_trouble_says_what_to_do() {
         check(&asked(["--url", &url])[0], &[&url, "is not there", "switched on", "the address"]);
     }
     let unknown = trunnion(&["devices", "--url", "ftp://cnc"]);
-    let told = String::from_utf8(unknown.stderr).unwrap();
-    assert!(!unknown.status.success() && told.contains("opc.tcp://HOST:PORT"), "{told}");
+    let reported = String::from_utf8(unknown.stderr).unwrap();
+    assert!(!unknown.status.success() && reported.contains("opc.tcp://HOST:PORT"), "{reported}");
     check(&found[4], &["cannot open", "is it a serial port?"]);
     assert!(
         found[1]["asked"].as_array().unwrap().iter().any(|asked| asked.as_str().unwrap().contains("GETINFO"))

@@ -33,22 +33,22 @@ fn a_cycle_becomes_a_program_of_the_dialect_asked_for() {
 #[test]
 fn json_holds_the_program_and_the_poses_it_must_visit() {
     let output = trunnion(&[&cycle("r-test-static.toml"), "--dialect", "linuxcnc", "--json"]);
-    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(told["format"], "trunnion-nc-program/1");
-    let visits = told["visits"].as_array().unwrap();
+    let reported: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(reported["format"], "trunnion-nc-program/1");
+    let visits = reported["visits"].as_array().unwrap();
     assert_eq!(visits.len(), 336);
     // Ball at (150, 0, 60) and B −90: X −60, Z 150.
     assert!((visits[0]["b_deg"].as_f64().unwrap() + 90.0).abs() < 1e-9);
     assert!((visits[0]["x_mm"].as_f64().unwrap() + 60.0).abs() < 1e-9);
-    assert!(told["program"].as_str().unwrap().matches("G4 P2.5").count() == 336);
+    assert!(reported["program"].as_str().unwrap().matches("G4 P2.5").count() == 336);
 }
 
 #[test]
 fn what_cannot_be_written_is_refused_with_what_is_allowed() {
     let refused = |args: &[&str], expected: &str| {
         let output = trunnion(args);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(!output.status.success() && told.contains(expected), "{told}");
+        let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && reported.contains(expected), "{reported}");
     };
     let sweep = cycle("r-test-sweep-c.toml");
     refused(&[&sweep, "--dialect", "mazak"], "possible values: fanuc, heidenhain, linuxcnc, siemens");

@@ -18,7 +18,7 @@ pub fn peers_python() -> PathBuf {
 pub struct PythonPeer {
     child: Child,
     /// The line by which it says that it is ready.
-    pub told: String,
+    pub reported: String,
 }
 
 impl PythonPeer {
@@ -34,19 +34,19 @@ impl PythonPeer {
             .stdout(Stdio::piped())
             .spawn()
             .expect("python starts");
-        let mut told = String::new();
+        let mut reported = String::new();
         let output = child.stdout.take().expect("piped");
-        BufReader::new(output).read_line(&mut told).expect("the peer says when it is ready");
-        Self { child, told: told.trim().to_owned() }
+        BufReader::new(output).read_line(&mut reported).expect("the peer says when it is ready");
+        Self { child, reported: reported.trim().to_owned() }
     }
 
     /// The pseudo-terminal it answers on, from its first line of JSON.
     ///
     /// # Panics
-    /// When it tells none.
+    /// When it reports none.
     pub fn port(&self) -> String {
-        let told: serde_json::Value = serde_json::from_str(&self.told).expect("one JSON line");
-        told["port"].as_str().expect("a port").to_owned()
+        let reported: serde_json::Value = serde_json::from_str(&self.reported).expect("one JSON line");
+        reported["port"].as_str().expect("a port").to_owned()
     }
 
     /// Writes it a line.

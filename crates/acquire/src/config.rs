@@ -148,7 +148,7 @@ url = "http://10.0.0.5:5000"
     }
 
     #[test]
-    fn every_problem_is_told_with_its_line_and_what_is_allowed() {
+    fn every_problem_is_reported_with_its_line_and_what_is_allowed() {
         let text = GOOD
             .replace("silence_ms = 100", "silence_ms = 5")
             .replace("rate_khz = 2", "rate_khz = 3")

@@ -50,7 +50,7 @@ pub struct UnknownAddress {
     allowed: String,
 }
 
-/// What an address on the network may mean to the drivers, or to the one named by `only`: its scheme tells; a host alone
+/// What an address on the network may mean to the drivers, or to the one named by `only`: its scheme shows which; a host alone
 /// may be each kind of server, at the port given or at its usual one.
 ///
 /// # Errors
@@ -285,8 +285,8 @@ mod tests {
         assert_eq!(addresses("cnc:81/agent", Some("mtconnect")), ["http://cnc:81/agent"]);
         assert_eq!(addresses("[fe80::1]", Some("linuxcnc")), ["linuxcnc://[fe80::1]:5007"]);
         assert_eq!(addresses("linuxcnc://cnc", None), ["linuxcnc://cnc"]);
-        let told = servers("ftp://cnc", None).unwrap_err().to_string();
-        assert!(told.contains("ftp://cnc") && told.contains("linuxcnc://HOST:PORT"), "{told}");
+        let reported = servers("ftp://cnc", None).unwrap_err().to_string();
+        assert!(reported.contains("ftp://cnc") && reported.contains("linuxcnc://HOST:PORT"), "{reported}");
     }
 
     #[test]

@@ -64,8 +64,8 @@ impl Outlet {
     }
 }
 
-/// Totals are told at most so often.
-const TELL_COUNTERS: Duration = Duration::from_secs(1);
+/// Totals are reported at most so often.
+const COUNTERS_EVERY: Duration = Duration::from_secs(1);
 
 /// The session's link to the rest of the program.
 pub struct Link {
@@ -85,8 +85,8 @@ pub struct Link {
     began: HostTime,
     /// Reason of a gap still open: there is nothing since `last_reading`, or since `began`.
     gap_reason: Option<String>,
-    /// When totals were told last, and which.
-    told: Option<(HostTime, Counters)>,
+    /// When totals were reported last, and which.
+    reported: Option<(HostTime, Counters)>,
     channel_names: Vec<String>,
     values: ValueMonitor,
     axis_watchdog: AxisWatchdog,
@@ -117,7 +117,7 @@ impl Link {
             began: clock.now(),
             clock,
             gap_reason: None,
-            told: None,
+            reported: None,
             channel_names,
             values: ValueMonitor::default(),
             axis_watchdog: AxisWatchdog::default(),
@@ -131,7 +131,7 @@ impl Link {
         &self.outlet.name
     }
 
-    /// Says why the channel's next reading has no value, and what to check. It is asked, told and recorded when the value
+    /// Says why the channel's next reading has no value, and what to check. It is asked, reported and recorded when the value
     /// goes; what is said until there is a value again changes nothing.
     pub fn explain(&mut self, channel: u16, meaning: impl FnOnce() -> String) {
         if !self.values.is_without_value(channel) {
@@ -165,25 +165,25 @@ impl Link {
         self.last_reading = Some(at);
         self.count(&reading);
         if let Reading::Temperature(temperature) = &reading
-            && let Some(told) = self.temperatures.see(temperature)
+            && let Some(reported) = self.temperatures.see(temperature)
         {
-            self.tell_temperature(temperature.name.clone(), told);
+            self.report_temperature(temperature.name.clone(), reported);
         }
         let mut reading = reading;
         if let Reading::Probe(probe) = &mut reading
             && let Some(finding) = self.values.see(probe, at)
         {
             let channel = probe.channel;
-            self.tell(channel, finding);
+            self.report(channel, finding);
         }
         if let Some(finding) = self.axis_watchdog.see(&reading, at) {
-            self.tell_axes(finding, at);
+            self.report_axes(finding, at);
         }
         self.send(reading);
     }
 
     /// Logs and records that axes stand while their program goes on.
-    fn tell_axes(&mut self, finding: AxesFinding, at: HostTime) {
+    fn report_axes(&mut self, finding: AxesFinding, at: HostTime) {
         let state = match finding {
             AxesFinding::Stuck { since, blocks } => {
                 let seconds = (at - since).as_secs_f64();
@@ -205,8 +205,8 @@ impl Link {
     }
 
     /// Logs that a temperature has gone, and records how long once it is back.
-    fn tell_temperature(&mut self, source: String, told: Absence) {
-        match told {
+    fn report_temperature(&mut self, source: String, reported: Absence) {
+        match reported {
             Absence::Begun => {
                 self.log(true, format!("{source} has no temperature; check the sensor and its cable"));
             }
@@ -218,7 +218,7 @@ impl Link {
     }
 
     /// Logs and records what the values of a channel say about its device.
-    fn tell(&mut self, channel: u16, finding: Finding) {
+    fn report(&mut self, channel: u16, finding: Finding) {
         let index = usize::from(channel.saturating_sub(self.first_channel));
         let source = self.channel_names.get(index).unwrap_or(&self.outlet.name).clone();
         let meaning = |raw: i64| {
@@ -312,15 +312,15 @@ impl Link {
     }
 
     /// Sends the totals of the connection when they changed and the last ones are a second old.
-    pub fn tell_counters(&mut self, at: HostTime) {
-        if self.told.is_none_or(|(sent, _)| at - sent >= TELL_COUNTERS) {
-            self.tell_changed_counters(at);
+    pub fn report_counters(&mut self, at: HostTime) {
+        if self.reported.is_none_or(|(sent, _)| at - sent >= COUNTERS_EVERY) {
+            self.report_changed_counters(at);
         }
     }
 
-    fn tell_changed_counters(&mut self, at: HostTime) {
-        if self.told.map_or(Counters::default(), |(_, told)| told) != self.counters {
-            self.told = Some((at, self.counters));
+    fn report_changed_counters(&mut self, at: HostTime) {
+        if self.reported.map_or(Counters::default(), |(_, reported)| reported) != self.counters {
+            self.reported = Some((at, self.counters));
             self.send(Reading::Counters(self.counters));
         }
     }
@@ -335,7 +335,7 @@ impl Link {
     pub(crate) fn begin(&mut self) {
         self.epoch += 1;
         self.healthy = false;
-        (self.counters, self.told) = (Counters::default(), None);
+        (self.counters, self.reported) = (Counters::default(), None);
         let epoch = self.epoch;
         self.status.send_modify(|status| {
             status.epoch = epoch;
@@ -352,12 +352,12 @@ impl Link {
 
     pub(crate) fn ended(&mut self, end: &SessionEnd) {
         let now = self.now();
-        self.tell_changed_counters(now);
+        self.report_changed_counters(now);
         for (channel, finding) in self.values.end(now) {
-            self.tell(channel, finding);
+            self.report(channel, finding);
         }
         for (name, absence) in self.temperatures.end(now) {
-            self.tell_temperature(name, absence);
+            self.report_temperature(name, absence);
         }
         if *end == SessionEnd::Cancelled {
             self.close_gap(now);

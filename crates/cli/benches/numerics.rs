@@ -12,7 +12,9 @@ use nalgebra::Point3;
 use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
-use trunnion_core::{HostTime, InstrumentKind, NestSide, Point, ProbeSample, Quality, Setup, Stamp, State};
+use trunnion_core::{
+    AxisSample, HostTime, InstrumentKind, NestSide, Point, ProbeSample, Quality, Setup, Stamp, State,
+};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
@@ -20,7 +22,7 @@ use trunnion_engine::{Experiment, identify};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth};
 use trunnion_machine::shipped;
-use trunnion_record::{Item, Recorder, RunHeader, export, points_csv};
+use trunnion_record::{Item, Recorder, RunHeader, RunWriter, export, points_csv};
 use trunnion_sync::blocks::Limits;
 
 /// One piece of work: prepares in a folder, and returns what is measured.
@@ -30,7 +32,7 @@ struct Work {
     prepare: fn(&Path) -> Box<dyn FnOnce() -> String>,
 }
 
-const WORKS: [Work; 10] = [
+const WORKS: [Work; 12] = [
     Work {
         name: "fit-1e5",
         about: "fit of the base model to 10⁵ samples on the fly, each a point",
@@ -40,7 +42,7 @@ const WORKS: [Work; 10] = [
     Work {
         name: "recording-1e6",
         about: "recording of 10⁶ points on the fly to its identification, as `identify` does: read, blocks, fit",
-        prepare: identify_recording,
+        prepare: |folder| identify_recording(folder, on_the_fly(1_000_000)),
     },
     Work { name: "diagnose-336", about: "diagnosis of 336 points at rest", prepare: |_| diagnosis(7, 12) },
     Work { name: "diagnose-3000", about: "diagnosis of 3000 points at rest", prepare: |_| diagnosis(25, 30) },
@@ -56,7 +58,17 @@ const WORKS: [Work; 10] = [
     },
     Work { name: "read-1e7", about: "reading the finished 10⁷ readings", prepare: read_samples },
     Work { name: "read-points-1e6", about: "reading 10⁶ points on the fly", prepare: read_points },
-    Work { name: "import-1e5", about: "import of a table of 10⁵ rows", prepare: |_| import() },
+    Work { name: "import-1e6", about: "import of a table of 10⁶ rows as a recording", prepare: import },
+    Work {
+        name: "export-1e6",
+        about: "export of 10⁶ points at rest as a table",
+        prepare: |_| export_table(),
+    },
+    Work {
+        name: "static-1e6",
+        about: "recording of 10⁶ points at rest to its identification: read, means of neighbours, fit",
+        prepare: |folder| identify_recording(folder, at_rest(on_the_fly(1_000_000))),
+    },
 ];
 
 /// What one process measured.
@@ -225,14 +237,14 @@ fn write(folder: &Path, run: &Run) -> std::path::PathBuf {
     path
 }
 
-fn identify_recording(folder: &Path) -> Box<dyn FnOnce() -> String> {
-    let path = write(folder, &on_the_fly(1_000_000));
+fn identify_recording(folder: &Path, run: Run) -> Box<dyn FnOnce() -> String> {
+    let path = write(folder, &run);
     Box::new(move || {
         let limits = Some(Limits::default());
         let recording = trunnion::recording::read(&path, &shipped::machine, limits).unwrap();
         let experiment = Experiment::new(std::slice::from_ref(&recording.run)).unwrap();
         let fit = identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap();
-        format!("{} blocks, rms {:.3} µm", recording.run.points.len(), 1e3 * fit.rms_mm)
+        format!("{} means, rms {:.3} µm", recording.run.points.len(), 1e3 * fit.rms_mm)
     })
 }
 
@@ -330,11 +342,40 @@ fn read_samples(folder: &Path) -> Box<dyn FnOnce() -> String> {
     })
 }
 
-fn import() -> Box<dyn FnOnce() -> String> {
-    let run = on_the_fly(100_000);
-    let table = export::points_csv(&Run { kind: RunKind::Static, ..run.clone() });
+/// The same points as if each had been read at rest.
+fn at_rest(mut run: Run) -> Run {
+    run.kind = RunKind::Static;
+    for point in &mut run.points {
+        (point.state.velocity, point.state.acceleration) = Default::default();
+    }
+    run
+}
+
+const SETUP: &str = "format = \"trunnion-points/1\"\nmachine = \"table-bc\"\n\
+    [[setup]]\nname = \"low\"\ninstrument = \"r-test\"\nnest = \"table\"\nball_in_table_mm = [150, 0, 60]\n\
+    [[setup]]\nname = \"high\"\ninstrument = \"r-test\"\nnest = \"table\"\nball_in_table_mm = [150, 0, 160]\n";
+
+fn import(folder: &Path) -> Box<dyn FnOnce() -> String> {
+    let table = export::points_csv(&at_rest(on_the_fly(1_000_000)));
+    let path = folder.join("import.mcap");
     Box::new(move || {
-        let imported = points_csv::import("bench", "points.csv", &table, run.setups, run.machine).unwrap();
-        format!("{} points of {:.1} MB", imported.points.len(), table.len() as f64 / 1e6)
+        let (mut writer, mut points) = (None, 0_u32);
+        let mut on_row = |run: &Run, point: Point, _: Option<AxisSample>| {
+            let header = || RunHeader::of_run(run, "", "bench", 0);
+            let writer = writer.get_or_insert_with(|| RunWriter::create(&path, &header()).unwrap());
+            writer.point(point);
+            points += 1;
+        };
+        let (table_file, setup_file) = (("points.csv", table.as_str()), ("setup.toml", SETUP));
+        let machine = &shipped::machine;
+        let kind = RunKind::Static;
+        points_csv::visit_files(kind, "bench", table_file, setup_file, machine, &mut on_row).unwrap();
+        writer.unwrap().finish().unwrap();
+        format!("{points} points of {:.1} MB", table.len() as f64 / 1e6)
     })
+}
+
+fn export_table() -> Box<dyn FnOnce() -> String> {
+    let run = at_rest(on_the_fly(1_000_000));
+    Box::new(move || format!("{:.1} MB", export::points_csv(&run).len() as f64 / 1e6))
 }

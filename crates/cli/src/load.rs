@@ -4,9 +4,7 @@ use crate::outcome::Outcome;
 use crate::terminal;
 use anyhow::bail;
 use std::path::{Path, PathBuf};
-use trunnion::{Experiment, Model};
-use trunnion_cycles::Run;
-use trunnion_sync::blocks::Limits;
+use trunnion::{Experiment, Limits, Model};
 
 pub use trunnion::files::{machine, machine_text, read};
 
@@ -74,16 +72,8 @@ fn reduced_runs(args: &RunArgs, usual_blocks: usize) -> anyhow::Result<Loaded> {
     Ok(Loaded { experiment, outcome })
 }
 
-/// Reads one recording with every point.
-pub fn run(path: &Path) -> anyhow::Result<(Run, Outcome)> {
-    no_points_file(path)?;
-    let recording = trunnion::read(path, None)?;
-    let damage = recording.damage.map(|damage| format!("{}: {damage}", path.display()));
-    Ok((recording.run, told(damage)))
-}
-
 /// Reports damage of a file.
-pub fn told(damage: Option<String>) -> Outcome {
+pub fn outcome(damage: Option<String>) -> Outcome {
     match damage {
         None => Outcome::Done,
         Some(damage) => {
@@ -94,7 +84,7 @@ pub fn told(damage: Option<String>) -> Outcome {
 }
 
 /// Commands take recordings, which hold what a points file lacks: where it came from, and with which version it was read.
-fn no_points_file(path: &Path) -> anyhow::Result<()> {
+pub fn no_points_file(path: &Path) -> anyhow::Result<()> {
     if path.extension().is_some_and(|ending| ending == "csv") {
         bail!(
             "{} is a points file; import it first: trunnion import {0} --setup setup.toml -o run.mcap",

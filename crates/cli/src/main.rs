@@ -6,7 +6,6 @@ mod commands;
 mod load;
 mod outcome;
 mod terminal;
-mod virtual_setup;
 
 use clap::{Parser, Subcommand};
 use commands::{

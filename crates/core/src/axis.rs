@@ -56,7 +56,7 @@ static NAMES: [OnceLock<[&'static str; 2]>; MOST_NAMES] = [const { OnceLock::new
 
 /// The name of a joint (of a machine axis) with its place.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct AxisLetter {
+pub struct Joint {
     slot: Slot,
     /// Index in `LETTERS`, then in `NAMES`.
     name: u8,
@@ -83,17 +83,17 @@ pub enum JointError {
 /// The letters of ISO 841 under their own names, for equations.
 #[expect(missing_docs, reason = "the letters are documented where they are defined")]
 pub mod iso {
-    use super::AxisLetter;
+    use super::Joint;
 
-    pub const X: AxisLetter = AxisLetter::X;
-    pub const Y: AxisLetter = AxisLetter::Y;
-    pub const Z: AxisLetter = AxisLetter::Z;
-    pub const A: AxisLetter = AxisLetter::A;
-    pub const B: AxisLetter = AxisLetter::B;
-    pub const C: AxisLetter = AxisLetter::C;
-    pub const U: AxisLetter = AxisLetter::U;
-    pub const V: AxisLetter = AxisLetter::V;
-    pub const W: AxisLetter = AxisLetter::W;
+    pub const X: Joint = Joint::X;
+    pub const Y: Joint = Joint::Y;
+    pub const Z: Joint = Joint::Z;
+    pub const A: Joint = Joint::A;
+    pub const B: Joint = Joint::B;
+    pub const C: Joint = Joint::C;
+    pub const U: Joint = Joint::U;
+    pub const V: Joint = Joint::V;
+    pub const W: Joint = Joint::W;
 }
 
 impl Slot {
@@ -119,7 +119,7 @@ impl Slot {
     }
 }
 
-impl AxisLetter {
+impl Joint {
     /// Linear along X.
     pub const X: Self = Self::letter(0);
     /// Linear along Y.
@@ -234,13 +234,13 @@ fn interned(name: &str) -> Result<u8, JointError> {
     u8::try_from(LETTERS.len() + at).map_err(|_| JointError::TooManyNames)
 }
 
-impl fmt::Display for AxisLetter {
+impl fmt::Display for Joint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.as_str())
     }
 }
 
-impl fmt::Debug for AxisLetter {
+impl fmt::Debug for Joint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.as_str())
     }
@@ -287,7 +287,7 @@ impl<T> AxisValues<T> {
     }
 
     /// The value of each joint in `joints`, the default elsewhere.
-    pub fn of(joints: impl IntoIterator<Item = AxisLetter>, mut value: impl FnMut(AxisLetter) -> T) -> Self
+    pub fn of(joints: impl IntoIterator<Item = Joint>, mut value: impl FnMut(Joint) -> T) -> Self
     where
         T: Default,
     {
@@ -299,15 +299,15 @@ impl<T> AxisValues<T> {
     }
 }
 
-impl<T> Index<AxisLetter> for AxisValues<T> {
+impl<T> Index<Joint> for AxisValues<T> {
     type Output = T;
-    fn index(&self, letter: AxisLetter) -> &T {
+    fn index(&self, letter: Joint) -> &T {
         &self.0[letter.index()]
     }
 }
 
-impl<T> IndexMut<AxisLetter> for AxisValues<T> {
-    fn index_mut(&mut self, letter: AxisLetter) -> &mut T {
+impl<T> IndexMut<Joint> for AxisValues<T> {
+    fn index_mut(&mut self, letter: Joint) -> &mut T {
         &mut self.0[letter.index()]
     }
 }
@@ -332,9 +332,8 @@ mod tests {
     #[test]
     fn letters_keep_their_slots_whatever_else_a_machine_has() {
         let chain =
-            AxisLetter::chain(&[("j1", true), ("x", false), ("B", true), ("S", true), ("track", false)])
-                .unwrap();
-        assert_eq!((chain[1], chain[2]), (AxisLetter::X, AxisLetter::B));
+            Joint::chain(&[("j1", true), ("x", false), ("B", true), ("S", true), ("track", false)]).unwrap();
+        assert_eq!((chain[1], chain[2]), (Joint::X, Joint::B));
         let slots: std::collections::HashSet<Slot> = chain.iter().map(|joint| joint.slot()).collect();
         assert_eq!(slots.len(), chain.len(), "{chain:?}");
         let kinds: Vec<bool> = chain.iter().map(|joint| joint.is_rotary()).collect();
@@ -344,7 +343,7 @@ mod tests {
     #[test]
     fn the_same_machine_read_twice_has_the_same_joints() {
         let robot = ["j1", "j2", "j3", "j4", "j5", "j6", "J7"].map(|name| (name, true));
-        let [once, again] = [AxisLetter::chain(&robot).unwrap(), AxisLetter::chain(&robot).unwrap()];
+        let [once, again] = [Joint::chain(&robot).unwrap(), Joint::chain(&robot).unwrap()];
         assert_eq!(once, again);
         assert_eq!((once[6].as_str(), once[6].lower()), ("J7", "j7"));
     }
@@ -352,11 +351,11 @@ mod tests {
     #[test]
     fn names_and_joints_beyond_the_limits_are_refused() {
         for name in ["1j", "", "j 1", "t", "Sin", "joint_of_the_wrist", "abcdefghijklmnopq"] {
-            let error = AxisLetter::chain(&[(name, true)]).unwrap_err();
+            let error = Joint::chain(&[(name, true)]).unwrap_err();
             assert_eq!(error, JointError::Name(name.into()));
         }
         let rotary = ["j1", "j2", "j3", "j4", "j5", "j6", "j7", "j8"].map(|name| (name, true));
-        let error = AxisLetter::chain(&rotary).unwrap_err();
+        let error = Joint::chain(&rotary).unwrap_err();
         assert_eq!(error.to_string(), "a machine has at most 7 rotary joints");
     }
 }

@@ -1,24 +1,39 @@
 //! Directions of the axes that a points file does not state: from one commanded position to the next.
 
-use crate::{AxisLetter, Point, Slot};
+use crate::{AxisValues, Joint, Point, Slot, State};
 
 /// Smallest travel that counts as motion, mm or rad.
 const STANDSTILL: f64 = 1e-6;
 
 /// Fills the direction of every axis in `letters` with the sign of its last travel (0 before the first),
 /// and `since_reversal` of all axes with the travel since they last turned round.
-pub fn fill_directions(points: &mut [Point], letters: &[AxisLetter]) {
-    for slot in Slot::ALL {
-        let (mut heading, mut travelled) = (0.0, 0.0);
-        for i in 1..points.len() {
-            let step = points[i].state.position[slot] - points[i - 1].state.position[slot];
+pub fn fill_directions(points: &mut [Point], letters: &[Joint]) {
+    let mut travel = Travel::default();
+    points.iter_mut().for_each(|point| travel.fill(&mut point.state, letters));
+}
+
+/// The travel of all axes so far, from point to point.
+#[derive(Clone, Debug, Default)]
+pub struct Travel {
+    last: Option<AxisValues<f64>>,
+    heading: AxisValues<f64>,
+    travelled: AxisValues<f64>,
+}
+
+impl Travel {
+    /// As [`fill_directions`], one point after the other.
+    pub fn fill(&mut self, state: &mut State, letters: &[Joint]) {
+        let Some(last) = self.last.replace(state.position) else { return };
+        for slot in Slot::ALL {
+            let step = state.position[slot] - last[slot];
             if step.abs() > STANDSTILL {
-                travelled = if step.signum() == heading { travelled + step.abs() } else { step.abs() };
-                heading = step.signum();
+                let goes_on = step.signum() == self.heading[slot];
+                self.travelled[slot] = if goes_on { self.travelled[slot] + step.abs() } else { step.abs() };
+                self.heading[slot] = step.signum();
             }
-            points[i].state.since_reversal[slot] = travelled;
+            state.since_reversal[slot] = self.travelled[slot];
             if letters.iter().any(|letter| letter.slot() == slot) {
-                points[i].state.direction[slot] = heading;
+                state.direction[slot] = self.heading[slot];
             }
         }
     }

@@ -53,49 +53,83 @@ const XYZ: &[ReadingColumn] = &[
     ReadingColumn::Deviation("dz_um"),
 ];
 const LENGTH: &[ReadingColumn] = &[ReadingColumn::Length("l_mm")];
+const ANGLES: &[ReadingColumn] = &[ReadingColumn::Angle("j1_deg"), ReadingColumn::Angle("j2_deg")];
 const NORMAL: &[ReadingColumn] = &[ReadingColumn::Deviation("dn_um")];
+
+/// What files and checks know of a kind.
+struct Row {
+    kind: InstrumentKind,
+    /// Name in files.
+    name: &'static str,
+    /// Names of the components of one reading.
+    components: &'static [&'static str],
+    /// Columns of a points file that hold them.
+    columns: &'static [ReadingColumn],
+    targets: Targets,
+}
+
+/// What a point of a setup names.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Targets {
+    None,
+    Balls,
+    Faces,
+}
+
+/// Every kind, one row each.
+const ROWS: [Row; 11] = [
+    row(InstrumentKind::RTest, "r-test", &["x", "y", "z"], XYZ, Targets::None),
+    row(InstrumentKind::BallBar, "ball-bar", &["r"], &[ReadingColumn::Deviation("dr_um")], Targets::None),
+    row(InstrumentKind::Tracker, "tracker", &["l"], LENGTH, Targets::None),
+    row(InstrumentKind::LaserBallBar, "laser-ball-bar", &["l"], LENGTH, Targets::None),
+    row(InstrumentKind::PassiveArm, "passive-arm", &["j1", "j2"], ANGLES, Targets::None),
+    row(InstrumentKind::Diagonal, "diagonal", &["l"], LENGTH, Targets::None),
+    row(InstrumentKind::StepDiagonal, "step-diagonal", &["l"], LENGTH, Targets::None),
+    row(InstrumentKind::BallPlate, "ball-plate", &["x", "y", "z"], XYZ, Targets::Balls),
+    row(InstrumentKind::TouchProbe, "touch-probe", &["x", "y", "z"], XYZ, Targets::None),
+    row(InstrumentKind::TouchProbeFace, "touch-probe-face", &["n"], NORMAL, Targets::Faces),
+    row(InstrumentKind::MachinedSurface, "machined-surface", &["n"], NORMAL, Targets::Faces),
+];
+
+const fn row(
+    kind: InstrumentKind,
+    name: &'static str,
+    components: &'static [&'static str],
+    columns: &'static [ReadingColumn],
+    targets: Targets,
+) -> Row {
+    Row { kind, name, components, columns, targets }
+}
 
 impl InstrumentKind {
     /// Every kind with its name in files.
-    pub const NAMES: [(&'static str, Self); 11] = [
-        ("r-test", Self::RTest),
-        ("ball-bar", Self::BallBar),
-        ("tracker", Self::Tracker),
-        ("laser-ball-bar", Self::LaserBallBar),
-        ("passive-arm", Self::PassiveArm),
-        ("diagonal", Self::Diagonal),
-        ("step-diagonal", Self::StepDiagonal),
-        ("ball-plate", Self::BallPlate),
-        ("touch-probe", Self::TouchProbe),
-        ("touch-probe-face", Self::TouchProbeFace),
-        ("machined-surface", Self::MachinedSurface),
-    ];
+    pub const NAMES: [(&'static str, Self); ROWS.len()] = {
+        let mut names = [("", Self::RTest); ROWS.len()];
+        let mut i = 0;
+        while i < ROWS.len() {
+            names[i] = (ROWS[i].name, ROWS[i].kind);
+            i += 1;
+        }
+        names
+    };
+
+    fn row(self) -> &'static Row {
+        const { &ROWS }.iter().find(|row| row.kind == self).expect("every kind is listed")
+    }
 
     /// Name in files.
     pub fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, kind)| *kind == self).expect("every kind is listed").0
+        self.row().name
     }
 
     /// Names of the components of one reading.
     pub fn components(self) -> &'static [&'static str] {
-        match self {
-            Self::RTest | Self::BallPlate | Self::TouchProbe => &["x", "y", "z"],
-            Self::BallBar => &["r"],
-            Self::Tracker | Self::LaserBallBar | Self::Diagonal | Self::StepDiagonal => &["l"],
-            Self::PassiveArm => &["j1", "j2"],
-            Self::TouchProbeFace | Self::MachinedSurface => &["n"],
-        }
+        self.row().components
     }
 
     /// Columns of a points file that hold the components, in their order.
     pub fn columns(self) -> &'static [ReadingColumn] {
-        match self {
-            Self::RTest | Self::BallPlate | Self::TouchProbe => XYZ,
-            Self::BallBar => &[ReadingColumn::Deviation("dr_um")],
-            Self::Tracker | Self::LaserBallBar | Self::Diagonal | Self::StepDiagonal => LENGTH,
-            Self::PassiveArm => &[ReadingColumn::Angle("j1_deg"), ReadingColumn::Angle("j2_deg")],
-            Self::TouchProbeFace | Self::MachinedSurface => NORMAL,
-        }
+        self.row().columns
     }
 
     /// True when contact probes are deflected by what they read, so that their gain counts.
@@ -110,11 +144,11 @@ impl InstrumentKind {
 
     /// True when every point names one of the targets of its setup.
     pub fn has_targets(self) -> bool {
-        matches!(self, Self::BallPlate | Self::TouchProbeFace | Self::MachinedSurface)
+        self.row().targets != Targets::None
     }
 
     /// True when targets are faces with a normal.
     pub fn has_normals(self) -> bool {
-        matches!(self, Self::TouchProbeFace | Self::MachinedSurface)
+        self.row().targets == Targets::Faces
     }
 }

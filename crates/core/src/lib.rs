@@ -22,7 +22,7 @@ pub mod time;
 mod twist;
 
 pub use artefact::{Artefact, Target};
-pub use axis::{AxisLetter, AxisValues, JointError, Slot};
+pub use axis::{AxisValues, Joint, JointError, Slot};
 pub use channel::{Channel, Role};
 pub use kind::{InstrumentKind, ReadingColumn};
 pub use point::{Point, Quality};

@@ -63,17 +63,18 @@ impl Problem {
 /// The same problem in many lines is said once, where it first occurs, with how often it comes again.
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut groups: Vec<(&Problem, usize, usize)> = Vec::new();
+        let mut groups: Vec<(_, &Problem, usize, usize)> = Vec::new();
         for problem in &self.0 {
-            match groups.iter_mut().find(|(first, ..)| first.kind() == problem.kind()) {
-                Some((_, again, last)) => {
+            let kind = problem.kind();
+            match groups.iter_mut().find(|(known, ..)| *known == kind) {
+                Some((_, _, again, last)) => {
                     *again += 1;
                     *last = problem.line;
                 }
-                None => groups.push((problem, 0, problem.line)),
+                None => groups.push((kind, problem, 0, problem.line)),
             }
         }
-        for (i, (problem, again, last)) in groups.into_iter().enumerate() {
+        for (i, (_, problem, again, last)) in groups.into_iter().enumerate() {
             if i > 0 {
                 writeln!(f)?;
             }

@@ -7,7 +7,7 @@ use crate::{AxisValues, HostTime};
 pub struct Message {
     /// Index of the device in the configuration.
     pub device: u16,
-    /// Which connection it came from, counted from 1; device clocks start anew with each.
+    /// Which connection it came from, counted from 1; device clocks restart with each.
     pub epoch: u32,
     /// What it says.
     pub reading: Reading,
@@ -90,7 +90,7 @@ pub struct ControllerReading {
 /// MTConnect `Execution`, other controllers alike.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Execution {
-    /// Not told.
+    /// Not reported.
     #[default]
     Unknown,
     /// Ready to run.

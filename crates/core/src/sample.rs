@@ -5,7 +5,7 @@ use crate::AxisValues;
 /// When a sample was taken, as it came: nothing here is corrected, so that clocks can be fitted again later.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stamp {
-    /// Which connection it came by: device clocks start anew with each.
+    /// Which connection it came by: device clocks restart with each.
     pub epoch: u32,
     /// Device clock, ticks as counted (unwrapped).
     pub ticks: u64,
@@ -44,7 +44,7 @@ pub struct AxisSample {
     pub time_s: f64,
     /// The controller's clock and arrival.
     pub stamp: Stamp,
-    /// True when the controller said only that nothing has changed; the stamp is then the host's and tells nothing of its clock.
+    /// True when the controller said only that nothing has changed; the stamp is then the host's and reports nothing of its clock.
     pub held: bool,
     /// Largest difference between the stamps of the axes, s; 0 with a common stamp.
     pub skew_s: f64,

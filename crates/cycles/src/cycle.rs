@@ -22,7 +22,7 @@
 //!
 //! [rounds]                            # may be left out: once, one setup after the other
 //! count = 3                           # the whole cycle three times
-//! wait_s = 600                        # standing still in between
+//! wait_s = 600                        # dwell in between
 //! interleave = true                   # pass by pass through all setups, which all stay mounted
 //!
 //! [bar]                               # may be left out; how a ball bar points from the table's ball to the tool's
@@ -31,17 +31,19 @@
 //! ```
 
 pub mod course;
+mod definition;
 mod path;
 mod read;
 pub mod visit;
 mod write;
 
+pub use definition::{Bar, BarFrame, GridAxis, Motion, Pose, Rounds, Settle, Sweep};
 pub use path::{Line, Path};
 
 use crate::RunKind;
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::{Point3, Vector3};
 use trunnion_core::setup::Setup;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 use trunnion_machine::{JointErrors, Machine};
 
 /// A cycle file, `format = "trunnion-cycle/1"`.
@@ -61,133 +63,6 @@ pub struct Cycle {
     pub bar: Bar,
 }
 
-/// What a cycle does.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Motion {
-    /// Poses on a grid, read at rest.
-    Static {
-        /// The axes of the grid, the slowest first.
-        grid: Vec<GridAxis>,
-        /// +1: grid as written; −1: the whole grid backwards.
-        passes: Vec<f64>,
-        /// When a point may be read.
-        settle: Settle,
-    },
-    /// A straight line of the tool, read at rest.
-    Line {
-        /// The line.
-        line: Line,
-        /// +1: as written; −1: backwards.
-        passes: Vec<f64>,
-        /// When a point may be read.
-        settle: Settle,
-    },
-    /// A curve of the tool about the table's ball, sampled on the way.
-    Path {
-        /// The curve.
-        path: Path,
-        /// First and last angle on the curve, rad.
-        from_to_rad: (f64, f64),
-        /// Feeds along the curve, mm/s; every feed is run in every pass before the next feed.
-        feeds_mm_per_s: Vec<f64>,
-        /// +1: from first to last angle; −1: back.
-        passes: Vec<f64>,
-    },
-    /// One rotary axis turning while sampled.
-    OnTheFly {
-        /// The turning axis.
-        axis: AxisLetter,
-        /// First and last angle, rad.
-        from_to_rad: (f64, f64),
-        /// Feeds, rad/s; every feed is run in every pass before the next feed.
-        feeds_rad_per_s: Vec<f64>,
-        /// +1: from first to last angle; −1: back.
-        passes: Vec<f64>,
-        /// Positions of the other rotary axes, rad.
-        others: AxisValues<f64>,
-    },
-}
-
-/// How often a cycle is run, and in which order of its setups.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rounds {
-    /// How many times the whole cycle is run.
-    pub count: usize,
-    /// Standing still between two rounds, s.
-    pub wait_s: f64,
-    /// True: pass by pass through all setups, which all stay mounted.
-    pub interleave: bool,
-}
-
-/// Where a ball bar points, from the table-side ball to the spindle-side ball.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bar {
-    /// Direction in `frame`.
-    pub direction: Unit<Vector3<f64>>,
-    /// What it keeps its direction in while the table turns.
-    pub frame: BarFrame,
-}
-
-/// What a ball bar keeps its direction in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BarFrame {
-    /// The machine: a rotary axis turns alone under the bar [S4: C-X, B-Z, …].
-    Machine,
-    /// The table: the bar turns with it.
-    Table,
-}
-
-impl Default for Rounds {
-    fn default() -> Self {
-        Self { count: 1, wait_s: 0.0, interleave: false }
-    }
-}
-
-impl Default for Bar {
-    fn default() -> Self {
-        Self { direction: Vector3::x_axis(), frame: BarFrame::Machine }
-    }
-}
-
-/// One axis of a grid.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GridAxis {
-    /// Which axis.
-    pub letter: AxisLetter,
-    /// Its stations in order, mm or rad.
-    pub stations: Vec<f64>,
-}
-
-/// When a static point may be read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settle {
-    /// Length of the window that is averaged, s.
-    pub window_s: f64,
-    /// Largest drift of any channel between the halves of the window, mm.
-    pub drift_mm: f64,
-    /// Largest robust spread of any channel in the window, mm.
-    pub noise_mm: f64,
-    /// Largest motion of a linear axis over the window that still counts as standing, mm.
-    pub standstill_mm: f64,
-    /// Largest motion of a rotary axis over the window that still counts as standing, rad.
-    pub standstill_rad: f64,
-    /// How long to wait for the point before marking it, s.
-    pub timeout_s: f64,
-}
-
-/// One pose of a static cycle.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pose {
-    /// Index of the setup.
-    pub setup: usize,
-    /// Index of the target of its artefact.
-    pub target: usize,
-    /// All axes, mm and rad; the linear axes follow the ball unless the cycle names them.
-    pub position: AxisValues<f64>,
-    /// Direction of approach of each axis.
-    pub direction: AxisValues<f64>,
-}
-
 impl Cycle {
     /// The poses of a static cycle in order; empty for one on the fly. `None` when the machine cannot
     /// follow the ball.
@@ -195,7 +70,7 @@ impl Cycle {
         let mut poses = Vec::new();
         for leg in self.legs() {
             for station in self.stations(leg.setup, leg.pass) {
-                let position = self.stand_at(machine, leg.setup, &station)?;
+                let position = self.dwell_at(machine, leg.setup, &station)?;
                 let mut direction = AxisValues::default();
                 for axis in self.grid() {
                     direction[axis.letter] = leg.pass;
@@ -240,7 +115,7 @@ impl Cycle {
         let on_line = |beyond_mm: Vector3<f64>| {
             let mut asked = AxisValues::default();
             let place_mm = own.ball_in_table_mm + beyond_mm - own.ball_in_tool_mm;
-            for (k, letter) in AxisLetter::LINEAR.into_iter().enumerate() {
+            for (k, letter) in Joint::LINEAR.into_iter().enumerate() {
                 asked[letter] = place_mm[k];
             }
             Station { asked, target: 0 }
@@ -257,7 +132,7 @@ impl Cycle {
     }
 
     /// All axes at a station: linear axes as asked where the cycle names them, else following the ball.
-    fn stand_at(&self, machine: &Machine, setup: usize, station: &Station) -> Option<AxisValues<f64>> {
+    fn dwell_at(&self, machine: &Machine, setup: usize, station: &Station) -> Option<AxisValues<f64>> {
         if self.names_linear() {
             return Some(station.asked);
         }
@@ -395,15 +270,6 @@ impl Cycle {
         }
         legs
     }
-}
-
-/// One pass of a cycle on the fly.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sweep {
-    /// Index of the setup.
-    pub setup: usize,
-    /// Feed of the turning axis, rad/s; negative towards smaller angles.
-    pub feed_rad_per_s: f64,
 }
 
 /// One place to stand at.

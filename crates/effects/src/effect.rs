@@ -1,12 +1,8 @@
 //! What an effect file provides.
 
-use crate::{Golden, Need, Scene};
-use trunnion_core::{AxisLetter, State, Twist};
-use trunnion_machine::{Machine, Site};
-
-/// Receives the motions of an effect: for each parameter, at each site, the twist per unit (1 mm, 1 rad, …)
-/// of that parameter. A parameter may act at several sites; motions add.
-pub type Emit<'a> = &'a mut dyn FnMut(usize, Site, Twist);
+use crate::{Emit, Golden, Need, Parameter, Scene, Shapes, Subject};
+use trunnion_core::State;
+use trunnion_machine::Machine;
 
 /// One physical effect: plain data and functions, one constant per catalogue file.
 pub struct Effect {
@@ -96,7 +92,7 @@ pub struct About {
     pub seen_by: &'static str,
     /// What the data must have; without any one of these the effect is out of reach.
     pub needs: &'static [Need],
-    /// What tells it from other effects that look alike.
+    /// What separates it from similar effects.
     pub helps: &'static [Need],
 }
 
@@ -127,110 +123,4 @@ pub enum View {
     StopAndGo,
     /// Error of the reading over the deflection along the nest's X.
     Deflection,
-}
-
-/// What an instance is about: the part of the id after the colon.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Subject {
-    /// The whole machine; the id has no colon.
-    Whole,
-    /// One axis, `:B`.
-    Axis(AxisLetter),
-    /// A pair of axes, `:ZX`.
-    Pair(AxisLetter, AxisLetter),
-}
-
-/// One linear parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    /// Name, unique in the model when prefixed by the effect id; location errors use ISO 230 symbols.
-    pub name: String,
-    /// Unit on files and screens.
-    pub unit: Unit,
-}
-
-/// A unit on files and screens with its size.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unit {
-    /// Text in JSON, e.g. `um`, `urad`, `um/K`.
-    pub symbol: &'static str,
-    /// Value on the screen = value inside × this.
-    pub per_inside: f64,
-}
-
-impl Unit {
-    /// µm for mm.
-    pub const UM: Self = Self { symbol: "um", per_inside: 1e3 };
-    /// µrad for rad.
-    pub const URAD: Self = Self { symbol: "urad", per_inside: 1e6 };
-    /// µm/m for a ratio.
-    pub const UM_PER_M: Self = Self { symbol: "um/m", per_inside: 1e6 };
-    /// µm/K for mm/K.
-    pub const UM_PER_K: Self = Self { symbol: "um/K", per_inside: 1e3 };
-    /// µm/mm for a ratio.
-    pub const UM_PER_MM: Self = Self { symbol: "um/mm", per_inside: 1e3 };
-    /// µm/mm² for 1/mm.
-    pub const UM_PER_MM2: Self = Self { symbol: "um/mm2", per_inside: 1e3 };
-    /// µm per m/s² for s² (mm per mm/s²).
-    pub const UM_PER_M_S2: Self = Self { symbol: "um/(m/s2)", per_inside: 1e6 };
-    /// µrad per rad/s² for s².
-    pub const URAD_PER_RAD_S2: Self = Self { symbol: "urad/(rad/s2)", per_inside: 1e6 };
-    /// µrad per m/s² for rad·s²/mm.
-    pub const URAD_PER_M_S2: Self = Self { symbol: "urad/(m/s2)", per_inside: 1e9 };
-    /// µm per (rad/s)² for mm·s².
-    pub const UM_PER_RAD2_S2: Self = Self { symbol: "um/(rad/s)2", per_inside: 1e3 };
-    /// ms for s.
-    pub const MS: Self = Self { symbol: "ms", per_inside: 1e3 };
-    /// Degrees for rad.
-    pub const DEG: Self = Self { symbol: "deg", per_inside: 180.0 / std::f64::consts::PI };
-    /// mm.
-    pub const MM: Self = Self { symbol: "mm", per_inside: 1.0 };
-    /// Seconds.
-    pub const S: Self = Self { symbol: "s", per_inside: 1.0 };
-    /// A plain number.
-    pub const ONE: Self = Self { symbol: "1", per_inside: 1.0 };
-
-    /// The symbol as people write it, e.g. `µm/(m/s²)`; empty for a plain number.
-    pub fn text(&self) -> String {
-        let written = [
-            ("um", "µm"),
-            ("urad", "µrad"),
-            ("deg", "°"),
-            ("mm2", "mm²"),
-            ("s2", "s²"),
-            (")2", ")²"),
-            ("1", ""),
-        ];
-        written.iter().fold(self.symbol.into(), |text: String, (from, to)| text.replace(from, to))
-    }
-}
-
-/// Grid of shape numbers.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Shapes {
-    /// Name and unit of each shape number, e.g. `tau_s`.
-    pub names: Vec<String>,
-    /// Grid points; one empty entry when the effect has no shape numbers.
-    pub grid: Vec<Vec<f64>>,
-    /// True when values between grid points make sense (a time constant), false for counts (lobes, teeth).
-    pub continuous: bool,
-}
-
-impl Shapes {
-    /// No shape numbers.
-    pub fn none() -> Self {
-        Self { names: Vec::new(), grid: vec![Vec::new()], continuous: false }
-    }
-
-    /// One shape number with these grid values.
-    pub fn one(name: &str, values: impl IntoIterator<Item = f64>, continuous: bool) -> Self {
-        Self { names: vec![name.into()], grid: values.into_iter().map(|v| vec![v]).collect(), continuous }
-    }
-}
-
-impl Parameter {
-    /// A parameter.
-    pub fn new(name: impl Into<String>, unit: Unit) -> Self {
-        Self { name: name.into(), unit }
-    }
 }

@@ -19,7 +19,7 @@ pub use expression::{Expression, Function, Node, Operator};
 use crate::{Emit, ModelEffect, Parameter, Scene, Shapes, Unit};
 use nalgebra::Vector3;
 use symbol::{Symbol, symbol};
-use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_core::{Joint, State, Twist};
 use trunnion_machine::{Machine, Site};
 
 /// A formula effect.
@@ -146,6 +146,7 @@ impl Formula {
             names: self.nonlinear.clone(),
             grid: self.grid.clone(),
             continuous: !self.nonlinear.is_empty() && self.grid.len() > 1,
+            wave: None,
         }
     }
 
@@ -224,7 +225,7 @@ fn split(expression: &Expression, parameters: Vec<String>) -> (Vec<String>, Vec<
 
 /// How to write the commonest non-linear parameters so that they can be fitted.
 fn linear_way(expression: &Expression, name: &str) -> String {
-    if let Some(letter) = AxisLetter::parse(name) {
+    if let Some(letter) = Joint::parse(name) {
         return format!("{name} is a parameter; the position of axis {letter} is written {letter}.");
     }
     let holds = |e: &Expression| e.names().iter().any(|(known, _)| *known == name);

@@ -4,7 +4,7 @@ use crate::catalogue::{BASE, REGISTRY};
 use crate::{Effect, Instance, Need, PLACES_OF_A_VOLUME, Parameter, Scene, SceneSetup, Subject};
 use nalgebra::Point3;
 use std::fmt::Write;
-use trunnion_core::{AxisLetter, AxisValues, State};
+use trunnion_core::{AxisValues, Joint, State};
 use trunnion_machine::shipped;
 
 /// What the numbers in an effect's sources stand for.
@@ -139,7 +139,7 @@ fn parameters(effect: &Effect) -> String {
     };
     let standing = (0..PLACES_OF_A_VOLUME).map(|i| {
         let mut standing = state(1.0);
-        for letter in AxisLetter::LINEAR {
+        for letter in Joint::LINEAR {
             standing.position[letter] = i as f64;
         }
         standing

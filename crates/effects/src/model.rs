@@ -29,7 +29,7 @@
 //! grid = { start = [0.2, 0.4, 0.6] }
 //! ```
 
-use crate::Formula;
+use crate::{Formula, LadderRow, ModelEffect, Moved, Prior};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table as Written, Value, value};
 use trunnion_core::input::{Document, Table};
 use trunnion_core::{Problem, Problems};
@@ -41,83 +41,6 @@ pub struct Model {
     pub machine: String,
     /// Entries in the order they were added.
     pub effects: Vec<ModelEffect>,
-}
-
-/// One `[[effect]]` of a model.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ModelEffect {
-    /// Effect id.
-    pub id: String,
-    /// Shape numbers (inside units), where the effect has some; empty: the fit chooses on the grid.
-    pub shape: Vec<f64>,
-    /// Parameters held at a value (screen units) by name.
-    pub fixed: Vec<(String, f64)>,
-    /// What is known of parameters beforehand (screen units) by name.
-    pub prior: Vec<(String, Prior)>,
-    /// Where a formula acts: `axis:B`, `ball`, `spindle` or `reading`.
-    pub site: Option<String>,
-    /// Component of a formula: `dx` … `ec`.
-    pub component: Option<String>,
-    /// Expression of a formula.
-    pub expression: Option<String>,
-    /// Grid of the non-linear parameters of a formula (inside units) by name.
-    pub grid: Vec<(String, Vec<f64>)>,
-    /// What adding it did.
-    pub ladder: Option<LadderRow>,
-}
-
-/// A value known beforehand with its standard uncertainty, screen units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prior {
-    /// Expected value.
-    pub value: f64,
-    /// Standard uncertainty, above zero.
-    pub u: f64,
-}
-
-/// One row of the ladder: what adding an effect did to the error.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LadderRow {
-    /// Day, `YYYY-MM-DD`.
-    pub date: String,
-    /// Runs it was fitted to.
-    pub run: String,
-    /// rms residual before, µm.
-    pub error_before_um: f64,
-    /// rms residual after, µm.
-    pub error_after_um: f64,
-    /// rms residual of left-out data before, µm.
-    pub holdout_before_um: Option<f64>,
-    /// rms residual of left-out data after, µm.
-    pub holdout_after_um: Option<f64>,
-    /// The unit that was left out in turn: `run`, `setup`, `pass` or `block`.
-    pub holdout_unit: Option<String>,
-    /// Repeatability of a reading, µm; `None` where no pose was measured twice.
-    pub noise_um: Option<f64>,
-    /// Parameters of the effects before it that moved when it came in, most moved first.
-    pub moved: Vec<Moved>,
-}
-
-/// A parameter that moved when an effect came in: it had absorbed a part of what was missing.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Moved {
-    /// Parameter name.
-    pub name: String,
-    /// Value without the effect, in `unit`.
-    pub before: f64,
-    /// Value with it.
-    pub after: f64,
-    /// Standard uncertainty with the effect in the model: without it, what it does counts as noise.
-    pub u: f64,
-    /// Unit on files and screens, e.g. `um`.
-    pub unit: String,
-}
-
-impl Moved {
-    /// Change in units of the standard uncertainty.
-    pub fn in_u(&self) -> f64 {
-        (self.after - self.before).abs() / self.u.max(f64::MIN_POSITIVE)
-    }
 }
 
 const FORMAT: &str = "trunnion-model/1";

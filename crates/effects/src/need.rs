@@ -3,7 +3,7 @@
 
 use crate::subjects::{axis_of, rotary_below};
 use crate::{Scene, Subject};
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 
 /// One thing a cycle or a recording can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -109,7 +109,7 @@ impl Need {
 
     /// Whether the data of a scene have it for this subject; `None` when the data cannot tell.
     pub fn met(self, scene: &Scene, subject: Subject) -> Option<bool> {
-        let of_axis = |test: &dyn Fn(AxisLetter) -> bool| match subject {
+        let of_axis = |test: &dyn Fn(Joint) -> bool| match subject {
             Subject::Axis(letter) | Subject::Pair(letter, _) => test(letter),
             Subject::Whole => scene.machine.axes().any(|axis| test(axis.letter)),
         };

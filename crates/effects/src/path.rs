@@ -13,7 +13,7 @@ use trunnion_machine::{JointErrors, Machine, Side};
 pub struct Path {
     /// True when a linear and a rotary axis move at the same time.
     pub linear_with_rotary: bool,
-    /// True when the nominal motion changes what the instrument reads (also when no setup tells).
+    /// True when the nominal motion changes what the instrument reads (also when no setup says so).
     pub changes_reading: bool,
 }
 

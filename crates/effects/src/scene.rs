@@ -1,13 +1,13 @@
-//! What an effect may know of an experiment besides the state: machine, setups, channels, ranges, histories.
+//! What an effect may know of an experiment in addition to the state: machine, setups, channels, ranges, histories.
 
-use crate::Unit;
+use crate::SceneSetup;
 use crate::history::{History, histories};
 use crate::path::{Path, path};
-use nalgebra::{Point3, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use std::collections::HashMap;
 use trunnion_core::axis::SLOTS;
-use trunnion_core::{AxisLetter, AxisValues, Slot, State, Twist};
-use trunnion_machine::{Machine, Side, Site};
+use trunnion_core::{AxisValues, Joint, Slot, State};
+use trunnion_machine::Machine;
 
 /// The experiment an effect is placed in. Built from all points of all runs that are fitted together.
 #[derive(Clone, Debug)]
@@ -47,98 +47,6 @@ pub struct Scene {
     /// Course of the temperature channels: `histories[run][channel]`; empty without time,
     /// `None` for a channel that a run has not.
     pub histories: Vec<Vec<Option<History>>>,
-}
-
-/// What an effect may know of a setup.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SceneSetup {
-    /// Name, e.g. `low`.
-    pub name: String,
-    /// Names of the components of a reading: x y z, or r.
-    pub components: &'static [&'static str],
-    /// Which side carries the nest; the ball is on the other.
-    pub nest: Side,
-    /// Nominal centre of the table-side ball or nest in table axes, mm.
-    pub ball_in_table_mm: Point3<f64>,
-    /// Number of the run it belongs to: each run has its own clock.
-    pub run: usize,
-    /// Unknowns of the mounting.
-    pub settings: Vec<SceneSetting>,
-    /// What is measured at several places.
-    pub artefact: Option<SceneArtefact>,
-}
-
-/// An unknown that comes with a mounting: place, zero, inner geometry of the instrument.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SceneSetting {
-    /// Name, unique in the setup.
-    pub name: &'static str,
-    /// Unit on screens.
-    pub unit: Unit,
-    /// Where it acts.
-    pub site: Site,
-    /// What one unit (1 mm, 1 rad) of it does there.
-    pub twist: Twist,
-}
-
-/// What an effect may know of an artefact.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SceneArtefact {
-    /// Name; setups with the same one measure the same thing.
-    pub name: String,
-    /// Names of its targets; `State::target` indexes them.
-    pub targets: Vec<String>,
-    /// Table axes from artefact axes.
-    pub table_from_artefact: UnitQuaternion<f64>,
-}
-
-impl SceneSetup {
-    /// An R-test with the nest on the table and its place as unknowns, in run 0.
-    pub fn r_test(name: &str, ball_in_table_mm: Point3<f64>) -> Self {
-        Self {
-            name: name.into(),
-            components: &["x", "y", "z"],
-            nest: Side::Table,
-            ball_in_table_mm,
-            run: 0,
-            settings: place(),
-            artefact: None,
-        }
-    }
-
-    /// The same on a plate of two targets, for examples.
-    #[must_use]
-    pub fn with_plate(self) -> Self {
-        let artefact = SceneArtefact {
-            name: "plate".into(),
-            targets: vec!["1".into(), "2".into()],
-            table_from_artefact: UnitQuaternion::identity(),
-        };
-        Self { artefact: Some(artefact), ..self }
-    }
-
-    /// A ball bar, likewise.
-    pub fn ball_bar(name: &str, ball_in_table_mm: Point3<f64>) -> Self {
-        let length = SceneSetting {
-            name: "length",
-            unit: Unit::UM,
-            site: Site::Reading,
-            twist: Twist::translation(-Vector3::x()),
-        };
-        let settings = place().into_iter().chain([length]).collect();
-        Self { components: &["r"], settings, ..Self::r_test(name, ball_in_table_mm) }
-    }
-}
-
-/// Place of the table-side ball, table axes.
-fn place() -> Vec<SceneSetting> {
-    let along = |(k, name)| SceneSetting {
-        name,
-        unit: Unit::UM,
-        site: Site::TableBall,
-        twist: Twist::translation(Vector3::ith(k, 1.0)),
-    };
-    ["x", "y", "z"].into_iter().enumerate().map(along).collect()
 }
 
 impl Scene {
@@ -202,44 +110,45 @@ impl Scene {
         self.duration_s().is_some_and(|duration_s| duration_s > 0.0)
     }
 
-    /// True when the axis stands at more than one position.
-    pub fn moves(&self, letter: AxisLetter) -> bool {
-        differs(self.position_range[letter])
+    /// True when the axis was asked to stand at more than one position.
+    pub fn moves(&self, letter: Joint) -> bool {
+        let (low, high) = self.position_range[letter];
+        high - low > same_position(letter.slot())
     }
 
     /// Cycles in a turn of a rotary axis, or in 2π mm of a linear one, beyond which its positions show fewer cycles instead
-    /// (Nyquist): on a grid of step Δ, N cannot be told from 2π/Δ − N.
-    pub fn most_cycles(&self, letter: AxisLetter) -> f64 {
+    /// (Nyquist): on a grid of step Δ, N cannot be distinguished from 2π/Δ − N.
+    pub fn most_cycles(&self, letter: Joint) -> f64 {
         std::f64::consts::PI / self.position_step[letter]
     }
 
     /// True when a linear axis was measured all along its travel, not only where it follows the rotary axes.
-    pub fn measures_volume(&self, letter: AxisLetter) -> bool {
+    pub fn measures_volume(&self, letter: Joint) -> bool {
         self.moves(letter) && self.places_at_one_pose[letter] >= PLACES_OF_A_VOLUME
     }
 
     /// True when the axis came from, or moved in, both directions.
-    pub fn both_directions(&self, letter: AxisLetter) -> bool {
+    pub fn both_directions(&self, letter: Joint) -> bool {
         self.direction_range[letter].0 < 0.0 && self.direction_range[letter].1 > 0.0
     }
 
     /// True when the axis moved while it was read.
-    pub fn read_in_motion(&self, letter: AxisLetter) -> bool {
+    pub fn read_in_motion(&self, letter: Joint) -> bool {
         self.speed_range[letter].1 > 0.0
     }
 
     /// True when the acceleration of the axis differs between readings.
-    pub fn accelerates(&self, letter: AxisLetter) -> bool {
+    pub fn accelerates(&self, letter: Joint) -> bool {
         differs(self.acceleration_range[letter])
     }
 
     /// True when the speed of the axis differs between readings.
-    pub fn changes_speed(&self, letter: AxisLetter) -> bool {
+    pub fn changes_speed(&self, letter: Joint) -> bool {
         differs(self.speed_range[letter])
     }
 
     /// True when the axis is read both at rest and in motion.
-    pub fn rests_and_moves(&self, letter: AxisLetter) -> bool {
+    pub fn rests_and_moves(&self, letter: Joint) -> bool {
         let (slowest, fastest) = self.speed_range[letter];
         slowest <= 0.0 && fastest > 0.0
     }
@@ -267,13 +176,13 @@ pub const MOST_PLACES: usize = 6;
 
 /// See [`Scene::places_at_one_pose`].
 fn places_at_one_pose<'a>(states: impl Iterator<Item = &'a State>) -> AxisValues<usize> {
-    let rounded = |value: f64| (value / SAME_POSITION).round() as i64;
+    let rounded = |state: &State, slot: Slot| (state.position[slot] / same_position(slot)).round() as i64;
     let mut at_pose: HashMap<[i64; SLOTS], AxisValues<Vec<i64>>> = HashMap::new();
     for state in states {
-        let pose = AxisValues::from_fn(|l| if l.is_rotary() { rounded(state.position[l]) } else { 0 });
+        let pose = AxisValues::from_fn(|l| if l.is_rotary() { rounded(state, l) } else { 0 });
         let places = at_pose.entry(pose.0).or_default();
         for letter in Slot::ALL.into_iter().filter(|slot| !slot.is_rotary()) {
-            let (seen, here) = (&mut places[letter], rounded(state.position[letter]));
+            let (seen, here) = (&mut places[letter], rounded(state, letter));
             if seen.len() < MOST_PLACES && !seen.contains(&here) {
                 seen.push(here);
             }
@@ -290,11 +199,14 @@ fn step<'a>(states: impl Iterator<Item = &'a State> + Clone, letter: Slot) -> f6
     let mut positions: Vec<f64> = states.map(|s| s.position[letter]).collect();
     positions.sort_by(f64::total_cmp);
     let steps = positions.windows(2).map(|pair| pair[1] - pair[0]);
-    steps.filter(|step| *step > SAME_POSITION).fold(f64::INFINITY, f64::min)
+    steps.filter(|step| *step > same_position(letter)).fold(f64::INFINITY, f64::min)
 }
 
-/// Positions closer than this were meant to be the same, mm and rad.
-const SAME_POSITION: f64 = 1e-3;
+/// Positions closer than this were meant to be the same, mm and rad: recorded ones scatter by up to 5 µm, 10⁴ of them over eight
+/// standard deviations; 1 mrad is 0.06°.
+pub fn same_position(slot: Slot) -> f64 {
+    if slot.is_rotary() { 1e-3 } else { 50e-3 }
+}
 
 /// Median of the first steps forward in time.
 fn usual_step(times_s: impl Iterator<Item = f64> + Clone) -> Option<f64> {

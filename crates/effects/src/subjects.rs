@@ -2,7 +2,7 @@
 
 use crate::Subject;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
-use trunnion_core::{AxisLetter, State};
+use trunnion_core::{Joint, State};
 use trunnion_machine::{Axis, Machine, Side, Site};
 
 /// One subject for every rotary axis of the machine.
@@ -17,7 +17,7 @@ pub fn every_linear(machine: &Machine) -> Vec<Subject> {
 
 /// One subject for every linear axis that slides on a guideway: legs in parallel have none.
 pub fn every_slide(machine: &Machine) -> Vec<Subject> {
-    let slides = |letter: &AxisLetter| !machine.is_leg(*letter);
+    let slides = |letter: &Joint| !machine.is_leg(*letter);
     machine.linear_joints().into_iter().filter(slides).map(Subject::Axis).collect()
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn axis_of(machine: &Machine, subject: Subject) -> Option<&Axis> {
 }
 
 /// The next rotary axis towards the bed on the same side that turns about another direction.
-pub(crate) fn rotary_below(machine: &Machine, letter: AxisLetter) -> Option<&Axis> {
+pub(crate) fn rotary_below(machine: &Machine, letter: Joint) -> Option<&Axis> {
     let from_bed = machine.from_bed(machine.side(letter)?);
     let place = from_bed.iter().position(|axis| axis.letter == letter)?;
     let own = from_bed[place].direction;
@@ -71,12 +71,12 @@ pub(crate) fn across(direction: &Unit<Vector3<f64>>) -> Across {
 
 /// X, Y, Z for 0, 1, 2.
 pub(crate) fn linear_name(index: usize) -> &'static str {
-    AxisLetter::LINEAR[index].as_str()
+    Joint::LINEAR[index].as_str()
 }
 
 /// A, B, C for 0, 1, 2.
 pub(crate) fn rotary_name(index: usize) -> &'static str {
-    AxisLetter::ROTARY[index].as_str()
+    Joint::ROTARY[index].as_str()
 }
 
 /// Carrier from carried axes of a rotary axis at its nominal angle.

@@ -5,12 +5,12 @@
 mod frames;
 mod places;
 
-pub use places::{Place, Region, Way, places};
+pub use places::{AxisRange, Place, Region, places};
 
 use crate::Experiment;
 use frames::in_frames;
 use nalgebra::{DVector, Vector3};
-use trunnion_core::{AxisLetter, State, convert};
+use trunnion_core::{Joint, State, convert};
 
 /// Most bins of one axis.
 const MOST_BINS: usize = 13;
@@ -116,11 +116,7 @@ fn sorted(points: &[usize], label: impl Fn(usize) -> String) -> Vec<(String, Vec
 }
 
 /// Points by position of one axis: its stations when few, else equal bins.
-fn stations(
-    points: &[usize],
-    position: impl Fn(usize) -> f64,
-    letter: AxisLetter,
-) -> Vec<(String, Vec<usize>)> {
+fn stations(points: &[usize], position: impl Fn(usize) -> f64, letter: Joint) -> Vec<(String, Vec<usize>)> {
     let screen = |x: f64| if letter.is_rotary() { convert::deg_from_rad(x) } else { x };
     let unit = if letter.is_rotary() { "°" } else { " mm" };
     let values: Vec<f64> = points.iter().map(|&i| screen(position(i))).collect();

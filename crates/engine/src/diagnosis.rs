@@ -1,23 +1,24 @@
 //! Which physical effect is missing from the model.
 //!
-//! The evidence of every catalogued effect is weighed against noise as real machines make it (drift, re-positioning
-//! scatter), averaged over a bank of such noises, and every candidate is compared with an open grammar of expressions
+//! The evidence of every catalogued effect is weighed against noise learned from the run itself (offsets of passes, re-positioning,
+//! drift, a pattern that repeats), learned again beside every candidate, and every candidate is compared with an open grammar of expressions
 //! that have no name. The scan may look at a part of the points; what is printed of a candidate is the fit of the model with it to
 //! all of them.
 
 mod answer;
-pub(crate) mod columns;
 mod expressions;
 mod families;
+mod judgement;
 mod model_comparison;
+mod named;
 pub mod options;
 mod refine;
 mod refits;
+mod rivals;
+mod rows;
 mod scan;
-mod scan_fit;
 mod scored;
 mod search;
-mod thinning;
 pub mod verdict;
 mod view;
 mod vocabulary;
@@ -48,5 +49,5 @@ pub fn diagnose(
 /// # Errors
 /// Too few readings.
 pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diagnosis, DiagnoseError> {
-    Ok(answer::answer(problem, &scan::Scan::new(problem, &options.without)?, options))
+    answer::answer(problem, &scan::Scan::new(problem, &options.without)?, options)
 }

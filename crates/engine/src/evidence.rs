@@ -1,27 +1,72 @@
-//! Evidence of one group of columns against nothing, averaged over the noise bank.
+//! Evidence of columns against nothing at one covariance of the noise (docs/design/statistics.md §2).
 //!
-//! ln BF = ½(ν − k) ln(1 + g) − ½ ν ln(1 + g(1 − R²))                                            [docs/design/statistics.md §2]
+//! Columns of a block are turned to be orthogonal with unit rms over the readings; β ~ N(0, τ²I), τ/s averaged over eight doublings.
+//! With G = AᵀPA = E Λ Eᵀ and z = EᵀAᵀPy:
 //!
-//! R²: share of the whitened, projected residual that the k surviving columns explain. Everything that is already in the
-//! model is projected out first, so that what the model can imitate scores nothing. g: information of one unit in what survives,
-//! readings × mean share of the columns' squares that survives; an effect of which a tenth survives is expected to explain a tenth
-//! as much. Each member of the noise bank weighs in with its marginal likelihood −½ ln det − ½ ν ln rss.
+//! ln B(τ) = −½ Σ ln(1 + τ²λ_i) + ½ Σ τ² z_i² / (1 + τ²λ_i)
 //!
-//! Besides the kernels of [`crate::noise::machine_noise`], a machine has small repeatable error motions of its axes that nobody
-//! would call a missing effect. They enter as random columns U with variance ρ: Σ + ρ U Uᵀ, which is a soft projection onto the
-//! eigenvectors f_j of Uᵀ Σ⁻¹ U with weight ρ d_j / (1 + ρ d_j).
+//! P has the columns of the model projected out: a direction that the model imitates has λ ≈ 0 and adds nothing.
 
 mod algebra;
-mod bank;
-mod context;
-mod library;
-mod member;
-mod part;
 
-pub use algebra::{parallel, stacked};
-pub use bank::{Bank, Score, Situation, WHITE};
-pub use context::Blocks;
-pub use library::{Entry, Group, Library, Natural};
+pub use algebra::{beside, log_mean_exp, orthonormal, parallel, turned};
 
-/// Directions that keep less than this share of their norm are taken as imitated by the model.
-pub const SURVIVAL: f64 = 0.03;
+use crate::noise::learned::Real;
+use crate::noise::learned::sigma::Projected;
+use nalgebra::{DMatrix, DVector};
+
+/// Prior sizes of an effect, rms over the readings in units of the white noise: from what is hardly seen to what is obvious.
+const SIZES: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+/// Eigenvalues below this share of the largest are rounding of single precision.
+const ROUNDING: f64 = 1e-5;
+
+/// What one block of columns says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weighed {
+    /// ln Bayes factor against nothing, size averaged.
+    pub ln_bf: f64,
+    /// Half the square that its best size explains: how well it fits, whatever its columns cost.
+    pub fit_ln: f64,
+}
+
+impl Weighed {
+    pub const NOTHING: Self = Self { ln_bf: f64::NEG_INFINITY, fit_ln: 0.0 };
+}
+
+/// From AᵀPA, AᵀPy and the white standard deviation.
+pub fn weighed(gram: &DMatrix<f64>, on_readings: &DVector<f64>, white: f64) -> Weighed {
+    let eigen = ((gram + gram.transpose()) * 0.5).symmetric_eigen();
+    let z = eigen.eigenvectors.tr_mul(on_readings);
+    let largest = eigen.eigenvalues.amax();
+    let pairs: Vec<(f64, f64)> = eigen
+        .eigenvalues
+        .iter()
+        .zip(z.iter())
+        .filter(|(lambda, _)| **lambda > ROUNDING * largest)
+        .map(|(lambda, z)| (*lambda, z * z))
+        .collect();
+    let at = |size: &f64| {
+        let tau = (size * white).powi(2);
+        pairs.iter().map(|(l, z)| -0.5 * (tau * l).ln_1p() + 0.5 * tau * z / (1.0 + tau * l)).sum::<f64>()
+    };
+    let ln_bf = log_mean_exp(&SIZES.iter().map(at).collect::<Vec<_>>());
+    Weighed { ln_bf, fit_ln: 0.5 * pairs.iter().map(|(l, z)| z / l).sum::<f64>() }
+}
+
+/// Blocks of turned columns side by side, each of its width.
+pub fn weigh_all(here: &Projected, columns: &DMatrix<Real>, widths: &[usize]) -> Vec<Weighed> {
+    let on_readings = columns.tr_mul(&here.py).cast::<f64>();
+    let white = here.sigma.x[0].exp();
+    let mut first = 0;
+    let of_block = |(gram, width): (DMatrix<f64>, &usize)| {
+        let of_block = on_readings.rows(first, *width).into_owned();
+        first += width;
+        if *width == 0 { Weighed::NOTHING } else { weighed(&gram, &of_block, white) }
+    };
+    here.grams(columns, widths).into_iter().zip(widths).map(of_block).collect()
+}
+
+/// One block of turned columns.
+pub fn weigh(here: &Projected, columns: &DMatrix<f64>) -> Weighed {
+    weigh_all(here, &columns.map(|x| x as Real), &[columns.ncols()])[0]
+}

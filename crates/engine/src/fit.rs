@@ -1,4 +1,4 @@
-//! Joint least squares over all effects of a model.
+//! SideBySide least squares over all effects of a model.
 //!
 //! shapes (grid) → converge (Gauss–Newton to the exact prediction) → outliers excluded, until they stay the same → readings
 //! weighted by the noise of their run and their samples, and fitted again → uncertainties under the parts of the machine's noise
@@ -24,12 +24,12 @@ use crate::noise::outliers::excluded;
 use crate::noise::repeatability::repeatability;
 use crate::noise::weights::{Weights, weigh};
 use crate::problem::design::Design;
-use crate::problem::joint::Joint;
 use crate::problem::passes::passes;
+use crate::problem::side_by_side::SideBySide;
 use crate::solve::combinations::seen_together;
 use crate::solve::direction::{Named, Status};
 use crate::solve::null_space::describe;
-use crate::{Experiment, HoldoutWanted, IdentifyError, Outliers, Uncertainties};
+use crate::{Experiment, HeldOut, IdentifyError, Outliers, Uncertainties};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::convert;
 use trunnion_effects::{Model, Parameter, Role};
@@ -48,7 +48,7 @@ pub fn identify(
     model: &Model,
     options: &Options,
 ) -> Result<Identification, IdentifyError> {
-    let mut joint = Joint::place(experiment, model)?;
+    let mut joint = SideBySide::place(experiment, model)?;
     let everything = vec![true; experiment.points.len()];
     let mut weights = Weights::even(experiment);
     let searched = search_shapes(experiment, &mut joint, &everything, &weights, options)?;
@@ -131,8 +131,8 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Converged, options: &Options)
         covariance,
         repeatability: repeatability(experiment, &passes),
         holdout: match options.holdout {
-            HoldoutWanted::Yes => holdout(&sums),
-            HoldoutWanted::No => None,
+            HeldOut::Computed => holdout(&sums),
+            HeldOut::Skipped => None,
         },
         noise_parts,
         row_weights: design.weights.root.clone(),
@@ -151,7 +151,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Converged, options: &Options)
 }
 
 /// What parameters are called in sentences: by their effect where several effects have one of that name.
-fn names(joint: &Joint) -> Vec<Named> {
+fn names(joint: &SideBySide) -> Vec<Named> {
     let alike = |name: &str| joint.parameters.iter().filter(|other| other.name == name).count();
     let named = |(j, parameter): (usize, &Parameter)| Named {
         name: match alike(&parameter.name) {
@@ -164,7 +164,7 @@ fn names(joint: &Joint) -> Vec<Named> {
     joint.parameters.iter().enumerate().map(named).collect()
 }
 
-fn parameter(joint: &Joint, fit: &Converged, covariance: &DMatrix<f64>, j: usize) -> FittedParameter {
+fn parameter(joint: &SideBySide, fit: &Converged, covariance: &DMatrix<f64>, j: usize) -> FittedParameter {
     let status = fit.datum.status[j];
     let name = |k: usize| joint.parameters[k].name.as_str();
     let stands_for: Vec<&str> = fit
@@ -178,9 +178,9 @@ fn parameter(joint: &Joint, fit: &Converged, covariance: &DMatrix<f64>, j: usize
     let of_standing = fit.datum.directions.iter().any(|d| d.standing && d.terms[0].0 == j);
     let note = match status {
         Status::Held => "held by the model".into(),
-        Status::ZeroByConvention if of_standing => "its axis stands still in these runs".into(),
-        Status::ZeroByConvention => "zero by convention: cannot be told from others".into(),
-        Status::Unobservable => "cannot be seen".into(),
+        Status::ZeroByConvention if of_standing => "its axis is at rest in these runs".into(),
+        Status::ZeroByConvention => "zero by the datum convention: confounded with others".into(),
+        Status::Unobservable => "not observable".into(),
         Status::Identified if stands_for.is_empty() => String::new(),
         Status::Identified => format!("contains {}", stands_for.join(", ")),
     };

@@ -3,7 +3,7 @@
 //!
 //! [`problem`] lays points and model out, [`noise`] says how readings scatter, [`solve`] does the arithmetic, [`fit`]
 //! identifies parameters, `evidence` weighs effects against noise, [`diagnosis`] ranks what the model lacks,
-//! [`compare`] says where the model fails, [`next_cycle`] plans what separates confounded effects.
+//! [`compare`] says where the model fails, [`spectrum`] with which period, [`next_cycle`] plans what separates confounded effects.
 
 pub mod compare;
 pub mod diagnosis;
@@ -13,22 +13,23 @@ pub mod next_cycle;
 pub mod noise;
 pub mod problem;
 pub mod solve;
+pub mod spectrum;
 
 pub use diagnosis::options::DiagnoseError;
 pub use diagnosis::verdict::{
-    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
-    Verdict,
+    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, NoiseSizes, OpenEffect,
+    ResidualSummary, ShapeNumber, Verdict,
 };
 pub use diagnosis::{diagnose, diagnose_problem};
 pub use fit::identification::{
     FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, NoisePart, Outlier, Repeatability,
 };
 pub use fit::identify;
-pub use fit::options::{HoldoutWanted, IdentifyError, Outliers, Uncertainties};
+pub use fit::options::{HeldOut, IdentifyError, Outliers, Uncertainties};
 pub use problem::Problem;
 pub use problem::experiment::{Experiment, ExperimentError};
 pub use problem::folds::LeftOut;
-pub use problem::stream::{Nominal, blocks_of, reducer};
+pub use problem::stream::{Nominal, blocks_of, reducer, stations};
 pub use solve::combinations::Combination;
 pub use solve::direction::{Status, Unobservable};
 pub use solve::golden_section::golden_section;

@@ -1,4 +1,4 @@
-//! What to measure next: the cycle that tells rival effects apart, per minute of machine time (docs/design/statistics.md §6).
+//! What to measure next: the cycle that separates rival effects, per minute of machine time (docs/design/statistics.md §6).
 //!
 //! Rivals are effects that the data cannot tell apart, or that the present cycle cannot see at all. Candidate cycles are made
 //! from the machine and the present setups (`candidates`); for each the states it visits, the columns of rivals and model there

@@ -1,5 +1,6 @@
 //! How readings scatter: repeatability, parts of a machine's noise, weights, outliers.
 
+pub(crate) mod learned;
 pub(crate) mod likelihood;
 pub mod machine_noise;
 pub(crate) mod outliers;

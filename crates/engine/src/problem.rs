@@ -3,26 +3,32 @@
 //! Weights, outliers, folds, repeatability and covariance are those of this fit. Who adds an effect takes [`Problem::with`]: the
 //! same fit of the larger model. So a candidate of a diagnosis, a trial and a row of the ladder show the same figures.
 
+pub(crate) mod credible;
 pub mod design;
 pub mod experiment;
 pub(crate) mod folds;
-pub(crate) mod joint;
+pub(crate) mod off_nominal;
 pub mod passes;
 pub(crate) mod sequence;
+pub(crate) mod side_by_side;
 pub(crate) mod stream;
+pub(crate) mod taken;
 
 use crate::fit::identification::Identification;
 use crate::fit::identify;
 use crate::fit::options::{IdentifyError, Options};
 use crate::problem::experiment::Experiment;
-use trunnion_effects::{Model, ModelEffect};
+use credible::credible_columns;
+use nalgebra::DMatrix;
+use std::borrow::Cow;
+use trunnion_effects::{Instance, Model, ModelEffect};
 
 /// Points and a model, fitted.
 #[derive(Clone, Debug)]
 pub struct Problem<'a> {
     experiment: &'a Experiment,
-    model: Model,
-    fit: Identification,
+    model: Cow<'a, Model>,
+    fit: Cow<'a, Identification>,
 }
 
 impl<'a> Problem<'a> {
@@ -32,7 +38,12 @@ impl<'a> Problem<'a> {
     /// As [`identify`].
     pub fn new(experiment: &'a Experiment, model: &Model) -> Result<Self, IdentifyError> {
         let fit = identify(experiment, model, &Options::default())?;
-        Ok(Self { experiment, model: model.clone(), fit })
+        Ok(Self { experiment, model: Cow::Owned(model.clone()), fit: Cow::Owned(fit) })
+    }
+
+    /// A fit that was made before, by [`Problem::new`] or with its options, of this model to this experiment.
+    pub fn of_fit(experiment: &'a Experiment, model: &'a Model, fit: &'a Identification) -> Self {
+        Self { experiment, model: Cow::Borrowed(model), fit: Cow::Borrowed(fit) }
     }
 
     /// The same points with more effects at the end of the model.
@@ -40,9 +51,25 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// As [`identify`].
     pub fn with(&self, added: &[ModelEffect]) -> Result<Self, IdentifyError> {
-        let mut model = self.model.clone();
+        let mut model = self.model().clone();
         model.effects.extend_from_slice(added);
         Self::new(self.experiment, &model)
+    }
+
+    /// Columns of the free parameters of the model at the shapes fitted, of points of the same scene; rows × columns.
+    pub(crate) fn columns(&self, experiment: &Experiment) -> Result<DMatrix<f64>, IdentifyError> {
+        let mut all = DMatrix::zeros(experiment.rows(), 0);
+        for (entry, fitted) in self.model.effects.iter().zip(&self.fit.effects) {
+            let instance = Instance::from_model_effect(entry, experiment.machine())?;
+            let columns = credible_columns(experiment, &instance, &fitted.shape);
+            let parameters = instance.parameters(&experiment.scene);
+            let is_free = |j: &usize| entry.fixed.iter().all(|(name, _)| *name != parameters[*j].name);
+            let free: Vec<usize> = (0..parameters.len()).filter(is_free).collect();
+            let first = all.ncols();
+            all = all.resize_horizontally(first + free.len(), 0.0);
+            all.columns_mut(first, free.len()).copy_from(&columns.select_columns(&free));
+        }
+        Ok(all)
     }
 
     /// The points.
@@ -58,5 +85,10 @@ impl<'a> Problem<'a> {
     /// The fit.
     pub fn fit(&self) -> &Identification {
         &self.fit
+    }
+
+    /// The fit alone.
+    pub fn into_fit(self) -> Identification {
+        self.fit.into_owned()
     }
 }

@@ -1,6 +1,8 @@
 use super::*;
-use trunnion_core::{Artefact, AxisLetter, NestSide, Target};
-use trunnion_machine::shipped;
+use nalgebra::{Point3, Unit, Vector3};
+use trunnion_core::{Artefact, Joint, NestSide, Target};
+use trunnion_core::{AxisValues, InstrumentKind, Setup, State, Twist};
+use trunnion_machine::{Errors, MOST_INNER, Site, shipped};
 
 /// A setup of this kind with all it needs.
 pub(crate) fn setup_of(kind: InstrumentKind) -> Setup {
@@ -45,11 +47,11 @@ fn columns_are_the_derivatives_of_the_exact_prediction() {
         let machine = shipped::machine(name).unwrap();
         for setup in setups() {
             let mut q = AxisValues::default();
-            (q[AxisLetter::A], q[AxisLetter::B], q[AxisLetter::C]) = (0.5, -0.8, 2.1);
+            (q[Joint::A], q[Joint::B], q[Joint::C]) = (0.5, -0.8, 2.1);
             let mut q = machine.follow(&q, &setup.ball_in_table_mm).unwrap();
             // Apart, so that turning axes show as well.
-            q[AxisLetter::X] += 60.0;
-            q[AxisLetter::Z] += 80.0;
+            q[Joint::X] += 60.0;
+            q[Joint::Z] += 80.0;
             let state = State { position: q, target: setup.targets() - 1, ..State::default() };
             let projector = Projector::new(&machine, &setup, &state);
             let sites = [Site::TableBall, Site::SpindleBall, Site::Reading]
@@ -96,15 +98,12 @@ fn every_setting_of_a_mounting_has_a_name_of_its_own() {
 /// Files of instruments against the registry: a forgotten file fails.
 #[test]
 fn every_instrument_file_is_registered() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src");
-    let helpers = ["lib", "settings", "tests"];
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/registry");
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let stem = path.file_stem().unwrap().to_string_lossy().into_owned();
-        if !helpers.contains(&stem.as_str()) {
-            let name = stem.replace('_', "-");
-            assert!(REGISTRY.iter().any(|i| i.kind.name() == name), "{name} is in no registry line");
-        }
+        let name = stem.replace('_', "-");
+        assert!(REGISTRY.iter().any(|i| i.kind.name() == name), "{name} is in no registry line");
     }
 }
 
@@ -117,7 +116,7 @@ fn a_passive_arm_reads_the_angles_of_the_3_4_5_triangle() {
         ..Setup::new("arm", InstrumentKind::PassiveArm, NestSide::Table, Point3::origin())
     };
     let mut state = State::default();
-    state.position[AxisLetter::X] = 500.0;
+    state.position[Joint::X] = 500.0;
     let arcs = predict(&machine, &setup, &state, &Errors::default());
     assert!((arcs.y / 400.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     assert!((arcs.x / 300.0 + (4.0f64 / 3.0).atan()).abs() < 1e-12);

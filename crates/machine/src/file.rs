@@ -1,19 +1,18 @@
 //! The machine file, `format = "trunnion-machine/1"` (docs/design/contracts.md §3).
 
 mod legs;
+mod moves;
 
-use crate::{Axis, AxisFacts, Machine};
+use crate::{Axis, Machine};
+use moves::{FARTHEST_MM, moves};
 use nalgebra::{Point3, Unit, Vector3};
 use trunnion_core::input::{Document, Table};
 use trunnion_core::names::nearest;
-use trunnion_core::{AxisLetter, Problems, convert};
+use trunnion_core::{Joint, Problems};
 
 /// What stands before the name of a joint in an expression for its velocity, acceleration, direction and travel since it
 /// turned round.
 pub const QUANTITY_PREFIXES: [&str; 4] = ["v", "a", "dir", "since"];
-
-/// Largest coordinate a machine file may name, mm.
-const FARTHEST_MM: f64 = 100_000.0;
 
 impl Machine {
     /// Reads a machine file. `name` is what runs and models call the machine; `file` is shown in problems.
@@ -34,9 +33,9 @@ fn read(name: &str, document: &Document<'_>) -> Option<Machine> {
     let names = [root.strings("table"), root.strings("tool")];
     let tables = root.table("axis")?;
     let chains = joints(&root, &tables, &names)?;
-    let letters: Vec<AxisLetter> = chains.iter().flatten().flatten().copied().collect();
+    let letters: Vec<Joint> = chains.iter().flatten().flatten().copied().collect();
     let parallel = root.has("tripod").then(|| legs::legs(&root, &tables, chains[1].as_deref()));
-    let of_legs: Vec<AxisLetter> = match (&parallel, &chains[1]) {
+    let of_legs: Vec<Joint> = match (&parallel, &chains[1]) {
         (Some(_), Some(tool)) => tool.iter().copied().take(3).collect(),
         _ => Vec::new(),
     };
@@ -49,7 +48,7 @@ fn read(name: &str, document: &Document<'_>) -> Option<Machine> {
     root.no_other_keys();
     format?;
     let [table, tool] = chains;
-    let find = |letter: AxisLetter| axes.iter().flatten().find(|axis| axis.letter == letter).cloned();
+    let find = |letter: Joint| axes.iter().flatten().find(|axis| axis.letter == letter).cloned();
     Some(Machine {
         name: name.into(),
         table: table?.into_iter().map(find).collect::<Option<_>>()?,
@@ -66,7 +65,7 @@ fn joints(
     root: &Table<'_>,
     tables: &Table<'_>,
     sides: &[Option<Vec<String>>; 2],
-) -> Option<[Option<Vec<AxisLetter>>; 2]> {
+) -> Option<[Option<Vec<Joint>>; 2]> {
     let names: Vec<&str> = sides.iter().flatten().flatten().map(String::as_str).collect();
     for (i, name) in names.iter().enumerate() {
         if names[..i].iter().any(|other| other.eq_ignore_ascii_case(name)) {
@@ -76,7 +75,7 @@ fn joints(
     }
     let with_kind: Option<Vec<_>> = names
         .iter()
-        .map(|&name| match AxisLetter::parse(name) {
+        .map(|&name| match Joint::parse(name) {
             Some(letter) => Some((name, letter.is_rotary())),
             None => {
                 let kind = table_of(tables, name)?.optional_string("kind");
@@ -84,7 +83,7 @@ fn joints(
             }
         })
         .collect();
-    let joints = match AxisLetter::chain(&with_kind?) {
+    let joints = match Joint::chain(&with_kind?) {
         Ok(joints) => joints,
         Err(error) => {
             let key = if sides[1].as_ref().is_some_and(|tool| !tool.is_empty()) { "tool" } else { "table" };
@@ -94,17 +93,17 @@ fn joints(
         }
     };
     if let Some((a, b)) = alike(&joints) {
-        let allowed = "names that expressions can tell from each other";
+        let allowed = "names that expressions can distinguish";
         root.problem("tool", format!("has joints {a} and {b}: {b} is also a quantity of {a}"), allowed, "");
     }
     let on_table = sides[0].as_ref().map_or(0, Vec::len);
-    let side = |of: &Option<Vec<String>>, joints: &[AxisLetter]| of.as_ref().map(|_| joints.to_vec());
+    let side = |of: &Option<Vec<String>>, joints: &[Joint]| of.as_ref().map(|_| joints.to_vec());
     Some([side(&sides[0], &joints[..on_table]), side(&sides[1], &joints[on_table..])])
 }
 
 /// Two joints of which one name is a prefix of expressions (v, a, dir, since) and the other.
-fn alike(joints: &[AxisLetter]) -> Option<(AxisLetter, AxisLetter)> {
-    let letters = AxisLetter::ISO;
+fn alike(joints: &[Joint]) -> Option<(Joint, Joint)> {
+    let letters = Joint::ISO;
     let pairs = letters.iter().chain(joints).flat_map(|&a| joints.iter().map(move |&b| (a, b)));
     pairs
         .into_iter()
@@ -123,7 +122,7 @@ fn table_of<'d>(tables: &Table<'d>, joint: &str) -> Option<Table<'d>> {
     None
 }
 
-fn axis(tables: &Table<'_>, letter: AxisLetter) -> Option<Axis> {
+fn axis(tables: &Table<'_>, letter: Joint) -> Option<Axis> {
     let table = table_of(tables, letter.as_str())?;
     let kind = table.one_of("kind", &["linear", "rotary"]);
     let rotary = letter.is_rotary();
@@ -155,40 +154,4 @@ fn axis(tables: &Table<'_>, letter: AxisLetter) -> Option<Axis> {
         travel: moves.travel,
         facts: moves.facts,
     })
-}
-
-/// What every axis says of its motion.
-struct Moves {
-    sense: f64,
-    travel: (f64, f64),
-    facts: AxisFacts,
-}
-
-fn moves(table: &Table<'_>, rotary: bool) -> Option<Moves> {
-    let sense = table.number("sense", -1.0..=1.0);
-    if sense.is_some_and(|s| s.abs() != 1.0) {
-        table.problem("sense", "is neither way of turning", "1 or -1", "Run the sign-test cycle if unsure.");
-    }
-    let (travel_key, scale): (&str, fn(f64) -> f64) =
-        if rotary { ("travel_deg", convert::rad_from_deg) } else { ("travel_mm", |mm| mm) };
-    let travel = table.optional_numbers(travel_key);
-    let travel = match travel.as_deref() {
-        Some(&[low, high]) if low < high => Some((scale(low), scale(high))),
-        _ => {
-            table.problem(travel_key, "is not a range", "[lowest, highest]", "");
-            None
-        }
-    };
-    let feed_limit = if rotary {
-        table.optional_number("feed_limit_deg_per_min", 0.0..=1e6).map(|f| convert::rad_from_deg(f) / 60.0)
-    } else {
-        table.optional_number("feed_limit_mm_per_min", 0.0..=1e6).map(|f| f / 60.0)
-    };
-    let facts = AxisFacts {
-        screw_lead_mm: table.optional_number("screw_lead_mm", 0.1..=1000.0),
-        gear_teeth: table.optional_number("gear_teeth", 1.0..=10_000.0),
-        encoder_lines: table.optional_number("encoder_lines", 1.0..=1e7),
-        feed_limit,
-    };
-    Some(Moves { sense: sense?, travel: travel?, facts })
 }

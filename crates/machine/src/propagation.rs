@@ -8,7 +8,7 @@
 use crate::tripod::LegMotion;
 use crate::{JointErrors, Machine, Side, Site};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, Twist};
+use trunnion_core::{AxisValues, Joint, Twist};
 
 /// Nominal place of a joint's error in the machine frame.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +46,7 @@ impl JointFrame {
 
 impl Machine {
     /// The nominal frame of a joint; `None` when the machine has no such axis.
-    pub fn joint_frame(&self, letter: AxisLetter, position: &AxisValues<f64>) -> Option<JointFrame> {
+    pub fn joint_frame(&self, letter: Joint, position: &AxisValues<f64>) -> Option<JointFrame> {
         let side = self.side(letter)?;
         if let Some(tripod) = self.tripod.as_ref().filter(|tripod| tripod.has(letter)) {
             let leg = tripod.leg_motion(letter, position)?;

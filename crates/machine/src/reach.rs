@@ -5,7 +5,7 @@
 
 use crate::{JointErrors, Machine, Side};
 use nalgebra::{DMatrix, DVector, Point3, Unit, Vector3};
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 
 const MOST_STEPS: usize = 60;
 /// A place this near is reached, mm.
@@ -30,7 +30,7 @@ impl Machine {
         position: &AxisValues<f64>,
         ball_in_table_mm: &Point3<f64>,
     ) -> Option<AxisValues<f64>> {
-        let moved = AxisLetter::LINEAR;
+        let moved = Joint::LINEAR;
         if moved.iter().any(|&letter| self.axis(letter).is_none()) {
             return None;
         }
@@ -49,7 +49,7 @@ impl Machine {
         point_in_table_mm: &Point3<f64>,
         tool_in_table: &Unit<Vector3<f64>>,
     ) -> Option<AxisValues<f64>> {
-        let moved: Vec<AxisLetter> = self.axes().map(|axis| axis.letter).collect();
+        let moved: Vec<Joint> = self.axes().map(|axis| axis.letter).collect();
         self.approach(*start, &moved, point_in_table_mm, Some(tool_in_table))
     }
 
@@ -64,7 +64,7 @@ impl Machine {
     fn approach(
         &self,
         start: AxisValues<f64>,
-        moved: &[AxisLetter],
+        moved: &[Joint],
         point_mm: &Point3<f64>,
         along: Option<&Unit<Vector3<f64>>>,
     ) -> Option<AxisValues<f64>> {
@@ -116,7 +116,7 @@ impl Machine {
     /// Velocity of the tool point in the table and turning rate of the tool's axis (across it) for a unit of one axis.
     fn tool_rate(
         &self,
-        letter: AxisLetter,
+        letter: Joint,
         position: &AxisValues<f64>,
         place_mm: &Point3<f64>,
         direction: &Unit<Vector3<f64>>,

@@ -2,13 +2,13 @@
 
 use crate::JointErrors;
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, Twist};
+use trunnion_core::{Joint, Twist};
 
 /// Where an error acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Site {
     /// The joint of an axis: a twist of the carried component in the axes of the carrying one.
-    Joint(AxisLetter),
+    Joint(Joint),
     /// The ball, nest or artefact on the table: its actual minus nominal place, table axes; an artefact also turns, about
     /// its origin.
     TableBall,

@@ -12,10 +12,13 @@
 //! Limits: the joints have no clearance and no offsets; a leg passes on only what acts along it.
 
 mod closure;
+mod leg;
+
+pub use leg::Leg;
 
 use closure::{Angles, about_x, guess};
 use nalgebra::{Isometry3, Point3, Translation3, Unit, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, convert};
+use trunnion_core::{AxisValues, Joint, convert};
 
 /// Steps of Newton's method; from the pose at zero four or five do.
 const MOST_STEPS: usize = 30;
@@ -23,21 +26,6 @@ const MOST_STEPS: usize = 30;
 const CLOSED_MM: f64 = 1e-10;
 /// Longest step of an angle, rad.
 const LONGEST_STEP_RAD: f64 = 0.3;
-
-/// One leg.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Leg {
-    /// The letter its stroke has on recordings and in cycles.
-    pub letter: AxisLetter,
-    /// A: joint on the base, base axes, mm.
-    pub base_joint_mm: Vector3<f64>,
-    /// B: joint on the platform, from the platform's origin, platform axes, mm.
-    pub platform_joint_mm: Vector3<f64>,
-    /// Length from joint to joint at coordinate zero, mm.
-    pub length_at_zero_mm: f64,
-    /// +1: the leg grows with its coordinate; −1: it shortens.
-    pub sense: f64,
-}
 
 /// Three legs between base and platform.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,9 +45,9 @@ pub enum TripodError {
         /// Which joints.
         what: &'static str,
         /// Letter of leg 1.
-        first: AxisLetter,
+        first: Joint,
         /// Letter of leg 3.
-        third: AxisLetter,
+        third: Joint,
         /// What differs.
         axes: &'static str,
     },
@@ -143,7 +131,7 @@ impl Tripod {
     }
 
     /// True for the stroke of a leg.
-    pub fn has(&self, letter: AxisLetter) -> bool {
+    pub fn has(&self, letter: Joint) -> bool {
         self.legs.iter().any(|leg| leg.letter == letter)
     }
 
@@ -179,13 +167,13 @@ impl Tripod {
     }
 
     /// Unit vector from base joint to platform joint at zero, machine axes.
-    pub fn direction_at_zero(&self, letter: AxisLetter) -> Option<Unit<Vector3<f64>>> {
+    pub fn direction_at_zero(&self, letter: Joint) -> Option<Unit<Vector3<f64>>> {
         let k = self.legs.iter().position(|leg| leg.letter == letter)?;
         Some(Unit::new_normalize(self.machine_from_base * self.at_zero.leg(k)))
     }
 
     /// How the platform moves with one stroke.
-    pub fn leg_motion(&self, letter: AxisLetter, strokes_mm: &AxisValues<f64>) -> Option<LegMotion> {
+    pub fn leg_motion(&self, letter: Joint, strokes_mm: &AxisValues<f64>) -> Option<LegMotion> {
         let k = self.legs.iter().position(|leg| leg.letter == letter)?;
         let along = self.direction_at_zero(letter)?.into_inner() * self.legs[k].sense;
         let lengths_mm = self.lengths_mm(strokes_mm);

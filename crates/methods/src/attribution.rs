@@ -20,7 +20,7 @@ pub use error::AttributionError;
 
 use nalgebra::{Point3, Vector3};
 use std::ops::Range;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 use trunnion_machine::JointErrors;
 
 /// Shares of the axes.
@@ -50,7 +50,7 @@ pub struct Attribution {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Share {
     /// Which axis.
-    pub axis: AxisLetter,
+    pub axis: Joint,
     /// Its own deviation, measured minus ideal, mm or rad.
     pub own: Vec<f64>,
     /// What it did to the tool.
@@ -84,7 +84,7 @@ pub fn attribute(motion: &Motion<'_>) -> Result<Attribution, AttributionError> {
     let found = ideal::find(motion)?;
     let none = JointErrors::default();
     let machine = motion.machine;
-    let axes: Vec<AxisLetter> = machine.axes().map(|axis| axis.letter).collect();
+    let axes: Vec<Joint> = machine.axes().map(|axis| axis.letter).collect();
     let mut shares: Vec<Share> =
         axes.iter().map(|&axis| Share { axis, own: Vec::new(), deviation: Deviation::default() }).collect();
     let mut together = Deviation::default();

@@ -9,7 +9,7 @@
 //! axis line (rotary) or the travelling carriage (linear), as everywhere in the program. Limits: valid over the measured
 //! range of the axis; only numbers the data determine take part.
 
-use trunnion_core::{AxisLetter, AxisValues, Slot, State, Twist, convert};
+use trunnion_core::{AxisValues, Joint, Slot, State, Twist, convert};
 use trunnion_effects::{Instance, Model, Scene};
 use trunnion_engine::{Experiment, FittedParameter, Identification, IdentifyError};
 use trunnion_machine::{JointErrors, Site};
@@ -50,7 +50,7 @@ pub struct AxisErrors {
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisTable {
     /// The axis.
-    pub axis: AxisLetter,
+    pub axis: Joint,
     /// Constant errors of place and direction, mm and rad.
     pub location: Twist,
     /// Positions of the rows, mm or rad, rising; empty without component errors.
@@ -119,7 +119,7 @@ impl AxisErrors {
 }
 
 impl Fitted {
-    /// Motions of all joints at a state; true when something besides the joints moves.
+    /// Motions of all joints at a state; true when something other than the joints moves.
     fn motions(&self, scene: &Scene, state: &State) -> (JointErrors, bool) {
         let (mut joints, mut elsewhere) = (JointErrors::default(), false);
         self.instance.motions(scene, &self.shape, state, &mut |parameter, site, twist| {
@@ -157,7 +157,7 @@ impl Fitted {
                     along(scene, letter, if letter == other { probe + 1 } else { probe })
                 });
                 let (changed, _) = self.motions(scene, &moved);
-                let also = |joint: &AxisLetter| *joint != other && differ(&changed[*joint], &joints[*joint]);
+                let also = |joint: &Joint| *joint != other && differ(&changed[*joint], &joints[*joint]);
                 if let Some(joint) = scene.machine.joints().into_iter().find(also) {
                     return Some(format!("its motion at {joint} depends on the position of {other}"));
                 }
@@ -168,7 +168,7 @@ impl Fitted {
 }
 
 /// A state at rest with the axes where `position` says.
-pub(crate) fn state_at(scene: &Scene, position: impl Fn(AxisLetter) -> f64) -> State {
+pub(crate) fn state_at(scene: &Scene, position: impl Fn(Joint) -> f64) -> State {
     State {
         position: AxisValues::of(scene.machine.joints(), position),
         time_s: scene.time_range_s.map(|(first, _)| first),
@@ -178,7 +178,7 @@ pub(crate) fn state_at(scene: &Scene, position: impl Fn(AxisLetter) -> f64) -> S
 }
 
 /// A place inside the measured range, another one for every probe and axis.
-fn along(scene: &Scene, letter: AxisLetter, probe: usize) -> f64 {
+fn along(scene: &Scene, letter: Joint, probe: usize) -> f64 {
     let (low, high) = scene.position_range[letter];
     // Fractions of multiples of the golden ratio never repeat.
     let u = (0.61803 * (probe + 1) as f64 + 0.1731 * letter.index() as f64).fract();
@@ -224,7 +224,7 @@ pub(crate) fn changed_states(scene: &Scene, here: &State) -> Vec<(String, State)
     all
 }
 
-fn table(scene: &Scene, effects: &[Fitted], letter: AxisLetter) -> AxisTable {
+fn table(scene: &Scene, effects: &[Fitted], letter: Joint) -> AxisTable {
     let at = |fitted: &Fitted, position: f64| {
         let state = state_at(scene, |axis| if axis == letter { position } else { along(scene, axis, 0) });
         fitted.motions(scene, &state).0[letter]
@@ -256,7 +256,7 @@ fn table(scene: &Scene, effects: &[Fitted], letter: AxisLetter) -> AxisTable {
 }
 
 /// Rows close enough for straight lines between them.
-fn rows(from: f64, to: f64, letter: AxisLetter, error: &dyn Fn(f64) -> Twist) -> (Vec<f64>, Vec<Twist>) {
+fn rows(from: f64, to: f64, letter: Joint, error: &dyn Fn(f64) -> Twist) -> (Vec<f64>, Vec<Twist>) {
     let step = if letter.is_rotary() { convert::rad_from_deg(STEP_DEG) } else { STEP_MM };
     let mut count = ((to - from) / step - 1e-9).ceil().max(1.0) as usize;
     loop {

@@ -93,7 +93,7 @@ pub enum Plot {
     Polar {
         /// Unit of the values.
         unit: Unit,
-        /// Angle (rad) and value (inside units); at most three are told apart.
+        /// Angle (rad) and value (inside units); at most three are distinguished.
         curves: Vec<Curve>,
     },
     /// A value over another.
@@ -102,7 +102,7 @@ pub enum Plot {
         x: AxisName,
         /// What runs up.
         y: AxisName,
-        /// Inside units; at most four are told apart.
+        /// Inside units; at most four are distinguished.
         curves: Vec<Curve>,
     },
     /// Paths in a plane with equal scales in both directions, mm.
@@ -111,7 +111,7 @@ pub enum Plot {
         unit: Unit,
         /// Names of the directions to the right and up.
         names: [String; 2],
-        /// Places, mm; at most four are told apart.
+        /// Places, mm; at most four are distinguished.
         curves: Vec<Curve>,
     },
     /// Commanded, measured and simulated places in a plane, deviations magnified (S1 Fig. 5 and 8).

@@ -14,7 +14,7 @@
 //! legs have no line of their own here); errors that the model lacks are zero.
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_effects::{Role, Unit};
 use trunnion_engine::{Identification, Status};
 use trunnion_machine::{Axis, Machine, Side};
@@ -45,11 +45,11 @@ impl Notation {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
     /// The axis.
-    pub axis: AxisLetter,
+    pub axis: Joint,
     /// The axis it is against in relative notation; `None` where it is the datum of the machine coordinate system itself.
-    pub against: AxisLetter,
+    pub against: Joint,
     /// Direction: X Y Z of a place, A B C of an angle.
-    pub direction: AxisLetter,
+    pub direction: Joint,
 }
 
 /// What a notation says of one component.
@@ -107,24 +107,21 @@ impl Layout {
     /// The components of a machine.
     pub fn new(machine: &Machine) -> Self {
         let mut components = Vec::new();
-        let six = |axis: AxisLetter, against: AxisLetter| {
-            AxisLetter::ALL.map(|direction| Component { axis, against, direction })
-        };
-        let mut lower = AxisLetter::X;
+        let six =
+            |axis: Joint, against: Joint| Joint::ALL.map(|direction| Component { axis, against, direction });
+        let mut lower = Joint::X;
         for axis in machine.from_bed(Side::Table).into_iter().filter(|axis| axis.is_rotary()) {
             components.extend(six(axis.letter, lower));
             lower = axis.letter;
         }
-        let has = |letter: AxisLetter| machine.axis(letter).is_some() && !machine.is_leg(letter);
-        let (x, y, z) = (AxisLetter::X, AxisLetter::Y, AxisLetter::Z);
-        for (axis, against, direction) in
-            [(y, x, AxisLetter::C), (z, x, AxisLetter::B), (z, y, AxisLetter::A)]
-        {
+        let has = |letter: Joint| machine.axis(letter).is_some() && !machine.is_leg(letter);
+        let (x, y, z) = (Joint::X, Joint::Y, Joint::Z);
+        for (axis, against, direction) in [(y, x, Joint::C), (z, x, Joint::B), (z, y, Joint::A)] {
             if has(axis) && has(against) {
                 components.push(Component { axis, against, direction });
             }
         }
-        let mut lower = AxisLetter::X;
+        let mut lower = Joint::X;
         for axis in machine.from_bed(Side::Tool) {
             if axis.is_rotary() {
                 components.extend(six(axis.letter, lower));
@@ -142,7 +139,7 @@ impl Layout {
         layout
     }
 
-    fn at(&self, axis: AxisLetter, direction: AxisLetter) -> Option<usize> {
+    fn at(&self, axis: Joint, direction: Joint) -> Option<usize> {
         self.components.iter().position(|c| c.axis == axis && c.direction == direction)
     }
 
@@ -169,7 +166,7 @@ impl Layout {
     /// Adds what the joint of `lower` does to the line of `axis` in the machine.
     fn carried(&mut self, axis: &Axis, lower: &Axis) {
         let arm_mm = axis.through_mm - lower.through_mm;
-        for (k, letter) in AxisLetter::ALL.into_iter().enumerate() {
+        for (k, letter) in Joint::ALL.into_iter().enumerate() {
             let Some(from) = self.at(lower.letter, letter) else { continue };
             let Some(to) = self.at(axis.letter, letter) else { continue };
             self.absolute_from_joints[(to, from)] += 1.0;
@@ -177,7 +174,7 @@ impl Layout {
                 continue;
             }
             let moved_mm = Vector3::ith(k - 3, 1.0).cross(&arm_mm);
-            for (i, direction) in AxisLetter::LINEAR.into_iter().enumerate() {
+            for (i, direction) in Joint::LINEAR.into_iter().enumerate() {
                 if let Some(to) = self.at(axis.letter, direction) {
                     self.absolute_from_joints[(to, from)] += moved_mm[i];
                 }

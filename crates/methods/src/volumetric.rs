@@ -21,7 +21,7 @@ pub use volume::{Volume, VolumeError};
 use crate::NotTabulated;
 use columns::Columns;
 use nalgebra::{DMatrix, DVector, Point3, RowDVector, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, Twist};
+use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_effects::Model;
 use trunnion_engine::solve::null_space::spell;
 use trunnion_engine::{Experiment, Identification, IdentifyError};
@@ -59,7 +59,7 @@ pub struct VolumetricMap {
     /// are lower bounds.
     pub unseen: Vec<Unseen>,
     /// Axes of the volume that stood still in the runs: what they do is in no figure.
-    pub stood_still: Vec<AxisLetter>,
+    pub stood_still: Vec<Joint>,
     /// Effects that are not in the map, or only partly, and why.
     pub left_out: Vec<NotTabulated>,
 }
@@ -70,7 +70,7 @@ pub struct Unseen {
     /// Parameters of axes in it, e.g. `ECZ.P1`.
     pub direction: String,
     /// Components of the deviation that it moves.
-    pub moves: Vec<AxisLetter>,
+    pub moves: Vec<Joint>,
 }
 
 /// The deviation at one place.
@@ -190,7 +190,7 @@ fn extremes(count: usize, value: impl Fn(usize) -> f64) -> (usize, usize) {
 /// The null directions that move the map, by the parameters of axes in them.
 fn unseen(fit: &Identification, columns: &Columns, map: &DMatrix<f64>) -> Vec<Unseen> {
     // Terms: column of the map, place in the direction.
-    let moves = |terms: &[(usize, f64)]| -> Vec<AxisLetter> {
+    let moves = |terms: &[(usize, f64)]| -> Vec<Joint> {
         let largest = |column: &DVector<f64>, components: std::ops::Range<usize>| {
             let of_them = |(i, _): &(usize, &f64)| components.contains(&(i % 6));
             column.iter().enumerate().filter(of_them).fold(0.0, |most: f64, (_, v)| most.max(v.abs()))
@@ -203,12 +203,12 @@ fn unseen(fit: &Identification, columns: &Columns, map: &DMatrix<f64>) -> Vec<Un
             parts.fold(0.0, f64::max)
         };
         let (shift_mm, turn_rad) = (part(0..3), part(3..6));
-        let moved = |letter: &AxisLetter| {
+        let moved = |letter: &Joint| {
             let part = if letter.is_rotary() { turn_rad } else { shift_mm };
             let component = letter.index();
             part > 0.0 && largest(&whole, component..component + 1) > MOVES * part
         };
-        AxisLetter::ALL.into_iter().filter(moved).collect()
+        Joint::ALL.into_iter().filter(moved).collect()
     };
     fit.unobservable
         .iter()

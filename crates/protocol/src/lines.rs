@@ -1,7 +1,7 @@
 //! Text lines out of a byte stream: what every ASCII protocol of indicators and boxes has in common.
 //!
 //! A line ends with CR, LF or both; empty lines mean nothing. A byte that is no text spoils its line. What a line
-//! means is told by the codec that owns the splitter; a line that means nothing to it is counted as bad.
+//! means is decided by the codec that owns the splitter; a line that means nothing to it is counted as bad.
 
 /// Longer than any line of the protocols that use this.
 const MAX_LINE: usize = 256;

@@ -1,64 +1,108 @@
 //! A recording as tables. The points table is the format that [`crate::points_csv`] imports.
 
+use crate::column::{Column, on_the_fly, readings, spindle_of};
 use crate::item::RunHeader;
 use trunnion_core::{
-    AxisLetter, AxisSample, InstrumentKind, Point, ProbeSample, Quality, ReadingColumn, Setup, convert,
+    AxisSample, AxisValues, Joint, Point, ProbeSample, Quality, ReadingColumn, Setup, convert,
 };
-use trunnion_cycles::Run;
+use trunnion_cycles::{Run, RunKind};
 
 /// The good points of a run as `points.csv`; unsettled points and those without a reading are left out.
-/// Importing it again gives the same points to the printed digits (0.1 nm, 0.1 µdeg, 1 µs, 0.1 mK).
+/// Importing it again gives the same points: at rest to the printed digits (0.1 nm, 0.1 µdeg, 1 µs, 0.1 mK), on the fly to the last
+/// bit but one.
 pub fn points_csv(run: &Run) -> String {
-    let (axes, rotary) = (run.machine.joints(), run.machine.rotary_joints());
-    let columns = reading_columns(run.setups.iter().map(|setup| setup.instrument));
-    let targets = run.setups.iter().any(|setup| setup.artefact.is_some());
+    points_csv_with_axes(run, &[])
+}
 
-    let mut names = vec!["setup".to_string()];
-    names.extend(targets.then(|| "target".into()));
-    names.extend(run.has_time().then(|| "time_s".into()));
-    names.extend(axes.iter().copied().map(position_column));
-    names.extend(rotary.iter().map(|letter| format!("direction_{}", letter.lower())));
-    names.extend(columns.iter().map(|column| column.name().into()));
-    names.extend(run.channels.iter().map(|channel| format!("{channel}_degc")));
-
-    let mut table = Table::with_header(&names);
+/// The same with what the encoders read, in order of time: columns of their own where every point has its reading.
+pub fn points_csv_with_axes(run: &Run, axes: &[AxisSample]) -> String {
+    let columns = columns(run, axes);
+    let mut table = Table::with_header(&columns.iter().map(Column::name).collect::<Vec<_>>());
     for point in run.good_points() {
-        let state = &point.state;
-        let setup = run.setups.get(state.setup);
-        let mut cells = vec![setup.map_or_else(String::new, |setup| setup.name.clone())];
-        if targets {
-            let target =
-                |setup: &Setup| Some(setup.artefact.as_ref()?.targets.get(state.target)?.name.clone());
-            cells.push(setup.and_then(target).unwrap_or_default());
-        }
-        if run.has_time() {
-            cells.push(state.time_s.map_or_else(String::new, |time_s| digits(time_s, 6)));
-        }
-        cells.extend(axes.iter().map(|&letter| position(point, letter)));
-        cells.extend(rotary.iter().map(|&letter| digits(state.direction[letter], 0)));
-        let reading = |column: &ReadingColumn| {
-            let setup = setup?;
-            let i = setup.instrument.columns().iter().position(|own| own == column)?;
-            let decimals = if matches!(column, ReadingColumn::Deviation(_)) { 4 } else { 7 };
-            Some(digits(setup.column_from_reading(i, point.reading_mm[i]), decimals))
-        };
-        cells.extend(columns.iter().map(|column| reading(column).unwrap_or_default()));
-        cells.extend(state.temperature_degc.iter().map(|&degc| digits(degc, 4)));
-        table.row(&cells);
+        let actual = point.state.time_s.and_then(|time_s| read_at(axes, time_s));
+        table.row(columns.iter().map(|column| cell(run, column, point, actual)));
     }
     table.text()
 }
 
-/// The columns that hold the readings of these instruments, each once, in the order of the kinds.
-pub(crate) fn reading_columns(kinds: impl Iterator<Item = InstrumentKind> + Clone) -> Vec<ReadingColumn> {
-    let mut columns: Vec<ReadingColumn> = Vec::new();
-    for (_, kind) in InstrumentKind::NAMES {
-        if kinds.clone().any(|other| other == kind) {
-            columns
-                .extend(kind.columns().iter().filter(|column| !columns.contains(column)).collect::<Vec<_>>());
-        }
+fn columns(run: &Run, axes: &[AxisSample]) -> Vec<Column> {
+    let (joints, moves) = (run.machine.joints(), run.kind == RunKind::OnTheFly);
+    let kinds = run.setups.iter().map(|setup| setup.instrument);
+    let mut columns = vec![Column::Setup];
+    if run.setups.iter().any(|setup| setup.artefact.is_some()) {
+        columns.push(Column::Target);
+    }
+    if run.has_time() {
+        columns.push(Column::Time);
+    }
+    columns.extend(joints.iter().copied().map(Column::Position));
+    let turning = joints.iter().copied().filter(|joint| moves || joint.is_rotary());
+    columns.extend(turning.map(Column::Direction));
+    columns.extend(readings(kinds.clone()).into_iter().map(Column::Reading));
+    columns.extend(run.channels.iter().cloned().map(Column::Temperature));
+    if moves {
+        let read = |point: &Point| point.state.time_s.is_some_and(|time_s| read_at(axes, time_s).is_some());
+        let every = !axes.is_empty() && run.good_points().all(read);
+        let spindle =
+            spindle_of(&joints).filter(|spindle| axes.iter().any(|axes| axes.position[*spindle] != 0.0));
+        let recorded = joints.iter().copied().chain(spindle).map(Column::Actual).filter(|_| every);
+        let others = on_the_fly(&joints, kinds);
+        let of_point = |column: &Column| !matches!(column, Column::Feed | Column::Actual(_));
+        columns.extend(recorded.chain(others.into_iter().filter(of_point)));
     }
     columns
+}
+
+fn read_at(axes: &[AxisSample], time_s: f64) -> Option<&AxisSample> {
+    let at = axes.partition_point(|sample| sample.time_s < time_s);
+    axes.get(at).filter(|sample| sample.time_s == time_s)
+}
+
+fn cell(run: &Run, column: &Column, point: &Point, actual: Option<&AxisSample>) -> String {
+    let (state, setup) = (&point.state, run.setups.get(point.state.setup));
+    let number = |value: f64, places: usize| match run.kind {
+        RunKind::Static => digits(value, places),
+        RunKind::OnTheFly => value.to_string(),
+    };
+    let of = |values: &AxisValues<f64>, joint: Joint| {
+        let value = values[joint];
+        number(if joint.is_rotary() { convert::deg_from_rad(value) } else { value }, 7)
+    };
+    match column {
+        Column::Setup => setup.map_or_else(String::new, |setup| setup.name.clone()),
+        Column::Target => {
+            let target =
+                |setup: &Setup| Some(setup.artefact.as_ref()?.targets.get(state.target)?.name.clone());
+            setup.and_then(target).unwrap_or_default()
+        }
+        Column::Time => state.time_s.map_or_else(String::new, |time_s| number(time_s, 6)),
+        Column::Position(joint) => of(&state.position, *joint),
+        Column::Direction(joint) => digits(state.direction[*joint], 0),
+        Column::Reading(column) => {
+            let reading = |setup: &Setup| {
+                let i = setup.instrument.columns().iter().position(|own| own == column)?;
+                let decimals = if matches!(column, ReadingColumn::Deviation(_)) { 4 } else { 7 };
+                Some(number(setup.column_from_reading(i, point.reading_mm[i]), decimals))
+            };
+            setup.and_then(reading).unwrap_or_default()
+        }
+        Column::Temperature(name) => {
+            let channel = run.channels.iter().position(|channel| channel == name);
+            let degc = channel.and_then(|channel| state.temperature_degc.get(channel));
+            degc.map_or_else(String::new, |&degc| number(degc, 4))
+        }
+        Column::Feed => String::new(),
+        Column::Actual(joint) => actual.map_or_else(String::new, |actual| of(&actual.position, *joint)),
+        Column::Speed(joint) => of(&state.velocity, *joint),
+        Column::Acceleration(joint) => of(&state.acceleration, *joint),
+        Column::SinceReversal(joint) => of(&state.since_reversal, *joint),
+        Column::Samples => point.samples.to_string(),
+        Column::Spread(component) => {
+            let components = setup.map_or(&[][..], |setup| setup.instrument.components());
+            let at = components.iter().position(|own| own == component);
+            at.map_or_else(String::new, |i| number(convert::um_from_mm(point.spread_mm[i]), 4))
+        }
+    }
 }
 
 /// How many points of the run [`points_csv`] leaves out.
@@ -80,14 +124,9 @@ pub fn probe_samples_csv(header: &RunHeader, samples: &[ProbeSample]) -> String 
     table.text()
 }
 
-/// Column of the position of a joint: `x_mm`, `j1_deg`.
-pub(crate) fn position_column(joint: AxisLetter) -> String {
-    format!("{}_{}", joint.lower(), if joint.is_rotary() { "deg" } else { "mm" })
-}
-
 /// Positions of the joints of a machine: `time_s,x_mm,…,c_deg`.
-pub fn axis_samples_csv(joints: &[AxisLetter], samples: &[AxisSample]) -> String {
-    let names = joints.iter().copied().map(position_column);
+pub fn axis_samples_csv(joints: &[Joint], samples: &[AxisSample]) -> String {
+    let names = joints.iter().map(|&joint| Column::Position(joint).name());
     let names: Vec<String> = std::iter::once("time_s".into()).chain(names).collect();
     let mut table = Table::with_header(&names);
     for sample in samples {
@@ -118,11 +157,6 @@ impl Table {
         let bytes = self.0.into_inner().expect("memory takes every byte");
         String::from_utf8(bytes).expect("cells are text")
     }
-}
-
-fn position(point: &Point, letter: AxisLetter) -> String {
-    let value = point.state.position[letter];
-    digits(if letter.is_rotary() { convert::deg_from_rad(value) } else { value }, 7)
 }
 
 /// A number with at most `places` places, without trailing zeros and without minus zero.

@@ -6,6 +6,7 @@
 //! [`recover_orphans`] does the same for journals left behind. [`read_run`] and [`visit`] read any of them,
 //! damaged or not; [`visit_points`] reads the points alone, however many there are. [`points_csv`] and [`export`] are the ways in and out as tables.
 
+mod column;
 mod container;
 mod damage;
 mod error;
@@ -15,6 +16,7 @@ mod handle;
 mod item;
 mod journal;
 mod lossless;
+mod motion;
 pub mod points_csv;
 mod reader;
 mod rows;
@@ -30,5 +32,5 @@ pub use handle::{RecordSender, RecorderHandle, RecorderStatus};
 pub use item::{Item, RunHeader, Temperature};
 pub use reader::{OnPoint, Recording, RunStart, read_header, read_run, visit, visit_points, visit_samples};
 pub use schema::FILE_DESCRIPTOR_SET;
-pub use whole_run::{write_run, write_run_with_axes};
+pub use whole_run::{RunWriter, write_run, write_run_with_axes};
 pub use writer::{Finished, Recorder};

@@ -1,22 +1,26 @@
-//! Import of static points measured elsewhere: `points.csv` and `setup.toml` (docs/design/contracts.md §2).
+//! Import of points measured elsewhere, at rest or on the fly: `points.csv` and `setup.toml` (docs/design/contracts.md §2).
 //!
 //! Columns in any order, units in their names. Every problem of the file is reported at once, with line,
 //! column, what was found and what is allowed.
 
-use crate::export::{position_column, reading_columns};
+use crate::column::{Column, on_the_fly, readings};
+use crate::motion::{Motion, Taken, Wanted};
 use crate::rows::{Cell, Row, rows};
 use std::collections::HashSet;
-use trunnion_core::direction::fill_directions;
 use trunnion_core::names::nearest;
 use trunnion_core::setup::parse_setup_file;
 use trunnion_core::{
-    AxisLetter, InstrumentKind, Point, Problem, Problems, Quality, ReadingColumn, Setup, State, convert,
+    AxisSample, InstrumentKind, Joint, Point, Problem, Problems, Quality, Setup, State, convert,
 };
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::Machine;
 
-/// A file that is wrong everywhere is not listed to its end.
-const MOST_PROBLEMS: usize = 200;
+/// Problems kept of a file that is wrong everywhere; the same one in many rows is printed once with its count, so only the
+/// memory of this list is a reason for a limit (some 30 MB).
+const MOST_PROBLEMS: usize = 100_000;
+
+/// Receives the run without its points, a point, and what the encoders read there.
+pub type OnRow<'v> = &'v mut dyn FnMut(&Run, Point, Option<AxisSample>);
 
 /// Reads a points file into a run called `name`; `file` is shown in problems.
 ///
@@ -29,20 +33,42 @@ pub fn import(
     setups: Vec<Setup>,
     machine: Machine,
 ) -> Result<Run, Problems> {
-    let (points, channels) = read(file, text, Some(&setups), Some(&machine)).map_err(Problems)?;
-    Ok(Run { name: name.into(), machine, kind: RunKind::Static, setups, channels, points })
+    let mut run = empty(name, RunKind::Static, setups, machine);
+    let mut points = Vec::new();
+    run.channels =
+        read(file, text, Known::of(&run), &mut |_, point, _| points.push(point)).map_err(Problems)?;
+    Ok(Run { points, ..run })
 }
 
-/// Reads both files, each given as its name and its text, and reports the problems of both at once.
+/// Reads both files of a run at rest, each given as its name and its text, and reports the problems of both at once.
 /// `machine_by_name` knows the machine that the setup file names.
 ///
 /// # Errors
 /// Every problem of either file.
 pub fn import_files(
     name: &str,
+    points: (&str, &str),
+    setup: (&str, &str),
+    machine_by_name: &dyn Fn(&str) -> Option<Machine>,
+) -> Result<Run, Problems> {
+    let mut taken = Vec::new();
+    let run = visit_files(RunKind::Static, name, points, setup, machine_by_name, &mut |_, point, _| {
+        taken.push(point);
+    })?;
+    Ok(Run { points: taken, ..run })
+}
+
+/// The same, at rest or on the fly, row by row: no more than two rows are in memory. Gives the run without its points.
+///
+/// # Errors
+/// Every problem of either file; rows before the first problem have then been handed out.
+pub fn visit_files(
+    kind: RunKind,
+    name: &str,
     (points_file, points_text): (&str, &str),
     (setup_file, setup_text): (&str, &str),
     machine_by_name: &dyn Fn(&str) -> Option<Machine>,
+    on_row: OnRow<'_>,
 ) -> Result<Run, Problems> {
     let mut problems = Vec::new();
     let setup = parse_setup_file(setup_file, setup_text).map_err(|wrong| problems.extend(wrong.0)).ok();
@@ -54,14 +80,18 @@ pub fn import_files(
         machine
     });
     let setups = setup.map(|setup| setup.setups);
-    let points = read(points_file, points_text, setups.as_deref(), machine.as_ref());
-    let points = points.map_err(|wrong| problems.extend(wrong)).ok();
-    match (points, setups, machine) {
-        (Some((points, channels)), Some(setups), Some(machine)) => {
-            Ok(Run { name: name.into(), machine, kind: RunKind::Static, setups, channels, points })
-        }
-        _ => Err(Problems(problems)),
-    }
+    let (Some(setups), Some(machine)) = (&setups, &machine) else {
+        let known = Known { kind, run: None, setups: setups.as_deref(), machine: machine.as_ref() };
+        problems.extend(read(points_file, points_text, known, &mut |_, _, _| {}).err().into_iter().flatten());
+        return Err(Problems(problems));
+    };
+    let run = empty(name, kind, setups.clone(), machine.clone());
+    let channels = read(points_file, points_text, Known::of(&run), on_row).map_err(Problems)?;
+    Ok(Run { channels, ..run })
+}
+
+fn empty(name: &str, kind: RunKind, setups: Vec<Setup>, machine: Machine) -> Run {
+    Run { name: name.into(), machine, kind, setups, channels: Vec::new(), points: Vec::new() }
 }
 
 fn unknown_machine(file: &str, text: &str, name: &str) -> Problem {
@@ -79,33 +109,41 @@ fn unknown_machine(file: &str, text: &str, name: &str) -> Problem {
 /// Names of targets listed in a problem.
 const NAMES_SHOWN: usize = 12;
 
-/// What a column holds.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-enum Column {
-    Setup,
-    Time,
-    Position(AxisLetter),
-    Direction(AxisLetter),
-    Target,
-    Reading(ReadingColumn),
-    Temperature(String),
+/// What is known of the run before its points are read; without setups or machine only what can be checked without them.
+#[derive(Clone, Copy)]
+struct Known<'a> {
+    kind: RunKind,
+    run: Option<&'a Run>,
+    setups: Option<&'a [Setup]>,
+    machine: Option<&'a Machine>,
 }
 
-/// Reads the points; without setups or machine only what can be checked without them.
-fn read(
-    file: &str,
-    text: &str,
-    setups: Option<&[Setup]>,
-    machine: Option<&Machine>,
-) -> Result<(Vec<Point>, Vec<String>), Vec<Problem>> {
+impl<'a> Known<'a> {
+    fn of(run: &'a Run) -> Self {
+        Self { kind: run.kind, run: Some(run), setups: Some(&run.setups), machine: Some(&run.machine) }
+    }
+}
+
+/// Reads the points; gives the names of the temperature channels.
+fn read(file: &str, text: &str, known: Known<'_>, on_row: OnRow<'_>) -> Result<Vec<String>, Vec<Problem>> {
     let mut notes = Notes { file, list: Vec::new(), more: 0 };
-    let mut rows = rows(text).into_iter();
+    let mut rows = rows(text);
     let Some(Row { line: header_line, cells: header }) = rows.next() else {
         notes.add(0, 0, "the file is empty", "a header row and a row for each point", "");
         return Err(notes.finish());
     };
-    let columns = read_header(&mut notes, header_line, &header, setups, machine);
-    let mut points = Vec::new();
+    let columns = read_header(&mut notes, header_line, &header, known);
+    let channels: Vec<String> = columns
+        .iter()
+        .flatten()
+        .filter_map(|column| match column {
+            Column::Temperature(name) => Some(name.clone()),
+            _ => None,
+        })
+        .collect();
+    let head = known.run.map(|run| Run { channels: channels.clone(), ..run.clone() });
+    let mut motion = Motion::new(wanted(&columns, known));
+    let (mut points, mut last_s) = (0_u64, f64::NEG_INFINITY);
     for Row { line, cells } in rows {
         if cells.len() != columns.len() {
             let found = format!("{} cells", cells.len());
@@ -113,38 +151,65 @@ fn read(
             notes.add(line, 1, &found, &format!("{}, as in the header", columns.len()), advice);
             continue;
         }
-        points.extend(read_row(&mut notes, line, &columns, &cells, setups));
+        let Some(taken) = read_row(&mut notes, line, &columns, &cells, known.setups) else { continue };
+        if let (RunKind::OnTheFly, Some(time_s)) = (known.kind, taken.point.state.time_s) {
+            if time_s < last_s {
+                let advice = "Sort the rows by time, and give each run a file of its own.";
+                notes.add(
+                    line,
+                    1,
+                    &format!("time_s = {time_s} after {last_s}"),
+                    "rows in order of time",
+                    advice,
+                );
+            }
+            last_s = time_s;
+        }
+        points += 1;
+        if let (Some(head), true, Some(Taken { point, actual, .. })) =
+            (&head, notes.list.is_empty(), motion.push(taken))
+        {
+            on_row(head, point, actual);
+        }
     }
-    if points.is_empty() && notes.list.is_empty() {
+    if points == 0 && notes.list.is_empty() {
         notes.add(header_line, 1, "no point follows the header", "a row for each point", "");
     }
     if !notes.list.is_empty() {
         return Err(notes.finish());
     }
+    if let (Some(head), Some(Taken { point, actual, .. })) = (&head, motion.finish()) {
+        on_row(head, point, actual);
+    }
+    Ok(channels)
+}
+
+/// What the columns leave to be told from the positions.
+fn wanted(columns: &[Option<Column>], known: Known<'_>) -> Wanted {
     let stated: HashSet<&Column> = columns.iter().flatten().collect();
-    let joints = machine.map_or_else(Vec::new, Machine::joints);
-    let unstated = joints.into_iter().filter(|&letter| !stated.contains(&Column::Direction(letter)));
-    fill_directions(&mut points, &unstated.collect::<Vec<_>>());
-    let channels = columns.iter().flatten().filter_map(|column| match column {
-        Column::Temperature(name) => Some(name.clone()),
-        _ => None,
-    });
-    Ok((points, channels.collect()))
+    let any = |of: fn(&Column) -> bool| columns.iter().flatten().any(of);
+    let joints = known.machine.map_or_else(Vec::new, Machine::joints);
+    let moves = known.kind == RunKind::OnTheFly;
+    Wanted {
+        directions: joints.into_iter().filter(|&joint| !stated.contains(&Column::Direction(joint))).collect(),
+        since_reversal: !any(|column| matches!(column, Column::SinceReversal(_))),
+        speeds: moves && !any(|column| matches!(column, Column::Speed(_))),
+        accelerations: moves && !any(|column| matches!(column, Column::Acceleration(_))),
+    }
 }
 
 fn read_header(
     notes: &mut Notes<'_>,
     line: usize,
     header: &[Cell],
-    setups: Option<&[Setup]>,
-    machine: Option<&Machine>,
+    Known { kind, setups, machine, .. }: Known<'_>,
 ) -> Vec<Option<Column>> {
     let every_kind = InstrumentKind::NAMES.map(|(_, kind)| kind).to_vec();
     let kinds = setups.map_or(every_kind, |setups| setups.iter().map(|setup| setup.instrument).collect());
-    let joints = machine.map_or_else(|| AxisLetter::ISO.to_vec(), Machine::joints);
+    let joints = machine.map_or_else(|| Joint::ISO.to_vec(), Machine::joints);
     let mut required = vec![Column::Setup];
     required.extend(joints.iter().copied().map(Column::Position));
-    let readings = reading_columns(kinds.iter().copied());
+    let readings = readings(kinds.iter().copied());
     if let Some(name) =
         readings.iter().map(|column| column.name()).find(|name| required.iter().any(|c| c.name() == *name))
     {
@@ -163,7 +228,10 @@ fn read_header(
     }
     let mut allowed = required.clone();
     allowed.push(Column::Time);
-    allowed.extend(joints.into_iter().map(Column::Direction));
+    allowed.extend(joints.iter().copied().map(Column::Direction));
+    if kind == RunKind::OnTheFly {
+        allowed.extend(on_the_fly(&joints, kinds.iter().copied()));
+    }
     let names = allowed.iter().map(Column::name).collect::<Vec<_>>().join(", ") + ", NAME_degc";
 
     let mut columns: Vec<Option<Column>> = Vec::new();
@@ -205,7 +273,7 @@ fn read_row(
     columns: &[Option<Column>],
     cells: &[Cell],
     setups: Option<&[Setup]>,
-) -> Option<Point> {
+) -> Option<Taken> {
     let before = notes.count();
     let setup_cell = columns.iter().position(|column| *column == Some(Column::Setup)).map(|at| &cells[at]);
     let setup = setups.zip(setup_cell).and_then(|(setups, &(at, ref name))| {
@@ -218,13 +286,17 @@ fn read_row(
     });
     let mounted = setups.zip(setup).map(|(setups, setup)| &setups[setup]);
     let mut state = State { setup: setup.unwrap_or(0), ..State::default() };
-    let mut reading_mm = [0.0; 3];
+    let (mut reading_mm, mut spread_mm, mut samples) = ([0.0; 3], [0.0; 3], 0);
+    let (mut feed_mm_per_s, mut encoders) = (None, Vec::new());
     for (column, &(at, ref cell)) in columns.iter().zip(cells) {
         let Some(column) = column else { continue };
         let foreign = match column {
             Column::Setup => continue,
             Column::Reading(column) => mounted.is_some_and(|s| !s.instrument.columns().contains(column)),
             Column::Target => mounted.is_some_and(|setup| setup.artefact.is_none()),
+            Column::Spread(component) => {
+                mounted.is_some_and(|s| !s.instrument.components().contains(component))
+            }
             _ => false,
         };
         if foreign {
@@ -245,10 +317,22 @@ fn read_row(
         match column {
             Column::Setup | Column::Target => {}
             Column::Time => state.time_s = Some(number),
-            Column::Position(letter) if letter.is_rotary() => {
-                state.position[*letter] = convert::rad_from_deg(number);
+            Column::Position(joint) => state.position[*joint] = inside(*joint, number),
+            Column::Actual(joint) => encoders.push((*joint, inside(*joint, number))),
+            Column::Speed(joint) => state.velocity[*joint] = inside(*joint, number),
+            Column::Acceleration(joint) => state.acceleration[*joint] = inside(*joint, number),
+            Column::SinceReversal(joint) => state.since_reversal[*joint] = inside(*joint, number),
+            Column::Feed => feed_mm_per_s = Some(number / 60.0),
+            Column::Samples if number >= 0.0 && number.fract() == 0.0 && number <= f64::from(u32::MAX) => {
+                samples = number as u32;
             }
-            Column::Position(letter) => state.position[*letter] = number,
+            Column::Samples => notes.add(line, at, &format!("samples = {cell}"), "a whole number", ""),
+            Column::Spread(component) => {
+                let components = mounted.map_or(&[][..], |setup| setup.instrument.components());
+                if let Some(i) = components.iter().position(|own| own == component) {
+                    spread_mm[i] = convert::mm_from_um(number);
+                }
+            }
             Column::Direction(letter) if [-1.0, 0.0, 1.0].contains(&number) => {
                 state.direction[*letter] = number;
             }
@@ -268,8 +352,19 @@ fn read_row(
     if mounted.is_some_and(|setup| setup.instrument.deflects_probes()) {
         state.deflection_mm = reading_mm.into();
     }
-    let point = Point { state, reading_mm, spread_mm: [0.0; 3], samples: 0, quality: Quality::Good };
-    (notes.count() == before).then_some(point)
+    // An axis whose encoder no column states is where it was asked to be.
+    let actual = (!encoders.is_empty()).then(|| {
+        let mut position = state.position;
+        encoders.into_iter().for_each(|(joint, q)| position[joint] = q);
+        AxisSample { time_s: state.time_s.unwrap_or_default(), position, ..AxisSample::default() }
+    });
+    let point = Point { state, reading_mm, spread_mm, samples, quality: Quality::Good };
+    (notes.count() == before).then_some(Taken { point, feed_mm_per_s, actual })
+}
+
+/// mm and rad from the units of a column.
+fn inside(joint: Joint, number: f64) -> f64 {
+    if joint.is_rotary() { convert::rad_from_deg(number) } else { number }
 }
 
 /// Index of the target that a cell names.
@@ -287,27 +382,6 @@ fn read_target(
         notes.add(line, at, &format!("target \"{cell}\""), &(names.join(", ") + more), advice);
     }
     target.unwrap_or(0)
-}
-
-impl Column {
-    /// The column of this name out of `allowed`. Any other `NAME_degc` is a temperature.
-    fn parse(name: &str, allowed: &[Self]) -> Option<Self> {
-        let temperature = || name.strip_suffix("_degc").filter(|name| !name.is_empty());
-        let known = allowed.iter().find(|column| column.name() == name).cloned();
-        known.or_else(|| temperature().map(|name| Self::Temperature(name.into())))
-    }
-
-    fn name(&self) -> String {
-        match self {
-            Self::Setup => "setup".into(),
-            Self::Time => "time_s".into(),
-            Self::Position(letter) => position_column(*letter),
-            Self::Direction(letter) => format!("direction_{}", letter.lower()),
-            Self::Target => "target".into(),
-            Self::Reading(column) => column.name().into(),
-            Self::Temperature(name) => format!("{name}_degc"),
-        }
-    }
 }
 
 struct Notes<'a> {

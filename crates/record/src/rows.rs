@@ -13,40 +13,75 @@ pub struct Row {
     pub cells: Vec<Cell>,
 }
 
-/// The rows of a text; a byte-order mark is passed over.
-pub fn rows(text: &str) -> Vec<Row> {
+/// The rows of a text, one after the other; a byte-order mark is passed over, and so are empty rows.
+pub fn rows(text: &str) -> Rows<'_> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = Reader::new();
-    // No cell is longer than the text.
-    let mut buffer = vec![0; text.len() + 1];
-    let (mut rows, mut row) = (Vec::new(), Row { line: 1, cells: Vec::new() });
-    let (mut begins, mut at, mut length, mut line, mut column) = (0, 0, 0, 1, 1);
-    loop {
-        let (result, read, written) = reader.read_field(&text.as_bytes()[at..], &mut buffer[length..]);
-        (at, length) = (at + read, length + written);
-        let record_end = match result {
-            ReadFieldResult::InputEmpty | ReadFieldResult::OutputFull => continue,
-            ReadFieldResult::Field { record_end } => record_end,
-            ReadFieldResult::End => break,
-        };
-        // Line ends of rows that were empty are read with the cell behind them.
-        let raw = &text[begins..at];
-        let cell = if row.cells.is_empty() { raw.trim_start_matches(['\r', '\n']) } else { raw };
-        line += line_ends(&raw[..raw.len() - cell.len()]);
-        if row.cells.is_empty() {
-            row.line = line;
-        }
-        row.cells.push((column + leading(cell), bare(&String::from_utf8_lossy(&buffer[..length]))));
-        line += line_ends(cell);
-        (begins, length, column) = (at, 0, column + cell.chars().count());
-        if record_end {
-            column = 1;
-            let next = Row { line, cells: Vec::new() };
-            rows.push(std::mem::replace(&mut row, next));
+    Rows { text, reader: Reader::new(), cell: vec![0; FIRST_CELL], begins: 0, at: 0, line: 1, ended: false }
+}
+
+/// Room for a cell at first, bytes; it grows when a longer one comes.
+const FIRST_CELL: usize = 256;
+
+/// See [`rows`].
+pub struct Rows<'a> {
+    text: &'a str,
+    reader: Reader,
+    cell: Vec<u8>,
+    /// Where the next cell begins, and how far the text is read.
+    begins: usize,
+    at: usize,
+    line: usize,
+    ended: bool,
+}
+
+impl Iterator for Rows<'_> {
+    type Item = Row;
+
+    fn next(&mut self) -> Option<Row> {
+        loop {
+            let row = self.row()?;
+            if row.cells.len() > 1 || row.cells.iter().any(|(_, cell)| !cell.is_empty()) {
+                return Some(row);
+            }
         }
     }
-    rows.retain(|row: &Row| row.cells.len() > 1 || row.cells.iter().any(|(_, cell)| !cell.is_empty()));
-    rows
+}
+
+impl Rows<'_> {
+    fn row(&mut self) -> Option<Row> {
+        let (mut row, mut length, mut column) = (Row { line: self.line, cells: Vec::new() }, 0, 1);
+        while !self.ended {
+            let (result, read, written) =
+                self.reader.read_field(&self.text.as_bytes()[self.at..], &mut self.cell[length..]);
+            (self.at, length) = (self.at + read, length + written);
+            let record_end = match result {
+                ReadFieldResult::InputEmpty => continue,
+                ReadFieldResult::OutputFull => {
+                    self.cell.resize(2 * self.cell.len(), 0);
+                    continue;
+                }
+                ReadFieldResult::Field { record_end } => record_end,
+                ReadFieldResult::End => {
+                    self.ended = true;
+                    break;
+                }
+            };
+            // Line ends of rows that were empty are read with the cell behind them.
+            let raw = &self.text[self.begins..self.at];
+            let cell = if row.cells.is_empty() { raw.trim_start_matches(['\r', '\n']) } else { raw };
+            self.line += line_ends(&raw[..raw.len() - cell.len()]);
+            if row.cells.is_empty() {
+                row.line = self.line;
+            }
+            row.cells.push((column + leading(cell), bare(&String::from_utf8_lossy(&self.cell[..length]))));
+            self.line += line_ends(cell);
+            (self.begins, length, column) = (self.at, 0, column + cell.chars().count());
+            if record_end {
+                return Some(row);
+            }
+        }
+        None
+    }
 }
 
 fn line_ends(raw: &str) -> usize {
@@ -71,7 +106,7 @@ mod tests {
     #[test]
     fn every_cell_says_where_it_stands() {
         let check = |text: &str, expected: &[(usize, &[(usize, &str)])]| {
-            let found = rows(text);
+            let found: Vec<Row> = rows(text).collect();
             let shown: Vec<(usize, Vec<(usize, &str)>)> = found
                 .iter()
                 .map(|row| (row.line, row.cells.iter().map(|(at, cell)| (*at, cell.as_str())).collect()))

@@ -4,8 +4,8 @@ use crate::error::RecordError;
 use crate::finish::FinishedFile;
 use crate::item::{Item, RunHeader};
 use crate::writer::Recorder;
-use std::path::Path;
-use trunnion_core::AxisSample;
+use std::path::{Path, PathBuf};
+use trunnion_core::{AxisSample, HostTime, Point};
 use trunnion_cycles::Run;
 
 /// Records a run that is already in memory as `path` (ending in `.mcap`).
@@ -26,23 +26,67 @@ pub fn write_run_with_axes(
     run: &Run,
     axes: &[AxisSample],
 ) -> Result<FinishedFile, RecordError> {
-    let dir = match path.parent() {
-        Some(dir) if !dir.as_os_str().is_empty() => dir,
-        _ => Path::new("."),
-    };
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let mut recorder = Recorder::create(dir, &name, header)?;
-    for point in &run.points {
-        recorder.append(Item::Point(point.clone()), header.host_start);
+    let mut writer = RunWriter::create(path, header)?;
+    run.points.iter().for_each(|point| writer.point(point.clone()));
+    axes.iter().for_each(|sample| writer.axes(*sample));
+    writer.finish()
+}
+
+/// Records points one by one, as they are imported.
+pub struct RunWriter {
+    recorder: Recorder,
+    path: PathBuf,
+    host_start: HostTime,
+}
+
+impl RunWriter {
+    /// Begins the recording `path` (ending in `.mcap`).
+    ///
+    /// # Errors
+    /// As [`Recorder::create`].
+    pub fn create(path: &Path, header: &RunHeader) -> Result<Self, RecordError> {
+        let dir = match path.parent() {
+            Some(dir) if !dir.as_os_str().is_empty() => dir,
+            _ => Path::new("."),
+        };
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let recorder = Recorder::create(dir, &name, header)?;
+        Ok(Self { recorder, path: path.into(), host_start: header.host_start })
     }
-    for sample in axes {
-        recorder.append(Item::Axes(*sample), header.host_start);
+
+    /// Takes the next point.
+    pub fn point(&mut self, point: Point) {
+        self.recorder.append(Item::Point(point), self.host_start);
     }
-    if let Some(why) = recorder.failing() {
-        let source = std::io::Error::other(why.to_string());
-        return Err(RecordError::Io { what: "write", path: path.into(), source });
+
+    /// Takes the next positions of the axes.
+    pub fn axes(&mut self, sample: AxisSample) {
+        self.recorder.append(Item::Axes(sample), self.host_start);
     }
-    let finished = recorder.finish(header.host_start)?;
-    let first = finished.files.into_iter().next();
-    first.ok_or_else(|| RecordError::Exists { path: path.into() })
+
+    /// Ends the recording.
+    ///
+    /// # Errors
+    /// As [`Recorder::finish`]; also when writing failed in between.
+    pub fn finish(self) -> Result<FinishedFile, RecordError> {
+        let Self { recorder, path, host_start } = self;
+        if let Some(why) = recorder.failing() {
+            let source = std::io::Error::other(why.to_string());
+            return Err(RecordError::Io { what: "write", path, source });
+        }
+        let finished = recorder.finish(host_start)?;
+        finished.files.into_iter().next().ok_or(RecordError::Exists { path })
+    }
+
+    /// Throws away what was written.
+    ///
+    /// # Errors
+    /// When the journal cannot be removed.
+    pub fn discard(self) -> Result<(), RecordError> {
+        let journals = self.recorder.journals().to_vec();
+        drop(self.recorder);
+        journals
+            .iter()
+            .try_for_each(|path| std::fs::remove_file(path).map_err(RecordError::io("remove", path)))
+    }
 }

@@ -151,6 +151,11 @@ impl Recorder {
         self.journal.is_none().then_some(self.why_failed.as_str())
     }
 
+    /// The journals written so far.
+    pub(crate) fn journals(&self) -> &[PathBuf] {
+        &self.journals
+    }
+
     /// Messages written so far.
     pub fn messages(&self) -> u64 {
         self.messages

@@ -30,7 +30,7 @@ pub fn heads(table: &Table) -> Vec<String> {
 pub fn cells(table: &Table, row: &[Cell]) -> Vec<String> {
     let text = |(cell, column): (&Cell, &Column)| match cell {
         Cell::Text(text) => text.clone(),
-        // Places are told to a tenth, however far out.
+        // Places are reported to a tenth, however far out.
         Cell::Number(mm) if column.unit.as_deref() == Some("mm") => {
             signed(*mm, 1).trim_start_matches('+').into()
         }

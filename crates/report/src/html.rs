@@ -1,4 +1,4 @@
-//! The compare report as one self-contained HTML page, told from the verdict down to the tables.
+//! The compare report as one self-contained HTML page, from the verdict down to the tables.
 
 mod candidates;
 mod findings;
@@ -17,35 +17,33 @@ mod volumetric;
 
 use crate::markup::{element, escape};
 use crate::number::um;
-use crate::{CompareInput, LadderRow, Trial};
-use trunnion_methods::volumetric::VolumetricMap;
-use trunnion_results::Findings;
+use trunnion_results::{Comparison, ErrorMap, Findings, Ladder, Trial, Volumetric};
 
 const STYLE: &str = include_str!("html/style.css");
 
 /// One page with everything: no outside asset, readable on a phone, on paper, in the dark. UTF-8, well-formed as XML.
-pub fn compare_html(input: &CompareInput) -> String {
+pub fn compare_html(input: &Comparison, label: &str) -> String {
     let sections = [
-        summary::section(input),
-        places::section(input),
+        summary::section(input, label),
+        places::section(&input.places, &input.residuals),
         candidates::section(input),
         sure::section(input),
-        ladder::section(input),
-        maps::section(input),
-        sweeps::section(input),
-        polars::section(input),
-        positions::section(input),
+        ladder::section(&input.ladder),
+        maps::section(&input.residuals),
+        sweeps::section(&input.residuals),
+        polars::section(&input.residuals),
+        positions::section(&input.residuals),
         parameters::section(input),
         losses(input),
-        timing::section(&input.timing),
+        timing::section(&input.time_quality),
     ];
     page(&format!("Trunnion report: {}", input.identification.machine), &sections.concat())
 }
 
 /// One page on what one effect would do: the residual before and after, on one colour scale.
-pub fn trial_html(input: &CompareInput, trial: &Trial) -> String {
-    let title = format!("Trunnion: {} on trial on {}", trial.effect, input.identification.machine);
-    let sections = [trial::headline(input, trial), trial::places(trial), trial::all_maps(input, trial)];
+pub fn trial_html(trial: &Trial, label: &str) -> String {
+    let title = format!("Trunnion: {} on trial on {}", trial.effect, trial.identification.machine);
+    let sections = [trial::headline(trial, label), trial::places(trial), trial::all_maps(trial)];
     page(&title, &(sections.concat() + &trial::tables(trial)))
 }
 
@@ -56,33 +54,36 @@ pub fn findings_html(findings: &Findings, label: &str) -> String {
 }
 
 /// One page on the volumetric accuracy that a model says, with the distorted volume in three views; `volume` in words.
-pub fn volumetric_html(map: &VolumetricMap, volume: &str, label: &str) -> String {
+pub fn volumetric_html(answer: &Volumetric, map: &ErrorMap, volume: &str, label: &str) -> String {
     page(
-        &format!("Trunnion: volumetric accuracy of {}", map.machine),
-        &volumetric::sections(map, volume, label),
+        &format!("Trunnion: volumetric accuracy of {}", answer.machine),
+        &volumetric::sections(answer, map, volume, label),
     )
 }
 
 /// The ladder of a model alone.
-pub fn ladder_html(machine: &str, rows: &[LadderRow]) -> String {
-    let input = CompareInput { ladder: rows.to_vec(), ..CompareInput::default() };
-    let section = match rows.is_empty() {
-        true => element("p", "No effect was added to this model yet."),
-        false => ladder::section(&input),
+pub fn ladder_html(machine: &str, rungs: &Ladder) -> String {
+    let section = match rungs.added().next() {
+        None => element("p", "No effect was added to this model yet."),
+        Some(_) => ladder::section(rungs),
     };
-    let head = element("h1", &ladder_verdict(machine, rows));
+    let head = element("h1", &ladder_verdict(machine, rungs));
     page(&format!("Trunnion ladder: {machine}"), &format!("{head}\n{section}"))
 }
 
 /// What the ladder comes to, in one line.
-fn ladder_verdict(machine: &str, rows: &[LadderRow]) -> String {
-    let Some((first, last)) = rows.first().zip(rows.last()) else { return format!("Machine {machine}") };
-    let effects = if rows.len() == 1 { "one effect".into() } else { format!("{} effects", rows.len()) };
+fn ladder_verdict(machine: &str, ladder: &Ladder) -> String {
+    let ends = ladder.added().next().zip(ladder.added().next_back());
+    let Some(((_, first), (_, last))) = ends else { return format!("Machine {machine}") };
+    let effects = match ladder.added().count() {
+        1 => "one effect".into(),
+        count => format!("{count} effects"),
+    };
     let floor = last.noise_um.map_or(String::new(), |noise| format!(" (repeatability {})", um(noise)));
     format!(
         "Machine {machine}: {effects} took the error from {} to {}{floor}",
-        um(first.fit_before_um),
-        um(last.fit_after_um)
+        um(first.error_before_um),
+        um(last.error_after_um)
     )
 }
 
@@ -96,17 +97,17 @@ fn page(title: &str, sections: &str) -> String {
     )
 }
 
-fn losses(input: &CompareInput) -> String {
+fn losses(input: &Comparison) -> String {
     let outliers = input.identification.outliers;
     let mut notes = input.losses.clone();
     if outliers > 0 {
         notes.push(format!(
-            "{outliers} of {} points lay far from the rest and were set aside; they are in no figure here.",
+            "{outliers} of {} points lay far from the rest and were excluded; they are in no figure here.",
             input.identification.points
         ));
     }
     let list = if notes.is_empty() {
-        "<p>Nothing is missing from the recording, and no point was set aside.</p>".to_owned()
+        "<p>Nothing is missing from the recording, and no point was excluded.</p>".to_owned()
     } else {
         format!(
             "<ul class=\"warn\">{}</ul>",

@@ -2,14 +2,12 @@
 //!
 //! Compensation tables ([`compensation`]) in the formats of the controllers.
 //!
-//! Everything takes plain data ([`CompareInput`]) and returns a string; nothing opens a file or asks a clock. Screens
+//! Everything takes an answer (`trunnion-results`) and returns a string; nothing opens a file or asks a clock. Screens
 //! show mm, µm, degrees and µrad; `residual = measured − predicted` everywhere.
 
 pub mod compensation;
 mod findings;
-mod from_results;
 mod html;
-mod input;
 mod markup;
 
 mod svg;
@@ -21,12 +19,10 @@ mod words;
 
 use trunnion_results::number;
 
-pub use from_results::{ladder_of, points_of};
 pub use html::{compare_html, findings_html, ladder_html, trial_html, volumetric_html};
-pub use input::{CompareInput, LadderRow, Noise, Place, PointView, SetupView, Trial};
 pub use text::{
-    compare_text, diagnosis_text, findings_text, identification_text, ladder_text, location_text,
-    prediction_text, timing_text, trial_text, volumetric_text,
+    axis_errors_text, compare_text, diagnosis_text, findings_text, identification_text, ladder_text,
+    location_text, plan_text, prediction_text, preview_text, timing_text, trial_text, volumetric_text,
 };
 pub use time_quality::duration;
 pub use volumetric::error_map_csv;

@@ -4,6 +4,7 @@
 
 mod bars;
 mod displaced;
+mod element;
 mod heat_map;
 mod lattice;
 mod path_chart;
@@ -19,38 +20,3 @@ pub use path_chart::path_chart;
 pub use polar::{Trace, polar};
 pub use scale::nice_above;
 pub use xy_chart::{Mark, Series, XyChart, xy_chart};
-
-use crate::markup::escape;
-
-/// A figure with an accessible name; `caption` is shown under the drawing.
-fn figure(title: &str, width: f64, height: f64, caption: &str, body: &str) -> String {
-    format!(
-        "<figure><svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{name}\"><title>{name}</title>\n{body}</svg>\
-         <figcaption>{}</figcaption></figure>\n",
-        escape(caption),
-        name = escape(title),
-    )
-}
-
-/// Text at a place; `class` chooses size and anchor.
-fn text(x: f64, y: f64, class: &str, content: &str) -> String {
-    format!("<text x=\"{x:.1}\" y=\"{y:.1}\" class=\"{class}\">{}</text>\n", escape(content))
-}
-
-/// A straight line.
-fn line(from: (f64, f64), to: (f64, f64), class: &str) -> String {
-    format!(
-        "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" class=\"{class}\"/>\n",
-        from.0, from.1, to.0, to.1
-    )
-}
-
-/// A line through points; nothing for fewer than two.
-fn polyline(points: &[(f64, f64)], closed: bool, class: &str) -> String {
-    if points.len() < 2 {
-        return String::new();
-    }
-    let tag = if closed { "polygon" } else { "polyline" };
-    let list: String = points.iter().map(|(x, y)| format!("{x:.1},{y:.1} ")).collect();
-    format!("<{tag} points=\"{}\" class=\"{class}\"/>\n", list.trim_end())
-}

@@ -1,41 +1,45 @@
 //! Tables for the terminal: aligned columns, no colours, no line drawing beyond plain bars.
 
+mod axis_errors;
 mod findings;
 mod ladder;
+mod plan;
 mod prediction;
+mod table;
 mod timing;
 mod volumetric;
 
+pub use axis_errors::axis_errors_text;
 pub use findings::findings_text;
 pub use ladder::ladder_text;
+pub use plan::{plan_text, preview_text};
 pub use prediction::prediction_text;
 pub use timing::timing_text;
 pub use volumetric::{location_text, volumetric_text};
 
-use crate::number::{percent, percent_or_dash, plain, um, um_or_dash, unit_on_screen, value_and_u};
+use crate::number::{percent, percent_or_dash, um, um_or_dash, value_and_u};
 use crate::views::cuts;
 use crate::words::{
     NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, formula_shape,
-    formula_site, headline, planned_words, repeatability, trial_verdict, verdict,
+    formula_site, headline, left_out, noise_origin, planned_words, repeatability, trial_verdict, verdict,
 };
-use crate::{CompareInput, Noise, Trial};
 use std::iter::once;
-use trunnion_engine::compare::Place;
-use trunnion_results::{Candidate, Diagnosis, FormulaProposal, Identification, Moved, Parameter};
+use table::{bar, clean, columns, moved_table, paragraph};
+use trunnion_results::{
+    Candidate, Comparison, Diagnosis, FormulaProposal, Identification, LeftOut, Moved, Parameter, Place,
+    Trial,
+};
 
-/// Longest bar, characters.
-const BAR: f64 = 30.0;
-
-/// Fit, parameters with uncertainty, and what cannot be told apart.
+/// Fit, parameters with uncertainty, and what is confounded or not observable.
 pub fn identification_text(view: &Identification) -> String {
     let mut out = format!("Machine {}, runs: {}\n", clean(&view.machine), clean(&view.runs.join(", ")));
     out += &format!("Model: {}\n\n", clean(&view.effects.join(" + ")));
     out += &columns(
         &[
-            vec!["points".into(), format!("{} ({} set aside)", view.points, view.outliers)],
-            vec!["error left".into(), format!("{} rms", um(view.rms_um))],
-            vec!["repeatability".into(), noise(&Noise::of(view))],
-            vec!["held-out".into(), um_or_dash(view.holdout_rms_um)],
+            vec!["points".into(), format!("{} ({} excluded)", view.points, view.outliers)],
+            vec!["residual".into(), format!("{} rms", um(view.rms_um))],
+            vec!["repeatability".into(), noise(view)],
+            vec!["held-out".into(), held_out(view.holdout_rms_um, view.holdout_unit)],
         ],
         &[],
     );
@@ -49,7 +53,7 @@ pub fn identification_text(view: &Identification) -> String {
         }
     }
     if !view.unobservable.is_empty() {
-        out += "\nWhat these readings cannot tell apart\n";
+        out += "\nWhat these readings leave confounded\n";
         for row in &view.unobservable {
             out += &format!("  {}: {}\n", clean(&row.direction), clean(&row.why));
         }
@@ -58,12 +62,12 @@ pub fn identification_text(view: &Identification) -> String {
 }
 
 /// What is wrong, where the model fails most, and the residual by component, axis position, direction, setup and time.
-pub fn compare_text(input: &CompareInput) -> String {
+pub fn compare_text(input: &Comparison) -> String {
     let mut out = format!("{}\n", clean(&headline(input)));
     out += &paragraph(&verdict(input).join(" "));
     out += "\nWhere the model fails most\n";
     out += &places(&input.places);
-    let cuts = cuts(input);
+    let cuts = cuts(&input.residuals);
     let groups = cuts.iter().flat_map(|(_, groups)| groups);
     let largest = groups.map(|group| group.rms_um).filter(|r| r.is_finite()).fold(0.0, f64::max);
     let mut rows = vec![["residual by", "", "readings", "rms", ""].map(String::from).to_vec()];
@@ -79,7 +83,7 @@ pub fn compare_text(input: &CompareInput) -> String {
     for loss in &input.losses {
         out += &format!("\nData loss: {}\n", clean(loss));
     }
-    out += &timing_text(&input.timing);
+    out += &timing_text(&input.time_quality);
     out
 }
 
@@ -90,28 +94,30 @@ pub fn trial_text(trial: &Trial) -> String {
         out += &format!("  {}\n", clean(&trial.expression));
     }
     out += &paragraph(&trial_verdict(trial));
-    let largest = trial.fit_um.into_iter().chain(trial.holdout_um.into_iter().flatten()).fold(0.0, f64::max);
+    let (rms, held_out) = (trial.rms_um, trial.holdout_rms_um);
+    let figures = [rms.before, rms.after, held_out.before, held_out.after];
+    let largest = figures.into_iter().flatten().fold(0.0, f64::max);
     let row = |name: &str, value: Option<f64>| {
         vec![name.into(), um_or_dash(value), value.map_or(String::new(), |value| bar(value, largest))]
     };
     out += "\n";
     out += &columns(
         &[
-            row("fit before", Some(trial.fit_um[0])),
-            row("fit after", Some(trial.fit_um[1])),
-            row("held-out before", trial.holdout_um[0]),
-            row("held-out after", trial.holdout_um[1]),
-            row("repeatability", trial.noise.rms_um),
+            row("fit before", rms.before),
+            row("fit after", rms.after),
+            row("held-out before", held_out.before),
+            row("held-out after", held_out.after),
+            row("repeatability", trial.noise_um),
         ],
         &[1],
     );
-    for (when, list) in [("before", &trial.places[0]), ("after", &trial.places[1])] {
+    for (when, list) in [("before", &trial.places.before), ("after", &trial.places.after)] {
         out += &format!("\nWhere the model fails most, {when}\n");
         out += &places(list);
     }
     out += "\n";
     out += &parameters(&trial.parameters);
-    let moved: Vec<Moved> = trial.moved.iter().filter(|m| m.in_u() > 2.0).cloned().collect();
+    let moved: Vec<Moved> = trial.moved.iter().flatten().filter(|m| m.in_u() > 2.0).cloned().collect();
     if moved.is_empty() {
         out += "\nNo other parameter moves by more than 2 u.\n";
     } else {
@@ -123,18 +129,20 @@ pub fn trial_text(trial: &Trial) -> String {
 
 /// Verdict, candidates, formula and what to measure next.
 pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
-    let input = CompareInput { diagnosis: Some(diagnosis.clone()), ..CompareInput::default() };
+    let input = Comparison { diagnosis: Some(diagnosis.clone()), ..Comparison::default() };
     let residual = &diagnosis.residual;
     let mut out = format!("{}\n", clean(&headline(&input)));
     out += &format!(
-        "{} rms left ({}); what was found explains {} of the mean square.\n",
+        "{} rms left ({}); held-out error {}; what was found explains {} of the mean square.\n",
         um(residual.rms_um),
         repeatability(residual.noise_um),
+        held_out(residual.holdout_rms_um, residual.holdout_unit),
         percent_or_dash(residual.unexplained_fraction)
     );
     if !diagnosis.candidates.is_empty() {
         out += "\n";
-        let head = ["candidate", "evidence", "error after", "held-out", "explains", "enough", "alike here"];
+        let head =
+            ["candidate", "evidence", "error after", "held-out", "explains", "adequate", "confounded with"];
         let rows = diagnosis.candidates.iter().map(|c| {
             vec![
                 c.effect.clone(),
@@ -180,7 +188,7 @@ fn formula(formula: &FormulaProposal) -> String {
         + &format!("  {}\n{}", clean(&formula.expression), numbers)
         + &paragraph(&format!(
             "It is a {}; it leaves {} and explains {}. {}.",
-            formula.lives,
+            formula.location,
             um(formula.rms_um_after),
             percent(formula.explains_fraction),
             evidence_words(formula.evidence)
@@ -199,7 +207,7 @@ fn best_candidate(best: &Candidate) -> String {
     }
     if !best.confused_with.is_empty() {
         out += &paragraph(&format!(
-            "Cannot well be told from {}. To separate them: {}",
+            "Confounded with {}. To separate them: {}",
             best.confused_with.join(", "),
             best.separate_by
         ));
@@ -216,72 +224,21 @@ fn parameters(rows: &[Parameter]) -> String {
     columns(&once(head).chain(rows).collect::<Vec<_>>(), &[1, 2])
 }
 
-/// Parameters that moved, most moved first.
-fn moved_table(moved: &[Moved]) -> String {
-    let mut rows = vec![["parameter", "before", "after", "", "moved by"].map(String::from).to_vec()];
-    rows.extend(moved.iter().map(|m| {
-        vec![
-            m.name.clone(),
-            plain(m.before),
-            plain(m.after),
-            unit_on_screen(&m.unit),
-            format!("{:.1} u", m.in_u()),
-        ]
-    }));
-    columns(&rows, &[1, 2, 4])
-}
-
 fn places(places: &[Place]) -> String {
     if places.is_empty() {
         return format!("  {NO_PLACE}\n");
     }
     let line = |(i, place): (usize, &Place)| {
-        format!("  {}. {}; {} of the error left\n", i + 1, clean(&place.to_string()), percent(place.share))
+        format!("  {}. {}; {} of the residual\n", i + 1, clean(&place.words), percent(place.share))
     };
     places.iter().enumerate().map(line).collect()
 }
 
-fn noise(noise: &Noise) -> String {
-    match noise.rms_um {
-        Some(rms_um) => format!("{} ({})", um(rms_um), clean(&noise.origin)),
-        None => clean(&noise.origin),
-    }
+fn held_out(rms_um: Option<f64>, unit: Option<LeftOut>) -> String {
+    format!("{} ({})", um_or_dash(rms_um), left_out(unit))
 }
 
-fn bar(value: f64, largest: f64) -> String {
-    let share = value / largest;
-    if share.is_finite() { "#".repeat((share * BAR).round().clamp(0.0, BAR) as usize) } else { String::new() }
-}
-
-/// One indented line; the terminal wraps it.
-fn paragraph(text: &str) -> String {
-    match clean(text).split_whitespace().collect::<Vec<_>>().join(" ") {
-        line if line.is_empty() => line,
-        line => format!("  {line}\n"),
-    }
-}
-
-/// Columns two blanks apart; those in `right` are aligned right.
-fn columns(rows: &[Vec<String>], right: &[usize]) -> String {
-    let rows: Vec<Vec<String>> =
-        rows.iter().map(|row| row.iter().map(|cell| clean(cell)).collect()).collect();
-    let count = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width =
-        |j: usize| rows.iter().filter_map(|row| row.get(j)).map(|c| c.chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..count).map(width).collect();
-    let mut out = String::new();
-    for row in &rows {
-        let cells = row.iter().enumerate().map(|(j, cell)| match right.contains(&j) {
-            true => format!("{cell:>width$}", width = widths[j]),
-            false => format!("{cell:<width$}", width = widths[j]),
-        });
-        out += cells.collect::<Vec<_>>().join("  ").trim_end();
-        out.push('\n');
-    }
-    out
-}
-
-/// One line without control characters: a name cannot move the cursor or colour the terminal.
-fn clean(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+fn noise(fit: &Identification) -> String {
+    let origin = clean(&noise_origin(fit));
+    fit.noise_um.map_or(origin.clone(), |rms_um| format!("{} ({origin})", um(rms_um)))
 }

@@ -1,7 +1,7 @@
 //! How well the samples of a run are known in time, as tables for page and terminal.
 
 use crate::number::{MISSING, minus, plain};
-use trunnion_results::{Gesture, GestureChannel, Stream, TimeQuality};
+use trunnion_results::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
 
 /// Head of the table of streams.
 pub const HEAD: [&str; 9] = [
@@ -21,7 +21,7 @@ pub const NUMERIC: [usize; 7] = [1, 2, 3, 4, 5, 7, 8];
 /// What the columns mean.
 pub const ABOUT: &str = "Jitter of arrival: the error of a sample stamped when its bytes came. After the line: what the line through \
      the earliest arrivals of the whole run does not follow. Later than the axes: delay with standard uncertainty from the sync \
-     gestures, taken out of the times.";
+     sync_moves, taken out of the times.";
 
 /// The streams of a run, a row each.
 pub fn rows(quality: &TimeQuality) -> Vec<Vec<String>> {
@@ -60,30 +60,31 @@ pub fn sentences(quality: &TimeQuality) -> Vec<String> {
     let held = quality.streams.iter().filter(|stream| stream.held > 0).map(|stream| {
         format!("{}: {} readings said only that nothing had changed.", stream.name, stream.held)
     });
-    let anew = quality.streams.iter().filter(|stream| stream.lines > 1).map(|stream| {
+    let again = quality.streams.iter().filter(|stream| stream.lines > 1).map(|stream| {
         format!("{}: {} lines for its clock (new connections or jumps).", stream.name, stream.lines)
     });
     skewed
         .chain(held)
-        .chain(anew)
-        .chain(quality.gestures.iter().map(gesture))
+        .chain(again)
+        .chain(quality.sync_moves.iter().map(sync_move))
         .chain(quality.notes.iter().cloned())
         .collect()
 }
 
-fn gesture(gesture: &Gesture) -> String {
-    let seen = match gesture.channels.as_slice() {
+fn sync_move(sync_move: &SyncMove) -> String {
+    let seen = match sync_move.channels.as_slice() {
         [] => "no probe saw it".into(),
         seen => {
-            let of = |seen: &GestureChannel| format!("{} (u {})", duration(seen.delay_s), duration(seen.u_s));
+            let of =
+                |seen: &SyncMoveChannel| format!("{} (u {})", duration(seen.delay_s), duration(seen.u_s));
             format!("readings later by {}", seen.iter().map(of).collect::<Vec<_>>().join(", "))
         }
     };
     format!(
-        "Sync gesture at {} s: strokes of {} over {} mm; {seen}.",
-        plain(gesture.time_s),
-        gesture.axis,
-        plain(gesture.stroke_mm)
+        "Synchronisation move at {} s: strokes of {} over {} mm; {seen}.",
+        plain(sync_move.time_s),
+        sync_move.axis,
+        plain(sync_move.stroke_mm)
     )
 }
 

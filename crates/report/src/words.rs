@@ -1,17 +1,16 @@
 //! What a comparison and a trial come to, in sentences: shared by page and terminal. Each thing is said once.
 
 use crate::number::{percent, um, um_or_dash};
-use crate::{CompareInput, Trial};
-use trunnion_results::{Candidate, Diagnosis, FormulaProposal, Verdict};
+use trunnion_results::{Candidate, Comparison, Diagnosis, FormulaProposal, Then, Trial, Verdict};
 
 pub use trunnion_results::sentences::*;
 
 /// The answer in one line.
-pub fn headline(input: &CompareInput) -> String {
+pub fn headline(input: &Comparison) -> String {
     let rms_um = input.identification.rms_um;
     let left = um(rms_um);
     let Some(diagnosis) = &input.diagnosis else {
-        return match input.noise.rms_um {
+        return match input.identification.noise_um {
             Some(noise_um) if rms_um > 1.25 * noise_um => {
                 format!(
                     "Something is missing from the model: {left} rms left, repeatability {}",
@@ -25,58 +24,66 @@ pub fn headline(input: &CompareInput) -> String {
         };
     };
     match (diagnosis.verdict, diagnosis.candidates.first()) {
-        (Verdict::NoiseFloor, _) if input.ladder.is_empty() => {
+        (Verdict::NoiseFloor, _) if input.ladder.added().next().is_none() => {
             "No effect is missing that these data can show".into()
         }
         (Verdict::NoiseFloor, _) => "The model now explains this machine down to the noise".into(),
         (Verdict::MissingEffect, Some(best)) => {
             format!("Missing from the model: {}", effect_name(&best.effect))
         }
+        (Verdict::Undecided, _) => "These data cannot say whether an effect is missing".into(),
         _ => "Something that the catalogue has no name for is missing from the model".into(),
     }
 }
 
 /// What is wrong with the machine, for somebody who knows nothing of this program: sentences of one paragraph.
-pub fn verdict(input: &CompareInput) -> Vec<String> {
+pub fn verdict(input: &Comparison) -> Vec<String> {
     let mut sentences = Vec::new();
     if let Some(diagnosis) = &input.diagnosis {
         match (diagnosis.verdict, diagnosis.candidates.first(), &diagnosis.formula) {
             (Verdict::NoiseFloor, ..) => sentences.extend(nothing_left(input, diagnosis)),
             (Verdict::MissingEffect, Some(best), _) => sentences.extend(named(diagnosis, best)),
+            (Verdict::Undecided, ..) => sentences.extend(undecided(diagnosis)),
             (_, _, formula) => {
                 sentences.push(format!(
                     "The readings differ from what the model predicts by {} rms ({}): \
-                     part of this is no chance, and no effect of the catalogue describes it.",
+                     part of this is significant, and no effect of the catalogue describes it.",
                     um(diagnosis.residual.rms_um),
                     repeatability(diagnosis.residual.noise_um)
                 ));
-                if let Some(formula) = formula {
-                    sentences.push(unnamed(diagnosis, formula));
+                match formula {
+                    Some(formula) => sentences.push(unnamed(diagnosis, formula)),
+                    None => sentences.extend(Some(diagnosis.why.clone()).filter(|why| !why.is_empty())),
                 }
             }
         }
     }
-    let besides = if sentences.is_empty() { "" } else { "Besides, " };
-    sentences.extend(location_sentence(&input.identification.parameters, besides));
+    let lead = if sentences.is_empty() { "" } else { "In addition, " };
+    sentences.extend(location_sentence(&input.identification.parameters, lead));
     sentences
 }
 
-fn nothing_left(input: &CompareInput, diagnosis: &Diagnosis) -> Vec<String> {
+fn undecided(diagnosis: &Diagnosis) -> Vec<String> {
+    let next = diagnosis.next_cycle.as_ref().map(|next| next.suggestion.clone());
+    [Some(diagnosis.why.clone()), next].into_iter().flatten().filter(|text| !text.is_empty()).collect()
+}
+
+fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
     let mut sentences = Vec::new();
-    if let Some(first) = input.ladder.first() {
-        sentences.push(match input.ladder.len() {
+    let added = input.ladder.added().count();
+    if let Some((_, first)) = input.ladder.added().next() {
+        sentences.push(match added {
             1 => "One effect was found and put into the model.".into(),
             n => format!("{n} effects were found and put into the model."),
         });
-        for row in &input.ladder {
-            let explanation = about(&row.effect).map_or("", |about| about.explanation);
-            sentences
-                .push(format!("{}: {explanation}", effect_name(&row.effect)).trim_end_matches(": ").into());
+        for (effect, _) in input.ladder.added() {
+            let explanation = about(effect).map_or("", |about| about.explanation);
+            sentences.push(format!("{}: {explanation}", effect_name(effect)).trim_end_matches(": ").into());
         }
         sentences.push(format!(
-            "With {} the error left falls from {} to {} rms.",
-            if input.ladder.len() == 1 { "it" } else { "them" },
-            um(first.fit_before_um),
+            "With {} the residual falls from {} to {} rms.",
+            if added == 1 { "it" } else { "them" },
+            um(first.error_before_um),
             um(input.identification.rms_um)
         ));
     }
@@ -85,6 +92,10 @@ fn nothing_left(input: &CompareInput, diagnosis: &Diagnosis) -> Vec<String> {
         um(diagnosis.residual.rms_um),
         repeatability(diagnosis.residual.noise_um)
     ));
+    if let Some(noticeable_um) = diagnosis.noticeable_um {
+        sentences
+            .push(format!("A usual effect of {} rms or more would have been noticed.", um(noticeable_um)));
+    }
     sentences
 }
 
@@ -95,7 +106,7 @@ fn named(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
         sentences.push(format!("Likely cause: {}", about.cause));
     }
     sentences.push(format!(
-        "With this effect in the model the error left falls from {} to {} rms ({}).",
+        "With this effect in the model the residual falls from {} to {} rms ({}).",
         um(diagnosis.residual.rms_um),
         um(best.rms_um_after),
         repeatability(diagnosis.residual.noise_um)
@@ -105,7 +116,8 @@ fn named(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
             "Nothing structured remains after it, and nothing else explains these data as well.".into()
         }
         (true, false) => {
-            "Nothing structured remains after it, but other causes look alike in these data.".into()
+            "Nothing structured remains after it, but other causes are confounded with it in these data."
+                .into()
         }
         (false, _) => "It does not explain everything: a part remains.".to_string(),
     });
@@ -123,7 +135,7 @@ fn unnamed(diagnosis: &Diagnosis, formula: &FormulaProposal) -> String {
     });
     format!(
         "It looks like a {}. An expression for it takes {} of it away and leaves {} rms, {part}.{resembles}",
-        formula.lives,
+        formula.location,
         percent(formula.explains_fraction),
         um(formula.rms_um_after)
     )
@@ -131,10 +143,10 @@ fn unnamed(diagnosis: &Diagnosis, formula: &FormulaProposal) -> String {
 
 /// How the readings judge a trial, on data that took no part in the fit.
 pub fn trial_verdict(trial: &Trial) -> String {
-    let [before, after] = trial.fit_um;
-    let fit = format!("The error left goes from {} to {} rms", um(before), um(after));
+    let rms = trial.rms_um;
+    let fit = format!("The residual goes from {} to {} rms", um_or_dash(rms.before), um_or_dash(rms.after));
     let then = trial.then.as_ref().map_or(String::new(), |then| format!(" {}", then_sentence(then)));
-    let [Some(out_before), Some(out_after)] = trial.holdout_um else {
+    let Some((out_before, out_after)) = trial.holdout_rms_um.before.zip(trial.holdout_rms_um.after) else {
         return format!(
             "{fit}; there is no pass to leave out, so nothing proves that it predicts anything.{then}"
         );
@@ -146,19 +158,20 @@ pub fn trial_verdict(trial: &Trial) -> String {
         ratio if ratio <= 1.01 => "It does not help: what it has not seen it predicts no better.",
         _ => "It harms: what it has not seen it predicts worse.",
     };
-    format!("{fit}, {out} (repeatability {}). {word}{then}", um_or_dash(trial.noise.rms_um))
+    format!("{fit}, {out} (repeatability {}). {word}{then}", um_or_dash(trial.noise_um))
 }
 
 /// Said where no place can be blamed: nothing is left, or it is spread over everything.
 pub const NO_PLACE: &str = "No place stands out from the others.";
 
 /// What is missing after a trial.
-fn then_sentence(then: &Diagnosis) -> String {
-    match (then.verdict, then.candidates.first()) {
+fn then_sentence(then: &Then) -> String {
+    match (then.verdict, &then.candidate) {
         (Verdict::NoiseFloor, _) => "Nothing structured remains after it.".into(),
         (Verdict::MissingEffect, Some(next)) => {
-            format!("After it the model still misses something, first of all {}.", effect_name(&next.effect))
+            format!("After it the model still misses something, first of all {}.", effect_name(next))
         }
+        (Verdict::Undecided, _) => format!("What remains these data cannot judge. {}", then.why),
         _ => "After it something remains that the catalogue has no name for.".into(),
     }
 }

@@ -1,12 +1,18 @@
 //! Where a model fails, and what one more effect would do.
 
 use crate::diagnosis::{Diagnosis, Verdict};
-use crate::identification::Identification;
-use crate::ladder::Moved;
+use crate::identification::{Identification, Parameter};
+use crate::ladder::{Ladder, Moved};
+use crate::residuals::Residuals;
 use crate::time_quality::TimeQuality;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trunnion_engine::compare;
+use trunnion_effects::ModelEffect;
+use trunnion_engine as engine;
+use trunnion_engine::Experiment;
+use trunnion_engine::compare::places;
+
+pub use trunnion_engine::compare::{AxisRange, Place, Region};
 
 /// `trunnion-comparison/1`: the residual of a fit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -19,8 +25,16 @@ pub struct Comparison {
     pub places: Vec<Place>,
     /// The fit.
     pub identification: Identification,
-    /// What is missing from the model.
-    pub diagnosis: Diagnosis,
+    /// What is missing from the model, when that was asked.
+    pub diagnosis: Option<Diagnosis>,
+    /// The effects of the model, with what adding each did.
+    pub ladder: Ladder,
+    /// The best candidate put in for a trial.
+    pub trial: Option<Trial>,
+    /// What is missing from the recordings, one sentence each.
+    pub losses: Vec<String>,
+    /// Measured and predicted readings.
+    pub residuals: Residuals,
     /// The page that was written.
     pub html: Option<String>,
 }
@@ -41,6 +55,10 @@ pub struct Trial {
     pub format: TrialFormat,
     /// Effect id.
     pub effect: String,
+    /// `dz at axis:B: k*sin(2*B)` for a formula; empty otherwise.
+    pub expression: String,
+    /// Ids of the effects of the model without it.
+    pub model: Vec<String>,
     /// Residual of the fit, µm rms.
     pub rms_um: BeforeAfter,
     /// Held-out error, µm rms.
@@ -51,10 +69,14 @@ pub struct Trial {
     pub then: Option<Then>,
     /// Where the model fails most.
     pub places: PlacesBeforeAfter,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
     /// Parameters of the other effects that moved.
     pub moved: Option<Vec<Moved>>,
     /// The fit with the effect.
     pub identification: Identification,
+    /// Measured and predicted readings.
+    pub residuals: ResidualsBeforeAfter,
     /// The page that was written.
     pub html: Option<String>,
 }
@@ -86,6 +108,15 @@ pub struct PlacesBeforeAfter {
     pub after: Vec<Place>,
 }
 
+/// Readings as predicted without and with the effect.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ResidualsBeforeAfter {
+    /// Without it.
+    pub before: Residuals,
+    /// With it.
+    pub after: Residuals,
+}
+
 /// A diagnosis in short.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Then {
@@ -93,31 +124,75 @@ pub struct Then {
     pub verdict: Verdict,
     /// The first candidate.
     pub candidate: Option<String>,
+    /// Why, where nothing is claimed.
+    #[serde(default)]
+    pub why: String,
 }
 
-/// One place where a model fails.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Place {
-    /// The place in words.
-    pub words: String,
-    /// `X`, `Y`, `Z` in machine axes, `table X`, … in the axes of the turned table, `bar length`.
-    pub component: String,
-    /// Ranges of the axes that matter; empty when it is everywhere.
-    pub ranges: Vec<String>,
-    /// Directions of travel; empty when they are not known.
-    pub direction: String,
-    /// The setups; empty when there is only one.
-    pub setup: String,
-    /// The time; empty when it does not matter.
-    pub time: String,
-    /// Mean of measured − predicted, µm; with `turns_with` the mean with that axis going forward.
-    pub mean_um: f64,
-    /// The axis whose direction of travel turns the sign over.
-    pub turns_with: Option<String>,
-    /// Scalar readings in it.
-    pub readings: usize,
-    /// Share of the residual's sum of squares that its mean explains, 0…1.
-    pub share: f64,
+impl Comparison {
+    /// The comparison of a fit. Ladder, trial, losses and time quality are the caller's to fill in.
+    pub fn new(experiment: &Experiment, fit: &engine::Identification, diagnosis: Option<Diagnosis>) -> Self {
+        // Where the diagnosis finds nothing but noise, no place is blamed.
+        let silent = diagnosis.as_ref().is_some_and(|d| d.verdict == Verdict::NoiseFloor);
+        Self {
+            places: if silent { Vec::new() } else { worst_places(experiment, fit) },
+            identification: fit.into(),
+            diagnosis,
+            residuals: residuals(experiment, fit),
+            ..Self::default()
+        }
+    }
+}
+
+impl Trial {
+    /// The fits without and with `entry`, which carries the ladder row of all that was added, `added` entry by entry; `then` is
+    /// the diagnosis of the model with it.
+    pub fn new(
+        experiment: &Experiment,
+        entry: &ModelEffect,
+        added: &[ModelEffect],
+        [before, after]: [&engine::Identification; 2],
+        then: Option<&Diagnosis>,
+    ) -> Self {
+        let silent = then.is_some_and(|then| then.verdict == Verdict::NoiseFloor);
+        let components: Vec<&str> = added.iter().filter_map(|entry| entry.component.as_deref()).collect();
+        let expression = match (&entry.site, &entry.expression) {
+            (Some(site), Some(expression)) => format!("{} at {site}: {expression}", components.join(", ")),
+            _ => String::new(),
+        };
+        let [without, with] = [before, after].map(Identification::from);
+        let is_new = |p: &&Parameter| added.iter().any(|entry| entry.id == p.effect);
+        Self {
+            format: TrialFormat::V1,
+            effect: entry.id.clone(),
+            expression,
+            model: without.effects,
+            rms_um: BeforeAfter { before: Some(without.rms_um), after: Some(with.rms_um) },
+            holdout_rms_um: BeforeAfter { before: without.holdout_rms_um, after: with.holdout_rms_um },
+            noise_um: with.noise_um,
+            then: then.map(Then::from),
+            places: PlacesBeforeAfter {
+                before: worst_places(experiment, before),
+                after: if silent { Vec::new() } else { worst_places(experiment, after) },
+            },
+            parameters: with.parameters.iter().filter(is_new).cloned().collect(),
+            moved: Some(entry.ladder.as_ref().map_or_else(Vec::new, |row| row.moved.clone())),
+            residuals: ResidualsBeforeAfter {
+                before: residuals(experiment, before),
+                after: residuals(experiment, after),
+            },
+            identification: with,
+            html: None,
+        }
+    }
+}
+
+fn worst_places(experiment: &Experiment, fit: &engine::Identification) -> Vec<Place> {
+    places(experiment, &fit.residual_mm, &fit.used)
+}
+
+fn residuals(experiment: &Experiment, fit: &engine::Identification) -> Residuals {
+    Residuals::new(experiment, &fit.predicted_mm, &fit.used)
 }
 
 impl From<&Diagnosis> for Then {
@@ -125,23 +200,7 @@ impl From<&Diagnosis> for Then {
         Self {
             verdict: diagnosis.verdict,
             candidate: diagnosis.candidates.first().map(|candidate| candidate.effect.clone()),
-        }
-    }
-}
-
-impl From<&compare::Place> for Place {
-    fn from(place: &compare::Place) -> Self {
-        Self {
-            words: place.to_string(),
-            component: place.component.clone(),
-            ranges: place.ranges.clone(),
-            direction: place.direction.clone(),
-            setup: place.setup.clone(),
-            time: place.time.clone(),
-            mean_um: place.mean_um,
-            turns_with: place.turns_with.clone(),
-            readings: place.readings,
-            share: place.share,
+            why: diagnosis.why.clone(),
         }
     }
 }

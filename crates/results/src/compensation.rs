@@ -1,9 +1,9 @@
 //! What a file of compensation tables holds.
 
-use crate::volumetric::LeftOutEffect;
+use crate::axis_errors::AxisErrors;
+use crate::left_out::LeftOutEffect;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trunnion_methods::AxisErrors;
 
 /// `trunnion-compensation-summary/1`: what was written for the control, and what is not in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -45,6 +45,16 @@ pub enum CompensationValues {
     Correction,
 }
 
+impl CompensationValues {
+    /// What an error is multiplied by to become such a value.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Error => 1.0,
+            Self::Correction => -1.0,
+        }
+    }
+}
+
 /// The table of one axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CompensationAxis {
@@ -65,12 +75,12 @@ impl CompensationSummary {
             runs: errors.runs.clone(),
             values,
             holds: errors.effects.clone(),
-            left_out: errors.left_out.iter().map(LeftOutEffect::from).collect(),
+            left_out: errors.left_out.clone(),
             axes: errors
                 .axes
                 .iter()
                 .map(|table| CompensationAxis {
-                    axis: table.axis.to_string(),
+                    axis: table.axis.clone(),
                     rows: table.positions.len(),
                     whole_turn: table.whole_turn,
                 })

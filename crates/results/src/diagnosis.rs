@@ -18,6 +18,19 @@ pub struct Diagnosis {
     pub residual: Residual,
     /// The answer in one word.
     pub verdict: Verdict,
+    /// Why these data cannot say, of an `undecided`; else empty.
+    #[serde(default)]
+    pub why: String,
+    /// What the noise learned from these readings consists of.
+    #[serde(default)]
+    pub noise: LearnedNoise,
+    /// Size of a usual effect that would almost always have been noticed, µm rms of what the model leaves of it; null where no
+    /// effect is visible.
+    #[serde(default)]
+    pub noticeable_um: Option<f64>,
+    /// Effects that have something to say for them, but not enough to be named.
+    #[serde(default)]
+    pub undecided: Vec<OpenEffect>,
     /// Candidates, best first; empty when nothing is claimed.
     pub candidates: Vec<Candidate>,
     /// Ids of the effects that together explain the residual.
@@ -66,13 +79,54 @@ pub enum Verdict {
     MissingEffect,
     /// The residual has structure that no effect of the catalogue explains as well as an expression does.
     UnnamedStructure,
-    /// Nothing above the noise.
+    /// Nothing above the noise: repeats show the repeatability, and the residual is no larger than they allow.
     NoiseFloor,
-    /// These data cannot say.
+    /// These data cannot say; `why` says what is missing.
     Undecided,
     /// The run is not whole or not plausible.
     #[default]
     NotJudged,
+}
+
+/// An effect that these data neither show nor exclude.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OpenEffect {
+    /// Effect id.
+    pub effect: String,
+    /// log₁₀ of the Bayes factor against noise only, before any prior.
+    pub evidence: f64,
+}
+
+/// What the noise learned from the readings of a run consists of, µm rms per component.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LearnedNoise {
+    /// What differs from reading to reading.
+    pub white_um: f64,
+    /// Offsets from pass to pass, and of mountings.
+    pub passes_um: f64,
+    /// Scatter when an axis is positioned again.
+    pub stations_um: f64,
+    /// Slow wandering.
+    pub drift_um: f64,
+    /// A pattern over the poses that comes back.
+    pub pattern_um: f64,
+}
+
+/// How an effect repeats along an axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Period {
+    /// Period, or cycles a turn.
+    pub value: f64,
+    /// `mm` or `per turn`.
+    pub unit: String,
+    /// Standard uncertainty.
+    pub u: f64,
+    /// The known part of the machine that repeats so, e.g. `lead/4`; null when none does.
+    pub is: Option<String>,
+    /// Amplitude, µm of a shift or µrad of a turn, where one motion waves.
+    pub amplitude: Option<f64>,
+    /// What gives the same readings on this even grid of positions; null where positions are uneven.
+    pub alias: Option<f64>,
 }
 
 /// One effect that would explain part of the residual.
@@ -96,6 +150,9 @@ pub struct Candidate {
     pub separate_by: String,
     /// True when nothing structured remains with it alone.
     pub adequate: bool,
+    /// The period, where the effect waves along an axis.
+    #[serde(default)]
+    pub period: Option<Period>,
     /// What it is and what speaks for it.
     pub why: String,
 }
@@ -127,7 +184,8 @@ pub struct FormulaProposal {
     /// Share of the explainable mean square that it explains, 0…1.
     pub explains_fraction: f64,
     /// What it does, and where, in words.
-    pub lives: String,
+    #[serde(alias = "lives")]
+    pub location: String,
     /// The effect of the catalogue it resembles most.
     pub resembles: Option<String>,
 }
@@ -201,6 +259,7 @@ impl From<engine::Verdict> for Verdict {
             engine::Verdict::MissingEffect => Self::MissingEffect,
             engine::Verdict::UnnamedStructure => Self::UnnamedStructure,
             engine::Verdict::NoiseFloor => Self::NoiseFloor,
+            engine::Verdict::Undecided => Self::Undecided,
         }
     }
 }
@@ -218,6 +277,20 @@ impl From<&engine::Diagnosis> for Diagnosis {
                 unexplained_fraction: finite(diagnosis.residual.unexplained_fraction),
             },
             verdict: diagnosis.verdict.into(),
+            why: diagnosis.why.clone(),
+            noise: LearnedNoise {
+                white_um: diagnosis.noise.white_um,
+                passes_um: diagnosis.noise.passes_um,
+                stations_um: diagnosis.noise.stations_um,
+                drift_um: diagnosis.noise.drift_um,
+                pattern_um: diagnosis.noise.pattern_um,
+            },
+            noticeable_um: diagnosis.noticeable_um.and_then(finite),
+            undecided: diagnosis
+                .undecided
+                .iter()
+                .map(|open| OpenEffect { effect: open.effect.clone(), evidence: open.evidence })
+                .collect(),
             candidates: diagnosis.candidates.iter().map(Candidate::from).collect(),
             set: diagnosis.set.iter().map(|entry| entry.id.clone()).collect(),
             formula: diagnosis.formula.as_ref().map(FormulaProposal::from),
@@ -249,7 +322,21 @@ impl From<&engine::Candidate> for Candidate {
             confused_with: candidate.confused_with.clone(),
             separate_by: candidate.separate_by.clone(),
             adequate: candidate.adequate,
+            period: candidate.period.as_ref().map(Period::from),
             why: candidate.why.clone(),
+        }
+    }
+}
+
+impl From<&engine::spectrum::Wave> for Period {
+    fn from(wave: &engine::spectrum::Wave) -> Self {
+        Self {
+            value: wave.value,
+            unit: wave.unit.into(),
+            u: wave.u,
+            is: wave.is.clone(),
+            amplitude: wave.amplitude.and_then(finite),
+            alias: wave.alias.and_then(finite),
         }
     }
 }
@@ -273,7 +360,7 @@ impl From<&engine::FormulaProposal> for FormulaProposal {
             rms_um_after: formula.rms_um_after,
             holdout_rms_um_after: formula.holdout_rms_um_after.and_then(finite),
             explains_fraction: formula.explains_fraction,
-            lives: formula.lives.clone(),
+            location: formula.lives.clone(),
             resembles: formula.resembles.clone(),
         }
     }

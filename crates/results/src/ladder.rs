@@ -5,6 +5,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_effects as effects;
 
+pub use trunnion_effects::{LadderRow, Moved};
+
 /// `trunnion-ladder/1`: every effect of a model, with what adding it did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Ladder {
@@ -30,45 +32,6 @@ pub struct LadderEntry {
     pub effect: String,
     /// What adding it did; null for the effects of every model and for one written by hand.
     pub ladder: Option<LadderRow>,
-}
-
-/// What adding an effect did to the error; before and after are of the same data.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct LadderRow {
-    /// Day, `YYYY-MM-DD`; may be empty.
-    pub date: String,
-    /// Runs it was fitted to; may be empty.
-    pub run: String,
-    /// Residual of the fit before, µm rms.
-    pub error_before_um: f64,
-    /// Residual of the fit after, µm rms.
-    pub error_after_um: f64,
-    /// Held-out error before, µm rms.
-    pub holdout_before_um: Option<f64>,
-    /// Held-out error after, µm rms.
-    pub holdout_after_um: Option<f64>,
-    /// The unit that was left out in turn: `run`, `setup`, `pass` or `block`.
-    #[serde(default)]
-    pub holdout_unit: Option<String>,
-    /// Repeatability of a reading, µm; null where no pose was measured twice.
-    pub noise_um: Option<f64>,
-    /// Parameters of the effects before it that moved, most moved first.
-    pub moved: Vec<Moved>,
-}
-
-/// A parameter that moved when an effect came in.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Moved {
-    /// Name of the parameter.
-    pub name: String,
-    /// Value without the effect, in `unit`.
-    pub before: f64,
-    /// Value with it.
-    pub after: f64,
-    /// Standard uncertainty with it.
-    pub u: f64,
-    /// Unit, e.g. `um`.
-    pub unit: String,
 }
 
 /// The answer of `add`.
@@ -98,10 +61,10 @@ pub struct Removed {
     pub identification: Identification,
 }
 
-impl Moved {
-    /// Change in units of the standard uncertainty.
-    pub fn in_u(&self) -> f64 {
-        (self.after - self.before).abs() / self.u.max(f64::MIN_POSITIVE)
+impl Ladder {
+    /// Id and row of every effect that was added, in order.
+    pub fn added(&self) -> impl DoubleEndedIterator<Item = (&str, &LadderRow)> {
+        self.rows.iter().filter_map(|entry| Some((entry.effect.as_str(), entry.ladder.as_ref()?)))
     }
 }
 
@@ -109,31 +72,8 @@ impl From<&effects::Model> for Ladder {
     fn from(model: &effects::Model) -> Self {
         let entry = |entry: &effects::ModelEffect| LadderEntry {
             effect: entry.id.clone(),
-            ladder: entry.ladder.as_ref().map(LadderRow::from),
+            ladder: entry.ladder.clone(),
         };
         Self { format: LadderFormat::V1, rows: model.effects.iter().map(entry).collect() }
-    }
-}
-
-impl From<&effects::LadderRow> for LadderRow {
-    fn from(row: &effects::LadderRow) -> Self {
-        Self {
-            date: row.date.clone(),
-            run: row.run.clone(),
-            error_before_um: row.error_before_um,
-            error_after_um: row.error_after_um,
-            holdout_before_um: row.holdout_before_um,
-            holdout_after_um: row.holdout_after_um,
-            holdout_unit: row.holdout_unit.clone(),
-            noise_um: row.noise_um,
-            moved: row.moved.iter().map(Moved::from).collect(),
-        }
-    }
-}
-
-impl From<&effects::Moved> for Moved {
-    fn from(moved: &effects::Moved) -> Self {
-        let effects::Moved { name, before, after, u, unit } = moved.clone();
-        Self { name, before, after, u, unit }
     }
 }

@@ -86,7 +86,7 @@ pub fn value_and_u(value: Option<f64>, u: Option<f64>, unit: &str) -> (String, S
             )
         }
         (Some(value), _) => (with_unit(value, unit), MISSING.into()),
-        (None, _) => ("cannot be seen".into(), MISSING.into()),
+        (None, _) => ("not observable".into(), MISSING.into()),
     }
 }
 
@@ -124,7 +124,7 @@ mod tests {
         assert_eq!(degrees(-std::f64::consts::FRAC_PI_2), "−90°");
         assert_eq!(degrees(-0.0), "0°");
         assert_eq!(value_and_u(Some(13.5975), Some(0.213), "um"), ("13.60 µm".into(), "0.21 µm".into()));
-        assert_eq!(value_and_u(None, None, "um").0, "cannot be seen");
+        assert_eq!(value_and_u(None, None, "um").0, "not observable");
         assert_eq!(value_and_u(Some(3.0), None, "1").0, "3.00");
         assert_eq!(signed(-0.04, 1), "0.0");
         assert_eq!(signed(2.25, 1), "+2.2");

@@ -92,7 +92,8 @@ pub struct Considered {
     /// Effects that it shows.
     pub shows: Vec<String>,
     /// Effects that it separates from all others in question.
-    pub tells_apart: Vec<String>,
+    #[serde(alias = "tells_apart")]
+    pub separates: Vec<String>,
 }
 
 impl From<&next_cycle::Plan> for Plan {
@@ -132,6 +133,6 @@ fn considered(row: &next_cycle::Considered) -> Considered {
         hardest_pair: row.hardest.clone(),
         pairs_apart: row.apart.len(),
         shows: row.shows.clone(),
-        tells_apart: row.tells.clone(),
+        separates: row.separates.clone(),
     }
 }

@@ -1,8 +1,8 @@
 //! The JSON schemas, generated from the types.
 
 use crate::{
-    Added, Comparison, CompensationSummary, Diagnosis, Findings, Identification, Ladder, Plan, Prediction,
-    Preview, Removed, TimeQuality, Trial, Volumetric, to_json,
+    Added, AxisErrors, Comparison, CompensationSummary, Diagnosis, ErrorMap, Findings, Identification,
+    Ladder, Plan, Prediction, Preview, Removed, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -21,6 +21,8 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("prediction", schema_for!(Prediction)),
         ("findings", schema_for!(Findings)),
         ("volumetric", schema_for!(Volumetric)),
+        ("error-map", schema_for!(ErrorMap)),
+        ("axis-errors", schema_for!(AxisErrors)),
         ("compensation-summary", schema_for!(CompensationSummary)),
         ("time-quality", schema_for!(TimeQuality)),
     ]

@@ -2,8 +2,8 @@
 
 use crate::number::{degrees, plain, um, unit_on_screen};
 use crate::{
-    Candidate, Diagnosis, FormulaProposal, Identification, Moved, Parameter, PlannedCycle, ShapeNumber,
-    Verdict,
+    Candidate, Diagnosis, FormulaProposal, Identification, LeftOut, Moved, Parameter, PlannedCycle,
+    ShapeNumber, Verdict,
 };
 use trunnion_effects::catalogue::effect;
 use trunnion_effects::{About, SOURCES};
@@ -29,7 +29,7 @@ pub fn formula_leads(diagnosis: &Diagnosis) -> bool {
 }
 
 /// The largest errors of place and direction of the axes, in words.
-pub fn location_sentence(parameters: &[Parameter], besides: &str) -> Option<String> {
+pub fn location_sentence(parameters: &[Parameter], lead: &str) -> Option<String> {
     let mut errors: Vec<(f64, String)> = parameters
         .iter()
         .filter_map(|p| {
@@ -44,8 +44,8 @@ pub fn location_sentence(parameters: &[Parameter], besides: &str) -> Option<Stri
         return None;
     }
     let list = errors.into_iter().map(|(_, words)| words).collect::<Vec<_>>().join("; ");
-    let axes = if besides.is_empty() { "Axes" } else { "axes" };
-    Some(format!("{besides}{axes} are not where the control believes: {list}."))
+    let axes = if lead.is_empty() { "Axes" } else { "axes" };
+    Some(format!("{lead}{axes} have location errors: {list}."))
 }
 
 /// `axis B lies 13.6 µm off along Z` from `EZ0B`; `None` for what is no location error.
@@ -97,12 +97,12 @@ pub fn evidence_words(evidence: f64) -> String {
         e => format!("{} to one", plain(10_f64.powf(e))),
     };
     let word = match evidence {
-        e if e >= 4.0 => "It is no chance",
-        e if e >= 2.0 => "It is hardly chance",
-        e if e >= 1.3 => "It may be chance",
-        _ => "It may well be chance",
+        e if e >= 4.0 => "It is significant",
+        e if e >= 2.0 => "It is probably significant",
+        e if e >= 1.3 => "It may be noise",
+        _ => "It may well be noise",
     };
-    format!("{word}: the readings favour it over mere noise {odds} (evidence 10^{evidence:.1})")
+    format!("{word}: {odds} against noise only (Bayes factor 10^{evidence:.1})")
 }
 
 /// What a diagnosis says of a candidate beyond what the catalogue says of the effect.
@@ -155,7 +155,7 @@ pub fn beyond_figures(candidate: &Candidate) -> String {
 pub fn planned_words(cycle: &PlannedCycle) -> String {
     let pairs: Vec<String> = cycle.separates.iter().map(|[a, b]| format!("{a} from {b}")).collect();
     format!(
-        "Cycle \"{}\": about {:.0} minutes of machine time with mounting. It tells {}. The command \"trunnion plan\" with the \
+        "Cycle \"{}\": about {:.0} minutes of machine time with mounting. It separates {}. The command \"trunnion plan\" with the \
          same recordings and model writes its file.",
         cycle.name,
         cycle.minutes,
@@ -191,5 +191,13 @@ pub fn repeatability(noise_um: Option<f64>) -> String {
     noise_um.map_or_else(
         || "repeatability not known: no pose was measured twice".into(),
         |noise_um| format!("repeatability {}", um(noise_um)),
+    )
+}
+
+/// What was left out of the fit for its held-out error.
+pub fn left_out(unit: Option<LeftOut>) -> String {
+    unit.map_or_else(
+        || "there is no unit to leave out".into(),
+        |unit| format!("on {} left out of the fit", unit.plural()),
     )
 }

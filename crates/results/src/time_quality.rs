@@ -13,7 +13,8 @@ pub struct TimeQuality {
     /// Every stream of samples: the probe channels, then the controller.
     pub streams: Vec<Stream>,
     /// Synchronisation moves found.
-    pub gestures: Vec<Gesture>,
+    #[serde(alias = "gestures")]
+    pub sync_moves: Vec<SyncMove>,
     /// What a person should know, one sentence each.
     pub notes: Vec<String>,
 }
@@ -51,9 +52,9 @@ pub struct Stream {
     pub delay_u_s: Option<f64>,
 }
 
-/// A synchronisation move: strokes of one linear axis that axes and probes see alike.
+/// A synchronisation move: strokes of one linear axis that axes and probes both see.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Gesture {
+pub struct SyncMove {
     /// When it began, s since the run began.
     pub time_s: f64,
     /// The axis.
@@ -61,12 +62,12 @@ pub struct Gesture {
     /// Length of a stroke, mm.
     pub stroke_mm: f64,
     /// What each channel saw.
-    pub channels: Vec<GestureChannel>,
+    pub channels: Vec<SyncMoveChannel>,
 }
 
 /// One channel in a synchronisation move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct GestureChannel {
+pub struct SyncMoveChannel {
     /// Channel.
     pub channel: u16,
     /// By how much the readings come after the axes, s.
@@ -84,7 +85,7 @@ impl From<&sync::TimeQuality> for TimeQuality {
         Self {
             run: quality.run.clone(),
             streams: quality.streams.iter().map(Stream::from).collect(),
-            gestures: quality.gestures.iter().map(Gesture::from).collect(),
+            sync_moves: quality.sync_moves.iter().map(SyncMove::from).collect(),
             notes: quality.notes.clone(),
         }
     }
@@ -111,9 +112,9 @@ impl From<&sync::StreamTiming> for Stream {
     }
 }
 
-impl From<&sync::Gesture> for Gesture {
-    fn from(gesture: &sync::Gesture) -> Self {
-        let channel = |seen: &sync::GestureDelay| GestureChannel {
+impl From<&sync::SyncMove> for SyncMove {
+    fn from(sync_move: &sync::SyncMove) -> Self {
+        let channel = |seen: &sync::SyncMoveDelay| SyncMoveChannel {
             channel: seen.channel,
             delay_s: seen.delay_s,
             u_s: seen.u_s,
@@ -121,10 +122,10 @@ impl From<&sync::Gesture> for Gesture {
             rms_mm: seen.rms_mm,
         };
         Self {
-            time_s: gesture.time_s,
-            axis: gesture.axis.to_string(),
-            stroke_mm: gesture.stroke_mm,
-            channels: gesture.seen.iter().map(channel).collect(),
+            time_s: sync_move.time_s,
+            axis: sync_move.axis.to_string(),
+            stroke_mm: sync_move.stroke_mm,
+            channels: sync_move.seen.iter().map(channel).collect(),
         }
     }
 }

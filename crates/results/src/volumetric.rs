@@ -1,11 +1,13 @@
 //! Volumetric accuracy of a machine by a fitted model.
 
+use crate::axis_errors::components;
+use crate::left_out::LeftOutEffect;
+use crate::residuals::ResidualAxis;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use trunnion_core::AxisLetter;
 use trunnion_core::convert::{deg_from_rad, um_from_mm, urad_from_rad};
-use trunnion_methods::NotTabulated;
+use trunnion_core::{Joint, Twist};
 use trunnion_methods::volumetric as methods;
 
 /// `trunnion-volumetric/1`: ranges of the deviation of tool against table over a volume.
@@ -17,6 +19,9 @@ pub struct Volumetric {
     pub machine: String,
     /// Names of the runs that the model was fitted to.
     pub runs: Vec<String>,
+    /// Axes of the machine.
+    #[serde(default)]
+    pub axes: Vec<ResidualAxis>,
     /// First and last position of each axis, mm and degrees.
     pub volume: BTreeMap<String, [f64; 2]>,
     /// Places of the grid.
@@ -80,18 +85,66 @@ pub struct Unseen {
     pub moves: Vec<String>,
 }
 
-/// An effect that is not in the figures, or only partly.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct LeftOutEffect {
-    /// Effect id.
-    pub effect: String,
-    /// Why.
-    pub why: String,
+/// `trunnion-error-map/1`: the deviation of tool against table at every place of a volume.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ErrorMap {
+    /// Format and version.
+    pub format: ErrorMapFormat,
+    /// Name of the machine.
+    pub machine: String,
+    /// Axes of the machine; the positions of the places are in this order.
+    pub axes: Vec<ResidualAxis>,
+    /// Places of the grid.
+    pub places: Vec<ErrorAt>,
+}
+
+/// Format and version of an error map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum ErrorMapFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-error-map/1")]
+    V1,
+}
+
+/// The deviation at one place, in the order X Y Z A B C, µm and µrad.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ErrorAt {
+    /// Axis positions, mm and degrees.
+    pub position: Vec<f64>,
+    /// Nominal tool point, table axes, mm.
+    pub in_table_mm: [f64; 3],
+    /// Deviation of tool against table, table axes.
+    pub error: [f64; 6],
+    /// Its standard uncertainty.
+    pub u: [f64; 6],
+}
+
+impl ErrorMap {
+    /// The deviations of a map of a machine with these axes.
+    pub fn new(map: &methods::VolumetricMap, axes: &[Joint]) -> Self {
+        let um_urad = |twist: &Twist| {
+            let inside = components(twist);
+            std::array::from_fn(|k| if k < 3 { um_from_mm(inside[k]) } else { urad_from_rad(inside[k]) })
+        };
+        let at = |point: &methods::MapPoint| ErrorAt {
+            position: axes.iter().map(|&axis| screen(axis, point.position[axis])).collect(),
+            in_table_mm: point.in_table_mm.coords.into(),
+            error: um_urad(&point.error),
+            u: um_urad(&point.u),
+        };
+        Self {
+            format: ErrorMapFormat::V1,
+            machine: map.machine.clone(),
+            axes: named(axes),
+            places: map.points.iter().map(at).collect(),
+        }
+    }
 }
 
 impl Volumetric {
     /// The figures of a map of a machine with these axes.
-    pub fn new(map: &methods::VolumetricMap, axes: &[AxisLetter]) -> Self {
+    pub fn new(map: &methods::VolumetricMap, axes: &[Joint]) -> Self {
         let at = |k: usize| -> BTreeMap<String, f64> {
             axes.iter().map(|&axis| (axis.to_string(), screen(axis, map.points[k].position[axis]))).collect()
         };
@@ -106,10 +159,10 @@ impl Volumetric {
                 to: at(extreme.high),
             }
         };
-        let ranges = AxisLetter::ALL.into_iter().zip(&map.ranges);
+        let ranges = Joint::ALL.into_iter().zip(&map.ranges);
         let ranges =
             ranges.map(|(axis, range)| value(format!("range-{}", axis.lower()), axis.is_rotary(), range));
-        let range_of = |&axis: &AxisLetter| {
+        let range_of = |&axis: &Joint| {
             let (low, high) = map.volume.range[axis];
             (axis.to_string(), [screen(axis, low), screen(axis, high)])
         };
@@ -117,6 +170,7 @@ impl Volumetric {
             format: VolumetricFormat::V1,
             machine: map.machine.clone(),
             runs: map.runs.clone(),
+            axes: named(axes),
             volume: axes.iter().map(range_of).collect(),
             places: map.points.len(),
             datum: match map.datum {
@@ -139,12 +193,10 @@ impl Volumetric {
     }
 }
 
-impl From<&NotTabulated> for LeftOutEffect {
-    fn from(left_out: &NotTabulated) -> Self {
-        Self { effect: left_out.effect.clone(), why: left_out.why.clone() }
-    }
+fn named(axes: &[Joint]) -> Vec<ResidualAxis> {
+    axes.iter().map(ResidualAxis::from).collect()
 }
 
-fn screen(axis: AxisLetter, position: f64) -> f64 {
+fn screen(axis: Joint, position: f64) -> f64 {
     if axis.is_rotary() { deg_from_rad(position) } else { position }
 }

@@ -13,14 +13,14 @@ use crate::mqtt;
 use crate::mqtt::Board;
 use report::report_cycle;
 use serde_json::json;
-use status::{publish_status, tell_systemd};
+use status::{publish_status, report_systemd};
 use std::path::Path;
 use std::sync::Arc;
 use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
+use trunnion::Model;
 use trunnion_core::Clock;
-use trunnion_effects::Model;
 use trunnion_protocol::mtconnect::timestamp;
 use trunnion_sync::{CycleBounds, Progress};
 
@@ -44,7 +44,7 @@ pub async fn serve(
     let mut live = Live::start(config.devices.clone(), bounds, clock.clone(), cancel.clone());
     let names: Vec<String> = config.devices.iter().map(|device| device.name.clone()).collect();
     let status = tokio::spawn(publish_status(names, live.states(), board.clone(), cancel.clone()));
-    tell_systemd(&[sd_notify::NotifyState::Ready]);
+    report_systemd(&[sd_notify::NotifyState::Ready]);
     // Cycles are analysed while the next one is waited for and measured.
     let mut reports = JoinSet::new();
     info!(machine = config.name, cycle = plan.cycle.name, "waiting for {}", config.cycle_start.about());
@@ -68,10 +68,10 @@ pub async fn serve(
                     "ended": recorded.ended, "gaps": recorded.gaps.len(),
                     "lost_samples": recorded.lost_samples }),
                 );
-                let (model, machine, board) = (model.clone(), plan.machine.clone(), board.clone());
+                let (model, board) = (model.clone(), board.clone());
                 let date = day(clock.wall_ns());
                 reports.spawn(async move {
-                    if let Err(failure) = report_cycle(recorded, model, machine, date, &board).await {
+                    if let Err(failure) = report_cycle(recorded, model, date, &board).await {
                         error!(error = &failure as &dyn std::error::Error, run = name, "the analysis failed");
                         board.set(
                             "result",
@@ -93,7 +93,7 @@ pub async fn serve(
         ended.map_err(|_| ServiceError::Broken("report"))?;
     }
     live.stop().await;
-    tell_systemd(&[sd_notify::NotifyState::Stopping]);
+    report_systemd(&[sd_notify::NotifyState::Stopping]);
     for (task, what) in [(Some(status), "status"), (broker, "MQTT connection")] {
         if let Some(task) = task {
             task.await.map_err(|_| ServiceError::Broken(what))?;
@@ -102,7 +102,7 @@ pub async fn serve(
     Ok(())
 }
 
-/// Finishes recordings that a kill left behind. What cannot be recovered stays where it is and is told.
+/// Finishes recordings that a kill left behind. What cannot be recovered stays where it is and is reported.
 fn recover(folder: &Path) {
     match trunnion_record::recover_orphans(folder) {
         Ok(files) => {

@@ -2,8 +2,6 @@
 
 use crate::live::PlanError;
 use std::path::PathBuf;
-use trunnion::analysis::AnalysisError;
-use trunnion_engine::ExperimentError;
 use trunnion_record::RecordError;
 
 /// Why the service, or one cycle of it, failed.
@@ -29,21 +27,13 @@ pub enum ServiceError {
         /// The system's words.
         source: std::io::Error,
     },
-    /// The points do not make an experiment.
-    #[error("the recording {path} cannot be analysed")]
-    Experiment {
-        /// The recording.
-        path: PathBuf,
-        /// Why.
-        source: ExperimentError,
-    },
     /// The analysis failed.
     #[error("analysing {path} failed")]
     Analysis {
         /// The recording.
         path: PathBuf,
         /// Why.
-        source: Box<AnalysisError>,
+        source: Box<trunnion::Error>,
     },
     /// A part of the service panicked.
     #[error("the {0} ended badly; this is a defect of the program")]

@@ -12,9 +12,10 @@ use trunnion_core::reading::Message;
 use trunnion_core::{Channel, Clock, Event, Gap, HostTime, Role};
 use trunnion_record::{Item, RecordSender, Temperature};
 use trunnion_sync::forming::Forming;
-use trunnion_sync::{Bound, CycleBounds, CycleEvent, EndReason, Progress, TimeBase, Timed};
+use trunnion_sync::{Bound, CycleEvent, EndReason, TimeBase, Timed};
 
 pub use trunnion_sync::plan::{Plan, PlanError, check};
+pub use trunnion_sync::{CycleBounds, Progress};
 
 /// How a measured cycle ended.
 #[derive(Clone, Debug)]
@@ -36,7 +37,7 @@ pub struct Start {
     pub at: HostTime,
     /// By what.
     pub why: String,
-    /// Temperature channels that had told a value by then; later ones take no part in the run.
+    /// Temperature channels that had reported a value by then; later ones take no part in the run.
     pub temperature_channels: Vec<String>,
 }
 
@@ -49,7 +50,7 @@ const AWAY_S: f64 = 2.5;
 /// With no message of any device for so long the cycle ends.
 const SILENCE: Duration = Duration::from_secs(60);
 
-/// Told how far a cycle is.
+/// Receives how far a cycle is.
 pub type OnProgress<'a> = &'a mut (dyn FnMut(Progress) + Send);
 
 /// The devices of a running service, their clocks, and the rule by which cycles begin and end.

@@ -13,21 +13,22 @@
 //!
 //! Averaging over a width w damps a harmonic n by sinc(n w/2) ≈ 1 − (n w)²/24; `centred` takes that back from the
 //! neighbours up to (n w)⁴/640 (60 lobes at 2°: 0.83 becomes 0.93; 30 lobes: 0.995).
-//! Nothing is lost in silence: samples set aside, samples without a reading, and the rms of what averaging removes, octave by octave, are
+//! Nothing is lost without a count: samples excluded, samples without a reading, and the rms of what averaging removes, octave by octave, are
 //! in [`Reduction::passes`].
-//! Limits: samples of one setup come in order of time; slow against the block width is what a block is; single mishaps
-//! of one or two samples are set aside, longer ones are kept as structure.
+//! Limits: samples of one setup come in order of time; slow against the block width is what a block is; single outliers
+//! of one or two samples are excluded, longer ones are kept as structure.
 
 mod cell;
-mod mishaps;
+mod outliers;
 mod pass;
 mod sample;
 pub mod spectrum;
 
-use sample::{FINEST, Sample, UNIT};
+use sample::Sample;
+pub(crate) use sample::{FINEST, UNIT};
 
 use cell::Cell;
-use mishaps::Hampel;
+use outliers::Hampel;
 use pass::{PassKey, PassSums};
 use std::collections::HashMap;
 use trunnion_core::convert::um_from_mm;
@@ -43,13 +44,15 @@ const LAST_RESORT: f64 = 256.0;
 pub struct Limits {
     /// Blocks of one run.
     pub most_blocks: usize,
+    /// Points of one run at rest; beyond they become means of neighbours ([`crate::stations`]).
+    pub most_stations: usize,
     /// Samples further apart than this do not belong together, s.
     pub pause_s: f64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { most_blocks: 2000, pause_s: 0.25 }
+        Self { most_blocks: 2000, most_stations: 10_000, pause_s: 0.25 }
     }
 }
 
@@ -64,8 +67,8 @@ pub struct Reduction {
     pub samples: u64,
     /// Samples without a usable reading.
     pub missing: u64,
-    /// Single samples far from their neighbours, set aside.
-    pub set_aside: u64,
+    /// Single samples far from their neighbours, excluded.
+    pub excluded: u64,
     /// Largest width of a block, in units of 1° or 2 mm of travel.
     pub width_units: f64,
 }
@@ -82,7 +85,7 @@ pub struct Reducer<F> {
     top_speed: AxisValues<f64>,
     samples: u64,
     missing: u64,
-    set_aside: u64,
+    excluded: u64,
 }
 
 /// What is under way in one setup.
@@ -115,7 +118,7 @@ impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {
             top_speed: AxisValues::default(),
             samples: 0,
             missing: 0,
-            set_aside: 0,
+            excluded: 0,
         }
     }
 
@@ -135,18 +138,18 @@ impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {
         self.take(setup, ready);
     }
 
-    fn take(&mut self, setup: usize, judged: Option<mishaps::Judged>) {
+    fn take(&mut self, setup: usize, judged: Option<outliers::Judged>) {
         match judged {
             None => {}
-            Some(mishaps::Judged { sample, mishap: true }) => {
-                self.set_aside += u64::from(sample.point.samples.max(1));
+            Some(outliers::Judged { sample, outlier: true }) => {
+                self.excluded += u64::from(sample.point.samples.max(1));
                 let pass =
                     self.streams.get(&setup).and_then(|stream| stream.last.as_ref()).map(|last| last.pass);
                 if let Some(pass) = pass {
-                    self.passes[pass].set_aside += u64::from(sample.point.samples.max(1));
+                    self.passes[pass].excluded += u64::from(sample.point.samples.max(1));
                 }
             }
-            Some(mishaps::Judged { sample, mishap: false }) => self.add(setup, &sample),
+            Some(outliers::Judged { sample, outlier: false }) => self.add(setup, &sample),
         }
     }
 
@@ -246,7 +249,7 @@ impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {
             passes: self.passes.iter().map(PassSums::summary).collect(),
             samples: self.samples,
             missing: self.missing,
-            set_aside: self.set_aside,
+            excluded: self.excluded,
             width_units: widest,
         }
     }
@@ -262,7 +265,7 @@ impl Reduction {
             self.passes.iter().map(|pass| pass.blocks).sum::<usize>()
         );
         for (count, what) in
-            [(self.set_aside, "single mishaps set aside"), (self.missing, "without a reading")]
+            [(self.excluded, "single outliers excluded"), (self.missing, "without a reading")]
         {
             if count > 0 {
                 text += &format!(", {count} {what}");
@@ -315,7 +318,7 @@ fn centred(cells: &[Cell]) -> Vec<[f64; 3]> {
     (0..cells.len()).map(value).collect()
 }
 
-/// Second derivative over time by divided differences; `None` when time stands still.
+/// Second derivative over time by divided differences; `None` when time does not advance.
 fn curvature(before: &Cell, here: &Cell, after: &Cell) -> Option<[f64; 3]> {
     let (back, ahead) = (here.mean_time() - before.mean_time(), after.mean_time() - here.mean_time());
     let [f_before, f, f_after] = [before, here, after].map(Cell::departure_mm);

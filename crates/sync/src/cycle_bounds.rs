@@ -14,7 +14,7 @@
 //! by = "signal"                  # the `signal` of the controller's [[device]] is on
 //!
 //! by = "dwells"                  # the machine stands so long, moves, stands so long …
-//! dwells_s = [2.0, 1.0, 2.0]     # each at least 0.5 s, told apart to 0.3 s; the cycle begins with the motion after the last
+//! dwells_s = [2.0, 1.0, 2.0]     # each at least 0.5 s, recognised to 0.3 s; the cycle begins with the motion after the last
 //! still_s = 60                   # no motion for so long, longer than any stand of the cycle, ends it
 //!
 //! by = "motion"                  # an axis moves after rest_s of standing
@@ -217,13 +217,13 @@ impl CycleBounds {
         }
         // `Some(true)`: what begins a cycle is there; `None`: this reading says nothing about it.
         let (there, why) = match &self.rule {
-            StartRule::Execution => (told(now.execution), format!("runs {}", now.program)),
+            StartRule::Execution => (reported(now.execution), format!("runs {}", now.program)),
             StartRule::Program(name) => {
                 let named = name.matches(&now.program);
-                // A controller that never tells what it executes is judged by the name alone.
-                let told =
-                    if now.execution == Execution::Unknown { Some(named) } else { told(now.execution) };
-                (told.map(|runs| runs && named), format!("runs {}", now.program))
+                // A controller that never reports what it executes is judged by the name alone.
+                let reported =
+                    if now.execution == Execution::Unknown { Some(named) } else { reported(now.execution) };
+                (reported.map(|runs| runs && named), format!("runs {}", now.program))
             }
             StartRule::Block { begin, end } => {
                 let is_end = end.as_ref().is_some_and(|end| end.matches(&now.block));
@@ -280,14 +280,14 @@ impl CycleBounds {
 
     fn end(&mut self, at: HostTime, why: String) -> Option<Bound> {
         self.running = false;
-        // Told by the same reading: what follows is another program.
+        // Reported by the same reading: what follows is another program.
         self.was_there &= !matches!(self.rule, StartRule::Execution | StartRule::Program(_));
         Some(Bound::Ends { at, why })
     }
 }
 
-/// Whether a program runs, where the controller tells; in a hold it neither begins nor ends.
-fn told(execution: Execution) -> Option<bool> {
+/// Whether a program runs, where the controller reports that; in a hold it neither begins nor ends.
+fn reported(execution: Execution) -> Option<bool> {
     match execution {
         Execution::Active => Some(true),
         Execution::Ready | Execution::Ended => Some(false),

@@ -15,7 +15,7 @@ pub enum CycleEvent {
         /// When it was decided, s since the run began.
         time_s: f64,
     },
-    /// A stand at none of the poses to come, for the log.
+    /// A dwell at none of the poses to come, for the log.
     UnknownDwell {
         /// When it began, s since the run began.
         time_s: f64,
@@ -73,8 +73,8 @@ impl CycleEvent {
         match self {
             Self::Point { point, .. } => Ok(point),
             Self::UnknownDwell { time_s, position } => {
-                let text = format!("stand at none of the poses to come: {:?}", position.0);
-                Err(Event { time_s, kind: "unknown-stand".into(), text })
+                let text = format!("dwell at none of the poses to come: {:?}", position.0);
+                Err(Event { time_s, kind: "unknown-dwell".into(), text })
             }
             Self::LeftOut { time_s, incomplete, unplanned } => {
                 let text = format!(

@@ -8,7 +8,7 @@ use crate::{
     SweepRules,
 };
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, AxisSample, Point, ProbeSample, Quality};
+use trunnion_core::{AxisSample, Joint, Point, ProbeSample, Quality};
 use trunnion_cycles::cycle::Motion;
 
 /// A cycle on its way from samples to points.
@@ -81,7 +81,7 @@ impl Forming {
     /// When the plan cannot be measured.
     pub fn new(plan: &Plan, temperature_channels: usize) -> Result<Self, PlanError> {
         let channels = check(plan)?;
-        let axes: Vec<AxisLetter> = plan.machine.axes().map(|axis| axis.letter).collect();
+        let axes: Vec<Joint> = plan.machine.axes().map(|axis| axis.letter).collect();
         let calibrations = vec![plan.nest; plan.cycle.setups.len()];
         let reader = match &plan.cycle.motion {
             Motion::Static { settle, .. } | Motion::Line { settle, .. } => {

@@ -1,8 +1,8 @@
-//! From samples to points: clocks, alignment, static and on-the-fly forming, blocks, time quality.
+//! From samples to points: clocks, alignment, static and on-the-fly forming, blocks, stations, time quality.
 //!
 //! Shared by live runs and replay. Nothing here asks a clock, so a recording gives the same points as the live run.
 //! [`timebase`] brings device clocks to run time, [`align`] brings probes and axes to common instants, [`static_cycle`]
-//! and [`sweep_cycle`] form points, [`nest`] calibrates probes, [`cycle_bounds`] tells when a cycle begins and ends.
+//! and [`sweep_cycle`] form points, [`nest`] calibrates probes, [`cycle_bounds`] finds when a cycle begins and ends.
 
 pub mod align;
 pub mod blocks;
@@ -10,12 +10,13 @@ pub mod clock;
 pub mod cycle_bounds;
 mod cycle_event;
 pub mod forming;
-pub mod gesture;
 pub mod nest;
 pub mod plan;
 pub mod retime;
 pub mod static_cycle;
+pub mod stations;
 pub mod sweep_cycle;
+pub mod sync_move;
 pub mod time_quality;
 pub mod timebase;
 
@@ -23,9 +24,9 @@ pub use align::{AlignLimits, Aligned, Aligner, AxisState};
 pub use clock::{ClockLine, ClockTrack, Jump};
 pub use cycle_bounds::{Bound, CycleBounds, StartRule};
 pub use cycle_event::{CycleEvent, EndReason, Progress};
-pub use gesture::{GestureFinder, MeanDelay, mean_delays};
 pub use nest::NestCalibration;
 pub use retime::{Retiming, Stream, Survey};
 pub use static_cycle::{StaticCycle, StaticRules};
 pub use sweep_cycle::{SweepCycle, SweepRules};
+pub use sync_move::{MeanDelay, SyncMoveFinder, mean_delays};
 pub use timebase::{TimeBase, Timed};

@@ -75,11 +75,11 @@ impl Survey {
 }
 
 impl StreamSurvey {
-    fn take(&mut self, time_s: f64, stamp: &Stamp, tells_clock: bool) {
+    fn take(&mut self, time_s: f64, stamp: &Stamp, shows_clock: bool) {
         self.samples += 1;
         let (first_s, last_s) = self.first_last_s.unwrap_or((time_s, time_s));
         self.first_last_s = Some((first_s.min(time_s), last_s.max(time_s)));
-        if !tells_clock || stamp.arrival_s.is_nan() || stamp.tick_s <= 0.0 {
+        if !shows_clock || stamp.arrival_s.is_nan() || stamp.tick_s <= 0.0 {
             return;
         }
         let arrival = host(stamp.arrival_s);
@@ -98,12 +98,12 @@ impl StreamSurvey {
 
     fn timing(&self) -> StreamTiming {
         let span_s = self.first_last_s.map_or(0.0, |(first, last)| last - first);
-        let told: f64 = self.lines.iter().map(|line| line.moments.count).sum();
+        let reported: f64 = self.lines.iter().map(|line| line.moments.count).sum();
         let mean_of = |figure: &dyn Fn(&LineSurvey) -> Option<f64>| {
             let known: Vec<(f64, f64)> =
                 self.lines.iter().filter_map(|line| Some((line.moments.count, figure(line)?))).collect();
             let weight: f64 = known.iter().map(|(weight, _)| weight).sum();
-            (weight > 0.5 * told && told > 0.0)
+            (weight > 0.5 * reported && reported > 0.0)
                 .then(|| known.iter().map(|(w, x)| w * x).sum::<f64>() / weight)
         };
         let squared = |figure: &dyn Fn(&LineSurvey) -> Option<f64>| {
@@ -179,7 +179,7 @@ impl LineSurvey {
             .pieces
             .chunks(self.pieces.len().div_ceil(QUARTERS))
             .filter_map(|quarter| {
-                quarter.iter().filter_map(|(_, piece)| piece.least_lateness_ns(&line)).reduce(f64::min)
+                quarter.iter().filter_map(|(_, piece)| piece.least_latency_ns(&line)).reduce(f64::min)
             })
             .collect();
         let mean = earliest.iter().sum::<f64>() / earliest.len() as f64;
@@ -282,7 +282,7 @@ mod tests {
         assert!(timing.drift_ppm.unwrap() > 0.0, "the clock is fast: {timing:?}");
         for (k, (truth_s, sample)) in run.iter().enumerate() {
             let error_s = retiming.time_s(Stream::Probe(0), &sample.stamp).unwrap() - truth_s;
-            // Some seconds around the jump is told as a gap; the rest is late by what every reading is, and up to one sample: a run of
+            // Some seconds around the jump are reported as a gap; the rest is late by what every reading is, and up to one sample: a run of
             // 30 s is shorter than the beat of 1 kHz and 16 ms at 40 ppm.
             let uncertain = (74_999..78_100).contains(&k);
             assert!(uncertain || (0.0004..0.0025).contains(&error_s), "{k}: {error_s}");

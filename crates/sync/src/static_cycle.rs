@@ -6,19 +6,19 @@
 //! settled is marked `Unsettled` with what was read; one that was passed by, or without a probe value, `NoReading` with
 //! NaN. Every pose gives exactly one point.
 //!
-//! Two poses at one place one after the other (the grid turns back) may be one stand: the second is read from a window
+//! Two poses at one place one after the other (the grid turns back) may be one dwell: the second is read from a window
 //! of its own behind the first. Should the machine leave and come back to it, the later reading counts.
 
+mod dwell;
 mod rules;
-mod stand;
 
 pub use rules::StaticRules;
 
 use crate::align::{Aligned, AxisState};
 use crate::cycle_event::{CycleEvent, EndReason, Progress};
 use crate::nest::NestCalibration;
-use stand::Stand;
-use trunnion_core::{AxisLetter, AxisValues, Point, Quality};
+use dwell::Dwell;
+use trunnion_core::{AxisValues, Joint, Point, Quality};
 use trunnion_cycles::cycle::Pose;
 
 /// The state machine.
@@ -29,15 +29,15 @@ pub struct StaticCycle {
     /// By setup.
     calibrations: Vec<NestCalibration>,
     /// Axes of the machine.
-    axes: Vec<AxisLetter>,
+    axes: Vec<Joint>,
     temperature_degc: Vec<f64>,
     next: usize,
-    stand: Stand,
-    /// Reading of pose `next` taken in the stand of the pose before it.
+    dwell: Dwell,
+    /// Reading of pose `next` taken in the dwell of the pose before it.
     early: Option<Point>,
-    /// A point was decided in this stand, and the machine has not left since.
+    /// A point was decided in this dwell, and the machine has not left since.
     served: bool,
-    told_unknown: bool,
+    reported_unknown: bool,
     pace: Option<(f64, usize, f64)>,
     ended: bool,
 }
@@ -49,11 +49,11 @@ impl StaticCycle {
         poses: Vec<Pose>,
         rules: StaticRules,
         calibrations: Vec<NestCalibration>,
-        axes: Vec<AxisLetter>,
+        axes: Vec<Joint>,
         temperature_channels: usize,
     ) -> Self {
         Self {
-            stand: Stand::new(&rules),
+            dwell: Dwell::new(&rules),
             rules,
             poses,
             calibrations,
@@ -62,7 +62,7 @@ impl StaticCycle {
             next: 0,
             early: None,
             served: false,
-            told_unknown: false,
+            reported_unknown: false,
             pace: None,
             ended: false,
         }
@@ -93,7 +93,7 @@ impl StaticCycle {
     pub fn push(&mut self, step: &Aligned, events: &mut Vec<CycleEvent>) {
         match step.channels_mm {
             _ if self.ended => {}
-            Some(channels_mm) => self.stand.push_sample(step.state.time_s, channels_mm),
+            Some(channels_mm) => self.dwell.push_sample(step.state.time_s, channels_mm),
             None => self.push_axes(&step.state, events),
         }
     }
@@ -109,11 +109,11 @@ impl StaticCycle {
     }
 
     fn push_axes(&mut self, state: &AxisState, events: &mut Vec<CycleEvent>) {
-        if self.stand.is_left_by(state, &self.axes) {
+        if self.dwell.is_left_by(state, &self.axes) {
             self.leave(state.time_s, events);
         }
-        self.stand.push_axes(state, &self.axes);
-        if self.ended || !self.stand.is_standing() {
+        self.dwell.push_axes(state, &self.axes);
+        if self.ended || !self.dwell.is_stationary() {
             return;
         }
         if self.served {
@@ -121,7 +121,7 @@ impl StaticCycle {
         } else {
             self.read(state, events);
         }
-        let still_s = state.time_s - self.stand.began_s();
+        let still_s = state.time_s - self.dwell.began_s();
         if !self.ended && still_s > self.rules.end_after_still_s && !self.awaits_a_person() {
             self.end(EndReason::NoMotion, state.time_s, events);
         }
@@ -129,15 +129,15 @@ impl StaticCycle {
 
     /// Finds the pose the machine stands at and decides its point when it is time.
     fn read(&mut self, state: &AxisState, events: &mut Vec<CycleEvent>) {
-        let timed_out = state.time_s - self.stand.began_s() >= self.rules.settle.timeout_s;
+        let timed_out = state.time_s - self.dwell.began_s() >= self.rules.settle.timeout_s;
         let Some(ahead) = self.find_pose(&state.position) else {
-            if !std::mem::replace(&mut self.told_unknown, true) {
-                let time_s = self.stand.began_s();
+            if !std::mem::replace(&mut self.reported_unknown, true) {
+                let time_s = self.dwell.began_s();
                 events.push(CycleEvent::UnknownDwell { time_s, position: state.position });
             }
             return;
         };
-        let quality = match self.stand.is_settled() {
+        let quality = match self.dwell.is_settled() {
             true => Quality::Good,
             false if timed_out => Quality::Unsettled,
             false => return,
@@ -146,7 +146,7 @@ impl StaticCycle {
         let fresh = self.point(self.next, quality);
         let early = self.early.take().filter(|_| quality != Quality::Good);
         self.served = true;
-        self.stand.mark_read();
+        self.dwell.mark_read();
         self.decide(early.unwrap_or(fresh), state.time_s, events);
     }
 
@@ -162,20 +162,20 @@ impl StaticCycle {
     /// The next pose may be where the machine stands already: it gets a window of its own.
     fn read_early(&mut self, state: &AxisState, events: &mut Vec<CycleEvent>) {
         let Some(pose) = self.poses.get(self.next).filter(|_| self.early.is_none()) else { return };
-        if !self.rules.is_near(&state.position, pose, &self.axes) || !self.stand.is_settled() {
+        if !self.rules.is_near(&state.position, pose, &self.axes) || !self.dwell.is_settled() {
             return;
         }
         let point = self.point(self.next, Quality::Good);
         if self.next + 1 < self.poses.len() {
             self.early = Some(point);
         } else {
-            self.decide(point, state.time_s, events); // no later stand could tell more
+            self.decide(point, state.time_s, events); // no later dwell could tell more
         }
     }
 
     /// The machine leaves: a pose stood at but not read is marked.
     fn leave(&mut self, time_s: f64, events: &mut Vec<CycleEvent>) {
-        let here = self.stand.latest().filter(|_| self.stand.is_standing() && !self.served).copied();
+        let here = self.dwell.latest().filter(|_| self.dwell.is_stationary() && !self.served).copied();
         if let (Some(state), Some(pose)) = (here, self.poses.get(self.next))
             && self.early.is_none()
             && self.rules.is_near(&state.position, pose, &self.axes)
@@ -184,11 +184,11 @@ impl StaticCycle {
             self.decide(point, time_s, events);
         }
         self.served = false;
-        self.told_unknown = false;
-        self.stand = Stand::new(&self.rules);
+        self.reported_unknown = false;
+        self.dwell = Dwell::new(&self.rules);
     }
 
-    /// Between two setups a person mounts the nest anew; that may take long.
+    /// Between two setups a person mounts the nest again; that may take long.
     fn awaits_a_person(&self) -> bool {
         let setup = |index: usize| self.poses.get(index).map(|pose| pose.setup);
         self.next > 0 && setup(self.next) != setup(self.next - 1)
@@ -223,14 +223,14 @@ impl StaticCycle {
         events.push(CycleEvent::Ended { reason, time_s });
     }
 
-    /// The point of a pose from the window of this stand.
+    /// The point of a pose from the window of this dwell.
     fn point(&self, index: usize, quality: Quality) -> Point {
         let mut point = self.missing(index);
         let calibration =
             self.calibrations.get(self.poses[index].setup).or(self.calibrations.last()).copied();
         let calibration = calibration.unwrap_or_else(NestCalibration::orthogonal);
-        let Some(summary) = self.stand.summary(&calibration) else { return point };
-        let (direction, since_reversal) = self.stand.approach();
+        let Some(summary) = self.dwell.summary(&calibration) else { return point };
+        let (direction, since_reversal) = self.dwell.approach();
         point.state.direction = direction;
         point.state.since_reversal = since_reversal;
         point.state.time_s = Some(summary.time_s);

@@ -14,14 +14,14 @@ use crate::cycle_event::Progress;
 use crate::nest::NestCalibration;
 use nalgebra::Vector3;
 use passes::Passes;
-use trunnion_core::{AxisLetter, AxisValues, Point, Quality};
+use trunnion_core::{AxisValues, Joint, Point, Quality};
 use trunnion_cycles::cycle::Sweep;
 
 /// Rules of a cycle on the fly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepRules {
     /// The turning axis.
-    pub axis: AxisLetter,
+    pub axis: Joint,
     /// First and last angle, rad; samples outside are the run-in and are left out.
     pub from_to_rad: (f64, f64),
     /// The passes of the cycle in order ([`trunnion_cycles::Cycle::sweeps`]).
@@ -38,7 +38,7 @@ pub struct SweepRules {
 
 impl SweepRules {
     /// Usual rules for an axis, its span and its passes.
-    pub fn new(axis: AxisLetter, from_to_rad: (f64, f64), passes: Vec<Sweep>) -> Self {
+    pub fn new(axis: Joint, from_to_rad: (f64, f64), passes: Vec<Sweep>) -> Self {
         let slowest = passes.iter().map(|pass| pass.feed_rad_per_s.abs()).fold(f64::INFINITY, f64::min);
         Self {
             axis,
@@ -191,7 +191,7 @@ mod tests {
                 time_s += 1e-3;
                 let axis = |value: f64| {
                     let mut values = AxisValues::default();
-                    values[AxisLetter::C] = value;
+                    values[Joint::C] = value;
                     values
                 };
                 let state = AxisState {
@@ -210,7 +210,7 @@ mod tests {
 
     fn sweep() -> SweepCycle {
         let pass = |feed_rad_per_s| Sweep { setup: 0, feed_rad_per_s };
-        let rules = SweepRules::new(AxisLetter::C, (0.0, 2.0), [0.5, -0.5, 1.0, -1.0].map(pass).to_vec());
+        let rules = SweepRules::new(Joint::C, (0.0, 2.0), [0.5, -0.5, 1.0, -1.0].map(pass).to_vec());
         SweepCycle::new(rules, NestCalibration::orthogonal(), 0)
     }
 
@@ -222,11 +222,11 @@ mod tests {
         // 2 rad at 0.5 and 1 rad/s, both ways, 100 points a second
         assert!((1190..1210).contains(&points.len()), "{}", points.len());
         for point in &points {
-            let angle = point.state.position[AxisLetter::C];
+            let angle = point.state.position[Joint::C];
             assert!((0.0..=2.0).contains(&angle));
             assert!((point.reading_mm[0] - angle).abs() < 1e-12 && point.samples <= 10);
-            let velocity = point.state.velocity[AxisLetter::C];
-            assert_eq!(velocity.signum(), point.state.direction[AxisLetter::C]);
+            let velocity = point.state.velocity[Joint::C];
+            assert_eq!(velocity.signum(), point.state.direction[Joint::C]);
         }
         assert_eq!((cycle.progress().done, cycle.progress().total), (4, 4));
         assert!(cycle.progress().seconds_left.unwrap() < 0.2);

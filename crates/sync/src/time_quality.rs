@@ -1,6 +1,6 @@
 //! How well the samples of a run are known in time.
 
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 
 /// Time quality of one run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,8 +9,8 @@ pub struct TimeQuality {
     pub run: String,
     /// Every stream of samples: the probe channels, then the controller.
     pub streams: Vec<StreamTiming>,
-    /// Sync gestures found.
-    pub gestures: Vec<Gesture>,
+    /// Synchronisation moves found.
+    pub sync_moves: Vec<SyncMove>,
     /// What a person should know, one sentence each.
     pub notes: Vec<String>,
 }
@@ -41,26 +41,26 @@ pub struct StreamTiming {
     pub skew_s: f64,
     /// Readings in which the controller said only that nothing had changed.
     pub held: u64,
-    /// Delay of the stream against the axes with its standard uncertainty, s, from the gestures; already taken out of the times.
+    /// Delay of the stream against the axes with its standard uncertainty, s, from the synchronisation moves; already taken out of the times.
     pub delay_s: Option<(f64, f64)>,
 }
 
-/// A sync gesture: strokes of one linear axis that axes and probes see alike.
+/// A synchronisation move: strokes of one linear axis that axes and probes both see.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Gesture {
+pub struct SyncMove {
     /// When it began, s since the run began.
     pub time_s: f64,
     /// The axis.
-    pub axis: AxisLetter,
+    pub axis: Joint,
     /// Length of a stroke, mm.
     pub stroke_mm: f64,
     /// What each channel saw.
-    pub seen: Vec<GestureDelay>,
+    pub seen: Vec<SyncMoveDelay>,
 }
 
-/// One channel in a gesture.
+/// One channel in a synchronisation move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GestureDelay {
+pub struct SyncMoveDelay {
     /// Channel.
     pub channel: u16,
     /// By how much the readings come after the axes, s.

@@ -64,7 +64,7 @@ impl TimeBase {
         at.seconds_since(self.origin)
     }
 
-    /// Clocks that were set anew since this was asked last: index of the device, and the time between as a gap of `source`.
+    /// Clocks that were reset since this was asked last: index of the device, and the time between as a gap of `source`.
     pub fn take_jumps(&mut self) -> Vec<(u16, Jump)> {
         std::mem::take(&mut self.jumps)
     }

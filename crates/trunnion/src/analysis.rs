@@ -1,13 +1,11 @@
-//! From points to an answer: identify, diagnose, add, and again until nothing is missing.
-//!
-//! The same path for a live run, a replay, an import and the demo. Pure: the caller writes the files.
+//! Effects put into a model and taken out of it, with what that does to the error.
 
 use trunnion_core::convert;
 use trunnion_effects::catalogue::{BASE, LOCATION_ERRORS};
 use trunnion_effects::{Formula, LadderRow, Model, ModelEffect, Moved};
 use trunnion_engine::{
     DiagnoseError, Diagnosis, Experiment, FittedParameter, FormulaProposal, Identification, IdentifyError,
-    Problem, Verdict, diagnose_problem, next_cycle,
+    Problem, diagnose_problem,
 };
 
 /// What an analysis can fail on.
@@ -65,167 +63,45 @@ pub struct FormulaText {
     pub grid: Vec<(String, Vec<f64>)>,
 }
 
-/// An effect put into a model, and the fits without and with it.
-pub struct Step {
-    /// The model with the effect.
-    pub model: Model,
+/// Effects put at the end of a model.
+pub(crate) struct Put {
     /// What was added, with the ladder row of all of it.
-    pub entry: ModelEffect,
-    /// The new entries of the model, each with its own ladder row: a formula of several components is one entry for each.
+    pub whole: ModelEffect,
+    /// The new entries, each with its own ladder row: a formula of several components is one entry for each.
     pub entries: Vec<ModelEffect>,
-    /// The fit of the model without it.
-    pub before: Identification,
-    /// The fit of the new model.
-    pub identification: Identification,
+    /// The fit of the model with them.
+    pub fit: Identification,
 }
 
-/// What a whole analysis found.
-pub struct Analysis {
-    /// Fit of the model that was given.
-    pub before: Identification,
-    /// Each effect added, in order.
-    pub steps: Vec<Step>,
-    /// Diagnosis before each step and after the last.
-    pub diagnoses: Vec<Diagnosis>,
-    /// The final model.
-    pub model: Model,
-}
-
-impl Analysis {
-    /// Fit of the final model.
-    pub fn identification(&self) -> &Identification {
-        self.steps.last().map_or(&self.before, |step| &step.identification)
-    }
-
-    /// The last word of the diagnosis.
-    pub fn diagnosis(&self) -> &Diagnosis {
-        self.diagnoses.last().expect("an analysis diagnoses at least once")
-    }
-}
-
-/// Most effects that an analysis adds by itself.
-const MOST_STEPS: usize = 5;
-
-/// Adds what is missing, best first, until the diagnosis finds nothing more or names no single effect.
-///
-/// # Errors
-/// When a fit or a diagnosis fails.
-pub fn climb(experiment: &Experiment, model: &Model, date: &str) -> Result<Analysis, AnalysisError> {
-    let first = Problem::new(experiment, model)?;
-    let (mut analysis, last) = ascend(&first, date)?;
-    // What is reported is planned for: the first diagnosis and the last.
-    let steps = analysis.diagnoses.len();
-    if steps > 1 {
-        advise(&first, &mut analysis.diagnoses[0]);
-    }
-    advise(&last, &mut analysis.diagnoses[steps - 1]);
-    Ok(analysis)
-}
-
-fn ascend<'a>(first: &Problem<'a>, date: &str) -> Result<(Analysis, Problem<'a>), AnalysisError> {
-    let mut problem = first.clone();
-    // The entries with their ladder rows; a problem knows nothing of those.
-    let mut model = first.model().clone();
-    let (mut steps, mut diagnoses) = (Vec::new(), Vec::new());
-    loop {
-        let diagnosis = diagnosed(&problem)?;
-        let best = match diagnosis.verdict {
-            Verdict::MissingEffect => diagnosis.candidates.first().map(|candidate| candidate.effect.clone()),
-            Verdict::UnnamedStructure | Verdict::NoiseFloor => None,
-        };
-        diagnoses.push(diagnosis);
-        let Some(effect) = best.filter(|_| steps.len() < MOST_STEPS) else {
-            return Ok((Analysis { before: first.fit().clone(), steps, diagnoses, model }, problem));
-        };
-        let added = ModelEffect { id: effect, ..ModelEffect::default() };
-        let (mut step, larger) = put_on(&problem, vec![added], date)?;
-        model.effects.extend(step.entries.iter().cloned());
-        step.model = model.clone();
-        problem = larger;
-        steps.push(step);
-    }
-}
-
-fn diagnosed(problem: &Problem<'_>) -> Result<Diagnosis, DiagnoseError> {
-    diagnose_problem(problem, &trunnion_engine::diagnosis::Options::default())
-}
-
-/// Diagnoses with the default options.
-///
-/// # Errors
-/// When the model does not fit the runs.
-pub fn diagnose(experiment: &Experiment, model: &Model) -> Result<Diagnosis, DiagnoseError> {
-    diagnosed(&Problem::new(experiment, model)?)
-}
-
-/// Diagnoses, and where candidates are confused plans the cycle that tells them apart.
-///
-/// # Errors
-/// When the model does not fit the runs.
-pub fn diagnose_and_plan(experiment: &Experiment, model: &Model) -> Result<Diagnosis, DiagnoseError> {
-    let problem = Problem::new(experiment, model)?;
-    let mut diagnosis = diagnosed(&problem)?;
-    advise(&problem, &mut diagnosis);
-    Ok(diagnosis)
-}
-
-fn advise(problem: &Problem<'_>, diagnosis: &mut Diagnosis) {
-    next_cycle::advise(problem, diagnosis, &next_cycle::Options::default());
-}
-
-/// Adds one effect to a model and refits. A `formula:NAME` takes the expression the diagnosis proposes.
-///
-/// # Errors
-/// When a fit fails or nobody proposed the formula.
-pub fn add(experiment: &Experiment, model: &Model, id: &str, date: &str) -> Result<Step, AnalysisError> {
-    let problem = Problem::new(experiment, model)?;
-    let entry = entry(id, &FormulaText::default())?;
-    let entries = match is_complete(&entry) {
-        true => vec![entry],
-        false => proposed(diagnosed(&problem)?.formula, entry, &FormulaText::default())?,
-    };
-    Ok(put_on(&problem, entries, date)?.0)
-}
-
-/// Puts entries, one at least, at the end of a model, refits, and measures their ladder rows.
-///
-/// # Errors
-/// When a fit fails.
-pub fn put(
-    experiment: &Experiment,
-    model: &Model,
-    entries: Vec<ModelEffect>,
-    date: &str,
-) -> Result<Step, AnalysisError> {
-    Ok(put_on(&Problem::new(experiment, model)?, entries, date)?.0)
-}
-
-fn put_on<'a>(
-    problem: &Problem<'a>,
+/// Puts entries, one at least, at the end of a model, fits again, and measures their ladder rows.
+pub(crate) fn put(
+    problem: &Problem<'_>,
     mut entries: Vec<ModelEffect>,
     date: &str,
-) -> Result<(Step, Problem<'a>), AnalysisError> {
-    let (experiment, before) = (problem.experiment(), problem.fit());
+) -> Result<Put, AnalysisError> {
+    let experiment = problem.experiment();
     let mut larger = problem.clone();
     for entry in &mut entries {
         let with = larger.with(std::slice::from_ref(entry))?;
         entry.ladder = Some(ladder_row(experiment, larger.fit(), with.fit(), date));
         larger = with;
     }
-    let mut model = problem.model().clone();
-    model.effects.extend(entries.iter().cloned());
-    let mut entry = entries.first().cloned().unwrap_or_default();
-    entry.ladder = Some(ladder_row(experiment, before, larger.fit(), date));
-    let step = Step { entry, entries, model, before: before.clone(), identification: larger.fit().clone() };
-    Ok((step, larger))
+    let mut whole = entries.first().cloned().unwrap_or_default();
+    whole.ladder = Some(ladder_row(experiment, problem.fit(), larger.fit(), date));
+    Ok(Put { whole, entries, fit: larger.into_fit() })
 }
 
-/// A model without one of its effects. The ladder rows of the effects after it are measured anew, because they said what
+/// A model without one of its effects. The ladder rows of the effects after it are measured again, because they said what
 /// adding those did on top of the one that is gone.
 ///
 /// # Errors
 /// When the effect is not in the model or in every model, or a fit fails.
-pub fn remove(experiment: &Experiment, model: &Model, id: &str, date: &str) -> Result<Model, AnalysisError> {
+pub(crate) fn remove(
+    experiment: &Experiment,
+    model: &Model,
+    id: &str,
+    date: &str,
+) -> Result<(Model, Identification), AnalysisError> {
     if BASE.contains(&id) {
         return Err(AnalysisError::Base { id: id.into() });
     }
@@ -237,34 +113,27 @@ pub fn remove(experiment: &Experiment, model: &Model, id: &str, date: &str) -> R
     };
     let mut smaller = model.clone();
     smaller.effects.remove(at);
-    measure_ladder(experiment, &mut smaller, at, date)?;
-    Ok(smaller)
+    let fit = measure_ladder(experiment, &mut smaller, at, date)?;
+    Ok((smaller, fit))
 }
 
-/// Measures anew the ladder rows of the entries from `first` on, each on top of the entries before it.
+/// Measures again the ladder rows of the entries from `first` on, each on top of the entries before it; gives the fit of all.
 fn measure_ladder(
     experiment: &Experiment,
     model: &mut Model,
     first: usize,
     date: &str,
-) -> Result<(), AnalysisError> {
-    let until =
-        |last: usize| Model { machine: model.machine.clone(), effects: model.effects[..last].to_vec() };
-    let mut rows = Vec::new();
-    if first < model.effects.len() {
-        let mut before = Problem::new(experiment, &until(first))?;
-        for entry in &model.effects[first..] {
-            let after = before.with(std::slice::from_ref(entry))?;
-            rows.push(ladder_row(experiment, before.fit(), after.fit(), date));
-            before = after;
-        }
-    }
-    for (entry, row) in model.effects[first..].iter_mut().zip(rows) {
+) -> Result<Identification, AnalysisError> {
+    let shorter = Model { machine: model.machine.clone(), effects: model.effects[..first].to_vec() };
+    let mut before = Problem::new(experiment, &shorter)?;
+    for entry in &mut model.effects[first..] {
+        let after = before.with(std::slice::from_ref(entry))?;
         if !BASE.contains(&entry.id.as_str()) {
-            entry.ladder = Some(row);
+            entry.ladder = Some(ladder_row(experiment, before.fit(), after.fit(), date));
         }
+        before = after;
     }
-    Ok(())
+    Ok(before.into_fit())
 }
 
 fn ladder_row(
@@ -310,22 +179,26 @@ fn moved(before: &Identification, after: &Identification) -> Vec<Moved> {
     moved.into_iter().enumerate().filter(|(at, (_, one))| keep(*at, one)).map(|(_, (_, one))| one).collect()
 }
 
-/// The model entries of an effect as a user names it. What a formula is not told is taken from what the diagnosis proposes
+/// The model entries of an effect as a user names it. What a formula lacks is taken from what the diagnosis proposes
 /// under the same name, with its further components.
 ///
 /// # Errors
 /// When the diagnosis fails or proposes no formula of this name.
-pub fn entries(
-    experiment: &Experiment,
-    model: &Model,
+pub(crate) fn entries(
+    problem: &Problem<'_>,
     id: &str,
-    told: &FormulaText,
+    text: &FormulaText,
 ) -> Result<Vec<ModelEffect>, AnalysisError> {
-    let entry = entry(id, told)?;
+    let entry = entry(id, text)?;
     if is_complete(&entry) {
         return Ok(vec![entry]);
     }
-    proposed(diagnose(experiment, model)?.formula, entry, told)
+    proposed(diagnosed(problem)?.formula, entry, text)
+}
+
+/// A diagnosis with the default options.
+pub(crate) fn diagnosed(problem: &Problem<'_>) -> Result<Diagnosis, DiagnoseError> {
+    diagnose_problem(problem, &trunnion_engine::diagnosis::Options::default())
 }
 
 /// True for what can be added as it is.
@@ -335,29 +208,29 @@ fn is_complete(entry: &ModelEffect) -> bool {
 }
 
 /// An effect as far as the user describes it.
-fn entry(id: &str, told: &FormulaText) -> Result<ModelEffect, AnalysisError> {
-    if Formula::name_of(id).is_none() && *told != FormulaText::default() {
+fn entry(id: &str, text: &FormulaText) -> Result<ModelEffect, AnalysisError> {
+    if Formula::name_of(id).is_none() && *text != FormulaText::default() {
         return Err(AnalysisError::NoFormula { id: id.into() });
     }
     Ok(ModelEffect {
         id: id.into(),
-        site: told.site.clone(),
-        component: told.component.clone(),
-        expression: told.expression.clone(),
-        grid: told.grid.clone(),
+        site: text.site.clone(),
+        component: text.component.clone(),
+        expression: text.expression.clone(),
+        grid: text.grid.clone(),
         ..ModelEffect::default()
     })
 }
 
-/// What is not told of a formula, from the one that a diagnosis proposes.
+/// What a formula lacks, from the one that a diagnosis proposes.
 fn proposed(
     proposal: Option<FormulaProposal>,
     entry: ModelEffect,
-    told: &FormulaText,
+    text: &FormulaText,
 ) -> Result<Vec<ModelEffect>, AnalysisError> {
     let name = Formula::name_of(&entry.id).unwrap_or_default();
     match proposal {
-        Some(formula) if formula.name == name && *told == FormulaText::default() => Ok(formula.entries),
+        Some(formula) if formula.name == name && *text == FormulaText::default() => Ok(formula.entries),
         Some(formula) if formula.name == name => Ok(vec![ModelEffect {
             site: entry.site.or(Some(formula.site)),
             component: entry.component.or(Some(formula.component)),

@@ -1,8 +1,9 @@
 //! A fit together with its diagnosis.
 
-use crate::{Error, Experiment, Fit, Step};
+use crate::analysis::diagnosed;
+use crate::{Error, Experiment, Fit};
 use std::sync::Arc;
-use trunnion_engine::Diagnosis;
+use trunnion_engine::{Diagnosis, next_cycle};
 use trunnion_results as results;
 
 /// A fit, and what its model lacks. Clones share the data.
@@ -12,9 +13,28 @@ pub struct Diagnosed {
     diagnosis: Arc<Diagnosis>,
 }
 
+impl Fit {
+    /// Which effect the model lacks; where candidates are confused, the cycle that separates them is planned too.
+    ///
+    /// # Errors
+    /// Too few readings to judge the model.
+    pub fn diagnose(&self) -> Result<Diagnosed, Error> {
+        Ok(Diagnosed::without_plan(self)?.planned())
+    }
+}
+
 impl Diagnosed {
-    pub(crate) fn of(fit: &Fit, diagnosis: Diagnosis) -> Self {
-        Self { fit: fit.clone(), diagnosis: Arc::new(diagnosis) }
+    /// What the model lacks, without a plan for the next cycle.
+    pub(crate) fn without_plan(fit: &Fit) -> Result<Self, Error> {
+        let diagnosis = diagnosed(&fit.problem())?;
+        Ok(Self { fit: fit.clone(), diagnosis: Arc::new(diagnosis) })
+    }
+
+    /// With the cycle that separates what is confused.
+    pub(crate) fn planned(self) -> Self {
+        let mut diagnosis = self.diagnosis().clone();
+        next_cycle::advise(&self.fit.problem(), &mut diagnosis, &next_cycle::Options::default());
+        Self { fit: self.fit, diagnosis: Arc::new(diagnosis) }
     }
 
     /// The fit that was diagnosed.
@@ -40,14 +60,6 @@ impl Diagnosed {
     /// The effect or formula that leads, if the verdict names one.
     pub fn best(&self) -> Option<String> {
         self.results().best()
-    }
-
-    /// Adds an effect to the model and fits again.
-    ///
-    /// # Errors
-    /// As [`Fit::add`].
-    pub fn add(&self, effect: &str) -> Result<Step, Error> {
-        self.fit.add(effect)
     }
 
     /// Predicts other runs with the values of the fit.

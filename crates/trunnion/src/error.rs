@@ -3,6 +3,7 @@
 use crate::analysis::AnalysisError;
 use std::path::{Path, PathBuf};
 use trunnion_core::Problems;
+use trunnion_cycles::VisitError;
 use trunnion_engine::next_cycle::PlanError;
 use trunnion_engine::{DiagnoseError, ExperimentError, IdentifyError};
 use trunnion_record::RecordError;
@@ -62,6 +63,36 @@ pub enum Error {
     /// No cycle could be planned.
     #[error(transparent)]
     Plan(Box<PlanError>),
+    /// An axis that a method cannot judge.
+    #[error("machine {machine} has no rotary axis \"{name}\"; allowed: {allowed}")]
+    NoSuchAxis {
+        /// As asked.
+        name: String,
+        /// Name of the machine.
+        machine: String,
+        /// Its rotary axes.
+        allowed: String,
+    },
+    /// A cycle that its machine cannot run.
+    #[error(transparent)]
+    Visit(Box<VisitError>),
+    /// A machine whose controller takes places of the tool.
+    #[error(
+        "machine {machine} has legs in parallel: its controller takes places of the tool, not strokes of legs; \
+         program the places of the cycle's balls with the machine's own transformation"
+    )]
+    Legs {
+        /// Name of the machine.
+        machine: String,
+    },
+    /// A recording that cannot be written.
+    #[error("cannot write {}", path.display())]
+    NotRecorded {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: Box<RecordError>,
+    },
     /// A named method cannot be applied.
     #[error(transparent)]
     Method(Box<trunnion_methods::recipes::MethodError>),
@@ -110,6 +141,7 @@ boxed! {
     Diagnose: DiagnoseError,
     Analysis: AnalysisError,
     Plan: PlanError,
+    Visit: VisitError,
     Method: trunnion_methods::recipes::MethodError,
     Attribution: trunnion_methods::attribution::AttributionError,
     Volume: trunnion_methods::volumetric::VolumeError,

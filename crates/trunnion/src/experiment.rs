@@ -1,7 +1,7 @@
 //! Runs opened together, ready to be fitted.
 
 use crate::recording::{self, Recording};
-use crate::{Error, Fit, Model, files, timing};
+use crate::{Error, Model, files, timing};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use trunnion_cycles::Run;
@@ -73,11 +73,11 @@ pub fn read(path: &Path, limits: Option<Limits>) -> Result<Recording, Error> {
 /// # Errors
 /// Every problem of both files at once.
 pub fn read_points(points: &Path, setup: &Path) -> Result<Run, Error> {
-    let (setup_text, points_text) = (files::read(setup)?, files::read(points)?);
     let stem = points.file_stem().map_or_else(|| "points".into(), |stem| stem.to_string_lossy());
     // `points.csv` is called after its folder.
     let folder = points.parent().and_then(Path::file_name).map(|name| name.to_string_lossy());
     let name = folder.filter(|_| stem == "points").unwrap_or(stem);
+    let (setup_text, points_text) = (files::read(setup)?, files::read(points)?);
     Ok(trunnion_record::points_csv::import_files(
         &name,
         (&points.display().to_string(), &points_text),
@@ -96,7 +96,7 @@ impl Experiment {
         for (path, recording) in recordings {
             let named = |text: String| format!("{}: {text}", path.display());
             damage.extend(recording.damage.as_ref().map(|damage| named(damage.to_string())));
-            reductions.extend(recording.reduction.as_ref().map(|reduction| named(reduction.summary())));
+            reductions.extend(recording.reduction.map(named));
             timing.extend(recording.timing);
             runs.push(recording.run);
         }
@@ -144,13 +144,5 @@ impl Experiment {
     /// The model that every other begins with: location errors and ball setting.
     pub fn base_model(&self) -> Model {
         Model::base(&self.machine().name)
-    }
-
-    /// Fits every effect of a model to the runs together.
-    ///
-    /// # Errors
-    /// A model that does not suit machine or runs, or a fit that does not converge.
-    pub fn fit(&self, model: &Model) -> Result<Fit, Error> {
-        Fit::new(self, model)
     }
 }

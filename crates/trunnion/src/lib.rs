@@ -17,8 +17,10 @@
 //! Every answer is a value of `trunnion-results` ([`results`]): a serde type with a JSON schema. [`Fit::results`],
 //! [`Diagnosed::results`] and [`Step::results`] give it, `summary` gives the same as text.
 
-pub mod analysis;
+mod analysed;
+mod analysis;
 mod compared;
+pub mod cycles;
 mod diagnosed;
 mod error;
 mod experiment;
@@ -31,14 +33,23 @@ mod prediction;
 pub mod recorded;
 pub mod recording;
 mod step;
+pub mod tables;
 pub mod timing;
 
+pub use analysed::Analysed;
+pub use analysis::{AnalysisError, FormulaText};
 pub use compared::{Compared, Trial};
 pub use diagnosed::Diagnosed;
 pub use error::Error;
 pub use experiment::{Experiment, open, open_all, open_with, read, read_points};
 pub use fit::Fit;
-pub use methods::{Attributed, Volumetric, attribute_run};
+pub use methods::{Attributed, Volumetric, attribute_run, method};
 pub use model::Model;
 pub use step::Step;
+pub use trunnion_machine::Machine;
+pub use trunnion_methods::notation::Notation;
+pub use trunnion_methods::recipes::{Convention, MethodOptions, REGISTRY as EVERY_METHOD};
+pub use trunnion_methods::volumetric::Datum;
+pub use trunnion_report as report;
 pub use trunnion_results as results;
+pub use trunnion_sync::blocks::Limits;

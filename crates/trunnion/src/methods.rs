@@ -2,19 +2,18 @@
 
 use crate::{Error, Experiment, Fit, files};
 use std::path::Path;
-use trunnion_core::AxisLetter;
+use trunnion_core::{Joint, names};
 use trunnion_cycles::Cycle;
-use trunnion_methods::AxisErrors;
 use trunnion_methods::attribution::{Motion, attribute};
 use trunnion_methods::notation::{Layout, Notation};
-use trunnion_methods::recipes::{self, MethodOptions};
+use trunnion_methods::recipes::{self, Method, MethodOptions};
 use trunnion_methods::volumetric::{Datum, Volume, VolumetricMap};
 use trunnion_results as results;
 
 /// Volumetric accuracy of a machine by a fitted model.
 pub struct Volumetric {
-    map: VolumetricMap,
-    axes: Vec<AxisLetter>,
+    answer: results::Volumetric,
+    map: results::ErrorMap,
     words: String,
 }
 
@@ -26,7 +25,28 @@ pub struct Attributed {
     pub damage: Option<String>,
 }
 
+/// The method of the literature with this name.
+///
+/// # Errors
+/// No such method; says which there are.
+pub fn method(name: &str) -> Result<&'static Method, Error> {
+    Ok(recipes::find(name)?)
+}
+
 impl Experiment {
+    /// The rotary joint of this name, as the machine file writes it or in another case.
+    ///
+    /// # Errors
+    /// No such joint, or one that is linear; says which there are.
+    pub fn rotary_joint(&self, name: &str) -> Result<Joint, Error> {
+        let machine = self.machine();
+        machine.joint(name).filter(|joint| joint.is_rotary()).ok_or_else(|| Error::NoSuchAxis {
+            name: name.into(),
+            machine: machine.name.clone(),
+            allowed: names::allowed(name, machine.rotary_joints().iter().map(|joint| joint.as_str())),
+        })
+    }
+
     /// What a named method of the literature finds in the runs.
     ///
     /// # Errors
@@ -48,9 +68,9 @@ impl Fit {
     ///
     /// # Errors
     /// A model that does not suit the runs.
-    pub fn axis_errors(&self) -> Result<AxisErrors, Error> {
+    pub fn axis_errors(&self) -> Result<results::AxisErrors, Error> {
         let (points, model) = (self.experiment().points(), self.model().entries());
-        Ok(AxisErrors::new(points, model, self.identification())?)
+        Ok((&trunnion_methods::AxisErrors::new(points, model, self.identification())?).into())
     }
 
     /// Deviations of tool against table over a volume, e.g. `X=-200..200,B=-90..90`, at so many places along each axis, of a point
@@ -77,29 +97,35 @@ impl Fit {
             datum,
         )?;
         let axes = experiment.machine().joints();
-        Ok(Volumetric { map, axes, words })
+        let answer = results::Volumetric::new(&map, &axes);
+        Ok(Volumetric { answer, map: results::ErrorMap::new(&map, &axes), words })
     }
 }
 
 impl Volumetric {
     /// The answer: `trunnion-volumetric/1`.
     pub fn results(&self) -> results::Volumetric {
-        results::Volumetric::new(&self.map, &self.axes)
+        self.answer.clone()
+    }
+
+    /// The error map: `trunnion-error-map/1`.
+    pub fn error_map(&self) -> &results::ErrorMap {
+        &self.map
     }
 
     /// The answer as text.
     pub fn summary(&self) -> String {
-        trunnion_report::volumetric_text(&self.map, &self.words)
+        trunnion_report::volumetric_text(&self.answer, &self.words)
     }
 
     /// The answer as a page of its own.
     pub fn page(&self) -> String {
-        trunnion_report::volumetric_html(&self.map, &self.words, &crate::page::label())
+        trunnion_report::volumetric_html(&self.answer, &self.map, &self.words, &crate::page::label())
     }
 
     /// The error map as a table.
     pub fn error_map_csv(&self) -> String {
-        trunnion_report::error_map_csv(&self.map, &self.axes)
+        trunnion_report::error_map_csv(&self.map)
     }
 }
 

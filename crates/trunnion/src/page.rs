@@ -1,55 +1,10 @@
-//! The compare page of an experiment, from the analysis of it.
+//! What every page says of itself, and losses in sentences.
 
-use crate::analysis::Analysis;
 use trunnion_core::Gap;
-use trunnion_effects::Model;
-use trunnion_engine::{Diagnosis, Experiment, Identification};
-use trunnion_report::{CompareInput, LadderRow, compare_html};
-use trunnion_results::TimeQuality;
-
-/// The page after a whole analysis: the base model's diagnosis, the ladder, the final fit.
-pub fn compare_page(
-    experiment: &Experiment,
-    analysis: &Analysis,
-    losses: &[String],
-    timing: &[TimeQuality],
-) -> String {
-    compare_html(&compare_input(
-        experiment,
-        analysis.identification(),
-        Some(analysis.diagnosis()),
-        &analysis.model,
-        losses,
-        timing,
-    ))
-}
-
-/// What the page and the text tables show of one fit.
-pub fn compare_input(
-    experiment: &Experiment,
-    identification: &Identification,
-    diagnosis: Option<&Diagnosis>,
-    model: &Model,
-    losses: &[String],
-    timing: &[TimeQuality],
-) -> CompareInput {
-    CompareInput {
-        label: label(),
-        ladder: ladder(model),
-        losses: losses.to_vec(),
-        timing: timing.to_vec(),
-        ..CompareInput::new(experiment, identification, diagnosis.map(Into::into))
-    }
-}
 
 /// What made a page.
 pub fn label() -> String {
     format!("Trunnion {}", env!("CARGO_PKG_VERSION"))
-}
-
-/// The ladder rows that a model carries.
-pub fn ladder(model: &Model) -> Vec<LadderRow> {
-    trunnion_report::ladder_of(model)
 }
 
 /// Holes in the data, one sentence each.

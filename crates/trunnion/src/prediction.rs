@@ -20,8 +20,19 @@ const COVERAGE_95: f64 = 1.96;
 /// Columns of the settings below this share of the largest are no direction of their own.
 const INDEPENDENT: f64 = 1e-9;
 
+impl Fit {
+    /// Predicts other runs with the values of this fit: everything of the machine frozen, only how the ball was set in the new
+    /// runs is fitted.
+    ///
+    /// # Errors
+    /// Runs of another machine, or runs that an effect of the model is out of reach of.
+    pub fn predict(&self, other: &Experiment) -> Result<results::Prediction, Error> {
+        predict(self, other)
+    }
+}
+
 /// Predicts each run of `other` alone.
-pub(crate) fn predict(fit: &Fit, other: &Experiment) -> Result<results::Prediction, Error> {
+fn predict(fit: &Fit, other: &Experiment) -> Result<results::Prediction, Error> {
     let fitted = fit.identification();
     let mut runs = Vec::new();
     for run in other.runs() {
@@ -55,7 +66,7 @@ fn predict_run(
 ) -> Result<results::RunPrediction, Error> {
     let fitted = fit.identification();
     let frozen = Frozen::new(fit, experiment)?;
-    let options = Options { holdout: trunnion_engine::HoldoutWanted::No, ..Options::quick() };
+    let options = Options { holdout: trunnion_engine::HeldOut::Skipped, ..Options::quick() };
     let settled = trunnion_engine::identify(experiment, &frozen.model, &options)?;
     let band = frozen.band_mm(&fitted.covariance, fitted.rms_mm);
     let residual = &settled.residual_mm;

@@ -1,6 +1,6 @@
 //! A recording on its way into an analysis. The same for a live run, a replay and every command.
 //!
-//! The points of a run on the fly are formed anew from its samples, which the clocks of the whole run and the sync gestures time
+//! The points of a run on the fly are formed again from its samples, which the clocks of the whole run and the synchronisation moves time
 //! better than was possible while it went on. They become blocks while they are read, so that a long run needs no more memory
 //! than a short one. Points at rest, and points without samples, are as recorded.
 
@@ -15,16 +15,17 @@ use trunnion_machine::Machine;
 use trunnion_record::{Damage, Item, RecordError, RunHeader, RunStart};
 use trunnion_sync::CycleEvent;
 use trunnion_sync::EndReason;
-use trunnion_sync::blocks::{Limits, Reducer, Reduction};
+use trunnion_sync::blocks::{Limits, Reducer};
 use trunnion_sync::forming::Forming;
+use trunnion_sync::stations::Stations;
 use trunnion_sync::time_quality::TimeQuality;
 
 /// A recording as read.
 pub struct Recording {
     /// Its points, or blocks of them.
     pub run: Run,
-    /// How the blocks were made; `None` when every point is as recorded.
-    pub reduction: Option<Reduction>,
+    /// How many points became how few; `None` when every point is as recorded.
+    pub reduction: Option<String>,
     /// What is wrong with the file.
     pub damage: Option<Damage>,
     /// How well it is known in time; `None` without stamps.
@@ -35,8 +36,8 @@ pub struct Recording {
 const BATCH: usize = 256;
 const QUEUE: usize = 16;
 
-/// Reads a recording whose machine is shipped with it or found by name in `machine`. With `limits` a run on the fly of more
-/// points than its blocks is reduced. One thread unpacks the file, the other reduces; at most `QUEUE` batches wait between
+/// Reads a recording whose machine is shipped with it or found by name in `machine`. With `limits` a run of more
+/// points than they allow is reduced. One thread unpacks the file, the other reduces; at most `QUEUE` batches wait between
 /// them.
 ///
 /// # Errors
@@ -53,10 +54,10 @@ pub fn read(
         .filter(|plan| plan.cycle.run_kind() == RunKind::OnTheFly)
         .and_then(|plan| Forming::new(&plan, header.temperature_channels.len()).ok());
     let (send, batches) = mpsc::sync_channel::<Batch>(QUEUE);
-    let mut points = Points { limits, kept: Vec::new(), reducer: None };
+    let mut points = Points { limits, start: None, kept: Vec::new(), reducing: None };
     let read = std::thread::scope(|scope| {
         let unpack = scope.spawn(|| match (forming, &timing) {
-            (Some(forming), Some(timing)) => form_anew(path, &header, machine, forming, timing, send),
+            (Some(forming), Some(timing)) => form_again(path, &header, machine, forming, timing, send),
             _ => unpack(path, machine, send),
         });
         batches.into_iter().for_each(|batch| points.take(batch));
@@ -68,7 +69,7 @@ pub fn read(
 }
 
 /// Hands over the points that the samples give with the clocks of the whole run.
-fn form_anew(
+fn form_again(
     path: &Path,
     header: &RunHeader,
     machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
@@ -158,38 +159,75 @@ fn unpack(
     Ok(read)
 }
 
-/// Points of a run as they are read: kept, or reduced to blocks when they are many and were taken on the fly.
+/// Points of a run as they are read: kept, or reduced when they are many.
 struct Points {
     limits: Option<Limits>,
+    start: Option<RunStart>,
     kept: Vec<(u64, Point)>,
-    reducer: Option<(RunStart, Option<Reducer<Nominal>>)>,
+    reducing: Option<Reducing>,
+}
+
+enum Reducing {
+    Blocks(Box<Reducer<Nominal>>),
+    Stations(Box<Stations<Nominal>>),
+}
+
+impl Reducing {
+    fn begin(start: &RunStart, limits: Limits) -> Self {
+        let (machine, setups) = (&start.machine, &start.header.setups);
+        match start.header.kind {
+            RunKind::OnTheFly => Self::Blocks(Box::new(trunnion_engine::reducer(machine, setups, limits))),
+            RunKind::Static => Self::Stations(Box::new(trunnion_engine::stations(machine, setups, limits))),
+        }
+    }
+
+    fn push(&mut self, index: u64, point: Point) {
+        match self {
+            Self::Blocks(blocks) => blocks.push(index, point),
+            Self::Stations(stations) => stations.push(index, point),
+        }
+    }
+
+    fn finish(self) -> (Vec<Point>, String) {
+        match self {
+            Self::Blocks(blocks) => {
+                let mut reduction = blocks.finish();
+                (std::mem::take(&mut reduction.points), reduction.summary())
+            }
+            Self::Stations(stations) => {
+                let reduced = stations.finish();
+                let summary = reduced.summary();
+                (reduced.points, summary)
+            }
+        }
+    }
 }
 
 impl Points {
     fn take(&mut self, batch: Batch) {
-        if let Some(start) = batch.start {
-            self.reducer = Some((start, None));
-        }
+        self.start = batch.start.or(self.start.take());
         for (index, point) in batch.points {
-            match &mut self.reducer {
-                Some((_, Some(reducer))) => reducer.push(index, point),
-                _ => self.kept.push((index, point)),
+            match &mut self.reducing {
+                Some(reducing) => reducing.push(index, point),
+                None => self.kept.push((index, point)),
             }
-            if let (Some(limits), Some((start, empty @ None))) = (self.limits, &mut self.reducer)
-                && start.header.kind == RunKind::OnTheFly
-                && self.kept.len() > limits.most_blocks
-            {
-                let mut reducer = trunnion_engine::reducer(&start.machine, &start.header.setups, limits);
-                self.kept.drain(..).for_each(|(index, point)| reducer.push(index, point));
-                *empty = Some(reducer);
+            let Some((start, limits)) = self.start.as_ref().zip(self.limits) else { continue };
+            let most = match start.header.kind {
+                RunKind::OnTheFly => limits.most_blocks,
+                RunKind::Static => limits.most_stations,
+            };
+            if self.reducing.is_none() && self.kept.len() > most {
+                let mut reducing = Reducing::begin(start, limits);
+                self.kept.drain(..).for_each(|(index, point)| reducing.push(index, point));
+                self.reducing = Some(reducing);
             }
         }
     }
 
-    fn finish(mut self) -> (Vec<Point>, Option<Reduction>) {
-        if let Some((_, Some(reducer))) = self.reducer {
-            let mut reduction = reducer.finish();
-            return (std::mem::take(&mut reduction.points), Some(reduction));
+    fn finish(mut self) -> (Vec<Point>, Option<String>) {
+        if let Some(reducing) = self.reducing {
+            let (points, summary) = reducing.finish();
+            return (points, Some(summary));
         }
         self.kept.sort_by_key(|(index, _)| *index);
         (self.kept.into_iter().map(|(_, point)| point).collect(), None)

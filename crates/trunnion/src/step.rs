@@ -1,9 +1,9 @@
 //! An effect added to a model: the fits without and with it, and its ladder row.
 
-use crate::analysis::FormulaText;
+use crate::analysis::{FormulaText, Put};
 use crate::{Diagnosed, Error, Experiment, Fit, Model, analysis};
 use trunnion_effects::catalogue::BASE;
-use trunnion_effects::{LadderRow, ModelEffect};
+use trunnion_effects::{Formula, LadderRow, ModelEffect};
 use trunnion_results as results;
 
 /// An effect added to a model.
@@ -18,35 +18,97 @@ pub struct Step {
     after: Fit,
 }
 
+impl Fit {
+    /// Adds an effect to the model and fits again. A `formula:NAME` takes the expression that the diagnosis proposes.
+    ///
+    /// # Errors
+    /// An unknown effect or one that is in the model already, or a fit that fails.
+    pub fn add(&self, effect: &str) -> Result<Step, Error> {
+        self.add_as(effect, &FormulaText::default())
+    }
+
+    /// The same with what a user says of the expression of a formula. An effect that was written into the model file by hand, and
+    /// has no ladder row yet, gets its row.
+    ///
+    /// # Errors
+    /// As [`Fit::add`].
+    pub fn add_as(&self, effect: &str, text: &FormulaText) -> Result<Step, Error> {
+        let entries = &self.model().entries().effects;
+        match entries.iter().position(|entry| entry.id == effect) {
+            None => Step::of(self, effect, analysis::entries(&self.problem(), effect, text)?),
+            Some(at) => Step::of_held(self, at, written_by_hand(&entries[at], text)?),
+        }
+    }
+
+    /// Takes an effect out of the model, fits again and measures the ladder rows after it again; `date` goes into them.
+    ///
+    /// # Errors
+    /// An effect that is not in the model, or is in every model.
+    pub fn remove(&self, effect: &str, date: &str) -> Result<Self, Error> {
+        let entries = self.model().entries();
+        let (smaller, fit) = analysis::remove(self.experiment().points(), entries, effect, date)?;
+        let mut model = self.model().without(effect)?;
+        for entry in &smaller.effects {
+            let old = entries.effects.iter().find(|old| old.id == entry.id);
+            if let Some(row) =
+                entry.ladder.as_ref().filter(|_| old.is_none_or(|old| old.ladder != entry.ladder))
+            {
+                model = model.with_ladder_row(&entry.id, row)?;
+            }
+        }
+        Ok(Self::of(self.experiment(), model, fit))
+    }
+}
+
+impl Diagnosed {
+    /// Adds an effect to the model and fits again.
+    ///
+    /// # Errors
+    /// As [`Fit::add`].
+    pub fn add(&self, effect: &str) -> Result<Step, Error> {
+        match &self.diagnosis().formula {
+            Some(formula) if Formula::name_of(effect) == Some(formula.name.as_str()) => {
+                Step::of(self.fit(), effect, formula.entries.clone())
+            }
+            _ => self.fit().add(effect),
+        }
+    }
+}
+
 impl Step {
-    pub(crate) fn of(fit: &Fit, effect: &str, told: &FormulaText) -> Result<Self, Error> {
-        let (experiment, model) = (fit.experiment(), fit.model());
-        let held = model.entries().effects.iter().position(|entry| entry.id == effect);
-        let (step, larger) = match held {
-            None => {
-                let entries = analysis::entries(experiment.points(), model.entries(), effect, told)?;
-                let step = analysis::put(experiment.points(), model.entries(), entries, "")?;
-                let larger = model.with(&step.entries)?;
-                (step, larger)
-            }
-            Some(at) => {
-                let entry = written_by_hand(&model.entries().effects[at], told)?;
-                let mut shorter = model.entries().clone();
-                shorter.effects.truncate(at);
-                let step = analysis::put(experiment.points(), &shorter, vec![entry], "")?;
-                let larger = model.with_ladder_row(effect, &row_of(&step))?;
-                (step, larger)
-            }
-        };
-        let before = Fit::of(experiment, fit.model().clone(), step.before.clone());
-        Ok(Self {
+    /// New entries at the end of the model.
+    pub(crate) fn of(fit: &Fit, effect: &str, entries: Vec<ModelEffect>) -> Result<Self, Error> {
+        let put = analysis::put(&fit.problem(), entries, "")?;
+        let larger = fit.model().with(&put.entries)?;
+        Ok(Self::new(fit.clone(), larger, effect, put))
+    }
+
+    /// The entry at this place of the model, measured on top of those before it.
+    fn of_held(fit: &Fit, at: usize, entry: ModelEffect) -> Result<Self, Error> {
+        let mut shorter = fit.model().entries().clone();
+        shorter.effects.truncate(at);
+        let before = fit.experiment().fit(&shorter.into())?;
+        let effect = entry.id.clone();
+        let put = analysis::put(&before.problem(), vec![entry], "")?;
+        let row = put.whole.ladder.clone().unwrap_or_default();
+        let larger = fit.model().with_ladder_row(&effect, &row)?;
+        if at + 1 == fit.model().entries().effects.len() {
+            return Ok(Self::new(before, larger, &effect, put));
+        }
+        // Entries after it stay in the model, above its row.
+        let after = fit.experiment().fit(&larger)?;
+        Ok(Self { after, ..Self::new(before, larger, &effect, put) })
+    }
+
+    fn new(before: Fit, larger: Model, effect: &str, put: Put) -> Self {
+        Self {
             effect: effect.into(),
-            row: row_of(&step),
-            whole: step.entry,
-            after: Fit::of(experiment, larger, step.identification),
-            entries: step.entries,
+            after: Fit::of(before.experiment(), larger, put.fit),
+            row: put.whole.ladder.clone().unwrap_or_default(),
+            whole: put.whole,
+            entries: put.entries,
             before,
-        })
+        }
     }
 
     /// The same with a date in its ladder rows.
@@ -97,11 +159,11 @@ impl Step {
     }
 
     /// What adding it did to the error: as the model file holds it, or of all entries of a formula of several components.
-    pub fn row(&self) -> results::LadderRow {
+    pub fn row(&self) -> LadderRow {
         let of_model = self.model().entries().effects.iter().find(|entry| entry.id == self.effect);
         match of_model.and_then(|entry| entry.ladder.as_ref()).filter(|_| self.entries.len() == 1) {
-            Some(row) => row.into(),
-            None => (&self.row).into(),
+            Some(row) => row.clone(),
+            None => self.row.clone(),
         }
     }
 
@@ -122,8 +184,7 @@ impl Step {
 
     /// The answer as text: the ladder, then the fit.
     pub fn summary(&self) -> String {
-        let ladder = crate::page::ladder(self.model().entries());
-        let ladder = trunnion_report::ladder_text(&ladder, self.row().noise_um);
+        let ladder = trunnion_report::ladder_text(&self.ladder(), self.row().noise_um);
         format!("{ladder}\n{}", self.after.summary())
     }
 
@@ -152,14 +213,10 @@ impl Step {
     }
 }
 
-fn row_of(step: &analysis::Step) -> LadderRow {
-    step.entry.ladder.clone().unwrap_or_default()
-}
-
 /// The entry, when it waits for its ladder row.
-fn written_by_hand(entry: &ModelEffect, told: &FormulaText) -> Result<ModelEffect, Error> {
+fn written_by_hand(entry: &ModelEffect, text: &FormulaText) -> Result<ModelEffect, Error> {
     let waits = entry.ladder.is_none() && !BASE.contains(&entry.id.as_str());
-    if waits && *told == FormulaText::default() {
+    if waits && *text == FormulaText::default() {
         Ok(entry.clone())
     } else {
         Err(Error::InModel { effect: entry.id.clone() })

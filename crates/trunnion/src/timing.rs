@@ -1,16 +1,16 @@
-//! How well a recording is known in time: clocks fitted over the whole run, delays from its sync gestures, gaps and losses.
+//! How well a recording is known in time: clocks fitted over the whole run, delays from its synchronisation moves, gaps and losses.
 
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;
-use trunnion_core::{AxisLetter, AxisSample, AxisValues, Gap, NestSide, ProbeSample};
+use trunnion_core::{AxisSample, AxisValues, Gap, Joint, NestSide, ProbeSample};
 use trunnion_cycles::RunKind;
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_engine::{Experiment, IdentifyError};
 use trunnion_record::{Item, RecordError, RunHeader, visit_samples};
 use trunnion_sync::plan::Plan;
-use trunnion_sync::time_quality::{Gesture, StreamTiming, TimeQuality};
-use trunnion_sync::{GestureFinder, Retiming, Stream, Survey, mean_delays};
+use trunnion_sync::time_quality::{StreamTiming, SyncMove, TimeQuality};
+use trunnion_sync::{Retiming, Stream, Survey, SyncMoveFinder, mean_delays};
 
 /// Gaps that were over by then were before the run, s.
 const BEGIN_S: f64 = 0.05;
@@ -51,15 +51,15 @@ impl Timing {
 }
 
 /// Reads the stamps of a recording; `None` when it holds none (an import, a simulation, a recording of an older version).
-/// `plan` tells what the probes should have seen of a gesture.
+/// `plan` gives what the probes should have seen of a synchronisation move.
 ///
 /// # Errors
 /// A file that cannot be read.
 pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, RecordError> {
     let mut survey = Survey::default();
-    let mut finder = GestureFinder::default();
-    let (mut gestures, mut gaps, mut stamped) = (Vec::new(), Vec::new(), false);
-    let mut at_gesture = AxisValues::default();
+    let mut finder = SyncMoveFinder::default();
+    let (mut sync_moves, mut gaps, mut stamped) = (Vec::new(), Vec::new(), false);
+    let mut at_sync_move = AxisValues::default();
     let (header, _) = visit_samples(path, &mut |item| {
         match item {
             Item::Probe(sample) => {
@@ -70,9 +70,9 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, Record
             Item::Axes(sample) => {
                 stamped |= !sample.stamp.arrival_s.is_nan();
                 survey.axes(&sample);
-                if let Some(gesture) = finder.axes(&sample) {
-                    at_gesture = sample.position;
-                    gestures.push(gesture);
+                if let Some(sync_move) = finder.axes(&sample) {
+                    at_sync_move = sample.position;
+                    sync_moves.push(sync_move);
                 }
             }
             Item::Gap(gap) if gap.to_s > BEGIN_S => gaps.push(gap),
@@ -85,7 +85,7 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, Record
     }
     let (retiming, mut streams) = survey.finish();
     let mut notes = Vec::new();
-    let delays = mean_delays(&gestures);
+    let delays = mean_delays(&sync_moves);
     for (stream, timing) in &mut streams {
         timing.name = name(*stream, &header);
         timing.delay_s = match stream {
@@ -97,24 +97,24 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, Record
     for channel in delays.iter().filter(|(_, delay)| delay.birge_ratio > DIFFERS).map(|(channel, _)| *channel)
     {
         notes.push(format!(
-            "{}: the delay against the axes is not the same in all sync gestures; its uncertainty says by how much.",
+            "{}: the delay against the axes is not the same in all synchronisation moves; its uncertainty says by how much.",
             name(Stream::Probe(channel), &header)
         ));
     }
     if header.kind == RunKind::OnTheFly && delays.is_empty() {
         notes.push(
-            "No sync gesture was seen: what readings come later than the axes by is not taken out. Let `trunnion nc-program` write \
+            "No synchronisation move was seen: what readings come later than the axes by is not taken out. Let `trunnion nc-program` write \
              the program; it begins and ends with one."
                 .into(),
         );
     }
-    if let (Some(plan), Some(gesture)) = (plan, gestures.last()) {
-        notes.extend(unexpected_gains(plan, gesture, &at_gesture, &header));
+    if let (Some(plan), Some(sync_move)) = (plan, sync_moves.last()) {
+        notes.extend(unexpected_gains(plan, sync_move, &at_sync_move, &header));
     }
     let known: Vec<f64> = delays.values().map(|delay| delay.delay_s).collect();
     let usual_delay_s = known.iter().sum::<f64>() / (known.len() as f64).max(1.0);
     let quality =
-        TimeQuality { run: header.name.clone(), streams: streams.into_values().collect(), gestures, notes };
+        TimeQuality { run: header.name.clone(), streams: streams.into_values().collect(), sync_moves, notes };
     let delays_s = delays.into_iter().map(|(channel, delay)| (channel, delay.delay_s)).collect();
     Ok(Some(Timing { quality, retiming, delays_s, usual_delay_s }))
 }
@@ -151,7 +151,7 @@ fn share_out(gaps: &[Gap], streams: &mut BTreeMap<Stream, StreamTiming>) {
 /// Probes whose reading moved otherwise than the nest calibration and the machine file say: reversed, or in each other's place.
 fn unexpected_gains(
     plan: &Plan,
-    gesture: &Gesture,
+    sync_move: &SyncMove,
     position: &AxisValues<f64>,
     header: &RunHeader,
 ) -> Vec<String> {
@@ -160,16 +160,16 @@ fn unexpected_gains(
     else {
         return Vec::new();
     };
-    let expected = probes_from_nest * nest_motion(plan, gesture.axis, position);
+    let expected = probes_from_nest * nest_motion(plan, sync_move.axis, position);
     let unexpected = |(k, channel): (usize, &u16)| {
-        let seen = gesture.seen.iter().find(|seen| seen.channel == *channel)?;
+        let seen = sync_move.seen.iter().find(|seen| seen.channel == *channel)?;
         ((seen.gain - expected[k]).abs() > GAIN_SLACK).then(|| {
             format!(
                 "{}: moved by {:+.2} of the stroke of {} where machine file and nest calibration expect {:+.2}; look for a probe \
                  that is reversed or in another's place, and check [nest] in the configuration.",
                 name(Stream::Probe(*channel), header),
                 seen.gain,
-                gesture.axis,
+                sync_move.axis,
                 expected[k]
             )
         })
@@ -178,7 +178,7 @@ fn unexpected_gains(
 }
 
 /// Change of the reading in nest axes by a motion of one axis, mm/mm.
-fn nest_motion(plan: &Plan, axis: AxisLetter, position: &AxisValues<f64>) -> Vector3<f64> {
+fn nest_motion(plan: &Plan, axis: Joint, position: &AxisValues<f64>) -> Vector3<f64> {
     let mut moved = *position;
     moved[axis] += 1.0;
     let none = trunnion_machine::JointErrors::default();
@@ -201,7 +201,7 @@ fn nest_motion(plan: &Plan, axis: AxisLetter, position: &AxisValues<f64>) -> Vec
 /// When the fit fails.
 pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, IdentifyError> {
     let scene = &experiment.scene;
-    let turning: Vec<AxisLetter> = scene
+    let turning: Vec<Joint> = scene
         .machine
         .rotary_joints()
         .into_iter()
@@ -216,7 +216,7 @@ pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, Identif
     if !(both_ways && two_feeds) {
         let missing = if both_ways { "a second feed" } else { "the other direction of travel" };
         return Ok(Some(format!(
-            "The delay between the axes cannot be told from backlash and the phase of a once-per-turn error without {missing}."
+            "The delay between the axes cannot be distinguished from backlash and the phase of a once-per-turn error without {missing}."
         )));
     }
     let mut model = Model::base(&scene.machine.name);
@@ -226,7 +226,7 @@ pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, Identif
         model.effects.push(ModelEffect { id, ..ModelEffect::default() });
     }
     let fit = trunnion_engine::identify(experiment, &model, &trunnion_engine::fit::Options::default())?;
-    let told: Vec<String> = fit
+    let reported: Vec<String> = fit
         .parameters
         .iter()
         .filter(|parameter| parameter.effect == "sync-delay")
@@ -241,10 +241,10 @@ pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, Identif
             Some(format!("{what} by {} (u {})", duration(value), duration(u)))
         })
         .collect();
-    Ok((!told.is_empty()).then(|| {
+    Ok((!reported.is_empty()).then(|| {
         format!(
-            "From both directions at two feeds, told apart from backlash and once-per-turn error: {}.",
-            told.join("; ")
+            "From both directions at two feeds, distinguished from backlash and once-per-turn error: {}.",
+            reported.join("; ")
         )
     }))
 }

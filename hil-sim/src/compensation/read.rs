@@ -5,7 +5,7 @@
 
 use super::{Compensation, Table};
 use std::collections::BTreeMap;
-use trunnion_core::{AxisLetter, AxisValues, Problem, Problems, Twist};
+use trunnion_core::{AxisValues, Joint, Problem, Problems, Twist};
 
 /// Column name and its values: one without argument, or many with.
 #[derive(Default)]
@@ -110,7 +110,7 @@ fn isg(lines: &[Line<'_>]) -> Result<Numbers, Found> {
     for block in lines.split(|(_, line)| *line == "#") {
         let Some((&(line, header), rows)) = block.split_first() else { continue };
         let names: Vec<&str> = header.split_whitespace().collect();
-        let argument = AxisLetter::parse(names[0]);
+        let argument = Joint::parse(names[0]);
         for &(line, row) in rows {
             let cells: Vec<&str> = row.split_whitespace().collect();
             if cells.len() != names.len() {
@@ -127,7 +127,7 @@ fn isg(lines: &[Line<'_>]) -> Result<Numbers, Found> {
                     continue;
                 }
                 let key = component(line, name)?;
-                if argument != Some(AxisLetter::ALL[key.0]) {
+                if argument != Some(Joint::ALL[key.0]) {
                     return Err((
                         line,
                         format!("{name} over {}", names[0]),
@@ -195,7 +195,7 @@ fn component(line: usize, name: &str) -> Result<(usize, usize), Found> {
 
 /// (axis, direction) from the letters at these places.
 fn letters(name: &str, direction: usize, axis: usize) -> Option<(usize, usize)> {
-    let letter = |at: usize| name.get(at..=at).and_then(AxisLetter::parse).filter(|l| l.index() < 6);
+    let letter = |at: usize| name.get(at..=at).and_then(Joint::parse).filter(|l| l.index() < 6);
     Some((letter(axis)?.index(), letter(direction)?.index()))
 }
 
@@ -205,7 +205,7 @@ fn assemble(numbers: &Numbers, sign: f64) -> Result<Compensation, Found> {
         location.0[axis] += unit(direction) * (sign * value);
     }
     let mut tables = Vec::new();
-    for axis in AxisLetter::ALL {
+    for axis in Joint::ALL {
         let mut table: Option<Table> = None;
         for (&(_, direction), points) in numbers.curves.iter().filter(|((of, _), _)| *of == axis.index()) {
             let inside = |argument: f64| if axis.is_rotary() { argument.to_radians() } else { argument };

@@ -48,7 +48,7 @@ pub enum Fault {
         /// By how many.
         by: u32,
     },
-    /// The clock of the device is set anew.
+    /// The clock of the device is reset.
     ClockJump {
         /// By how much, s; negative sets it back.
         by_s: f64,

@@ -1,6 +1,6 @@
 //! LinuxCNC's text interface over TCP.
 //!
-//! Positions are those of the last task cycle, as LinuxCNC's displays see them; six joints are told whatever the
+//! Positions are those of the last task cycle, as LinuxCNC's displays see them; six joints are reported whatever the
 //! machine has. Source of the words: [`trunnion_protocol::linuxcncrsh`].
 
 use super::clock::TimeOrigin;
@@ -15,13 +15,13 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_protocol::linuxcncrsh::{
     Item, JointUnit, Lines, ProgramStatus, Reply, Request, parse_request, write_reply,
 };
 
 /// Joints in every answer of LinuxCNC 2.9.
-const JOINTS_TOLD: usize = 6;
+const JOINTS_REPORTED: usize = 6;
 const DEVICE: &str = "linuxcncrsh";
 
 /// A LinuxCNC.
@@ -34,7 +34,7 @@ pub struct ServerConfig {
     /// Connection password.
     pub password: String,
     /// Axes in the order of the joints, at most six.
-    pub joints: Vec<AxisLetter>,
+    pub joints: Vec<Joint>,
     /// Positions are renewed so often, s.
     pub cycle_s: f64,
 }
@@ -207,8 +207,8 @@ impl Server {
             let ills = self.ills();
             (ills.stuck_s.filter(|(_, until_s)| now_s < *until_s), ills.is_another)
         };
-        let joints = if is_another { &[AxisLetter::X, AxisLetter::Z][..] } else { &self.config.joints };
-        // A joint that the machine has not got is told as a linear one at zero.
+        let joints = if is_another { &[Joint::X, Joint::Z][..] } else { &self.config.joints };
+        // A joint that the machine has not got is reported as a linear one at zero.
         let joint = |k: usize| joints.get(k).copied();
         let cycle = self.world.cycle(now_s);
         let Some(request) = request else {
@@ -225,17 +225,17 @@ impl Server {
             Request::Get(Item::JointPos) => {
                 let t_s = stuck_s.map_or(now_s, |(since_s, _)| since_s);
                 let axes = self.world.axes((t_s / self.config.cycle_s).floor() * self.config.cycle_s);
-                let shown = |letter: AxisLetter| {
+                let shown = |letter: Joint| {
                     if letter.is_rotary() { axes[letter].to_degrees() } else { axes[letter] }
                 };
-                Reply::JointPos((0..JOINTS_TOLD).map(|k| joint(k).map_or(0.0, shown)).collect())
+                Reply::JointPos((0..JOINTS_REPORTED).map(|k| joint(k).map_or(0.0, shown)).collect())
             }
             Request::Get(Item::JointUnits) => {
                 let unit = |k| match joint(k) {
                     Some(letter) if letter.is_rotary() => JointUnit::Degree,
                     _ => JointUnit::Mm,
                 };
-                Reply::JointUnits((0..JOINTS_TOLD).map(unit).collect())
+                Reply::JointUnits((0..JOINTS_REPORTED).map(unit).collect())
             }
             Request::Get(Item::ProgramStatus) => {
                 Reply::ProgramStatus(if cycle.running { ProgramStatus::Running } else { ProgramStatus::Idle })

@@ -28,9 +28,9 @@ const RATES_HZ: [f64; 5] = [250.0, 500.0, 1000.0, 2000.0, 4000.0];
 pub struct ProbeConfig {
     /// Which of the three readings of [`World::probe_readings_mm`] it sees, 0..=2.
     pub channel: usize,
-    /// Model, told by `GETINFO`.
+    /// Model, reported by `GETINFO`.
     pub model: String,
-    /// Serial number, told by `GETINFO`.
+    /// Serial number, reported by `GETINFO`.
     pub serial: String,
     /// Measuring range, mm; reading 0 is in its middle.
     pub range_mm: f64,
@@ -47,7 +47,7 @@ pub struct ProbeConfig {
 }
 
 impl ProbeConfig {
-    /// A probe of 2 mm at 1 kHz behind a converter that delivers every 4 ms; silent until told to stream.
+    /// A probe of 2 mm at 1 kHz behind a converter that delivers every 4 ms; silent until asked to stream.
     pub fn new(channel: usize, clock: DeviceClock) -> Self {
         Self {
             channel,
@@ -264,7 +264,7 @@ impl SerialDevice for Probe {
         match fault {
             Fault::CounterJump { by } => self.epoch_counter += u64::from(by),
             Fault::ClockJump { by_s } => self.clock_jump_s += by_s,
-            // The other sensor has just been switched on and streams only when told to.
+            // The other sensor has just been switched on and streams only when asked to.
             Fault::WrongIdentity => {
                 self.faults.suffer(fault, now_s);
                 self.streaming = false;

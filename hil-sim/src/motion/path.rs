@@ -1,7 +1,7 @@
 //! The way of a step through axis space: q(u), u from 0 to 1, where each axis turns round, and derivatives.
 
 use super::program::Follow;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 
 /// Step of the difference quotients over u of a followed path.
 const H: f64 = 1e-4;
@@ -49,7 +49,7 @@ impl Path {
 
     /// The way each axis goes first, the way it goes at u, and the travel since its last turn inside the step
     /// (since the beginning when there was none).
-    pub fn travel(&self, axis: AxisLetter, u: f64, position: f64) -> Travel {
+    pub fn travel(&self, axis: Joint, u: f64, position: f64) -> Travel {
         let start = self.at(0.0)[axis];
         let turns = &self.turns[axis];
         let passed = turns.partition_point(|&(turn_u, _)| turn_u <= u);

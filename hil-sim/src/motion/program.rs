@@ -1,9 +1,9 @@
-//! What the machine is told to do.
+//! What the machine is commanded to do.
 
 use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 
 /// A program: where it starts and its steps. Compile it with [`super::Trajectory::compile`].
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ pub enum Step {
         /// Where the linear axes are.
         follow: Follow,
     },
-    /// All axes stand still.
+    /// All axes are at rest.
     Dwell {
         /// How long, s.
         duration_s: f64,
@@ -41,7 +41,7 @@ pub enum Step {
     /// One axis turns at constant feed between two short ramps while the others follow.
     Sweep {
         /// The axis.
-        axis: AxisLetter,
+        axis: Joint,
         /// Where it starts: where the step before has left it, rad (mm for a linear axis).
         from: f64,
         /// Where it ends, rad (mm for a linear axis).
@@ -68,7 +68,7 @@ impl Follow {
         Self(Arc::new(follow))
     }
 
-    /// The other axes stand still.
+    /// The other axes are at rest.
     pub fn none() -> Self {
         Self::new(|axes| *axes)
     }
@@ -103,7 +103,7 @@ pub enum ProgramError {
         /// Index of the step.
         step: usize,
         /// The axis.
-        axis: AxisLetter,
+        axis: Joint,
     },
     /// A step would begin with a jump.
     #[error(
@@ -113,7 +113,7 @@ pub enum ProgramError {
         /// Index of the step.
         step: usize,
         /// The axis.
-        axis: AxisLetter,
+        axis: Joint,
         /// Where the step begins, mm or rad.
         begins: f64,
         /// Where the step before ended, mm or rad.

@@ -3,7 +3,7 @@
 use super::path::Path;
 use super::profile::Profile;
 use super::program::{Program, ProgramError, Step};
-use trunnion_core::{AxisLetter, AxisValues, State};
+use trunnion_core::{AxisValues, Joint, State};
 
 /// What the axes do at one instant.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,7 +128,7 @@ impl Segment {
 
     fn memory_at(&self, u: f64, position: &AxisValues<f64>) -> Memory {
         let mut memory = self.memory;
-        for axis in AxisLetter::ALL {
+        for axis in Joint::ALL {
             let here = self.path.travel(axis, u, position[axis]);
             if here.direction == 0.0 {
                 // Exactly at a turning point the direction is still that of the way there; nothing is travelled yet.
@@ -196,7 +196,7 @@ fn lay_out(index: usize, step: &Step, position: &AxisValues<f64>) -> Result<(Pat
 }
 
 fn check_finite(step: usize, position: &AxisValues<f64>) -> Result<(), ProgramError> {
-    match AxisLetter::ISO.into_iter().find(|&axis| !position[axis].is_finite()) {
+    match Joint::ISO.into_iter().find(|&axis| !position[axis].is_finite()) {
         Some(axis) => Err(ProgramError::NotFinite { step, axis }),
         None => Ok(()),
     }
@@ -207,7 +207,7 @@ fn check_joined(step: usize, ended: &AxisValues<f64>, path: &Path) -> Result<(),
     let begins = path.at(0.0);
     check_finite(step, &begins)?;
     check_finite(step, &path.at(1.0))?;
-    match AxisLetter::ISO.into_iter().find(|&axis| (begins[axis] - ended[axis]).abs() > 1e-6) {
+    match Joint::ISO.into_iter().find(|&axis| (begins[axis] - ended[axis]).abs() > 1e-6) {
         Some(axis) => Err(ProgramError::Jump { step, axis, begins: begins[axis], ended: ended[axis] }),
         None => Ok(()),
     }
@@ -229,7 +229,7 @@ mod tests {
         })
     }
 
-    fn axes(list: &[(AxisLetter, f64)]) -> AxisValues<f64> {
+    fn axes(list: &[(Joint, f64)]) -> AxisValues<f64> {
         let mut axes = AxisValues::default();
         list.iter().for_each(|&(axis, value)| axes[axis] = value);
         axes
@@ -256,7 +256,7 @@ mod tests {
         for k in 1..400 {
             let t = motion.duration_s() * f64::from(k) / 400.0 + 1e-3;
             let (before, here, after) = (motion.at(t - h), motion.at(t), motion.at(t + h));
-            for axis in AxisLetter::ALL {
+            for axis in Joint::ALL {
                 let velocity = (after.position[axis] - before.position[axis]) / (2.0 * h);
                 let acceleration = (after.velocity[axis] - before.velocity[axis]) / (2.0 * h);
                 assert!((velocity - here.velocity[axis]).abs() < 2e-3, "{axis} at {t}");

@@ -6,7 +6,7 @@
 use super::legs;
 use super::rotation::turned;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, Twist};
+use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_machine::{Axis, Machine, Side};
 
 /// Pose of table or tool in the machine frame.
@@ -55,6 +55,6 @@ fn about_point(point_mm: &Point3<f64>, rotation: &Matrix3<f64>) -> Matrix4<f64> 
 }
 
 /// Unit vector of an axis letter: X and A along x, Y and B along y, Z and C along z.
-pub fn unit(letter: AxisLetter) -> Vector3<f64> {
+pub fn unit(letter: Joint) -> Vector3<f64> {
     Vector3::ith(letter.index() % 3, 1.0)
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use std::ops::{Add, Mul};
-use trunnion_core::{AxisLetter, AxisValues, Twist};
+use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_machine::JointErrors;
 
 /// Displacements of the parts of the machine, actual minus nominal.
@@ -25,7 +25,7 @@ impl Disturbance {
     }
 
     /// Only one joint's error.
-    pub fn joint(letter: AxisLetter, twist: Twist) -> Self {
+    pub fn joint(letter: Joint, twist: Twist) -> Self {
         let mut joints = JointErrors::default();
         joints[letter] = twist;
         Self::from_joints(joints)

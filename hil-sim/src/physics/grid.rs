@@ -5,7 +5,7 @@
 
 use crate::truth::SimSetup;
 use nalgebra::Point3;
-use trunnion_core::{AxisLetter, AxisValues, State};
+use trunnion_core::{AxisValues, Joint, State};
 use trunnion_machine::Machine;
 
 /// A move to the next C and settling, s.
@@ -154,7 +154,7 @@ pub fn c_sweep(machine: &Machine, ball_in_table_mm: &Point3<f64>, sweep: &Sweep)
 
 /// Notes how each linear axis arrived: direction of its last move, and travel since it last reversed.
 fn arrive(state: &mut State, before: &State) {
-    for letter in AxisLetter::LINEAR {
+    for letter in Joint::LINEAR {
         let moved = state.position[letter] - before.position[letter];
         let stands = moved.abs() < 1e-9;
         let direction = if stands { before.direction[letter] } else { moved.signum() };
@@ -165,9 +165,9 @@ fn arrive(state: &mut State, before: &State) {
 }
 
 /// The axis nearest the bed and the one it carries; B and C when the machine has no two rotary axes.
-pub fn tilting_and_turning(machine: &Machine) -> [AxisLetter; 2] {
+pub fn tilting_and_turning(machine: &Machine) -> [Joint; 2] {
     match machine.rotary()[..] {
         [tilting, turning, ..] => [tilting.letter, turning.letter],
-        _ => [AxisLetter::B, AxisLetter::C],
+        _ => [Joint::B, Joint::C],
     }
 }

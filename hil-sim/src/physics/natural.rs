@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_core::{Joint, State, Twist};
 use trunnion_machine::Machine;
 
 /// Typical distance of the ball from an axis, mm.
@@ -18,7 +18,7 @@ const HARMONICS: usize = 4;
 /// Error motion of one axis.
 #[derive(Clone, Debug)]
 pub struct NaturalMotion {
-    letter: AxisLetter,
+    letter: Joint,
     /// Cosine and sine amplitudes of each harmonic.
     harmonics: [[Twist; 2]; HARMONICS],
 }

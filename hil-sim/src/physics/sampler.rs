@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_core::{Joint, State, Twist};
 
 /// Reads a virtual machine in the order of time.
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ struct Pass {
 }
 
 impl Sampler {
-    /// A sampler with the noise the truth's seed gives; `run` tells apart several runs of one machine.
+    /// A sampler with the noise the truth's seed gives; `run` distinguishes several runs of one machine.
     pub fn new(machine: &VirtualMachine, run: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(machine.truth().seed);
         rng.set_stream(run + 1);
@@ -62,7 +62,7 @@ impl Sampler {
         std::array::from_fn(|i| still_mm[i] + white_mm[i] + outlier_mm[i])
     }
 
-    /// The reading with everything that does not change while the machine stands still: no white noise, no outlier.
+    /// The reading with everything that does not change while the machine is at rest: no white noise, no outlier.
     /// For devices that sample on and make their own white noise.
     pub fn still_mm(&mut self, machine: &VirtualMachine, state: &State) -> [f64; 3] {
         let noise = machine.truth().noise;
@@ -98,7 +98,7 @@ impl Sampler {
     }
 
     /// A new scatter for each new place where the tilting axis stands.
-    fn position(&mut self, tilting: AxisLetter, repeatability_rad: f64, state: &State) {
+    fn position(&mut self, tilting: Joint, repeatability_rad: f64, state: &State) {
         let here = state.position[tilting];
         if state.velocity[tilting] == 0.0 && self.tilt != Some(here) {
             self.tilt = Some(here);

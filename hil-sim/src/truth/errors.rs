@@ -18,7 +18,7 @@ pub struct Truth {
     pub location: JointErrors,
     /// Setups in the order of `State::setup`.
     pub setups: Vec<PlacedSetup>,
-    /// Everything the readings suffer besides.
+    /// Everything the readings suffer in addition.
     pub noise: Noise,
     /// Physics no base model knows of.
     pub hidden: Vec<Hidden>,

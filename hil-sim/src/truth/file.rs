@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, value};
 use trunnion_core::convert::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
 use trunnion_core::input::{Document, Table};
-use trunnion_core::{AxisLetter, Problems};
+use trunnion_core::{Joint, Problems};
 use trunnion_machine::JointErrors;
 
 const FORMAT: &str = "trunnion-truth/1";
@@ -28,7 +28,7 @@ impl Truth {
         file["run_duration_s"] = value(self.run_duration_s);
         file["location"] = Item::Table(location_table(&self.location));
         file["noise"] = Item::Table(noise_table(&self.noise));
-        // Other instruments are mounted anew by every cycle.
+        // Other instruments are mounted again by every cycle.
         file["setup"] = Item::ArrayOfTables(self.setups.iter().filter_map(setup_table).collect());
         if !self.hidden.is_empty() {
             file["hidden"] =
@@ -215,8 +215,8 @@ fn read_hidden(table: &Table<'_>) -> Option<Hidden> {
 }
 
 fn every_location_error() -> impl Iterator<Item = LocationError> {
-    let of = |axis| AxisLetter::ALL.into_iter().map(move |direction| LocationError { axis, direction });
-    AxisLetter::ALL.into_iter().flat_map(of)
+    let of = |axis| Joint::ALL.into_iter().map(move |direction| LocationError { axis, direction });
+    Joint::ALL.into_iter().flat_map(of)
 }
 
 fn location_key(error: LocationError) -> String {

@@ -1,16 +1,16 @@
 //! The location errors that a machine can have.
 
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, Twist};
+use trunnion_core::{Joint, Twist};
 use trunnion_machine::{JointErrors, Machine};
 
 /// One component of an axis' location error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LocationError {
     /// The axis.
-    pub axis: AxisLetter,
+    pub axis: Joint,
     /// Direction of the error: a translation for X, Y, Z, a rotation for A, B, C.
-    pub direction: AxisLetter,
+    pub direction: Joint,
 }
 
 impl LocationError {
@@ -38,19 +38,17 @@ impl LocationError {
 /// EX0B EZ0B EA0B EB0B EC0B EX0C EY0C EA0C.
 pub fn minimum_set(machine: &Machine) -> Vec<LocationError> {
     let mut set: Vec<LocationError> = Vec::new();
-    let mut carrier: Option<(AxisLetter, usize, trunnion_machine::Side)> = None;
+    let mut carrier: Option<(Joint, usize, trunnion_machine::Side)> = None;
     for axis in machine.rotary() {
         let side = machine.side(axis.letter);
         let along = axis.direction.iamax();
         let across = (0..3).filter(|&k| k != along);
-        set.extend(
-            across.clone().map(|k| LocationError { axis: axis.letter, direction: AxisLetter::LINEAR[k] }),
-        );
+        set.extend(across.clone().map(|k| LocationError { axis: axis.letter, direction: Joint::LINEAR[k] }));
         for k in across {
-            let tilt = LocationError { axis: axis.letter, direction: AxisLetter::ROTARY[k] };
+            let tilt = LocationError { axis: axis.letter, direction: Joint::ROTARY[k] };
             match carrier {
                 Some((carrier, about, of)) if Some(of) == side && about == k => {
-                    set.push(LocationError { axis: carrier, direction: AxisLetter::ROTARY[k] });
+                    set.push(LocationError { axis: carrier, direction: Joint::ROTARY[k] });
                 }
                 _ => set.push(tilt),
             }

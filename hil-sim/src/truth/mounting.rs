@@ -12,7 +12,7 @@ const SETTING_STREAM: u64 = 0x7365_7474_0000;
 
 impl Truth {
     /// This machine with `setups` mounted in a later run. In run 0 a setup of the truth's own (same name and place) keeps
-    /// its setting; every other one, and all in later runs, are mounted anew: their setting is drawn from the seed, the
+    /// its setting; every other one, and all in later runs, are mounted again: their setting is drawn from the seed, the
     /// run and the number of the setup.
     #[must_use]
     pub fn mounted(&self, setups: &[SimSetup], run: u64) -> Self {

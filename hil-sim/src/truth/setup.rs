@@ -118,7 +118,7 @@ pub struct PlacedSetup {
     pub form_mm: Vec<Vector3<f64>>,
 }
 
-/// What is off about an instrument and its mounting besides its place.
+/// What is off about an instrument and its mounting other than its place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Own {
     /// Turn of an artefact about its origin, table axes, rad.

@@ -3,10 +3,10 @@
 use super::world::{ClockWorld, MARGIN_S};
 use std::collections::BTreeMap;
 use trunnion_core::reading::Message;
-use trunnion_core::{AxisLetter, AxisSample, HostTime, ProbeSample, Stamp};
+use trunnion_core::{AxisSample, HostTime, Joint, ProbeSample, Stamp};
 use trunnion_hil_sim::devices::DeviceClock;
-use trunnion_sync::time_quality::Gesture;
-use trunnion_sync::{GestureFinder, Retiming, Stream, Survey, TimeBase, Timed, mean_delays};
+use trunnion_sync::time_quality::SyncMove;
+use trunnion_sync::{Retiming, Stream, Survey, SyncMoveFinder, TimeBase, Timed, mean_delays};
 
 /// Samples of the first seconds of a connection are not looked at: the line of a running cycle is older.
 const SETTLED_S: f64 = MARGIN_S + 12.0;
@@ -18,12 +18,12 @@ const USUAL_AGE_S: f64 = 0.01;
 pub enum Truth {
     /// It stamps its samples with this clock.
     Clock(DeviceClock),
-    /// Its value tells, above what it shows at no deflection.
+    /// Its value shows when, above what it shows at no deflection.
     Reading {
         /// What it shows at no deflection, mm.
         zero_mm: f64,
     },
-    /// The position of C tells.
+    /// The position of C shows when.
     AngleOfC,
 }
 
@@ -57,8 +57,8 @@ pub struct StreamErrors {
     pub online: Error,
     /// By the line of the whole run.
     pub whole: Error,
-    /// By that line, the delay of the gestures taken out: what remains against the axes of the reference. `None` for
-    /// controllers, and where no gesture was seen.
+    /// By that line, the delay of the synchronisation moves taken out: what remains against the axes of the reference. `None` for
+    /// controllers, and where no synchronisation move was seen.
     pub aligned: Option<Error>,
     /// The delay, and its standard uncertainty, s.
     pub delay_s: Option<(f64, f64)>,
@@ -82,7 +82,7 @@ struct Taken {
     lines: BTreeMap<usize, Retiming>,
 }
 
-/// Errors of every device, in the order of `truths`; gestures are looked for in the axes of the device `reference`.
+/// Errors of every device, in the order of `truths`; synchronisation moves are looked for in the axes of the device `reference`.
 pub fn of(
     messages: &[Message],
     truths: &[Truth],
@@ -94,14 +94,14 @@ pub fn of(
     let is_looked_at = |sample: &&Sample| {
         sample.truth_s > SETTLED_S
             && sample.truth_s < seconds - MARGIN_S - 1.0
-            && world.tells_time(sample.truth_s)
+            && world.shows_time(sample.truth_s)
     };
     let whole_s =
         |sample: &Sample| taken.time_s(sample.device, sample.stream, &sample.stamp) - sample.truth_s;
     let of_device = |device: usize| -> Vec<&Sample> {
         taken.samples.iter().filter(is_looked_at).filter(|sample| sample.device == device).collect()
     };
-    let delays = mean_delays(&taken.gestures());
+    let delays = mean_delays(&taken.sync_moves());
     let axes_late_s =
         reference.map_or(0.0, |device| Error::over(of_device(device).into_iter().map(whole_s)).mean_s);
     let errors = |device: usize| {
@@ -154,7 +154,7 @@ fn take(messages: &[Message], truths: &[Truth], reference: Option<usize>) -> Tak
                         device,
                         stream: Stream::Axes,
                         stamp: sample.stamp,
-                        truth_s: ClockWorld::time_of_c(sample.position[AxisLetter::C]),
+                        truth_s: ClockWorld::time_of_c(sample.position[Joint::C]),
                         online_s: sample.time_s,
                     });
                 }
@@ -185,23 +185,23 @@ impl Taken {
         self.lines.get(&device).and_then(|lines| lines.time_s(stream, stamp)).unwrap_or(f64::NAN)
     }
 
-    fn gestures(&self) -> Vec<Gesture> {
+    fn sync_moves(&self) -> Vec<SyncMove> {
         let retimed = |(device, sample): &(usize, ProbeSample)| ProbeSample {
             time_s: self.time_s(*device, Stream::Probe(sample.channel), &sample.stamp),
             ..*sample
         };
         let mut probes: Vec<ProbeSample> = self.probes.iter().map(retimed).collect();
         probes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        let mut finder = GestureFinder::default();
+        let mut finder = SyncMoveFinder::default();
         let mut next = probes.iter().peekable();
-        let mut gestures = Vec::new();
+        let mut sync_moves = Vec::new();
         for (device, sample) in &self.axes {
             let time_s = self.time_s(*device, Stream::Axes, &sample.stamp);
             while let Some(probe) = next.next_if(|probe| probe.time_s <= time_s) {
                 finder.probe(probe);
             }
-            gestures.extend(finder.axes(&AxisSample { time_s, ..*sample }));
+            sync_moves.extend(finder.axes(&AxisSample { time_s, ..*sample }));
         }
-        gestures
+        sync_moves
     }
 }

@@ -1,4 +1,4 @@
-//! How far the times of samples are from the truth: a world that tells its time, the errors of every sample four ways of
+//! How far the times of samples are from the truth: a world that shows its time, the errors of every sample four ways of
 //! timing it, and how they are shown. Used where the devices are (the trial), and where a kernel has CAN (the guest).
 
 mod errors;

@@ -9,7 +9,7 @@ pub const HEAD: &str = "\
 |---|---|---|---|---|---|---|---|---|
 ";
 
-/// The line of one stream; where no gesture tells the delay, the path is that of the spread alone.
+/// The line of one stream; where no synchronisation move shows the delay, the path is that of the spread alone.
 pub fn row(device: &str, transport: &str, stream: &StreamErrors) -> String {
     let delay = |(delay_s, u_s): (f64, f64)| format!("{:.0} (u {:.0})", delay_s * 1e6, u_s * 1e6);
     let path_um = |error_s: f64| error_s * 1e3 * OMEGA * RADIUS_MM;

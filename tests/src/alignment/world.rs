@@ -1,9 +1,9 @@
-//! A world that tells its time: what every device shows says when it was taken.
+//! A world that shows its time: what every device shows says when it was taken.
 //!
-//! First and last 5 s: a sync gesture of X and standing. In between C turns at 3600°/min, X stands, and the probes see a
+//! First and last 5 s: a synchronisation move of X and standing. In between C turns at 3600°/min, X stands, and the probes see a
 //! sawtooth of 20 mm/s, so that a value gives the time to some µs within a period.
 
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 use trunnion_hil_sim::devices::{CycleState, World};
 
 /// C, rad/s: 3600°/min.
@@ -26,7 +26,7 @@ pub struct ClockWorld {
 
 impl ClockWorld {
     /// True while C turns at constant feed and readings tell their time.
-    pub fn tells_time(&self, t_s: f64) -> bool {
+    pub fn shows_time(&self, t_s: f64) -> bool {
         (MARGIN_S..self.length_s - MARGIN_S).contains(&t_s)
     }
 
@@ -57,8 +57,8 @@ impl ClockWorld {
 impl World for ClockWorld {
     fn axes(&self, t_s: f64) -> AxisValues<f64> {
         let mut axes = AxisValues::default();
-        axes[AxisLetter::X] = 100.0 + self.stroke_mm(t_s);
-        axes[AxisLetter::C] = OMEGA * (t_s.clamp(MARGIN_S, self.length_s - MARGIN_S) - MARGIN_S);
+        axes[Joint::X] = 100.0 + self.stroke_mm(t_s);
+        axes[Joint::C] = OMEGA * (t_s.clamp(MARGIN_S, self.length_s - MARGIN_S) - MARGIN_S);
         axes
     }
 
@@ -67,7 +67,7 @@ impl World for ClockWorld {
     }
 
     fn bar_reading_mm(&self, t_s: f64) -> f64 {
-        match self.tells_time(t_s) {
+        match self.shows_time(t_s) {
             true => SAW_MM * ((t_s / SAW_S).rem_euclid(1.0) - 0.5),
             false => self.stroke_mm(t_s),
         }

@@ -4,6 +4,7 @@
 
 mod circles;
 mod citations;
+mod convergence;
 mod edges;
 mod fault_matrix;
 mod glossary;

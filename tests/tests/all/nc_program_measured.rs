@@ -1,7 +1,7 @@
 //! A controller that runs our NC program is measured by our own acquisition: every pose settles, every pass is swept.
 
 use crate::interpreter::{Event, interpret};
-use trunnion_core::{AxisLetter, AxisSample, AxisValues, ProbeSample, Quality, convert};
+use trunnion_core::{AxisSample, AxisValues, Joint, ProbeSample, Quality, convert};
 use trunnion_cycles::CourseRules;
 use trunnion_cycles::Cycle;
 use trunnion_cycles::cycle::Motion;
@@ -116,7 +116,7 @@ fn every_pass_of_a_program_on_the_fly_is_swept_at_its_feed() {
         for point in &points {
             // The mean of a block lies inside the circle by the sagitta of the block: 150 mm, 6 degrees.
             let nominal = cycle.position(&machine, 0, &point.state.position).unwrap();
-            let off = AxisLetter::LINEAR.map(|letter| (point.state.position[letter] - nominal[letter]).abs());
+            let off = Joint::LINEAR.map(|letter| (point.state.position[letter] - nominal[letter]).abs());
             assert!(off.iter().all(|mm| *mm < 0.25), "{name}: {off:?}");
         }
     }

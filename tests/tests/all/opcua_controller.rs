@@ -1,4 +1,4 @@
-//! The virtual controller with an OPC UA server tells where its axes were at the moments of its stamps, as our driver
+//! The virtual controller with an OPC UA server reports where its axes were at the moments of its stamps, as our driver
 //! reads it, whatever the rate of its clock; and it is found by its address.
 
 use std::sync::Arc;
@@ -9,14 +9,14 @@ use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{parse_devices, start};
 use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::reading::{AxisReading, Execution, Reading};
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 use trunnion_hil_sim::devices::opcua::ControllerConfig;
 use trunnion_hil_sim::devices::{CycleState, DeviceClock, Handle, TimeOrigin, World, opcua};
 use trunnion_service::clock::SystemClock;
 
 /// Longest wait for anything; the build machine may be busy.
 const LIMIT: Duration = Duration::from_secs(60);
-const AXES: [AxisLetter; 5] = [X, Y, Z, B, C];
+const AXES: [Joint; 5] = [X, Y, Z, B, C];
 const WALL_NS: i64 = 1_767_225_600_000_000_000;
 
 /// Axes at constant speeds, so that interpolating between samples is exact.
@@ -64,8 +64,8 @@ async fn it_is_found_by_its_address_and_its_lines_read_once_the_axes_are_filled_
     let (driver, found) = found.found.unwrap_or_else(|| panic!("{:?}", found.trouble));
     assert_eq!(found.identity, "OPC UA server SINUMERIK, no encryption, SINUMERIK with 5 machine axes");
     let lines = Roles::default().table(driver, &found);
-    let told = parse_devices("pasted", &lines).expect_err("the axes are to be filled in").to_string();
-    assert!(told.contains("letters of X, Y, Z, A, B, C"), "{told}");
+    let reported = parse_devices("pasted", &lines).expect_err("the axes are to be filled in").to_string();
+    assert!(reported.contains("letters of X, Y, Z, A, B, C"), "{reported}");
     parse_devices("pasted", &lines.replace('?', "XYZBC")).expect("a configuration");
     controller.shutdown().await;
 }

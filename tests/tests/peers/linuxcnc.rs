@@ -4,7 +4,7 @@ use crate::interpreter::Event;
 use crate::visited::visited;
 use std::path::Path;
 use std::process::Command;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 use trunnion_cycles::CourseRules;
 use trunnion_cycles::Cycle;
 use trunnion_cycles::nc::{Program, dialect};
@@ -39,8 +39,8 @@ fn linuxcnc_runs_every_shipped_cycle_through_its_poses() {
 #[ignore = "a peer test: tests/peers/run"]
 fn linuxcnc_refuses_what_is_no_program() {
     let folder = tempfile::tempdir().unwrap();
-    let (done, _, told) = interpret(folder.path(), "G1 X1 F0\nM2\n");
-    assert!(!done && told.contains("zero feed rate"), "{told}");
+    let (done, _, reported) = interpret(folder.path(), "G1 X1 F0\nM2\n");
+    assert!(!done && reported.contains("zero feed rate"), "{reported}");
 }
 
 /// Number of points visited and of stops.
@@ -50,8 +50,8 @@ fn check(cycle: &Cycle) -> (usize, usize) {
     let program = Program::of_cycle(cycle, &machine, &rules).unwrap();
     let linuxcnc = dialect("linuxcnc").unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let (done, printed, told) = interpret(folder.path(), &(linuxcnc.write)(&program, linuxcnc.decimals));
-    assert!(done, "{}: {told}", cycle.name);
+    let (done, printed, reported) = interpret(folder.path(), &(linuxcnc.write)(&program, linuxcnc.decimals));
+    assert!(done, "{}: {reported}", cycle.name);
     let events = canonical(&printed);
     visited(&events, cycle, &machine, &rules, PRINTED_DECIMALS, &|i| format!("{}, point {i}", cycle.name));
     let points = cycle.visits(&machine, &rules.pace).unwrap().states.len();
@@ -122,7 +122,7 @@ fn canonical(printed: &str) -> Vec<Event> {
 
 /// Canonical feed is along the path of the linear axes, or of the rotary ones when those alone move.
 fn seconds(from: &AxisValues<f64>, to: &AxisValues<f64>, per_min: f64) -> f64 {
-    let way = |letters: [AxisLetter; 3]| letters.map(|l| to[l] - from[l]).into_iter().fold(0.0, f64::hypot);
-    let linear = way(AxisLetter::LINEAR);
-    60.0 * if linear > 0.0 { linear } else { way(AxisLetter::ROTARY) } / per_min
+    let way = |letters: [Joint; 3]| letters.map(|l| to[l] - from[l]).into_iter().fold(0.0, f64::hypot);
+    let linear = way(Joint::LINEAR);
+    60.0 * if linear > 0.0 { linear } else { way(Joint::ROTARY) } / per_min
 }

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::config::channels;
 use trunnion_core::axis::iso::{B, C, X, Y, Z};
-use trunnion_core::{AxisLetter, AxisValues, Clock, State, convert};
+use trunnion_core::{AxisValues, Clock, Joint, State, convert};
 use trunnion_cycles::CourseRules;
 use trunnion_cycles::Cycle;
 use trunnion_cycles::nc::{Program, dialect};
@@ -26,13 +26,13 @@ use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
-use trunnion_tests::{first_report, show_log, three_probes, workspace_root};
+use trunnion_tests::{SILENCE_MS, first_report, show_log, three_probes, workspace_root};
 
 /// LinuxCNC's port here; its other parts allow one of it on a computer anyway.
 const PORT: u16 = 5079;
 /// Order of the joints in five-axis.ini.
-const JOINTS: [AxisLetter; 5] = [X, Y, Z, B, C];
-/// Longest wait for LinuxCNC to do as told.
+const JOINTS: [Joint; 5] = [X, Y, Z, B, C];
+/// Longest wait for LinuxCNC to do as commanded.
 const LIMIT: Duration = Duration::from_secs(60);
 
 /// A running LinuxCNC; shut down with this.
@@ -124,8 +124,8 @@ impl Conversation {
         loop {
             if let Some(end) = self.bytes.iter().position(|byte| *byte == b'\n') {
                 let text = String::from_utf8(self.bytes.drain(..=end).collect()).unwrap();
-                let told = text.trim().split_once(' ').filter(|(first, _)| *first == word);
-                match told.filter(|_| !text.contains("NAK")) {
+                let reported = text.trim().split_once(' ').filter(|(first, _)| *first == word);
+                match reported.filter(|_| !text.contains("NAK")) {
                     Some((_, rest)) => return rest.trim().to_owned(),
                     None if text.trim().is_empty()
                         || text.starts_with("set ")
@@ -156,8 +156,8 @@ impl Conversation {
     }
 
     fn axes(&mut self) -> AxisValues<f64> {
-        let told = self.answer("get joint_pos", "JOINT_POS");
-        let numbers: Vec<f64> = told.split(' ').map(|number| number.parse().unwrap()).collect();
+        let reported = self.answer("get joint_pos", "JOINT_POS");
+        let numbers: Vec<f64> = reported.split(' ').map(|number| number.parse().unwrap()).collect();
         let mut axes = AxisValues::default();
         for (letter, number) in JOINTS.into_iter().zip(numbers) {
             axes[letter] = if letter.is_rotary() { convert::rad_from_deg(number) } else { number };
@@ -186,7 +186,7 @@ struct Followed {
 }
 
 impl Followed {
-    /// Asks LinuxCNC on a connection of its own until told to stop.
+    /// Asks LinuxCNC on a connection of its own until asked to stop.
     fn follow(self: Arc<Self>, origin: TimeOrigin, stop: Arc<AtomicBool>) -> std::thread::JoinHandle<()> {
         std::thread::spawn(move || {
             let mut conversation = reach();
@@ -209,7 +209,7 @@ impl Followed {
         let off = |k: usize| {
             let ball = setups[k].setup.ball_in_table_mm;
             self.machine.machine().follow(axes, &ball).map_or(f64::INFINITY, |nominal| {
-                AxisLetter::LINEAR.map(|letter| axes[letter] - nominal[letter]).iter().map(|d| d * d).sum()
+                Joint::LINEAR.map(|letter| axes[letter] - nominal[letter]).iter().map(|d| d * d).sum()
             })
         };
         (0..setups.len()).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap()
@@ -318,7 +318,7 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
     let cnc_table = format!(
         "[[device]]\nname = \"cnc\"\ndriver = \"linuxcnc\"\nhost = \"127.0.0.1\"\nport = {PORT}\njoints = \"XYZBC\"\n"
     );
-    let text = three_probes(folder.path(), start, &cnc_table);
+    let text = three_probes(folder.path(), SILENCE_MS, start, &cnc_table);
     let config = Config::parse(&folder.path().join("trunnion.toml"), &text).unwrap();
     let plan =
         Plan { machine: machine.clone(), cycle, nest: config.nest, channels: channels(&config.devices) };
@@ -326,11 +326,15 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
     let texts = Texts { machine: shipped::FILES[0].1.into(), cycle: cycle_text, config: text };
     let runs = config.recordings.clone();
     let cancel = CancellationToken::new();
-    let service = tokio::spawn(serve(config, plan, texts, Model::base("table-bc"), clock, cancel.clone()));
+    let service =
+        tokio::spawn(serve(config, plan, texts, Model::base("table-bc").into(), clock, cancel.clone()));
 
     let path = cnc.program.clone();
     tokio::task::spawn_blocking(move || operate(&path)).await.unwrap();
-    let report = first_report(&runs, Duration::from_secs(120)).await.with_extension("identification.json");
+    let report = first_report(&runs, Duration::from_secs(120))
+        .await
+        .expect("a report within two minutes")
+        .with_extension("identification.json");
     cancel.cancel();
     service.await.unwrap().unwrap();
     cell.shutdown().await;
@@ -338,11 +342,12 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
     follower.join().unwrap();
     drop(cnc);
 
-    let told: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&report).unwrap()).unwrap();
-    assert_eq!(told["points"].as_u64(), Some(poses as u64), "every pose is read");
-    println!("{poses} poses, rms {} µm", told["rms_um"]);
+    let reported: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&report).unwrap()).unwrap();
+    assert_eq!(reported["points"].as_u64(), Some(poses as u64), "every pose is read");
+    println!("{poses} poses, rms {} µm", reported["rms_um"]);
     let mut found = 0;
-    for parameter in told["parameters"].as_array().unwrap() {
+    for parameter in reported["parameters"].as_array().unwrap() {
         let name = parameter["name"].as_str().unwrap();
         let (Some(hidden), Some(value), Some(u)) =
             (hidden.get(name), parameter["value"].as_f64(), parameter["u"].as_f64())
@@ -355,5 +360,5 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
         assert!((value - hidden).abs() <= 4.0 * u + 0.3, "{name}: {value} ± {u} is not {hidden}");
         found += 1;
     }
-    assert!(found >= 8, "{found} location errors: {}", told["parameters"]);
+    assert!(found >= 8, "{found} location errors: {}", reported["parameters"]);
 }

@@ -21,7 +21,10 @@ fn the_python_reader_reads_a_recording_with_crcs_index_and_schemas() {
 
     let script = workspace_root().join("tests/peers/mcap_reader.py");
     let output = Command::new(peers_python()).arg(script).arg(&path).output().unwrap();
-    let told = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success(), "{told}{}", String::from_utf8_lossy(&output.stderr));
-    assert!(told.lines().any(|line| line.contains("trunnion.Point") && line.ends_with(" 336")), "{told}");
+    let reported = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{reported}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        reported.lines().any(|line| line.contains("trunnion.Point") && line.ends_with(" 336")),
+        "{reported}"
+    );
 }

@@ -51,7 +51,7 @@ async fn wait_for(port: u16, name: &str, enough: impl Fn(&BTreeMap<String, serde
 
 #[tokio::test]
 #[ignore = "a peer test: tests/peers/run"]
-async fn the_latest_state_reaches_a_broker_that_was_killed_and_started_anew() {
+async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
     let port = free_port();
     let mut first = broker(port);
     let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m1".into(), login: None };

@@ -9,7 +9,7 @@ use tokio_util::sync::CancellationToken;
 use trunnion_acquire::discovery::{look, servers};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceState, DeviceStatus, parse_devices, start};
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, SourceGap};
 use trunnion_service::clock::SystemClock;
@@ -17,7 +17,7 @@ use trunnion_tests::peer::PythonPeer;
 
 /// Longest wait for anything; the build machine may be busy.
 const LIMIT: Duration = Duration::from_secs(60);
-const AXES: [AxisLetter; 5] = [X, Y, Z, B, C];
+const AXES: [Joint; 5] = [X, Y, Z, B, C];
 
 /// An asyncua server in a process of its own.
 fn asyncua(port: u16, layout: &str, security: &str, folder: &Path) -> PythonPeer {
@@ -26,7 +26,7 @@ fn asyncua(port: u16, layout: &str, security: &str, folder: &Path) -> PythonPeer
         "opcua_server.py",
         &[port.as_ref(), layout.as_ref(), security.as_ref(), folder.as_ref()],
     );
-    assert_eq!(peer.told, "ready");
+    assert_eq!(peer.reported, "ready");
     peer
 }
 
@@ -124,7 +124,7 @@ async fn sinumerik_nodes_are_read_with_their_own_stamps_and_a_lost_server_is_a_g
     assert!(farthest < 0.02, "{farthest} mm or mrad");
     assert!(skew_ms > 0.5 && skew_ms < 50.0, "{skew_ms} ms");
 
-    // Standing axes are told as standing, and no reading is missed.
+    // Standing axes are reported as standing, and no reading is missed.
     peer.order("stand");
     let mut last = reader.axes().await;
     while !last.held {

@@ -7,19 +7,19 @@ use trunnion_tests::peer::PythonPeer;
 use trunnion_tests::section::{is_writing, write_or_compare};
 use trunnion_tests::workspace_root;
 
-/// Boots, runs the trial in this mode, and prints the figures it measured; all it told.
+/// Boots, runs the trial in this mode, and prints the figures it measured; all it printed.
 fn machine(mode: &str, peer_tty: Option<&str>) -> String {
     let mut command = Command::new(workspace_root().join("tests/peers/can_machine.sh"));
     command.args([mode, env!("CARGO_BIN_EXE_can-guest")]);
     if let Some(tty) = peer_tty {
         command.env("PEER_TTY", tty);
     }
-    let told = command.output().expect("the script runs");
-    let text = String::from_utf8_lossy(&told.stdout).into_owned();
+    let reported = command.output().expect("the script runs");
+    let text = String::from_utf8_lossy(&reported.stdout).into_owned();
     for line in text.lines().filter(|line| line.contains("FIGURES")) {
         println!("{line}");
     }
-    assert!(told.status.success(), "{text}\n{}", String::from_utf8_lossy(&told.stderr));
+    assert!(reported.status.success(), "{text}\n{}", String::from_utf8_lossy(&reported.stderr));
     text
 }
 
@@ -33,11 +33,11 @@ fn alignment_line(line: &str) {
 
 #[test]
 #[ignore = "a peer test: tests/peers/run"]
-fn readings_keep_the_stamps_of_the_kernel_and_whatever_happens_to_the_interface_is_told_and_mended() {
-    let told = machine("vcan", None);
+fn readings_keep_the_stamps_of_the_kernel_and_whatever_happens_to_the_interface_is_reported_and_mended() {
+    let reported = machine("vcan", None);
     let rows: Vec<String> =
-        told.lines().filter_map(|line| Some(without_times(line.split_once("FAULT ")?.1))).collect();
-    assert_eq!(rows.len(), 5, "{told}");
+        reported.lines().filter_map(|line| Some(without_times(line.split_once("FAULT ")?.1))).collect();
+    assert_eq!(rows.len(), 5, "{reported}");
     let head = "| fault | end of the session | recorded gap | message |\n|---|---|---|---|\n";
     let table = format!("{head}{}\n", rows.join("\n"));
     write_or_compare("docs/measured/faults.md", SOCKETCAN, &table);
@@ -55,10 +55,10 @@ fn without_times(line: &str) -> String {
 #[test]
 #[ignore = "a peer test: tests/peers/run"]
 fn two_cards_on_one_bus_give_readings_and_a_pulled_cable_is_a_gap() {
-    let told = machine("kvaser", None);
+    let reported = machine("kvaser", None);
     // The firmware leaves the first line unfinished.
-    let line = told.lines().find_map(|line| line.split_once("ALIGNMENT "));
-    let (_, line) = line.expect("the trial tells the errors in time");
+    let line = reported.lines().find_map(|line| line.split_once("ALIGNMENT "));
+    let (_, line) = line.expect("the trial reports the errors in time");
     alignment_line(line);
 }
 

@@ -3,7 +3,7 @@
 //!
 //! `preset` is a name of [`trunnion_protocol::ascii::PRESETS`] or "custom", which needs `baud`, `pattern` and `unit`, and takes `request` (none: the
 //! device talks on its own), `framing` ("8N1"), `errors` (words that stand instead of a value) and `stamp`.
-//! What a pattern looks like is told in [`trunnion_protocol::ascii::Pattern`]: "GN##,{value}".
+//! What a pattern looks like: [`trunnion_protocol::ascii::Pattern`]: "GN##,{value}".
 //!
 //! When a value was taken: devices that latch at the request are stamped with the request, others with the middle
 //! between the request and the beginning of the answer, those that talk on their own with the arrival
@@ -98,7 +98,7 @@ impl Reader<'_> {
                     self.port.makes_sense();
                 }
             }
-            link.tell_counters(arrival);
+            link.report_counters(arrival);
             let waited = arrival - answered;
             if waited >= link.silence {
                 let what = if asked { self.settings.shown_request() } else { "on its own".into() };

@@ -137,7 +137,7 @@ impl Poller<'_> {
             ticker.tick().await;
             self.polls += 1;
             let exchange = self.ask(Command::ReadAll, link).await?;
-            link.tell_counters(exchange.arrival);
+            link.report_counters(exchange.arrival);
             match &exchange.answer {
                 Some(Reply::All(values)) if values.len() == amplifiers => {
                     answered = exchange.arrival;

@@ -21,7 +21,7 @@ use std::time::Duration;
 use tokio::time::MissedTickBehavior;
 use trunnion_core::input::Table;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading};
-use trunnion_core::{AxisLetter, AxisValues, HostTime, Role};
+use trunnion_core::{AxisValues, HostTime, Joint, Role};
 use trunnion_protocol::linuxcncrsh::{Item, JointUnit, ProgramStatus, Reply};
 
 /// Registry entry.
@@ -45,7 +45,7 @@ struct LinuxCnc {
     host: String,
     port: u16,
     address: String,
-    joints: Vec<AxisLetter>,
+    joints: Vec<Joint>,
     period: Duration,
     password: String,
     server: Option<String>,
@@ -57,7 +57,7 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     let joints = table.string("joints").and_then(|text| {
         let letters: Vec<_> = text.split_whitespace().flat_map(str::chars).collect();
         let axes: Option<Vec<_>> =
-            letters.iter().map(|letter| AxisLetter::parse(&letter.to_string())).collect();
+            letters.iter().map(|letter| Joint::parse(&letter.to_string())).collect();
         if axes.as_ref().is_none_or(Vec::is_empty) {
             let advice = "Copy COORDINATES of [TRAJ] in the INI file; where an axis has two joints, its letter comes twice.";
             table.problem("joints", format!("= \"{text}\""), "letters of X, Y, Z, A, B, C", advice);
@@ -115,7 +115,7 @@ impl LinuxCnc {
             }
             (link.counters.dropped_bytes, link.counters.damaged) =
                 (exchange.dropped_bytes(), exchange.repeated());
-            link.tell_counters(answered.arrival);
+            link.report_counters(answered.arrival);
         }
     }
 
@@ -123,11 +123,11 @@ impl LinuxCnc {
     async fn units(&self, exchange: &mut Exchange, link: &Link) -> Result<Vec<f64>, SessionEnd> {
         let answered = exchange.get(Item::JointUnits, link).await?;
         let Reply::JointUnits(units) = answered.reply else { return Err(unexpected(&answered)) };
-        let wrong = |found: String, letter: AxisLetter| SessionEnd::WrongDevice {
+        let wrong = |found: String, letter: Joint| SessionEnd::WrongDevice {
             found,
             expected: format!("axis {letter} there, by `joints`; compare with COORDINATES of its INI file"),
         };
-        let size = |(joint, &letter): (usize, &AxisLetter)| {
+        let size = |(joint, &letter): (usize, &Joint)| {
             let unit = units
                 .get(joint)
                 .ok_or_else(|| wrong(format!("LinuxCNC with {} joints", units.len()), letter))?;
@@ -201,11 +201,11 @@ impl Track {
     }
 }
 
-/// The program as last told.
+/// The program as last reported.
 #[derive(Default)]
 struct Program {
     asked: Option<HostTime>,
-    told: Option<(Execution, String, u32)>,
+    reported: Option<(Execution, String, u32)>,
 }
 
 impl Program {
@@ -227,10 +227,10 @@ impl Program {
         let name = exchange.get(Item::Program, link).await?;
         let Reply::Program(name) = name.reply else { return Err(unexpected(&name)) };
         let now = (execution, name.unwrap_or_default(), line);
-        if self.told.as_ref() == Some(&now) {
+        if self.reported.as_ref() == Some(&now) {
             return Ok(None);
         }
-        let (execution, program, line) = self.told.insert(now).clone();
+        let (execution, program, line) = self.reported.insert(now).clone();
         Ok(Some(Reading::Controller(ControllerReading {
             execution,
             program,

@@ -21,7 +21,7 @@ use std::convert::Infallible;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use trunnion_core::input::Table;
-use trunnion_core::{AxisLetter, AxisValues, Role};
+use trunnion_core::{AxisValues, Joint, Role};
 use trunnion_protocol::mtconnect;
 use trunnion_protocol::mtconnect::{DevicesDocument, Document, MultipartDecoder, StreamsDocument};
 
@@ -34,7 +34,7 @@ pub const DRIVER: Driver = Driver {
     probe: Some(probe::PROBE),
 };
 
-/// How often the agent tells that nothing changed, ms.
+/// How often the agent reports that nothing changed, ms.
 const HEARTBEAT_MS: u32 = 100;
 
 #[derive(Debug)]
@@ -61,7 +61,7 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     let signal = table.optional_string("signal");
     let mut axes = AxisValues::default();
     if let Some(named) = table.optional_table("axes") {
-        axes = AxisValues::of(AxisLetter::ISO, |letter| named.optional_string(letter.as_str()));
+        axes = AxisValues::of(Joint::ISO, |letter| named.optional_string(letter.as_str()));
         named.no_other_keys();
     }
     Some(Arc::new(MtConnect {
@@ -199,7 +199,7 @@ impl MtConnect {
             if losses.bad_parts + losses.dropped_bytes > 0 {
                 link.counters.dropped_bytes += losses.dropped_bytes;
                 link.counters.damaged += losses.bad_parts.max(1);
-                link.tell_counters(link.now());
+                link.report_counters(link.now());
                 if next > from {
                     return Ok(StreamEnd::Damaged(next));
                 }
@@ -218,7 +218,7 @@ impl MtConnect {
                     other => return Err(unexpected("reading samples", &other)),
                 }
             }
-            link.tell_counters(last_part);
+            link.report_counters(last_part);
             if link.now() - last_part >= link.silence {
                 let waited = link.now() - last_part;
                 return Err(SessionEnd::Silent { who: format!("{} sends no samples", self.url), waited });
@@ -256,7 +256,7 @@ fn take(
     if let Some(by_s) = model.clock_was_set() {
         link.log(
             true,
-            format!("the controller's clock was set by {by_s:+.3} s; time of the axes begins anew"),
+            format!("the controller's clock was set by {by_s:+.3} s; time of the axes begins again"),
         );
     }
     if let Some(letter) = model.began_absence() {

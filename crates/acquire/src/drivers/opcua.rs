@@ -15,7 +15,7 @@
 //!   controllers know the first three.
 //!
 //! Positions are mm and degrees unless the node has other `EngineeringUnits`. Every axis bears its own source time stamp
-//! (never the server's); `instants` brings them to common instants and tells the skew. A server tells changes only: while
+//! (never the server's); `instants` brings them to common instants and reports the skew. A server reports changes only: while
 //! it answers and nothing changes, held positions are sent.
 
 #![cfg_attr(

@@ -178,7 +178,7 @@ impl Connection {
                 last_block = arrival;
                 sensor.take(&block, arrival, link)?;
             }
-            link.tell_counters(arrival);
+            link.report_counters(arrival);
             let waited = arrival - last_block;
             if waited >= link.silence {
                 return Err(SessionEnd::Silent {
@@ -260,7 +260,7 @@ impl Sensor {
         if let Some((last, at)) = self.last
             && sequence < last
         {
-            link.gap(at, arrival, None, "the sensor began to count anew: it was restarted or reset".into());
+            link.gap(at, arrival, None, "the sensor began to count again: it was restarted or reset".into());
         }
         self.last = Some((sequence, arrival));
         let raw = i64::from(distance.get());

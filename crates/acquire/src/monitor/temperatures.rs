@@ -1,4 +1,4 @@
-//! Temperatures without value: told once when that begins, one gap when it ends.
+//! Temperatures without value: reported once when that begins, one gap when it ends.
 
 use std::collections::HashMap;
 use trunnion_core::HostTime;
@@ -32,7 +32,7 @@ impl TemperatureMonitor {
         Some(Absence::Begun)
     }
 
-    /// What is to be told at the end of a session.
+    /// What is to be reported at the end of a session.
     pub fn end(&mut self, to: HostTime) -> Vec<(String, Absence)> {
         let ended = |(name, (from, readings))| (name, Absence::Ended { from, to, readings });
         self.0.drain().map(ended).collect()

@@ -1,6 +1,6 @@
 //! What the values of a channel say about its device: it has none, or the same one for too long.
 //!
-//! *No value*: told once when it begins; when it ends, the readings without value are one gap.
+//! *No value*: reported once when it begins; when it ends, the readings without value are one gap.
 //!
 //! *Stuck*: a number that stays while the device should not be able to keep it. An indicator that shows 1 µm keeps its
 //! number for hours on a machine that stands, and that is no fault; so a channel is judged by how it behaved before.
@@ -332,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn readings_without_value_are_told_once_and_end_as_one_gap() {
+    fn readings_without_value_are_reported_once_and_end_as_one_gap() {
         let mut bench = Bench::new();
         bench.run(1.0, |_, noise| noise);
         assert_eq!(bench.run(2.0, |_, _| f64::NAN).0, [Finding::NoValue { raw: 999 }]);

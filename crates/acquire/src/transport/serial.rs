@@ -2,7 +2,7 @@
 //!
 //! A port that hung up reads zero bytes for ever (Linux) or EIO (pty): both are a disconnection. A pseudo-terminal
 //! takes only some line speeds and needs none: where a speed is refused the port is opened at 115 200 baud and the
-//! refusal is told. A pseudo-terminal is always 8N1, so a 7-bit format must not rely on the port to take the parity
+//! refusal is reported. A pseudo-terminal is always 8N1, so a 7-bit format must not rely on the port to take the parity
 //! bit away.
 
 use crate::link::Link;
@@ -102,7 +102,7 @@ pub fn open(name: &str, baud: u32, framing: Framing, link: &mut Link) -> Result<
     Ok(port)
 }
 
-/// Opens a port; the text tells a line speed that was refused, or an adapter that is slow.
+/// Opens a port; the text reports a line speed that was refused, or an adapter that is slow.
 ///
 /// # Errors
 /// `Absent` or `Refused`.

@@ -1,4 +1,4 @@
-//! CAN sessions against the virtual bus, and what is told where there is none.
+//! CAN sessions against the virtual bus, and what is reported where there is none.
 
 use crate::shop::{SinceStart, find, gap_of_the_next_connection, read, state, until, until_message};
 use std::sync::Arc;
@@ -77,9 +77,9 @@ async fn bus_off_ends_the_session_with_what_to_check_and_its_end_begins_another_
     until_message(&mut acquisition, |message| probe(message).is_some()).await;
     bus.inject(Fault::BusOff { duration_s: 2.0 }).unwrap();
     let status = state(&acquisition, |status| status.last_end.is_some()).await;
-    let told = status.last_end.unwrap().to_string();
-    assert!(told.starts_with("disconnected") && told.contains("error passive"), "{told}");
-    assert!(told.contains("status A6h") && told.contains("120 Ω"), "{told}");
+    let reported = status.last_end.unwrap().to_string();
+    assert!(reported.starts_with("disconnected") && reported.contains("error passive"), "{reported}");
+    assert!(reported.contains("status A6h") && reported.contains("120 Ω"), "{reported}");
     let gap = gap_of_the_next_connection(&mut acquisition, |message| probe(message).is_some()).await;
     assert!(gap.reason.contains("error passive"), "{gap:?}");
     acquisition.stop().await;
@@ -93,21 +93,21 @@ async fn values_out_of_range_are_no_values_and_are_taken_again_when_the_nodes_sa
     };
     until_message(&mut acquisition, |message| good(message, 3)).await;
     bus.inject(Fault::OutOfRange { duration_s: 1.0 }).unwrap();
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     for channel in [0, 3] {
         let messages = until_message(&mut acquisition, |message| {
             probe(message).is_some_and(|reading| reading.channel == channel && reading.value_mm.is_nan())
         });
-        told.extend(messages.await.into_iter().filter_map(|message| match message.reading {
+        reported.extend(messages.await.into_iter().filter_map(|message| match message.reading {
             Reading::Log(line) => Some(line.text),
             _ => None,
         }));
     }
     for words in [
         "bus.node-1 has no value: the node calls its value above the measuring range (status 6150h = 03h)",
-        "bus.node-5 has no value: the node told by an emergency that it cannot measure",
+        "bus.node-5 has no value: the node reported by an emergency that it cannot measure",
     ] {
-        assert!(told.iter().any(|line| line.starts_with(words)), "{words:?} in {told:#?}");
+        assert!(reported.iter().any(|line| line.starts_with(words)), "{words:?} in {reported:#?}");
     }
     for channel in [0, 3] {
         let messages = until_message(&mut acquisition, |message| good(message, channel)).await;
@@ -120,7 +120,7 @@ async fn values_out_of_range_are_no_values_and_are_taken_again_when_the_nodes_sa
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_temperature_is_told_under_the_name_of_its_node_and_is_no_value_out_of_range() {
+async fn a_temperature_is_reported_under_the_name_of_its_node_and_is_no_value_out_of_range() {
     let (bus, mut acquisition, _folder) = bus();
     let temperature = |reading: &Reading| match reading {
         Reading::Temperature(reading) => Some(reading.clone()),
@@ -131,12 +131,12 @@ async fn a_temperature_is_told_under_the_name_of_its_node_and_is_no_value_out_of
     assert!(first.name == "node-9" && (first.degc - ROOM_DEGC).abs() <= 0.005 + 1e-9, "{first:?}");
     bus.inject(Fault::OutOfRange { duration_s: 0.5 }).unwrap();
     let has_value = |reading: &Reading| temperature(reading).map(|reading| reading.degc.is_finite());
-    let told = until(&mut acquisition, |reading| has_value(reading) == Some(false)).await;
+    let reported = until(&mut acquisition, |reading| has_value(reading) == Some(false)).await;
     let warns = |reading: &Reading| matches!(reading, Reading::Log(line) if line.warning && line.text.contains("node-9 has no temperature"));
-    assert!(told.iter().any(warns), "{told:?}");
-    let told = until(&mut acquisition, |reading| has_value(reading) == Some(true)).await;
-    assert_eq!(told.last().and_then(temperature).map(|reading| reading.degc), Some(first.degc));
-    let gap = told.iter().find_map(|reading| match reading {
+    assert!(reported.iter().any(warns), "{reported:?}");
+    let reported = until(&mut acquisition, |reading| has_value(reading) == Some(true)).await;
+    assert_eq!(reported.last().and_then(temperature).map(|reading| reading.degc), Some(first.degc));
+    let gap = reported.iter().find_map(|reading| match reading {
         Reading::Gap(gap) if gap.source == "node-9" => Some(gap),
         _ => None,
     });
@@ -145,12 +145,12 @@ async fn a_temperature_is_told_under_the_name_of_its_node_and_is_no_value_out_of
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_node_exchanged_for_another_kind_is_told_and_not_retried() {
+async fn a_node_exchanged_for_another_kind_is_reported_and_not_retried() {
     let (bus, mut acquisition, _folder) = bus();
     until_message(&mut acquisition, |message| probe(message).is_some()).await;
     bus.inject(Fault::WrongIdentity).unwrap();
     let status = state(&acquisition, |status| status.state == DeviceState::WrongDevice).await;
-    let told = status.last_end.unwrap().to_string();
-    assert!(told.contains("I/O module") && told.contains("CiA 404 or CiA 406"), "{told}");
+    let reported = status.last_end.unwrap().to_string();
+    assert!(reported.contains("I/O module") && reported.contains("CiA 404 or CiA 406"), "{reported}");
     acquisition.stop().await;
 }

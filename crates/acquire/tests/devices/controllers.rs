@@ -106,7 +106,7 @@ async fn positions_of_linuxcnc_bear_the_time_at_which_they_appeared() {
             continue;
         }
         assert!((axes.position[X] - 100.0).abs() < 1e-5 && (axes.position[B] - 0.25).abs() < 1e-5);
-        assert!(axes.present[C] && !axes.present[trunnion_core::AxisLetter::A]);
+        assert!(axes.present[C] && !axes.present[trunnion_core::Joint::A]);
         // A busy machine may hold a request up; then the middle of the two requests lies that far off.
         let held_up_s = (axes.arrival.0 - axes.stamp_ns) as f64 / 1e9;
         let off_rad = (bench.world.axes(t_s)[C] - axes.position[C]).abs();
@@ -119,7 +119,7 @@ async fn positions_of_linuxcnc_bear_the_time_at_which_they_appeared() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn each_fault_of_linuxcnc_is_told_recorded_and_recovered_from() {
+async fn each_fault_of_linuxcnc_is_reported_recorded_and_recovered_from() {
     let cases = [
         (Fault::Silence { duration_s: 1.0 }, DeviceState::Silent, "does not answer"),
         (Fault::Unplug { duration_s: 1.0 }, DeviceState::Absent, "127.0.0.1"),
@@ -212,7 +212,7 @@ async fn another_machine_behind_the_same_address_is_not_read() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn positions_that_stick_while_the_program_goes_on_are_told_and_recorded() {
+async fn positions_that_stick_while_the_program_goes_on_are_reported_and_recorded() {
     let linuxcnc = bench_in(program(many_blocks()), ServerConfig::default(), JOINTS).await;
     let agent = agent_bench(program(many_blocks())).await;
     for mut bench in [linuxcnc, agent] {

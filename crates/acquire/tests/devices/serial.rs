@@ -171,7 +171,7 @@ async fn a_gauge_out_of_range_says_why_and_leaves_one_gap_and_another_device_is_
     handle.inject(Fault::OutOfRange { duration_s: 0.6 }).unwrap();
     let readings = until(&mut acquisition, |reading| matches!(reading, Reading::Gap(_))).await;
     let warnings = readings.iter().filter(|reading| says(reading, "gauge has no value")).count();
-    assert_eq!(warnings, 1, "told once");
+    assert_eq!(warnings, 1, "reported once");
     let Some(Reading::Gap(gap)) = readings.last() else { unreachable!() };
     assert!(gap.reason.contains("reports an error") && gap.lost_readings.is_some_and(|n| n > 1), "{gap:?}");
     acquisition.stop().await;
@@ -185,7 +185,7 @@ async fn a_gauge_out_of_range_says_why_and_leaves_one_gap_and_another_device_is_
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn bytes_that_make_no_sense_are_told_as_a_wrong_line_speed() {
+async fn bytes_that_make_no_sense_are_reported_as_a_wrong_line_speed() {
     let (shop, handle) = gauges(MOVING);
     handle.inject(Fault::GarbleBytes { count: 1_000_000 }).unwrap();
     let acquisition = shop.start(BOX);

@@ -162,9 +162,9 @@ nodes = [{ id = 1, role = "probe-1" }, { id = 2, role = "probe-2" }, { id = 3, r
          { id = 5, role = "bar" }]
 "#;
     let mut acquisition = floor.start(text, QUEUE_LENGTH);
-    // A busy computer may end a connection; the next one counts its SYNCs anew.
+    // A busy computer may end a connection; the next one counts its SYNCs again.
     let mut by_sync = BTreeMap::<(u32, u64), Vec<ProbeReading>>::new();
-    let (mut whole, mut told, mut last) = (0, 0, Instant::now());
+    let (mut whole, mut reported, mut last) = (0, 0, Instant::now());
     while whole < 60 {
         assert!(last.elapsed() < LIMIT, "{whole} of {} SYNCs are whole, then none", by_sync.len());
         let message = next(&mut acquisition).await;
@@ -176,7 +176,7 @@ nodes = [{ id = 1, role = "probe-1" }, { id = 2, role = "probe-2" }, { id = 3, r
                     (whole, last) = (whole + 1, Instant::now());
                 }
             }
-            Reading::Gap(gap) => told += gap.lost_readings.unwrap_or(0),
+            Reading::Gap(gap) => reported += gap.lost_readings.unwrap_or(0),
             _ => {}
         }
     }
@@ -186,7 +186,10 @@ nodes = [{ id = 1, role = "probe-1" }, { id = 2, role = "probe-2" }, { id = 3, r
         |&(epoch, sync): &(u32, u64)| by_sync.range((epoch, sync + 1)..(epoch + 1, 0)).next().is_none();
     let missing =
         by_sync.iter().filter(|(sync, _)| !is_last(sync)).map(|(_, values)| 4 - values.len() as u64);
-    assert!(missing.sum::<u64>() <= told, "values are missing in silence: {told} told, {by_sync:?}");
+    assert!(
+        missing.sum::<u64>() <= reported,
+        "values are missing in silence: {reported} reported, {by_sync:?}"
+    );
     for ((epoch, sync), values) in &by_sync {
         let moment = values[0].device_ticks;
         assert!(values.iter().all(|value| value.device_ticks == moment), "SYNC {sync}: {values:?}");
@@ -210,7 +213,7 @@ nodes = [{ id = 1, role = "probe-1" }, { id = 2, role = "probe-2" }, { id = 3, r
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn axes_arrive_with_one_stamp_standing_or_moving_and_a_restarted_agent_is_asked_anew() {
+async fn axes_arrive_with_one_stamp_standing_or_moving_and_a_restarted_agent_is_asked_again() {
     let floor = floor(|config| {
         config.probes.clear();
         config.can = None;
@@ -230,7 +233,7 @@ async fn axes_arrive_with_one_stamp_standing_or_moving_and_a_restarted_agent_is_
         assert!(
             (axes.position[X] - 100.0).abs() < 1e-3
                 && axes.present[B]
-                && !axes.present[trunnion_core::AxisLetter::A]
+                && !axes.present[trunnion_core::Joint::A]
         );
     }
     assert!(axes.windows(2).all(|pair| pair[0].stamp_ns < pair[1].stamp_ns), "stamps go forward");

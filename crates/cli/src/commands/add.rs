@@ -5,8 +5,7 @@ use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
-use trunnion::Model;
-use trunnion::analysis::FormulaText;
+use trunnion::{FormulaText, Model};
 
 /// Add an effect to the model, refit, and show how far the error falls
 ///
@@ -51,7 +50,7 @@ pub struct FormulaArgs {
 
 impl FormulaArgs {
     /// As the analysis takes it.
-    pub fn told(&self) -> FormulaText {
+    pub fn text(&self) -> FormulaText {
         FormulaText {
             site: self.site.clone(),
             component: self.component.clone(),
@@ -73,7 +72,7 @@ fn grid(text: &str) -> Result<(String, Vec<f64>), String> {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let Loaded { experiment, outcome } = load::runs(&args.runs)?;
     let model = Model::load_or_base(&args.model, &experiment.machine().name)?;
-    let step = experiment.fit(&model)?.add_as(&args.effect, &args.formula.told())?.dated(&today()?)?;
+    let step = experiment.fit(&model)?.add_as(&args.effect, &args.formula.text())?.dated(&today()?)?;
     step.model().save(&args.model)?;
     if args.json {
         terminal::print_json(&step.results(&args.model.display().to_string()))?;

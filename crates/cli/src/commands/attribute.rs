@@ -5,7 +5,7 @@ use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion::Attributed;
-use trunnion_report::{findings_html, findings_text};
+use trunnion::report::{findings_html, findings_text};
 
 /// Find out which axis made the deviation of a recording on the fly
 ///
@@ -35,7 +35,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let Attributed { findings, damage } = trunnion::attribute_run(&args.run, args.knot_s, args.smooth)?;
-    let outcome = load::told(damage.map(|damage| format!("{}: {damage}", args.run.display())));
+    let outcome = load::outcome(damage.map(|damage| format!("{}: {damage}", args.run.display())));
     if let Some(path) = &args.html {
         std::fs::write(path, findings_html(&findings, &trunnion::page::label()))
             .with_context(|| format!("cannot write {}", path.display()))?;

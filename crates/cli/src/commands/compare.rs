@@ -6,9 +6,8 @@ use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
-use trunnion::Fit;
-use trunnion::analysis::FormulaText;
 use trunnion::results::{Comparison, Trial};
+use trunnion::{Fit, FormulaText};
 
 /// Show where the model fails: tables, and a page with plots
 ///
@@ -37,10 +36,10 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let Loaded { experiment, outcome } = load::runs(&args.runs)?;
     let fit = experiment.fit(&args.model.model(&experiment)?)?;
-    let told = args.formula.told();
+    let formula = args.formula.text();
     match &args.trial {
-        Some(effect) => try_effect(args, &fit, effect, &told)?,
-        None if told != FormulaText::default() => {
+        Some(effect) => try_effect(args, &fit, effect, &formula)?,
+        None if formula != FormulaText::default() => {
             bail!(
                 "--site, --component, --expression and --grid describe a formula to try: add --try formula:NAME"
             )
@@ -52,21 +51,23 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 fn compare(args: &Args, fit: &Fit) -> anyhow::Result<()> {
     let compared = fit.compare()?;
+    // A page shows the best candidate at work.
+    let compared = if args.html.is_some() { compared.with_best()? } else { compared };
     if let Some(path) = &args.html {
-        write(path, &compared.page()?)?;
+        write(path, &compared.page())?;
     }
     if args.json {
         return terminal::print_json(&Comparison { html: html(args), ..compared.results() });
     }
     terminal::print(&compared.summary())?;
-    told_page(args)
+    report_page(args)
 }
 
-fn try_effect(args: &Args, fit: &Fit, effect: &str, told: &FormulaText) -> anyhow::Result<()> {
+fn try_effect(args: &Args, fit: &Fit, effect: &str, formula: &FormulaText) -> anyhow::Result<()> {
     if fit.model().effects().contains(&effect) {
         bail!("{effect} is in the model already; `trunnion ladder` shows what it did");
     }
-    let trial = fit.try_effect(effect, told)?;
+    let trial = fit.try_effect(effect, formula)?;
     if let Some(path) = &args.html {
         write(path, &trial.page())?;
     }
@@ -74,7 +75,7 @@ fn try_effect(args: &Args, fit: &Fit, effect: &str, told: &FormulaText) -> anyho
         return terminal::print_json(&Trial { html: html(args), ..trial.results() });
     }
     terminal::print(&trial.summary())?;
-    told_page(args)
+    report_page(args)
 }
 
 fn html(args: &Args) -> Option<String> {
@@ -85,7 +86,7 @@ fn write(path: &Path, page: &str) -> anyhow::Result<()> {
     std::fs::write(path, page).with_context(|| format!("cannot write {}", path.display()))
 }
 
-fn told_page(args: &Args) -> anyhow::Result<()> {
+fn report_page(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.html {
         terminal::print(&format!("page: {}\n", path.display()))?;
     }

@@ -5,11 +5,8 @@ use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
+use trunnion::report::{axis_errors_text, compensation};
 use trunnion::results::{CompensationSummary, CompensationValues};
-use trunnion_core::convert::{um_from_mm, urad_from_rad};
-use trunnion_methods::{AxisErrors, AxisTable};
-use trunnion_report::compensation;
-use trunnion_report::compensation::Values;
 
 /// Write the axis errors of a model as compensation tables
 ///
@@ -33,7 +30,7 @@ pub struct Args {
     /// File to write; without it, standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Print what is in the file and what is left out as JSON (format trunnion-compensation-summary/1)
+    /// Print what the file holds and what it leaves out as JSON (format trunnion-compensation-summary/1)
     #[arg(long, requires = "output")]
     json: bool,
 }
@@ -46,7 +43,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         let why: Vec<String> = errors.left_out.iter().map(|l| format!("{}: {}", l.effect, l.why)).collect();
         bail!("nothing of the model can be put into tables of axis errors ({})", why.join("; "));
     }
-    let values = if args.corrections { Values::Corrections } else { Values::Errors };
+    let values = if args.corrections { CompensationValues::Correction } else { CompensationValues::Error };
     let text = (format.write)(&errors, values);
     let Some(path) = &args.output else {
         terminal::print(&text)?;
@@ -54,40 +51,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
     if args.json {
-        let values =
-            if args.corrections { CompensationValues::Correction } else { CompensationValues::Error };
         terminal::print_json(&CompensationSummary::new(&errors, values, path.display().to_string()))?;
     } else {
-        terminal::print(&summary(&errors, &path.display().to_string()))?;
+        terminal::print(&axis_errors_text(&errors, &path.display().to_string()))?;
     }
     Ok(outcome)
-}
-
-fn summary(errors: &AxisErrors, path: &str) -> String {
-    let mut text = format!("{path}: {}\n", errors.effects.join(", "));
-    for table in &errors.axes {
-        text += &format!("  {}  {}\n", table.axis, sizes(table));
-    }
-    for left_out in &errors.left_out {
-        text += &format!("  not in it: {}: {}\n", left_out.effect, left_out.why);
-    }
-    text
-}
-
-fn sizes(table: &AxisTable) -> String {
-    let location = &table.location;
-    let place = format!(
-        "location up to {:.1} µm, {:.1} µrad",
-        um_from_mm(location.translation_mm.amax()),
-        urad_from_rad(location.rotation_rad.amax())
-    );
-    let most = |of: fn(&trunnion_core::Twist) -> f64| table.errors.iter().map(of).fold(0.0, f64::max);
-    match table.positions.len() {
-        0 => place,
-        rows => format!(
-            "{place}; {rows} rows up to {:.1} µm, {:.1} µrad",
-            um_from_mm(most(|twist| twist.translation_mm.amax())),
-            urad_from_rad(most(|twist| twist.rotation_rad.amax()))
-        ),
-    }
 }

@@ -9,9 +9,9 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio_util::sync::CancellationToken;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::prelude::*;
+use trunnion::Model;
+use trunnion::cycles::Cycle;
 use trunnion_acquire::config::channels;
-use trunnion_cycles::Cycle;
-use trunnion_effects::Model;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::daemon;
@@ -44,7 +44,7 @@ pub fn prepare(path: &Path) -> anyhow::Result<Prepared> {
     let cycle = Cycle::parse(&config.cycle.display().to_string(), &cycle_text)?;
     let machine = load::machine(&cycle.machine)?;
     let model = match &config.model {
-        Some(path) => trunnion::Model::load(path)?.entries().clone(),
+        Some(path) => Model::load(path)?,
         None => Model::base(&machine.name),
     };
     let texts = Texts { machine: load::machine_text(&cycle.machine)?, cycle: cycle_text, config: text };

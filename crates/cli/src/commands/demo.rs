@@ -9,7 +9,6 @@ mod story;
 use crate::commands::daemon::log_to_stderr;
 use crate::outcome::Outcome;
 use crate::terminal;
-use crate::virtual_setup::sim_setup;
 use anyhow::{Context, bail};
 use progress_bar::ProgressBar;
 use std::path::{Path, PathBuf};
@@ -17,25 +16,22 @@ use std::sync::Arc;
 use std::time::Duration;
 use story::{story, truth_text};
 use tokio_util::sync::CancellationToken;
-use trunnion::page;
-use trunnion::results::{self, TimeQuality};
+use trunnion::cycles::{Cycle, Motion};
+use trunnion::results::TimeQuality;
+use trunnion::results::number::um;
+use trunnion::results::sentences::repeatability;
+use trunnion::{Model, page};
 use trunnion_acquire::config::channels;
-use trunnion_core::{Clock, convert};
-use trunnion_cycles::Cycle;
-use trunnion_cycles::cycle::Motion;
-use trunnion_effects::Model;
-use trunnion_engine::{Experiment, Identification};
+use trunnion_core::Clock;
 use trunnion_hil_sim::devices::{SimulatedCell, World, cell};
 use trunnion_hil_sim::physics::hidden;
 use trunnion_hil_sim::scenario::{Pace, Station};
 use trunnion_hil_sim::{HiddenChoice, SimSetup, Truth, VirtualMachine, scenario};
-use trunnion_machine::shipped;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::daemon;
 use trunnion_service::daemon::{NewRun, Recorded, Texts};
-use trunnion_service::live::{Live, Plan};
-use trunnion_sync::CycleBounds;
+use trunnion_service::live::{CycleBounds, Live, Plan};
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
 ///
@@ -82,12 +78,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     let tell = |text: &str| if args.json { Ok(()) } else { terminal::print(text) };
     let static_cycle = Cycle::parse("demo-static.toml", STATIC_CYCLE)?;
-    let machine = shipped::machine(&static_cycle.machine).context("the demo machine is shipped")?;
+    let machine = trunnion::files::machine(&static_cycle.machine)?;
     let poses = static_cycle.poses(&machine).context("the demo machine follows the ball")?;
     let stations: Vec<Station> =
         poses.iter().map(|pose| Station { setup: pose.setup, position: pose.position }).collect();
 
-    let setups: Vec<SimSetup> = static_cycle.setups.iter().map(sim_setup).collect();
+    let setups: Vec<SimSetup> = static_cycle.setups.iter().map(SimSetup::from).collect();
     let choices = hidden_choices(args, &machine)?;
     let truth =
         Truth::draw(&machine, &setups, &choices, scenario::duration_s(stations.len(), PACE), args.seed)?;
@@ -107,16 +103,13 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     tell(&format!("Recorded {}\n\n", recorded.path.display()))?;
 
     let date = daemon::day(SystemClock::start().wall_ns());
-    let base = Model::base(&machine.name);
-    let (path, machine_for_analysis) = (recorded.path.clone(), machine.clone());
-    let (experiment, analysis, static_timing) = tokio::task::spawn_blocking(move || {
-        daemon::analyse_recording(&path, &machine_for_analysis, &base, &date)
-    })
-    .await??;
-    tell(&story(&experiment, &analysis))?;
+    let (path, base) = (recorded.path.clone(), Model::base(&machine.name));
+    let analysed =
+        tokio::task::spawn_blocking(move || daemon::analyse_recording(&path, &base, &date)).await??;
+    tell(&story(&analysed))?;
 
     let mut losses = page::losses(&recorded.gaps, recorded.lost_samples);
-    let mut timing: Vec<TimeQuality> = static_timing.into_iter().collect();
+    let mut timing: Vec<TimeQuality> = Vec::new();
     let on_the_fly = if args.static_only {
         None
     } else {
@@ -125,17 +118,16 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         let world = sweep_world(virtual_machine.clone(), &sweep_cycle)?;
         let swept = measure(args, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c").await?;
         losses.extend(page::losses(&swept.gaps, swept.lost_samples));
-        let (fit, sweep_timing) = fit_again(&swept.path, &machine, &analysis.model)?;
-        timing.extend(sweep_timing);
+        let swept_runs = trunnion::open(&swept.path)?;
+        // What a turning C cannot show is left out, not guessed.
+        let fit = swept_runs.fit_within_reach(analysed.fit().model())?.results();
+        timing.extend(swept_runs.time_quality()?);
         tell(&format!(
-            "Recorded {}; {} points while turning. The model of the static cycle leaves {:.2} µm there, \
-             {}.\n",
+            "Recorded {}; {} points while turning. The model of the static cycle leaves {} there, {}.\n",
             swept.path.display(),
             fit.points,
-            convert::um_from_mm(fit.rms_mm),
-            trunnion_report::repeatability(
-                fit.repeatability.map(|noise| convert::um_from_mm(noise.sigma_mm))
-            ),
+            um(fit.rms_um),
+            repeatability(fit.noise_um),
         ))?;
         Some(fit)
     };
@@ -144,26 +136,27 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         tell(&format!("Data loss: {loss}\n"))?;
     }
     let report = args.output.join("report.html");
-    write(&report, &page::compare_page(&experiment, &analysis, &losses, &timing))?;
+    let compared = analysed.compare()?.with_losses(&losses).with_time_quality(&timing);
+    write(&report, &compared.page())?;
     let model_path = args.output.join("model.toml");
-    write(&model_path, &analysis.model.to_text())?;
+    analysed.fit().model().save(&model_path)?;
     tell(&format!("\nReport: {}\nModel:  {}\n", report.display(), model_path.display()))?;
-    tell(&format!("\nThe seal is broken. {}\n", truth_text(&virtual_machine, &analysis, &truth_path)))?;
+    tell(&format!("\nThe seal is broken. {}\n", truth_text(&virtual_machine, &analysed, &truth_path)))?;
     if args.json {
         terminal::print_json(&serde_json::json!({
             "format": "trunnion-demo/1",
             "seed": args.seed,
             "hidden": virtual_machine.truth().hidden.iter().map(hidden::Hidden::id).collect::<Vec<_>>(),
-            "found": analysis.steps.iter().map(|step| step.entry.id.clone()).collect::<Vec<_>>(),
-            "verdict": results::Verdict::from(analysis.diagnoses[0].verdict).as_str(),
-            "diagnosis": results::Diagnosis::from(&analysis.diagnoses[0]),
-            "ladder": page::ladder(&analysis.model).iter().map(|row| serde_json::json!({
-                "effect": row.effect, "error_before_um": row.fit_before_um, "error_after_um": row.fit_after_um,
+            "found": analysed.added(),
+            "verdict": analysed.first().results().verdict.as_str(),
+            "diagnosis": analysed.first().results(),
+            "ladder": analysed.fit().model().ladder().added().map(|(effect, row)| serde_json::json!({
+                "effect": effect, "error_before_um": row.error_before_um, "error_after_um": row.error_after_um,
                 "holdout_before_um": row.holdout_before_um, "holdout_after_um": row.holdout_after_um,
             })).collect::<Vec<_>>(),
-            "identification": results::Identification::from(analysis.identification()),
-            "last_diagnosis": results::Diagnosis::from(analysis.diagnosis()),
-            "on_the_fly": on_the_fly.as_ref().map(results::Identification::from),
+            "identification": analysed.fit().results(),
+            "last_diagnosis": analysed.last().results(),
+            "on_the_fly": on_the_fly,
             "report": report.display().to_string(),
             "losses": losses,
         }))?;
@@ -171,7 +164,7 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     Ok(if losses.is_empty() { Outcome::Done } else { Outcome::DataLoss })
 }
 
-fn hidden_choices(args: &Args, machine: &trunnion_machine::Machine) -> anyhow::Result<Vec<HiddenChoice>> {
+fn hidden_choices(args: &Args, machine: &trunnion::Machine) -> anyhow::Result<Vec<HiddenChoice>> {
     match args.hidden.as_str() {
         "none" => Ok(Vec::new()),
         "random" => Ok(vec![hidden::random(machine, args.seed)]),
@@ -221,7 +214,7 @@ async fn measure(
         cell.controller.as_ref().and_then(|handle| handle.url()).context("the cell has a controller")?;
     let config_text = config_text(&ports, agent, &args.output);
     let config = Config::parse(Path::new("demo.toml"), &config_text)?;
-    let machine = shipped::machine(&cycle.machine).context("the demo machine is shipped")?;
+    let machine = trunnion::files::machine(&cycle.machine)?;
     let machine_text = crate::load::machine_text(&cycle.machine)?;
     let plan = Plan { machine, cycle: cycle.clone(), nest: config.nest, channels: channels(&config.devices) };
     let texts = Texts { machine: machine_text, cycle: cycle_text.into(), config: config_text };
@@ -275,27 +268,6 @@ fn config_text(ports: &Path, agent: &str, recordings: &Path) -> String {
         );
     }
     text + &format!("\n[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{agent}\"\n")
-}
-
-fn fit_again(
-    path: &Path,
-    machine: &trunnion_machine::Machine,
-    model: &Model,
-) -> anyhow::Result<(Identification, Option<TimeQuality>)> {
-    let limits = Some(trunnion_sync::blocks::Limits::default());
-    let recording = trunnion::recording::read(path, &|_| Some(machine.clone()), limits)?;
-    let experiment = Experiment::new(std::slice::from_ref(&recording.run))?;
-    // What a turning C cannot show is left out, not guessed.
-    let mut reachable = model.clone();
-    reachable.effects.retain(|entry| {
-        trunnion_effects::Instance::from_model_effect(entry, machine)
-            .is_ok_and(|instance| !instance.parameters(&experiment.scene).is_empty())
-    });
-    let options = trunnion_engine::fit::Options::default();
-    Ok((
-        trunnion_engine::identify(&experiment, &reachable, &options)?,
-        recording.timing.as_ref().map(TimeQuality::from),
-    ))
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {

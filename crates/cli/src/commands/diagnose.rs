@@ -6,7 +6,7 @@ use crate::{load, terminal};
 
 /// Say which physical effect is missing from the model
 ///
-/// Where the data do not tell effects apart, it plans the cycle that would; `trunnion plan` writes that cycle's file.
+/// Where the data do not separate effects, it plans the cycle that would; `trunnion plan` writes that cycle's file.
 ///
 /// Example: trunnion diagnose run.mcap --model machine.model.toml
 #[derive(clap::Args)]

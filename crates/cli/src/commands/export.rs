@@ -22,8 +22,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let (run, outcome) = load::run(&args.run)?;
-    let table = trunnion_record::export::points_csv(&run);
+    load::no_points_file(&args.run)?;
+    let (table, damage) = trunnion::tables::export_csv(&args.run)?;
+    let outcome = load::outcome(damage);
     match &args.output {
         None => terminal::print(&table)?,
         Some(path) => {

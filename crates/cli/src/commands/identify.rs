@@ -1,4 +1,4 @@
-//! `trunnion identify`: the machine's errors with uncertainties, and what cannot be seen; or by a named method of the
+//! `trunnion identify`: the machine's errors with uncertainties, and what is not observable; or by a named method of the
 //! literature.
 
 use crate::load::{Loaded, ModelArgs, RunArgs};
@@ -6,11 +6,8 @@ use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
-use trunnion_core::AxisLetter;
-use trunnion_methods::notation::Notation;
-use trunnion_methods::recipes;
-use trunnion_methods::recipes::{Convention, MethodOptions, REGISTRY};
-use trunnion_report::{findings_html, findings_text, identification_text, location_text, timing_text};
+use trunnion::report::{findings_html, findings_text, identification_text, location_text, timing_text};
+use trunnion::{Convention, EVERY_METHOD, MethodOptions, Notation, method};
 
 /// Identify the machine's errors from recordings
 ///
@@ -32,9 +29,9 @@ pub struct Args {
     /// Location errors in a notation as well: absolute (lines in the machine, ISO 230-1) or relative (against the carrying axis)
     #[arg(long, value_name = "NAME", conflicts_with = "method", value_parser = notation)]
     notation: Option<Notation>,
-    /// Axis that the method judges; by default the one that turns alone
-    #[arg(long, value_name = "LETTER", requires = "method", value_parser = axis)]
-    axis: Option<AxisLetter>,
+    /// Rotary axis that the method judges, by its name in the machine file; by default the one that turns alone
+    #[arg(long, value_name = "NAME", requires = "method")]
+    axis: Option<String>,
     /// Signs of the method's values: right-handed, or source (as its source prints them)
     #[arg(long, value_name = "NAME", requires = "method", default_value = "right-handed", value_parser = convention)]
     convention: Convention,
@@ -48,13 +45,8 @@ pub struct Args {
 
 fn method_help() -> String {
     let lines =
-        REGISTRY.iter().map(|method| format!("  {}: {} [{}]", method.name, method.title, method.source));
+        EVERY_METHOD.iter().map(|method| format!("  {}: {} [{}]", method.name, method.title, method.source));
     format!("Named method instead of the joint fit:\n{}", lines.collect::<Vec<_>>().join("\n"))
-}
-
-fn axis(text: &str) -> Result<AxisLetter, String> {
-    let letter = AxisLetter::parse(text).filter(|letter| letter.is_rotary());
-    letter.ok_or_else(|| "allowed: A, B, C".into())
 }
 
 fn convention(text: &str) -> Result<Convention, String> {
@@ -94,9 +86,10 @@ fn jointly(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
-    recipes::find(name)?;
+    method(name)?;
     let Loaded { experiment, outcome } = load::runs_for_method(&args.runs)?;
-    let options = MethodOptions { axis: args.axis, convention: args.convention };
+    let axis = args.axis.as_deref().map(|name| experiment.rotary_joint(name)).transpose()?;
+    let options = MethodOptions { axis, convention: args.convention };
     let findings = experiment.by_method(name, &options)?;
     if let Some(path) = &args.html {
         std::fs::write(path, findings_html(&findings, &trunnion::page::label()))

@@ -1,11 +1,15 @@
-//! `trunnion import`: static points measured elsewhere become a recording.
+//! `trunnion import`: points measured elsewhere become a recording.
 
 use crate::outcome::Outcome;
-use crate::{load, terminal};
-use anyhow::Context;
+use crate::terminal;
 use std::path::PathBuf;
+use trunnion::cycles::RunKind;
 
 /// Import a points file (points.csv with setup.toml) as a recording
+///
+/// With --kind on-the-fly the rows are samples of axes in motion, in order of time. Such a table may also state the feed
+/// (feed_mm_per_min) and what the encoders read (x_actual_mm, c_actual_deg, spindle_deg). It may state speeds (c_speed_deg_per_s) and
+/// accelerations. What it does not state follows from the positions.
 ///
 /// Example: trunnion import points.csv --setup setup.toml -o run.mcap
 #[derive(clap::Args)]
@@ -13,9 +17,12 @@ pub struct Args {
     /// Points file
     #[arg(value_name = "POINTS.CSV")]
     points: PathBuf,
-    /// Setup file; without it, setup.toml beside the points
+    /// Setup file; without it, setup.toml next to the points
     #[arg(long, value_name = "FILE")]
     setup: Option<PathBuf>,
+    /// How the points were measured: with all axes at rest, or on the fly
+    #[arg(long, value_name = "KIND", default_value = "static", value_parser = ["static", "on-the-fly"])]
+    kind: String,
     /// Recording to write
     #[arg(short, long, value_name = "RUN.MCAP")]
     output: PathBuf,
@@ -26,26 +33,14 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let setup_path = args.setup.clone().unwrap_or_else(|| args.points.with_file_name("setup.toml"));
-    let (setup_text, points_text) = (load::read(&setup_path)?, load::read(&args.points)?);
-    let name =
-        args.output.file_stem().map_or_else(|| "run".into(), |stem| stem.to_string_lossy().into_owned());
-    let run = trunnion_record::points_csv::import_files(
-        &name,
-        (&args.points.display().to_string(), &points_text),
-        (&setup_path.display().to_string(), &setup_text),
-        &|machine| load::machine(machine).ok(),
-    )?;
-    let setup = trunnion_core::setup::parse_setup_file(&setup_path.display().to_string(), &setup_text)?;
-    let machine_text = load::machine_text(&setup.machine)?;
-    let header = trunnion_record::RunHeader::of_run(&run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
-    trunnion_record::write_run(&args.output, &header, &run)
-        .with_context(|| format!("cannot write {}", args.output.display()))?;
+    let kind = if args.kind == "static" { RunKind::Static } else { RunKind::OnTheFly };
+    let (run, points) = trunnion::tables::import(kind, &args.points, &setup_path, &args.output)?;
     if args.json {
-        let summary = serde_json::json!({ "run": args.output.display().to_string(), "points": run.points.len(),
+        let summary = serde_json::json!({ "run": args.output.display().to_string(), "points": points,
             "setups": run.setups.len(), "machine": run.machine.name });
         terminal::print_json(&summary)?;
     } else {
-        let (points, setups) = (run.points.len(), run.setups.len());
+        let setups = run.setups.len();
         terminal::print(&format!("{points} points of {setups} setups -> {}\n", args.output.display()))?;
     }
     Ok(Outcome::Done)

@@ -5,7 +5,7 @@ use crate::terminal;
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion::Model;
-use trunnion_report::{ladder_html, ladder_text};
+use trunnion::report::{ladder_html, ladder_text};
 
 /// Show the effects added to a model, with the error after each
 ///
@@ -25,13 +25,13 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let model = Model::load(&args.model)?;
-    let ladder = trunnion::page::ladder(model.entries());
+    let ladder = model.ladder();
     if let Some(path) = &args.html {
         std::fs::write(path, ladder_html(&model.entries().machine, &ladder))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        terminal::print_json(&model.ladder())?;
+        terminal::print_json(&ladder)?;
     } else {
         terminal::print(&ladder_text(&ladder, None))?;
         if let Some(path) = &args.html {

@@ -1,14 +1,12 @@
 //! `trunnion nc-program`: a cycle as a program of the machine's controller.
 
 use crate::outcome::Outcome;
-use crate::{load, terminal};
+use crate::terminal;
 use anyhow::{Context, bail};
 use std::path::PathBuf;
+use trunnion::Machine;
+use trunnion::cycles::{CourseRules, DIALECTS, Pace, dialect, nc_program};
 use trunnion_core::{State, convert};
-use trunnion_cycles::nc::Program;
-use trunnion_cycles::{CourseRules, Pace};
-use trunnion_cycles::{Cycle, nc};
-use trunnion_machine::Machine;
 
 /// Write a cycle as an NC program
 ///
@@ -22,7 +20,7 @@ pub struct Args {
     #[arg(value_name = "CYCLE.TOML")]
     cycle: PathBuf,
     /// Controller
-    #[arg(long, value_parser = nc::DIALECTS.map(|dialect| dialect.name))]
+    #[arg(long, value_parser = DIALECTS.map(|dialect| dialect.name))]
     dialect: String,
     /// File to write; without it, standard output
     #[arg(short, long, value_name = "FILE")]
@@ -30,7 +28,7 @@ pub struct Args {
     /// Largest distance of the straight blocks of a sweep from its path, um; longer blocks need more
     #[arg(long, value_name = "UM", default_value_t = convert::um_from_mm(CourseRules::default().chord_mm))]
     chord_um: f64,
-    /// Standing still at a pose, s; without it settling and two windows of the cycle
+    /// Dwell at a pose, s; without it settling and two windows of the cycle
     #[arg(long, value_name = "S")]
     dwell_s: Option<f64>,
     /// Height of the retracted spindle above the highest ball, mm
@@ -46,37 +44,26 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let rules = rules(args)?;
-    let cycle = Cycle::parse(&args.cycle.display().to_string(), &load::read(&args.cycle)?)?;
-    let machine = load::machine(&cycle.machine)?;
-    if machine.tripod.is_some() {
-        bail!(
-            "machine {} has legs in parallel: its controller takes places of the tool, not strokes of legs; \
-             program the places of the cycle's balls with the machine's own transformation",
-            machine.name
-        );
-    }
-    let dialect = nc::dialect(&args.dialect).context("the command line allows known dialects only")?;
-    let program = Program::of_cycle(&cycle, &machine, &rules)?;
-    let decimals = args.decimals.map_or(dialect.decimals, usize::from);
-    let text = (dialect.write)(&program, decimals);
+    let dialect = dialect(&args.dialect).context("the command line allows known dialects only")?;
+    let program = nc_program(&args.cycle, dialect, &rules, args.decimals.map(usize::from))?;
+    let text = &program.text;
     if args.json {
-        let visits = cycle.visits(&machine, &rules.pace)?;
         terminal::print_json(&serde_json::json!({
             "format": "trunnion-nc-program/1",
-            "cycle": cycle.name,
+            "cycle": program.cycle.name,
             "dialect": dialect.name,
             "minutes": program.duration_s / 60.0,
             "chord_um": args.chord_um,
-            "visits": visits.states.iter().map(|state| visit(&machine, state)).collect::<Vec<_>>(),
+            "visits": program.visits.iter().map(|state| visit(&program.machine, state)).collect::<Vec<_>>(),
             "program": text,
         }))?;
         return Ok(Outcome::Done);
     }
     let Some(path) = &args.output else {
-        terminal::print(&text)?;
+        terminal::print(text)?;
         return Ok(Outcome::Done);
     };
-    std::fs::write(path, &text).with_context(|| format!("cannot write {}", path.display()))?;
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
     let lines = text.lines().count();
     let minutes = program.duration_s / 60.0;
     terminal::print(&format!(

@@ -5,16 +5,14 @@ use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
-use trunnion::results;
-use trunnion_cycles::Cycle;
-use trunnion_engine::next_cycle;
-use trunnion_engine::next_cycle::{Options, Plan, Preview};
+use trunnion::report::{plan_text, preview_text};
+use trunnion::results::Plan;
 
-/// Plan the cycle that separates what cannot be told apart, or say what a cycle cannot show
+/// Plan the cycle that separates confounded effects, or report what a cycle cannot show
 ///
-/// With recordings: takes the effects that `diagnose` confuses (or --rivals), weighs candidate cycles by expected evidence per
-/// minute of machine time and writes the best. With --cycle: says, before anything is measured, which effects that cycle
-/// cannot show and which coincide in it.
+/// With recordings: takes the effects that `diagnose` leaves confounded (or --rivals). It ranks candidate cycles by expected evidence
+/// per minute of machine time and writes the best. With --cycle: reports, before anything is measured, which effects that
+/// cycle cannot show and which are confounded in it.
 ///
 /// Example: trunnion plan run.mcap --model machine.model.toml -o next.toml
 #[derive(clap::Args)]
@@ -25,7 +23,7 @@ pub struct Args {
     /// Model file; without it the base model (location errors and ball setting)
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Effects to tell apart, e.g. backlash:C,servo-lag:C; the first counts most; without it those the diagnosis leaves open
+    /// Effects to separate, e.g. backlash:C,servo-lag:C; the first counts most; without it those the diagnosis leaves open
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     rivals: Vec<String>,
     /// A cycle to look at before it is measured (format trunnion-cycle/1)
@@ -47,11 +45,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 fn look_at(path: &Path, json: bool) -> anyhow::Result<Outcome> {
-    let cycle = Cycle::parse(&path.display().to_string(), &load::read(path)?)?;
-    let machine = load::machine(&cycle.machine)?;
-    let preview = next_cycle::preview(&machine, &cycle, &Options::default())?;
+    let preview = trunnion::cycles::preview(path)?;
     if json {
-        terminal::print_json(&results::Preview::from(&preview))?;
+        terminal::print_json(&preview)?;
     } else {
         terminal::print(&preview_text(&preview))?;
     }
@@ -68,7 +64,7 @@ fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
     };
     let written = match (&args.output, &plan.next) {
         (Some(path), Some(cycle)) => {
-            std::fs::write(path, cycle_text(&plan, cycle))
+            std::fs::write(path, cycle_text(&plan, &cycle.cycle))
                 .with_context(|| format!("cannot write {}", path.display()))?;
             Some(path)
         }
@@ -76,7 +72,7 @@ fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
     };
     if args.json {
         let written = written.map(|path| path.display().to_string());
-        terminal::print_json(&results::Plan { written, ..(&plan).into() })?;
+        terminal::print_json(&Plan { written, ..plan })?;
     } else {
         terminal::print(&plan_text(&plan))?;
         match (written, &args.output) {
@@ -92,118 +88,7 @@ fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 /// The cycle file with the reason on top.
-fn cycle_text(plan: &Plan, cycle: &Cycle) -> String {
+fn cycle_text(plan: &Plan, cycle: &str) -> String {
     let reason: String = plan.answer.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    format!("# {reason}\n{}", cycle.to_text())
-}
-
-fn plan_text(plan: &Plan) -> String {
-    let mut text = format!("{}\n", plan.answer);
-    if plan.separates {
-        text += &format!(
-            "\nTo tell apart: {}. In the present data: odds 10^{:.1}.\n",
-            plan.effects.join(", "),
-            plan.before_ln / std::f64::consts::LN_10
-        );
-    } else {
-        text += &format!("\nNot seen so far: {}.\n", plan.effects.join(", "));
-    }
-    text += "\nConsidered\n";
-    text += &if plan.separates { separating(plan) } else { revealing(plan) };
-    if !plan.never_shown.is_empty() {
-        text += &format!("\nNo cycle considered shows: {}.\n", plan.never_shown.join(", "));
-    }
-    text += "\nAssumed\n";
-    for line in &plan.assumptions {
-        text += &format!("  {line}\n");
-    }
-    text
-}
-
-fn separating(plan: &Plan) -> String {
-    let pairs = plan.effects.len() * (plan.effects.len() - 1) / 2;
-    let head = ["cycle", "minutes", "pairs apart", "odds after", "hardest pair", "what"].map(String::from);
-    let rows = plan.considered.iter().map(|row| {
-        [
-            row.name.clone(),
-            format!("{:.1}", row.minutes),
-            format!("{}/{pairs}", row.apart.len()),
-            format!("10^{:.1}", row.separation_ln / std::f64::consts::LN_10),
-            row.hardest.join(" / "),
-            row.what.clone(),
-        ]
-    });
-    table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
-}
-
-fn revealing(plan: &Plan) -> String {
-    let head = ["cycle", "minutes", "shows", "tells apart", "what"].map(String::from);
-    let rows = plan.considered.iter().map(|row| {
-        [
-            row.name.clone(),
-            format!("{:.1}", row.minutes),
-            format!("{}/{}", row.shows.len(), plan.effects.len()),
-            format!("{}/{}", row.tells.len(), plan.effects.len()),
-            row.what.clone(),
-        ]
-    });
-    table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
-}
-
-fn preview_text(preview: &Preview) -> String {
-    let mut text = format!(
-        "Cycle {}: {} points, about {:.0} minutes with mounting.\n\nIt shows: {}.\n",
-        preview.cycle,
-        preview.points,
-        preview.minutes,
-        preview.visible.join(", ")
-    );
-    for (title, how, list) in [
-        (
-            "It cannot show, because location errors and ball settings imitate them",
-            "seen by: ",
-            &preview.invisible,
-        ),
-        ("Out of reach in it", "", &preview.out_of_reach),
-    ] {
-        if !list.is_empty() {
-            text += &format!("\n{title}\n");
-            let rows: Vec<[String; 2]> =
-                list.iter().map(|(effect, seen_by)| [effect.clone(), format!("{how}{seen_by}")]).collect();
-            text += &table(&rows);
-        }
-    }
-    if !preview.aliases.is_empty() {
-        text += "\nCoincide in it\n";
-        let rows: Vec<[String; 4]> = preview
-            .aliases
-            .iter()
-            .map(|alias| {
-                let apart = match &alias.separated_by {
-                    Some((name, minutes)) => format!("told apart by {name} ({minutes:.0} min)"),
-                    None => "no cycle of poses and feeds considered tells them apart".into(),
-                };
-                [
-                    alias.one.clone(),
-                    alias.other.clone(),
-                    format!("{} of {}", alias.shared, alias.directions[0].min(alias.directions[1])),
-                    apart,
-                ]
-            })
-            .collect();
-        text += &table(&rows);
-    }
-    text
-}
-
-/// Columns two blanks apart.
-fn table<const N: usize>(rows: &[[String; N]]) -> String {
-    let width = |j: usize| rows.iter().map(|row| row[j].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..N).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
-        let cells = row.iter().enumerate().map(|(j, cell)| format!("{cell:<width$}", width = widths[j]));
-        text += &format!("  {}\n", cells.collect::<Vec<_>>().join("  ").trim_end());
-    }
-    text
+    format!("# {reason}\n{cycle}")
 }

@@ -35,7 +35,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.json {
         terminal::print_json(&prediction)?;
     } else {
-        terminal::print(&trunnion_report::prediction_text(&prediction))?;
+        terminal::print(&trunnion::report::prediction_text(&prediction))?;
     }
     Ok(if of_fitted == Outcome::DataLoss { of_fitted } else { outcome })
 }

@@ -1,4 +1,4 @@
-//! `trunnion remove`: take an effect out of the model again, and measure the ladder rows after it anew.
+//! `trunnion remove`: take an effect out of the model, and measure the later rows of the ladder again.
 
 use crate::commands::add::today;
 use crate::load::{Loaded, RunArgs};
@@ -6,9 +6,10 @@ use crate::outcome::Outcome;
 use crate::{load, terminal};
 use std::path::PathBuf;
 use trunnion::Model;
+use trunnion::report::ladder_text;
 use trunnion::results::Removed;
 
-/// Take an effect out of the model, refit, and measure the ladder rows after it anew
+/// Take an effect out of the model, refit, and measure the later rows of the ladder again
 ///
 /// Example: trunnion remove gravity-sag:B run.mcap --model machine.model.toml
 #[derive(clap::Args)]
@@ -39,8 +40,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         })?;
     } else {
         terminal::print(&format!("{} is out of {}\n\n", args.effect, args.model.display()))?;
-        let ladder = trunnion::page::ladder(without.model().entries());
-        terminal::print(&trunnion_report::ladder_text(&ladder, without.results().noise_um))?;
+        terminal::print(&ladder_text(&without.model().ladder(), without.results().noise_um))?;
         terminal::print("\n")?;
         terminal::print(&without.summary())?;
     }

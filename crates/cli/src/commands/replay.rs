@@ -5,8 +5,7 @@ use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
-use trunnion::analysis;
-use trunnion::results::{Diagnosis, Identification, to_json};
+use trunnion::results::to_json;
 
 /// Analyse a recording again; writes the same bytes as the live run did
 ///
@@ -26,9 +25,9 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let Loaded { experiment, outcome } = load::runs(&load::RunArgs::of(vec![args.run.clone()]))?;
     let model = args.model.model(&experiment)?;
-    let analysis = analysis::climb(experiment.points(), model.entries(), "")?;
-    let identification = to_json(&Identification::from(analysis.identification()))?;
-    let diagnosis = to_json(&Diagnosis::from(&analysis.diagnoses[0]))?;
+    let analysed = experiment.analyse(&model, "")?;
+    let identification = to_json(&analysed.fit().results())?;
+    let diagnosis = to_json(&analysed.first().results())?;
     let Some(folder) = &args.output else {
         terminal::print(&identification)?;
         terminal::print(&diagnosis)?;

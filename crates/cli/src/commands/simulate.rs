@@ -1,22 +1,20 @@
 //! `trunnion simulate`: points of a virtual machine whose truth is known, without ports.
 
 use crate::outcome::Outcome;
-use crate::virtual_setup::sim_setup;
 use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
+use trunnion::Machine;
+use trunnion::cycles::{Cycle, Pace, Run, RunKind};
 use trunnion_core::{AxisSample, InstrumentKind, NestSide, Point, Quality, Setup, State};
-use trunnion_cycles::Pace;
-use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{Compensation, Instrument, NestOn, SimSetup, Truth};
-use trunnion_machine::Machine;
 
 /// Simulate a cycle on a machine whose truth is written in a file
 ///
 /// Without --cycle the machine measures the standard grid of poses with the setups of its truth. With --cycle it runs that
 /// cycle, at rest or on the fly, with any instrument; setups named and placed as in the truth keep their setting
-/// error, others are mounted anew. A run on the fly also holds what the axes' own encoders read: lag and reversal spikes, no
+/// error, others are mounted again. A run on the fly also holds what the axes' own encoders read: lag and reversal spikes, no
 /// geometric errors.
 ///
 /// Example: trunnion simulate truth.toml --cycle config/cycles/r-test-sweep-c.toml -o run.mcap
@@ -28,7 +26,7 @@ pub struct Args {
     /// Cycle to run (format trunnion-cycle/1)
     #[arg(long, value_name = "CYCLE.TOML")]
     cycle: Option<PathBuf>,
-    /// Number of the run: from 1 on all setups are mounted anew, and the noise is another one
+    /// Number of the run: from 1 on all setups are mounted again, and the noise is another one
     #[arg(long, value_name = "N", default_value_t = 0)]
     run: u64,
     /// Points a second on the fly
@@ -80,10 +78,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let name = args.output.file_stem().context("the output has no name")?.to_string_lossy().into_owned();
     let (kind, setups) = (simulated.kind, simulated.setups);
     let run = Run { name, machine, kind, setups, channels: Vec::new(), points };
-    let mut header = trunnion_record::RunHeader::of_run(&run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
-    header.cycle_text = simulated.cycle_text;
-    trunnion_record::write_run_with_axes(&args.output, &header, &run, &axes)
-        .with_context(|| format!("cannot write {}", args.output.display()))?;
+    trunnion::tables::record(&args.output, &run, &machine_text, &simulated.cycle_text, &axes)?;
     if args.json {
         terminal::print_json(&serde_json::json!({
             "format": "trunnion-simulation/1",
@@ -148,7 +143,7 @@ fn cycle_run(args: &Args, path: &Path, machine: &Machine, truth: &Truth) -> anyh
     }
     let pace = Pace { points_per_s: args.points_per_s, ..Pace::default() };
     let visits = cycle.visits(machine, &pace)?;
-    let setups: Vec<SimSetup> = cycle.setups.iter().map(sim_setup).collect();
+    let setups: Vec<SimSetup> = cycle.setups.iter().map(SimSetup::from).collect();
     Ok(Simulated {
         machine: VirtualMachine::new(machine.clone(), truth.mounted(&setups, args.run))?,
         kind: cycle.run_kind(),

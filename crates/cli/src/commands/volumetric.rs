@@ -5,12 +5,13 @@ use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
-use trunnion_methods::volumetric::Datum;
+use trunnion::Datum;
 
 /// Volumetric accuracy and error map of a volume, by a model fitted to recordings
 ///
-/// The largest range of the deviation of tool against table in X, Y, Z and of its orientation in A, B, C over the volume
-/// (ISO 230-1), with uncertainties, and what is not in it because these recordings do not show it (docs/use/volumetric.md).
+/// The largest range of the deviation of tool against table over the volume (ISO 230-1): position in X, Y, Z and
+/// orientation in A, B, C, with uncertainties. What these recordings do not show is named and left out
+/// (docs/use/volumetric.md).
 ///
 /// Example: trunnion volumetric tracker.mcap --model volume.toml --volume "X=-200..200,Y=-200..200" --csv map.csv
 #[derive(clap::Args)]

@@ -21,7 +21,7 @@
 //! ```
 
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, Setup};
+use trunnion_core::{AxisValues, Joint, Setup};
 use trunnion_machine::{JointErrors, Machine};
 
 /// A straight line from the place of each setup along its direction.
@@ -41,7 +41,7 @@ pub enum Path {
     /// Circle of two linear axes [ISO 230-4].
     Circle {
         /// The axes; the angle runs from the first to the second.
-        plane: [AxisLetter; 2],
+        plane: [Joint; 2],
     },
     /// Base circle of a cone whose generatrix the tool axis keeps parallel to [NAS 979; ISO 10791-6 BK4].
     Cone {
@@ -78,10 +78,10 @@ impl Line {
 
 impl Path {
     /// Axes that it needs.
-    pub(super) fn axes(&self) -> Vec<AxisLetter> {
+    pub(super) fn axes(&self) -> Vec<Joint> {
         match self {
             Self::Circle { plane } => plane.to_vec(),
-            Self::Cone { .. } => AxisLetter::LINEAR.to_vec(),
+            Self::Cone { .. } => Joint::LINEAR.to_vec(),
         }
     }
 
@@ -114,7 +114,7 @@ impl Path {
         let (sin, cos) = angle_rad.sin_cos();
         match self {
             Self::Circle { plane } => {
-                let along = |letter: AxisLetter| Vector3::ith(letter.index(), radius_mm);
+                let along = |letter: Joint| Vector3::ith(letter.index(), radius_mm);
                 let apart_mm = along(plane[0]) * cos + along(plane[1]) * sin;
                 let rotary = AxisValues::default();
                 let table = machine.machine_from_table(&rotary, &JointErrors::default()).rotation;

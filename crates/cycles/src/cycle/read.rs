@@ -1,10 +1,11 @@
 //! Reading a cycle file.
 
-use super::{Bar, BarFrame, Cycle, GridAxis, Line, Motion, Path, Rounds, Settle};
+use super::definition::{Bar, BarFrame, GridAxis, Motion, Rounds, Settle};
+use super::{Cycle, Line, Path};
 use nalgebra::Unit;
 use trunnion_core::input::{Document, Table};
 use trunnion_core::setup::read_setups;
-use trunnion_core::{AxisLetter, AxisValues, Problems, Setup, convert};
+use trunnion_core::{AxisValues, Joint, Problems, Setup, convert};
 
 /// Largest angle a cycle file may name, degrees.
 const FARTHEST_DEG: f64 = 36_000.0;
@@ -143,7 +144,7 @@ fn read_path(root: &Table<'_>, setups: Option<&[Setup]>) -> Option<Motion> {
     let path = if key == "circle" {
         let planes = ["XY", "YZ", "ZX", "YX", "ZY", "XZ"];
         table.one_of("plane", &planes).and_then(|plane| {
-            Some(Path::Circle { plane: [AxisLetter::parse(&plane[..1])?, AxisLetter::parse(&plane[1..])?] })
+            Some(Path::Circle { plane: [Joint::parse(&plane[..1])?, Joint::parse(&plane[1..])?] })
         })
     } else {
         let half_angle = table.number("half_angle_deg", 0.0..=80.0);
@@ -180,7 +181,7 @@ fn read_feeds(table: &Table<'_>, key: &str) -> Option<Vec<f64>> {
 }
 
 fn read_grid_axis(table: &Table<'_>) -> Option<GridAxis> {
-    let letter = read_axis(table, "axis", &AxisLetter::ALL)?;
+    let letter = read_axis(table, "axis", &Joint::ALL)?;
     // Keys carry the unit of the axis.
     let unit = if letter.is_rotary() { "deg" } else { "mm" };
     let list = format!("stations_{unit}");
@@ -223,7 +224,7 @@ fn read_on_the_fly(root: &Table<'_>) -> Option<Motion> {
     let to = table.number("to_deg", -FARTHEST_DEG..=FARTHEST_DEG);
     let feeds = read_feeds(&table, "feeds_deg_per_min");
     let mut others = AxisValues::default();
-    for letter in AxisLetter::ROTARY {
+    for letter in Joint::ROTARY {
         let key = format!("{}_deg", letter.lower());
         if let Some(deg) = table.optional_number(&key, -FARTHEST_DEG..=FARTHEST_DEG) {
             others[letter] = convert::rad_from_deg(deg);
@@ -235,12 +236,12 @@ fn read_on_the_fly(root: &Table<'_>) -> Option<Motion> {
     Some(Motion::OnTheFly { axis: axis?, from_to_rad, feeds_rad_per_s, passes: passes?, others })
 }
 
-fn read_letter(table: &Table<'_>, key: &str) -> Option<AxisLetter> {
-    read_axis(table, key, &AxisLetter::ROTARY)
+fn read_letter(table: &Table<'_>, key: &str) -> Option<Joint> {
+    read_axis(table, key, &Joint::ROTARY)
 }
 
 /// One of the axes that a cycle can move: other joints have no program here.
-fn read_axis(table: &Table<'_>, key: &str, allowed: &[AxisLetter]) -> Option<AxisLetter> {
+fn read_axis(table: &Table<'_>, key: &str, allowed: &[Joint]) -> Option<Joint> {
     let name = table.string(key)?;
     let letter = allowed.iter().copied().find(|letter| letter.as_str() == name);
     if letter.is_none() {

@@ -1,6 +1,7 @@
 use super::course::CourseRules;
 use super::visit::Pace;
 use super::*;
+use nalgebra::Unit;
 use proptest::prelude::*;
 use trunnion_core::convert::rad_from_deg;
 use trunnion_core::{Artefact, InstrumentKind, Target};
@@ -20,8 +21,8 @@ fn the_shipped_static_cycle_visits_the_grid_of_oyama_at_two_heights_both_ways() 
     assert_eq!(poses.len(), 2 * 2 * 84);
     // first pose of the outside data set: B −90, C 0, ball (150, 0, 60) → X −60, Y 0, Z 150
     let p = poses[0].position;
-    assert!((p[AxisLetter::X] + 60.0).abs() < 1e-9 && (p[AxisLetter::Z] - 150.0).abs() < 1e-9);
-    assert_eq!(poses[84].direction[AxisLetter::C], -1.0);
+    assert!((p[Joint::X] + 60.0).abs() < 1e-9 && (p[Joint::Z] - 150.0).abs() < 1e-9);
+    assert_eq!(poses[84].direction[Joint::C], -1.0);
 }
 
 #[test]
@@ -62,7 +63,7 @@ fn interleaved_setups_take_turns_pass_by_pass() {
     let cycle = Cycle::parse("c.toml", &text).unwrap();
     let poses = cycle.poses(&table_bc()).unwrap();
     let turns: Vec<(usize, f64)> =
-        poses.chunks(84).map(|leg| (leg[0].setup, leg[0].direction[AxisLetter::C])).collect();
+        poses.chunks(84).map(|leg| (leg[0].setup, leg[0].direction[Joint::C])).collect();
     let round = [(0, 1.0), (1, 1.0), (0, -1.0), (1, -1.0)];
     assert_eq!(turns, [round, round].concat());
 }
@@ -71,7 +72,7 @@ fn interleaved_setups_take_turns_pass_by_pass() {
 fn a_sweep_moves_at_its_feeds_and_the_ball_keeps_its_place_under_the_probes() {
     let (machine, cycle) = (table_bc(), Cycle::parse("c.toml", SWEEP).unwrap());
     let visits = cycle.visits(&machine, &Pace::default()).unwrap();
-    let c = AxisLetter::C;
+    let c = Joint::C;
     let legs = [30.0, -30.0, 60.0, -60.0].map(|deg_per_s: f64| {
         let feed = rad_from_deg(deg_per_s);
         visits.states.iter().filter(|s| (s.velocity[c] - feed).abs() < 1e-9).count()
@@ -83,8 +84,8 @@ fn a_sweep_moves_at_its_feeds_and_the_ball_keeps_its_place_under_the_probes() {
         assert!(dt > 0.0);
         if pair[0].velocity[c] == pair[1].velocity[c] && dt < 0.2 {
             // Velocities are the derivative of the positions, also of the linear axes that follow.
-            let mean = 0.5 * (pair[0].velocity[AxisLetter::X] + pair[1].velocity[AxisLetter::X]);
-            let moved = pair[1].position[AxisLetter::X] - pair[0].position[AxisLetter::X];
+            let mean = 0.5 * (pair[0].velocity[Joint::X] + pair[1].velocity[Joint::X]);
+            let moved = pair[1].position[Joint::X] - pair[0].position[Joint::X];
             assert!((moved - mean * dt).abs() < 0.02, "{moved} {}", mean * dt);
         }
     }
@@ -98,7 +99,7 @@ fn a_sweep_moves_at_its_feeds_and_the_ball_keeps_its_place_under_the_probes() {
 fn one_direction_on_the_fly_never_reads_the_way_back() {
     let text = SWEEP.replace("kind =", "passes = [\"+\"]\nkind =");
     let visits = Cycle::parse("c.toml", &text).unwrap().visits(&table_bc(), &Pace::default()).unwrap();
-    assert!(visits.states.iter().all(|state| state.direction[AxisLetter::C] == 1.0));
+    assert!(visits.states.iter().all(|state| state.direction[Joint::C] == 1.0));
 }
 
 #[test]
@@ -130,7 +131,7 @@ fn beyond_the_travel_of_an_axis_is_refused_by_name() {
 
 prop_compose! {
     fn any_grid_axis()(
-        letter in prop::sample::select(AxisLetter::ROTARY.to_vec()),
+        letter in prop::sample::select(Joint::ROTARY.to_vec()),
         from in -180i32..180, step in 1u32..120, count in 1usize..20, shift in prop::bool::ANY,
     ) -> GridAxis {
         let mut stations: Vec<f64> = (0..count)
@@ -198,10 +199,10 @@ fn any_motion() -> impl Strategy<Value = Motion> {
     let sweep = (prop::collection::vec(1u32..20_000, 1..4), passes(), -360i32..360, -90i32..90).prop_map(
         |(feeds, passes, to, b)| {
             let mut others = AxisValues::default();
-            others[AxisLetter::B] = rad_from_deg(f64::from(b));
+            others[Joint::B] = rad_from_deg(f64::from(b));
             let feeds_rad_per_s = feeds.into_iter().map(|f| rad_from_deg(f64::from(f)) / 60.0).collect();
             let from_to_rad = (0.0, rad_from_deg(f64::from(to)));
-            Motion::OnTheFly { axis: AxisLetter::C, from_to_rad, feeds_rad_per_s, passes, others }
+            Motion::OnTheFly { axis: Joint::C, from_to_rad, feeds_rad_per_s, passes, others }
         },
     );
     let line = (1u32..2000, 1usize..50, prop::bool::ANY, passes()).prop_map(
@@ -211,7 +212,7 @@ fn any_motion() -> impl Strategy<Value = Motion> {
         },
     );
     let shapes = [
-        Path::Circle { plane: [AxisLetter::Z, AxisLetter::X] },
+        Path::Circle { plane: [Joint::Z, Joint::X] },
         Path::Cone { half_angle_rad: rad_from_deg(15.0), tilt_rad: rad_from_deg(10.0) },
     ];
     let curve = (prop::sample::select(shapes.to_vec()), 0i32..720, 1u32..5000, passes()).prop_map(
@@ -261,7 +262,7 @@ proptest! {
                 all
             }
             Motion::OnTheFly { from_to_rad, feeds_rad_per_s, passes, others, .. } => {
-                let mut all = vec![from_to_rad.0, from_to_rad.1, others[AxisLetter::B]];
+                let mut all = vec![from_to_rad.0, from_to_rad.1, others[Joint::B]];
                 all.extend(feeds_rad_per_s.iter().chain(passes));
                 all
             }
@@ -295,7 +296,7 @@ fn every_shipped_cycle_can_be_run_and_reads_back_the_same() {
             let same = |(pose, state): (&Pose, &trunnion_core::State)| {
                 pose.setup == state.setup
                     && pose.position == state.position
-                    && pose.direction[AxisLetter::C] == state.direction[AxisLetter::C]
+                    && pose.direction[Joint::C] == state.direction[Joint::C]
             };
             assert!(poses.iter().zip(&visits.states).all(same), "{file}");
         }

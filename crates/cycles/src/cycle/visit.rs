@@ -6,7 +6,7 @@
 
 use super::path::radius_mm;
 use super::{Cycle, Leg, Motion};
-use trunnion_core::{AxisLetter, AxisValues, State, convert};
+use trunnion_core::{AxisValues, Joint, State, convert};
 use trunnion_machine::Machine;
 
 /// Overrun of a rotary axis so that it comes from the side of its pass, rad.
@@ -27,7 +27,7 @@ pub struct Pace {
     pub linear_mm_per_s: f64,
     /// Feed of rotary axes whose limit the machine file does not give, rad/s.
     pub rotary_rad_per_s: f64,
-    /// From standstill to a settled reading, besides the window of the cycle, s.
+    /// From standstill to a settled reading, in addition to the window of the cycle, s.
     pub settle_s: f64,
     /// Speeding up and slowing down at both ends of a sweep, s each.
     pub ramp_s: f64,
@@ -81,7 +81,7 @@ pub enum VisitError {
         /// The cycle.
         cycle: String,
         /// The axis.
-        axis: AxisLetter,
+        axis: Joint,
         /// Position needed, mm or degrees.
         position: f64,
         /// Smallest coordinate, mm or degrees.
@@ -105,7 +105,7 @@ pub enum VisitError {
         /// The cycle.
         cycle: String,
         /// The axis.
-        axis: AxisLetter,
+        axis: Joint,
         /// The machine.
         machine: String,
         /// Its axes.
@@ -146,9 +146,9 @@ impl Cycle {
     /// # Errors
     /// An axis of the cycle that the machine has not.
     pub(super) fn has_its_axes(&self, machine: &Machine) -> Result<(), VisitError> {
-        let moved: Vec<AxisLetter> = match &self.motion {
+        let moved: Vec<Joint> = match &self.motion {
             Motion::Static { grid, .. } => grid.iter().map(|axis| axis.letter).collect(),
-            Motion::Line { .. } => AxisLetter::LINEAR.to_vec(),
+            Motion::Line { .. } => Joint::LINEAR.to_vec(),
             Motion::Path { path, .. } => path.axes(),
             Motion::OnTheFly { axis, .. } => vec![*axis],
         };
@@ -234,7 +234,7 @@ impl Cycle {
 /// A pass on the fly.
 pub(super) struct Sweeping {
     /// The axis that turns at the feed; `None` on a curve.
-    pub turning: Option<AxisLetter>,
+    pub turning: Option<Joint>,
     pub from_to_rad: (f64, f64),
     /// rad/s of the axis or along the curve.
     pub feed: f64,
@@ -269,7 +269,7 @@ impl Tour<'_> {
                     self.time_s += self.seconds(axis.letter, 2.0 * overrun);
                 }
             }
-            let position = self.cycle.stand_at(self.machine, leg.setup, &station);
+            let position = self.cycle.dwell_at(self.machine, leg.setup, &station);
             let mut state = self.arrive(leg, position)?;
             state.target = station.target;
             for axis in grid {
@@ -369,7 +369,7 @@ impl Tour<'_> {
         Ok(state)
     }
 
-    fn seconds(&self, letter: AxisLetter, travel: f64) -> f64 {
+    fn seconds(&self, letter: Joint, travel: f64) -> f64 {
         let usual = if letter.is_rotary() { self.pace.rotary_rad_per_s } else { self.pace.linear_mm_per_s };
         let feed = self.machine.axis(letter).and_then(|axis| axis.facts.feed_limit).unwrap_or(usual);
         travel.abs() / feed

@@ -1,11 +1,12 @@
 //! Writing a cycle file that [`Cycle::parse`] reads back the same.
 
-use super::{Bar, BarFrame, Cycle, GridAxis, Line, Motion, Path, Rounds, Settle};
+use super::definition::{Bar, BarFrame, GridAxis, Motion, Rounds, Settle};
+use super::{Cycle, Line, Path};
 use crate::RunKind;
 use nalgebra::{Point3, Vector3};
 use std::fmt::Write;
 use trunnion_core::setup::{NestSide, Setup};
-use trunnion_core::{AxisLetter, AxisValues, Target, convert};
+use trunnion_core::{AxisValues, Joint, Target, convert};
 
 /// Angles are written to this many decimals of a degree: 2·10⁻¹² rad.
 const DECIMALS: i32 = 10;
@@ -160,7 +161,7 @@ fn settle_text(settle: &Settle) -> String {
 }
 
 fn sweep_text(
-    axis: AxisLetter,
+    axis: Joint,
     (from, to): (f64, f64),
     feeds_rad_per_s: &[f64],
     others: &AxisValues<f64>,
@@ -172,7 +173,7 @@ fn sweep_text(
         deg(to),
         list(&feeds)
     );
-    for letter in AxisLetter::ROTARY.into_iter().filter(|&letter| others[letter] != 0.0) {
+    for letter in Joint::ROTARY.into_iter().filter(|&letter| others[letter] != 0.0) {
         writeln!(text, "{}_deg = {}", letter.lower(), deg(others[letter])).expect("a string takes all");
     }
     text

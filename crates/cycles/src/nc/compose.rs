@@ -4,7 +4,7 @@ use super::program::{Block, Program, Target};
 use crate::{CourseRules, Step, VisitError};
 use crate::{Cycle, RunKind};
 use nalgebra::Point3;
-use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, NestSide, Setup, convert};
+use trunnion_core::{AxisValues, InstrumentKind, Joint, NestSide, Setup, convert};
 use trunnion_machine::{Axis, Machine, Side};
 
 /// Feed of the free spindle, mm/min.
@@ -61,7 +61,7 @@ impl Writer<'_> {
                 self.blocks.push(Block::Stop(format!("Mount {}. Then cycle start.", setups.join("; and "))));
             }
             Step::Join { setup, at, attended } => {
-                self.feed(at, &AxisLetter::LINEAR, JOIN_MM_PER_MIN);
+                self.feed(at, &Joint::LINEAR, JOIN_MM_PER_MIN);
                 let setup = &self.cycle.setups[*setup];
                 if *attended {
                     self.blocks.push(Block::Stop(match setup.instrument {
@@ -85,16 +85,16 @@ impl Writer<'_> {
                         setup.name
                     )));
                 }
-                self.feed(to, &AxisLetter::LINEAR, JOIN_MM_PER_MIN);
+                self.feed(to, &Joint::LINEAR, JOIN_MM_PER_MIN);
             }
             Step::Transfer { pieces } => pieces.iter().for_each(|(end, seconds)| self.timed(end, *seconds)),
-            Step::Stand { seconds } => self.dwell(*seconds),
+            Step::Dwell { seconds } => self.dwell(*seconds),
             Step::Wait { seconds, reason } => {
                 self.blocks.push(Block::Remark((*reason).into()));
                 self.dwell(*seconds);
             }
-            Step::Gesture { axis, pieces } => {
-                self.blocks.push(Block::Remark(format!("sync gesture of axis {axis}")));
+            Step::SyncMove { axis, pieces } => {
+                self.blocks.push(Block::Remark(format!("synchronisation move of axis {axis}")));
                 pieces.iter().for_each(|(end, seconds)| self.timed(end, *seconds));
             }
             Step::Sweep { turning, feed, piece_s, ends } => {
@@ -113,27 +113,26 @@ impl Writer<'_> {
     /// First in height, then the rotary axes, then over the place.
     fn above(&mut self, at: &AxisValues<f64>) {
         let rising =
-            |letter: &AxisLetter| self.machine.axis(*letter).is_some_and(|axis| axis.direction.z.abs() > 0.5);
-        let (up, across): (Vec<AxisLetter>, Vec<AxisLetter>) =
-            AxisLetter::LINEAR.into_iter().partition(rising);
+            |letter: &Joint| self.machine.axis(*letter).is_some_and(|axis| axis.direction.z.abs() > 0.5);
+        let (up, across): (Vec<Joint>, Vec<Joint>) = Joint::LINEAR.into_iter().partition(rising);
         self.feed(at, &up, FREE_MM_PER_MIN);
-        self.feed(at, &AxisLetter::ROTARY, FREE_DEG_PER_MIN);
+        self.feed(at, &Joint::ROTARY, FREE_DEG_PER_MIN);
         self.feed(at, &across, FREE_MM_PER_MIN);
     }
 
-    fn feed(&mut self, to: &AxisValues<f64>, letters: &[AxisLetter], per_min: f64) {
+    fn feed(&mut self, to: &AxisValues<f64>, letters: &[Joint], per_min: f64) {
         let target = target(self.machine, to, letters);
         if target.is_empty() {
             return;
         }
         if let Some(at) = &mut self.at {
-            let way = |letter: &AxisLetter| {
+            let way = |letter: &Joint| {
                 let travel = to[*letter] - at[*letter];
                 if letter.is_rotary() { convert::deg_from_rad(travel) } else { travel }
             };
             self.seconds += letters.iter().map(way).fold(0.0, f64::hypot) / per_min * 60.0;
             letters.iter().for_each(|&letter| at[letter] = to[letter]);
-        } else if letters.contains(&AxisLetter::X) {
+        } else if letters.contains(&Joint::X) {
             self.at = Some(*to);
         }
         self.blocks.push(Block::Feed { to: target, per_min });
@@ -142,7 +141,7 @@ impl Writer<'_> {
     fn timed(&mut self, to: &AxisValues<f64>, seconds: f64) {
         self.seconds += seconds;
         self.at = Some(*to);
-        self.blocks.push(Block::Timed { to: target(self.machine, to, &AxisLetter::ALL), seconds });
+        self.blocks.push(Block::Timed { to: target(self.machine, to, &Joint::ALL), seconds });
     }
 
     fn dwell(&mut self, seconds: f64) {
@@ -152,12 +151,12 @@ impl Writer<'_> {
 }
 
 /// Positions of the axes the machine has, mm and degrees.
-fn target(machine: &Machine, position: &AxisValues<f64>, letters: &[AxisLetter]) -> Target {
-    let edge = |letter: AxisLetter| match letter.is_rotary() {
+fn target(machine: &Machine, position: &AxisValues<f64>, letters: &[Joint]) -> Target {
+    let edge = |letter: Joint| match letter.is_rotary() {
         true => convert::deg_from_rad(position[letter]),
         false => position[letter],
     };
-    let has = |letter: &AxisLetter| machine.axis(*letter).is_some();
+    let has = |letter: &Joint| machine.axis(*letter).is_some();
     letters.iter().copied().filter(has).map(|letter| (letter, edge(letter))).collect()
 }
 
@@ -174,7 +173,7 @@ fn header(cycle: &Cycle, machine: &Machine, rules: &CourseRules, program: &Progr
     if cycle.run_kind() == RunKind::OnTheFly {
         lines.push(format!(
             "On the fly: straight blocks at most {} um off the path of the tool point; shortest block {:.1} ms. \
-             Recording begins and ends with {} strokes of {} mm there and back (sync gesture).",
+             Recording begins and ends with {} strokes of {} mm there and back (synchronisation move).",
             convert::um_from_mm(rules.chord_mm),
             program.shortest_block_s.unwrap_or_default() * 1e3,
             rules.strokes,

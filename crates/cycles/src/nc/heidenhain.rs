@@ -4,7 +4,7 @@
 //! the block, mm and degrees counted alike, so F = length of the block over its duration. Whether a control counts a block
 //! of linear and rotary axes so is for its builder to set: the header says how long a sweep must take. Dwell is cycle 9, in
 //! seconds; STOP waits for the operator, who reads the comment before it; cycle 32 bounds the rounding of corners; M127: rotary
-//! axes go where they are told, not the shorter way.
+//! axes go where they are commanded, not the shorter way.
 
 use super::dialect::Dialect;
 use super::program::{Block, Program, Target};

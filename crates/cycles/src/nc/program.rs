@@ -1,9 +1,9 @@
-//! A program in no dialect: what every controller can be told.
+//! A program in no dialect: what every controller can be asked.
 
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 
 /// Axes with their positions as people write them, mm and degrees.
-pub type Target = Vec<(AxisLetter, f64)>;
+pub type Target = Vec<(Joint, f64)>;
 
 /// An NC program.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Axis words of a block: only axes whose written position changes.
 
 use super::program::Target;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 
 /// Remembers what was written last.
 pub(super) struct Words {
@@ -13,7 +13,7 @@ pub(super) struct Words {
 /// What a block has to say.
 pub(super) struct Changed {
     /// Letters and numbers in the order X Y Z A B C.
-    pub words: Vec<(AxisLetter, String)>,
+    pub words: Vec<(Joint, String)>,
     /// Length of the way in mm and degrees together, from the written numbers; axes whose place was unknown do not count.
     pub length: f64,
 }
@@ -23,7 +23,7 @@ impl Words {
         Self { decimals, written: AxisValues::default(), numbers: AxisValues::default() }
     }
 
-    /// The axes that are written anew.
+    /// The axes that are written again.
     pub(super) fn changed(&mut self, to: &Target) -> Changed {
         let mut changed = Changed { words: Vec::new(), length: 0.0 };
         for &(letter, value) in to {
@@ -75,7 +75,7 @@ impl Moves {
     }
 
     fn block(&mut self, to: &Target, f: &str, inverse_time: bool, mode: &str) -> String {
-        let word = |(letter, number): &(AxisLetter, String)| format!(" {letter}{number}");
+        let word = |(letter, number): &(Joint, String)| format!(" {letter}{number}");
         let axes: String = self.words.changed(to).words.iter().map(word).collect();
         if axes.is_empty() {
             return axes;

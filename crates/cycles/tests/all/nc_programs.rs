@@ -3,7 +3,7 @@
 use crate::interpreter::interpret;
 use crate::visited::visited;
 use proptest::prelude::*;
-use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Setup, convert};
+use trunnion_core::{AxisValues, InstrumentKind, Joint, Setup, convert};
 use trunnion_cycles::CourseRules;
 use trunnion_cycles::Cycle;
 use trunnion_cycles::nc::{Block, DIALECTS, Program};
@@ -224,15 +224,15 @@ fn check(cycle: &Cycle, rules: &CourseRules) {
     for dialect in DIALECTS {
         for decimals in [dialect.decimals, 6] {
             let events = interpret(dialect.name, &(dialect.write)(&program, decimals));
-            let told =
+            let named =
                 |i: usize| format!("{} as {} with {decimals} decimals, point {i}", cycle.name, dialect.name);
-            visited(&events, cycle, &machine, rules, decimals, &told);
+            visited(&events, cycle, &machine, rules, decimals, &named);
         }
     }
 }
 
 /// Between joining and parting, ball and nest (or a bar's balls and its length) never part by more than the pieces and the
-/// gesture allow. Where the cycle names the linear axes nothing is joined.
+/// synchronisation move allow. Where the cycle names the linear axes nothing is joined.
 fn stays_together(program: &Program, cycle: &Cycle, machine: &Machine, rules: &CourseRules) {
     let mut from: Option<AxisValues<f64>> = None;
     let allowed_mm = rules.transfer_chord_mm + rules.stroke_mm + 1e-9;
@@ -267,7 +267,7 @@ fn parted_mm(machine: &Machine, setup: &Setup, at: &AxisValues<f64>) -> f64 {
     }
 }
 
-fn inside(target: &[(AxisLetter, f64)]) -> AxisValues<f64> {
+fn inside(target: &[(Joint, f64)]) -> AxisValues<f64> {
     let mut position = AxisValues::default();
     for &(letter, value) in target {
         position[letter] = if letter.is_rotary() { convert::rad_from_deg(value) } else { value };

@@ -10,7 +10,7 @@ use crate::{
     About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
 };
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_core::{Joint, State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -67,7 +67,7 @@ fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.moves(axis.letter)) else {
         return Vec::new();
     };
-    AxisLetter::ROTARY
+    Joint::ROTARY
         .into_iter()
         .flat_map(|k| [1, 2].map(|n| Parameter::new(format!("E{k}{}.P{n}", axis.letter), Unit::URAD)))
         .collect()

@@ -1,7 +1,7 @@
 //! Form of an uncalibrated artefact: the balls of a plate are not where its drawing says.
 //!
 //! δ = (x, y, z) of each target, artefact axes; the same in every placement     [S2 §3.3: self-calibration]
-//! Limits: a rigid artefact. Its size, place and direction as a whole cannot be told from the machine's without turned
+//! Limits: a rigid artefact. Its size, place and direction as a whole cannot be distinguished from the machine's without turned
 //! placements or a known length: fix the targets that define them.
 
 use crate::{

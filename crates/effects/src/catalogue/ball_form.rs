@@ -37,7 +37,7 @@ pub(crate) static EFFECT: Effect = Effect {
     shapes: |_, _| Shapes {
         names: vec!["lobes".into(), "triad".into()],
         grid: [[2.0, 0.0], [2.0, 1.0], [3.0, 0.0], [3.0, 1.0]].map(Vec::from).into(),
-        continuous: false,
+        ..Shapes::default()
     },
     motions,
     example: Example {

@@ -1,11 +1,13 @@
 //! Cyclic error of a ball screw or linear scale.
 //!
 //! e(x) = a cos(2πx/p) + b sin(2πx/p) on the positioning error, p the period        [docs/design/physics.md §9.10; ISO 230-4 cyclic error]
-//! p: lead and half the lead of the machine file; without it a list of usual leads. Limits: aliases on coarse grids of poses.
+//! p: any period that the residual shows; lead and half the lead of the machine file, or a list of usual leads, are tried in any case.
+//! Limits: aliases on coarse grids of poses.
 
 use crate::subjects::{axis_of, every_linear};
 use crate::{
     About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+    WaveNumber,
 };
 use std::f64::consts::TAU;
 use trunnion_core::State;
@@ -17,7 +19,7 @@ pub(crate) static EFFECT: Effect = Effect {
     about: About {
         title: "Cyclic error of the ball screw",
         source: "docs/design/physics.md §5, §9.10; ISO 230-4",
-        equation: "e = a cos(2πx/p) + b sin(2πx/p); p = lead, lead/2",
+        equation: "e = a cos(2πx/p) + b sin(2πx/p); p any",
         symbols: "e positioning error, µm; a, b amplitudes, µm; x coordinate, mm; p period, mm (shape number period_mm)",
         validity: "Same at every turn of the screw; aliases on a coarse grid of poses.",
         typical: "0.5–3 µm",
@@ -64,12 +66,16 @@ fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
 }
 
 fn shapes(scene: &Scene, subject: Subject) -> Shapes {
-    let lead_mm = axis_of(&scene.machine, subject).and_then(|axis| axis.facts.screw_lead_mm);
-    let periods_mm = match lead_mm {
+    let axis = axis_of(&scene.machine, subject);
+    let periods_mm = match axis.and_then(|axis| axis.facts.screw_lead_mm) {
         Some(lead_mm) => vec![lead_mm, lead_mm / 2.0],
         None => vec![4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 32.0, 40.0],
     };
-    Shapes::one("period_mm", periods_mm, false)
+    let known = Shapes::one("period_mm", periods_mm, false);
+    match axis {
+        Some(axis) => known.waving(WaveNumber::Period(axis.letter)),
+        None => known,
+    }
 }
 
 fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {

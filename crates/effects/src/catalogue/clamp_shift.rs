@@ -11,7 +11,7 @@ use crate::{
     About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
 };
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_core::{Joint, State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -42,7 +42,7 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     golden: Golden {
         source: "BIPM SI Brochure, table 8 (1″ = π/648 000 rad)",
-        derivation: "A clamp that turns C by 2″ moves a ball at 150 mm by 1.454 µm along the tangent while C stands, and not while C moves.",
+        derivation: "A clamp that turns C by 2″ moves a ball at 150 mm by 1.454 µm along the tangent. It does so while C is clamped, not while C moves.",
         id: "clamp-shift:C",
         shape: &[],
         values: &[("turn", 9.6962736)],
@@ -61,7 +61,7 @@ fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
         return Vec::new();
     };
     let mut parameters: Vec<_> =
-        AxisLetter::LINEAR.map(|letter| Parameter::new(format!("E{letter}{}", axis.letter), Unit::UM)).into();
+        Joint::LINEAR.map(|letter| Parameter::new(format!("E{letter}{}", axis.letter), Unit::UM)).into();
     parameters.push(Parameter::new("turn", Unit::URAD));
     parameters
 }

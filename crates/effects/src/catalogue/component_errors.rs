@@ -13,13 +13,13 @@ use crate::{
     About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
 };
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_core::{Joint, State, Twist};
 use trunnion_machine::{Axis, Site};
 
 /// Highest order of the polynomials; n places carry order n − 1 at most.
 const HIGHEST: usize = MOST_PLACES - 1;
 
-fn highest(scene: &Scene, letter: AxisLetter) -> usize {
+fn highest(scene: &Scene, letter: Joint) -> usize {
     HIGHEST.min(scene.places_at_one_pose[letter].saturating_sub(1))
 }
 
@@ -76,7 +76,7 @@ fn components(axis: &Axis) -> [(String, Twist, Unit, usize); 6] {
         (format!("E{}{}", linear_name(k), axis.letter), Twist::translation(twist), Unit::UM, lowest)
     };
     let rotation = |k: usize| {
-        let name = format!("E{}{}", AxisLetter::ROTARY[k], axis.letter);
+        let name = format!("E{}{}", Joint::ROTARY[k], axis.letter);
         (name, Twist::rotation(Vector3::ith(k, 1.0)), Unit::URAD, 1)
     };
     [

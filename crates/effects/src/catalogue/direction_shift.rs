@@ -8,7 +8,7 @@ use crate::{
     About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
 };
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_core::{Joint, State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -65,9 +65,9 @@ pub(crate) static EFFECT: Effect = Effect {
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     match axis_of(&scene.machine, subject) {
-        Some(axis) if scene.moves(axis.letter) && scene.both_directions(axis.letter) => AxisLetter::LINEAR
-            .map(|letter| Parameter::new(format!("E{letter}{}", axis.letter), Unit::UM))
-            .into(),
+        Some(axis) if scene.moves(axis.letter) && scene.both_directions(axis.letter) => {
+            Joint::LINEAR.map(|letter| Parameter::new(format!("E{letter}{}", axis.letter), Unit::UM)).into()
+        }
         _ => Vec::new(),
     }
 }

@@ -1,12 +1,14 @@
 //! Pitch error of worm, gear or graduation: cyclic positioning error of a rotary axis.
 //!
 //! e(q) = a cos Nq + b sin Nq, N cycles a turn                   [S4 table 2: "pitch error in transmission mechanism (e.g. worm gear)"]
-//! N: 3…12 (harmonics of the wheel) and, where the machine file gives gear_teeth, the teeth, one beside, and their double.
+//! N: any number that the residual shows; 3…12 (harmonics of the wheel) and, where the machine file gives gear_teeth, the teeth, one more
+//! and one fewer, and their double, are tried in any case.
 //! Limits: on a grid of poses with step Δ, N is the same as 2π/Δ ± N: only N ≤ π/Δ is tried, teeth need on-the-fly data.
 
 use crate::subjects::{axis_of, every_rotary};
 use crate::{
     About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+    WaveNumber,
 };
 use trunnion_core::State;
 use trunnion_machine::Site;
@@ -69,7 +71,11 @@ fn shapes(scene: &Scene, subject: Subject) -> Shapes {
         let most = scene.most_cycles(axis.letter) + 1e-6;
         cycles.retain(|n| *n <= most.max(FEWEST));
     }
-    Shapes::one("cycles_per_turn", cycles, false)
+    let known = Shapes::one("cycles_per_turn", cycles, false);
+    match axis_of(&scene.machine, subject) {
+        Some(axis) => known.waving(WaveNumber::Cycles(axis.letter)),
+        None => known,
+    }
 }
 
 fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {

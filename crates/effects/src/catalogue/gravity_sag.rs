@@ -20,7 +20,7 @@ pub(crate) static EFFECT: Effect = Effect {
     about: About {
         title: "Sag of the tilting frame under its own weight",
         source: "S1 §5.3; S4 table 2; docs/design/physics.md §9.1",
-        equation: "u = R K⁻¹ Rᵀ g − K⁻¹ g (terms 1 − cos 2B and sin 2B across the axis) and wind-up ω ∝ sin(B + φ) − sin φ about it",
+        equation: "u = R K⁻¹ Rᵀ g − K⁻¹ g (terms 1 − cos 2B and sin 2B across the axis); wind-up ω ∝ sin(B + φ) − sin φ about it",
         symbols: "u displacement of the frame, µm; K⁻¹ its compliance across the axis with anisotropy p and skewness q times the weight, µm; R turn by B; g unit vector of gravity; ω turn about the axis, µrad; φ place of the centre of mass",
         validity: "The load on the table stays the same; gravity along −Z; zero at the zero position.",
         typical: "5–10 µm",
@@ -95,7 +95,7 @@ fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit
 mod tests {
     use super::*;
     use crate::Instance;
-    use trunnion_core::AxisLetter;
+    use trunnion_core::Joint;
     use trunnion_machine::shipped;
 
     #[test]
@@ -103,7 +103,7 @@ mod tests {
         let machine = shipped::machine("table-bc").unwrap();
         let state = |b: f64| {
             let mut state = State::default();
-            state.position[AxisLetter::B] = b;
+            state.position[Joint::B] = b;
             state
         };
         let states = [state(0.0), state(1.0)];

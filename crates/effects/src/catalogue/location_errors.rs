@@ -10,7 +10,7 @@ use crate::{
     About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
 };
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_core::{Joint, State, Twist};
 use trunnion_machine::{Machine, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -54,17 +54,13 @@ pub(crate) static EFFECT: Effect = Effect {
     },
 };
 
-fn carriers(machine: &Machine) -> Vec<AxisLetter> {
+fn carriers(machine: &Machine) -> Vec<Joint> {
     machine.rotary().iter().map(|axis| axis.letter).collect()
 }
 
 /// (site, unit rotation, symbol) of the squareness errors of a machine without rotary axes.
-fn squareness() -> [(AxisLetter, Vector3<f64>, &'static str); 3] {
-    [
-        (AxisLetter::Y, Vector3::z(), "EC0Y"),
-        (AxisLetter::Z, Vector3::y(), "EB0Z"),
-        (AxisLetter::Z, Vector3::x(), "EA0Z"),
-    ]
+fn squareness() -> [(Joint, Vector3<f64>, &'static str); 3] {
+    [(Joint::Y, Vector3::z(), "EC0Y"), (Joint::Z, Vector3::y(), "EB0Z"), (Joint::Z, Vector3::x(), "EA0Z")]
 }
 
 fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {
@@ -72,11 +68,11 @@ fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {
     if carriers.is_empty() {
         return squareness().map(|(_, _, name)| Parameter::new(name, Unit::URAD)).into();
     }
-    let symbol = |direction: AxisLetter, axis: AxisLetter| {
+    let symbol = |direction: Joint, axis: Joint| {
         let unit = if direction.is_rotary() { Unit::URAD } else { Unit::UM };
         Parameter::new(format!("E{direction}0{axis}"), unit)
     };
-    carriers.iter().flat_map(|&axis| AxisLetter::ALL.map(|direction| symbol(direction, axis))).collect()
+    carriers.iter().flat_map(|&axis| Joint::ALL.map(|direction| symbol(direction, axis))).collect()
 }
 
 fn motions(scene: &Scene, _: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
@@ -100,14 +96,14 @@ fn motions(scene: &Scene, _: Subject, _: &[f64], state: &State, emit: Emit<'_>) 
 }
 
 /// Location errors that the minimum set (8 for two rotary axes, S2 tables 2–5) defines to be zero, weakest first: when
-/// one of these cannot be told from others, it is the one that gets no number.
+/// one of these cannot be distinguished from others, it is the one that gets no number.
 pub fn conventional_zeros(machine: &Machine) -> Vec<String> {
     let mut names = Vec::new();
     // Along the axis itself nothing distinguishes the axis line; its zero position belongs to the axis scale.
     for axis in machine.rotary().into_iter().rev() {
         let k = axis.direction.iamax();
-        names.push(format!("E{}0{}", AxisLetter::LINEAR[k], axis.letter));
-        names.push(format!("E{}0{}", AxisLetter::ROTARY[k], axis.letter));
+        names.push(format!("E{}0{}", Joint::LINEAR[k], axis.letter));
+        names.push(format!("E{}0{}", Joint::ROTARY[k], axis.letter));
     }
     // Relative notation: an error of an outer axis that the inner one can also make is booked on the inner axis
     // for rotations, on the outer for translations (EX0C, EY0C relative to B).
@@ -115,12 +111,12 @@ pub fn conventional_zeros(machine: &Machine) -> Vec<String> {
     for pair in rotary.windows(2) {
         let (inner, outer) = (pair[0], pair[1]);
         let k = inner.direction.iamax();
-        names.push(format!("E{}0{}", AxisLetter::ROTARY[k], outer.letter));
+        names.push(format!("E{}0{}", Joint::ROTARY[k], outer.letter));
     }
     // A zero position of the inner axis is only defined against the outer one: keep it (EB0B), give up the outer's tilt.
     if rotary.len() > 1 {
         let inner = rotary[0];
-        let keep = format!("E{}0{}", AxisLetter::ROTARY[inner.direction.iamax()], inner.letter);
+        let keep = format!("E{}0{}", Joint::ROTARY[inner.direction.iamax()], inner.letter);
         names.retain(|name| *name != keep);
         names.push(keep);
     }

@@ -38,7 +38,7 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     golden: Golden {
         source: "Abramowitz & Stegun table 4.4 (e⁻¹ = 0.36788)",
-        derivation: "A spike of 8 µm that decays over 3 mm holds X back by 8 µm at the reversal and by 2.943 µm 3 mm later.",
+        derivation: "A spike of 8 µm that decays over 3 mm holds X back by 8 µm at the reversal. 3 mm later it is 2.943 µm.",
         id: "reversal-spike:X",
         shape: &[3.0],
         values: &[("h", 8.0)],

@@ -64,20 +64,20 @@ mod tests {
     use super::*;
     use crate::Instance;
     use nalgebra::Point3;
-    use trunnion_core::AxisLetter;
+    use trunnion_core::Joint;
     use trunnion_machine::shipped;
 
     #[test]
     fn one_millisecond_of_c_at_360_degrees_a_minute_is_21_um_on_a_200_mm_radius() {
         let machine = shipped::machine("table-bc").unwrap();
         let mut state = State::default();
-        state.velocity[AxisLetter::C] = 360f64.to_radians() / 60.0;
+        state.velocity[Joint::C] = 360f64.to_radians() / 60.0;
         let scene = Scene::new(machine.clone(), Vec::new(), Vec::new(), [state.clone()].iter());
         for id in ["servo-lag:C", "sync-delay"] {
             let mut moved_um = 0.0;
             Instance::find(id, &machine).unwrap().motions(&scene, &[], &state, &mut |_, site, twist| {
-                if site == Site::Joint(AxisLetter::C) {
-                    let frame = machine.joint_frame(AxisLetter::C, &state.position).unwrap();
+                if site == Site::Joint(Joint::C) {
+                    let frame = machine.joint_frame(Joint::C, &state.position).unwrap();
                     moved_um += frame.displacement_mm(&Point3::new(200.0, 0.0, 0.0), &(twist * 1e-3)).y * 1e3;
                 }
             });

@@ -44,7 +44,7 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     golden: Golden {
         source: "IEC 60050-103 (unit step: 0 before, 1 after)",
-        derivation: "A ball pushed 8 µm along the table's x 3000 s after the first point reads nothing before, −8 µm from then on, at every angle of C.",
+        derivation: "A ball is pushed 8 µm along the table's x 3000 s after the first point. It reads nothing before, −8 µm from then on, at every angle of C.",
         id: "setup-slip",
         shape: &[3000.0],
         values: &[("x", 8.0)],

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
 use trunnion_machine::Site;
 
-/// A spindle stands still while a ball is measured, and grows only when it ran just before: odds of 20:1 against.
+/// A spindle is at rest while a ball is measured, and grows only when it ran just before: odds of 20:1 against.
 const STANDS_STILL_LN: f64 = 3.0;
 
 pub(crate) static EFFECT: Effect = Effect {

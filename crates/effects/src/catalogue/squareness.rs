@@ -8,7 +8,7 @@ use crate::{
 };
 use nalgebra::Vector3;
 use trunnion_core::axis::iso::{X, Y, Z};
-use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_core::{Joint, State, Twist};
 use trunnion_machine::{Machine, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -65,14 +65,14 @@ fn subjects(machine: &Machine) -> Vec<Subject> {
 }
 
 /// The coordinate direction about which the pair leans, by index.
-fn about(first: AxisLetter, second: AxisLetter) -> usize {
+fn about(first: Joint, second: Joint) -> usize {
     3 - first.index() - second.index()
 }
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     match subject {
         Subject::Pair(first, second) if scene.moves(first) => {
-            let rotary = AxisLetter::ROTARY[about(first, second)];
+            let rotary = Joint::ROTARY[about(first, second)];
             vec![Parameter::new(format!("E{rotary}0{first}"), Unit::URAD)]
         }
         Subject::Pair(..) | Subject::Whole | Subject::Axis(_) => Vec::new(),

@@ -39,7 +39,7 @@ pub(crate) static EFFECT: Effect = Effect {
     shapes: |_, _| Shapes {
         names: vec!["lobes".into(), "load".into()],
         grid: [[1.0, 0.0], [1.0, 1.0], [2.0, 0.0], [2.0, 1.0]].map(Vec::from).into(),
-        continuous: false,
+        ..Shapes::default()
     },
     motions,
     example: Example {

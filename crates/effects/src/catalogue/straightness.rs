@@ -8,7 +8,7 @@ use crate::subjects::{across, axis_of, every_slide, linear_name};
 use crate::{
     About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
 };
-use trunnion_core::{AxisLetter, State, Twist};
+use trunnion_core::{Joint, State, Twist};
 use trunnion_machine::Site;
 
 pub(crate) static EFFECT: Effect = Effect {
@@ -54,7 +54,7 @@ pub(crate) static EFFECT: Effect = Effect {
 };
 
 /// Coordinate scaled to −1…1 over the measured range of the axis.
-pub(super) fn scaled(scene: &Scene, letter: AxisLetter, state: &State) -> f64 {
+pub(super) fn scaled(scene: &Scene, letter: Joint, state: &State) -> f64 {
     let (low, high) = scene.position_range[letter];
     if high > low { (2.0 * state.position[letter] - low - high) / (high - low) } else { 0.0 }
 }

@@ -97,7 +97,7 @@ fn motions(scene: &Scene, subject: Subject, _: &[f64], state: &State, emit: Emit
 mod tests {
     use super::*;
     use crate::Instance;
-    use trunnion_core::AxisLetter;
+    use trunnion_core::Joint;
     use trunnion_machine::shipped;
 
     #[test]
@@ -107,8 +107,8 @@ mod tests {
         let scene = Scene::new(machine.clone(), Vec::new(), Vec::new(), [State::default()].iter());
         let instance = Instance::find("unbalance:C", &machine).unwrap();
         for (b, c) in [(0.0f64, 0.7f64), (0.4, 1.1), (-1.2, 2.5)] {
-            state.position[AxisLetter::B] = b;
-            state.position[AxisLetter::C] = c;
+            state.position[Joint::B] = b;
+            state.position[Joint::C] = c;
             let mut turned = 0.0;
             instance.motions(&scene, &[], &state, &mut |i, _, twist| {
                 turned += if i == 0 { twist.rotation_rad.z } else { 0.0 };

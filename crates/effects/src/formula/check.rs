@@ -4,7 +4,7 @@ use super::error::{FormulaError, Hundredths};
 use super::expression::{Expression, Function, Node, Operator};
 use super::symbol::{Quantity, Symbol, names, symbol};
 use std::f64::consts::TAU;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_core::names::{distance, nearest};
 use trunnion_machine::Machine;
 
@@ -13,7 +13,7 @@ const LONG: usize = 4;
 
 /// The names of the expression that are parameters, in order of appearance.
 pub(super) fn parameters(expression: &Expression, machine: &Machine) -> Result<Vec<String>, FormulaError> {
-    let letters: Vec<AxisLetter> = machine.axes().map(|axis| axis.letter).collect();
+    let letters: Vec<Joint> = machine.axes().map(|axis| axis.letter).collect();
     let mut parameters = Vec::new();
     for (name, column) in expression.names() {
         match symbol(name, machine) {
@@ -36,7 +36,7 @@ pub(super) fn parameters(expression: &Expression, machine: &Machine) -> Result<V
 }
 
 /// What a name that is no symbol was probably meant to be; `None` for a parameter.
-fn slip(name: &str, letters: &[AxisLetter]) -> Option<String> {
+fn slip(name: &str, letters: &[Joint]) -> Option<String> {
     let rename = "Give the parameter another name if it is one.";
     let unit = |suffix: &str| {
         name.strip_suffix(suffix)
@@ -101,7 +101,7 @@ pub(super) fn degrees(
 }
 
 /// The rotary axis whose angle this is, or the size of its angle.
-fn angle_of(expression: &Expression, machine: &Machine) -> Option<AxisLetter> {
+fn angle_of(expression: &Expression, machine: &Machine) -> Option<Joint> {
     match &expression.node {
         Node::Call(Function::Abs, inside) => angle_of(inside, machine),
         Node::Name(name) => match symbol(name, machine) {

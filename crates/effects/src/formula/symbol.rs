@@ -1,13 +1,13 @@
 //! Names of the state in a formula, inside units.
 
 use crate::Scene;
-use trunnion_core::{AxisLetter, State};
+use trunnion_core::{Joint, State};
 use trunnion_machine::Machine;
 
 /// A symbol of the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Symbol<'a> {
-    Of(Quantity, AxisLetter),
+    Of(Quantity, Joint),
     Time,
     /// Channel name.
     Temperature(&'a str),
@@ -39,7 +39,7 @@ pub(super) fn symbol<'a>(name: &'a str, machine: &Machine) -> Option<Symbol<'a>>
     if let Some(channel) = name.strip_prefix("T_") {
         return Some(Symbol::Temperature(channel));
     }
-    let joints = AxisLetter::ALL.into_iter().chain(machine.axes().map(|axis| axis.letter));
+    let joints = Joint::ALL.into_iter().chain(machine.axes().map(|axis| axis.letter));
     for letter in joints {
         let Some(prefix) = name.strip_suffix(letter.as_str()) else { continue };
         if let Some((_, quantity)) = PREFIXES.into_iter().find(|(known, _)| *known == prefix) {
@@ -50,7 +50,7 @@ pub(super) fn symbol<'a>(name: &'a str, machine: &Machine) -> Option<Symbol<'a>>
 }
 
 /// Every name about the axes in `letters`, and `t`.
-pub(super) fn names(letters: &[AxisLetter]) -> Vec<String> {
+pub(super) fn names(letters: &[Joint]) -> Vec<String> {
     let of_axes =
         PREFIXES.into_iter().flat_map(|(prefix, _)| letters.iter().map(move |l| format!("{prefix}{l}")));
     of_axes.chain(["t".into()]).collect()
@@ -72,7 +72,7 @@ impl Symbol<'_> {
 }
 
 impl Quantity {
-    pub fn of(self, state: &State, letter: AxisLetter) -> f64 {
+    pub fn of(self, state: &State, letter: Joint) -> f64 {
         match self {
             Self::Position => state.position[letter],
             Self::Velocity => state.velocity[letter],

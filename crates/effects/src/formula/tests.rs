@@ -41,7 +41,7 @@ fn arithmetic_binds_as_in_books() {
 }
 
 #[test]
-fn parameters_that_enter_linearly_are_told_from_those_that_do_not() {
+fn parameters_that_enter_linearly_are_distinguished_from_those_that_do_not() {
     let mut sag = entry("axis:B", "dz", "a*(1 - cos(2*B)) + b*sin(n*B + phase)/(1 + w^2)");
     assert!(read(&sag).unwrap_err().to_string().contains("parameter n enters non-linearly"));
     sag.grid = vec![("n".into(), vec![1.0, 2.0]), ("phase".into(), vec![0.0, 0.5]), ("w".into(), vec![0.0])];
@@ -87,8 +87,8 @@ fn a_formula_moves_what_its_expression_says() {
     let states = [0.0, 10.0].map(|time_s| {
         let mut state =
             State { time_s: Some(time_s), temperature_degc: vec![20.0 + time_s], ..State::default() };
-        state.position[AxisLetter::B] = 0.5;
-        state.direction[AxisLetter::C] = -1.0;
+        state.position[Joint::B] = 0.5;
+        state.direction[Joint::C] = -1.0;
         state
     });
     let scene = Scene::new(machine.clone(), Vec::new(), vec!["spindle".into()], states.iter());
@@ -100,8 +100,8 @@ fn a_formula_moves_what_its_expression_says() {
     let mut seen = Vec::new();
     instance.motions(&scene, &[5.0], &states[1], &mut |i, site, twist| seen.push((i, site, twist)));
     let expected = -0.5 * (1.0 - (-2.0f64).exp());
-    assert_eq!(seen[0], (0, Site::Joint(AxisLetter::B), Twist::rotation(Vector3::y() * expected)));
-    assert_eq!(seen[1], (1, Site::Joint(AxisLetter::B), Twist::rotation(Vector3::y() * 10.0)));
+    assert_eq!(seen[0], (0, Site::Joint(Joint::B), Twist::rotation(Vector3::y() * expected)));
+    assert_eq!(seen[1], (1, Site::Joint(Joint::B), Twist::rotation(Vector3::y() * 10.0)));
     // Without the channel the effect is out of reach rather than silently zero.
     let bare = Scene::new(machine, Vec::new(), Vec::new(), states.iter());
     assert!(instance.parameters(&bare).is_empty());
@@ -150,9 +150,9 @@ fn what_cannot_be_written_in_a_line_is_refused_too() {
 fn travel_since_the_reversal_and_acceleration_are_names_of_the_state() {
     let machine = shipped::machine("table-bc").unwrap();
     let mut state = State::default();
-    state.since_reversal[AxisLetter::C] = 0.4;
-    state.direction[AxisLetter::C] = -1.0;
-    state.acceleration[AxisLetter::X] = 50.0;
+    state.since_reversal[Joint::C] = 0.4;
+    state.direction[Joint::C] = -1.0;
+    state.acceleration[Joint::X] = 50.0;
     let scene = Scene::new(machine.clone(), Vec::new(), Vec::new(), [state.clone()].iter());
     let entry = ModelEffect { shape: vec![0.2], ..entry("axis:C", "ec", "h*dirC*exp(-sinceC/reach) + k*aX") };
     let instance = Instance::from_model_effect(&entry, &machine).unwrap();

@@ -4,7 +4,7 @@ use crate::catalogue::BASE;
 use crate::{Effect, Example, Instance, Scene, SceneSetup, View, r_test_reading};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use std::f64::consts::{PI, TAU};
-use trunnion_core::{AxisLetter, AxisValues, State};
+use trunnion_core::{AxisValues, Joint, State};
 use trunnion_machine::{Machine, shipped};
 
 /// A picture before it is drawn; values in µm.
@@ -153,8 +153,8 @@ fn poses(machine: Machine, example: &Example) -> Drawing {
         for b in &b_deg {
             for c in &c_deg {
                 let mut position = AxisValues::default();
-                position[AxisLetter::B] = b.to_radians();
-                position[AxisLetter::C] = c.to_radians();
+                position[Joint::B] = b.to_radians();
+                position[Joint::C] = c.to_radians();
                 let position =
                     machine.follow(&position, &setup.ball_in_table_mm).expect("X, Y, Z reach every ball");
                 states.push(State { position, setup: k, ..State::default() });
@@ -181,8 +181,8 @@ fn turn(machine: Machine, example: &Example) -> Drawing {
     let setup = setup("low", Point3::new(150.0, 0.0, 60.0));
     let follow = |c_rad: f64| {
         let mut position = AxisValues::default();
-        position[AxisLetter::B] = PI / 4.0;
-        position[AxisLetter::C] = c_rad;
+        position[Joint::B] = PI / 4.0;
+        position[Joint::C] = c_rad;
         machine.follow(&position, &setup.ball_in_table_mm).expect("X, Y, Z reach every ball")
     };
     // 1800°/min, as the shipped sweep.
@@ -197,7 +197,7 @@ fn turn(machine: Machine, example: &Example) -> Drawing {
             let mut state = State { position: follow(c_rad), velocity, ..State::default() };
             state.direction =
                 AxisValues::from_fn(|l| if velocity[l].abs() < 1e-9 { 0.0 } else { velocity[l].signum() });
-            state.since_reversal[AxisLetter::C] = travelled;
+            state.since_reversal[Joint::C] = travelled;
             states.push(state);
         }
     }
@@ -206,7 +206,7 @@ fn turn(machine: Machine, example: &Example) -> Drawing {
     let mut series = Vec::new();
     for (k, (name, colour)) in XYZ.into_iter().enumerate() {
         for (half, dashed) in [(0..120, false), (120..240, true)] {
-            let points = half.map(|i| (states[i].position[AxisLetter::C].to_degrees(), left[i][k])).collect();
+            let points = half.map(|i| (states[i].position[Joint::C].to_degrees(), left[i][k])).collect();
             let name = if dashed { String::new() } else { name.into() };
             series.push(Series { name, colour, dashed, points });
         }
@@ -234,8 +234,7 @@ fn circles(machine: Machine, example: &Example, feeds_mm_min: &[f64]) -> Drawing
         let radial: Vec<(f64, f64)> = of_feed
             .iter()
             .map(|state| {
-                let angle =
-                    state.position[AxisLetter::Y].atan2(state.position[AxisLetter::X]).rem_euclid(TAU);
+                let angle = state.position[Joint::Y].atan2(state.position[Joint::X]).rem_euclid(TAU);
                 let outward = Vector3::new(angle.cos(), angle.sin(), 0.0);
                 (angle, placed.reading_mm(state).dot(&outward) * 1e3)
             })
@@ -269,7 +268,7 @@ fn on_circle(angle: f64, way: f64, feed_mm_s: f64) -> State {
     let mut state = State::default();
     let per_s = way * feed_mm_s / RADIUS_MM;
     // X turns round at 0° and 180°, Y at 90° and 270°.
-    for (letter, phase) in [(AxisLetter::X, angle), (AxisLetter::Y, angle - PI / 2.0)] {
+    for (letter, phase) in [(Joint::X, angle), (Joint::Y, angle - PI / 2.0)] {
         state.position[letter] = RADIUS_MM * phase.cos();
         state.velocity[letter] = -RADIUS_MM * per_s * phase.sin();
         state.acceleration[letter] = -RADIUS_MM * per_s * per_s * phase.cos();
@@ -291,7 +290,7 @@ fn over_time(machine: Machine, example: &Example, span_s: f64) -> Drawing {
                 ..State::default()
             };
             // A short look is one at a machine in motion.
-            state.velocity[AxisLetter::C] = if span_s < 60.0 { 0.1 } else { 0.0 };
+            state.velocity[Joint::C] = if span_s < 60.0 { 0.1 } else { 0.0 };
             state
         })
         .collect();
@@ -322,7 +321,7 @@ fn stop_and_go(machine: Machine, example: &Example) -> Drawing {
             let time_s = f64::from(i) / 6.0;
             let mut state = State { time_s: Some(time_s), ..State::default() };
             if ((time_s / 5.0) as usize).is_multiple_of(2) {
-                state.velocity[AxisLetter::C] = 0.02;
+                state.velocity[Joint::C] = 0.02;
             }
             state
         })

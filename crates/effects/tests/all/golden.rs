@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use std::slice::from_ref;
-use trunnion_core::{AxisLetter, AxisValues, State, Twist};
+use trunnion_core::{AxisValues, Joint, State, Twist};
 use trunnion_effects::{Instance, Scene, SceneSetup};
 use trunnion_machine::{Machine, Site, shipped};
 
@@ -10,7 +10,7 @@ fn table_bc() -> Machine {
     shipped::machine("table-bc").expect("shipped")
 }
 
-fn at(letter: AxisLetter, position: f64) -> State {
+fn at(letter: Joint, position: f64) -> State {
     let mut state = State::default();
     state.position[letter] = position;
     state
@@ -30,7 +30,7 @@ fn twists(id: &str, shape: &[f64], scene_states: &[State], state: &State) -> Vec
 fn forward_and_backward_phasors_make_any_fourier_term() {
     // cos 2C along X alone, as ISO 230-7 plots EXC: half of each phasor.
     for c in [0.0f64, 0.4, 2.0] {
-        let state = at(AxisLetter::C, c);
+        let state = at(Joint::C, c);
         let seen = twists("radial-error-motion:C", &[2.0], from_ref(&state), &state);
         let sum = (seen[0] * 0.5 + seen[2] * 0.5).translation_mm;
         assert!((sum - Vector3::x() * (2.0 * c).cos()).norm() < 1e-12, "{c} {sum}");
@@ -41,7 +41,7 @@ fn forward_and_backward_phasors_make_any_fourier_term() {
 fn eleven_lobes_read_as_one_on_a_30_degree_grid() {
     // docs/design/statistics.md §4.4: harmonic n is identical to 12 − n on the S1 grid.
     for i in 0..12 {
-        let state = at(AxisLetter::C, f64::from(i) * 30f64.to_radians());
+        let state = at(Joint::C, f64::from(i) * 30f64.to_radians());
         let fine = twists("drive-pitch:C", &[11.0], from_ref(&state), &state);
         let coarse = twists("encoder-eccentricity:C", &[], from_ref(&state), &state);
         assert!((fine[0].rotation_rad - coarse[0].rotation_rad).norm() < 1e-12);
@@ -53,7 +53,7 @@ fn eleven_lobes_read_as_one_on_a_30_degree_grid() {
 fn a_vertical_weight_never_moves_the_frame_along_its_axis() {
     // gravity-sag is symmetric about the plane across the axis: no EYB.
     for b in [-1.5, 0.2, 1.0] {
-        let state = at(AxisLetter::B, b);
+        let state = at(Joint::B, b);
         let seen = twists("gravity-sag:B", &[], from_ref(&state), &state);
         assert!(seen.iter().all(|t| t.translation_mm.y.abs() < 1e-15));
         assert!((seen[2].rotation_rad.y - f64::sin(b)).abs() < 1e-15);
@@ -69,7 +69,7 @@ fn following(machine: &Machine, ball_in_table_mm: &Point3<f64>) -> Vec<State> {
     let feed_rad_s = 360f64.to_radians() / 60.0;
     let at = |c: f64| {
         let mut position = AxisValues::default();
-        position[AxisLetter::C] = c;
+        position[Joint::C] = c;
         machine.follow(&position, ball_in_table_mm).expect("X, Y, Z reach the ball")
     };
     let state = |i: i32| {
@@ -119,7 +119,7 @@ fn rotary_axes_one_millisecond_late_on_a_followed_path_read_21_um_and_a_common_d
 fn sampled(step_s: f64, n: u32) -> Vec<State> {
     let state = |i: u32| {
         let mut state = State { time_s: Some(step_s * f64::from(i)), ..State::default() };
-        state.velocity[AxisLetter::C] = 0.1;
+        state.velocity[Joint::C] = 0.1;
         state
     };
     (0..n).map(state).collect()
@@ -173,9 +173,9 @@ fn each_run_has_its_own_course_of_temperature() {
 fn without_a_clamp_signal_a_clamp_shows_only_between_rest_and_motion() {
     // Every stop shifts alike in static data: that is a location error (docs/design/physics.md §9.14).
     let machine = table_bc();
-    let still = [at(AxisLetter::C, 0.0), at(AxisLetter::C, 1.0)];
-    let mut moving = at(AxisLetter::C, 2.0);
-    moving.velocity[AxisLetter::C] = 0.1;
+    let still = [at(Joint::C, 0.0), at(Joint::C, 1.0)];
+    let mut moving = at(Joint::C, 2.0);
+    moving.velocity[Joint::C] = 0.1;
     let clamp = Instance::find("clamp-shift:C", &machine).unwrap();
     let static_scene = Scene::new(machine.clone(), Vec::new(), Vec::new(), still.iter());
     assert_eq!(

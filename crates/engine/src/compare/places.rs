@@ -13,13 +13,13 @@ mod scan;
 
 use crate::Experiment;
 use nalgebra::DVector;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::fmt;
-use trunnion_core::{AxisLetter, convert};
+use trunnion_core::Joint;
 
-use found::Found;
+use found::{Found, Way};
 use readings::{Dimension, Readings};
-
-pub use found::Way;
 
 /// Most places reported.
 const MOST_PLACES: usize = 3;
@@ -27,8 +27,10 @@ const MOST_PLACES: usize = 3;
 const LEAST_SHARE: f64 = 0.04;
 
 /// One place where the model fails.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Place {
+    /// The place in words.
+    pub words: String,
     /// `X`, `Y`, `Z` in machine axes, `table X`, … in the axes of the turned table, `bar length`. Positive: the tool stands
     /// further that way against the table than predicted, the bar is longer.
     pub component: String,
@@ -40,31 +42,47 @@ pub struct Place {
     pub setup: String,
     /// `in the first 12 min`, …; empty when time does not matter.
     pub time: String,
-    /// Mean of measured − predicted, µm; with [`Self::turns_with`] the mean with that axis going forward.
+    /// Mean of measured − predicted, µm; with `turns_with` the mean with that axis going forward.
     pub mean_um: f64,
-    /// The axis whose direction turns the sign over: `C`, or `B and C` where both always went the same way.
+    /// The axis whose direction of travel turns the sign over: `C`, or `B and C` where both always went the same way.
     pub turns_with: Option<String>,
     /// Scalar readings in it.
     pub readings: usize,
     /// Share of the residual's sum of squares that its mean explains, 0…1.
     pub share: f64,
     /// The same in numbers.
+    #[serde(default)]
     pub region: Region,
 }
 
 /// Which readings belong to a place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Region {
     /// 0–2: machine X Y Z; 3–5: table X Y Z; 6: bar length.
     pub component: usize,
-    /// Axis with first and last position, rad or mm, both inside; on a full turn the last may lie below the first.
-    pub axes: Vec<(AxisLetter, f64, f64)>,
-    /// First and last time, s.
-    pub time_s: Option<(f64, f64)>,
+    /// Ranges of the axes that matter.
+    pub axes: Vec<AxisRange>,
+    /// First and last time, s; null when the time does not matter.
+    pub time_s: Option<[f64; 2]>,
     /// Index of the setup, when only one.
     pub setup: Option<usize>,
-    /// Directions of travel.
-    pub way: Way,
+    /// Only points with this axis going forward.
+    pub forward: Option<String>,
+    /// Only points with this axis going back.
+    pub back: Option<String>,
+    /// Points with this axis going either way, the sign turned over with it.
+    pub turns: Option<String>,
+}
+
+/// A range of one axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AxisRange {
+    /// Name of the axis.
+    pub axis: String,
+    /// First position, mm or degrees, inside the range.
+    pub from: f64,
+    /// Last position, inside it; on a full turn it may lie below the first.
+    pub to: f64,
 }
 
 impl Place {
@@ -123,7 +141,7 @@ fn in_words(readings: &Readings, experiment: &Experiment, found: &Found, total: 
         let text = range_in_words(dimension, from, to);
         if dimension.letter.is_some() { ranges.push(text) } else { time = text }
     }
-    let name = |letter: AxisLetter| readings.name_of_way(letter);
+    let name = |letter: Joint| readings.name_of_way(letter);
     let direction = match found.way {
         Way::Forward(letter) => format!("{} forward", name(letter)),
         Way::Back(letter) => format!("{} back", name(letter)),
@@ -138,7 +156,8 @@ fn in_words(readings: &Readings, experiment: &Experiment, found: &Found, total: 
         (None, 2) => "both setups".into(),
         (None, _) => "all setups".into(),
     };
-    Place {
+    let place = Place {
+        words: String::new(),
         component: readings.components[found.component].into(),
         ranges,
         direction,
@@ -152,23 +171,29 @@ fn in_words(readings: &Readings, experiment: &Experiment, found: &Found, total: 
         readings: found.readings * readings.every,
         share: found.explains / total,
         region: region(readings, found),
-    }
+    };
+    Place { words: place.to_string(), ..place }
 }
 
 fn region(readings: &Readings, found: &Found) -> Region {
-    let mut axes = Vec::new();
-    let mut time_s = None;
-    for &(dimension, from, to) in &found.ranges {
+    let name = |of: Option<Joint>| of.map(|joint| joint.to_string());
+    let mut region = Region {
+        component: found.component,
+        setup: found.setup,
+        forward: name(if let Way::Forward(joint) = found.way { Some(joint) } else { None }),
+        back: name(if let Way::Back(joint) = found.way { Some(joint) } else { None }),
+        turns: name(if let Way::Turns(joint) = found.way { Some(joint) } else { None }),
+        ..Region::default()
+    };
+    for &(dimension, first, last) in &found.ranges {
         let dimension = &readings.dimensions[dimension];
-        let (first, last) = (dimension.bins[from].0, dimension.bins[to].1);
-        let inside =
-            |letter: AxisLetter, x: f64| if letter.is_rotary() { convert::rad_from_deg(x) } else { x };
+        let (from, to) = (dimension.bins[first].0, dimension.bins[last].1);
         match dimension.letter {
-            Some(letter) => axes.push((letter, inside(letter, first), inside(letter, last))),
-            None => time_s = Some((first, last)),
+            Some(joint) => region.axes.push(AxisRange { axis: joint.to_string(), from, to }),
+            None => region.time_s = Some([from, to]),
         }
     }
-    Region { component: found.component, axes, time_s, setup: found.setup, way: found.way }
+    region
 }
 
 /// Bins `from..=to` of a dimension; on a full turn `to` may lie before `from`.

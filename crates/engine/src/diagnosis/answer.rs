@@ -1,57 +1,62 @@
 //! From scans to the answer: candidates in order, what each would do, what it could be mistaken for, the verdict.
 
 use crate::diagnosis::families::Number;
-use crate::diagnosis::model_comparison::named_item;
-use crate::diagnosis::options::Options;
-use crate::diagnosis::refits::{Explained, Refit, refits};
-use crate::diagnosis::scan::Scan;
-use crate::diagnosis::search::search;
-use crate::diagnosis::verdict::{
-    Candidate, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber, Verdict,
+use crate::diagnosis::judgement::{
+    noise_sizes, nothing_claimed, noticeable_um, open_effects, pattern_is_natural, within_repeats,
 };
-use crate::diagnosis::view::{Item, View, What, columns_of};
+use crate::diagnosis::options::{DiagnoseError, Options};
+use crate::diagnosis::refits::{Explained, Refit, refits};
+use crate::diagnosis::rivals::confused_with;
+use crate::diagnosis::scan::Scan;
+use crate::diagnosis::search::{Found, search};
+use crate::diagnosis::verdict::{
+    Candidate, Diagnosis, FormulaProposal, NextCycle, OpenEffect, ResidualSummary, ShapeNumber, Verdict,
+};
+use crate::diagnosis::view::{Item, What, columns_of};
 use crate::diagnosis::words;
-use crate::evidence::Score;
 use crate::problem::Problem;
+use crate::spectrum::Wave;
 use nalgebra::DMatrix;
 use std::f64::consts::LN_10;
 use trunnion_core::convert::um_from_mm;
 use trunnion_effects::{Formula, ModelEffect};
 
-/// Rivals within this ln of the posterior odds are confused (a factor of 20).
+/// Fits closer than this, ln, are as good.
 const CONFUSED_LN: f64 = 3.0;
-/// Columns whose smallest canonical correlation exceeds this coincide in this cycle.
-const ALIAS: f64 = 0.999;
 /// A named effect that explains at least this share leads, although a part remains.
 const MOSTLY: f64 = 0.8;
 
 /// Answers for the model of `problem`.
-pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Diagnosis {
-    let nothing = DMatrix::zeros(0, scan.experiment.rows());
-    let first = View::of(scan, nothing);
-    let (found, complete) = search(scan, &first, options.claim_ln, options.look_ahead);
-    let all_found_mm = scan.fit(&columns_of(found.iter(), scan.experiment.rows())).rms_mm;
-    let floor_mm = all_found_mm.min(first.fit.rms_mm);
-    let context = Context { problem, scan, options, first: &first, found: &found, complete, floor_mm };
+pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Result<Diagnosis, DiagnoseError> {
+    let found = search(scan, options.claim_ln, options.look_ahead).ok_or(DiagnoseError::NoNoise)?;
+    let all_found_mm = scan.left(&columns_of(found.items.iter(), scan.y.len()));
+    let alone_mm = scan.left(&DMatrix::zeros(scan.y.len(), 0));
+    let context = Context { problem, scan, options, found: &found, floor_mm: all_found_mm, alone_mm };
 
     let listed = context.listed();
     let refits = context.refits(&listed);
     let explained = refits.explained(problem);
     let candidates = context.candidates(&listed, &refits.candidates, &explained);
     let formula = context.formula(refits.formula.as_ref(), &explained);
-    let verdict = match (candidates.is_empty(), context.formula_leads(&listed)) {
-        (_, true) => Verdict::UnnamedStructure,
-        (false, false) => Verdict::MissingEffect,
-        (true, false) if listed.is_empty() => Verdict::NoiseFloor,
+    let fit = problem.fit();
+    let (verdict, why, next) = match (candidates.is_empty(), context.formula_leads(&listed)) {
+        (_, true) => (Verdict::UnnamedStructure, String::new(), String::new()),
+        (false, false) => (Verdict::MissingEffect, String::new(), String::new()),
+        (true, false) if listed.is_empty() => nothing_claimed(scan, fit, &found),
         // Something was found that cannot be added.
-        (true, false) => Verdict::UnnamedStructure,
+        (true, false) => (Verdict::UnnamedStructure, String::new(), String::new()),
     };
     let next_cycle = candidates
         .first()
-        .filter(|candidate| !candidate.separate_by.is_empty())
-        .map(|candidate| NextCycle::advice(candidate.separate_by.clone()));
-    let fit = problem.fit();
-    Diagnosis {
+        .map(|candidate| candidate.separate_by.clone())
+        .or(Some(next))
+        .filter(|suggestion| !suggestion.is_empty())
+        .map(NextCycle::advice);
+    let open = |(group, ln_bf): (usize, f64)| OpenEffect {
+        effect: scan.named[group].instance.id(),
+        evidence: ln_bf / LN_10,
+    };
+    Ok(Diagnosis {
         model: problem.model().effects.iter().map(|effect| effect.id.clone()).collect(),
         residual: ResidualSummary {
             rms_um: um_from_mm(fit.rms_mm),
@@ -61,31 +66,33 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Diag
             unexplained_fraction: explained.together(),
         },
         verdict,
+        why,
+        noise: noise_sizes(scan, found.last.null.x()),
+        noticeable_um: noticeable_um(scan, &found, options.claim_ln),
+        undecided: open_effects(scan, &found).map(open).collect(),
         candidates,
         set: context.set(),
         formula,
         next_cycle,
-        not_visible: invisible(scan, &first),
+        not_visible: invisible(scan, &found),
         out_of_reach: scan.out_of_reach.clone(),
-    }
+    })
 }
 
 /// Effects that the model imitates in this cycle.
-fn invisible(scan: &Scan<'_>, first: &View) -> Vec<String> {
-    let hidden = |(g, score): (usize, &Score)| (score.surviving == 0).then(|| scan.instances[g].id());
-    first.named.iter().enumerate().filter_map(hidden).collect()
+fn invisible(scan: &Scan<'_>, found: &Found) -> Vec<String> {
+    let named = scan.named.iter().zip(&found.last.named);
+    named.filter(|(_, score)| !score.visible).map(|(named, _)| named.instance.id()).collect()
 }
 
 struct Context<'a> {
     problem: &'a Problem<'a>,
     scan: &'a Scan<'a>,
     options: &'a Options,
-    first: &'a View,
-    found: &'a [Item],
-    /// True when nothing worth claiming is left next to what was found.
-    complete: bool,
-    /// What the scan leaves with all that was found, mm rms.
+    found: &'a Found,
+    /// What the scan leaves with all that was found, and with nothing, mm rms.
     floor_mm: f64,
+    alone_mm: f64,
 }
 
 /// The fits with what is listed.
@@ -108,39 +115,39 @@ impl Refits {
 impl Context<'_> {
     /// What the search kept comes first, then whatever else has evidence of its own.
     fn listed(&self) -> Vec<(usize, Item)> {
-        let scores = &self.first.named;
+        let first =
+            |group: usize| self.found.first.iter().find(|scored| scored.item.what == What::Named(group));
         let mut kept: Vec<(usize, Item)> = Vec::new();
-        for item in self.found {
+        for item in &self.found.items {
             if let What::Named(group) = item.what {
                 // Against the present model, or with the other kept ones in it where they hide it.
-                let ln_odds = scores[group].ln_odds.max(item.ln_odds);
-                kept.push((group, Item { ln_odds, ..item.clone() }));
+                let alone = first(group).map_or(f64::NEG_INFINITY, |scored| scored.item.ln_odds);
+                kept.push((group, Item { ln_odds: alone.max(item.ln_odds), ..item.clone() }));
             }
         }
         kept.sort_by(|a, b| b.1.ln_odds.total_cmp(&a.1.ln_odds));
-        let mut rest: Vec<usize> = (0..scores.len())
-            .filter(|g| scores[*g].ln_odds > self.options.claim_ln && kept.iter().all(|k| k.0 != *g))
-            .collect();
-        rest.sort_by(|&a, &b| scores[b].ln_odds.total_cmp(&scores[a].ln_odds));
         // Without anything found, single scores above the limit lost a comparison or are explained by each other.
-        rest.truncate(if self.found.is_empty() {
-            0
-        } else {
-            self.options.candidates.saturating_sub(kept.len())
-        });
-        let rest = rest.into_iter().map(|g| (g, named_item(self.scan, self.first, g)));
-        kept.into_iter().chain(rest).take(self.options.candidates).collect()
+        let most = if self.found.items.is_empty() { 0 } else { self.options.candidates };
+        let is_kept = |group: usize| kept.iter().any(|(kept, _)| *kept == group);
+        let rest = self.found.first.iter().filter(|scored| scored.item.ln_odds > self.options.claim_ln);
+        let rest: Vec<(usize, Item)> = rest
+            .filter_map(|scored| match scored.item.what {
+                What::Named(group) if !is_kept(group) => Some((group, scored.item.clone())),
+                _ => None,
+            })
+            .collect();
+        kept.into_iter().chain(rest).take(most).collect()
     }
 
     /// Fits the model with each of the listed, with the formula, and with all that was found.
     fn refits(&self, listed: &[(usize, Item)]) -> Refits {
         let alone = |(group, _): &(usize, Item)| {
-            let id = self.scan.instances[*group].id();
+            let id = self.scan.named[*group].instance.id();
             vec![ModelEffect { id, ..ModelEffect::default() }]
         };
         let mut additions: Vec<_> = listed.iter().map(alone).collect();
         let formula = self.strongest(true).map(|item| self.entries(item));
-        let set = (self.found.len() > 1).then(|| self.set());
+        let set = (self.found.items.len() > 1).then(|| self.set());
         let (with_formula, with_set) = (formula.is_some(), set.is_some());
         additions.extend(formula);
         additions.extend(set);
@@ -166,13 +173,13 @@ impl Context<'_> {
 
     /// Model entries of what the search kept.
     fn set(&self) -> Vec<ModelEffect> {
-        self.found.iter().flat_map(|item| self.entries(item)).collect()
+        self.found.items.iter().flat_map(|item| self.entries(item)).collect()
     }
 
     fn entries(&self, item: &Item) -> Vec<ModelEffect> {
         match &item.what {
             What::Named(group) => vec![ModelEffect {
-                id: self.scan.instances[*group].id(),
+                id: self.scan.named[*group].instance.id(),
                 shape: item.shape.clone(),
                 ..ModelEffect::default()
             }],
@@ -182,10 +189,12 @@ impl Context<'_> {
 
     fn candidate(&self, group: usize, item: &Item, refit: &Refit, explained: &Explained) -> Candidate {
         let scan = self.scan;
-        let adequate = self.adequate(item);
-        let instance = &scan.instances[group];
-        let confused = self.confused_with(group, item);
-        let rivals: Vec<_> = confused.iter().map(|&g| &scan.instances[g]).collect();
+        let adequate = self.adequate(item) && within_repeats(self.problem.fit(), refit.rms_mm());
+        let instance = &scan.named[group].instance;
+        let is_found = self.found.items.iter().any(|other| other.what == item.what);
+        let confused =
+            if is_found { confused_with(scan, self.found, item, self.options.claim_ln) } else { Vec::new() };
+        let rivals: Vec<_> = confused.iter().map(|&g| &scan.named[g].instance).collect();
         let fit = self.problem.fit();
         let numbers = words::Numbers {
             before_um: um_from_mm(fit.rms_mm),
@@ -193,6 +202,7 @@ impl Context<'_> {
             repeatability_um: fit.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
             holdout: fit.holdout.zip(refit.holdout_rms_um()),
         };
+        let period = refit.shape().and_then(|shape| Wave::of_effect(&scan.residual, instance, shape));
         Candidate {
             effect: instance.id(),
             evidence: item.ln_odds / LN_10,
@@ -203,50 +213,25 @@ impl Context<'_> {
             separate_by: words::separate_by(instance, &rivals),
             confused_with: rivals.iter().map(|instance| instance.id()).collect(),
             adequate,
-            why: words::why(instance, &numbers, adequate),
+            why: words::why(instance, &numbers, period.as_ref(), adequate),
+            period,
         }
     }
 
     /// Nothing structured remains with this item alone: it is all that was found, or fits as well as all that was found.
     fn adequate(&self, item: &Item) -> bool {
-        let all_found = match self.found {
-            [only] => only.what == item.what,
+        let all_found = match &self.found.items[..] {
+            [only] => only.what == item.what && self.found.further.ncols() == 0,
             _ => false,
         };
         let like_all_found = || {
-            let readings = self.scan.experiment.rows() as f64;
-            let after_mm = self.scan.fit(&item.columns).rms_mm;
-            readings * (after_mm / self.floor_mm).ln() < CONFUSED_LN
+            let readings = self.scan.y.len() as f64;
+            readings * (self.scan.left(&item.columns) / self.floor_mm).ln() < CONFUSED_LN
         };
-        self.complete && !self.found.iter().any(Item::is_open) && (all_found || like_all_found())
-    }
-
-    /// Rivals whose odds are close when the other kept effects are in the model, and effects whose columns coincide with
-    /// this one's in this cycle.
-    fn confused_with(&self, group: usize, item: &Item) -> Vec<usize> {
-        if !self.found.iter().any(|other| other.what == item.what) {
-            return Vec::new();
-        }
-        let scan = self.scan;
-        let rows = scan.experiment.rows();
-        let others = columns_of(self.found.iter().filter(|other| other.what != item.what), rows);
-        let view = View::of(scan, others);
-        let (others, scores) = (&view.chosen, &view.named);
-        let member = &scan.bank.members[scores[group].member];
-        let kept = |g: usize| self.found.iter().any(|other| other.what == What::Named(g));
-        let mut confused: Vec<usize> = (0..scores.len())
-            .filter(|&g| g != group && !kept(g) && scores[g].surviving > 0)
-            .filter(|&g| {
-                if scores[g].ln_odds > scores[group].ln_odds - CONFUSED_LN && scores[g].ln_odds > 0.0 {
-                    return true;
-                }
-                let other = scan.named.part(g, scores[g].part).transpose();
-                let cosines = member.canonical_correlations(others, &item.columns, &other);
-                cosines.len() == item.columns.nrows().min(other.nrows()) && cosines.iter().all(|c| *c > ALIAS)
-            })
-            .collect();
-        confused.sort_by(|&a, &b| scores[b].ln_odds.total_cmp(&scores[a].ln_odds));
-        confused
+        self.found.complete
+            && pattern_is_natural(&noise_sizes(self.scan, self.found.last.null.x()))
+            && !self.found.items.iter().any(Item::is_open)
+            && (all_found || like_all_found())
     }
 
     /// What was kept without a name, the strongest first; several components of one site are one proposal.
@@ -257,11 +242,12 @@ impl Context<'_> {
         let family = &vocabulary.families[term.family];
         let entries = vocabulary.entries(term, &item.shape);
         let first = entries.first()?.clone();
-        let scores = &self.first.named;
-        let resembles = (0..scores.len())
-            .filter(|&g| scores[g].ln_odds > self.options.claim_ln)
-            .max_by(|&a, &b| scores[a].ln_odds.total_cmp(&scores[b].ln_odds))
-            .map(|g| self.scan.instances[g].id());
+        let resembles = self.found.first.iter().find_map(|scored| match scored.item.what {
+            What::Named(group) if scored.item.ln_odds > self.options.claim_ln => {
+                Some(self.scan.named[group].instance.id())
+            }
+            _ => None,
+        });
         let components: Vec<&str> = entries.iter().filter_map(|e| e.component.as_deref()).collect();
         let site = first.site.unwrap_or_default();
         let number = |(number, &value): (&Number, &f64)| ShapeNumber {
@@ -292,14 +278,13 @@ impl Context<'_> {
         let Some(open) = self.strongest(true) else { return false };
         let named = self.strongest(false).map_or(f64::NEG_INFINITY, |item| item.ln_odds);
         // A named effect next to a term that had to be kept is only believed when it explains most on its own.
-        let scanned = Explained { before_mm: self.first.fit.rms_mm, least_mm: self.floor_mm };
-        let explains =
-            listed.first().map_or(0.0, |(_, item)| scanned.by(self.scan.fit(&item.columns).rms_mm));
+        let scanned = Explained { before_mm: self.alone_mm, least_mm: self.floor_mm };
+        let explains = listed.first().map_or(0.0, |(_, item)| scanned.by(self.scan.left(&item.columns)));
         open.ln_odds > named || explains < MOSTLY
     }
 
     fn strongest(&self, open: bool) -> Option<&Item> {
-        let of_sort = self.found.iter().filter(|item| item.is_open() == open);
+        let of_sort = self.found.items.iter().filter(|item| item.is_open() == open);
         of_sort.max_by(|a, b| a.ln_odds.total_cmp(&b.ln_odds))
     }
 }

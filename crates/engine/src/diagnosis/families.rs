@@ -9,9 +9,9 @@ mod clock;
 mod travel;
 
 use crate::Experiment;
-use crate::evidence::Natural;
 use crate::noise::machine_noise::Order;
-use trunnion_core::AxisLetter;
+use crate::spectrum::Wave;
+use trunnion_core::Joint;
 use trunnion_effects::{Formula, Instance, ModelEffect};
 
 /// One way to depend on the state.
@@ -35,7 +35,7 @@ pub struct Family {
     /// Where it may act.
     pub carriers: Carriers,
     /// Whether it is a repeatable motion of a rotary axis, of which every bearing has some.
-    pub natural: Natural,
+    pub natural: bool,
     /// False: tried only where its relatives do well.
     pub scanned: bool,
 }
@@ -76,7 +76,7 @@ impl Number {
             "tau" | "when" => "s",
             "rate" => "rad/s",
             "per_mm" => "rad/mm",
-            "duty" | "power" => "1",
+            "cycles" | "duty" | "power" => "1",
             _ => "rad",
         }
     }
@@ -100,7 +100,7 @@ struct Draft {
     order: usize,
     words: String,
     carriers: Carriers,
-    natural: Natural,
+    natural: bool,
     scanned: bool,
 }
 
@@ -114,7 +114,7 @@ impl Draft {
             order,
             words: words.into(),
             carriers: Carriers::All,
-            natural: Natural::No,
+            natural: false,
             scanned: true,
         }
     }
@@ -134,7 +134,7 @@ impl Draft {
     }
 
     fn natural(self) -> Self {
-        Self { natural: Natural::Yes, ..self }
+        Self { natural: true, ..self }
     }
 
     fn only_refined(self) -> Self {
@@ -143,8 +143,8 @@ impl Draft {
 }
 
 /// Every family that makes sense in an experiment.
-pub fn families(experiment: &Experiment, order: &Order) -> Vec<Family> {
-    let rotary: Vec<AxisLetter> = [order.slow, order.fast].into_iter().flatten().collect();
+pub fn families(experiment: &Experiment, order: &Order, waves: &[(Joint, Wave)]) -> Vec<Family> {
+    let rotary: Vec<Joint> = [order.slow, order.fast].into_iter().flatten().collect();
     let scene = &experiment.scene;
     let mut drafts = Vec::new();
     angle::angles(&rotary, &mut drafts);
@@ -153,6 +153,7 @@ pub fn families(experiment: &Experiment, order: &Order) -> Vec<Family> {
         angle::places(letter, scene, &mut drafts);
         angle::knees(letter, scene, &mut drafts);
     }
+    drafts.extend(waves.iter().map(|(joint, wave)| travel::wave(*joint, wave)));
     travel::linear(experiment, &mut drafts);
     travel::moving(&rotary, scene, &mut drafts);
     if let Some(duration_s) = scene.duration_s().filter(|d| *d > 0.0) {
@@ -200,7 +201,7 @@ fn family(draft: Draft, experiment: &Experiment) -> Option<Family> {
 }
 
 /// `1`, or cos and sin of a harmonic.
-fn waves(letter: Option<AxisLetter>, harmonic: usize) -> Vec<String> {
+fn waves(letter: Option<Joint>, harmonic: usize) -> Vec<String> {
     match (letter, harmonic) {
         (None, _) | (_, 0) => vec!["1".into()],
         (Some(l), 1) => vec![format!("cos({l})"), format!("sin({l})")],
@@ -218,7 +219,7 @@ fn products(first: &[String], second: &[String]) -> Vec<String> {
 }
 
 /// Simple companions of direction, speed and time: nothing, or the first harmonic of one axis.
-fn companions(rotary: &[AxisLetter]) -> Vec<(usize, Vec<String>, String)> {
+fn companions(rotary: &[Joint]) -> Vec<(usize, Vec<String>, String)> {
     let mut companions = vec![(0, vec!["1".into()], String::new())];
     for &letter in rotary {
         companions.push((1, waves(Some(letter), 1), format!(", once per turn of {letter}")));

@@ -27,6 +27,11 @@ pub enum DiagnoseError {
     /// The model cannot be fitted, so nothing can be said of what it lacks.
     #[error("the model cannot be fitted to these runs")]
     Fit(#[from] IdentifyError),
+    /// No covariance of the noise can be formed.
+    #[error(
+        "the noise of these readings cannot be learned: they are not finite or all the same. Look at them with `trunnion check`"
+    )]
+    NoNoise,
     /// Hardly more readings than parameters.
     #[error(
         "{rows} readings cannot judge a model of {parameters} parameters; measure at least {} readings",

@@ -56,6 +56,12 @@ impl Refit {
         self.fit.holdout_rms_mm().map(um_from_mm)
     }
 
+    /// Shape numbers of the first that was added.
+    pub fn shape(&self) -> Option<&[f64]> {
+        let first = self.added.first()?;
+        self.fit.effects.iter().find(|effect| effect.id == first.id).map(|effect| effect.shape.as_slice())
+    }
+
     /// Parameters of what was added, shape numbers last.
     pub fn parameters(&self) -> Vec<CandidateParameter> {
         let is_new = |id: &str| self.added.iter().any(|entry| entry.id == id);

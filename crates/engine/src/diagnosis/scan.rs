@@ -1,176 +1,224 @@
-//! A problem laid out for a scan: what its fit leaves, the columns of its model, libraries of columns that compete, noise bank.
+//! A problem laid out for a scan: what its fit leaves, the columns of its model and of all that competes, and the noise learned
+//! from it.
 
-use crate::diagnosis::columns::credible_columns;
 use crate::diagnosis::options::DiagnoseError;
-use crate::diagnosis::thinning;
+use crate::diagnosis::rows::Rows;
 use crate::diagnosis::vocabulary::Vocabulary;
-use crate::evidence::{Bank, Blocks, Entry, Library, Natural, WHITE};
-use crate::fit::options::IdentifyError;
-use crate::noise::machine_noise::{Order, repeatable_motions};
-use crate::noise::weights::weigh;
+use crate::evidence::{beside, log_mean_exp, orthonormal, turned};
+use crate::noise::learned::display::{saw, step_mm};
+use crate::noise::learned::kernels::Kernels;
+use crate::noise::learned::mode::{Effort, Mode, Readings};
+use crate::noise::learned::{Real, tails};
+use crate::noise::outliers::median;
 use crate::problem::Problem;
-use crate::problem::experiment::Experiment;
-use crate::solve::direction::Status;
+use crate::problem::credible::credible_columns;
+use crate::spectrum::free_waves;
+use crate::spectrum::left::Left;
 use nalgebra::{DMatrix, DVector};
-use std::borrow::Cow;
-use std::sync::OnceLock;
+use std::ops::Range;
 use trunnion_effects::catalogue::BASE;
 use trunnion_effects::{Instance, Role, Shapes};
 
-/// Share in the repeatable motions above which an effect looks like one of them.
-const ALIKE: f64 = 0.9;
+/// Median of |x| for a standard normal x.
+const MEDIAN_LENGTH: f64 = 0.6745;
+/// Of the robust size of the residual, what is white to begin with.
+const WHITE_FIRST: f64 = 0.7;
+/// Readings are never trusted below this, mm: ten times under the resolution of any probe.
+const FINEST_MM: f64 = 1e-6;
+/// Rounds of learning the weights of points.
+const WEIGHINGS: usize = 2;
 
 /// Everything a search needs.
 pub struct Scan<'a> {
-    /// The points scanned.
-    pub experiment: Cow<'a, Experiment>,
-    /// Catalogue instances that compete, one for each group of `named`.
-    pub instances: Vec<Instance>,
-    /// Shape grids of `instances`.
-    pub shapes: Vec<Shapes>,
+    /// What the model leaves, for spectra.
+    pub residual: Left,
+    /// The rows that are looked at.
+    pub rows: Rows<'a>,
+    /// Named effects that compete.
+    pub named: Vec<Named>,
+    /// Their columns at all shapes, turned, side by side.
+    pub columns: DMatrix<Real>,
+    /// Width of each shape, effect after effect.
+    pub widths: Vec<usize>,
     /// Effects this scene cannot have.
     pub out_of_reach: Vec<String>,
-    pub named: Library,
-    named_blocks: Vec<Blocks>,
     pub vocabulary: Vocabulary,
-    open_blocks: Vec<OnceLock<Blocks>>,
-    /// Base columns, column × row.
+    /// Columns of the model, weighted.
     pub base: DMatrix<f64>,
-    /// What the fit of the problem leaves, weighted, mm: exact, so that nothing of second order is taken for an effect.
-    pub readings: DVector<f64>,
-    pub bank: Bank,
+    /// What the fit of the problem leaves, weighted, in units of `unit_mm`: exact, so that nothing of second order is taken for an effect.
+    pub y: DVector<Real>,
+    pub unit_mm: f64,
+    pub kernels: Kernels,
+    white: DVector<f64>,
     /// Root of the weight of each row: base, readings and every column are multiplied by it.
     pub root: DVector<f64>,
+    /// The noise when nothing is added.
+    pub first: Mode,
+}
+
+/// A named effect that competes.
+pub struct Named {
+    pub instance: Instance,
+    pub shapes: Shapes,
+    /// Independent values that its shapes were chosen from: those of its grid, of waves also what the spectrum was searched for.
+    pub tries: f64,
+    /// Its shapes among all.
+    pub parts: Range<usize>,
+    /// What its prior costs beyond the number of effects, ln.
+    pub price_ln: f64,
+    pub natural: bool,
+}
+
+impl Named {
+    /// ln of the mean Bayes factor over all that its shapes were chosen from, from `ln` of each shape: those not listed explain nothing.
+    pub fn averaged(&self, ln: &[f64]) -> f64 {
+        log_mean_exp(ln) + (ln.len() as f64 / self.tries.max(1.0)).ln()
+    }
 }
 
 impl<'a> Scan<'a> {
     pub fn new(problem: &Problem<'a>, without: &[String]) -> Result<Self, DiagnoseError> {
-        let (experiment, mut readings, root) = points(problem);
-        let model = problem.model();
-        let base = weighted(base_columns(&experiment, problem)?, &root).transpose();
-        readings.component_mul_assign(&root);
-        let in_model = |id: &str| BASE.contains(&id) || model.effects.iter().any(|entry| entry.id == id);
-        let mut out_of_reach = Vec::new();
-        let (mut instances, mut shapes, mut groups) = (Vec::new(), Vec::new(), Vec::new());
-        for instance in Instance::all(experiment.machine()) {
-            if instance.role() == Role::Description
-                || in_model(&instance.id())
-                || without.contains(&instance.id())
-            {
-                continue;
-            }
-            let grid = instance.shapes(&experiment.scene);
-            if instance.parameters(&experiment.scene).is_empty() || grid.grid.is_empty() {
-                out_of_reach.push(instance.id());
-                continue;
-            }
-            let parts: Vec<DMatrix<f64>> = grid
-                .grid
-                .iter()
-                .map(|shape| weighted(credible_columns(&experiment, &instance, shape), &root))
-                .collect();
-            let natural = if instance.role() == Role::Natural { Natural::Yes } else { Natural::No };
-            groups.push(Entry { parts, prior_ln: 0.0, natural });
-            instances.push(instance);
-            shapes.push(grid);
+        let (experiment, fit) = (problem.experiment(), problem.fit());
+        let rows = Rows::new(experiment);
+        let of_rows = |columns: DMatrix<f64>| rows.of(columns);
+        let root = rows.of_vector(fit.row_weights.clone());
+        let mut base = weighted(of_rows(problem.columns(experiment)?), &root);
+        let residual = rows.of_vector(fit.residual_mm.clone()).component_mul(&root);
+        let sizes: Vec<f64> = residual.iter().map(|r| r.abs()).collect();
+        let unit_mm = (median(&sizes) / MEDIAN_LENGTH).max(FINEST_MM);
+        if let Some(step) = step_mm(&experiment.readings_mm()).filter(|step| *step > unit_mm) {
+            base = beside(&base, &weighted(of_rows(saw(experiment, &fit.predicted_mm, step)), &root));
         }
-        let prior = -(groups.len().max(1) as f64).ln();
-        for (group, instance) in groups.iter_mut().zip(&instances) {
-            group.prior_ln = prior - instance.role().price_ln();
+        let left = Left::of(problem)?;
+        let (named, columns, widths, out_of_reach) = competitors(problem, &left, &rows, &root, without);
+        let vocabulary = Vocabulary::new(&rows.points, &root, &free_waves(&left));
+        let basis = orthonormal(&base);
+        if rows.points.rows() < 2 * basis.ncols() {
+            let (rows, parameters) = (rows.points.rows(), basis.ncols());
+            return Err(DiagnoseError::TooFewReadings { rows, parameters });
         }
-        let mut named = Library::new(experiment.rows(), groups);
-        let order = Order::new(&experiment).weighted(&root);
-        let vocabulary = Vocabulary::new(&experiment, &order, &root);
-        let bare = model.effects.iter().all(|entry| BASE.contains(&entry.id.as_str()));
-        let motions = weighted(repeatable_motions(&experiment).transpose(), &root).transpose();
-        let bank = Bank::new(&order, &base, &motions, bare);
-        let parameters = bank.base_rank();
-        if experiment.rows() < 2 * parameters {
-            return Err(DiagnoseError::TooFewReadings { rows: experiment.rows(), parameters });
-        }
-        let members = bank.all();
-        let named_blocks = bank.blocks(&named, &members);
-        let like_motions = bank.members[WHITE].like_motions(&named, &named_blocks[WHITE]);
-        let mut of_part = like_motions.iter();
-        for group in &mut named.groups {
-            let most = of_part.by_ref().take(group.parts.len()).copied().fold(0.0, f64::max);
-            if group.natural == Natural::No && most > ALIKE {
-                group.natural = Natural::Alike;
-            }
-        }
-        let open_blocks = members.iter().map(|_| OnceLock::new()).collect();
+        let kernels = Kernels::new(&rows.points, &root);
+        let y = (residual / unit_mm).cast::<Real>();
+        let used: Vec<bool> = (0..rows.points.points.len())
+            .map(|node| rows.points_of(node).iter().all(|&point| fit.used[point]))
+            .collect();
+        let (white, first) = learned(&kernels, &y, &basis.cast::<Real>(), &used);
+        let first = first.ok_or(DiagnoseError::NoNoise)?;
         Ok(Self {
-            experiment,
-            instances,
-            shapes,
-            out_of_reach,
+            residual: left,
+            rows,
             named,
-            named_blocks,
+            columns,
+            widths,
+            out_of_reach,
             vocabulary,
-            open_blocks,
             base,
-            readings,
-            bank,
+            y,
+            unit_mm,
+            kernels,
+            white,
             root,
+            first,
         })
     }
 
-    /// Columns of an instance, column × row; rows count with their weights.
-    pub fn columns(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
-        weighted(credible_columns(&self.experiment, instance, shape), &self.root).transpose()
+    /// Turned columns of one shape.
+    pub fn part(&self, part: usize) -> DMatrix<f64> {
+        let first = self.widths[..part].iter().sum();
+        self.columns.columns(first, self.widths[part]).map(f64::from)
     }
 
-    /// Blocks of the named effects under every member.
-    pub fn named_blocks(&self) -> Vec<&Blocks> {
-        self.named_blocks.iter().collect()
+    /// Root mean square in units of a reading of what the model and `chosen` leave of the points that count, plain least squares.
+    pub fn left(&self, chosen: &DMatrix<f64>) -> f64 {
+        let counts = |row: &usize| self.white[*row] < tails::NOTHING;
+        let rows: Vec<usize> = (0..self.y.len()).filter(counts).collect();
+        let basis = orthonormal(&beside(&self.base, chosen).select_rows(&rows));
+        let y = self.y.select_rows(&rows).cast::<f64>();
+        let left = &y - &basis * basis.tr_mul(&y);
+        (left.norm_squared() / rows.len().max(1) as f64).sqrt() * self.unit_mm
     }
 
-    /// Blocks of the vocabulary under some members, formed when first asked for.
-    pub fn open_blocks(&self, members: &[usize]) -> Vec<&Blocks> {
-        let missing: Vec<usize> =
-            members.iter().copied().filter(|&m| self.open_blocks[m].get().is_none()).collect();
-        for (m, blocks) in missing.iter().zip(self.bank.blocks(&self.vocabulary.library, &missing)) {
-            self.open_blocks[*m].get_or_init(|| blocks);
-        }
-        members.iter().map(|&m| self.open_blocks[m].get().expect("formed above")).collect()
+    pub fn readings(&self) -> Readings<'_> {
+        Readings { kernels: &self.kernels, y: &self.y, white: &self.white }
+    }
+
+    /// Columns of an instance at a shape; rows count with their weights.
+    pub fn columns_of(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
+        weighted(self.rows.of(credible_columns(self.rows.whole(), instance, shape)), &self.root)
     }
 }
 
-/// The points scanned, what the fit leaves of them (mm), and the roots of the weights of their rows.
-fn points<'a>(problem: &Problem<'a>) -> (Cow<'a, Experiment>, DVector<f64>, DVector<f64>) {
-    let (experiment, fit) = (problem.experiment(), problem.fit());
-    let Some(keep) = thinning::kept(experiment) else {
-        return (Cow::Borrowed(experiment), fit.residual_mm.clone(), fit.row_weights.clone());
-    };
-    let kept: Vec<usize> = (0..keep.len()).filter(|&i| keep[i]).collect();
-    let rows: Vec<usize> = kept.iter().flat_map(|&i| experiment.rows_of(i)).collect();
-    let residual_mm = fit.residual_mm.select_rows(&rows);
-    let used: Vec<bool> = kept.iter().map(|&i| fit.used[i]).collect();
-    let thinned = experiment.kept(&keep);
-    // Blocks farther apart err less alike, so that each of them counts for more.
-    let determined = fit.parameters.iter().filter(|p| p.status == Status::Identified).count();
-    let (weights, _) = weigh(&thinned, &residual_mm, &used, determined);
-    (Cow::Owned(thinned), residual_mm, weights.root)
+/// The noise when nothing is added, with the weights of points that it asks for.
+fn learned(
+    kernels: &Kernels,
+    y: &DVector<Real>,
+    basis: &DMatrix<Real>,
+    used: &[bool],
+) -> (DVector<f64>, Option<Mode>) {
+    let of_point = |i: &usize| if used[*i] { 1.0 } else { tails::NOTHING };
+    let mut white = DVector::from_iterator(y.len(), kernels.point_of_row.iter().map(of_point));
+    let mut x: Vec<f64> = std::iter::once(WHITE_FIRST.ln()).chain(kernels.means()).collect();
+    let mut effort = Effort::FULL;
+    let mut mode = None;
+    for round in 0..=WEIGHINGS {
+        let readings = Readings { kernels, y, white: &white };
+        mode = readings.sigma(&x).and_then(|start| readings.learn(basis, start, effort));
+        let Some(found) = mode.as_ref().filter(|_| round < WEIGHINGS) else { break };
+        let Some(weights) = tails::weights(found, &kernels.rows_of_point, &white, used) else { break };
+        x = found.x().to_vec();
+        (white, effort) = (weights, Effort { steps: Effort::FULL.steps / 2, ..Effort::FULL });
+    }
+    (white, mode)
+}
+
+type Competitors = (Vec<Named>, DMatrix<Real>, Vec<usize>, Vec<String>);
+
+/// Effects of the catalogue that are not in the model, with their columns.
+fn competitors(
+    problem: &Problem<'_>,
+    left: &Left,
+    rows: &Rows<'_>,
+    root: &DVector<f64>,
+    without: &[String],
+) -> Competitors {
+    let (experiment, model) = (problem.experiment(), problem.model());
+    let in_model = |id: &str| BASE.contains(&id) || model.effects.iter().any(|entry| entry.id == id);
+    let (mut named, mut blocks, mut out_of_reach) = (Vec::new(), Vec::new(), Vec::new());
+    for instance in Instance::all(experiment.machine()) {
+        let id = instance.id();
+        if instance.role() == Role::Description || in_model(&id) || without.contains(&id) {
+            continue;
+        }
+        let mut shapes = instance.shapes(&experiment.scene);
+        if instance.parameters(&experiment.scene).is_empty() || shapes.grid.is_empty() {
+            out_of_reach.push(id);
+            continue;
+        }
+        let mut tries = shapes.grid.len() as f64;
+        if let Some(found) = left.found(&instance, &shapes) {
+            tries += found.tries;
+            shapes.grid.extend(found.shapes);
+        }
+        let first = blocks.len();
+        for shape in &shapes.grid {
+            let columns = weighted(rows.of(credible_columns(experiment, &instance, shape)), root);
+            blocks.push(turned(&columns).cast::<Real>());
+        }
+        let (price_ln, natural) = (instance.role().price_ln(), instance.role() == Role::Natural);
+        named.push(Named { instance, shapes, tries, parts: first..blocks.len(), price_ln, natural });
+    }
+    let widths: Vec<usize> = blocks.iter().map(DMatrix::ncols).collect();
+    let mut columns = DMatrix::zeros(rows.points.rows(), widths.iter().sum());
+    let mut next = 0;
+    for block in blocks {
+        columns.columns_mut(next, block.ncols()).copy_from(&block);
+        next += block.ncols();
+    }
+    (named, columns, widths, out_of_reach)
 }
 
 /// Columns (rows × columns) multiplied by the roots of the weights.
 fn weighted(mut columns: DMatrix<f64>, root: &DVector<f64>) -> DMatrix<f64> {
     columns.column_iter_mut().for_each(|mut column| column.component_mul_assign(root));
     columns
-}
-
-/// Columns of the free parameters of the model at the shapes fitted, rows × columns.
-fn base_columns(experiment: &Experiment, problem: &Problem<'_>) -> Result<DMatrix<f64>, IdentifyError> {
-    let mut base = DMatrix::zeros(experiment.rows(), 0);
-    for (entry, fitted) in problem.model().effects.iter().zip(&problem.fit().effects) {
-        let instance = Instance::from_model_effect(entry, experiment.machine())?;
-        let columns = credible_columns(experiment, &instance, &fitted.shape);
-        let parameters = instance.parameters(&experiment.scene);
-        let is_free = |j: &usize| entry.fixed.iter().all(|(name, _)| *name != parameters[*j].name);
-        let free: Vec<usize> = (0..parameters.len()).filter(is_free).collect();
-        let first = base.ncols();
-        base = base.resize_horizontally(first + free.len(), 0.0);
-        base.columns_mut(first, free.len()).copy_from(&columns.select_columns(&free));
-    }
-    Ok(base)
 }

@@ -3,25 +3,31 @@
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::view::Item;
 use crate::diagnosis::vocabulary::{SIBLING_LN, Term};
-use crate::evidence::Score;
+use crate::noise::learned::sigma::Sigma;
+use std::sync::Arc;
 
-/// Effects and expressions this far behind the best (ln) are not brought to their best shape.
-pub const NAMED_WITHIN_LN: f64 = 12.0;
 /// What the best shape may add to odds on the grid.
 pub const SHAPE_MAY_ADD_LN: f64 = 12.0;
 /// Price of each shape number that was brought to its best value, ln.
 const NUMBER_LN: f64 = 1.0;
 
-/// One that takes part, at its best shape.
+/// One that takes part, the noise learned beside it.
 #[derive(Clone)]
 pub struct Scored {
     pub item: Item,
-    pub score: Score,
+    /// ln Bayes factor before any price.
+    pub ln_bf: f64,
+    /// How well it fits, whatever its columns cost, ln.
+    pub fit_ln: f64,
+    /// Noise beside it.
+    pub sigma: Arc<Sigma>,
+    /// False for a repeatable motion that is no larger than natural.
+    pub noticeable: bool,
 }
 
-/// Price of having chosen a shape, ln: one of the grid, then between its points.
-pub fn shape_price_ln(grid: usize, shape: &[f64]) -> f64 {
-    (grid.max(1) as f64).ln() + NUMBER_LN * shape.len() as f64
+/// Price of having chosen a shape, ln: one of `tries`, then between its points.
+pub fn shape_price_ln(tries: f64, shape: &[f64]) -> f64 {
+    tries.max(1.0).ln() + NUMBER_LN * shape.len() as f64
 }
 
 pub fn term_price_ln(scan: &Scan<'_>, term: &Term, shape: &[f64]) -> f64 {
@@ -29,6 +35,6 @@ pub fn term_price_ln(scan: &Scan<'_>, term: &Term, shape: &[f64]) -> f64 {
     let family = &vocabulary.families[term.family];
     vocabulary.price_ln
         + family.price_ln
-        + shape_price_ln(family.grid.len(), shape)
+        + shape_price_ln(family.grid.len() as f64, shape)
         + SIBLING_LN * (term.carriers.len() - 1) as f64
 }

@@ -1,72 +1,161 @@
-//! Several missing effects at once: add the best, score again, try to swap each; at every step the open grammar is compared with
-//! the catalogue (docs/design/statistics.md §3, §4).
+//! Several missing effects at once: add the best, learn the noise again, score again; at every step the open grammar is compared
+//! with the catalogue (docs/design/statistics.md §3, §4).
+//!
+//! Two effects that hide each other are named together: the best that has something to say for it but not enough is added on trial, and both
+//! stay if together they earn both names. A further shape of an effect that is in already (a second lobe number) is no further name: its columns go into
+//! the model beside it.
 
-use crate::diagnosis::model_comparison::{best_addition, ln_odds_required};
+use crate::diagnosis::model_comparison::{Additions, additions};
+use crate::diagnosis::named::{beside_each, price_ln};
 use crate::diagnosis::scan::Scan;
+use crate::diagnosis::scored::Scored;
 use crate::diagnosis::view::{Item, View, What, columns_of};
+use crate::evidence::beside;
+use crate::noise::learned::sigma::Sigma;
+use nalgebra::DMatrix;
+use std::sync::Arc;
 
-/// Rounds of swapping.
-const SWEEPS: usize = 2;
-/// Additions tried for each that may stay.
-const ROUNDS_PER_ITEM: usize = 2;
+/// Further shapes of effects that are in, at most.
+const MOST_FURTHER: usize = 3;
 
-/// The set of additions that together explain what is left, at most `most`, and true when nothing worth claiming is left next to it.
-pub fn search(scan: &Scan<'_>, first: &View, claim_ln: f64, most: usize) -> (Vec<Item>, bool) {
-    let rows = scan.experiment.rows();
-    let mut items: Vec<Item> = Vec::new();
-    let mut next = best_addition(scan, first, &[], claim_ln);
-    // Swapping may drop an item that comes back: the rounds are counted, not the items.
-    for _ in 0..ROUNDS_PER_ITEM * most {
-        let Some(item) = next else { return (items, true) };
-        if items.len() == most {
-            break;
-        }
-        items.push(item);
-        if items.len() > 1 {
-            swap(scan, &mut items, claim_ln);
-        }
-        let view = View::of(scan, columns_of(items.iter(), rows));
-        next = best_addition(scan, &view, &taken(&items, usize::MAX), claim_ln);
-    }
-    (items, false)
+/// What a search found.
+pub struct Found {
+    /// Additions that together explain what is left.
+    pub items: Vec<Item>,
+    /// True when nothing worth claiming is left next to them.
+    pub complete: bool,
+    /// Named effects that have something to say for them, but not enough: with ln Bayes factors, best first.
+    pub open: Vec<(usize, f64)>,
+    /// Further shapes of effects among the items, weighted.
+    pub further: DMatrix<f64>,
+    /// The noise beside all items.
+    pub last: View,
+    /// The noise beside nothing, and what was looked at next to it.
+    pub before: View,
+    pub first: Vec<Scored>,
 }
 
-fn swap(scan: &Scan<'_>, items: &mut Vec<Item>, claim_ln: f64) {
-    let rows = scan.experiment.rows();
-    for _ in 0..SWEEPS {
-        let mut changed = false;
-        let mut i = 0;
-        while i < items.len() {
-            let others = columns_of(items.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, x)| x), rows);
-            let view = View::of(scan, others);
-            match best_addition(scan, &view, &taken(items, i), claim_ln) {
-                // The others explain it by now.
-                None => {
-                    items.remove(i);
-                    changed = true;
-                    continue;
-                }
-                Some(item) if item.what == items[i].what => items[i] = item,
-                Some(item) => {
-                    let stays = ln_odds_required(scan, &view, &items[i], &item);
-                    if item.ln_odds > stays {
-                        items[i] = item;
-                        changed = true;
-                    }
-                }
+/// Searches next to the model, at most `most` additions. `None` where the noise cannot be learned.
+pub fn search(scan: &Scan<'_>, claim_ln: f64, most: usize) -> Option<Found> {
+    let rows = scan.y.len();
+    let mut state = State { scan, claim_ln, items: Vec::new(), further: DMatrix::zeros(rows, 0) };
+    let mut view = View::of(scan, DMatrix::zeros(rows, 0), &scan.first.here.sigma)?;
+    let before = view.clone();
+    let mut next = state.next(&view);
+    let first = next.named.clone();
+    let (mut on_trial, mut further): (Option<f64>, usize) = (None, 0);
+    let mut open = state.open(&next);
+    let mut complete = true;
+    while let Some(best) = next.best.take() {
+        let ln_odds = best.item.ln_odds;
+        let enough = match on_trial {
+            None => ln_odds > claim_ln,
+            Some(trial) => ln_odds + trial > 2.0 * claim_ln,
+        };
+        if !enough && (on_trial.is_some() || best.ln_bf <= 0.0 || best.item.is_open()) {
+            break;
+        }
+        if state.items.len() == most {
+            complete = !enough;
+            break;
+        }
+        let is_further = enough && state.is_further(&best);
+        if is_further {
+            state.further = beside(&state.further, &best.item.columns);
+            further += 1;
+            if further > MOST_FURTHER {
+                complete = false;
+                break;
             }
-            i += 1;
+        } else {
+            state.items.push(best.item.clone());
         }
-        if !changed {
-            break;
+        let sigma = if enough && state.items.len() > 1 && !is_further {
+            state.swap(&best.sigma)
+        } else {
+            best.sigma.clone()
+        };
+        let Some(after) = View::of(scan, state.chosen(), &sigma) else { break };
+        (view, on_trial) = (after, if enough { None } else { Some(ln_odds) });
+        next = state.next(&view);
+        if enough {
+            open = state.open(&next);
         }
     }
+    if on_trial.is_some() {
+        state.items.pop();
+        view = View::of(scan, state.chosen(), &view.null.here.sigma)?;
+    }
+    let State { items, further, .. } = state;
+    Some(Found { items, complete, open, further, last: view, before, first })
 }
 
-fn taken(items: &[Item], except: usize) -> Vec<usize> {
-    let named = |(j, item): (usize, &Item)| match item.what {
-        What::Named(group) if j != except => Some(group),
-        _ => None,
-    };
-    items.iter().enumerate().filter_map(named).collect()
+struct State<'a> {
+    scan: &'a Scan<'a>,
+    claim_ln: f64,
+    items: Vec<Item>,
+    further: DMatrix<f64>,
+}
+
+impl State<'_> {
+    fn chosen(&self) -> DMatrix<f64> {
+        beside(&columns_of(self.items.iter(), self.scan.y.len()), &self.further)
+    }
+
+    /// What could come next. Effects that are in may come again with a further shape, where they have shapes to choose from.
+    fn next(&self, view: &View) -> Additions {
+        let single = |g: &usize| self.scan.named[*g].parts.len() < 2;
+        let closed: Vec<usize> = self.taken().into_iter().filter(single).collect();
+        additions(self.scan, view, &closed, self.claim_ln)
+    }
+
+    fn taken(&self) -> Vec<usize> {
+        let named = |item: &Item| match item.what {
+            What::Named(group) => Some(group),
+            What::Open(_) => None,
+        };
+        self.items.iter().filter_map(named).collect()
+    }
+
+    fn is_further(&self, best: &Scored) -> bool {
+        self.items.iter().any(|item| !item.is_open() && item.what == best.item.what)
+    }
+
+    fn open(&self, next: &Additions) -> Vec<(usize, f64)> {
+        let taken = self.taken();
+        let group = |scored: &Scored| match scored.item.what {
+            What::Named(group) if scored.ln_bf > 0.0 && scored.noticeable && !taken.contains(&group) => {
+                Some((group, scored.ln_bf))
+            }
+            _ => None,
+        };
+        next.named.iter().filter_map(group).collect()
+    }
+
+    /// Tries each item but the last again, the others in the model: cures a wrong first choice. Gives the noise after it.
+    fn swap(&mut self, sigma: &Arc<Sigma>) -> Arc<Sigma> {
+        let mut sigma = sigma.clone();
+        for i in 0..self.items.len() - 1 {
+            let others = self.items.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, item)| item);
+            let chosen = beside(&columns_of(others, self.scan.y.len()), &self.further);
+            let Some(view) = View::of(self.scan, chosen, &sigma) else { continue };
+            let taken: Vec<usize> = (0..self.items.len())
+                .filter(|j| *j != i)
+                .filter_map(|j| if let What::Named(g) = self.items[j].what { Some(g) } else { None })
+                .collect();
+            let What::Named(group) = self.items[i].what else { continue };
+            let Some(best) = additions(self.scan, &view, &taken, self.claim_ln).best else { continue };
+            if best.item.what == self.items[i].what {
+                self.items[i] = best.item;
+                continue;
+            }
+            let now = beside_each(self.scan, &view, &[group]);
+            let now = now.first().map_or(-price_ln(self.scan, group), |scored| scored.item.ln_odds);
+            if best.item.ln_odds > now && (!best.item.is_open() || best.item.ln_odds > now + self.claim_ln) {
+                sigma = best.sigma.clone();
+                self.items[i] = best.item;
+            }
+        }
+        sigma
+    }
 }

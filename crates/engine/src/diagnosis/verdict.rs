@@ -2,6 +2,7 @@
 
 use crate::next_cycle::PlannedCycle;
 use crate::problem::folds::LeftOut;
+use crate::spectrum::Wave;
 use trunnion_effects::ModelEffect;
 
 /// What is missing from a model, as far as the data can say.
@@ -13,6 +14,14 @@ pub struct Diagnosis {
     pub residual: ResidualSummary,
     /// The answer in one word.
     pub verdict: Verdict,
+    /// Why nothing is claimed and nothing cleared; empty with every other verdict.
+    pub why: String,
+    /// What the learned noise consists of, with all that was found in the model.
+    pub noise: NoiseSizes,
+    /// Size of a usual effect that would almost always have been noticed, µm rms; `None` where no effect is visible.
+    pub noticeable_um: Option<f64>,
+    /// Effects that have something to say for them, but not enough.
+    pub undecided: Vec<OpenEffect>,
     /// Candidates, best first. Empty when nothing is claimed.
     pub candidates: Vec<Candidate>,
     /// Model entries that together explain what is left, named and unnamed, shapes as refined; empty when nothing is claimed.
@@ -49,8 +58,34 @@ pub enum Verdict {
     MissingEffect,
     /// Structure is left, and no named effect explains it as well as an expression without a name.
     UnnamedStructure,
-    /// Nothing above the noise.
+    /// Nothing above the noise, and repeats show it.
     NoiseFloor,
+    /// These data cannot say.
+    Undecided,
+}
+
+/// An effect that these data neither show nor exclude.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OpenEffect {
+    /// Effect id.
+    pub effect: String,
+    /// log₁₀ of the Bayes factor against nothing, before any prior.
+    pub evidence: f64,
+}
+
+/// What the learned noise consists of, µm per reading.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NoiseSizes {
+    /// What differs from reading to reading.
+    pub white_um: f64,
+    /// Offsets from pass to pass, and of mountings.
+    pub passes_um: f64,
+    /// Scatter when an axis is positioned again.
+    pub stations_um: f64,
+    /// Slow wandering.
+    pub drift_um: f64,
+    /// A pattern over the poses that comes back.
+    pub pattern_um: f64,
 }
 
 /// One effect that would explain part of the residual.
@@ -74,6 +109,8 @@ pub struct Candidate {
     pub separate_by: String,
     /// True when nothing structured is left after adding it alone.
     pub adequate: bool,
+    /// The period, where the effect waves along an axis.
+    pub period: Option<Wave>,
     /// What it is and what speaks for it, for a person.
     pub why: String,
 }
@@ -154,6 +191,7 @@ impl Verdict {
             Self::MissingEffect => "missing-effect",
             Self::UnnamedStructure => "unnamed-structure",
             Self::NoiseFloor => "noise-floor",
+            Self::Undecided => "undecided",
         }
     }
 }

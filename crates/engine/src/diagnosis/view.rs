@@ -1,10 +1,20 @@
-//! What was added to the model, and what the catalogue scores next to it.
+//! The readings with some columns in the model: the noise learned beside them, and what everything named scores there.
 
 use crate::diagnosis::scan::Scan;
-use crate::diagnosis::scan_fit::Fit;
 use crate::diagnosis::vocabulary::Term;
-use crate::evidence::{Score, Situation, stacked};
-use nalgebra::DMatrix;
+use crate::evidence::{Weighed, beside, orthonormal, weigh, weigh_all};
+use crate::noise::learned::Real;
+use crate::noise::learned::mode::{Effort, Mode};
+use crate::noise::learned::sigma::{Projected, Sigma};
+use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
+
+/// In a quiet noise every ρ is at most this: the learned noise may have swallowed an effect.
+const QUIET: f64 = 0.05;
+/// And at least this much below what was learned, ln.
+const QUIETER_LN: f64 = 1.5;
+/// Share of a block's norm that the model must leave for the block to be visible.
+const SURVIVAL: f64 = 0.03;
 
 /// What was added to the model.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +31,7 @@ pub struct Item {
     pub what: What,
     /// Shape numbers.
     pub shape: Vec<f64>,
-    /// Column × row.
+    /// Weighted, rows × columns.
     pub columns: DMatrix<f64>,
     /// ln odds when it was last scored, the others in the model.
     pub ln_odds: f64,
@@ -33,28 +43,134 @@ impl Item {
     }
 }
 
-/// The readings with some columns in the model, and what the catalogue scores next to them.
+/// A named effect on its grid at the noise learned without it.
+#[derive(Clone, Copy, Debug)]
+pub struct OnGrid {
+    /// At the learned noise: ln Bayes factor, shapes averaged; best shape among all parts.
+    pub ln_bf: f64,
+    pub part: usize,
+    /// The same in a quiet noise.
+    pub quiet_ln_bf: f64,
+    pub quiet_part: usize,
+    /// False where the model imitates all of it.
+    pub visible: bool,
+}
+
+/// The readings with columns in the model.
+#[derive(Clone)]
 pub struct View {
-    /// Column × row.
+    /// Weighted, rows × columns.
     pub chosen: DMatrix<f64>,
-    pub fit: Fit,
-    pub situation: Situation,
-    /// One score per named effect.
-    pub named: Vec<Score>,
+    /// Orthonormal columns of the model with what was chosen.
+    pub basis: DMatrix<Real>,
+    /// The noise with nothing more.
+    pub null: Mode,
+    /// The same columns at a quiet noise.
+    pub quiet: Projected,
+    pub named: Vec<OnGrid>,
+}
+
+/// The noise learned beside some columns.
+pub struct Beside {
+    /// With the columns in the model.
+    pub mode: Mode,
+    /// The same noise without them.
+    pub alone: Projected,
+    /// What this noise costs against that of nothing more, ln.
+    pub offset_ln: f64,
 }
 
 impl View {
-    /// With `chosen` (column × row) in the model.
-    pub fn of(scan: &Scan<'_>, chosen: DMatrix<f64>) -> Self {
-        let fit = scan.fit(&chosen);
-        let situation = scan.bank.situation(&fit.readings, &chosen);
-        let all = scan.bank.all();
-        let named = scan.bank.scan(&scan.named, &all, &scan.named_blocks(), &situation);
-        Self { chosen, fit, situation, named }
+    /// `start`: a noise near by.
+    pub fn of(scan: &Scan<'_>, chosen: DMatrix<f64>, start: &Arc<Sigma>) -> Option<Self> {
+        let readings = scan.readings();
+        let basis = orthonormal(&beside(&scan.base, &chosen)).cast::<Real>();
+        let null = if chosen.ncols() == 0 {
+            scan.first.clone()
+        } else {
+            readings.learn(&basis, start.clone(), Effort::AGAIN)?
+        };
+        let mut x = null.x().to_vec();
+        for (x, mean) in x[1..].iter_mut().zip(scan.kernels.means()) {
+            *x = (x.min(QUIET.ln()) - QUIETER_LN).max((*x).min(mean - 1.0));
+        }
+        let quiet = Projected::new(readings.sigma(&x)?, &scan.y, &basis)?;
+        let named = on_grid(scan, &basis, &null.here, &quiet);
+        Some(Self { chosen, basis, null, quiet, named })
     }
+
+    /// Learns the noise beside columns.
+    pub fn beside(&self, scan: &Scan<'_>, columns: &DMatrix<f64>) -> Option<Beside> {
+        let readings = scan.readings();
+        let all = beside(&beside(&scan.base, &self.chosen), columns);
+        let basis = orthonormal(&all).cast::<Real>();
+        let mode = readings.learn(&basis, self.null.here.sigma.clone(), Effort::AGAIN)?;
+        let alone = Projected::new(mode.here.sigma.clone(), &scan.y, &self.basis)?;
+        let offset_ln = readings.posterior(&alone) - 0.5 * mode.log_information - self.null.evidence();
+        Some(Beside { mode, alone, offset_ln })
+    }
+
+    /// Mean square in a reading of what turned columns explain, in units of the white variance.
+    pub fn share(&self, scan: &Scan<'_>, beside: &Beside, columns: &DMatrix<f64>) -> f64 {
+        let fitted = fitted(&beside.alone, columns);
+        let basis = self.basis.map(f64::from);
+        let left = &fitted - &basis * basis.tr_mul(&fitted);
+        left.norm_squared() / scan.y.len() as f64 / beside.mode.white().powi(2)
+    }
+}
+
+/// A β̂ at a noise.
+pub fn fitted(here: &Projected, columns: &DMatrix<f64>) -> DVector<f64> {
+    let single = columns.map(|x| x as Real);
+    let gram = here.grams(&single, &[columns.ncols()]).remove(0);
+    let on_readings = single.tr_mul(&here.py).cast::<f64>();
+    let eigen = ((&gram + gram.transpose()) * 0.5).symmetric_eigen();
+    let least = 1e-4 * eigen.eigenvalues.amax();
+    let inverse = eigen.eigenvalues.map(|x| if x > least { x.recip() } else { 0.0 });
+    let values =
+        &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * eigen.eigenvectors.tr_mul(&on_readings);
+    columns * values
+}
+
+fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, null: &Projected, quiet: &Projected) -> Vec<OnGrid> {
+    let at_null = weigh_all(null, &scan.columns, &scan.widths);
+    let at_quiet = weigh_all(quiet, &scan.columns, &scan.widths);
+    let on_basis = basis.transpose() * &scan.columns;
+    let total = scan.y.len() as Real;
+    let left: Vec<Real> =
+        on_basis.column_iter().map(|shadow| (total - shadow.norm_squared()).max(0.0) / total).collect();
+    let first_column: Vec<usize> = scan
+        .widths
+        .iter()
+        .scan(0, |next, width| {
+            *next += width;
+            Some(*next - width)
+        })
+        .collect();
+    let of_named = |named: &crate::diagnosis::scan::Named| {
+        let best = |scores: &[Weighed]| {
+            let own = &scores[named.parts.clone()];
+            let ln: Vec<f64> = own.iter().map(|score| score.ln_bf).collect();
+            let best = (0..own.len()).max_by(|&a, &b| ln[a].total_cmp(&ln[b])).unwrap_or(0);
+            (named.averaged(&ln), named.parts.start + best)
+        };
+        let ((ln_bf, part), (quiet_ln_bf, quiet_part)) = (best(&at_null), best(&at_quiet));
+        let visible = named.parts.clone().any(|part| {
+            let columns = first_column[part]..first_column[part] + scan.widths[part];
+            columns.into_iter().any(|column| left[column] > (SURVIVAL * SURVIVAL) as Real)
+        });
+        OnGrid { ln_bf, part, quiet_ln_bf, quiet_part, visible }
+    };
+    scan.named.iter().map(of_named).collect()
+}
+
+/// What turned columns say at a noise learned beside some: with its price against nothing more.
+pub fn weighed_beside(beside: &Beside, columns: &DMatrix<f64>) -> Weighed {
+    let plain = weigh(&beside.alone, columns);
+    Weighed { ln_bf: plain.ln_bf + beside.offset_ln, fit_ln: plain.fit_ln + beside.offset_ln }
 }
 
 /// Columns of several items together.
 pub fn columns_of<'a>(items: impl Iterator<Item = &'a Item>, rows: usize) -> DMatrix<f64> {
-    items.fold(DMatrix::zeros(0, rows), |all, item| stacked(&all, &item.columns))
+    items.fold(DMatrix::zeros(rows, 0), |all, item| beside(&all, &item.columns))
 }

@@ -6,11 +6,14 @@
 use crate::Experiment;
 use crate::diagnosis::families::{Carriers, Family, families};
 use crate::diagnosis::refine::readable;
-use crate::evidence::{Group, Library, parallel};
+use crate::evidence::{log_mean_exp, parallel, weighed};
+use crate::noise::learned::Real;
+use crate::noise::learned::sigma::Projected;
 use crate::noise::machine_noise::{Order, ground_joint, modulated, unit_columns};
+use crate::spectrum::Wave;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-use trunnion_core::AxisValues;
+use trunnion_core::{AxisValues, Joint};
 use trunnion_effects::{Formula, ModelEffect};
 use trunnion_machine::Site;
 
@@ -18,17 +21,20 @@ use trunnion_machine::Site;
 const COMPONENTS: [&str; 6] = ["dx", "dy", "dz", "ea", "eb", "ec"];
 /// Carriers that coincide up to a sign beyond this cosine are one.
 const SAME_CARRIER: f64 = 0.9999;
+/// Eigenvalues of products below this share of the largest are directions that the factors do not have.
+const NO_DIRECTION: f64 = 1e-6;
 /// Price of each further component of the same site, ln.
 pub const SIBLING_LN: f64 = 1.5;
 
 /// The grammar on one experiment.
 pub struct Vocabulary {
-    /// Columns of all groups, one for each term.
-    pub library: Library,
-    /// What each group says.
-    pub terms: Vec<Term>,
     pub families: Vec<Family>,
     pub carriers: Vec<Carrier>,
+    /// Carriers that go together: those of each site, displacements before rotations.
+    sites: Vec<Vec<usize>>,
+    /// Factors of all families at all shapes scanned, point × column.
+    factors: DMatrix<Real>,
+    places: Vec<Place>,
     /// ln of the number of terms: what choosing one costs.
     pub price_ln: f64,
 }
@@ -41,64 +47,21 @@ pub struct Carrier {
     is_ground: bool,
 }
 
-/// Where the columns of the grammar go: the carriers of a bundle side by side at each shape, so that one of them and all of
-/// them are both a range.
-#[derive(Default)]
-struct Layout {
-    groups: Vec<Group>,
-    terms: Vec<Term>,
-    /// First column, family, shape, carriers.
-    places: Vec<(usize, usize, usize, Vec<usize>)>,
-    width: usize,
+/// Where the factors of a family at one shape stand.
+struct Place {
+    family: usize,
+    shape: usize,
+    columns: Range<usize>,
 }
 
-impl Layout {
-    fn add(&mut self, f: usize, family: &Family, carriers: &[Carrier], bundle: Vec<usize>) {
-        let factors = family.factors();
-        let of_shape = bundle.len() * factors;
-        let first = self.width;
-        self.width += of_shape * family.grid.len();
-        let mut group = |of_bundle: Range<usize>| {
-            let parts = (0..family.grid.len()).map(|shape| {
-                let begin = first + shape * of_shape;
-                begin + of_bundle.start * factors..begin + of_bundle.end * factors
-            });
-            let prior_ln = -family.price_ln - SIBLING_LN * (of_bundle.len() - 1) as f64;
-            self.groups.push(Group { parts: parts.collect(), prior_ln, natural: family.natural });
-            self.terms.push(Term { family: f, carriers: bundle[of_bundle].to_vec() });
-        };
-        for k in 0..bundle.len() {
-            group(k..k + 1);
-        }
-        let turning = bundle.iter().position(|&c| carriers[c].component >= 3).unwrap_or(bundle.len());
-        let together = [0..turning, turning..bundle.len(), 0..bundle.len()];
-        for (i, range) in together.iter().enumerate() {
-            // A force both shifts and twists what it pulls at: every component, each with one number.
-            let all = i == 2;
-            if range.len() > 1 && !together[..i].contains(range) && (!all || factors == 1) {
-                group(range.clone());
-            }
-        }
-        for shape in 0..family.grid.len() {
-            self.places.push((first + shape * of_shape, f, shape, bundle.clone()));
-        }
-    }
-}
-
-/// Carriers that go together: those of each site, displacements before rotations.
-fn bundles(carriers: &[Carrier], wanted: Carriers) -> Vec<Vec<usize>> {
-    let mut bundles: Vec<Vec<usize>> = Vec::new();
-    for (c, carrier) in carriers.iter().enumerate() {
-        if wanted == Carriers::Ground && !carrier.is_ground {
-            continue;
-        }
-        let like = |bundle: &&mut Vec<usize>| carriers[bundle[0]].site == carrier.site;
-        match bundles.iter_mut().find(like) {
-            Some(bundle) => bundle.push(c),
-            None => bundles.push(vec![c]),
-        }
-    }
-    bundles
+/// What one term of one carrier scores at one shape of the grid.
+#[derive(Clone, Debug)]
+pub struct Screened {
+    pub term: Term,
+    /// Its number in the family's grid.
+    pub shape: usize,
+    /// ln Bayes factor, shapes averaged.
+    pub ln_bf: f64,
 }
 
 /// Something said in the grammar.
@@ -110,47 +73,128 @@ pub struct Term {
 }
 
 impl Vocabulary {
-    /// Builds the grammar for an experiment whose rows count with the roots `root` of their weights.
-    pub fn new(experiment: &Experiment, order: &Order, root: &DVector<f64>) -> Self {
+    /// Builds the grammar for points whose rows count with the roots `root` of their weights.
+    pub fn new(experiment: &Experiment, root: &DVector<f64>, waves: &[(Joint, Wave)]) -> Self {
         let carriers = carriers(experiment, root);
-        let families = families(experiment, order);
-        let values = parallel(families.len(), |f| {
-            let family = &families[f];
-            let grid: &[Vec<f64>] = if family.scanned { &family.grid } else { &[] };
-            grid.iter().map(|shape| factors(experiment, family, shape)).collect::<Vec<_>>()
-        });
-        let mut layout = Layout::default();
-        for (f, family) in families.iter().enumerate().filter(|(_, family)| family.scanned) {
-            for bundle in bundles(&carriers, family.carriers) {
-                layout.add(f, family, &carriers, bundle);
+        let families = families(experiment, &Order::new(experiment), waves);
+        let mut sites: Vec<Vec<usize>> = Vec::new();
+        for (c, carrier) in carriers.iter().enumerate() {
+            let like = |site: &&mut Vec<usize>| carriers[site[0]].site == carrier.site;
+            match sites.iter_mut().find(like) {
+                Some(site) => site.push(c),
+                None => sites.push(vec![c]),
             }
         }
-        let price_ln = (layout.terms.len().max(1) as f64).ln();
-        for group in &mut layout.groups {
-            group.prior_ln -= price_ln;
+        let (mut columns, mut places) = (Vec::new(), Vec::new());
+        for (f, family) in families.iter().enumerate().filter(|(_, family)| family.scanned) {
+            for (shape, numbers) in family.grid.iter().enumerate() {
+                let first = columns.len();
+                columns.extend(factors(experiment, family, numbers).into_iter().map(finite));
+                places.push(Place { family: f, shape, columns: first..columns.len() });
+            }
         }
-        let columns = DMatrix::zeros(layout.width, experiment.rows());
-        let mut library = Library { columns, groups: layout.groups };
-        for (first, family, shape, bundle) in layout.places {
-            let factors = &values[family][shape];
-            for (k, &carrier) in bundle.iter().enumerate() {
-                for (j, of_point) in factors.iter().enumerate() {
-                    let column = carriers[carrier].times(experiment, of_point);
-                    library.put(first + k * factors.len() + j, column.iter());
+        let points = experiment.points.len();
+        let factors = DMatrix::from_fn(points, columns.len(), |i, j| columns[j][i] as Real);
+        let mut vocabulary = Self { families, carriers, sites, factors, places, price_ln: 0.0 };
+        let terms = (0..vocabulary.families.len()).filter(|&f| vocabulary.families[f].scanned).map(|f| {
+            (0..vocabulary.carriers.len()).filter(|&c| vocabulary.acts(f, c)).count()
+                + (0..vocabulary.sites.len()).map(|site| vocabulary.bundles(f, site).len()).sum::<usize>()
+        });
+        vocabulary.price_ln = (terms.sum::<usize>().max(1) as f64).ln();
+        vocabulary
+    }
+
+    fn acts(&self, family: usize, carrier: usize) -> bool {
+        self.families[family].carriers == Carriers::All || self.carriers[carrier].is_ground
+    }
+
+    /// A force both shifts and twists what it pulls at: all displacements, all rotations, and, with one factor, all components of a site.
+    fn bundles(&self, family: usize, site: usize) -> Vec<Vec<usize>> {
+        let of_site: Vec<usize> =
+            self.sites[site].iter().copied().filter(|&c| self.acts(family, c)).collect();
+        let turning = of_site.iter().position(|&c| self.carriers[c].component >= 3).unwrap_or(of_site.len());
+        let mut bundles = vec![of_site[..turning].to_vec(), of_site[turning..].to_vec()];
+        if self.families[family].factors() == 1 {
+            bundles.push(of_site);
+        }
+        bundles.retain(|bundle| bundle.len() > 1);
+        bundles.sort();
+        bundles.dedup();
+        bundles
+    }
+
+    /// The terms that may act with this one: its carrier alone, and the bundles of its site.
+    pub fn wider(&self, term: &Term) -> Vec<Term> {
+        let site = self.sites.iter().position(|site| site.contains(&term.carriers[0]));
+        let bundles = site.map_or(Vec::new(), |site| self.bundles(term.family, site));
+        bundles.into_iter().map(|carriers| Term { family: term.family, carriers }).collect()
+    }
+
+    /// Scores every term of one carrier. fᵀ(c∘P∘c)f: with the carrier taken into P, all factors are one product of the size of
+    /// the points, a ninth of the rows squared.
+    pub fn screened(&self, experiment: &Experiment, here: &Projected) -> Vec<Screened> {
+        let precision = here.precision();
+        let of_carriers = parallel(self.carriers.len(), |c| self.of_carrier(experiment, c, here, &precision));
+        of_carriers.into_iter().flatten().collect()
+    }
+
+    fn of_carrier(
+        &self,
+        experiment: &Experiment,
+        c: usize,
+        here: &Projected,
+        precision: &DMatrix<Real>,
+    ) -> Vec<Screened> {
+        let (points, rows) = (experiment.points.len(), experiment.rows());
+        let carrier = self.carriers[c].column.map(|x| x as Real);
+        let mut pairs: DMatrix<Real> = DMatrix::zeros(points, points);
+        let (mut on_readings, mut squares) = (DVector::<Real>::zeros(points), DVector::<Real>::zeros(points));
+        for j in 0..points {
+            for column in experiment.rows_of(j) {
+                on_readings[j] += carrier[column] * here.py[column];
+                squares[j] += carrier[column] * carrier[column];
+                let of_column = &precision.as_slice()[column * rows..(column + 1) * rows];
+                for i in 0..points {
+                    let sum: Real = experiment.rows_of(i).map(|row| carrier[row] * of_column[row]).sum();
+                    pairs[(i, j)] += carrier[column] * sum;
                 }
             }
         }
-        Self { library, terms: layout.terms, families, carriers, price_ln }
+        let seen = pairs * &self.factors;
+        let white = here.sigma.x[0].exp();
+        let mut scores: Vec<(usize, usize, f64)> = Vec::new();
+        for place in self.places.iter().filter(|place| self.acts(place.family, c)) {
+            let width = place.columns.len();
+            if width == 0 {
+                continue;
+            }
+            let factors = self.factors.columns(place.columns.start, width);
+            let gram = factors.tr_mul(&seen.columns(place.columns.start, width)).cast::<f64>();
+            let z = factors.tr_mul(&on_readings).cast::<f64>();
+            let own = DMatrix::from_fn(width, width, |a, b| {
+                (0..points).map(|i| f64::from(factors[(i, a)] * squares[i] * factors[(i, b)])).sum()
+            });
+            let turn = inverse_root(&own) * (rows as f64).sqrt();
+            let weighed = weighed(&(turn.transpose() * gram * &turn), &turn.tr_mul(&z), white);
+            scores.push((place.family, place.shape, weighed.ln_bf));
+        }
+        let of_family = |family: &[(usize, usize, f64)]| {
+            let best = family.iter().max_by(|a, b| a.2.total_cmp(&b.2)).expect("a chunk is not empty");
+            let all: Vec<f64> = family.iter().map(|score| score.2).collect();
+            let term = Term { family: best.0, carriers: vec![c] };
+            Screened { term, shape: best.1, ln_bf: log_mean_exp(&all) }
+        };
+        scores.chunk_by(|a, b| a.0 == b.0).map(of_family).collect()
     }
 
-    /// Columns of a term (column × row).
+    /// Columns of a term at a shape.
     pub fn columns(&self, experiment: &Experiment, term: &Term, shape: &[f64]) -> DMatrix<f64> {
         let factors = factors(experiment, &self.families[term.family], shape);
         let carriers = term.carriers.iter().map(|&c| &self.carriers[c]);
-        let columns = carriers.flat_map(|carrier| {
-            factors.iter().map(move |of_point| carrier.times(experiment, of_point).transpose())
-        });
-        DMatrix::from_rows(&columns.collect::<Vec<_>>())
+        let columns: Vec<DVector<f64>> = carriers
+            .flat_map(|carrier| factors.iter().map(move |of_point| carrier.times(experiment, of_point)))
+            .collect();
+        DMatrix::from_columns(&columns)
     }
 
     /// Other families of the same idea.
@@ -206,6 +250,22 @@ fn factors(experiment: &Experiment, family: &Family, shape: &[f64]) -> Vec<Vec<f
         });
     }
     values
+}
+
+/// A factor that is no number anywhere is none.
+fn finite(mut factor: Vec<f64>) -> Vec<f64> {
+    if factor.iter().any(|x| !x.is_finite()) {
+        factor.fill(0.0);
+    }
+    factor
+}
+
+/// R with RᵀSR = 1 on the directions that columns with products S have.
+fn inverse_root(products: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = products.clone().symmetric_eigen();
+    let least = NO_DIRECTION * eigen.eigenvalues.amax();
+    let scale = eigen.eigenvalues.map(|x| if x > least && x > 0.0 { x.sqrt().recip() } else { 0.0 });
+    eigen.eigenvectors * DMatrix::from_diagonal(&scale)
 }
 
 /// Site as written in a formula.

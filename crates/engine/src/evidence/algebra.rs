@@ -1,75 +1,59 @@
 //! Small linear algebra of the scans.
 
-use super::SURVIVAL;
 use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// Threads used for the bank.
+/// Threads used for a scan.
 const WORKERS: usize = 2;
+/// Eigenvalues of a Gram matrix of columns of norm one below this are directions that the columns do not have.
+const NO_DIRECTION: f64 = 1e-6;
+/// Root mean square below which a column is round-off of nothing, mm times the root of a weight.
+const NOTHING: f64 = 1e-9;
 
-/// Eigenvalues of a Gram matrix below this share of the largest are directions that the columns do not have.
-const NO_DIRECTION: f64 = 1e-12;
-
-/// Orthonormal basis of columns of similar size and ln det of their Gram matrix over the directions kept. By the eigenvectors of the
-/// Gram matrix, made orthonormal once more by a Cholesky factor: as exact as a decomposition of the columns, in a tenth of the time.
-pub(super) fn orthonormal(columns: &DMatrix<f64>) -> (DMatrix<f64>, f64) {
-    if columns.ncols() == 0 {
-        return (DMatrix::zeros(columns.nrows(), 0), 0.0);
+/// Orthonormal basis of the span of columns of any sizes, by the eigenvectors of the Gram matrix of the scaled columns.
+pub fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut scaled = columns.clone();
+    let least = NOTHING * (columns.nrows() as f64).sqrt();
+    for mut column in scaled.column_iter_mut() {
+        let norm = column.norm();
+        if norm > least && norm.is_finite() { column /= norm } else { column.fill(0.0) }
     }
-    let eigen = columns.tr_mul(columns).symmetric_eigen();
-    let largest = eigen.eigenvalues.max();
-    let kept: Vec<usize> =
-        (0..eigen.eigenvalues.len()).filter(|&j| eigen.eigenvalues[j] > NO_DIRECTION * largest).collect();
+    // Twice: the first round leaves the rounding of the Gram matrix.
+    one_round(&one_round(&scaled, NO_DIRECTION), 0.5)
+}
+
+fn one_round(columns: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
+    if columns.ncols() == 0 {
+        return columns.clone();
+    }
+    let eigen = (columns.transpose() * columns).symmetric_eigen();
+    let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|&j| eigen.eigenvalues[j] > least).collect();
     let mut turn = eigen.eigenvectors.select_columns(&kept);
     for (mut direction, &j) in turn.column_iter_mut().zip(&kept) {
         direction /= eigen.eigenvalues[j].sqrt();
     }
-    let rough = columns * turn;
-    let factor = rough.tr_mul(&rough).cholesky().expect("nearly the identity").unpack();
-    let log_det = kept.iter().map(|&j| eigen.eigenvalues[j].ln()).sum::<f64>()
-        + 2.0 * factor.diagonal().map(f64::ln).sum();
-    let mut basis = rough.transpose();
-    let solved = factor.solve_lower_triangular_mut(&mut basis);
-    debug_assert!(solved, "a Cholesky factor has a positive diagonal");
-    (basis.transpose(), log_det)
+    columns * turn
 }
 
-/// Orthonormal basis of what is left of `raw` columns (column × row), dropping directions that hardly survive.
-pub(super) fn surviving_basis(left: &DMatrix<f64>, raw: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut scaled = left.clone();
-    for (j, scale) in column_scales(raw).into_iter().enumerate() {
-        scaled.column_mut(j).unscale_mut(scale);
-    }
-    let svd = scaled.svd(true, false);
-    let left = svd.u.expect("asked for");
-    let kept: Vec<usize> =
-        (0..svd.singular_values.len()).filter(|&j| svd.singular_values[j] > SURVIVAL).collect();
-    DMatrix::from_fn(left.nrows(), kept.len(), |i, k| left[(i, kept[k])])
+/// Columns turned to be orthogonal with unit rms over all readings: one prior size then means the same for every effect.
+pub fn turned(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    orthonormal(columns) * (columns.nrows() as f64).sqrt()
 }
 
-/// Norm of each column (column × row); infinite for one that moves nothing, so that it scales to zero and
-/// never to a number that no decomposition survives.
-pub(super) fn column_scales(columns: &DMatrix<f64>) -> Vec<f64> {
-    let norms: Vec<f64> = (0..columns.nrows()).map(|j| columns.row(j).norm()).collect();
-    let largest = norms.iter().copied().fold(0.0, f64::max);
-    norms.into_iter().map(|norm| if norm > 1e-12 * largest { norm } else { f64::INFINITY }).collect()
-}
-
-/// Two sets of columns (column × row) in one.
-pub fn stacked(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut all = DMatrix::zeros(first.nrows() + second.nrows(), first.ncols());
-    all.rows_mut(0, first.nrows()).copy_from(first);
-    all.rows_mut(first.nrows(), second.nrows()).copy_from(second);
+/// Two sets of columns side by side.
+pub fn beside(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut all = first.clone().resize_horizontally(first.ncols() + second.ncols(), 0.0);
+    all.columns_mut(first.ncols(), second.ncols()).copy_from(second);
     all
 }
 
-/// ln Σ exp.
-pub(super) fn log_sum_exp(terms: impl Iterator<Item = f64> + Clone) -> f64 {
-    let largest = terms.clone().fold(f64::NEG_INFINITY, f64::max);
+/// ln of the mean of exp; −∞ of nothing.
+pub fn log_mean_exp(terms: &[f64]) -> f64 {
+    let largest = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if largest == f64::NEG_INFINITY {
         return largest;
     }
-    largest + terms.map(|x| (x - largest).exp()).sum::<f64>().ln()
+    largest + (terms.iter().map(|x| (x - largest).exp()).sum::<f64>() / terms.len() as f64).ln()
 }
 
 /// `f(0..count)` on a few threads, results in order.
@@ -88,28 +72,20 @@ pub fn parallel<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> 
 mod tests {
     use super::*;
 
-    /// Columns of a badly scaled polynomial, one of them twice.
+    /// Columns of a badly scaled polynomial, one of them twice, one that moves nothing.
     #[test]
-    fn the_basis_is_orthonormal_spans_the_columns_and_knows_their_determinant() {
+    fn the_basis_is_orthonormal_and_spans_the_columns() {
         let at = |i: usize| i as f64 / 40.0;
-        let columns = DMatrix::from_fn(40, 7, |i, j| at(i).powi(j.min(5) as i32));
-        let (basis, log_det) = orthonormal(&columns);
-        assert_eq!(basis.ncols(), 6);
-        assert!((basis.tr_mul(&basis) - DMatrix::identity(6, 6)).amax() < 1e-12);
-        assert!((&columns - &basis * basis.tr_mul(&columns)).amax() < 1e-8);
-        let singular = columns.singular_values();
-        let expected: f64 = singular.iter().take(6).map(|s| 2.0 * s.ln()).sum();
-        assert!((log_det - expected).abs() < 1e-6, "{log_det} {expected}");
-    }
-
-    /// Forward wobble at one lobe is zero by definition; its scaled Gram matrix once was NaN, and the
-    /// decomposition of that never ended.
-    #[test]
-    fn a_column_that_moves_nothing_scales_to_zero() {
-        let columns = DMatrix::from_row_slice(3, 2, &[3.0, 4.0, 0.0, 0.0, 1e-17, 0.0]);
-        let scales = column_scales(&columns);
-        assert_eq!(scales, [5.0, f64::INFINITY, f64::INFINITY]);
-        let basis = surviving_basis(&columns.transpose(), &columns);
-        assert_eq!(basis.ncols(), 1);
+        let columns = DMatrix::from_fn(40, 6, |i, j| match j {
+            5 => 0.0,
+            _ => 1e3_f64.powi(j as i32) * at(i).powi(j.min(3) as i32),
+        });
+        let basis = orthonormal(&columns);
+        assert_eq!(basis.ncols(), 4);
+        assert!((basis.tr_mul(&basis) - DMatrix::identity(4, 4)).amax() < 1e-9);
+        for column in columns.column_iter() {
+            let left = column - &basis * basis.tr_mul(&column);
+            assert!(left.norm() <= 1e-6 * column.norm());
+        }
     }
 }

@@ -1,17 +1,19 @@
 //! Gauss–Newton to the exact prediction, columns at the nominal machine.
 //!
 //! x ← x + argmin ‖W^½ (A δ − (measured − predicted(x)))‖ over the used points. The columns are the analytic linear ones, so
-//! each step shrinks what is left by about the size of the errors (0.005 for a tilt of 0.3°).
+//! each step shrinks what is left by about the size of the errors (0.005 for a tilt of 0.3°). A step that does not lower the
+//! residual is not taken but damped (Levenberg–Marquardt); a fit that does not come to rest is an error, and so is one that
+//! comes to rest at numbers that no machine has.
 
 use crate::IdentifyError;
 use crate::fit::Options;
 use crate::problem::design::{Design, unused_rows};
-use crate::problem::joint::Expected;
+use crate::problem::side_by_side::Expected;
 use crate::solve::linear::{Reduced, Solver};
 use crate::solve::null_space::{Datum, Limits, Zero, datum};
 use nalgebra::DVector;
-use trunnion_core::AxisLetter;
-use trunnion_cycles::RunKind;
+use trunnion_core::Joint;
+use trunnion_effects::Unit;
 use trunnion_effects::catalogue::conventional_zeros;
 
 /// The fit stands when no prediction moves by more than this, mm.
@@ -20,8 +22,16 @@ const CONVERGED_MM: f64 = 1e-9;
 /// directions wander far and converge slowly; they are left out before they need to.
 const NOISE_KNOWN: f64 = 0.1;
 const MOST_STEPS: usize = 40;
-/// Blocks on the fly are never known better than this, mm.
-const FINEST_BLOCK_MM: f64 = 1e-4;
+/// Damping after a first step that does not lower the residual, against scaled columns whose norms are near one, and its factor
+/// from step to step [Marquardt 1963: ten in the square].
+const FIRST_DAMPING: f64 = 1e-2;
+const DAMPING_FACTOR: f64 = 3.162;
+/// Columns at the nominal machine lead to where J₀ᵀ r = 0, which lies above the least sum of squares by this share at most: errors of
+/// 3 % in the columns, squared.
+const RISE: f64 = 1e-3;
+/// Larger than any error of a machine or its mounting: the dead path of an interferometer, and a turn whose sine is no longer it.
+const LARGEST_MM: f64 = 1e4;
+const LARGEST_RAD: f64 = 0.5;
 /// Noise is never taken below this against a prior, mm.
 const FINEST_MM: f64 = 1e-6;
 
@@ -56,10 +66,8 @@ pub(crate) fn converge(
 ) -> Result<Converged, IdentifyError> {
     let mut reduced = design.reduce(used)?;
     let rows = design.experiment.rows();
-    // The mean of a block lies a little off the path: what is null stays null only to that.
-    let on_the_fly = design.experiment.kinds.contains(&RunKind::OnTheFly);
-    let least_mm = if on_the_fly { FINEST_BLOCK_MM } else { 0.0 };
-    let mut limits = Limits::with_noise(options.null_tolerance, least_mm, rows);
+    let limits =
+        Limits { tolerance: options.null_tolerance, off_nominal: design.off_nominal(), weakest: 0.0, rows };
     let datum = named_datum(design, &reduced, &limits);
     let nothing = DVector::from_iterator(
         design.joint.width(),
@@ -70,8 +78,7 @@ pub(crate) fn converge(
         // Directions too weak to go by may run away; the noise that the columns leave over shows which they are.
         Err(IdentifyError::NotConverged { .. }) => {
             let noise_mm = linear_noise_mm(design, &reduced, &nothing, used);
-            limits = Limits::with_noise(options.null_tolerance, least_mm.max(noise_mm), rows);
-            to_noise(named_datum(design, &reduced, &limits))?
+            to_noise(named_datum(design, &reduced, &limits.with_noise(noise_mm, rows)))?
         }
         converged => converged?,
     };
@@ -80,7 +87,7 @@ pub(crate) fn converge(
     }
     // Directions so weak that noise alone makes their numbers absurd, and the weight of priors against readings,
     // are known only after the noise is.
-    limits = Limits::with_noise(options.null_tolerance, first.sigma_mm, first.rows_used);
+    let limits = limits.with_noise(first.sigma_mm, first.rows_used);
     let sigma_mm = first.sigma_mm.max(FINEST_MM);
     let priors: Vec<(&Expected, f64)> = design
         .joint
@@ -93,7 +100,26 @@ pub(crate) fn converge(
     reduced.add_priors(&weights);
     let datum = named_datum(design, &reduced, &limits);
     let start = if datum.rank == first.datum.rank && priors.is_empty() { first.solution } else { nothing };
-    converge_within(design, &reduced, datum, &priors, used, start, 0.0)
+    let fit = converge_within(design, &reduced, datum, &priors, used, start, 0.0)?;
+    check_possible(design, &fit)?;
+    Ok(fit)
+}
+
+/// A fit may converge to numbers that no machine has; columns at the nominal machine mean nothing there.
+fn check_possible(design: &Design<'_>, fit: &Converged) -> Result<(), IdentifyError> {
+    let beyond = |&&j: &&usize| match design.joint.parameters[j].unit {
+        Unit::UM => fit.solution[j].abs() > LARGEST_MM,
+        Unit::URAD => fit.solution[j].abs() > LARGEST_RAD,
+        _ => false,
+    };
+    let Some(&j) = fit.datum.determined.iter().find(beyond) else { return Ok(()) };
+    let parameter = &design.joint.parameters[j];
+    Err(IdentifyError::Impossible {
+        effect: design.joint.effects[design.joint.effect_of[j]].id.clone(),
+        name: parameter.name.clone(),
+        value: fit.solution[j] * parameter.unit.per_inside,
+        unit: parameter.unit.symbol,
+    })
 }
 
 /// Weighted standard deviation of what no combination of the columns explains at `start`, mm.
@@ -115,13 +141,12 @@ fn counted_mm(design: &Design<'_>, residual_mm: &DVector<f64>, used: &[bool]) ->
     counted
 }
 
-fn named_datum(design: &Design<'_>, reduced: &Reduced, limits: &Limits) -> Datum {
+fn named_datum(design: &Design<'_>, reduced: &Reduced, limits: &Limits<'_>) -> Datum {
     let scene = &design.experiment.scene;
-    // The line of an axis that stands still is a matter of the mounting.
+    // The line of an axis that is at rest is a matter of the mounting.
     let standing =
         scene.machine.rotary().into_iter().filter(|axis| !scene.moves(axis.letter)).flat_map(|axis| {
-            AxisLetter::ALL
-                .map(|direction| Zero { name: format!("E{direction}0{}", axis.letter), standing: true })
+            Joint::ALL.map(|direction| Zero { name: format!("E{direction}0{}", axis.letter), standing: true })
         });
     let minimum = conventional_zeros(&scene.machine).into_iter().map(|name| Zero { name, standing: false });
     let zeros: Vec<Zero> = standing.chain(minimum).collect();
@@ -151,28 +176,50 @@ fn converge_within(
         sigma[0] / sigma[sigma.len() - 1]
     };
     let readings = experiment.readings_mm();
+    let surprise = |solution: &DVector<f64>| {
+        DVector::from_iterator(
+            priors.len(),
+            priors.iter().map(|(prior, w)| w * (prior.value - solution[prior.parameter])),
+        )
+    };
     let mut solution = start;
     let mut predicted_mm = joint.predict_mm(experiment, &solution);
     check_finite(design, &(&readings - &predicted_mm))?;
-    let (mut iterations, mut change_mm, mut enough_mm) = (0, f64::INFINITY, CONVERGED_MM);
+    let mut counted = counted_mm(design, &(&readings - &predicted_mm), used);
+    let mut missed = surprise(&solution);
+    let (mut iterations, mut change_mm, mut damping) = (0, f64::INFINITY, 0.0);
     let root_rows = (rows_used as f64).sqrt();
-    while change_mm > enough_mm && !datum.determined.is_empty() {
-        if iterations == MOST_STEPS || change_mm.is_nan() {
+    while !datum.determined.is_empty() {
+        let enough_mm = CONVERGED_MM.max(part_of_noise * counted.norm() / root_rows);
+        if damping == 0.0 && change_mm <= enough_mm {
+            break;
+        }
+        if iterations == MOST_STEPS {
             return Err(IdentifyError::NotConverged { steps: iterations, change_mm });
         }
-        let counted = counted_mm(design, &(&readings - &predicted_mm), used);
-        enough_mm = CONVERGED_MM.max(part_of_noise * counted.norm() / root_rows);
-        let surprise = priors.iter().map(|(prior, w)| w * (prior.value - solution[prior.parameter]));
-        let projected = design.project(reduced, &counted);
-        let right: Vec<f64> = projected.iter().copied().chain(surprise).collect();
-        let change = solver.solve(&DVector::from_vec(right));
-        for (k, &j) in datum.determined.iter().enumerate() {
-            solution[j] += change[k];
-        }
-        let next = joint.predict_mm(experiment, &solution);
-        change_mm = (&next - &predicted_mm).amax();
-        predicted_mm = next;
         iterations += 1;
+        let projected = design.project(reduced, &counted);
+        let right: Vec<f64> = projected.iter().chain(missed.iter()).copied().collect();
+        let change = solver.solve_damped(&DVector::from_vec(right), damping);
+        let mut tried = solution.clone();
+        for (k, &j) in datum.determined.iter().enumerate() {
+            tried[j] += change[k];
+        }
+        let next_mm = joint.predict_mm(experiment, &tried);
+        let next = counted_mm(design, &(&readings - &next_mm), used);
+        let next_missed = surprise(&tried);
+        let squares =
+            |counted: &DVector<f64>, missed: &DVector<f64>| counted.norm_squared() + missed.norm_squared();
+        let step_mm = (&next_mm - &predicted_mm).amax();
+        // Below the tolerance the sum of squares changes by rounding alone.
+        let fell = squares(&next, &next_missed) <= (1.0 + RISE) * squares(&counted, &missed)
+            || step_mm <= CONVERGED_MM;
+        if !fell {
+            damping = if damping == 0.0 { FIRST_DAMPING } else { damping * DAMPING_FACTOR };
+            continue;
+        }
+        damping = if damping <= FIRST_DAMPING { 0.0 } else { damping / DAMPING_FACTOR };
+        (solution, predicted_mm, counted, missed, change_mm) = (tried, next_mm, next, next_missed, step_mm);
     }
     let weight_of = |prior: &Expected| {
         priors.iter().find(|(other, _)| std::ptr::eq(*other, prior)).map_or(0.0, |(_, weight)| *weight)
@@ -180,8 +227,7 @@ fn converge_within(
     let prior_weights = joint.priors.iter().map(weight_of).collect();
     let residual_mm = readings - &predicted_mm;
     let weighted_mm = residual_mm.component_mul(&design.weights.root);
-    let squares = counted_mm(design, &residual_mm, used).norm_squared();
-    let sigma_mm = (squares / (rows_used - datum.determined.len()) as f64).sqrt();
+    let sigma_mm = (counted.norm_squared() / (rows_used - datum.determined.len()) as f64).sqrt();
     Ok(Converged {
         solution,
         predicted_mm,

@@ -5,39 +5,39 @@ use trunnion_effects::UnknownEffect;
 /// Choices of a fit. The default is what `trunnion identify` does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// What to do with points far from the rest.
+    /// What to do with outliers.
     pub outliers: Outliers,
     /// Whether to predict left-out parts (costs a fit for each).
-    pub holdout: HoldoutWanted,
+    pub holdout: HeldOut,
     /// Where uncertainties come from.
     pub uncertainties: Uncertainties,
     /// Directions with a singular value below this share of the largest are not seen.
     pub null_tolerance: f64,
 }
 
-/// What to do with points far from the rest.
+/// What to do with outliers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outliers {
-    /// Set them aside and name them.
-    SetAside,
+    /// Exclude them and name them.
+    Excluded,
     /// Keep every point.
     Keep,
 }
 
-/// Whether to predict left-out parts.
+/// Whether the held-out error is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HoldoutWanted {
+pub enum HeldOut {
     /// Leave out passes, or blocks, in turn.
-    Yes,
+    Computed,
     /// Save the time.
-    No,
+    Skipped,
 }
 
 /// Where the uncertainties of the parameters come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncertainties {
     /// From the parts of a machine's noise: white, offsets of passes, positioning, drift, small repeatable motions. Where these
-    /// cannot be told (on the fly, few readings, very long runs), from clusters.
+    /// cannot be distinguished (on the fly, few readings, very long runs), from clusters.
     NoiseParts,
     /// From how alike the residuals of a cluster (pass × position of the slow axis) are: quick, and too narrow where
     /// errors last longer than a cluster.
@@ -47,8 +47,8 @@ pub enum Uncertainties {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            outliers: Outliers::SetAside,
-            holdout: HoldoutWanted::Yes,
+            outliers: Outliers::Excluded,
+            holdout: HeldOut::Computed,
             uncertainties: Uncertainties::NoiseParts,
             null_tolerance: 1e-8,
         }
@@ -60,7 +60,7 @@ impl Options {
     pub fn quick() -> Self {
         Self {
             outliers: Outliers::Keep,
-            holdout: HoldoutWanted::No,
+            holdout: HeldOut::Skipped,
             uncertainties: Uncertainties::Clusters,
             ..Self::default()
         }
@@ -140,5 +140,20 @@ pub enum IdentifyError {
         steps: usize,
         /// Last change of the prediction, mm.
         change_mm: f64,
+    },
+    /// The fit converged to a number that no machine has.
+    #[error(
+        "the fit gives {name} of {effect} = {value:.3e} {unit}, which no machine has. \
+         Check the setup's ball position, the machine file and the turning senses, or remove {effect} from the model"
+    )]
+    Impossible {
+        /// Effect id.
+        effect: String,
+        /// The parameter.
+        name: String,
+        /// Its value on screens.
+        value: f64,
+        /// Unit on screens.
+        unit: &'static str,
     },
 }

@@ -1,5 +1,5 @@
 //! Shape numbers (time constants, lobes, teeth) that the model leaves open: the best on the grid, refined where
-//! values in between make sense.
+//! values in between make sense; of waves also the periods that the residual shows.
 //!
 //! For one effect at a time, the others projected out: score(θ) = ‖Q_θᵀ z‖², Q_θ an orthonormal basis of the effect's columns
 //! at θ next to those of the others, z the readings without the small non-linear part. Effects take turns until nothing
@@ -10,11 +10,14 @@ use crate::fit::gauss_newton::converge;
 use crate::fit::options::Options;
 use crate::noise::weights::Weights;
 use crate::problem::design::Design;
-use crate::problem::joint::Joint;
+use crate::problem::side_by_side::SideBySide;
 use crate::solve::golden_section::golden_section;
 use crate::solve::linear::Reduced;
+use crate::spectrum::shapes::{at_rest, carriers, found};
+use crate::spectrum::wave::Waves;
 use crate::{Experiment, IdentifyError};
 use nalgebra::{DMatrix, DVector};
+use trunnion_core::Joint;
 use trunnion_effects::Instance;
 
 /// Points that a search looks at.
@@ -29,7 +32,7 @@ const GOLDEN_STEPS: usize = 24;
 /// Chooses every free shape in `joint`; true when there was one.
 pub(crate) fn search_shapes(
     experiment: &Experiment,
-    joint: &mut Joint,
+    joint: &mut SideBySide,
     used: &[bool],
     weights: &Weights,
     options: &Options,
@@ -67,10 +70,21 @@ struct Rows<'a> {
     weights: &'a Weights,
 }
 
+impl Rows<'_> {
+    /// Position of an axis at every row.
+    fn positions(&self, experiment: &Experiment, joint: Joint) -> Vec<f64> {
+        let mut positions = vec![0.0; experiment.rows()];
+        for (i, point) in experiment.points.iter().enumerate() {
+            experiment.rows_of(i).for_each(|row| positions[row] = point.state.position[joint]);
+        }
+        self.list.iter().map(|&row| positions[row]).collect()
+    }
+}
+
 /// Weighted readings as a linear machine would give them: measured − (exact − linear) at a first fit.
 fn linear_readings(
     experiment: &Experiment,
-    joint: &Joint,
+    joint: &SideBySide,
     used: &[bool],
     weights: &Weights,
     options: &Options,
@@ -87,7 +101,7 @@ fn linear_readings(
 
 fn best_shape(
     experiment: &Experiment,
-    joint: &Joint,
+    joint: &SideBySide,
     effect: usize,
     rows: &Rows<'_>,
     z: &DVector<f64>,
@@ -97,9 +111,20 @@ fn best_shape(
     let others = basis(others(experiment, joint, effect, rows));
     let left = z - &others * others.tr_mul(z);
     let score = |shape: &[f64]| score(experiment, instance, shape, rows, &others, &left);
-    let scores: Vec<f64> = shapes.grid.iter().map(|shape| score(shape)).collect();
+    let mut grid = shapes.grid.clone();
+    if let Some(wave) = shapes.wave {
+        let waves = Waves {
+            position: rows.positions(experiment, wave.joint()),
+            carriers: carriers(&selected(experiment, &[(instance, &at_rest(wave))], rows)),
+            basis: others.clone(),
+            residual_mm: left.clone(),
+        };
+        let found = found(wave, &waves);
+        grid.extend(found.into_iter().flat_map(|found| found.shapes));
+    }
+    let scores: Vec<f64> = grid.iter().map(|shape| score(shape)).collect();
     let best = (0..scores.len()).max_by(|&a, &b| scores[a].total_cmp(&scores[b])).unwrap_or(0);
-    let mut shape = shapes.grid[best].clone();
+    let mut shape = grid[best].clone();
     if shapes.continuous {
         let mut reached = scores[best];
         for axis in 0..shape.len() {
@@ -119,7 +144,7 @@ fn best_shape(
     shape
 }
 
-fn others(experiment: &Experiment, joint: &Joint, effect: usize, rows: &Rows<'_>) -> DMatrix<f64> {
+fn others(experiment: &Experiment, joint: &SideBySide, effect: usize, rows: &Rows<'_>) -> DMatrix<f64> {
     let chosen: Vec<(&Instance, &[f64])> = joint
         .effects
         .iter()

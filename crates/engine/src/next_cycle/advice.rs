@@ -19,7 +19,7 @@ pub struct PlannedCycle {
     pub separation_before: f64,
     /// The same after the cycle.
     pub separation: f64,
-    /// Pairs of effects that it tells apart.
+    /// Pairs of effects that it distinguishes.
     pub separates: Vec<[String; 2]>,
     /// The cycle file, `trunnion-cycle/1`.
     pub text: String,

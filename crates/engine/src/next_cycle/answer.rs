@@ -54,14 +54,14 @@ pub struct Considered {
     pub separation_ln: f64,
     /// The hardest pair.
     pub hardest: [String; 2],
-    /// Pairs that it tells apart.
+    /// Pairs that it distinguishes.
     pub apart: Vec<[String; 2]>,
     /// What the plan makes large per minute.
     pub gain: f64,
     /// Effects it shows.
     pub shows: Vec<String>,
-    /// Effects it tells from all others in question.
-    pub tells: Vec<String>,
+    /// Effects it separates from all others in question.
+    pub separates: Vec<String>,
     /// The cycle; `None` for the present one.
     pub cycle: Option<Cycle>,
 }
@@ -155,7 +155,7 @@ fn words(
     let ids = design.ids().join(", ");
     match (design.rivals, best) {
         (Rivals::Separate(_), Some(best)) => {
-            let mut text = format!("To tell {ids} apart, measure {}: {}.", best.name, best.what);
+            let mut text = format!("To separate {ids}, measure {}: {}.", best.name, best.what);
             text += &if left_open.is_empty() {
                 format!(
                     " The odds between the hardest pair rise from 10^{:.1} to 10^{:.1} in {:.0} minutes.",
@@ -170,22 +170,22 @@ fn words(
         }
         (Rivals::Separate(_), None) => {
             format!(
-                "No cycle of poses, directions and feeds tells {ids} apart: wherever the axes go, one imitates the other.{}",
+                "No cycle of poses, directions and feeds separates {ids}: they are confounded wherever the axes go.{}",
                 load_words(design, &design.ids())
             )
         }
         (Rivals::Reveal(_), Some(best)) => format!(
-            "The present cycle cannot see {} effects. Most is to be learnt from {}: {}; it would show {} and tell {} of \
-             them from all others in {:.0} minutes.",
+            "{} effects are not observable in the present cycle. The best next cycle is {}: {}. In {:.0} minutes it would \
+             show {} of them and separate {} from all others.",
             design.entries.len(),
             best.name,
             best.what,
+            best.minutes,
             best.shows.len(),
-            best.tells.len(),
-            best.minutes
+            best.separates.len()
         ),
         (Rivals::Reveal(_), None) => {
-            format!("No cycle considered shows more than the present one. Still unseen: {ids}.")
+            format!("No cycle considered shows more than the present one. Still not observable: {ids}.")
         }
     }
 }
@@ -194,8 +194,8 @@ fn words(
 fn too_faint(design: &CycleDesign<'_>, before: &Utility) -> String {
     let best_ln = before.seen_ln.iter().copied().fold(0.0, f64::max);
     format!(
-        "The present data hold too little of {} for any cycle considered to tell them apart: the odds of the best of them \
-         against nothing are 10^{:.1}.",
+        "The present data hold too little of {} for any cycle considered to separate them. The largest Bayes factor of one of \
+         them against noise only is 10^{:.1}.",
         design.ids().join(", "),
         best_ln / LN_10
     )
@@ -206,9 +206,9 @@ fn left_open_words(design: &CycleDesign<'_>, left_open: &[LeftOpen]) -> String {
     for open in left_open {
         let pair = open.pair.join(" and ");
         text += &match &open.by {
-            Some(by) => format!(" It leaves {pair} open; {by} would tell them apart."),
+            Some(by) => format!(" It leaves {pair} open; {by} would separate them."),
             None => {
-                format!(" No cycle considered tells {pair} apart.{}", load_words(design, &open.pair))
+                format!(" No cycle considered separates {pair}.{}", load_words(design, &open.pair))
             }
         };
     }
@@ -222,7 +222,7 @@ fn load_words(design: &CycleDesign<'_>, ids: &[String]) -> String {
         |instance: &Instance| instance.about().is_some_and(|about| about.helps.contains(&Need::AnotherLoad));
     let mut text = String::new();
     if named().any(load) {
-        text += " They part only under another load: put a known weight on the table and measure the present cycle again.";
+        text += " Only another load separates them: put a known weight on the table and measure the present cycle again.";
     }
     for instance in named() {
         if let Some(about) = instance.about() {
@@ -235,7 +235,7 @@ fn load_words(design: &CycleDesign<'_>, ids: &[String]) -> String {
 fn assumptions(pace: &Pace) -> Vec<String> {
     vec![
         format!(
-            "Machine time: feed limits of the machine file, else {:.0} m/min and {:.0}°/min; {:.1} s to settle besides the \
+            "Machine time: feed limits of the machine file, else {:.0} m/min and {:.0}°/min; {:.1} s to settle in addition to the \
              window of the cycle; {:.0} min to mount each setup.",
             pace.linear_mm_per_s * 0.06,
             convert::deg_from_rad(pace.rotary_rad_per_s) * 60.0,

@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
-use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Setup, State, convert};
+use trunnion_core::{AxisValues, InstrumentKind, Joint, Setup, State, convert};
 use trunnion_cycles::Cycle;
 use trunnion_cycles::Pace;
 use trunnion_cycles::cycle::{Bar, BarFrame, GridAxis, Motion, Rounds, Settle};
@@ -329,7 +329,7 @@ fn tilt_stations(axis: &Axis, shift_deg: f64, step_deg: f64) -> GridAxis {
     stations(axis.letter, from, high, step)
 }
 
-fn stations(letter: AxisLetter, from: f64, to: f64, step: f64) -> GridAxis {
+fn stations(letter: Joint, from: f64, to: f64, step: f64) -> GridAxis {
     let count = ((to - from) / step + 1e-6).floor().max(0.0) as usize;
     GridAxis { letter, stations: (0..=count).map(|i| from + step * i as f64).collect() }
 }

@@ -68,7 +68,7 @@ impl CycleDesign<'_> {
             apart: pairs.iter().filter(apart).map(|&(a, b, _)| [id(a), id(b)]).collect(),
             gain: self.gain(&utility),
             shows: ids(&|i| utility.seen_ln[i] > HOPELESS_LN),
-            tells: ids(&|i| utility.discriminated_ln(i) > HOPELESS_LN),
+            separates: ids(&|i| utility.discriminated_ln(i) > HOPELESS_LN),
             cycle: cycle.cloned(),
         }
     }

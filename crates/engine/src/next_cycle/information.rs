@@ -4,8 +4,8 @@
 //! imitate scores nothing]. Everything that follows is small linear algebra on S.
 
 use crate::Experiment;
-use crate::diagnosis::columns::credible_columns;
 use crate::noise::machine_noise::{Noise, Order, Whitener};
+use crate::problem::credible::credible_columns;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use trunnion_effects::Instance;

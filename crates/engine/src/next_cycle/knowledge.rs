@@ -4,7 +4,7 @@ use super::design::CycleDesign;
 use super::information::Information;
 use super::rivals::Rivals;
 use super::separation::Known;
-use crate::diagnosis::columns::typical_size;
+use crate::problem::credible::typical_size;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use trunnion_effects::Scene;

@@ -138,7 +138,7 @@ fn imagined(
 
 /// The shapes looked at: all counts (teeth, lobes), aliases included, a few time constants.
 fn few_shapes<'a>(instance: &'a Instance, experiment: &Experiment) -> Vec<Part<'a>> {
-    // What a fit would not try, because these poses show it as something else, is what has to be told.
+    // What a fit would not try, because these poses show it as something else, is what has to be separated.
     let mut any_step = experiment.scene.clone();
     any_step.position_step = AxisValues::default();
     let shapes = instance.shapes(&any_step);

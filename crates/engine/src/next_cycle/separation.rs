@@ -20,7 +20,7 @@ pub(super) enum Known {
 }
 
 impl Known {
-    /// True when the fit tells the effect from nothing.
+    /// True when the fit separates the effect from none.
     pub fn is_significant(values: &DVector<f64>, precision: &DMatrix<f64>) -> bool {
         (values.transpose() * precision * values)[(0, 0)] > REGION
     }
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn a_difference_that_rests_on_the_noise_of_the_fit_separates_nothing() {
-        // Two parameters: the first ten sigma, the second one sigma; only the second tells A from B.
+        // Two parameters: the first ten sigma, the second one sigma; only the second separates A from B.
         let g = DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 0.0, 1e6]);
         let known = Known::Fitted(DVector::from_row_slice(&[10.0, 1.0]), DMatrix::identity(2, 2));
         assert!(expected_ln(&g, &known) < 1e-6);

@@ -75,8 +75,8 @@ fn the_expected_separation_is_what_the_fits_of_both_rivals_really_differ_by() {
             let freedom = kept.degrees_of_freedom as f64;
             let really_ln = freedom * (lost.rms_mm / kept.rms_mm).ln();
             let rivals = rivals(&[right, wrong]);
-            let told = plan(&experiment, &Model::base("table-bc"), &rivals, &Options::default()).unwrap();
-            let expected_ln = told.before_ln;
+            let planned = plan(&experiment, &Model::base("table-bc"), &rivals, &Options::default()).unwrap();
+            let expected_ln = planned.before_ln;
             // Lower bound by design: the parameter is let go as far as 95 % of what the data leave open, and the rival may take
             // refuge in coloured noise.
             assert!(really_ln > 15.0, "{really_ln}");

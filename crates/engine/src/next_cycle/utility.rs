@@ -19,7 +19,7 @@ pub(super) struct Utility {
 }
 
 impl Utility {
-    /// ln by which a rival is told from all others and from nothing.
+    /// ln by which a rival is distinguished from all others and from none.
     pub(super) fn discriminated_ln(&self, rival: usize) -> f64 {
         self.against_ln[rival].iter().copied().fold(self.seen_ln[rival], f64::min)
     }

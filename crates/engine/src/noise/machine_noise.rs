@@ -1,5 +1,8 @@
 //! Noise as real machines make it, and how to whiten it in one pass over time.
 //!
+//! For the plan of a next cycle, whose readings nobody has yet, and for the uncertainties of a fit; a diagnosis learns its noise
+//! (`noise::learned`).
+//!
 //! Σ = σ² (I + a·K_pass + c·K_axis + w·K_drift)                                    [docs/design/statistics.md §1.1, §1.2]
 //! - K_pass: the slow rotary axis is positioned again with an angle of its own, constant until it moves again;
 //! - K_axis: the fast rotary axis scatters at every point;
@@ -18,18 +21,15 @@ pub use whitener::Whitener;
 
 use crate::Experiment;
 use crate::problem::sequence::{in_order_taken, run_and_time};
-use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::ops::Range;
-use trunnion_core::{AxisLetter, AxisValues, Twist};
+use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_instruments::Projector;
 use trunnion_machine::{Machine, Side, Site};
 
 /// Travel below which an axis has not been positioned again, rad.
 const SAME_STATION_RAD: f64 = 1e-7;
-/// How much larger the correlated parts may be, next to the white noise, for blocks on the fly.
-const BLOCK_TIMES: f64 = 8.0;
-
-/// One member of the bank: variances relative to the white noise.
+/// One noise: variances relative to the white noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// a: re-positioning of the slow rotary axis.
@@ -46,14 +46,12 @@ pub struct Noise {
 #[derive(Clone, Debug)]
 pub struct Order {
     pub(crate) visits: Vec<Visit>,
-    /// Correlation time of drift that the bank assumes.
+    /// Correlation time of drift: a quarter of a run.
     pub tau: f64,
     /// The axis that moves least often, if the machine has rotary axes that move.
-    pub slow: Option<AxisLetter>,
+    pub slow: Option<Joint>,
     /// The rotary axis that moves most often.
-    pub fast: Option<AxisLetter>,
-    /// True when points were read on the fly.
-    pub on_the_fly: bool,
+    pub fast: Option<Joint>,
 }
 
 /// One point, as the noise sees it.
@@ -84,23 +82,9 @@ impl Order {
         }
         normalise(&mut visits, |visit| &mut visit.slow_lever);
         normalise(&mut visits, |visit| &mut visit.fast_lever);
-        let on_the_fly = experiment.scene.on_the_fly;
         let duration: f64 = visits.iter().filter(|v| !v.new_run).map(|v| v.since_last).sum();
         let runs = visits.iter().filter(|v| v.new_run).count().max(1);
-        Self { visits, tau: (duration / runs as f64 / 4.0).max(1e-9), slow, fast, on_the_fly }
-    }
-
-    /// The same for rows multiplied by `root`, the roots of their weights: the white part stays 1, the others follow the rows.
-    #[must_use]
-    pub fn weighted(mut self, root: &DVector<f64>) -> Self {
-        for visit in &mut self.visits {
-            for (k, row) in visit.rows.clone().enumerate() {
-                visit.drift.row_mut(k).scale_mut(root[row]);
-                visit.slow_lever[k] *= root[row];
-                visit.fast_lever[k] *= root[row];
-            }
-        }
-        self
+        Self { visits, tau: (duration / runs as f64 / 4.0).max(1e-9), slow, fast }
     }
 
     /// Sequence number of the positioning of the slow axis at each point (indexed by point).
@@ -113,33 +97,15 @@ impl Order {
         }
         station_of_point
     }
-
-    /// The bank over which evidence is averaged.
-    pub fn bank(&self) -> Vec<Noise> {
-        let seen = |lever: fn(&Visit) -> &Vector3<f64>| self.visits.iter().any(|v| lever(v).norm() > 0.0);
-        // A block of many samples has hardly any white noise: what correlates is larger next to it.
-        let times = if self.on_the_fly { BLOCK_TIMES } else { 1.0 };
-        let passes: &[f64] = if seen(|v| &v.slow_lever) { &[0.0, 0.1, 0.4, 1.6] } else { &[0.0] };
-        let axes: &[f64] = if seen(|v| &v.fast_lever) { &[0.0, 0.08] } else { &[0.0] };
-        let mut bank = Vec::new();
-        for &pass in passes {
-            for &axis in axes {
-                for drift in [0.0, 0.15, 0.5, 2.0] {
-                    bank.push(Noise { pass: pass * times, axis, drift: drift * times, tau: self.tau });
-                }
-            }
-        }
-        bank
-    }
 }
 
 /// The rotary axis that moves least often and the one that moves most often.
-fn slow_and_fast(experiment: &Experiment, order: &[usize]) -> (Option<AxisLetter>, Option<AxisLetter>) {
-    let moves = |letter: AxisLetter| {
+fn slow_and_fast(experiment: &Experiment, order: &[usize]) -> (Option<Joint>, Option<Joint>) {
+    let moves = |letter: Joint| {
         let at = |k: usize| experiment.points[order[k]].state.position[letter];
         (1..order.len()).filter(|&k| (at(k) - at(k - 1)).abs() > SAME_STATION_RAD).count()
     };
-    let mut moving: Vec<(usize, AxisLetter)> =
+    let mut moving: Vec<(usize, Joint)> =
         experiment.machine().rotary().iter().map(|axis| (moves(axis.letter), axis.letter)).collect();
     moving.retain(|(count, _)| *count > 0);
     moving.sort();
@@ -152,8 +118,8 @@ fn visit(
     experiment: &Experiment,
     point: usize,
     previous: Option<usize>,
-    slow: Option<AxisLetter>,
-    fast: Option<AxisLetter>,
+    slow: Option<Joint>,
+    fast: Option<Joint>,
     key: impl Fn(usize) -> (usize, f64),
 ) -> Visit {
     let machine = experiment.machine();
@@ -162,13 +128,13 @@ fn visit(
     let new_run = previous.is_none_or(|p| key(p).0 != key(point).0);
     let station_changed = |p: usize| {
         let before = &experiment.points[p].state;
-        let turned = |letter: AxisLetter| {
+        let turned = |letter: Joint| {
             (before.position[letter] - state.position[letter]).abs() > SAME_STATION_RAD
                 || before.direction[letter] * state.direction[letter] < 0.0
         };
         before.setup != state.setup || slow.is_some_and(turned)
     };
-    let lever = |letter: Option<AxisLetter>| -> Vector3<f64> {
+    let lever = |letter: Option<Joint>| -> Vector3<f64> {
         let axis = letter.and_then(|l| machine.axis(l));
         axis.map_or_else(Vector3::zeros, |a| projector.column(Site::Joint(a.letter), &a.positioning_twist()))
     };

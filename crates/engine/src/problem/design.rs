@@ -1,10 +1,12 @@
 //! The weighted columns of a joint model over all points: held in memory when short, formed block by block when long.
 
 use crate::noise::weights::Weights;
-use crate::problem::joint::Joint;
+use crate::problem::off_nominal;
+use crate::problem::side_by_side::SideBySide;
 use crate::solve::linear::Reduced;
 use crate::{Experiment, IdentifyError};
 use nalgebra::{DMatrix, DMatrixView, DVector};
+use std::cell::OnceCell;
 use std::ops::Range;
 
 /// Designs up to this many rows are held in memory and factored by QR; longer ones are streamed.
@@ -17,14 +19,15 @@ pub(crate) type Visit<'a> = &'a mut dyn FnMut(Range<usize>, Range<usize>, DMatri
 
 pub(crate) struct Design<'a> {
     pub experiment: &'a Experiment,
-    pub joint: &'a Joint,
+    pub joint: &'a SideBySide,
     pub weights: &'a Weights,
     in_memory: Option<DMatrix<f64>>,
+    off_nominal: OnceCell<DMatrix<f64>>,
 }
 
 impl<'a> Design<'a> {
-    pub fn new(experiment: &'a Experiment, joint: &'a Joint, weights: &'a Weights) -> Self {
-        let mut design = Self { experiment, joint, weights, in_memory: None };
+    pub fn new(experiment: &'a Experiment, joint: &'a SideBySide, weights: &'a Weights) -> Self {
+        let mut design = Self { experiment, joint, weights, in_memory: None, off_nominal: OnceCell::new() };
         if experiment.rows() <= ROWS_IN_MEMORY {
             design.in_memory = Some(design.columns(0..experiment.points.len()));
         }
@@ -83,6 +86,11 @@ impl<'a> Design<'a> {
         });
         finite?;
         Ok(Reduced::from_gram(&gram))
+    }
+
+    /// ΔAᵀΔA of positions a little off, see [`crate::problem::off_nominal`].
+    pub fn off_nominal(&self) -> &DMatrix<f64> {
+        self.off_nominal.get_or_init(|| off_nominal::gram(self.experiment, self.joint, &self.weights.root))
     }
 
     /// A column that is no number would make the decompositions run forever.

@@ -5,10 +5,11 @@
 
 use crate::IdentifyError;
 use crate::fit::Options;
-use crate::problem::stream::blocks_of;
+use crate::problem::stream::{blocks_of, many, stations_of};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use std::borrow::{Borrow, Cow};
 use std::ops::Range;
-use trunnion_core::{NestSide, Point, Setup};
+use trunnion_core::{NestSide, Point, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{Instance, Model, Scene, SceneArtefact, SceneSetting, SceneSetup, Unit};
 use trunnion_instruments::{Projector, Quantity, instrument};
@@ -62,31 +63,35 @@ pub enum ExperimentError {
 }
 
 impl Experiment {
-    /// Puts runs together; one on the fly with more points than [`Limits::most_blocks`] is reduced to blocks first. Setups of different runs stay apart (the ball was set again); with several runs
-    /// their names are prefixed by the run's number, e.g. `1.low`.
+    /// Puts runs together; one with more points than [`Limits`] allows for its kind is reduced to blocks or stations first. Setups of
+    /// different runs stay apart (the ball was set again); with several runs their names are prefixed by the run's number, e.g. `1.low`.
     ///
     /// # Errors
     /// No run, no usable point, or runs of different machines.
     pub fn new(runs: &[Run]) -> Result<Self, ExperimentError> {
         let limits = Limits::default();
-        let many = |run: &Run| run.kind == RunKind::OnTheFly && run.points.len() > limits.most_blocks;
-        if !runs.iter().any(many) {
-            return Self::of_points(runs);
-        }
-        let reduced = runs.iter().map(|run| if many(run) { blocks_of(run, limits).0 } else { run.clone() });
-        Self::of_points(&reduced.collect::<Vec<_>>())
+        let reduced = |run: &'_ Run| match run.kind {
+            RunKind::OnTheFly => blocks_of(run, limits).0,
+            RunKind::Static => stations_of(run, limits),
+        };
+        let fitted = runs.iter().map(|run| match many(run, limits) {
+            true => Cow::Owned(reduced(run)),
+            false => Cow::Borrowed(run),
+        });
+        Self::of_points(&fitted.collect::<Vec<_>>())
     }
 
     /// As [`Self::new`], with every point as it is, however many.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn of_points(runs: &[Run]) -> Result<Self, ExperimentError> {
-        let first = runs.first().ok_or(ExperimentError::NoRun)?;
+    pub fn of_points(runs: &[impl Borrow<Run>]) -> Result<Self, ExperimentError> {
+        let runs: Vec<&Run> = runs.iter().map(Borrow::borrow).collect();
+        let first = *runs.first().ok_or(ExperimentError::NoRun)?;
         let (mut setups, mut points, mut run_of_point, mut channels) =
             (Vec::new(), Vec::new(), Vec::new(), first.channels.clone());
         let mut run_of_setup = Vec::new();
-        for (i, run) in runs.iter().enumerate() {
+        for (i, run) in runs.iter().copied().enumerate() {
             if run.machine != first.machine {
                 return Err(ExperimentError::DifferentMachines {
                     run: run.name.clone(),
@@ -266,6 +271,17 @@ impl Experiment {
         points: Range<usize>,
         columns: &mut DMatrix<f64>,
     ) {
+        self.add_columns_at(&|i| Cow::Borrowed(&self.points[i].state), effects, points, columns);
+    }
+
+    /// The same with the points in other states.
+    pub(crate) fn add_columns_at<'s>(
+        &self,
+        state_of: &dyn Fn(usize) -> Cow<'s, State>,
+        effects: &[(&Instance, &[f64])],
+        points: Range<usize>,
+        columns: &mut DMatrix<f64>,
+    ) {
         let first_row = self.first_row[points.start];
         let mut first_column = vec![0];
         for (instance, _) in effects {
@@ -273,7 +289,7 @@ impl Experiment {
         }
         for i in points {
             let rows = self.rows_of(i);
-            let state = &self.points[i].state;
+            let state: &State = &state_of(i);
             let projector = Projector::new(self.machine(), &self.setups[state.setup], state);
             for (k, (instance, shape)) in effects.iter().enumerate() {
                 instance.motions(&self.scene, shape, state, &mut |parameter, site, twist| {

@@ -6,13 +6,16 @@
 use crate::Experiment;
 use std::collections::HashMap;
 use trunnion_core::axis::SLOTS;
-use trunnion_core::{AxisLetter, AxisValues, State};
+use trunnion_core::{AxisValues, Joint, Point, State};
 use trunnion_cycles::RunKind;
+use trunnion_effects::same_position;
 
 /// Points with fewer than this share of their setup's points do not make a pass of their own.
 const SMALLEST_PASS: f64 = 0.05;
 /// A slow axis stands at no more than this many positions; else blocks are parts of the pass in order.
 const MOST_POSITIONS: usize = 64;
+/// An axis whose positions go on for longer without a step moves, in steps that count as one position.
+const LONGEST_STAND: f64 = 4.0;
 /// Blocks of a pass without a slow axis.
 const PARTS_OF_PASS: usize = 8;
 
@@ -42,14 +45,22 @@ pub(crate) fn passes(experiment: &Experiment) -> Passes {
 }
 
 /// Rotary axes that move, or all axes that move when none turns: fewest changes first.
-fn moving_axes(experiment: &Experiment) -> Vec<AxisLetter> {
-    let changes = |letter: AxisLetter| {
-        let position = |i: usize| (experiment.points[i].state.position[letter] * 1e6).round() as i64;
-        (1..experiment.points.len()).filter(|&i| position(i) != position(i - 1)).count()
+fn moving_axes(experiment: &Experiment) -> Vec<Joint> {
+    let changes = |letter: Joint| {
+        let mut stood = experiment.points[0].state.position[letter];
+        let moves = |point: &&Point| {
+            let position = point.state.position[letter];
+            let moved = (position - stood).abs() > same_position(letter.slot());
+            if moved {
+                stood = position;
+            }
+            moved
+        };
+        experiment.points.iter().filter(moves).count()
     };
     let joints = experiment.machine().joints();
-    let mut moving: Vec<(usize, AxisLetter)> =
-        joints.into_iter().map(|letter| (changes(letter), letter)).filter(|(n, _)| *n > 0).collect();
+    let moving = joints.into_iter().filter(|&letter| experiment.scene.moves(letter));
+    let mut moving: Vec<(usize, Joint)> = moving.map(|letter| (changes(letter), letter)).collect();
     if moving.iter().any(|(_, letter)| letter.is_rotary()) {
         moving.retain(|(_, letter)| letter.is_rotary());
     }
@@ -57,7 +68,7 @@ fn moving_axes(experiment: &Experiment) -> Vec<AxisLetter> {
     moving.into_iter().map(|(_, letter)| letter).collect()
 }
 
-fn pass_of_points(experiment: &Experiment, moving: &[AxisLetter]) -> Vec<usize> {
+fn pass_of_points(experiment: &Experiment, moving: &[Joint]) -> Vec<usize> {
     let key = |i: usize| {
         let state = &experiment.points[i].state;
         let heading: Vec<i8> = moving.iter().map(|&l| sign(state.direction[l])).collect();
@@ -91,13 +102,11 @@ fn pass_of_points(experiment: &Experiment, moving: &[AxisLetter]) -> Vec<usize> 
     number(merged)
 }
 
-fn block_of_points(experiment: &Experiment, moving: &[AxisLetter], pass: &[usize]) -> Vec<usize> {
-    if let Some(&slow) = moving.first().filter(|_| moving.len() > 1) {
-        let position = |i: usize| (experiment.points[i].state.position[slow] * 1e6).round() as i64;
-        let block = number((0..experiment.points.len()).map(position));
-        if count(&block) <= MOST_POSITIONS {
-            return block;
-        }
+fn block_of_points(experiment: &Experiment, moving: &[Joint], pass: &[usize]) -> Vec<usize> {
+    if let Some(&slow) = moving.first().filter(|_| moving.len() > 1)
+        && let Some(block) = stands(experiment, slow)
+    {
+        return block;
     }
     let mut length = vec![0; count(pass)];
     for &p in pass {
@@ -112,8 +121,26 @@ fn block_of_points(experiment: &Experiment, moving: &[AxisLetter], pass: &[usize
         .collect()
 }
 
+/// Number of the position at which each point finds an axis; `None` when it does not stand at few of them.
+fn stands(experiment: &Experiment, letter: Joint) -> Option<Vec<usize>> {
+    let position = |i: usize| experiment.points[i].state.position[letter];
+    let mut order: Vec<usize> = (0..experiment.points.len()).collect();
+    order.sort_by(|&i, &j| position(i).total_cmp(&position(j)));
+    let same = same_position(letter.slot());
+    let (mut of_point, mut number, mut first) = (vec![0; order.len()], 0, position(*order.first()?));
+    for pair in order.windows(2) {
+        if position(pair[1]) - position(pair[0]) > same {
+            (number, first) = (number + 1, position(pair[1]));
+        } else if position(pair[1]) - first > LONGEST_STAND * same {
+            return None;
+        }
+        of_point[pair[1]] = number;
+    }
+    (number < MOST_POSITIONS).then_some(of_point)
+}
+
 /// Class of the feed of the axis that turns, in steps of √2; 0 at rest and where no rotary axis moves.
-fn feed_class(state: &State, moving: &[AxisLetter]) -> i32 {
+fn feed_class(state: &State, moving: &[Joint]) -> i32 {
     let rotary = moving.iter().filter(|letter| letter.is_rotary());
     let speed = rotary.fold(0.0_f64, |most, &letter| most.max(state.velocity[letter].abs()));
     if speed > 0.0 { (2.0 * speed.log2()).round() as i32 + 100 } else { 0 }

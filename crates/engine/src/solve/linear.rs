@@ -135,6 +135,24 @@ impl Solver {
         scaled.component_mul(&self.scale)
     }
 
+    /// x from Qᵀb with the scaled step held back: min ‖R y − Qᵀb‖² + damping² ‖y‖² (Levenberg, Marquardt).
+    pub fn solve_damped(&self, projected: &DVector<f64>, damping: f64) -> DVector<f64> {
+        if damping == 0.0 {
+            return self.solve(projected);
+        }
+        let mut right = projected.clone();
+        self.qr.q_tr_mul(&mut right);
+        let n = self.scale.len();
+        let mut stacked = self.qr.r().resize_vertically(2 * n, 0.0);
+        stacked.view_mut((n, 0), (n, n)).fill_diagonal(damping);
+        let mut right = right.rows(0, n).into_owned().resize_vertically(2 * n, 0.0);
+        let qr = stacked.qr();
+        qr.q_tr_mul(&mut right);
+        let top = right.rows(0, n).into_owned();
+        let scaled = qr.r().solve_upper_triangular(&top).expect("damped columns are independent");
+        scaled.component_mul(&self.scale)
+    }
+
     /// (AᵀA)⁻¹.
     pub fn cofactor(&self) -> DMatrix<f64> {
         let n = self.scale.len();

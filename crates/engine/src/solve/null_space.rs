@@ -1,6 +1,7 @@
 //! What the data cannot see: null directions of the scaled design, made sparse and named.
 //!
-//! Null vectors are the right singular vectors with σ ≤ tolerance·σ₁, and those along which the fit
+//! Null vectors are the right singular vectors with σ ≤ tolerance·σ₁, those that show no more than positions a little off the
+//! commanded ones would show by themselves (`problem::off_nominal`), and those along which the fit
 //! would wander by more than `MEANINGLESS_MM` of reading. They are brought to reduced row echelon form. Pivots are first the
 //! parameters that the minimum set of location errors defines as zero (S2 tables 2–5), weakest first, then the most
 //! involved ones. Every pivot is held at zero, which leaves independent columns. A conventional pivot lets the
@@ -8,7 +9,7 @@
 
 use crate::solve::direction::{Named, Status, Unobservable};
 use crate::solve::linear::Reduced;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVectorView};
 use trunnion_effects::{Parameter, Unit};
 
 /// A direction whose uncertainty moves the readings by more than this (rms, mm) has no physical meaning.
@@ -17,9 +18,10 @@ const MEANINGLESS_MM: f64 = 1.0;
 /// column is rounding and the mean of blocks.
 const FAINTEST_PER_MM: f64 = 1e-6;
 const FAINTEST_PER_RAD_MM: f64 = 1e-4;
-/// Share of a direction (scaled columns) above which a parameter takes part, for exact and for weak directions.
+/// Share of a direction (scaled columns) above which a parameter takes part: by rounding, for weak directions, and at most.
 const TAKES_PART: f64 = 1e-6;
 const TAKES_PART_WEAKLY: f64 = 1e-3;
+const TAKES_PART_CLEARLY: f64 = 0.05;
 
 /// How the null space is fixed.
 pub(crate) struct Datum {
@@ -46,30 +48,41 @@ pub(crate) struct Direction {
 }
 
 /// What decides that a direction is not seen.
-pub(crate) struct Limits {
+pub(crate) struct Limits<'a> {
     /// Relative singular value.
     pub tolerance: f64,
+    /// ΔAᵀΔA of positions a little off.
+    pub off_nominal: &'a DMatrix<f64>,
     /// Singular value (scaled columns, mm) below which the uncertainty is beyond meaning; 0 when noise is not known yet.
     pub weakest: f64,
     /// Number of rows.
     pub rows: usize,
 }
 
-impl Limits {
-    /// Limits for a residual standard deviation; 0 when nothing is known of it.
-    pub fn with_noise(tolerance: f64, sigma_mm: f64, rows: usize) -> Self {
-        Self { tolerance, weakest: sigma_mm / (MEANINGLESS_MM * (rows as f64).sqrt()), rows }
+impl Limits<'_> {
+    /// The same for a residual standard deviation.
+    pub fn with_noise(&self, sigma_mm: f64, rows: usize) -> Self {
+        Self { weakest: sigma_mm / (MEANINGLESS_MM * (rows as f64).sqrt()), rows, ..*self }
     }
 
-    /// True when a parameter moves the readings by less than means anything (rms, mm for each mm or rad).
+    /// ‖ΔA v‖ of the direction v of the scaled columns `of`: what it would show if positions alone were a little off.
+    fn off_nominal(&self, reduced: &Reduced, of: &[usize], v: &DVectorView<'_, f64>) -> f64 {
+        let scaled = |k: usize| v[k] * reduced.scale[of[k]];
+        let entry = |(k, l): (usize, usize)| scaled(k) * self.off_nominal[(of[k], of[l])] * scaled(l);
+        let pairs = (0..of.len()).flat_map(|k| (0..of.len()).map(move |l| (k, l)));
+        pairs.map(entry).sum::<f64>().max(0.0).sqrt()
+    }
+
+    /// True when a parameter moves the readings by less than means anything (rms, mm for each mm or rad), or by no more than
+    /// positions a little off would make it.
     fn faint(&self, reduced: &Reduced, parameters: &[Parameter], j: usize) -> bool {
         let faintest = match parameters[j].unit {
             Unit::UM => FAINTEST_PER_MM,
             Unit::URAD => FAINTEST_PER_RAD_MM,
             _ => 0.0,
         };
-        // The scale is a power of two near the inverse norm of the column.
-        reduced.scale[j].recip() < faintest * (self.rows as f64).sqrt()
+        let norm = reduced.triangle.column(j).norm() / reduced.scale[j];
+        norm < faintest * (self.rows as f64).sqrt() || norm * norm <= self.off_nominal[(j, j)]
     }
 }
 
@@ -86,13 +99,13 @@ pub(crate) fn datum(
     free: &[usize],
     parameters: &[Parameter],
     zeros: &[Zero],
-    limits: &Limits,
+    limits: &Limits<'_>,
 ) -> Datum {
     let mut status = vec![Status::Held; parameters.len()];
     let mut directions = Vec::new();
-    let (faint, free): (Vec<usize>, Vec<usize>) =
+    let (without_effect, free): (Vec<usize>, Vec<usize>) =
         free.iter().partition(|&&j| limits.faint(reduced, parameters, j));
-    for j in faint {
+    for j in without_effect {
         status[j] = Status::Unobservable;
         let terms = vec![(j, 1.0)];
         directions.push(Direction { terms, conventional: false, standing: false, weak: false });
@@ -105,10 +118,20 @@ pub(crate) fn datum(
     }
     let (sigma, v) = reduced.singular(&free);
     let null_below = limits.tolerance.max(reduced.floor) * sigma[0];
-    let null: Vec<usize> =
-        (0..sigma.len()).filter(|&i| sigma[i] <= null_below || sigma[i] < limits.weakest).collect();
-    let weak = null.iter().any(|&i| sigma[i] > null_below);
-    let takes_part = if weak { TAKES_PART_WEAKLY } else { TAKES_PART };
+    let off: Vec<f64> =
+        (0..sigma.len()).map(|i| limits.off_nominal(reduced, &free, &v.column(i).as_view())).collect();
+    let (unseen, seen): (Vec<usize>, Vec<usize>) =
+        (0..sigma.len()).partition(|&i| sigma[i] <= null_below.max(off[i]));
+    let (faint, seen): (Vec<usize>, Vec<usize>) = seen.into_iter().partition(|&i| sigma[i] < limits.weakest);
+    let weak = !faint.is_empty();
+    let null: Vec<usize> = unseen.iter().chain(&faint).copied().collect();
+    // Positions a little off turn the null space towards the weakest direction that is seen (Davis and Kahan: by ‖ΔA v‖ over its σ).
+    let turned = match seen.iter().map(|&i| sigma[i]).reduce(f64::min) {
+        Some(weakest) => null.iter().map(|&i| off[i] / weakest).fold(0.0, f64::max),
+        None => 0.0,
+    };
+    let rounding = if weak { TAKES_PART_WEAKLY } else { TAKES_PART };
+    let takes_part = turned.clamp(rounding, TAKES_PART_CLEARLY);
     let (preferred, standing): (Vec<usize>, Vec<bool>) = zeros
         .iter()
         .filter_map(|zero| Some((free.iter().position(|&j| parameters[j].name == zero.name)?, zero.standing)))
@@ -197,16 +220,16 @@ pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]
     };
     if direction.standing {
         let axis = pivot.chars().last().unwrap_or_default();
-        let why = format!("cannot be seen: axis {axis} stands still in these runs; taken as 0");
+        let why = format!("not observable: axis {axis} is at rest in these runs; taken as 0");
         return Unobservable { direction: pivot, terms, inside, why };
     }
     let why = if others.is_empty() {
-        format!("cannot be seen: {pivot} {} of these runs", how("s"))
+        format!("not observable: {pivot} {} of these runs", how("s"))
     } else if !direction.conventional {
         let others = others.join(", ");
         let how = how("");
         format!(
-            "cannot be seen: {pivot} and {others} together {how} of these runs; none of them gets a number"
+            "not observable: {pivot} and {others} together {how} of these runs; none of them gets a number"
         )
     } else {
         let (stand, all) = if others.len() == 1 { ("stands", "both") } else { ("stand", "all of them") };
@@ -214,11 +237,9 @@ pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]
         let meaning = if without.is_empty() {
             format!(", so {others} {stand} for {all}")
         } else {
-            format!("; {} cannot be seen for another reason", without.join(", "))
+            format!("; {} is not observable for another reason", without.join(", "))
         };
-        format!(
-            "{pivot} cannot be told apart from {others} in these runs; by convention {pivot} = 0{meaning}"
-        )
+        format!("{pivot} is confounded with {others} in these runs; by convention {pivot} = 0{meaning}")
     };
     Unobservable { direction: spell(&terms), terms, inside, why }
 }

@@ -16,7 +16,7 @@ fn fit(run: Run, model: &Model) -> Result<trunnion_engine::Identification, Ident
 }
 
 #[test]
-fn one_percent_of_spikes_are_set_aside_and_named() {
+fn one_percent_of_spikes_are_excluded_and_named() {
     let clean = fit(nothing_hidden(), &Model::base("table-bc")).unwrap();
     assert!(clean.outliers.is_empty());
     let mut run = nothing_hidden();
@@ -153,7 +153,7 @@ fn an_open_shape_number_is_found_between_grid_points() {
 }
 
 /// Turns of C on the fly at two feeds, its axes not of one instant. The mean of a block lies some micrometres inside the
-/// arc, and only by that are some directions told apart: following them leads astray.
+/// arc, and only by that are some directions distinguishable: following them leads astray.
 #[test]
 fn a_sweep_whose_axes_are_out_of_step_still_converges() {
     for every in [1, 2] {

@@ -1,7 +1,7 @@
 //! The unit left out of a fit is called by what it is, and what cannot be known gets no figure.
 
 use crate::common::points_run;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_cycles::Run;
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
@@ -14,7 +14,7 @@ fn both_ways() -> Run {
 /// The points with C going forward: each pose once.
 fn forward() -> Run {
     let mut run = both_ways();
-    run.points.retain(|point| point.state.direction[AxisLetter::C] > 0.0);
+    run.points.retain(|point| point.state.direction[Joint::C] > 0.0);
     run
 }
 

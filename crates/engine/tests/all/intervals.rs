@@ -14,7 +14,7 @@ use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Setup, State};
 use trunnion_cycles::Run;
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
-use trunnion_engine::{Experiment, HoldoutWanted, Uncertainties, identify};
+use trunnion_engine::{Experiment, HeldOut, Uncertainties, identify};
 use trunnion_machine::shipped;
 
 const DRAWS: usize = 200;
@@ -78,7 +78,7 @@ fn draw(cycle: &Run, drift: Drift, seed: u64) -> Run {
 /// Share of the draws in which the interval of each location error holds zero, and rms of error over u.
 fn cover(drift: Drift, uncertainties: Uncertainties) -> Vec<(String, f64, f64)> {
     let cycle = cycle();
-    let options = Options { holdout: HoldoutWanted::No, uncertainties, ..Options::default() };
+    let options = Options { holdout: HeldOut::Skipped, uncertainties, ..Options::default() };
     let mut pulls: Vec<(String, Vec<f64>)> = Vec::new();
     for seed in 0..DRAWS as u64 {
         let experiment = Experiment::new(&[draw(&cycle, drift, seed)]).expect("points");

@@ -11,3 +11,4 @@ mod null;
 mod outside_data;
 mod robot;
 mod single_error_tables;
+mod spectrum;

@@ -1,10 +1,10 @@
-//! Forty runs of a good machine with noise as machines make it: hardly anything may be claimed.
+//! Sixteen runs of a good machine with noise as machines make it: hardly anything may be claimed, and silence is no way out.
 
 use crate::common::points_run;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_effects::Model;
 use trunnion_engine::diagnosis::Options;
 use trunnion_engine::{Experiment, Verdict, diagnose};
@@ -15,7 +15,7 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
 
 #[test]
 fn noise_of_real_machines_is_not_taken_for_an_effect() {
-    let mut claims = Vec::new();
+    let (mut claims, mut undecided) = (Vec::new(), Vec::new());
     for seed in 0..16 {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut run = points_run("points-nothing-hidden");
@@ -23,14 +23,14 @@ fn noise_of_real_machines_is_not_taken_for_an_effect() {
         let (mut drift, mut angle_rad, mut last) = ([0.0; 3].map(|_: f64| normal(&mut rng)), 0.0, None);
         let keep = (-4.0_f64 / 360.0).exp();
         for point in &mut run.points {
-            let (b, c) = (point.state.position[AxisLetter::B], point.state.position[AxisLetter::C]);
-            let station = (b.to_bits(), point.state.direction[AxisLetter::B] > 0.0, point.state.setup);
+            let (b, c) = (point.state.position[Joint::B], point.state.position[Joint::C]);
+            let station = (b.to_bits(), point.state.direction[Joint::B] > 0.0, point.state.setup);
             if last != Some(station) {
                 angle_rad = 1.5e-6 * normal(&mut rng);
                 last = Some(station);
             }
             drift = drift.map(|x| keep * x + (1.0 - keep * keep).sqrt() * normal(&mut rng));
-            let place = AxisLetter::LINEAR.map(|l| point.state.position[l]);
+            let place = Joint::LINEAR.map(|l| point.state.position[l]);
             let tilt = [place[2] * angle_rad, 0.0, -place[0] * angle_rad];
             let machine: [f64; 3] = std::array::from_fn(|k| 0.2e-3 * drift[k] + tilt[k]);
             // Into table axes: back by B about Y, then by C about Z.
@@ -50,7 +50,10 @@ fn noise_of_real_machines_is_not_taken_for_an_effect() {
         let model = Model::base(&run.machine.name);
         let experiment = Experiment::new(&[run]).unwrap();
         let diagnosis = diagnose(&experiment, &model, &Options::default()).unwrap();
-        if diagnosis.verdict != Verdict::NoiseFloor {
+        if diagnosis.verdict == Verdict::Undecided {
+            println!("{seed}: {}", diagnosis.why);
+            undecided.push(seed);
+        } else if diagnosis.verdict != Verdict::NoiseFloor {
             let first = diagnosis.candidates.first().map(|c| (c.effect.clone(), c.evidence));
             println!(
                 "{seed}: {first:?} {:?}",
@@ -60,4 +63,5 @@ fn noise_of_real_machines_is_not_taken_for_an_effect() {
         }
     }
     assert!(claims.len() <= 1, "claims at seeds {claims:?}");
+    assert!(undecided.len() <= 4, "undecided at seeds {undecided:?}");
 }

@@ -78,7 +78,7 @@ fn fit(sheet: &Sheet, rows: &Rows) -> Identification {
     identify(&experiment, &Model::base("table-ac"), &Options::default()).expect("a fit")
 }
 
-/// Location errors are as expected, those not listed zero; what cannot be told apart is named.
+/// Location errors are as expected, those not listed zero; what cannot be distinguished is named.
 fn check(sheet: &Sheet, fit: &Identification, tolerance: f64) {
     for p in fit.parameters.iter().filter(|p| p.effect == "location-errors") {
         let Some(value) = p.screen_value() else { continue };

@@ -1,10 +1,10 @@
 //! The part of a machine file about legs in parallel: `[tripod]` and the axes of `kind = "leg"`.
 
-use super::{FARTHEST_MM, Moves, moves};
+use super::moves::{FARTHEST_MM, Moves, moves};
 use crate::Axis;
 use crate::tripod::{Leg, Tripod, base_pose};
 use nalgebra::{Point3, Vector3};
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_core::input::Table;
 
 /// Longest leg of a machine file, mm.
@@ -14,13 +14,13 @@ const LONGEST_MM: f64 = 20_000.0;
 pub(super) fn legs(
     root: &Table<'_>,
     axes: &Table<'_>,
-    tool: Option<&[AxisLetter]>,
+    tool: Option<&[Joint]>,
 ) -> Option<(Tripod, [Axis; 3])> {
     let table = root.table("tripod")?;
     let origin = table.vector3("base_in_machine_mm");
     let tilt = table.number("base_tilt_deg", -180.0..=180.0);
     table.no_other_keys();
-    let letters: [AxisLetter; 3] = tool?.get(..3).and_then(|first| first.try_into().ok()).or_else(|| {
+    let letters: [Joint; 3] = tool?.get(..3).and_then(|first| first.try_into().ok()).or_else(|| {
         root.problem("tool", "begins with fewer than three axes", "the strokes of legs 1, 2 and 3 first", "");
         None
     })?;
@@ -51,7 +51,7 @@ pub(super) fn legs(
     Some((tripod, axes))
 }
 
-fn leg(axes: &Table<'_>, letter: AxisLetter) -> Option<(Leg, Moves)> {
+fn leg(axes: &Table<'_>, letter: Joint) -> Option<(Leg, Moves)> {
     let table = axes.table(letter.as_str())?;
     let kind = table.one_of("kind", &["leg"]);
     if letter.is_rotary() {

@@ -97,11 +97,11 @@ fn the_reading_is_minus_equations_8_and_9_of_oyama() {
             let printed = Vector3::new(x - c * p.y + b * p.z, y + c * p.x - a * p.z, z - b * p.x + a * p.y);
 
             let mut q = AxisValues::default();
-            q[AxisLetter::B] = b_deg.to_radians();
-            q[AxisLetter::C] = c_deg.to_radians();
+            q[Joint::B] = b_deg.to_radians();
+            q[Joint::C] = c_deg.to_radians();
             let mut errors = JointErrors::default();
-            errors[AxisLetter::B] = b_error;
-            errors[AxisLetter::C] = c_error;
+            errors[Joint::B] = b_error;
+            errors[Joint::C] = c_error;
             let nominal_pose = machine.machine_from_table(&q, &JointErrors::default());
             let ball_in_machine = nominal_pose * Point3::from(p);
             let ball_in_table = machine.machine_from_table(&q, &errors).inverse() * ball_in_machine;
@@ -118,14 +118,14 @@ fn three_linear_axes_follow_the_review_model() {
     let machine = shipped::machine("three-axis").unwrap();
     let mut q = AxisValues::default();
     let (y, z) = (170.0, 90.0);
-    (q[AxisLetter::X], q[AxisLetter::Y], q[AxisLetter::Z]) = (130.0, y, z);
+    (q[Joint::X], q[Joint::Y], q[Joint::Z]) = (130.0, y, z);
     let mut e = JointErrors::default();
     let (eax, ebx, ecx, eay, eby) = (1e-5, -2e-5, 3e-5, 4e-5, 5e-5);
-    e[AxisLetter::X] =
+    e[Joint::X] =
         Twist { translation_mm: Vector3::new(1e-3, 2e-3, 3e-3), rotation_rad: Vector3::new(eax, ebx, ecx) };
-    e[AxisLetter::Y] =
+    e[Joint::Y] =
         Twist { translation_mm: Vector3::new(4e-3, 5e-3, 6e-3), rotation_rad: Vector3::new(eay, eby, 6e-5) };
-    e[AxisLetter::Z] = Twist {
+    e[Joint::Z] = Twist {
         translation_mm: Vector3::new(7e-3, 8e-3, 9e-3),
         rotation_rad: Vector3::new(9e-5, 9e-5, 9e-5),
     };
@@ -141,7 +141,7 @@ fn following_the_ball_closes_the_gap_on_every_machine_that_can() {
         let machine = shipped::machine(name).unwrap();
         let ball = Point3::new(150.0, 10.0, 60.0);
         let mut q = AxisValues::default();
-        (q[AxisLetter::A], q[AxisLetter::B], q[AxisLetter::C]) = (0.4, -0.7, 2.0);
+        (q[Joint::A], q[Joint::B], q[Joint::C]) = (0.4, -0.7, 2.0);
         let q = machine.follow(&q, &ball).unwrap();
         let none = JointErrors::default();
         let gap = machine.machine_from_table(&q, &none) * ball

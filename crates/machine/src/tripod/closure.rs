@@ -1,6 +1,6 @@
 //! The closure of the three legs as equations in six angles, and its derivatives.
 
-use super::Leg;
+use super::leg::Leg;
 use nalgebra::{Matrix6, SVector, UnitQuaternion, Vector3, Vector6};
 
 /// α, θ, β₁, β₃, α₂, β₂.

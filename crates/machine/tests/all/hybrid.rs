@@ -5,7 +5,7 @@
 use nalgebra::{Point3, Unit, Vector3};
 use proptest::prelude::*;
 use trunnion_core::axis::iso::{A, C, X, Y, Z};
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 use trunnion_machine::{JointErrors, Machine, shipped};
 
 fn hybrid() -> Machine {
@@ -161,5 +161,5 @@ fn files_whose_legs_do_not_fit_are_refused_with_line_and_reason() {
     check("base_tilt_deg = 30\n", "", &["base_tilt_deg is missing"]);
     check("tool = [\"X\", \"Y\", \"Z\", \"C\", \"A\"]", "tool = [\"X\", \"Y\"]", &["fewer than three axes"]);
     let letters: Vec<_> = hybrid().axes().map(|axis| axis.letter).collect();
-    assert_eq!(letters, [X, Y, Z, C, A] as [AxisLetter; 5]);
+    assert_eq!(letters, [X, Y, Z, C, A] as [Joint; 5]);
 }

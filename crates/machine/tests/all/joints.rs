@@ -1,7 +1,7 @@
 //! Machines of joints that are not called X Y Z A B C.
 
 use nalgebra::{Point3, Vector3};
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 use trunnion_machine::{JointErrors, Machine};
 
 const ROBOT: &str = include_str!("../data/robot.toml");
@@ -63,12 +63,9 @@ fn second_axes_and_a_spindle_are_joints() {
     let machine = parse(TWO_CARRIAGES);
     let spindle = machine.joint("spindle").unwrap();
     assert!(spindle.is_rotary());
-    assert_eq!(
-        machine.linear_joints(),
-        [AxisLetter::X, AxisLetter::Y, AxisLetter::Z, AxisLetter::U, AxisLetter::V, AxisLetter::W]
-    );
+    assert_eq!(machine.linear_joints(), [Joint::X, Joint::Y, Joint::Z, Joint::U, Joint::V, Joint::W]);
     let mut position = AxisValues::default();
-    (position[AxisLetter::X], position[AxisLetter::U], position[spindle]) = (100.0, 7.0, 0.5);
+    (position[Joint::X], position[Joint::U], position[spindle]) = (100.0, 7.0, 0.5);
     let tool = machine.machine_from_tool(&position, &JointErrors::default());
     assert_eq!(tool.translation.vector, Vector3::new(107.0, 0.0, 0.0));
     assert!((tool.rotation.angle() - 0.5).abs() < 1e-12);

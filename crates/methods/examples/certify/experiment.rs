@@ -6,7 +6,7 @@ use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{Instance, Model};
 use trunnion_engine::fit::Options;
-use trunnion_engine::{Experiment, HoldoutWanted, Outliers, Status, Uncertainties, identify};
+use trunnion_engine::{Experiment, HeldOut, Outliers, Status, Uncertainties, identify};
 use trunnion_instruments::predict;
 use trunnion_machine::{Errors, shipped};
 
@@ -70,7 +70,7 @@ pub fn experiment(rounds: usize) -> Experiment {
 
 /// What the fit can determine, under its conventions, and realistic sizes for it.
 pub struct Truth {
-    /// Indices of the parameters that the fit leaves free: all but one of each direction that cannot be seen.
+    /// Indices of the parameters that the fit leaves free: all but one of each direction that is not observable.
     pub seen: Vec<usize>,
     /// Which of `seen` have a number of their own.
     pub with_number: Vec<usize>,
@@ -135,7 +135,7 @@ pub fn exact_readings(experiment: &Experiment, solution: &DVector<f64>) -> DVect
 pub fn options() -> Options {
     Options {
         outliers: Outliers::Keep,
-        holdout: HoldoutWanted::No,
+        holdout: HeldOut::Skipped,
         uncertainties: Uncertainties::Clusters,
         ..Options::default()
     }

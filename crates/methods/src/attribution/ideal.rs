@@ -8,7 +8,7 @@
 use super::{AttributionError, Ideal, Motion, smooth};
 use std::f64::consts::{PI, TAU};
 use std::ops::{Range, RangeInclusive};
-use trunnion_core::{AxisLetter, AxisSample, AxisValues};
+use trunnion_core::{AxisSample, AxisValues, Joint};
 use trunnion_cycles::cycle::Sweep;
 use trunnion_cycles::{Cycle, cycle};
 use trunnion_machine::Machine;
@@ -88,7 +88,7 @@ fn of_cycle(motion: &Motion<'_>, cycle: &Cycle) -> Result<Result<Found, String>,
 
 /// What leads the motion of a cycle on the fly: an axis that turns, or the angle on a curve.
 struct Lead {
-    turning: Option<AxisLetter>,
+    turning: Option<Joint>,
     /// At every sample, rad, without jumps.
     angle_rad: Vec<f64>,
     /// Angles of the pass: smallest and largest; of a curve only their difference counts.

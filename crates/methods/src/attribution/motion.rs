@@ -1,6 +1,6 @@
 //! A motion that can be judged, and where its ideal comes from.
 
-use trunnion_core::{AxisLetter, AxisSample};
+use trunnion_core::{AxisSample, Joint};
 use trunnion_cycles::Cycle;
 use trunnion_machine::Machine;
 
@@ -27,7 +27,7 @@ pub enum Ideal {
         /// Name of the cycle.
         name: String,
         /// The axis that turns; `None` along a curve.
-        turning: Option<AxisLetter>,
+        turning: Option<Joint>,
     },
     /// A smooth path through the measured positions of each axis.
     Smooth {

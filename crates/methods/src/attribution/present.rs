@@ -5,10 +5,10 @@ use crate::Findings;
 use crate::findings::{AxisName, Cell, Chart, Column, Curve, FoundTable, FoundValue, Plot};
 use crate::recipes::Convention;
 use nalgebra::Vector3;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_effects::Unit;
 
-/// Axes drawn besides the sum.
+/// Axes drawn next to the sum.
 const DRAWN: usize = 3;
 /// Bins of a chart; two points of each are drawn, its lowest and highest.
 const BINS: usize = 300;
@@ -173,7 +173,7 @@ impl Attribution {
 }
 
 /// What leads the motion of a cycle.
-fn lead(turning: Option<AxisLetter>) -> String {
+fn lead(turning: Option<Joint>) -> String {
     turning.map_or_else(|| "angle on the curve".into(), |axis| axis.to_string())
 }
 

@@ -11,11 +11,11 @@ use crate::common::{Mounted, mounted};
 use crate::recipes::{Method, MethodError, one_machine};
 use nalgebra::{Point3, Vector3};
 use trunnion_core::convert::{deg_from_rad, rad_from_deg};
-use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Point, Setup};
+use trunnion_core::{AxisValues, InstrumentKind, Joint, Point, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::{JointErrors, Machine, Side};
 
-/// Other axes that move less than this stand still, mm or rad.
+/// Other axes that move less than this are at rest, mm or rad.
 const STILL_MM: f64 = 0.05;
 const STILL_RAD: f64 = 1e-4;
 /// An axis that turns less than this is only positioned.
@@ -25,9 +25,9 @@ const LEAST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
 #[derive(Clone, Debug)]
 pub(crate) struct Turning {
     /// The axis.
-    pub axis: AxisLetter,
+    pub axis: Joint,
     /// Across and along: u, v, w.
-    pub frame: [AxisLetter; 3],
+    pub frame: [Joint; 3],
     /// One for each setup of each run.
     pub sets: Vec<TurningSet>,
     /// True when the readings are blocks of samples of a moving axis.
@@ -58,7 +58,7 @@ pub(crate) struct Turned {
     pub angle_rad: f64,
     /// Right-handed turn about w, rad.
     pub turned_rad: f64,
-    /// −1 or +1; 0 when it cannot be told.
+    /// −1 or +1; 0 when it cannot be distinguished.
     pub direction: f64,
     /// Index of the pass.
     pub pass: usize,
@@ -71,7 +71,7 @@ impl Turning {
     ///
     /// # Errors
     /// No setup in which one rotary axis turns alone, several such axes and none chosen, or runs of several machines.
-    pub fn of(method: &Method, runs: &[Run], asked: Option<AxisLetter>) -> Result<Self, MethodError> {
+    pub fn of(method: &Method, runs: &[Run], asked: Option<Joint>) -> Result<Self, MethodError> {
         let machine = one_machine(runs)?;
         if let Some(letter) = asked
             && !machine.axis(letter).is_some_and(|axis| axis.is_rotary())
@@ -109,13 +109,13 @@ impl Turning {
     }
 
     /// Symbol of an error of the axis: `E`, direction, axis, e.g. `EXC`; of its average line with a `0`, `EX0C`.
-    pub fn symbol(&self, direction: AxisLetter, average_line: bool) -> String {
+    pub fn symbol(&self, direction: Joint, average_line: bool) -> String {
         format!("E{direction}{}{}", if average_line { "0" } else { "" }, self.axis)
     }
 
     /// The letters of the rotations about u, v, w.
-    pub fn rotations(&self) -> [AxisLetter; 3] {
-        self.frame.map(|letter| AxisLetter::ROTARY[letter.index()])
+    pub fn rotations(&self) -> [Joint; 3] {
+        self.frame.map(|letter| Joint::ROTARY[letter.index()])
     }
 
     /// True when a pass goes once around.
@@ -128,12 +128,12 @@ impl Turning {
     }
 }
 
-/// The rotary axis that turns while everything else stands still, or why there is none.
-fn alone(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<AxisLetter, String> {
+/// The rotary axis that turns while everything else is at rest, or why there is none.
+fn alone(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Joint, String> {
     if setup.instrument != InstrumentKind::RTest {
         return Err(format!("is read by a {}, not by an R-test", setup.instrument.name()));
     }
-    let moves = |letter: AxisLetter| span(points.iter().map(|p| p.state.position[letter]));
+    let moves = |letter: Joint| span(points.iter().map(|p| p.state.position[letter]));
     let turning: Vec<_> =
         machine.rotary_joints().into_iter().filter(|&letter| moves(letter) > LEAST_TURN_RAD).collect();
     let &[axis] = &turning[..] else {
@@ -142,7 +142,7 @@ fn alone(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<AxisLett
             false => format!("axes {} turn", names(&turning)),
         });
     };
-    let still = |letter: AxisLetter| if letter.is_rotary() { STILL_RAD } else { STILL_MM };
+    let still = |letter: Joint| if letter.is_rotary() { STILL_RAD } else { STILL_MM };
     let others: Vec<_> = machine
         .joints()
         .into_iter()
@@ -157,7 +157,7 @@ fn alone(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<AxisLett
     }
 }
 
-fn names(letters: &[AxisLetter]) -> String {
+fn names(letters: &[Joint]) -> String {
     letters.iter().map(|letter| letter.as_str()).collect::<Vec<_>>().join(", ")
 }
 
@@ -170,18 +170,18 @@ fn span(values: impl Iterator<Item = f64>) -> f64 {
 /// The axis in its machine.
 struct Placed<'a> {
     machine: &'a Machine,
-    axis: AxisLetter,
+    axis: Joint,
     side: Side,
-    frame: [AxisLetter; 3],
+    frame: [Joint; 3],
     /// Right-handed turn about w for a positive coordinate.
     sense: f64,
 }
 
 impl<'a> Placed<'a> {
-    fn of(machine: &'a Machine, axis: AxisLetter) -> Option<Self> {
+    fn of(machine: &'a Machine, axis: Joint) -> Option<Self> {
         let joint = machine.axis(axis)?;
         let along = joint.direction.iamax();
-        let frame = [(along + 1) % 3, (along + 2) % 3, along].map(|k| AxisLetter::LINEAR[k]);
+        let frame = [(along + 1) % 3, (along + 2) % 3, along].map(|k| Joint::LINEAR[k]);
         let cosine = joint.direction[along];
         let side = machine.side(axis)?;
         (cosine.abs() > 0.999).then_some(Self {

@@ -9,7 +9,7 @@
 //! [ISO 230-4:2005 clause 3; Kakino, Ihara, Shinohara 1990 (DBB method); docs/design/physics.md §5.2]. Each error's own circularity is the range of
 //! what it alone makes of the trace, centred. What all of them leave is given as share of the variance and in µm, beside the
 //! noise of the readings by their successive differences: more than noise is something the list lacks.
-//! Limits: first order in errors over R; mean scale is not told from a bar without calibrated length, nor an error that makes a
+//! Limits: first order in errors over R; mean scale is not distinguished from a bar without calibrated length, nor an error that makes a
 //! first lobe from the setting; straightness only as a bow; spikes by one decay s₀ for each axis.
 
 mod charts;
@@ -29,10 +29,10 @@ pub(super) static METHOD: Method = Method {
     name: "circular",
     title: "Circular tests of linear axes: ISO 230-4 values and the errors behind them, ranked",
     source: "ISO 230-4:2005; Kakino et al. 1990 (DBB); S4 §4.1; docs/design/physics.md §5.2",
-    about: "Ball-bar circles of two linear axes, best both ways: circular deviations, and the classical list of errors fitted \
-            to both directions together, each with its own circularity, ranked, with the share that nothing on the list explains.",
+    about: "Ball-bar circles of two linear axes, best both ways: circular deviations; and the classical list of errors, fitted \
+            to both directions together. Each has its own circularity and its rank; the share that nothing on the list explains stands last.",
     needs: "a ball bar while two linear axes make a circle of 180° or more about its table ball, best whole circles both ways",
-    gives: "G of each direction, G(b), D and F (bar of known length), squareness, scale mismatch, backlash, reversal spikes, lateral \
+    gives: "G of each direction, G(b), D and F (bar of known length), squareness, scale mismatch; backlash, reversal spikes, lateral \
             play, cyclic error, servo mismatch, straightness, and what they leave",
     run,
 };

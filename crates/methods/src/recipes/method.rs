@@ -2,7 +2,7 @@
 
 use super::convention::Convention;
 use crate::Findings;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_cycles::Run;
 use trunnion_engine::{ExperimentError, IdentifyError};
 
@@ -29,7 +29,7 @@ pub struct Method {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MethodOptions {
     /// The axis to judge; by default the one that turns alone.
-    pub axis: Option<AxisLetter>,
+    pub axis: Option<Joint>,
     /// Signs of the values.
     pub convention: Convention,
 }

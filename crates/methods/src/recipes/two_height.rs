@@ -7,7 +7,7 @@
 //! s and c by least squares over u and v together, all passes of a height; m averaged over passes both ways
 //! [S0 (Kenno 2020) §4.3, eq. 1–3; docs/design/physics.md §3]. More than two heights: the straight line through them.
 //! `--convention source` gives S0's signs: its EXC, EYC, EZC (eq. 1–2) and its EA0C (eq. 3) oppose the right-handed ones.
-//! Limits: the positioning error of the axis cannot be seen with the ball on its line; an error motion in u, v that turns
+//! Limits: the positioning error of the axis is not observable with the ball on its line; an error motion in u, v that turns
 //! once with the axis counts as setting; a constant along w counts as setting. What carries the axis is in its location
 //! errors: at B = 0 the EB0C found here contains EB0B.
 
@@ -27,9 +27,9 @@ pub(super) static METHOD: Method = Method {
     name: "two-height",
     title: "Error motions and location errors of one rotary axis from two heights",
     source: "S0 (Kenno et al. 2020), eq. 1-3; docs/design/physics.md §3",
-    about: "Only one rotary axis turns, the ball sits near its line at two heights. The circle the ball makes by being set \
-            off the axis, the place of the axis line, and the residual (the error motions) are separated by least squares.",
-    needs: "an R-test at two heights of the ball near the axis line, one rotary axis turning alone by 90° or more, best two \
+    about: "Only one rotary axis turns, the ball sits near its line at two heights. Least squares separate \
+            the circle of a ball set off the axis, the location of the axis line, and the residual (the error motions).",
+    needs: "an R-test at two heights of the ball near the axis line; one rotary axis turning alone by 90° or more, best two \
             turns both ways",
     gives: "setting errors, the four location errors of the axis, five error motions over its angle",
     run,

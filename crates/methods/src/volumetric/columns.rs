@@ -4,7 +4,7 @@ use super::Volume;
 use crate::NotTabulated;
 use crate::axis_errors::{changed_states, differ, size, state_at};
 use nalgebra::{DMatrix, Isometry3, Point3, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, Slot, State, Twist};
+use trunnion_core::{AxisValues, Joint, Slot, State, Twist};
 use trunnion_effects::{Instance, Model, Scene};
 use trunnion_engine::{Identification, IdentifyError};
 use trunnion_machine::propagation::JointFrame;
@@ -37,7 +37,7 @@ struct Placed {
 
 /// A place, and what turns joint errors into deviations there.
 struct Place {
-    frames: Vec<(AxisLetter, f64, JointFrame)>,
+    frames: Vec<(Joint, f64, JointFrame)>,
     table_from_machine: Isometry3<f64>,
     tool_in_machine_mm: Point3<f64>,
 }
@@ -104,7 +104,7 @@ impl Place {
     }
 
     /// Deviation of tool against table by the error twist of one joint, table axes.
-    fn deviation(&self, letter: AxisLetter, twist: &Twist) -> Twist {
+    fn deviation(&self, letter: Joint, twist: &Twist) -> Twist {
         let Some((_, sign, frame)) = self.frames.iter().find(|(joint, ..)| *joint == letter) else {
             return Twist::default();
         };
@@ -118,7 +118,7 @@ impl Place {
 }
 
 impl Placed {
-    /// Motions of the joints with the numbers found; true when something besides the joints moves.
+    /// Motions of the joints with the numbers found; true when something other than the joints moves.
     fn motions(&self, scene: &Scene, fit: &Identification, state: &State) -> (JointErrors, bool) {
         let (mut joints, mut elsewhere) = (JointErrors::default(), false);
         self.instance.motions(scene, &self.shape, state, &mut |parameter, site, twist| {

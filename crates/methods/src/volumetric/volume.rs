@@ -1,6 +1,6 @@
 //! A volume of axis positions and its grid.
 
-use trunnion_core::{AxisLetter, AxisValues, convert};
+use trunnion_core::{AxisValues, Joint, convert};
 use trunnion_effects::Scene;
 use trunnion_machine::Machine;
 
@@ -13,7 +13,7 @@ const INSIDE: f64 = 1e-6;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
     /// Joints of the machine.
-    pub joints: Vec<AxisLetter>,
+    pub joints: Vec<Joint>,
     /// Smallest and largest position, mm and rad; an axis at one place has both alike.
     pub range: AxisValues<(f64, f64)>,
     /// Places of each axis that moves.
@@ -45,7 +45,7 @@ pub enum VolumeError {
     },
     /// An axis given twice.
     #[error("--volume: axis {0} is given twice; keep one")]
-    Twice(AxisLetter),
+    Twice(Joint),
     /// Beyond what was measured.
     #[error(
         "--volume: {asked} reaches beyond what these runs measured ({measured}); the model says nothing there: ask for less, or measure more"
@@ -76,7 +76,7 @@ impl Volume {
     /// A text that is no list of ranges, axes the machine has not, ranges beyond the measured ones, too many places.
     pub fn parse(text: &str, steps: usize, scene: &Scene) -> Result<Self, VolumeError> {
         let machine = &scene.machine;
-        let measured = |letter: AxisLetter| scene.position_range[letter];
+        let measured = |letter: Joint| scene.position_range[letter];
         let mut range = AxisValues::of(machine.linear_joints(), measured);
         let mut given = Vec::new();
         for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
@@ -101,12 +101,12 @@ impl Volume {
     }
 
     /// Axes with more than one place.
-    pub fn moving(&self) -> impl Iterator<Item = AxisLetter> + '_ {
+    pub fn moving(&self) -> impl Iterator<Item = Joint> + '_ {
         self.joints.iter().copied().filter(|&letter| self.range[letter].1 > self.range[letter].0)
     }
 
     /// Places of an axis, mm or rad.
-    pub fn places(&self, letter: AxisLetter) -> Vec<f64> {
+    pub fn places(&self, letter: Joint) -> Vec<f64> {
         let (low, high) = self.range[letter];
         if high <= low {
             return vec![low];
@@ -137,7 +137,7 @@ impl Volume {
 }
 
 /// `X=-200..200` or `C=30`, mm or degrees, as inside units.
-fn read(part: &str, machine: &Machine) -> Result<(AxisLetter, (f64, f64)), VolumeError> {
+fn read(part: &str, machine: &Machine) -> Result<(Joint, (f64, f64)), VolumeError> {
     let no_range = || VolumeError::NoRange { part: part.into() };
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(no_range);
     let (name, range) = part.split_once('=').ok_or_else(no_range)?;
@@ -154,7 +154,7 @@ fn read(part: &str, machine: &Machine) -> Result<(AxisLetter, (f64, f64)), Volum
     if low > high { Err(no_range()) } else { Ok((letter, (inside(low), inside(high)))) }
 }
 
-fn spelt(letter: AxisLetter, (low, high): (f64, f64)) -> String {
+fn spelt(letter: Joint, (low, high): (f64, f64)) -> String {
     let round = |x: f64| (x * 1e3).round() / 1e3 + 0.0;
     let (unit, low, high) = match letter.is_rotary() {
         true => ("°", round(convert::deg_from_rad(low)), round(convert::deg_from_rad(high))),

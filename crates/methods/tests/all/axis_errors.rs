@@ -2,7 +2,7 @@
 
 use crate::common;
 use std::collections::BTreeSet;
-use trunnion_core::{AxisLetter, AxisValues, State, Twist};
+use trunnion_core::{AxisValues, Joint, State, Twist};
 use trunnion_effects::{Instance, Model, ModelEffect};
 use trunnion_engine::fit::Options;
 use trunnion_engine::{Experiment, Identification, identify};
@@ -59,7 +59,7 @@ fn every_effect_of_the_catalogue_is_in_the_tables_as_it_moves_or_left_out_with_a
 }
 
 #[test]
-fn a_model_that_tells_nothing_of_the_axes_gives_no_table() {
+fn a_model_that_reports_nothing_of_the_axes_gives_no_table() {
     let experiment = Experiment::new(&[common::points_run("points-nothing-hidden")]).unwrap();
     let entry = |id: &str| ModelEffect { id: id.into(), ..ModelEffect::default() };
     let model = Model { machine: "table-bc".into(), effects: vec![entry("ball-setting")] };
@@ -90,10 +90,10 @@ fn tables_move_as_the_model(
             let Site::Joint(letter) = site else { panic!("{} moves {site:?}", instance.id()) };
             joints[letter] += twist * values[parameter];
         });
-        for letter in AxisLetter::ALL {
+        for letter in Joint::ALL {
             let table = errors.axes.iter().find(|table| table.axis == letter);
-            let told = table.map_or(Twist::default(), |table| interpolated(table, position[letter]));
-            let off = joints[letter] + told * -1.0;
+            let reported = table.map_or(Twist::default(), |table| interpolated(table, position[letter]));
+            let off = joints[letter] + reported * -1.0;
             let size = off.translation_mm.amax().max(off.rotation_rad.amax());
             assert!(size < CLOSE, "{} at {letter} = {}: {size}", instance.id(), position[letter]);
         }

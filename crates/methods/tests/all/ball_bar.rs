@@ -1,7 +1,7 @@
 //! `ball-bar` against S4's printed figures: readings with exactly its means and circularities give its results.
 
 use std::f64::consts::TAU;
-use trunnion_core::{AxisLetter, Point, Quality};
+use trunnion_core::{Joint, Point, Quality};
 use trunnion_cycles::Pace;
 use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_instruments::predict;
@@ -13,7 +13,7 @@ use trunnion_methods::{Findings, recipes};
 const UM: f64 = 1e-3;
 
 /// A shipped cycle whose readings depart from the nominal machine by `departure_mm(setup, angle of the axis)`.
-fn run(text: &str, axis: AxisLetter, departure_mm: impl Fn(usize, f64) -> f64) -> Run {
+fn run(text: &str, axis: Joint, departure_mm: impl Fn(usize, f64) -> f64) -> Run {
     let cycle = Cycle::parse("cycle.toml", text).unwrap_or_else(|problems| panic!("{problems}"));
     let machine = shipped::machine(&cycle.machine).unwrap();
     let states = cycle.visits(&machine, &Pace::default()).unwrap_or_else(|error| panic!("{error}")).states;
@@ -47,9 +47,9 @@ fn cycle_text(name: &str) -> String {
 }
 
 /// A shape of range 1 without mean and without a part that turns once, on 0..360° (C) or −90..90° (B).
-fn shape(axis: AxisLetter, angle: f64) -> f64 {
+fn shape(axis: Joint, angle: f64) -> f64 {
     match axis {
-        AxisLetter::C => 0.5 * (3.0 * angle).cos(),
+        Joint::C => 0.5 * (3.0 * angle).cos(),
         // cos 4θ less its projection on 1 and cos θ over the half turn; sin θ is orthogonal by symmetry.
         _ => {
             let (a, b) = projection();
@@ -69,7 +69,7 @@ fn projection() -> (f64, f64) {
 
 /// Range of [`shape`] over the half turn.
 fn range_of_b() -> f64 {
-    let values = (-900..=900).map(|i| shape(AxisLetter::B, f64::from(i) * TAU / 3600.0));
+    let values = (-900..=900).map(|i| shape(Joint::B, f64::from(i) * TAU / 3600.0));
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     high - low
 }
@@ -98,19 +98,19 @@ fn setting_um(setup: usize, angle: f64) -> f64 {
 }
 
 fn s4_c() -> Run {
-    run(&cycle_text("s4-c"), AxisLetter::C, |setup, angle| {
+    run(&cycle_text("s4-c"), Joint::C, |setup, angle| {
         let (circularity, mean) = TABLE_3.get(setup).copied().unwrap_or((2.0, 0.0));
         let setting = if setup < 4 { setting_um(setup, angle) } else { 0.0 };
-        UM * (mean + setting + circularity * shape(AxisLetter::C, angle))
+        UM * (mean + setting + circularity * shape(Joint::C, angle))
     })
 }
 
 fn s4_b() -> Run {
     let range = range_of_b();
-    run(&cycle_text("s4-b"), AxisLetter::B, |setup, angle| {
+    run(&cycle_text("s4-b"), Joint::B, |setup, angle| {
         let (circularity, mean) = TABLE_4.get(setup).copied().unwrap_or((0.0, 0.0));
         let setting = if setup < 4 { setting_um(setup, angle) } else { 0.0 };
-        UM * (mean + setting + circularity / range * shape(AxisLetter::B, angle))
+        UM * (mean + setting + circularity / range * shape(Joint::B, angle))
     })
 }
 
@@ -159,7 +159,7 @@ fn s4_tables_3_and_4_are_printed_back() {
 fn s4_c_xy_gives_the_tilts_of_its_eq_4_and_5() {
     // Centre of the trace (−0.4, +0.7) µm, R = 135 mm.
     let text = cycle_text("bk2-c").replace("[100, 0, 60]", "[135, 0, 60]");
-    let bk2 = run(&text, AxisLetter::C, |setup, angle| {
+    let bk2 = run(&text, Joint::C, |setup, angle| {
         let trace = -0.4 * angle.cos() + 0.7 * angle.sin() + 0.3 * (2.0 * angle).cos();
         if setup == 2 { UM * trace } else { 0.0 }
     });
@@ -196,7 +196,7 @@ fn a_bar_of_unknown_length_gives_tilts_and_no_places() {
 
 #[test]
 fn circles_of_linear_axes_are_sent_to_their_method() {
-    let run = run(&cycle_text("circle-xy"), AxisLetter::C, |_, _| 0.0);
+    let run = run(&cycle_text("circle-xy"), Joint::C, |_, _| 0.0);
     let method = recipes::find("ball-bar").unwrap();
     let error = (method.run)(&[run], &MethodOptions::default()).unwrap_err();
     assert!(matches!(error, MethodError::Lacks { .. }) && error.to_string().contains("circular"), "{error}");

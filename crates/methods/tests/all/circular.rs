@@ -111,7 +111,7 @@ fn each_error_of_the_list_is_found_alone_with_its_own_circularity() {
 }
 
 #[test]
-fn several_errors_together_are_told_apart_in_noise() {
+fn several_errors_together_are_distinguished_in_noise() {
     let found = circular(circle(
         |s| {
             let (x, y) = (s.position[X], s.position[Y]);

@@ -122,7 +122,7 @@ impl NmtCommand {
     }
 }
 
-/// State told by a heartbeat.
+/// State reported by a heartbeat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum NmtState {
     /// 00h: just started; sent once.

@@ -43,7 +43,7 @@ pub enum PdoError {
     TooLong(u32),
     /// The frame is shorter than the mapping.
     #[error(
-        "a PDO of {got} bytes where the mapping needs {needed}; the node was configured anew: read it again"
+        "a PDO of {got} bytes where the mapping needs {needed}; the node was configured again: read it again"
     )]
     ShortFrame {
         /// Bytes the mapping needs.

@@ -9,7 +9,7 @@
 //! | `SR,ii,nnn` | `SR,ii,nnn,<data>` | data number nnn of amplifier ii |
 //! | anything wrong | `ER,<command>,ee` | ee says why |
 //!
-//! A value is a sign, digits and a point; how many digits tells the kind of amplifier: `±***.****` GT2-70 (outside
+//! A value is a sign, digits and a point; the number of digits shows the kind of amplifier: `±***.****` GT2-70 (outside
 //! ±199.9999 it is a state and no position), `±***.***` GT-70A (−99.999…+999.999), `±**.***` IG (±99.999).
 //! Data number 006 is the error state of an amplifier, five decimal digits whose bits are causes.
 //! The box refreshes its values every 13 ms with three amplifiers, so a value is older than the reply by up to that.

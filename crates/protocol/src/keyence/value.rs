@@ -7,7 +7,7 @@ pub const MOST_AMPLIFIERS: usize = 15;
 /// Data number of an amplifier's error state.
 pub const ERROR_STATE: u16 = 6;
 
-/// Kind of amplifier, told by the digits of its values.
+/// Kind of amplifier, reported by the digits of its values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Family {
     /// GT2-70: `±***.****`.

@@ -5,7 +5,7 @@
 pub enum Request {
     /// Who is there.
     Hello {
-        /// The connection password, `EMC` unless LinuxCNC is told another.
+        /// The connection password, `EMC` unless LinuxCNC is configured with another.
         password: String,
     },
     /// Do not repeat requests.

@@ -16,7 +16,7 @@ pub enum Document {
 /// The header every document has.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Header {
-    /// Changes when the agent is restarted: sequence numbers begin anew and the devices may be others.
+    /// Changes when the agent is restarted: sequence numbers begin again and the devices may be others.
     pub instance_id: u64,
     /// Name of the agent.
     pub sender: String,

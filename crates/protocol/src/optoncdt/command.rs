@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_warnings_and_echo_are_told_apart() {
+    fn refusals_warnings_and_echo_are_distinguished() {
         let command = Command::output_rs422();
         let check = |text: &str, expected: Reply| assert_eq!(Reply::parse(text, &command), expected);
         check("OUTPUT RS422\r\n", Reply::default());

@@ -22,7 +22,7 @@ impl RawValue {
     }
 }
 
-/// The values of one measurement, in the order `GETOUTINFO_RS422` tells; the first is the distance.
+/// The values of one measurement, in the order that `GETOUTINFO_RS422` reports; the first is the distance.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Block {
     /// One to [`MAX_VALUES`] values.

@@ -144,7 +144,7 @@ impl Layout {
         Self { fields }
     }
 
-    /// The layout a reply to `GETOUTINFO_RS422` tells, with or without the command's name in front; `None` when it
+    /// The layout that a reply to `GETOUTINFO_RS422` reports, with or without the command's name in front; `None` when it
     /// names nothing.
     pub fn from_reply(reply: &Reply) -> Option<Self> {
         let command = Command::get_output_info();
@@ -247,7 +247,7 @@ impl Unwrap {
         count
     }
 
-    /// The count nearest to the last one, forward or back: for a device that may be set anew. A pause must be
+    /// The count nearest to the last one, forward or back: for a device that may be reset. A pause must be
     /// shorter than half a turn (18 bits at 4 kHz: 33 s).
     pub fn push_nearest(&mut self, raw: u32) -> u64 {
         let (mask, raw) = self.masked(raw);

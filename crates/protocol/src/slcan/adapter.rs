@@ -60,7 +60,7 @@ impl Adapter {
         (self.open && !self.is_bus_off()).then_some(AdapterMessage::Frame { frame, stamp_ms })
     }
 
-    /// What `F` tells from now on. While it is [`StatusFlags::BUS_OFF`] no frame goes out or comes in.
+    /// What `F` reports from now on. While it is [`StatusFlags::BUS_OFF`] no frame goes out or comes in.
     pub fn set_status(&mut self, status: StatusFlags) {
         self.status = status;
     }

@@ -87,7 +87,7 @@ fn frame(id: u16, data: &[u8]) -> CanFrame {
 }
 
 #[test]
-fn a_probe_tells_what_its_tpdo_means() {
+fn a_probe_reports_what_its_tpdo_means() {
     let description = read(probe()).unwrap();
     assert_eq!(description.profile(), Profile::MeasuringDevice);
     assert_eq!(description.name.as_deref(), Some("R-test probe 1 (CiA 404)"));

@@ -13,6 +13,8 @@ use trunnion_cycles::RunKind;
 use trunnion_machine::shipped;
 use trunnion_record::{Item, Recorder, RecorderHandle, RunHeader, read_run, recover_orphans};
 
+/// A recording process that waited longer than this between two samples, 1 ms apart, was on a computer without time.
+const LONGEST_PAUSE: Duration = Duration::from_millis(50);
 const FOLDER: &str = "TRUNNION_KILL_TEST_FOLDER";
 
 struct Monotonic(Instant);
@@ -84,7 +86,7 @@ fn fifty_kills_lose_nothing_older_than_a_tenth_of_a_second() {
             // The first line shares its row with what the test harness prints.
             let line = line.unwrap();
             let Some((raw, longest_ns)) =
-                line.split_once("accepted ").and_then(|(_, told)| told.split_once(' '))
+                line.split_once("accepted ").and_then(|(_, reported)| reported.split_once(' '))
             else {
                 continue;
             };
@@ -105,8 +107,8 @@ fn fifty_kills_lose_nothing_older_than_a_tenth_of_a_second() {
         assert_eq!(read.events[0].kind, "recovered");
         let found: HashSet<i64> = read.probe_samples.iter().map(|sample| sample.raw).collect();
         for (raw, when) in accepted {
-            // A busy computer lets the recorder wait as long as it let the counter wait, and what that let wait.
-            if killed - when > Duration::from_millis(100) + 2 * paused {
+            // A computer that paused says nothing of the recorder: that kill is not judged.
+            if paused < LONGEST_PAUSE && killed - when > Duration::from_millis(100) {
                 assert!(found.contains(&raw), "{raw} was accepted {:?} before the kill", killed - when);
                 checked += 1;
             }

@@ -4,6 +4,7 @@
 
 mod damage;
 mod kill;
+mod on_the_fly;
 mod points;
 mod round_trip;
 mod schema;

@@ -1,6 +1,6 @@
 //! The points file of docs/design/contracts.md §2: golden import, every problem at once, round trip.
 
-use trunnion_core::{AxisLetter, Problems};
+use trunnion_core::{Joint, Problems};
 use trunnion_cycles::Run;
 use trunnion_machine::{Machine, shipped};
 use trunnion_record::{export, points_csv};
@@ -22,14 +22,14 @@ fn the_outside_data_set_is_imported_as_its_description_says() {
         (2 * 2 * 7 * 12, 2, &["ambient".to_string()][..])
     );
     let first = &run.points[0];
-    assert_eq!(first.state.position[AxisLetter::X], -60.0);
-    assert_eq!(first.state.position[AxisLetter::B], -std::f64::consts::FRAC_PI_2);
+    assert_eq!(first.state.position[Joint::X], -60.0);
+    assert_eq!(first.state.position[Joint::B], -std::f64::consts::FRAC_PI_2);
     assert_eq!(first.reading_mm, [-21.40 / 1e3, 15.10 / 1e3, 17.50 / 1e3]);
     assert_eq!((first.state.time_s, first.state.temperature_degc.as_slice()), (Some(0.0), &[19.44][..]));
     // second pose: X stays, Y and Z moved up and down
     let second = &run.points[1].state;
-    assert_eq!((second.direction[AxisLetter::Y], second.direction[AxisLetter::Z]), (1.0, -1.0));
-    assert_eq!((second.direction[AxisLetter::B], second.direction[AxisLetter::C]), (1.0, 1.0));
+    assert_eq!((second.direction[Joint::Y], second.direction[Joint::Z]), (1.0, -1.0));
+    assert_eq!((second.direction[Joint::B], second.direction[Joint::C]), (1.0, 1.0));
     assert_eq!(run.points[335].state.setup, 1);
 }
 
@@ -60,7 +60,7 @@ fn export_and_import_round_trip_in_any_order_of_columns_and_without_time() {
 }
 
 #[test]
-fn every_problem_of_both_files_is_told_at_once() {
+fn every_problem_of_both_files_is_reported_at_once() {
     let points = "setup,x_mm,y_mm,z_mm,b_rad,c_deg,direction_c,dx_um,dy_um,dz_um,dx_um\n\
                   low,0,0,0,0,0,1,1,2,nan,0\n\
                   middle,0,zero,0,0,0,2,1,2,3,0\n\
@@ -89,6 +89,14 @@ fn every_problem_of_both_files_is_told_at_once() {
 }
 
 #[test]
+fn one_problem_in_every_row_is_said_once_with_its_count() {
+    let wrong = POINTS.replace("low,", "lwo,").replace("high,", "lwo,");
+    let text = import(&wrong, SETUP).unwrap_err().to_string();
+    assert!(text.contains("The same 335 more times, the last in line 337."), "{text}");
+    assert!(text.lines().count() < 10 && !text.contains("not listed"), "{text}");
+}
+
+#[test]
 fn a_ball_bar_run_has_one_reading_a_point_and_none_of_the_other_instrument() {
     let setup = SETUP.to_string()
         + "\n[[setup]]\nname = \"bar\"\ninstrument = \"ball-bar\"\nball_in_table_mm = [0, 0, 0]\nbar_length_mm = 100\n";
@@ -96,7 +104,7 @@ fn a_ball_bar_run_has_one_reading_a_point_and_none_of_the_other_instrument() {
                   low,1,2,3,0,30,1.5,2,3,\nbar,1,2,3,0,0,,,,-4.25\n";
     let run = import(points, &setup).unwrap();
     assert_eq!(run.points[1].reading_mm, [-4.25e-3, 0.0, 0.0]);
-    assert_eq!(run.points[1].state.direction[AxisLetter::C], -1.0);
+    assert_eq!(run.points[1].state.direction[Joint::C], -1.0);
     assert_eq!(
         import(&export::points_csv(&run), &setup).unwrap().points[1].reading_mm,
         run.points[1].reading_mm
@@ -145,7 +153,7 @@ fn second_linear_axes_and_a_spindle_are_columns() {
     let points = "setup,x_mm,y_mm,z_mm,u_mm,v_mm,w_mm,c_deg,spindle_deg,l_mm\na,1,2,3,4,5,6,7,8,900\n";
     let run = import_of(machine, points, &ROBOT_SETUP.replace("robot", "two-carriages")).unwrap();
     let state = &run.points[0].state;
-    assert_eq!((state.position[AxisLetter::U], state.position[AxisLetter::W]), (4.0, 6.0));
+    assert_eq!((state.position[Joint::U], state.position[Joint::W]), (4.0, 6.0));
     let spindle = run.machine.joint("spindle").unwrap();
     assert_eq!(state.position[spindle], 8f64.to_radians());
     assert!(export::points_csv(&run).contains(",spindle_deg,"));

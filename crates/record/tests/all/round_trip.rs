@@ -86,7 +86,7 @@ fn everything_recorded_is_read_back_bit_for_bit_in_order_of_time() {
         let raw = 130_000 + rng.random_range(-30_i64..30);
         let channel = (i % 3) as u16;
         let value_mm = if i == 999 { f64::NAN } else { (raw as f64 * 1.02 / 65520.0 - 0.01) * 2.0 };
-        // Two connections: the device's clock starts anew.
+        // Two connections: the device's clock restarts.
         let stamp = Stamp {
             epoch: 1 + i / 7000,
             ticks: u64::from(i) * 31 + 4_000_000_000,
@@ -148,12 +148,15 @@ fn everything_recorded_is_read_back_bit_for_bit_in_order_of_time() {
     same(&read.axis_samples, &axes);
     same(&(read.events, read.gaps, read.temperatures), &(vec![event], vec![gap], vec![temperature]));
 
-    let mut last = [f64::NEG_INFINITY; 3];
+    // In order within a channel, and across channels to the length of a batch.
+    let (mut last, mut latest) = ([f64::NEG_INFINITY; 3], f64::NEG_INFINITY);
     visit(&path, &mut |item| {
         if let Item::Probe(sample) = item {
             let last = &mut last[usize::from(sample.channel)];
             assert!(sample.time_s >= *last - 1e-9, "{} after {last}", sample.time_s);
             *last = sample.time_s;
+            latest = latest.max(sample.time_s);
+            assert!(sample.time_s > latest - 0.041, "{} after {latest}", sample.time_s);
         }
         true
     })

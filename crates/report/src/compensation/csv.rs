@@ -3,9 +3,9 @@
 //! `parameter,axis,argument,argument_unit,value,value_unit`: a location error (EX0C, …) has no argument, a component error
 //! (EXC, …) has one line for each position. Lines that begin with `#` are remarks, the first of them names the format.
 
-use super::{Format, Values, argument, components, header, number};
-use trunnion_core::AxisLetter;
-use trunnion_methods::AxisErrors;
+use super::format::{Format, argument, header, number};
+use trunnion_core::Joint;
+use trunnion_results::{AxisErrors, CompensationValues};
 
 pub(super) static FORMAT: Format = Format {
     name: "csv",
@@ -15,19 +15,17 @@ pub(super) static FORMAT: Format = Format {
     write,
 };
 
-fn write(errors: &AxisErrors, values: Values) -> String {
+fn write(errors: &AxisErrors, values: CompensationValues) -> String {
     let mut text = String::from("# trunnion-compensation/1\n");
     for line in header(errors, values) {
         text += &format!("# {line}\n");
     }
     text += "parameter,axis,argument,argument_unit,value,value_unit\n";
     for table in &errors.axes {
-        let axis = table.axis;
-        let argument_unit = if axis.is_rotary() { "deg" } else { "mm" };
-        for (k, value) in
-            components(&table.location).into_iter().enumerate().filter(|(_, value)| *value != 0.0)
-        {
-            let direction = AxisLetter::ALL[k];
+        let axis = &table.axis;
+        let argument_unit = if table.rotary { "deg" } else { "mm" };
+        for (k, value) in table.location.into_iter().enumerate().filter(|(_, value)| *value != 0.0) {
+            let direction = Joint::ALL[k];
             text += &format!(
                 "E{direction}0{axis},{axis},,,{},{}\n",
                 number(value * values.sign()),
@@ -35,12 +33,12 @@ fn write(errors: &AxisErrors, values: Values) -> String {
             );
         }
         for k in 0..6 {
-            let direction = AxisLetter::ALL[k];
+            let direction = Joint::ALL[k];
             for (position, twist) in table.positions.iter().zip(&table.errors) {
                 text += &format!(
                     "E{direction}{axis},{axis},{},{argument_unit},{},{}\n",
-                    argument(axis, *position),
-                    number(components(twist)[k] * values.sign()),
+                    argument(*position),
+                    number(twist[k] * values.sign()),
                     unit(direction)
                 );
             }
@@ -49,6 +47,6 @@ fn write(errors: &AxisErrors, values: Values) -> String {
     text
 }
 
-fn unit(direction: AxisLetter) -> &'static str {
+fn unit(direction: Joint) -> &'static str {
     if direction.is_rotary() { "rad" } else { "mm" }
 }

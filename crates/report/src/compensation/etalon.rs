@@ -5,9 +5,9 @@
 //! and degrees. The format is proprietary and its whole description not public: written here is what the ISG documentation
 //! shows of it, and nothing else.
 
-use super::{Format, Values, argument, components, header, number};
-use trunnion_core::AxisLetter;
-use trunnion_methods::AxisErrors;
+use super::format::{Format, argument, header, number};
+use trunnion_core::Joint;
+use trunnion_results::{AxisErrors, CompensationValues};
 
 pub(super) static FORMAT: Format = Format {
     name: "etalon",
@@ -17,23 +17,21 @@ pub(super) static FORMAT: Format = Format {
     write,
 };
 
-fn write(errors: &AxisErrors, values: Values) -> String {
+fn write(errors: &AxisErrors, values: CompensationValues) -> String {
     let mut text: String = header(errors, values).iter().map(|line| format!("// {line}\n")).collect();
     for table in &errors.axes {
-        for (k, value) in
-            components(&table.location).into_iter().enumerate().filter(|(_, value)| *value != 0.0)
-        {
-            let name = format!("{}0{}", AxisLetter::ALL[k], table.axis);
+        for (k, value) in table.location.into_iter().enumerate().filter(|(_, value)| *value != 0.0) {
+            let name = format!("{}0{}", Joint::ALL[k], table.axis);
             text += &format!("[{name}]\nVALUE = {}\n", number(value * values.sign()));
         }
     }
     for table in errors.axes.iter().filter(|table| !table.positions.is_empty()) {
         for k in 0..6 {
-            let name = format!("E{}{}", AxisLetter::ALL[k], table.axis);
+            let name = format!("E{}{}", Joint::ALL[k], table.axis);
             text += &format!("[{name}]\nGridpoints = {{\n");
             for (position, twist) in table.positions.iter().zip(&table.errors) {
-                let value = components(twist)[k] * values.sign();
-                text += &format!("{} {}\n", argument(table.axis, *position), number(value));
+                let value = twist[k] * values.sign();
+                text += &format!("{} {}\n", argument(*position), number(value));
             }
             text += &format!("}} // end of {name}\n");
         }

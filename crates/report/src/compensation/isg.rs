@@ -5,9 +5,9 @@
 //! (EXC … ECC) in a block whose first column is the argument. mm and rad; arguments mm and degrees. GRID interpolation is
 //! linear. The controller computes the compensation from the error parameters; its option `negate` turns signs of axes.
 
-use super::{Format, Values, argument, components, header, number};
-use trunnion_core::AxisLetter;
-use trunnion_methods::AxisErrors;
+use super::format::{Format, argument, header, number};
+use trunnion_core::Joint;
+use trunnion_results::{AxisErrors, CompensationValues};
 
 pub(super) static FORMAT: Format = Format {
     name: "isg",
@@ -17,15 +17,13 @@ pub(super) static FORMAT: Format = Format {
     write,
 };
 
-fn write(errors: &AxisErrors, values: Values) -> String {
+fn write(errors: &AxisErrors, values: CompensationValues) -> String {
     let mut text: String = header(errors, values).iter().map(|line| format!("// {line}\n")).collect();
     let mut blocks = Vec::new();
     let (mut names, mut numbers) = (Vec::new(), Vec::new());
     for table in &errors.axes {
-        for (k, value) in
-            components(&table.location).into_iter().enumerate().filter(|(_, value)| *value != 0.0)
-        {
-            names.push(format!("{}0{}", AxisLetter::ALL[k], table.axis));
+        for (k, value) in table.location.into_iter().enumerate().filter(|(_, value)| *value != 0.0) {
+            names.push(format!("{}0{}", Joint::ALL[k], table.axis));
             numbers.push(number(value * values.sign()));
         }
     }
@@ -33,12 +31,12 @@ fn write(errors: &AxisErrors, values: Values) -> String {
         blocks.push(format!("// position errors\n{}\n{}\n", names.join(" "), numbers.join(" ")));
     }
     for table in errors.axes.iter().filter(|table| !table.positions.is_empty()) {
-        let axis = table.axis;
-        let columns = AxisLetter::ALL.map(|direction| format!("E{direction}{axis}"));
+        let axis = &table.axis;
+        let columns = Joint::ALL.map(|direction| format!("E{direction}{axis}"));
         let mut block = format!("// component errors of {axis}\n{axis} {}\n", columns.join(" "));
         for (position, twist) in table.positions.iter().zip(&table.errors) {
-            let row = components(twist).map(|value| number(value * values.sign()));
-            block += &format!("{} {}\n", argument(axis, *position), row.join(" "));
+            let row = twist.map(|value| number(value * values.sign()));
+            block += &format!("{} {}\n", argument(*position), row.join(" "));
         }
         blocks.push(block);
     }

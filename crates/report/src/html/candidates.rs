@@ -1,14 +1,13 @@
 //! What is missing: every candidate with the error before and after, and the best one at work.
 
 use super::trial;
-use crate::CompareInput;
 use crate::markup::{element, escape, table};
 use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::svg::{Bar, bars};
 use crate::words::{about, effect_name, formula_shape, formula_site, sources};
-use trunnion_results::{Candidate, Diagnosis, FormulaProposal, Parameter};
+use trunnion_results::{Candidate, Comparison, Diagnosis, FormulaProposal, Parameter};
 
-pub fn section(input: &CompareInput) -> String {
+pub fn section(input: &Comparison) -> String {
     let body = match &input.diagnosis {
         None => {
             "<p>Not asked. <code>trunnion diagnose</code> with the same runs and model names the missing effect.</p>\n"
@@ -19,9 +18,9 @@ pub fn section(input: &CompareInput) -> String {
     format!("<section><h2>What is missing</h2>\n{body}</section>\n")
 }
 
-fn found(input: &CompareInput, diagnosis: &Diagnosis) -> String {
+fn found(input: &Comparison, diagnosis: &Diagnosis) -> String {
     if diagnosis.candidates.is_empty() && diagnosis.formula.is_none() {
-        return element("p", "No effect explains what is left better than chance does.");
+        return element("p", "No effect explains the residual significantly better than noise does.");
     }
     let mut body = bars(
         "Error before and after each candidate",
@@ -33,7 +32,7 @@ fn found(input: &CompareInput, diagnosis: &Diagnosis) -> String {
         body += &formula_paragraph(formula);
     }
     if let Some(trial) = &input.trial {
-        body += &trial::most_telling_maps(input, trial);
+        body += &trial::most_telling_maps(trial);
     }
     match (&input.trial, diagnosis.candidates.first()) {
         (Some(trial), _) => body += &trial::size_table(trial),
@@ -47,7 +46,7 @@ fn found(input: &CompareInput, diagnosis: &Diagnosis) -> String {
 }
 
 /// As it is now, and each candidate alone.
-fn steps(input: &CompareInput, diagnosis: &Diagnosis) -> Vec<Bar> {
+fn steps(input: &Comparison, diagnosis: &Diagnosis) -> Vec<Bar> {
     let bar = |name: String, fit_um: f64, holdout_um: Option<f64>| Bar {
         name,
         fit_um,

@@ -80,7 +80,7 @@ fn figure(chart: &Chart) -> String {
         }
         Plot::PlaneMap { names, magnification, places } => {
             let places: Vec<_> = places.iter().map(|place| magnified(place, *magnification)).collect();
-            let caption = format!("{title}; deviations {magnification:.0} times as large");
+            let caption = format!("{title}; magnification of deviations {magnification:.0}");
             displaced(title, &caption, (&names[0], &names[1]), &places)
         }
     }

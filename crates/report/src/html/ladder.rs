@@ -5,35 +5,33 @@ use crate::markup::table;
 use crate::number::{MISSING, um, um_or_dash};
 use crate::svg::{Bar, bars};
 use crate::words::{most_moved, moved_words};
-use crate::{CompareInput, LadderRow};
+use trunnion_results::{Ladder, LadderRow};
 
-pub fn section(input: &CompareInput) -> String {
-    let Some(first) = input.ladder.first() else {
-        return String::new();
-    };
+pub fn section(ladder: &Ladder) -> String {
+    let Some((_, first)) = ladder.added().next() else { return String::new() };
     let start = Bar {
         name: "before anything was added".into(),
-        fit_um: first.fit_before_um,
+        fit_um: first.error_before_um,
         holdout_um: first.holdout_before_um,
         noise_um: first.noise_um,
         remark: String::new(),
     };
-    let step = |row: &LadderRow| Bar {
-        name: format!("+ {}", row.effect),
-        fit_um: row.fit_after_um,
+    let step = |(effect, row): (&str, &LadderRow)| Bar {
+        name: format!("+ {effect}"),
+        fit_um: row.error_after_um,
         holdout_um: row.holdout_after_um,
         noise_um: row.noise_um,
         remark: most_moved(&row.moved).map_or(String::new(), moved_words),
     };
-    let steps: Vec<_> = std::iter::once(start).chain(input.ladder.iter().map(step)).collect();
+    let steps: Vec<_> = std::iter::once(start).chain(ladder.added().map(step)).collect();
     let chart = bars(
         "Ladder: error after each effect",
-        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: repeatability. Beside each effect: \
+        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: repeatability. Next to each effect: \
          the location error that moved most when it came in, and by how many standard uncertainties u.",
         &steps,
         None,
     );
-    let rows: Vec<_> = input.ladder.iter().map(row).collect();
+    let rows: Vec<_> = ladder.added().map(row).collect();
     let head = [
         "effect added",
         "error before",
@@ -45,21 +43,21 @@ pub fn section(input: &CompareInput) -> String {
         "run",
     ];
     let mut body = chart + &table("Error after each added effect, rms", &head, &[1, 2, 3, 4, 5], &rows);
-    for row in &input.ladder {
+    for (effect, row) in ladder.added() {
         let moved = clearly(&row.moved);
         if !moved.is_empty() {
-            body += &moved_table(&format!("Moved by more than 2 u when {} came in", row.effect), &moved);
+            body += &moved_table(&format!("Moved by more than 2 u when {effect} came in"), &moved);
         }
     }
     format!("<section><h2>Ladder: what was added so far</h2>\n{body}</section>\n")
 }
 
-fn row(row: &LadderRow) -> Vec<String> {
+fn row((effect, row): (&str, &LadderRow)) -> Vec<String> {
     let or_dash = |text: &str| if text.is_empty() { MISSING.into() } else { text.to_string() };
     vec![
-        row.effect.clone(),
-        um(row.fit_before_um),
-        um(row.fit_after_um),
+        effect.into(),
+        um(row.error_before_um),
+        um(row.error_after_um),
         um_or_dash(row.holdout_before_um),
         um_or_dash(row.holdout_after_um),
         um_or_dash(row.noise_um),

@@ -1,9 +1,8 @@
-//! Parameters of the model with their uncertainty, and what cannot be told apart.
+//! Parameters of the model with their uncertainty, and what cannot be distinguished.
 
-use crate::CompareInput;
 use crate::markup::{element, escape, table};
 use crate::number::value_and_u;
-use trunnion_results::{Combination, Parameter};
+use trunnion_results::{Combination, Comparison, Parameter};
 
 fn cells(p: &Parameter) -> Vec<String> {
     let (value, u) = value_and_u(p.value, p.u, &p.unit);
@@ -15,7 +14,7 @@ fn together(c: &Combination) -> Vec<String> {
     vec![c.combination.clone(), value, u, String::new()]
 }
 
-pub fn section(input: &CompareInput) -> String {
+pub fn section(input: &Comparison) -> String {
     let fit = &input.identification;
     let mut effects: Vec<&str> = fit.parameters.iter().map(|p| p.effect.as_str()).collect();
     effects.dedup();
@@ -39,7 +38,7 @@ pub fn section(input: &CompareInput) -> String {
             .iter()
             .map(|row| format!("<li><b>{}</b>: {}</li>", escape(&row.direction), escape(&row.why)))
             .collect();
-        body += &format!("<h3>What these readings cannot tell apart</h3>\n<ul>{rows}</ul>\n");
+        body += &format!("<h3>What these readings leave confounded</h3>\n<ul>{rows}</ul>\n");
     }
     format!("<section class=\"page\"><h2>Location errors and other parameters</h2>\n{body}</section>\n")
 }

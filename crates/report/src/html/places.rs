@@ -1,17 +1,16 @@
 //! Where the model fails most: the places in words, and the maps that show them best.
 
 use super::maps::{self, Grid, Map};
-use crate::CompareInput;
 use crate::markup::{element, escape};
 use crate::number::percent;
 use crate::words::NO_PLACE;
-use trunnion_engine::compare::Place;
+use trunnion_results::{Place, Residuals};
 
-pub fn section(input: &CompareInput) -> String {
-    let mut body = list(&input.places);
-    if let Some(grid) = Grid::of(input).filter(|_| !input.places.is_empty()) {
+pub fn section(places: &[Place], residuals: &Residuals) -> String {
+    let mut body = list(places);
+    if let Some(grid) = Grid::of(residuals).filter(|_| !places.is_empty()) {
         let drawn: Vec<Option<Map>> =
-            input.places.iter().map(|place| maps::of_place(input, &grid, place)).collect();
+            places.iter().map(|place| maps::of_place(residuals, &grid, place)).collect();
         let drawn: Vec<(usize, Map)> =
             drawn.into_iter().enumerate().filter_map(|(i, map)| Some((i + 1, map?))).collect();
         let limit_um = maps::limit_um(drawn.iter().map(|(_, map)| map));
@@ -35,7 +34,7 @@ pub fn list(places: &[Place]) -> String {
     }
     let item = |place: &Place| {
         format!(
-            "<li>{}: <b>{}</b> <span class=\"soft\">({} readings, {} of the error left)</span></li>\n",
+            "<li>{}: <b>{}</b> <span class=\"soft\">({} readings, {} of the residual)</span></li>\n",
             escape(&place.location()),
             escape(&place.size()),
             place.readings,

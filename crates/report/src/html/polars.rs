@@ -7,25 +7,25 @@
 use crate::number::degrees;
 use crate::svg::{Trace, nice_above, polar};
 use crate::views::{Axes, at_station, mean, stations};
-use crate::{CompareInput, PointView};
 use nalgebra::Vector3;
-use trunnion_core::convert::{um_from_mm, urad_from_rad};
+use trunnion_core::convert::{rad_from_deg, um_from_mm, urad_from_rad};
+use trunnion_results::{ResidualPoint, Residuals};
 
 /// A ball nearer than this to the turning axis counts as on it, mm.
 const ON_AXIS_MM: f64 = 5.0;
 
-pub fn section(input: &CompareInput) -> String {
-    let axes = Axes::of(&input.rotary, &input.points);
-    let Some(turning) = axes.turning.filter(|_| input.points.len() > 2) else { return String::new() };
-    let turns = stations(&input.points, turning);
-    let tilts = axes.tilting.map_or(vec![0.0], |letter| stations(&input.points, letter));
-    let at_tilt = |p: &PointView, tilt: f64| axes.tilting.is_none_or(|l| at_station(p, l, tilt, &tilts));
+pub fn section(residuals: &Residuals) -> String {
+    let axes = Axes::of(residuals);
+    let Some(turning) = axes.turning.filter(|_| residuals.points.len() > 2) else { return String::new() };
+    let turns = stations(&residuals.points, turning);
+    let tilts = axes.tilting.map_or(vec![0.0], |axis| stations(&residuals.points, axis));
+    let at_tilt = |p: &ResidualPoint, tilt: f64| axes.tilting.is_none_or(|l| at_station(p, l, tilt, &tilts));
     let motion_at = |setup: usize, tilt: f64, turn: f64| -> Vector3<f64> {
-        let here: Vec<_> = input
+        let here: Vec<_> = residuals
             .points
             .iter()
             .filter(|p| {
-                p.setup == setup && !p.outlier && at_tilt(p, tilt) && at_station(p, turning, turn, &turns)
+                p.setup == setup && !p.excluded && at_tilt(p, tilt) && at_station(p, turning, turn, &turns)
             })
             .map(motion_um)
             .collect();
@@ -33,16 +33,18 @@ pub fn section(input: &CompareInput) -> String {
     };
     let mut motions: Vec<(String, Vec<Trace>)> = Vec::new();
     let mut leans: Vec<(String, Vec<Trace>)> = Vec::new();
-    let pair = two_heights(input);
+    let pair = two_heights(residuals);
     for &tilt in &tilts {
-        let place = axes.tilting.map_or(String::new(), |letter| format!("{letter} = {}", degrees(tilt)));
-        for (s, setup) in input.setups.iter().enumerate() {
+        let place = axes
+            .tilting
+            .map_or(String::new(), |axis| format!("{} = {}", axis.name, degrees(rad_from_deg(tilt))));
+        for (s, setup) in residuals.setups.iter().enumerate() {
             let around: Vec<_> = turns.iter().map(|&turn| (turn, motion_at(s, tilt, turn))).collect();
             let trace = |name: &str, k: usize| Trace {
                 name: name.into(),
-                points: around.iter().map(|(turn, m)| (*turn, m[k])).collect(),
+                points: around.iter().map(|(turn, m)| (rad_from_deg(*turn), m[k])).collect(),
             };
-            let names = if on_axis(input, s) { ["X", "Y"] } else { ["radial", "tangential"] };
+            let names = if on_axis(residuals, s) { ["X", "Y"] } else { ["radial", "tangential"] };
             let traces = vec![trace(names[0], 0), trace("axial", 2), trace(names[1], 1)];
             motions.push((joined(&place, &format!("setup {}", setup.name)), traces));
         }
@@ -51,7 +53,7 @@ pub fn section(input: &CompareInput) -> String {
                 let difference_um = motion_at(high, tilt, turn)[0] - motion_at(low, tilt, turn)[0];
                 urad_from_rad(difference_um / um_from_mm(height_mm))
             };
-            let points = turns.iter().map(|&turn| (turn, lean(turn))).collect();
+            let points = turns.iter().map(|&turn| (rad_from_deg(turn), lean(turn))).collect();
             leans.push((place, vec![Trace { name: "tilt".into(), points }]));
         }
     }
@@ -61,9 +63,10 @@ pub fn section(input: &CompareInput) -> String {
         body += &plots(&leans, "urad");
     }
     format!(
-        "<section class=\"page\"><h2>Error motion of {turning} that the model leaves</h2>\n\
+        "<section class=\"page\"><h2>Error motion of {} that the model leaves</h2>\n\
          <p class=\"soft\">Residual drawn as motion of the table around a zero circle; mean of both directions. \
-         Outside the circle is positive: outward, up along the axis, forward.</p>\n{body}</section>\n"
+         Outside the circle is positive: outward, up along the axis, forward.</p>\n{body}</section>\n",
+        turning.name
     )
 }
 
@@ -79,10 +82,10 @@ fn plots(of: &[(String, Vec<Trace>)], unit: &str) -> String {
 }
 
 /// Residual as motion of the table side: radial, tangential, axial; X, Y, Z when the ball is on the axis; µm.
-fn motion_um(point: &PointView) -> Vector3<f64> {
+fn motion_um(point: &ResidualPoint) -> Vector3<f64> {
     let place = &point.in_table_plane;
-    let motion = (place.shift_from_reading * point.residual_mm()).map(um_from_mm);
-    let (x, y) = (place.commanded_mm.x, place.commanded_mm.y);
+    let motion = Vector3::from(place.residual_um());
+    let [x, y, _] = place.commanded_mm;
     let radius = x.hypot(y);
     if radius < ON_AXIS_MM {
         return motion;
@@ -91,15 +94,17 @@ fn motion_um(point: &PointView) -> Vector3<f64> {
     Vector3::new(cos * motion.x + sin * motion.y, -sin * motion.x + cos * motion.y, motion.z)
 }
 
-fn on_axis(input: &CompareInput, setup: usize) -> bool {
-    let first = input.points.iter().find(|p| p.setup == setup);
-    first.is_some_and(|p| p.in_table_plane.commanded_mm.xy().norm() < ON_AXIS_MM)
+fn on_axis(residuals: &Residuals, setup: usize) -> bool {
+    let first = residuals.points.iter().find(|p| p.setup == setup);
+    first.is_some_and(|p| {
+        p.in_table_plane.commanded_mm[0].hypot(p.in_table_plane.commanded_mm[1]) < ON_AXIS_MM
+    })
 }
 
 /// Two setups that differ in height alone: low, high, distance in mm.
-fn two_heights(input: &CompareInput) -> Option<(usize, usize, f64)> {
-    let [first, second] = &input.setups[..] else { return None };
-    let apart = second.ball_in_table_mm - first.ball_in_table_mm;
+fn two_heights(residuals: &Residuals) -> Option<(usize, usize, f64)> {
+    let [first, second] = &residuals.setups[..] else { return None };
+    let apart = Vector3::from(second.ball_in_table_mm) - Vector3::from(first.ball_in_table_mm);
     if apart.xy().norm() > 1.0 || apart.z.abs() < 1.0 || first.components.len() < 3 {
         return None;
     }

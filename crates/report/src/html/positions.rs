@@ -3,47 +3,50 @@
 use crate::markup::escape;
 use crate::number::degrees;
 use crate::svg::{Displaced, displaced, nice_above};
-use crate::views::{Axes, at_station, rms_um, stations};
-use crate::{CompareInput, Place, PointView};
-use nalgebra::Vector3;
-use trunnion_core::AxisLetter;
+use crate::views::{Axes, Axis, at_station, rms_um, stations};
+use trunnion_core::convert::{mm_from_um, rad_from_deg};
+use trunnion_results::{ResidualPoint, Residuals, ShiftedPlace};
 
 /// The largest deviation is drawn at about this share of the size of the picture.
 const DRAWN_SHARE: f64 = 0.25;
 
-pub fn section(input: &CompareInput) -> String {
-    let axes = Axes::of(&input.rotary, &input.points);
-    let Some(turning) = axes.turning.filter(|_| !input.on_the_fly) else { return String::new() };
-    let three =
-        |p: &&PointView| input.setups.get(p.setup).is_some_and(|s| s.components.len() == 3) && !p.outlier;
-    let tilts = axes.tilting.map_or(vec![0.0], |letter| stations(&input.points, letter));
-    let at = |p: &PointView, tilt: f64| axes.tilting.is_none_or(|l| at_station(p, l, tilt, &tilts));
+pub fn section(residuals: &Residuals) -> String {
+    let axes = Axes::of(residuals);
+    let Some(turning) = axes.turning.filter(|_| !residuals.on_the_fly) else { return String::new() };
+    let three = |p: &&ResidualPoint| {
+        residuals.setups.get(p.setup).is_some_and(|s| s.components.len() == 3) && !p.excluded
+    };
+    let tilts = axes.tilting.map_or(vec![0.0], |axis| stations(&residuals.points, axis));
+    let at = |p: &ResidualPoint, tilt: f64| axes.tilting.is_none_or(|l| at_station(p, l, tilt, &tilts));
     let upright = tilts.iter().copied().min_by(|a, b| a.abs().total_cmp(&b.abs()));
     let worst = tilts.iter().copied().filter(|t| Some(*t) != upright).max_by(|a, b| {
-        let size = |tilt: f64| rms_um(input, input.points.iter().filter(|p| at(p, tilt)));
+        let size = |tilt: f64| rms_um(residuals, residuals.points.iter().filter(|p| at(p, tilt)));
         size(*a).total_cmp(&size(*b))
     });
-    let Some(setup) = input.points.iter().find(three).map(|p| p.setup) else { return String::new() };
-    let one_way = |p: &&PointView| p.setup == setup && p.direction[turning] >= 0.0;
-    let shown: Vec<&PointView> = input.points.iter().filter(three).filter(one_way).collect();
+    let Some(setup) = residuals.points.iter().find(three).map(|p| p.setup) else { return String::new() };
+    let one_way = |p: &&ResidualPoint| p.setup == setup && p.direction[turning.index] >= 0;
+    let shown: Vec<&ResidualPoint> = residuals.points.iter().filter(three).filter(one_way).collect();
     let (across, up) = plane_across(axes.tilting);
     let mut pictures = String::new();
     let magnification = magnification(&shown);
     for tilt in [upright, worst].into_iter().flatten() {
         let here: Vec<_> = shown.iter().filter(|p| at(p, tilt)).collect();
-        let place = axes.tilting.map_or(String::new(), |l| format!(" at {l} = {}", degrees(tilt)));
+        let place = axes
+            .tilting
+            .map_or(String::new(), |axis| format!(" at {} = {}", axis.name, degrees(rad_from_deg(tilt))));
         let names = ["X", "Y", "Z"];
-        let machine = here.iter().map(|p| picture(p, &p.in_machine, magnification, (across, up)));
+        let machine = here.iter().map(|p| picture(&p.in_machine, magnification, (across, up)));
         let title = format!("{}{} plane of the machine{place}", names[across], names[up]);
         pictures += &displaced(&title, &title, (names[across], names[up]), &machine.collect::<Vec<_>>());
-        let table = here.iter().map(|p| picture(p, &p.in_table_plane, magnification, (0, 1)));
+        let table = here.iter().map(|p| picture(&p.in_table_plane, magnification, (0, 1)));
         let title = format!("Plane of the table{place}");
         pictures += &displaced(&title, &title, ("across", "up"), &table.collect::<Vec<_>>());
     }
-    let name = &input.setups[setup].name;
+    let name = &residuals.setups[setup].name;
     let words = format!(
-        "Setup {name}, {turning} forward. Dot: commanded place. Circle: measured. Cross: predicted. The orange line from cross \
+        "Setup {name}, {} forward. Dot: commanded place. Circle: measured. Cross: predicted. The orange line from cross \
          to circle is what the model misses. Deviations are magnified {} times.",
+        turning.name,
         thousands(magnification)
     );
     format!(
@@ -54,31 +57,31 @@ pub fn section(input: &CompareInput) -> String {
 }
 
 /// The plane in which the tilting axis turns.
-fn plane_across(tilting: Option<AxisLetter>) -> (usize, usize) {
-    match tilting {
-        Some(AxisLetter::A) => (1, 2),
+fn plane_across(tilting: Option<Axis<'_>>) -> (usize, usize) {
+    match tilting.map(|axis| axis.name) {
+        Some("A") => (1, 2),
         _ => (0, 2),
     }
 }
 
-fn picture(point: &PointView, place: &Place, magnification: f64, (i, j): (usize, usize)) -> Displaced {
-    let shifted = |reading_mm: [f64; 3]| {
-        let shift = place.shift_from_reading * Vector3::from(reading_mm) * magnification;
-        let moved = place.commanded_mm + shift;
-        (moved[i], moved[j])
+fn picture(place: &ShiftedPlace, magnification: f64, (i, j): (usize, usize)) -> Displaced {
+    let shifted = |shift_um: [f64; 3]| {
+        let moved = |k: usize| place.commanded_mm[k] + mm_from_um(shift_um[k]) * magnification;
+        (moved(i), moved(j))
     };
     Displaced {
         commanded: (place.commanded_mm[i], place.commanded_mm[j]),
-        measured: shifted(point.measured_mm),
-        predicted: Some(shifted(point.predicted_mm)),
+        measured: shifted(place.measured_um),
+        predicted: Some(shifted(place.predicted_um)),
     }
 }
 
 /// A round factor that makes the largest deviation visible without leaving the picture; at most S1's 10 000.
-fn magnification(points: &[&PointView]) -> f64 {
-    let size = |p: &&PointView| p.in_table_plane.commanded_mm.norm();
+fn magnification(points: &[&ResidualPoint]) -> f64 {
+    let length = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let size = |p: &&ResidualPoint| length(&p.in_table_plane.commanded_mm);
     let extent_mm = points.iter().map(size).filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let shift = |p: &&PointView| Vector3::from(p.measured_mm).norm();
+    let shift = |p: &&ResidualPoint| mm_from_um(length(&p.in_table_plane.measured_um));
     let largest_mm = points.iter().map(shift).filter(|v| v.is_finite()).fold(0.0, f64::max);
     if extent_mm <= 0.0 || largest_mm <= 0.0 {
         return 1000.0;

@@ -1,18 +1,18 @@
 //! The top of the page: what is wrong with the machine, in one paragraph, and the figures.
 
-use crate::CompareInput;
 use crate::markup::escape;
 use crate::number::{percent_or_dash, um, um_or_dash};
-use crate::words::{headline, verdict};
+use crate::words::{headline, left_out, noise_origin, verdict};
+use trunnion_results::Comparison;
 
-pub fn section(input: &CompareInput) -> String {
+pub fn section(input: &Comparison, label: &str) -> String {
     let fit = &input.identification;
     let runs = if fit.runs.is_empty() { "no run".into() } else { fit.runs.join(", ") };
     let about = format!(
         "Machine {}; run {runs}; model: {}. {}",
         fit.machine,
         if fit.effects.is_empty() { "none".into() } else { fit.effects.join(" + ") },
-        input.label
+        label
     );
     format!(
         "<header><p class=\"soft\">Trunnion: measured against predicted</p>\n<h1>{}</h1>\n<p class=\"lead\">{}</p>\n\
@@ -24,12 +24,12 @@ pub fn section(input: &CompareInput) -> String {
     )
 }
 
-fn facts(input: &CompareInput) -> String {
+fn facts(input: &Comparison) -> String {
     let fit = &input.identification;
     let mut facts = vec![
-        fact("Error left", &um(fit.rms_um), "rms of the residual"),
-        fact("Repeatability", &um_or_dash(input.noise.rms_um), &input.noise.origin),
-        fact("Held-out error", &um_or_dash(fit.holdout_rms_um), "on data left out of the fit"),
+        fact("Residual", &um(fit.rms_um), "rms"),
+        fact("Repeatability", &um_or_dash(fit.noise_um), &noise_origin(fit)),
+        fact("Held-out error", &um_or_dash(fit.holdout_rms_um), &left_out(fit.holdout_unit)),
     ];
     if let Some(diagnosis) = &input.diagnosis {
         facts.push(fact(
@@ -38,8 +38,12 @@ fn facts(input: &CompareInput) -> String {
             "of the mean square of the residual",
         ));
     }
-    let drawn = if input.every > 1 { format!(", every {}th drawn", input.every) } else { String::new() };
-    facts.push(fact("Points", &fit.points.to_string(), &format!("{} set aside{drawn}", fit.outliers)));
+    let drawn = if input.residuals.every > 1 {
+        format!(", every {}th drawn", input.residuals.every)
+    } else {
+        String::new()
+    };
+    facts.push(fact("Points", &fit.points.to_string(), &format!("{} excluded{drawn}", fit.outliers)));
     format!("<dl class=\"facts\">{}</dl>\n", facts.concat())
 }
 

@@ -1,14 +1,13 @@
-//! How sure the answer is: evidence in words, what it could be mistaken for, what to measure next, what cannot be seen.
+//! How sure the answer is: evidence in words, what it could be mistaken for, what to measure next, what is not observable.
 
-use crate::CompareInput;
 use crate::markup::{element, escape};
 use crate::number::{percent_or_dash, um};
 use crate::words::{
     beyond_figures, effect_name, evidence_words, formula_leads, planned_words, repeatability,
 };
-use trunnion_results::{Candidate, Diagnosis};
+use trunnion_results::{Candidate, Comparison, Diagnosis};
 
-pub fn section(input: &CompareInput) -> String {
+pub fn section(input: &Comparison) -> String {
     let Some(diagnosis) = &input.diagnosis else { return String::new() };
     let mut items = vec![noise(diagnosis)];
     if let Some(formula) = diagnosis.formula.as_ref().filter(|_| formula_leads(diagnosis)) {
@@ -48,7 +47,7 @@ fn noise(diagnosis: &Diagnosis) -> String {
     format!("What was found explains {share} of the mean square of the residual; {known}.")
 }
 
-fn held_out(input: &CompareInput, best: &Candidate) -> Option<String> {
+fn held_out(input: &Comparison, best: &Candidate) -> Option<String> {
     let residual = &input.diagnosis.as_ref()?.residual;
     let (before, after) = (residual.holdout_rms_um?, best.holdout_rms_um_after?);
     let units = residual.holdout_unit?.plural();
@@ -67,7 +66,7 @@ fn held_out(input: &CompareInput, best: &Candidate) -> Option<String> {
 fn rivals(best: &Candidate) -> Option<String> {
     let names: Vec<_> = best.confused_with.iter().map(|id| effect_name(id)).collect();
     (!names.is_empty())
-        .then(|| format!("These data cannot well tell {} from {}.", best.effect, names.join("; ")))
+        .then(|| format!("In these data {} is confounded with {}.", best.effect, names.join("; ")))
 }
 
 fn unseen(words: &str, ids: &[String]) -> String {

@@ -1,63 +1,63 @@
 //! Residual over time, and over the turning axis for recordings taken while it turned.
 
-use crate::CompareInput;
 use crate::markup::escape;
 use crate::number::um;
 use crate::svg::{Mark, Series, XyChart, nice_above, xy_chart};
 use crate::views::{Axes, component_name, component_names, direction, residuals_um, thinned, time_range_s};
-use trunnion_core::AxisLetter;
-use trunnion_core::convert::{deg_from_rad, s_from_min};
+use trunnion_core::convert::s_from_min;
+use trunnion_results::{ResidualPoint, Residuals};
 
-pub fn section(input: &CompareInput) -> String {
-    over_turning_axis(input) + &over_time(input)
+pub fn section(residuals: &Residuals) -> String {
+    over_turning_axis(residuals) + &over_time(residuals)
 }
 
-fn over_time(input: &CompareInput) -> String {
-    if time_range_s(input).is_none() {
-        return "<section><h2>Residual over time</h2><p>The points have no time, so drift cannot be seen.</p></section>\n"
+fn over_time(residuals: &Residuals) -> String {
+    if time_range_s(residuals).is_none() {
+        return "<section><h2>Residual over time</h2><p>The points have no time, so drift is not observable.</p></section>\n"
             .into();
     }
-    let minutes = |p: &crate::PointView| p.time_s.map_or(f64::NAN, |t| t / s_from_min(1.0));
-    let changes: Vec<_> = (0..input.setups.len())
+    let minutes = |p: &ResidualPoint| p.time_s.map_or(f64::NAN, |t| t / s_from_min(1.0));
+    let changes: Vec<_> = (0..residuals.setups.len())
         .filter_map(|s| {
-            let first = input.points.iter().find(|p| p.setup == s)?;
-            Some((minutes(first), input.setups[s].name.clone()))
+            let first = residuals.points.iter().find(|p| p.setup == s)?;
+            Some((minutes(first), residuals.setups[s].name.clone()))
         })
         .collect();
-    let charts = charts(input, "time", "time (min)", &changes, minutes, [Mark::Dot, Mark::Triangle]);
+    let charts = charts(residuals, "time", "time (min)", &changes, minutes, [Mark::Dot, Mark::Triangle]);
     format!("<section><h2>Residual over time</h2>\n<div class=\"plots\">{charts}</div></section>\n")
 }
 
-fn over_turning_axis(input: &CompareInput) -> String {
-    let Some(turning) = Axes::of(&input.rotary, &input.points).turning.filter(|_| input.on_the_fly) else {
+fn over_turning_axis(residuals: &Residuals) -> String {
+    let Some(turning) = Axes::of(residuals).turning.filter(|_| residuals.on_the_fly) else {
         return String::new();
     };
-    let angle = |p: &crate::PointView| deg_from_rad(p.position[turning]);
-    let name = format!("{turning} (°)");
-    let charts = charts(input, turning.as_str(), &name, &[], angle, [Mark::Line, Mark::Dashed]);
+    let angle = |p: &ResidualPoint| p.position[turning.index];
+    let name = format!("{} (°)", turning.name);
+    let charts = charts(residuals, turning.name, &name, &[], angle, [Mark::Line, Mark::Dashed]);
     format!(
-        "<section><h2>Residual over {turning}, both ways</h2>\n<div class=\"plots\">{charts}</div></section>\n"
+        "<section><h2>Residual over {}, both ways</h2>\n<div class=\"plots\">{charts}</div></section>\n",
+        turning.name
     )
 }
 
 /// One chart a component; forward and back apart.
 fn charts(
-    input: &CompareInput,
+    residuals: &Residuals,
     over: &str,
     x_name: &str,
     marks_on_x: &[(f64, String)],
-    x_of: impl Fn(&crate::PointView) -> f64,
+    x_of: impl Fn(&ResidualPoint) -> f64,
     marks: [Mark; 2],
 ) -> String {
-    let axes = Axes::of(&input.rotary, &input.points);
-    let letter = axes.turning.map_or("", AxisLetter::as_str);
+    let axes = Axes::of(residuals);
+    let letter = axes.turning.map_or("", |axis| axis.name);
     let mut of_components = Vec::new();
-    for component in component_names(input) {
+    for component in component_names(residuals) {
         let way = |back: bool| -> Vec<(f64, f64)> {
-            let points = input.points.iter().filter(|p| (direction(p, axes)[1] < 0) == back);
+            let points = residuals.points.iter().filter(|p| (direction(p, axes)[1] < 0) == back);
             let mut places: Vec<_> = points
-                .flat_map(|p| residuals_um(input, p).map(move |(k, r)| (p, k, r)))
-                .filter(|(p, k, _)| component_name(input, p, *k) == component)
+                .flat_map(|p| residuals_um(residuals, p).map(move |(k, r)| (p, k, r)))
+                .filter(|(p, k, _)| component_name(residuals, p, *k) == component)
                 .map(|(p, _, r)| (x_of(p), r))
                 .filter(|(x, _)| x.is_finite())
                 .collect();

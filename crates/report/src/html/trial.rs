@@ -7,17 +7,17 @@ use crate::number::{plain, um_or_dash, unit_on_screen, value_and_u};
 use crate::svg::{Bar, Mark, Series, XyChart, bars, legend, nice_above, xy_chart};
 use crate::views::{Axes, component_name, component_names, residuals_um, thinned};
 use crate::words::{about, effect_name, trial_verdict};
-use crate::{CompareInput, Trial};
 use std::collections::HashSet;
-use trunnion_core::convert::{deg_from_rad, s_from_min};
-use trunnion_results::{Moved, Parameter};
+use trunnion_core::convert::s_from_min;
+use trunnion_results::sentences::noise_origin;
+use trunnion_results::{Moved, Parameter, ResidualPoint, Trial};
 
 /// Pairs shown on the compare page.
 const MOST_PAIRS: usize = 2;
 
 /// The top of a trial page.
-pub fn headline(input: &CompareInput, trial: &Trial) -> String {
-    let fit = &input.identification;
+pub fn headline(trial: &Trial, label: &str) -> String {
+    let fit = &trial.identification;
     let explained = about(&trial.effect)
         .map_or(String::new(), |about| format!(" {} Likely cause: {}", about.explanation, about.cause));
     let formula = match trial.expression.as_str() {
@@ -28,13 +28,17 @@ pub fn headline(input: &CompareInput, trial: &Trial) -> String {
         "Machine {}; run {}; model: {}; the model file stays as it is. {}",
         fit.machine,
         fit.runs.join(", "),
-        fit.effects.join(" + "),
-        input.label
+        trial.model.join(" + "),
+        label
     );
-    let steps = [("before", 0), ("after", 1)].map(|(name, k)| Bar {
-        name: if k == 0 { name.into() } else { format!("with {}", trial.effect) },
-        fit_um: trial.fit_um[k],
-        holdout_um: trial.holdout_um[k],
+    let steps = [
+        ("before".into(), trial.rms_um.before, trial.holdout_rms_um.before),
+        (format!("with {}", trial.effect), trial.rms_um.after, trial.holdout_rms_um.after),
+    ]
+    .map(|(name, fit_um, holdout_um)| Bar {
+        name,
+        fit_um: fit_um.unwrap_or(f64::NAN),
+        holdout_um,
         noise_um: None,
         remark: String::new(),
     });
@@ -42,7 +46,7 @@ pub fn headline(input: &CompareInput, trial: &Trial) -> String {
         "Error before and after",
         "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: repeatability.",
         &steps,
-        trial.noise.rms_um,
+        trial.noise_um,
     );
     format!(
         "<header><p class=\"soft\">Trunnion: an effect on trial</p>\n<h1>{}</h1>\n{formula}<p class=\"lead\">{}</p>\n\
@@ -55,7 +59,7 @@ pub fn headline(input: &CompareInput, trial: &Trial) -> String {
 
 /// Where the model fails most, before and after.
 pub fn places(trial: &Trial) -> String {
-    let [before, after] = [0, 1].map(|k| place_list::list(&trial.places[k]));
+    let [before, after] = [&trial.places.before, &trial.places.after].map(|places| place_list::list(places));
     format!(
         "<section><h2>Where the model fails most</h2>\n<div class=\"plots\"><div><h3>before</h3>{before}</div>\
          <div><h3>after</h3>{after}</div></div></section>\n"
@@ -63,17 +67,17 @@ pub fn places(trial: &Trial) -> String {
 }
 
 /// Every pair of maps.
-pub fn all_maps(input: &CompareInput, trial: &Trial) -> String {
-    let body = match pairs(input, trial) {
+pub fn all_maps(trial: &Trial) -> String {
+    let body = match pairs(trial) {
         Some((grid, pairs, limit_um)) => drawn(&grid, &pairs, limit_um),
-        None => charts(input, trial),
+        None => charts(trial),
     };
     format!("<section class=\"page\"><h2>Residual before and after</h2>\n{body}</section>\n")
 }
 
 /// The pairs in which most falls away, for the compare page.
-pub fn most_telling_maps(input: &CompareInput, trial: &Trial) -> String {
-    let body = match pairs(input, trial) {
+pub fn most_telling_maps(trial: &Trial) -> String {
+    let body = match pairs(trial) {
         Some((grid, mut pairs, limit_um)) => {
             let falls = |pair: &[Map; 2]| pair[0].mean_square() - pair[1].mean_square();
             pairs.sort_by(|a, b| falls(b).total_cmp(&falls(a)));
@@ -83,7 +87,7 @@ pub fn most_telling_maps(input: &CompareInput, trial: &Trial) -> String {
             pairs.truncate(MOST_PAIRS);
             drawn(&grid, &pairs, limit_um)
         }
-        None => charts(input, trial),
+        None => charts(trial),
     };
     format!("<h3>Residual before and after {}</h3>\n{body}", escape(&trial.effect))
 }
@@ -101,7 +105,7 @@ pub fn size_table(trial: &Trial) -> String {
 
 /// Parameters of the effect and those it moves.
 pub fn tables(trial: &Trial) -> String {
-    let moved = clearly(&trial.moved);
+    let moved = clearly(trial.moved.as_deref().unwrap_or_default());
     let moved = if moved.is_empty() {
         element("p", "No other parameter moves by more than 2 u.")
     } else {
@@ -110,8 +114,8 @@ pub fn tables(trial: &Trial) -> String {
     format!(
         "<section><h2>How big it is</h2>\n{}{moved}<p class=\"soft\">Repeatability {} ({}).</p></section>\n",
         size_table(trial),
-        um_or_dash(trial.noise.rms_um),
-        escape(&trial.noise.origin)
+        um_or_dash(trial.noise_um),
+        escape(&noise_origin(&trial.identification))
     )
 }
 
@@ -136,19 +140,16 @@ pub fn moved_table(caption: &str, moved: &[Moved]) -> String {
 }
 
 /// The same maps before and after, and a limit above all of them; `None` unless two rotary axes moved.
-fn pairs(input: &CompareInput, trial: &Trial) -> Option<(Grid, Vec<[Map; 2]>, f64)> {
-    let grid = Grid::of(input)?;
-    let [before, after] = [0, 1].map(|k| maps::maps(&of_points(input, trial, k), &grid));
+fn pairs(trial: &Trial) -> Option<(Grid<'_>, Vec<[Map; 2]>, f64)> {
+    let grid = Grid::of(&trial.residuals.before)?;
+    let [before, after] =
+        [&trial.residuals.before, &trial.residuals.after].map(|residuals| maps::maps(residuals, &grid));
     let limit_um = maps::limit_um(&before).max(maps::limit_um(&after));
     let pairs = before.into_iter().zip(after).map(|(before, after)| [before, after]).collect();
     Some((grid, pairs, limit_um))
 }
 
-fn of_points(input: &CompareInput, trial: &Trial, k: usize) -> CompareInput {
-    CompareInput { setups: input.setups.clone(), points: trial.points[k].clone(), ..CompareInput::default() }
-}
-
-fn drawn(grid: &Grid, pairs: &[[Map; 2]], limit_um: f64) -> String {
+fn drawn(grid: &Grid<'_>, pairs: &[[Map; 2]], limit_um: f64) -> String {
     let pair = |[before, after]: &[Map; 2]| {
         format!(
             "<div class=\"pair\">{}{}</div>\n",
@@ -160,22 +161,22 @@ fn drawn(grid: &Grid, pairs: &[[Map; 2]], limit_um: f64) -> String {
 }
 
 /// Without a grid: one chart a component over the turning axis, or over time, before and after.
-fn charts(input: &CompareInput, trial: &Trial) -> String {
-    let turning = Axes::of(&input.rotary, &input.points).turning;
-    let x = |p: &crate::PointView| match turning {
-        Some(letter) => deg_from_rad(p.position[letter]),
+fn charts(trial: &Trial) -> String {
+    let states = [&trial.residuals.before, &trial.residuals.after];
+    let turning = Axes::of(states[0]).turning;
+    let x = |p: &ResidualPoint| match turning {
+        Some(axis) => p.position[axis.index],
         None => p.time_s.map_or(f64::NAN, |t| t / s_from_min(1.0)),
     };
-    let x_name = turning.map_or("time (min)".into(), |letter| format!("{letter} (°)"));
-    let states = [0, 1].map(|k| of_points(input, trial, k));
+    let x_name = turning.map_or("time (min)".into(), |axis| format!("{} (°)", axis.name));
     let series = |k: usize, component: &str, name: &str, mark: Mark| {
-        let input = &states[k];
-        let of_point = |p| residuals_um(input, p).map(move |(j, r)| (p, j, r));
-        let mut places: Vec<(f64, f64)> = input
+        let residuals = states[k];
+        let of_point = |p| residuals_um(residuals, p).map(move |(j, r)| (p, j, r));
+        let mut places: Vec<(f64, f64)> = residuals
             .points
             .iter()
             .flat_map(of_point)
-            .filter(|(p, j, _)| component_name(input, p, *j) == component)
+            .filter(|(p, j, _)| component_name(residuals, p, *j) == component)
             .map(|(p, _, r)| (x(p), r))
             .filter(|(x, _)| x.is_finite())
             .collect();
@@ -185,7 +186,7 @@ fn charts(input: &CompareInput, trial: &Trial) -> String {
     let of_component =
         |name: &str| [series(0, name, "before", Mark::Triangle), series(1, name, "after", Mark::Dot)];
     let components: Vec<_> =
-        component_names(input).into_iter().map(|name| (name, of_component(name))).collect();
+        component_names(states[0]).into_iter().map(|name| (name, of_component(name))).collect();
     let all = components.iter().flat_map(|(_, series)| series).flat_map(|s| &s.points);
     let y_limit = nice_above(all.fold(0.0, |limit: f64, p| limit.max(p.1.abs())));
     let chart = |(component, series): &(&str, [Series; 2])| {

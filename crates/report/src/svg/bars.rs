@@ -1,7 +1,7 @@
 //! Bars lying down, one below the other, with a second mark each and one line for the repeatability.
 
+use super::element::{figure, line, text};
 use super::scale::Scale;
-use super::{figure, line, text};
 use crate::number::{plain, tick, um};
 
 const WIDTH: f64 = 360.0;

@@ -1,7 +1,7 @@
 //! Commanded, measured and predicted places in a plane, the deviations magnified (S1 Fig. 5 and 8).
 
+use super::element::{figure, line, text};
 use super::scale::Plane;
-use super::{figure, line, text};
 use crate::number::tick;
 
 const WIDTH: f64 = 360.0;

@@ -1,7 +1,7 @@
-//! Heat map of signed values: blue below zero, near white at zero, orange above (told apart by every kind of colour
+//! Heat map of signed values: blue below zero, near white at zero, orange above (distinguishable with every kind of colour
 //! vision, and by the printed numbers without any colour).
 
-use super::{figure, line, text};
+use super::element::{figure, line, text};
 use crate::number::signed;
 
 const WIDTH: f64 = 360.0;

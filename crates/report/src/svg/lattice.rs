@@ -1,7 +1,7 @@
 //! A lattice as commanded and as displaced, the deviations magnified.
 
+use super::element::{figure, line, polyline, text};
 use super::scale::Plane;
-use super::{figure, line, polyline, text};
 use crate::number::tick;
 
 const WIDTH: f64 = 360.0;

@@ -1,8 +1,8 @@
 //! Paths in a plane, equal scales in both directions, with a key.
 
+use super::element::{figure, line, polyline, text};
 use super::scale::{Scale, extent};
 use super::xy_chart::{Mark, key};
-use super::{figure, line, polyline, text};
 use crate::number::tick;
 
 const WIDTH: f64 = 360.0;

@@ -1,6 +1,6 @@
 //! Polar plot of a signed error around a zero circle, as roundness and error-motion charts are drawn.
 
-use super::{figure, line, polyline, text};
+use super::element::{figure, line, polyline, text};
 use crate::number::with_unit;
 
 const SIZE: f64 = 240.0;
@@ -14,7 +14,7 @@ pub struct Trace {
     pub points: Vec<(f64, f64)>,
 }
 
-/// The plot: `limit` is the value drawn at the outer circle; up to three traces are told apart.
+/// The plot: `limit` is the value drawn at the outer circle; up to three traces are distinguished.
 pub fn polar(title: &str, traces: &[Trace], limit: f64, unit: &str) -> String {
     let place = |angle: f64, value: f64| {
         let radius = ZERO_RADIUS + SWING * (value / limit).clamp(-1.5, 1.3);

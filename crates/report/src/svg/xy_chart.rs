@@ -1,7 +1,7 @@
 //! Lines and marks over two axes with round ticks.
 
+use super::element::{figure, line, polyline, text};
 use super::scale::{Scale, extent};
-use super::{figure, line, polyline, text};
 use crate::number::tick;
 
 const WIDTH: f64 = 360.0;
@@ -69,7 +69,7 @@ pub fn xy_chart(chart: &XyChart<'_>) -> String {
     }
     let mut key_x = LEFT;
     for series in chart.series {
-        // A line ends where a value is no number, and begins anew after it.
+        // A line ends where a value is no number, and begins again after it.
         for stretch in series.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
             let places: Vec<_> =
                 stretch.iter().map(|p| (x.at(p.0), y.at(p.1.clamp(-chart.y_limit, chart.y_limit)))).collect();

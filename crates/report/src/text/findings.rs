@@ -1,6 +1,6 @@
 //! What a named method found, for the terminal.
 
-use super::{clean, columns, paragraph};
+use super::table::{clean, columns, paragraph};
 use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row};
 use trunnion_results::Findings;
 

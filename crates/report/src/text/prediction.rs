@@ -1,6 +1,6 @@
 //! A prediction of other runs, for the terminal.
 
-use super::{clean, columns, paragraph};
+use super::table::{clean, columns, paragraph};
 use crate::number::{percent, um};
 use std::iter::once;
 use trunnion_results::{Prediction, RunPrediction};

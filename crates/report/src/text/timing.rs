@@ -1,6 +1,6 @@
 //! Time quality in the terminal.
 
-use super::{clean, columns, paragraph};
+use super::table::{clean, columns, paragraph};
 use crate::time_quality::{HEAD, NUMERIC, rows, sentences};
 use std::iter::once;
 use trunnion_results::TimeQuality;

@@ -1,18 +1,17 @@
 //! Volumetric accuracy and location errors in a notation, for the terminal.
 
-use super::{clean, columns, paragraph};
+use super::table::{clean, columns, paragraph};
 use crate::volumetric::{HEADS, location_rows, notes, rows};
-use trunnion_methods::volumetric::VolumetricMap;
-use trunnion_results::LocationErrors;
+use trunnion_results::{LocationErrors, Volumetric};
 
 /// The values and what they lack; `volume` in words.
-pub fn volumetric_text(map: &VolumetricMap, volume: &str) -> String {
-    let mut out = format!("Machine {}, runs: {}\n", clean(&map.machine), clean(&map.runs.join(", ")));
-    out += &format!("Volume: {} ({} places)\n\n", clean(volume), map.points.len());
+pub fn volumetric_text(answer: &Volumetric, volume: &str) -> String {
+    let mut out = format!("Machine {}, runs: {}\n", clean(&answer.machine), clean(&answer.runs.join(", ")));
+    out += &format!("Volume: {} ({} places)\n\n", clean(volume), answer.places);
     let mut table = vec![HEADS.map(String::from).to_vec()];
-    table.extend(rows(map));
+    table.extend(rows(answer));
     out += &columns(&table, &[1, 2]);
-    for note in notes(map) {
+    for note in notes(answer) {
         out += "\n";
         out += &paragraph(&note);
     }

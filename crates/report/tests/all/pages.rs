@@ -1,7 +1,7 @@
-//! Pages of a small grid run: well-formed, without outside assets, and told in the right order.
+//! Pages of a small grid run: well-formed, without outside assets, and in the right order.
 
 use nalgebra::Point3;
-use trunnion_core::{AxisLetter, InstrumentKind, NestSide, Point, Quality, Setup, State};
+use trunnion_core::{InstrumentKind, Joint, NestSide, Point, Quality, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{LadderRow, Model, ModelEffect, Moved};
 use trunnion_engine::fit::Options;
@@ -10,10 +10,10 @@ use trunnion_machine::shipped;
 use trunnion_methods::recipes;
 use trunnion_methods::recipes::MethodOptions;
 use trunnion_report::{
-    CompareInput, Trial, compare_html, compare_text, findings_html, findings_text, ladder_html, ladder_of,
-    ladder_text, trial_html, trial_text,
+    compare_html, compare_text, findings_html, findings_text, ladder_html, ladder_text, trial_html,
+    trial_text,
 };
-use trunnion_results::Findings;
+use trunnion_results::{Comparison, Findings, Ladder, Trial};
 
 /// Two heights, B every 45°, C every 45° forth and back; the tool reads 2.5 µm further along Z with C going forward, and
 /// as much less with C going back. Where a pass begins, C comes from the other side.
@@ -27,11 +27,11 @@ fn run() -> Run {
         let (setup, way, b, c) = (index / 80, index / 40 % 2, index / 8 % 5, index % 8);
         let mut state = State { setup, time_s: Some(5.0 * index as f64), ..State::default() };
         let turned = if way == 0 { c } else { 7 - c };
-        state.position[AxisLetter::B] = (-90.0 + 45.0 * b as f64).to_radians();
-        state.position[AxisLetter::C] = (45.0 * turned as f64).to_radians();
+        state.position[Joint::B] = (-90.0 + 45.0 * b as f64).to_radians();
+        state.position[Joint::C] = (45.0 * turned as f64).to_radians();
         let forward = (way == 0) != (index % 80 == 0);
-        state.direction[AxisLetter::C] = if forward { 1.0 } else { -1.0 };
-        state.direction[AxisLetter::B] = 1.0;
+        state.direction[Joint::C] = if forward { 1.0 } else { -1.0 };
+        state.direction[Joint::B] = 1.0;
         let along_z_um = if forward { 2.5 } else { -2.5 };
         let scatter = |k: usize| ((index * 7919 + k * 104_729) % 1000) as f64 / 1000.0 - 0.5;
         let in_machine = nalgebra::Vector3::new(scatter(1), scatter(2), along_z_um + scatter(3)) * 1e-3;
@@ -69,10 +69,10 @@ fn entry() -> ModelEffect {
     }
 }
 
-fn input() -> (Experiment, CompareInput) {
+fn input() -> (Experiment, Comparison) {
     let experiment = Experiment::new(&[run()]).unwrap();
     let fit = identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap();
-    let input = CompareInput::new(&experiment, &fit, None);
+    let input = Comparison::new(&experiment, &fit, None);
     (experiment, input)
 }
 
@@ -100,14 +100,16 @@ fn check_page(page: &str) {
 #[test]
 fn every_page_is_well_formed_and_needs_nothing_from_outside() {
     let (experiment, mut input) = input();
-    input.ladder = ladder_of(&model());
+    input.ladder = Ladder::from(&model());
     let before = identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap();
     let entry = ModelEffect { id: "gravity-sag:B".into(), ..ModelEffect::default() };
     let mut with = Model::base("table-bc");
     with.effects.push(entry.clone());
     let after = identify(&experiment, &with, &Options::default()).unwrap();
-    let trial = Trial::new(&experiment, &entry, std::slice::from_ref(&entry), &before, &after, None);
-    for page in [compare_html(&input), trial_html(&input, &trial), ladder_html("mill <1>", &input.ladder)] {
+    let trial = Trial::new(&experiment, &entry, std::slice::from_ref(&entry), [&before, &after], None);
+    for page in
+        [compare_html(&input, "<test>"), trial_html(&trial, ""), ladder_html("mill <1>", &input.ladder)]
+    {
         check_page(&page);
     }
     let text = trial_text(&trial);
@@ -143,13 +145,13 @@ fn the_page_of_a_named_method_shows_values_charts_and_tables() {
 #[test]
 fn the_page_goes_from_the_verdict_over_the_places_to_the_tables() {
     let (_, mut input) = input();
-    input.ladder = ladder_of(&model());
-    let page = compare_html(&input);
+    input.ladder = Ladder::from(&model());
+    let page = compare_html(&input, "");
     let order = ["<h1>", "Where the model fails most", "What is missing", "Ladder", "Residual over B and C"];
     let places: Vec<_> = order.iter().map(|heading| page.find(heading).unwrap()).collect();
     assert!(places.is_sorted(), "{places:?}");
     // No model without directions takes any of it.
-    let words: Vec<String> = input.places.iter().map(ToString::to_string).collect();
+    let words: Vec<&String> = input.places.iter().map(|place| &place.words).collect();
     assert!(words[0].starts_with("Z, both setups, +2.5 µm with C forward, −2.5 µm with C back"), "{words:?}");
     assert!(compare_text(&input).contains("1. Z, both setups, +2.5 µm"));
 }
@@ -157,18 +159,18 @@ fn the_page_goes_from_the_verdict_over_the_places_to_the_tables() {
 #[test]
 fn poses_of_turning_round_make_no_maps_of_their_own() {
     let (_, input) = input();
-    let page = compare_html(&input);
+    let page = compare_html(&input, "");
     // 2 setups × 2 passes × 3 components, and one map for each place.
     assert_eq!(page.matches("B down, C across").count(), 12 + input.places.len());
 }
 
 #[test]
 fn the_ladder_shows_fit_held_out_noise_and_what_moved() {
-    let text = ladder_text(&ladder_of(&model()), None);
+    let text = ladder_text(&Ladder::from(&model()), None);
     let rung = text.lines().find(|line| line.starts_with("+ backlash:B")).unwrap();
     assert!(rung.contains("######|#####") && rung.contains('o') && rung.contains("0.50 µm"), "{rung}");
     assert!(rung.ends_with("EX0C −3.20 → −1.10 µm, 8 u"), "{rung}");
-    let page = ladder_html("mill", &ladder_of(&model()));
+    let page = ladder_html("mill", &Ladder::from(&model()));
     assert!(page.contains("EX0C −3.20 → −1.10 µm, 8 u"));
     assert!(page.contains("<h1>Machine mill: one effect took the error from"), "the verdict first");
 }

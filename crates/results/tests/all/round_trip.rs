@@ -12,8 +12,8 @@ use trunnion_methods::notation::{Layout, Notation};
 use trunnion_methods::recipes::{MethodOptions, REGISTRY};
 use trunnion_methods::volumetric as methods;
 use trunnion_results::{
-    Comparison, Diagnosis, Findings, Identification, Ladder, LocationErrors, Place, Plan, Preview, Verdict,
-    Volumetric, to_json,
+    AxisErrors, Comparison, Diagnosis, ErrorMap, Findings, Identification, Ladder, LocationErrors, Plan,
+    Preview, Verdict, Volumetric, to_json,
 };
 
 fn run(folder: &str) -> Run {
@@ -57,13 +57,19 @@ fn identification_and_diagnosis_of_committed_runs_return() {
         let json = returns(&answer);
         assert_eq!(json["format"], "trunnion-diagnosis/1");
         assert_eq!(json["verdict"], answer.verdict.as_str());
-        let places = trunnion_engine::compare::places(&experiment, &fitted.residual_mm, &fitted.used);
-        returns(&Comparison {
-            places: places.iter().map(Place::from).collect(),
-            identification,
-            diagnosis: answer,
-            ..Comparison::default()
-        });
+        let comparison = Comparison::new(&experiment, &fitted, Some(answer));
+        let json = returns(&comparison);
+        assert_eq!(
+            json["residuals"]["points"].as_array().unwrap().len(),
+            experiment.points.len(),
+            "every point of a short run"
+        );
+        let readings = || {
+            let used = comparison.residuals.points.iter().filter(|point| !point.excluded);
+            used.flat_map(|point| &point.residual_um)
+        };
+        let rms_um = (readings().map(|r| r * r).sum::<f64>() / readings().count() as f64).sqrt();
+        assert!((rms_um - comparison.identification.rms_um).abs() < 1e-9 * rms_um, "{rms_um}");
     }
 }
 
@@ -91,7 +97,16 @@ fn findings_plan_preview_ladder_and_volume_return() {
     let map =
         methods::VolumetricMap::new(&experiment, &model, &fitted, volume, methods::Datum::BestFit).unwrap();
     let axes = experiment.machine().joints();
-    returns(&Volumetric::new(&map, &axes));
+    let accuracy = Volumetric::new(&map, &axes);
+    let deviations = ErrorMap::new(&map, &axes);
+    returns(&accuracy);
+    returns(&deviations);
+    // The range in X that is printed is that of the map.
+    let x = || deviations.places.iter().map(|place| place.error[0]);
+    let range_um = x().fold(f64::MIN, f64::max) - x().fold(f64::MAX, f64::min);
+    assert!((range_um - accuracy.values[0].value).abs() < 1e-9 * range_um, "{range_um}");
+    let errors = trunnion_methods::AxisErrors::new(&experiment, &model, &fitted).unwrap();
+    returns(&AxisErrors::from(&errors));
     model.effects.push(ModelEffect {
         id: "gravity-sag:B".into(),
         ladder: Some(trunnion_effects::LadderRow { date: "2026-03-01".into(), ..Default::default() }),

@@ -1,4 +1,4 @@
-//! What the service tells of itself: the board's `status` and systemd.
+//! What the service reports of itself: the board's `status` and systemd.
 
 use crate::mqtt::Board;
 use serde_json::json;
@@ -10,7 +10,7 @@ use trunnion_acquire::DeviceStatus;
 /// Time between status messages.
 const STATUS_PERIOD: Duration = Duration::from_secs(1);
 
-/// Publishes the states of the devices when they change, and tells systemd that the service lives.
+/// Publishes the states of the devices when they change, and reports to systemd that the service is alive.
 pub(super) async fn publish_status(
     names: Vec<String>,
     states: Vec<watch::Receiver<DeviceStatus>>,
@@ -24,7 +24,7 @@ pub(super) async fn publish_status(
             () = cancel.cancelled() => return,
             _ = period.tick() => {}
         }
-        tell_systemd(&[sd_notify::NotifyState::Watchdog]);
+        report_systemd(&[sd_notify::NotifyState::Watchdog]);
         let devices: serde_json::Map<String, serde_json::Value> = names
             .iter()
             .zip(&states)
@@ -46,8 +46,8 @@ pub(super) async fn publish_status(
 }
 
 /// Tells systemd, where there is one.
-pub(super) fn tell_systemd(states: &[sd_notify::NotifyState<'_>]) {
+pub(super) fn report_systemd(states: &[sd_notify::NotifyState<'_>]) {
     if let Err(failure) = sd_notify::notify(states) {
-        tracing::debug!(%failure, "systemd was not told");
+        tracing::debug!(%failure, "systemd was not reported");
     }
 }

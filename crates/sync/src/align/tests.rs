@@ -1,8 +1,8 @@
 use super::*;
 use trunnion_core::axis::iso::{B, C, X};
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 
-fn axes(time_s: f64, values: &[(AxisLetter, f64)]) -> AxisSample {
+fn axes(time_s: f64, values: &[(Joint, f64)]) -> AxisSample {
     let mut position = AxisValues::default();
     for &(letter, value) in values {
         position[letter] = value;
@@ -79,7 +79,7 @@ fn smooth_motion_is_interpolated_to_the_instant_with_its_derivatives() {
 }
 
 #[test]
-fn direction_and_travel_begin_anew_at_a_reversal() {
+fn direction_and_travel_restart_at_a_reversal() {
     let (out, _) = align(swing(|_| 0.0), AlignLimits::default());
     let at = |time_s: f64| samples(&out).into_iter().find(|(s, _)| s.time_s >= time_s).unwrap().0;
     let (up, down, again) = (at(0.5), at(1.5), at(2.5));

@@ -4,7 +4,7 @@ use super::spectrum::{Noise, Pyramid};
 use super::{Sample, UNIT};
 use std::collections::HashMap;
 use trunnion_core::axis::SLOTS;
-use trunnion_core::{AxisLetter, AxisValues, Point, Slot, State};
+use trunnion_core::{AxisValues, Joint, Point, Slot, State};
 
 /// Ratio of neighbouring classes of feed.
 const FEED_CLASS: f64 = 1.25;
@@ -22,8 +22,8 @@ pub struct PassSummary {
     pub speed: AxisValues<f64>,
     /// Samples averaged.
     pub samples: u64,
-    /// Samples set aside.
-    pub set_aside: u64,
+    /// Samples excluded.
+    pub excluded: u64,
     /// Blocks they became.
     pub blocks: usize,
     /// Time from sample to sample, s; `None` without time.
@@ -72,7 +72,7 @@ pub(super) fn key(state: &State, feed: Option<f64>) -> (PassKey, f64) {
     let rotary = speeds(true).fold(0.0_f64, |most, v| most.max(v.abs()));
     let linear = speeds(false).map(|v| v * v).sum::<f64>().sqrt();
     // A standing encoder flickers: turning is what is not tiny beside the motion of the linear axes.
-    let turns = rotary / UNIT[AxisLetter::C] > 0.02 * linear / UNIT[AxisLetter::X];
+    let turns = rotary / UNIT[Joint::C] > 0.02 * linear / UNIT[Joint::X];
     let speed = if turns { rotary } else { linear };
     let feed = match feed {
         Some(feed) if speed <= feed * FEED_CLASS && speed >= feed / FEED_CLASS => feed,
@@ -95,7 +95,7 @@ pub(super) struct PassSums {
     speed: AxisValues<f64>,
     count: u64,
     samples: u64,
-    pub set_aside: u64,
+    pub excluded: u64,
     blocks: usize,
     scatter: Scatter,
     last_s: Option<f64>,
@@ -114,7 +114,7 @@ impl PassSums {
             speed: AxisValues::default(),
             count: 0,
             samples: 0,
-            set_aside: 0,
+            excluded: 0,
             blocks: 0,
             scatter: Scatter::default(),
             last_s: None,
@@ -176,7 +176,7 @@ impl PassSums {
             direction: self.direction,
             speed: self.speed,
             samples: self.samples,
-            set_aside: self.set_aside,
+            excluded: self.excluded,
             blocks: self.blocks,
             step_s,
             bands: bands.collect(),

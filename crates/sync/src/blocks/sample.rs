@@ -18,7 +18,7 @@ pub(crate) const UNIT: AxisValues<f64> = {
 };
 
 /// Width of a block before any merging, units.
-pub(super) const FINEST: f64 = 0.125;
+pub(crate) const FINEST: f64 = 0.125;
 
 /// One sample on its way into a block.
 pub(crate) struct Sample {

@@ -141,7 +141,7 @@ fn the_standard_error_is_what_blocks_really_scatter_also_when_samples_are_correl
 }
 
 #[test]
-fn single_mishaps_are_set_aside_and_counted_and_a_step_is_kept() {
+fn single_outliers_are_excluded_and_counted_and_a_step_is_kept() {
     let mut points =
         sweep(20_000, 0.5, |state, i| 0.1e-3 * white(i) + if state.position[C] > 3.0 { 8e-3 } else { 0.0 });
     for i in (500..40_000).step_by(1000) {
@@ -149,8 +149,8 @@ fn single_mishaps_are_set_aside_and_counted_and_a_step_is_kept() {
     }
     points[777].reading_mm[2] = f64::NAN;
     let reduction = reduce(&points, 400);
-    assert_eq!((reduction.set_aside, reduction.missing), (40, 1));
-    assert_eq!(reduction.passes.iter().map(|pass| pass.set_aside).sum::<u64>(), 40);
+    assert_eq!((reduction.excluded, reduction.missing), (40, 1));
+    assert_eq!(reduction.passes.iter().map(|pass| pass.excluded).sum::<u64>(), 40);
     for (point, departure) in departures(&reduction) {
         let c = point.state.position[C];
         let expected = if c > 3.0 { 8e-3 } else { 0.0 };

@@ -68,7 +68,7 @@ impl ClockLine {
     }
 
     /// How long after `line` the least delayed arrival of the window came, ns; `None` before the first arrival.
-    pub fn least_lateness_ns(&self, line: &Translation) -> Option<f64> {
+    pub fn least_latency_ns(&self, line: &Translation) -> Option<f64> {
         let (origin_ticks, origin) = self.first?;
         let late = |point: &Point| {
             let ticks = origin_ticks.wrapping_add_signed((point.x / self.tick_ns).round() as i64);

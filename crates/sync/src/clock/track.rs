@@ -1,6 +1,6 @@
-//! One device's clock through a run: its line, and the moments at which it was set anew.
+//! One device's clock through a run: its line, and the moments at which it was reset.
 //!
-//! A quartz does not jump; a clock that is set, a counter that wraps wrongly or a device that starts anew does. After a jump
+//! A quartz does not jump; a clock that is set, a counter that wraps wrongly or a device that restarts does. After a jump
 //! forward readings seem to arrive before they were taken; after a jump back all of them are late by the same time and stay
 //! so. Either begins a new line. A hiccup of the host is neither: what was held up arrives at once.
 
@@ -15,7 +15,7 @@ const SETTLED_NS: i64 = 2_000_000_000;
 const STREAK_NS: i64 = 3_000_000_000;
 const STREAK_READINGS: u32 = 10;
 
-/// A clock was set anew.
+/// A clock was reset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
     /// Arrival of the last reading on the old line.
@@ -28,7 +28,7 @@ pub struct Jump {
     pub before: Option<Translation>,
 }
 
-/// The line of a clock as it stands, begun anew after a jump.
+/// The line of a clock as it stands, restarted after a jump.
 #[derive(Clone, Debug)]
 pub struct ClockTrack {
     tick_s: f64,
@@ -56,7 +56,7 @@ impl ClockTrack {
         Self { tick_s, window_s, line, begun: None, last: None, late: None }
     }
 
-    /// Takes an arrival; tells when it shows that the clock was set anew.
+    /// Takes an arrival; reports when it shows that the clock was reset.
     pub fn push(&mut self, ticks: u64, arrival: HostTime) -> Option<Jump> {
         let begun = *self.begun.get_or_insert(arrival);
         let before = self.last.replace(arrival).unwrap_or(arrival);

@@ -12,7 +12,7 @@ const DWELL_TOLERANCE_S: f64 = 0.3;
 /// A shorter stand is a corner of the path, s.
 const SHORTEST_STAND_S: f64 = 0.2;
 
-/// What an axis reading tells.
+/// What an axis reading reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
     /// All axes stand.

@@ -1,14 +1,14 @@
 use super::*;
 use trunnion_core::input::Document;
 use trunnion_core::reading::AxisReading;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 
 fn at(time_s: f64) -> HostTime {
     HostTime((time_s * 1e9) as i64)
 }
 
-/// A controller as last told.
-fn told(time_s: f64, execution: Execution, program: &str, block: &str) -> Reading {
+/// A controller as last reported.
+fn reported(time_s: f64, execution: Execution, program: &str, block: &str) -> Reading {
     Reading::Controller(ControllerReading {
         execution,
         program: program.into(),
@@ -21,7 +21,7 @@ fn told(time_s: f64, execution: Execution, program: &str, block: &str) -> Readin
 
 fn axes(time_s: f64, c_rad: f64) -> Reading {
     let mut position = AxisValues::default();
-    position[AxisLetter::C] = c_rad;
+    position[Joint::C] = c_rad;
     Reading::Axes(AxisReading {
         stamp_ns: 0,
         arrival: at(time_s),
@@ -48,15 +48,15 @@ use Execution::{Active, Ended, Held, Ready, Unknown};
 #[test]
 fn a_program_begins_and_ends_the_cycle_and_a_hold_or_a_lost_link_does_not() {
     let story = [
-        told(0.0, Ready, "", ""),
-        told(1.0, Active, "P", "N1"),
-        told(2.0, Held, "P", "N1"),
-        told(3.0, Active, "P", "N2"),
-        told(4.0, Unknown, "", ""),
-        told(5.0, Active, "P", "N3"),
-        told(6.0, Ended, "P", ""),
-        told(7.0, Ready, "P", ""),
-        told(8.0, Active, "P", ""),
+        reported(0.0, Ready, "", ""),
+        reported(1.0, Active, "P", "N1"),
+        reported(2.0, Held, "P", "N1"),
+        reported(3.0, Active, "P", "N2"),
+        reported(4.0, Unknown, "", ""),
+        reported(5.0, Active, "P", "N3"),
+        reported(6.0, Ended, "P", ""),
+        reported(7.0, Ready, "P", ""),
+        reported(8.0, Active, "P", ""),
     ];
     assert_eq!(bounds(StartRule::Execution, &story), [1.0, -6.0, 8.0]);
 }
@@ -64,28 +64,31 @@ fn a_program_begins_and_ends_the_cycle_and_a_hold_or_a_lost_link_does_not() {
 #[test]
 fn a_program_that_goes_on_after_the_last_pose_is_not_the_next_cycle() {
     let mut bounds = CycleBounds::new(StartRule::Execution);
-    assert!(bounds.take(&told(1.0, Active, "P", "N1")).is_some());
+    assert!(bounds.take(&reported(1.0, Active, "P", "N1")).is_some());
     bounds.ended_otherwise();
-    assert_eq!(bounds.take(&told(2.0, Active, "P", "N99")), None);
-    assert_eq!(bounds.take(&told(3.0, Ended, "P", "")), None);
-    assert!(matches!(bounds.take(&told(4.0, Active, "P", "N1")), Some(Bound::Begins { .. })));
+    assert_eq!(bounds.take(&reported(2.0, Active, "P", "N99")), None);
+    assert_eq!(bounds.take(&reported(3.0, Ended, "P", "")), None);
+    assert!(matches!(bounds.take(&reported(4.0, Active, "P", "N1")), Some(Bound::Begins { .. })));
 }
 
 #[test]
 fn only_the_named_program_begins_it() {
     let rule = || StartRule::Program(Pattern::new("*trunnion*"));
     let story = [
-        told(1.0, Active, "WARM_UP", ""),
-        told(2.0, Ended, "WARM_UP", ""),
-        told(3.0, Active, "/_N_MPF_DIR/_N_TRUNNION_MPF", ""),
+        reported(1.0, Active, "WARM_UP", ""),
+        reported(2.0, Ended, "WARM_UP", ""),
+        reported(3.0, Active, "/_N_MPF_DIR/_N_TRUNNION_MPF", ""),
         // The actual program is a subprogram.
-        told(4.0, Active, "L100", ""),
-        told(5.0, Ready, "L100", ""),
+        reported(4.0, Active, "L100", ""),
+        reported(5.0, Ready, "L100", ""),
     ];
     assert_eq!(bounds(rule(), &story), [3.0, -5.0]);
     // Without an execution state the name alone decides.
-    let silent =
-        [told(1.0, Unknown, "", ""), told(2.0, Unknown, "trunnion1", ""), told(3.0, Unknown, "main", "")];
+    let silent = [
+        reported(1.0, Unknown, "", ""),
+        reported(2.0, Unknown, "trunnion1", ""),
+        reported(3.0, Unknown, "main", ""),
+    ];
     assert_eq!(bounds(rule(), &silent), [2.0, -3.0]);
 }
 
@@ -93,20 +96,20 @@ fn only_the_named_program_begins_it() {
 fn blocks_begin_and_end_it() {
     let rule = StartRule::Block { begin: Pattern::new("*begin*"), end: Some(Pattern::new("*end*")) };
     let story = [
-        told(1.0, Active, "P", "N1 G1"),
-        told(2.0, Active, "P", "MSG(\"CYCLE BEGIN\")"),
-        told(3.0, Active, "P", "N2 G1"),
-        told(4.0, Active, "P", "MSG(\"CYCLE END\")"),
-        told(5.0, Active, "P", "N3"),
-        told(6.0, Active, "P", "MSG(\"CYCLE BEGIN\")"),
-        told(7.0, Ended, "P", ""),
+        reported(1.0, Active, "P", "N1 G1"),
+        reported(2.0, Active, "P", "MSG(\"CYCLE BEGIN\")"),
+        reported(3.0, Active, "P", "N2 G1"),
+        reported(4.0, Active, "P", "MSG(\"CYCLE END\")"),
+        reported(5.0, Active, "P", "N3"),
+        reported(6.0, Active, "P", "MSG(\"CYCLE BEGIN\")"),
+        reported(7.0, Ended, "P", ""),
     ];
     assert_eq!(bounds(rule, &story), [2.0, -4.0, 6.0, -7.0]);
 }
 
 #[test]
 fn a_signal_begins_it_when_it_comes_on_and_ends_it_when_it_goes_off() {
-    let signal = |time_s, on| match told(time_s, Unknown, "", "") {
+    let signal = |time_s, on| match reported(time_s, Unknown, "", "") {
         Reading::Controller(controller) => {
             Reading::Controller(ControllerReading { signal: on, ..controller })
         }
@@ -174,7 +177,7 @@ fn patterns_match_whole_names() {
 }
 
 #[test]
-fn the_table_is_read_and_its_mistakes_are_told() {
+fn the_table_is_read_and_its_mistakes_are_reported() {
     let read = |text: &str| {
         let document = Document::parse("t.toml", text).unwrap();
         let root = document.root();

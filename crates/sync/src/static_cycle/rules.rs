@@ -1,6 +1,6 @@
 //! When a pose counts as reached.
 
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 use trunnion_cycles::cycle::{Pose, Settle};
 
 /// Rules of a static cycle.
@@ -38,7 +38,7 @@ impl StaticRules {
         Self { end_after_still_s: self.end_after_still_s + wait_s, ..self }
     }
 
-    pub(super) fn is_near(&self, position: &AxisValues<f64>, pose: &Pose, axes: &[AxisLetter]) -> bool {
+    pub(super) fn is_near(&self, position: &AxisValues<f64>, pose: &Pose, axes: &[Joint]) -> bool {
         axes.iter().all(|&letter| {
             let off = position[letter] - pose.position[letter];
             if letter.is_rotary() {

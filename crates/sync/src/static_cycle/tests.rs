@@ -230,7 +230,7 @@ fn coming_back_to_a_pose_already_read_is_no_jump_to_a_later_pass() {
 }
 
 #[test]
-fn a_machine_that_stops_for_good_ends_the_cycle_and_progress_tells_the_time_left() {
+fn a_machine_that_stops_for_good_ends_the_cycle_and_progress_reports_the_time_left() {
     let stations = [0.0, 0.5, 1.0, 1.5];
     let way = [(0.0, 1.6), (0.5, 1.6), (1.0, 6.0)].map(|(c_rad, stand_s)| Leg { c_rad, stand_s });
     let steps = Shop { legs: &way, reading: &|_, _, _| [0.0; 3], noise_mm: 0.0 }.run();

@@ -1,18 +1,16 @@
 //! One question has one answer: whoever asks for a figure of a model on a recording gets the same one.
 //!
 //! On every committed set of points, for the base model and for the model with the first candidate: repeatability, rms, held-out
-//! error with its unit, parameters and u of `identify`, of the diagnosis (residual and candidate), of adding an effect and of the
-//! row it makes on the ladder.
+//! error with its unit, parameters and u of `identify`, of the diagnosis (residual and candidate), of the comparison, of adding an
+//! effect, of the row it makes on the ladder, as JSON, in the terminal and on the page, which are read as a person reads them.
 
-use std::path::Path;
-use trunnion::analysis::{Step, add, diagnose};
-use trunnion_core::convert::um_from_mm;
-use trunnion_cycles::{Run, RunKind};
-use trunnion_effects::{LadderRow, Model};
-use trunnion_engine::fit::Options;
-use trunnion_engine::{Diagnosis, Experiment, Identification, identify};
-use trunnion_machine::shipped;
-use trunnion_record::points_csv::import_files;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use trunnion::cycles::RunKind;
+use trunnion::results::number::{um, um_or_dash, value_and_u};
+use trunnion::results::sentences::left_out;
+use trunnion::results::{Diagnosis, Identification, LadderRow, LeftOut, to_json};
+use trunnion::{Diagnosed, Experiment, Fit, Step};
 
 /// Where the points are committed.
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data");
@@ -20,25 +18,24 @@ const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data");
 /// Two prints of one figure may differ by this share.
 const SAME: f64 = 1e-9;
 
-fn run(folder: &str, kind: RunKind) -> Run {
-    let text = |file: &str| std::fs::read_to_string(Path::new(DATA).join(folder).join(file)).unwrap();
-    let (points, setup) = (text("points.csv"), text("setup.toml"));
-    let files = (("points.csv", points.as_str()), ("setup.toml", setup.as_str()));
-    Run { kind, ..import_files(folder, files.0, files.1, &shipped::machine).expect("good files") }
-}
-
-/// Every committed set of points; one read on the fly.
-fn runs() -> Vec<Run> {
-    let mut folders: Vec<String> = std::fs::read_dir(Path::new(DATA))
+/// Every committed set of points with its name; those of a sweep were read on the fly.
+fn recordings() -> Vec<(String, Experiment)> {
+    let mut files: Vec<PathBuf> = std::fs::read_dir(Path::new(DATA))
         .unwrap()
-        .map(|entry| entry.unwrap())
-        .filter(|entry| entry.path().join("points.csv").exists())
-        .map(|entry| entry.file_name().into_string().unwrap())
+        .map(|entry| entry.unwrap().path().join("points.csv"))
+        .filter(|file| file.exists())
         .collect();
-    folders.sort();
-    assert!(folders.len() >= 5, "{folders:?}");
-    let kind = |folder: &str| if folder.starts_with("sweep") { RunKind::OnTheFly } else { RunKind::Static };
-    folders.iter().map(|folder| run(folder, kind(folder))).collect()
+    files.sort();
+    assert!(files.len() >= 5, "{files:?}");
+    let open = |file: PathBuf| {
+        let mut recording = trunnion::read(&file, None).unwrap();
+        let name = recording.run.name.clone();
+        if name.starts_with("sweep") {
+            recording.run.kind = RunKind::OnTheFly;
+        }
+        (name, Experiment::of_recordings(vec![(file, recording)]).unwrap())
+    };
+    files.into_iter().map(open).collect()
 }
 
 /// What is printed of one model on one recording.
@@ -52,17 +49,20 @@ struct Figures {
     parameters: Vec<(String, Option<f64>, Option<f64>)>,
 }
 
+/// The unit as JSON and model file write it.
+fn word(unit: Option<LeftOut>) -> Option<String> {
+    unit.map(|unit| serde_json::to_value(unit).unwrap().as_str().unwrap().into())
+}
+
 impl Figures {
     fn of_fit(fit: &Identification) -> Self {
-        let parameter = |p: &trunnion_engine::FittedParameter| {
-            (format!("{} {}", p.effect, p.name), p.screen_value(), p.screen_u())
-        };
+        let parameters = fit.parameters.iter().map(|p| (format!("{} {}", p.effect, p.name), p.value, p.u));
         Self {
-            rms_um: um_from_mm(fit.rms_mm),
-            repeatability_um: fit.repeatability.map(|found| um_from_mm(found.sigma_mm)),
-            holdout_um: fit.holdout.map(|holdout| um_from_mm(holdout.rms_mm)),
-            holdout_unit: fit.holdout.map(|holdout| holdout.left_out.name().into()),
-            parameters: fit.parameters.iter().map(parameter).collect(),
+            rms_um: fit.rms_um,
+            repeatability_um: fit.noise_um,
+            holdout_um: fit.holdout_rms_um,
+            holdout_unit: word(fit.holdout_unit),
+            parameters: parameters.collect(),
         }
     }
 
@@ -72,7 +72,7 @@ impl Figures {
             rms_um: residual.rms_um,
             repeatability_um: residual.noise_um,
             holdout_um: residual.holdout_rms_um,
-            holdout_unit: residual.holdout_unit.map(|unit| unit.name().into()),
+            holdout_unit: word(residual.holdout_unit),
             parameters: like.parameters.clone(),
         }
     }
@@ -83,19 +83,15 @@ impl Figures {
         let mut parameters = like.parameters.clone();
         for (name, value, u) in &mut parameters {
             let Some(name) = name.strip_prefix(&format!("{} ", candidate.effect)) else { continue };
-            let own = candidate
-                .parameters
-                .iter()
-                .find(|p| p.name == name)
-                .expect("a candidate lists every parameter");
+            let own = candidate.parameters.iter().find(|p| p.name == name);
+            let own = own.expect("a candidate lists every parameter");
             (*value, *u) = (own.value, own.u);
         }
         Self {
             rms_um: candidate.rms_um_after,
-            repeatability_um: diagnosis.residual.noise_um,
             holdout_um: candidate.holdout_rms_um_after,
-            holdout_unit: diagnosis.residual.holdout_unit.map(|unit| unit.name().into()),
             parameters,
+            ..Self::of_residual(diagnosis, like)
         }
     }
 
@@ -128,45 +124,116 @@ impl Figures {
     }
 }
 
-fn identified(experiment: &Experiment, model: &Model) -> Figures {
-    Figures::of_fit(&identify(experiment, model, &Options::default()).unwrap())
+/// What JSON holds of an answer about a fit.
+fn in_json(answer: &impl Serialize, at: &str) -> Identification {
+    let json: serde_json::Value = serde_json::from_str(&to_json(answer).unwrap()).unwrap();
+    serde_json::from_value(json.pointer(at).unwrap().clone()).unwrap()
+}
+
+/// A page or a screen as a person reads it: words and figures, one blank apart.
+fn read(text: &str) -> String {
+    let mut words = String::new();
+    let mut in_tag = false;
+    for c in text.chars() {
+        match c {
+            '<' => in_tag = true,
+            '>' if in_tag => {
+                in_tag = false;
+                words.push(' ');
+            }
+            c if !in_tag => words.push(c),
+            _ => {}
+        }
+    }
+    words.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// What page and terminal must say of a fit, word for word.
+fn assert_said(text: &str, fit: &Identification, names: [&str; 3], what: &str) {
+    let text = read(text);
+    let [rms, repeatability, held_out] = names;
+    let unit = left_out(fit.holdout_unit);
+    let mut expected = vec![
+        format!("{rms} {}", um(fit.rms_um)),
+        format!("{repeatability} {}", fit.noise_um.map_or("".into(), um)).trim().to_owned(),
+    ];
+    let bare = text.replace(['(', ')'], "");
+    let held_out = format!("{held_out} {} {unit}", um_or_dash(fit.holdout_rms_um));
+    assert!(bare.contains(&held_out), "{what} lacks \"{held_out}\": {bare}");
+    expected.extend(fit.parameters.iter().map(|p| {
+        let (value, u) = value_and_u(p.value, p.u, &p.unit);
+        format!("{} {value} {u}", p.name)
+    }));
+    for figure in expected {
+        assert!(text.contains(&read(&figure)), "{what} lacks \"{figure}\": {text}");
+    }
 }
 
 /// The figures of a model from everybody who prints them; and the diagnosis.
-fn check(experiment: &Experiment, model: &Model, what: &str) -> Diagnosis {
-    let figures = identified(experiment, model);
+fn check(fit: &Fit, what: &str) -> Diagnosed {
+    let answer = fit.results();
+    let figures = Figures::of_fit(&answer);
     assert!(figures.holdout_um.is_some() && !figures.parameters.is_empty(), "{what}: {figures:?}");
-    let diagnosis = diagnose(experiment, model).unwrap();
-    figures.assert_same(
-        &Figures::of_residual(&diagnosis, &figures),
-        &format!("{what}, residual of the diagnosis"),
+    let same = |other: &Figures, who: &str| figures.assert_same(other, &format!("{what}, {who}"));
+    let diagnosed = fit.diagnose().unwrap();
+    same(&Figures::of_residual(&diagnosed.results(), &figures), "residual of the diagnosis");
+    let compared = diagnosed.compare().unwrap();
+    same(&Figures::of_fit(&compared.results().identification), "comparison");
+    same(&Figures::of_fit(&in_json(&answer, "")), "JSON of the fit");
+    same(&Figures::of_fit(&in_json(&compared.results(), "/identification")), "JSON of the comparison");
+    let diagnosis = to_json(&diagnosed.results()).unwrap();
+    let diagnosis: Diagnosis = serde_json::from_str(&diagnosis).unwrap();
+    same(&Figures::of_residual(&diagnosis, &figures), "JSON of the diagnosis");
+    assert_said(
+        &fit.summary(),
+        &answer,
+        ["residual", "repeatability", "held-out"],
+        &format!("{what}, screen"),
     );
-    diagnosis
+    let names = ["Residual", "Repeatability", "Held-out error"];
+    assert_said(&compared.page(), &answer, names, &format!("{what}, page"));
+    let residual = format!("{} rms left", um(answer.rms_um));
+    assert!(diagnosed.summary().contains(&residual), "{what}: {}", diagnosed.summary());
+    diagnosed
 }
 
-fn check_step(experiment: &Experiment, before: &Diagnosis, step: &Step, what: &str) {
-    let after = identified(experiment, &step.model);
-    after.assert_same(&Figures::of_fit(&step.identification), &format!("{what}, fit of what was added"));
-    after.assert_same(&Figures::of_candidate(before, &after), &format!("{what}, candidate"));
-    let row = step.entries[0].ladder.as_ref().unwrap();
+fn check_step(before: &Diagnosed, step: &Step, what: &str) {
+    let after = Figures::of_fit(&step.fit().results());
+    let diagnosis = before.results();
+    let added = in_json(&step.results("machine.model.toml"), "/identification");
+    after.assert_same(&Figures::of_fit(&added), &format!("{what}, JSON of what was added"));
+    after.assert_same(&Figures::of_candidate(&diagnosis, &after), &format!("{what}, candidate"));
+    let again = step.fit().experiment().fit(step.model()).unwrap();
+    after.assert_same(&Figures::of_fit(&again.results()), &format!("{what}, fit of the new model"));
+    // The model file keeps four decimals; the row of the first entry has them all.
+    let row = step.entries()[0].ladder.as_ref().unwrap();
     after.assert_same(&Figures::of_row(row, true, &after), &format!("{what}, ladder after"));
-    let without = Figures::of_fit(&step.before);
-    without.assert_same(&Figures::of_residual(before, &without), &format!("{what}, fit before"));
+    let without = Figures::of_fit(&step.before().results());
+    without.assert_same(&Figures::of_residual(&diagnosis, &without), &format!("{what}, fit before"));
     without.assert_same(&Figures::of_row(row, false, &without), &format!("{what}, ladder before"));
+    let ladder = step.ladder();
+    let (_, written) = ladder.added().next_back().unwrap();
+    assert_eq!(um(written.error_after_um), um(after.rms_um), "{what}, ladder as written");
+    let rung = read(&step.summary());
+    let shown = format!(
+        "+ {} {} {}",
+        step.effect(),
+        um(written.error_after_um),
+        um_or_dash(written.holdout_after_um)
+    );
+    assert!(rung.contains(&shown), "{what}: {shown} in {rung}");
 }
 
 #[test]
 fn every_surface_gives_the_same_figures() {
     let mut added = 0;
-    for run in runs() {
-        let name = run.name.clone();
-        let model = Model::base(&run.machine.name);
-        let experiment = Experiment::new(&[run]).unwrap();
-        let diagnosis = check(&experiment, &model, &name);
-        let Some(candidate) = diagnosis.candidates.first() else { continue };
-        let step = add(&experiment, &model, &candidate.effect, "2026-01-01").unwrap();
-        check_step(&experiment, &diagnosis, &step, &format!("{name} + {}", candidate.effect));
-        check(&experiment, &step.model, &format!("{name} with {}", candidate.effect));
+    for (name, experiment) in recordings() {
+        let fit = experiment.fit(&experiment.base_model()).unwrap();
+        let diagnosed = check(&fit, &name);
+        let Some(candidate) = diagnosed.results().candidates.into_iter().next() else { continue };
+        let step = diagnosed.add(&candidate.effect).unwrap().dated("2026-01-01").unwrap();
+        check_step(&diagnosed, &step, &format!("{name} + {}", candidate.effect));
+        check(step.fit(), &format!("{name} with {}", candidate.effect));
         added += 1;
     }
     assert!(added >= 3, "only {added} recordings have a candidate");

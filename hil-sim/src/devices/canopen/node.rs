@@ -126,11 +126,11 @@ impl Node {
     pub fn leave_range(&mut self, until_s: f64) {
         self.objects.out_of_range = true;
         self.out_of_range_until_s = Some(until_s);
-        let told = self.emergency(NO_POSITION);
-        self.waiting.extend(told);
+        let reported = self.emergency(NO_POSITION);
+        self.waiting.extend(reported);
     }
 
-    /// An encoder has no status beside its position: it tells by an emergency.
+    /// An encoder has no status next to its position: it reports by an emergency.
     fn emergency(&self, emergency: Emergency) -> Option<CanFrame> {
         matches!(self.config.kind, NodeKind::BallBar { .. }).then(|| emergency.frame(self.id()))
     }

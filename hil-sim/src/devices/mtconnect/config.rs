@@ -3,7 +3,7 @@
 use super::super::clock::DeviceClock;
 use super::super::handle::DeviceError;
 use std::net::{Ipv4Addr, SocketAddr};
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 
 /// A controller and its agent.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,7 +13,7 @@ pub struct AgentConfig {
     /// Name of the device.
     pub device: String,
     /// Axes shown.
-    pub axes: Vec<AxisLetter>,
+    pub axes: Vec<Joint>,
     /// Lines per second of the controller's clock, 1..=1000.
     pub rate_hz: f64,
     /// Resolution of linear positions, mm.
@@ -24,7 +24,7 @@ pub struct AgentConfig {
     pub buffer_size: usize,
     /// Most agents drop samples that are the same as before; without the filter a standing axis is seen to stand at once.
     pub filters_duplicates: bool,
-    /// The controller's wall clock: what it shows at time 0 of the cell, ns since 1970 UTC, besides the clock's
+    /// The controller's wall clock: what it shows at time 0 of the cell, ns since 1970 UTC, in addition to the clock's
     /// offset.
     pub wall_ns_at_origin: i64,
     /// Offset, rate error and wander of the wall clock.

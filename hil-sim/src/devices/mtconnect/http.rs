@@ -32,7 +32,7 @@ const BOUNDARY: &str = "cell-7c1f52e0";
 /// One life of the agent.
 pub(super) struct Shared {
     pub buffer: Mutex<Buffer>,
-    /// The next sequence number, told at every change.
+    /// The next sequence number, reported at every change.
     pub news: watch::Sender<u64>,
     pub devices: Vec<Device>,
     /// Name of the device.
@@ -50,7 +50,7 @@ impl Shared {
             controller.lines(now_s).into_iter().for_each(|line| buffer.take(line));
             buffer.next_sequence()
         };
-        self.news.send_if_modified(|told| std::mem::replace(told, next_sequence) != next_sequence);
+        self.news.send_if_modified(|reported| std::mem::replace(reported, next_sequence) != next_sequence);
     }
 
     /// So many observations are lost, with all that were kept.
@@ -60,7 +60,7 @@ impl Shared {
             buffer.skip(by);
             buffer.next_sequence()
         };
-        self.news.send_if_modified(|told| std::mem::replace(told, next_sequence) != next_sequence);
+        self.news.send_if_modified(|reported| std::mem::replace(reported, next_sequence) != next_sequence);
     }
 
     /// The next bytes sent are damaged.

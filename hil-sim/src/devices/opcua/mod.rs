@@ -26,14 +26,14 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 
 const DEVICE: &str = "OPC UA controller";
 /// The server looks so often whether something is to be published, ms.
 const PUBLISHING_MS: u64 = 5;
 /// Values of an item, and notifications, kept for a client that is slow to fetch them.
 const QUEUE: usize = 1000;
-/// A server that is told to stop closes its connections in this time.
+/// A server that is asked to stop closes its connections in this time.
 const STOP_LIMIT: Duration = Duration::from_secs(5);
 
 /// A controller and its server.
@@ -44,12 +44,12 @@ pub struct ControllerConfig {
     /// Name of the server.
     pub server: String,
     /// Machine axes 1, 2, 3 … of the unit `u1`.
-    pub axes: Vec<AxisLetter>,
+    pub axes: Vec<Joint>,
     /// Samples per second of the controller's clock, 1..=1000.
     pub rate_hz: f64,
     /// An axis is sampled so much later than the one before it, s.
     pub stagger_s: f64,
-    /// The controller's wall clock: what it shows at time 0 of the cell, ns since 1970 UTC, besides the clock's
+    /// The controller's wall clock: what it shows at time 0 of the cell, ns since 1970 UTC, in addition to the clock's
     /// offset.
     pub wall_ns_at_origin: i64,
     /// Offset, rate error and wander of the wall clock.
@@ -113,7 +113,7 @@ pub async fn spawn(
     relay::in_front_of(device, listen, origin, &of_the_network).await
 }
 
-/// What befalls the controller and its server; the rest befalls the network.
+/// Faults of the controller and its server; the rest are faults of the network.
 fn can_have(fault: &Fault) -> bool {
     let own = match fault {
         Fault::AgentRestart | Fault::WrongIdentity | Fault::StuckValue { .. } | Fault::Silence { .. } => true,
@@ -169,7 +169,7 @@ impl Floor {
 
     fn start(&mut self, listener: TcpListener, address: SocketAddr) -> Result<Life, String> {
         // Another controller: a lathe.
-        let lathe = [AxisLetter::X, AxisLetter::Z];
+        let lathe = [Joint::X, Joint::Z];
         let (server, axes) = if self.ills.wrong_identity {
             ("LATHE", &lathe[..])
         } else {
@@ -192,7 +192,7 @@ impl Floor {
         limits.min_publishing_interval_ms = PUBLISHING_MS as f64;
         limits.max_monitored_item_queue_size = QUEUE;
         limits.max_queued_notifications = QUEUE;
-        // Without encryption the library tells of missing certificates as of an error.
+        // Without encryption the library reports missing certificates as an error.
         let (server, handle) =
             tracing::subscriber::with_default(tracing::subscriber::NoSubscriber::new(), || builder.build())?;
         let nodes = Nodes::add(&handle, axes)?;
@@ -201,7 +201,7 @@ impl Floor {
         Ok(Life { task: tokio::spawn(server.run_with(listener)), handle, nodes })
     }
 
-    /// Samples until the server is to start anew, or `None`: to stop.
+    /// Samples until the server is to restart, or `None`: to stop.
     async fn operate(&mut self, life: &mut Life, faults: &mut FaultSource) -> Option<()> {
         loop {
             tokio::select! {
@@ -223,7 +223,7 @@ impl Floor {
                     let ripe_s = self.origin.now_s() - self.sweep_s();
                     for cycle in self.cycles.take(ripe_s) {
                         if let Err(why) = life.nodes.set(&life.handle, &self.sample(cycle)) {
-                            tracing::error!(why, "{DEVICE} cannot tell its values");
+                            tracing::error!(why, "{DEVICE} cannot publish its values");
                         }
                     }
                 }

@@ -13,7 +13,7 @@ use opcua_types::{
     DataTypeId, DataValue, DateTime, NodeId, ObjectId, QualifiedName, ReferenceTypeId, StatusCode, Variant,
 };
 use std::sync::Arc;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 
 /// Namespaces in the order of their indices.
 const NAMESPACES: [&str; 3] =
@@ -49,7 +49,7 @@ pub(super) fn manager() -> impl NodeManagerBuilder {
 
 impl Nodes {
     /// Adds them to a server that has the [`manager`].
-    pub fn add(server: &ServerHandle, axes: &[AxisLetter]) -> Result<Self, String> {
+    pub fn add(server: &ServerHandle, axes: &[Joint]) -> Result<Self, String> {
         let manager: Arc<SimpleNodeManager> =
             server.node_managers().get_of_type().ok_or("the server has lost its nodes")?;
         let node = |path: String| NodeId::new(OURS, path);

@@ -24,9 +24,9 @@ pub trait SerialDevice: Send + 'static {
     fn next_due_s(&self) -> Option<f64>;
     /// What the device says on its own up to now.
     fn send_due(&mut self, now_s: f64) -> Vec<u8>;
-    /// The cable is back; what was powered over it starts anew.
+    /// The cable is back; what was powered over it restarts.
     fn plugged_in(&mut self);
-    /// True for the faults of its own that this kind of device can have, besides those of the line.
+    /// True for the faults of its own that this kind of device can have, in addition to those of the line.
     fn has(_fault: &Fault) -> bool
     where
         Self: Sized,

@@ -5,7 +5,7 @@ pub(super) use super::super::disturbance::Disturbance;
 pub(super) use nalgebra::Vector3;
 pub(super) use rand::{Rng, RngExt};
 pub(super) use rand_chacha::ChaCha8Rng;
-pub(super) use trunnion_core::{AxisLetter, State, Twist};
+pub(super) use trunnion_core::{Joint, State, Twist};
 pub(super) use trunnion_machine::Machine;
 
 /// One kind of hidden physics.
@@ -37,9 +37,9 @@ pub enum Place {
     /// In the machine as a whole.
     Machine,
     /// At one axis.
-    Axis(AxisLetter),
+    Axis(Joint),
     /// Between two axes: the first turned against the second.
-    Pair(AxisLetter, AxisLetter),
+    Pair(Joint, Joint),
 }
 
 /// In which cycle an effect shows.
@@ -81,10 +81,10 @@ pub struct Scene<'a> {
 
 impl Scene<'_> {
     /// The letter of the axis where the effect sits.
-    pub(super) fn letter(&self) -> AxisLetter {
+    pub(super) fn letter(&self) -> Joint {
         match self.place {
             Place::Axis(letter) | Place::Pair(letter, _) => letter,
-            Place::Machine => AxisLetter::C,
+            Place::Machine => Joint::C,
         }
     }
 
@@ -99,7 +99,7 @@ impl Scene<'_> {
     }
 
     /// A positioning error of that axis, in its own coordinate.
-    pub(super) fn positioning(&self, letter: AxisLetter, error: f64) -> Disturbance {
+    pub(super) fn positioning(&self, letter: Joint, error: f64) -> Disturbance {
         let Some(axis) = self.machine.axis(letter) else { return Disturbance::default() };
         let along = axis.direction.into_inner() * (axis.sense * error);
         let twist = if axis.is_rotary() { Twist::rotation(along) } else { Twist::translation(along) };
@@ -113,17 +113,17 @@ impl Scene<'_> {
     }
 }
 
-pub(super) const A: Place = Place::Axis(AxisLetter::A);
+pub(super) const A: Place = Place::Axis(Joint::A);
 
-pub(super) const B: Place = Place::Axis(AxisLetter::B);
+pub(super) const B: Place = Place::Axis(Joint::B);
 
-pub(super) const C: Place = Place::Axis(AxisLetter::C);
+pub(super) const C: Place = Place::Axis(Joint::C);
 
-pub(super) const X: Place = Place::Axis(AxisLetter::X);
+pub(super) const X: Place = Place::Axis(Joint::X);
 
-pub(super) const Y: Place = Place::Axis(AxisLetter::Y);
+pub(super) const Y: Place = Place::Axis(Joint::Y);
 
-pub(super) const Z: Place = Place::Axis(AxisLetter::Z);
+pub(super) const Z: Place = Place::Axis(Joint::Z);
 
 /// The numbers of a shape by position; their count was checked when the truth was made.
 pub(super) fn numbers<const N: usize>(shape: &[f64]) -> [f64; N] {

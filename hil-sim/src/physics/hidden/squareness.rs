@@ -10,9 +10,9 @@ pub(super) const KIND: Kind = Kind {
     about: "two linear axes are not square",
     amplitude: "angle, rad",
     places: &[
-        Place::Pair(AxisLetter::X, AxisLetter::Y),
-        Place::Pair(AxisLetter::Y, AxisLetter::Z),
-        Place::Pair(AxisLetter::Z, AxisLetter::X),
+        Place::Pair(Joint::X, Joint::Y),
+        Place::Pair(Joint::Y, Joint::Z),
+        Place::Pair(Joint::Z, Joint::X),
     ],
     seen_in: SeenIn::StaticGrid,
     at_encoder: false,

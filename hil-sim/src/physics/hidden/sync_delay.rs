@@ -26,5 +26,5 @@ fn draw(rng: &mut ChaCha8Rng, _: &Circumstances<'_>) -> Vec<f64> {
 fn disturb(scene: &Scene<'_>, shape: &[f64]) -> Disturbance {
     let [sign] = numbers(shape);
     let late = |letter| scene.positioning(letter, -sign * scene.state.velocity[letter]);
-    AxisLetter::ROTARY.into_iter().map(late).fold(Disturbance::default(), |sum, each| sum + each)
+    Joint::ROTARY.into_iter().map(late).fold(Disturbance::default(), |sum, each| sum + each)
 }

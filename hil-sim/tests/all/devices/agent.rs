@@ -5,7 +5,7 @@ use super::floor::{WALL_NS, cell};
 use http_body_util::BodyExt;
 use hyper::body::Incoming;
 use std::collections::BTreeMap;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_hil_sim::devices::{DeviceClock, Fault, World};
 use trunnion_protocol::mtconnect::{Document, MultipartDecoder, ObservedValue, StreamsDocument, parse};
 
@@ -47,16 +47,16 @@ async fn streamed_positions_are_the_trajectory_at_the_controllers_instants() {
         cell(directory.path(), |config| config.controller.as_mut().unwrap().0.clock = clock).await;
     let url = cell.controller.as_ref().unwrap().url().unwrap();
     let Document::Devices(devices) = document(url, "/probe").await else { panic!("no devices") };
-    let axes: BTreeMap<String, AxisLetter> = devices.devices[0]
+    let axes: BTreeMap<String, Joint> = devices.devices[0]
         .data_items
         .iter()
-        .filter_map(|item| Some((item.id.clone(), AxisLetter::parse(&item.component.name)?)))
+        .filter_map(|item| Some((item.id.clone(), Joint::parse(&item.component.name)?)))
         .collect();
     assert_eq!(axes.len(), 5);
 
     let (mut body, mut parts) = stream(url, current(url).await.next_sequence).await;
     let mut expected_sequence = None;
-    let mut lines: BTreeMap<i64, BTreeMap<AxisLetter, f64>> = BTreeMap::new();
+    let mut lines: BTreeMap<i64, BTreeMap<Joint, f64>> = BTreeMap::new();
     while lines.len() < 200 {
         for document in next_documents(&mut body, &mut parts).await {
             let Document::Streams(mut document) = document else { panic!("{document:?}") };
@@ -89,25 +89,22 @@ async fn streamed_positions_are_the_trajectory_at_the_controllers_instants() {
             };
             assert!((shown - truth).abs() < tolerance, "{axis} {shown} {truth} at {t_s}");
         }
-        moving += usize::from(
-            [AxisLetter::X, AxisLetter::Y, AxisLetter::C].iter().all(|a| positions.contains_key(a)),
-        );
+        moving += usize::from([Joint::X, Joint::Y, Joint::C].iter().all(|a| positions.contains_key(a)));
     }
-    let standing = lines.values().filter(|positions| positions.contains_key(&AxisLetter::Z)).count();
+    let standing = lines.values().filter(|positions| positions.contains_key(&Joint::Z)).count();
     assert!(standing <= 1, "an axis that stands is not observed again");
     assert!(moving > 100, "one time stamp for all axes that move: {moving}");
     // Between two lines the axes are where a straight line puts them, to r (ωh)²/8.
     let stamps: Vec<i64> = lines.keys().copied().collect();
     for pair in stamps.windows(2) {
-        if let (Some(before), Some(after)) =
-            (lines[&pair[0]].get(&AxisLetter::X), lines[&pair[1]].get(&AxisLetter::X))
+        if let (Some(before), Some(after)) = (lines[&pair[0]].get(&Joint::X), lines[&pair[1]].get(&Joint::X))
         {
             let (from_s, to_s) = (cell_s(pair[0]), cell_s(pair[1]));
             if from_s < 0.6 {
                 continue; // C starts to turn at 0.5 s
             }
             assert!((to_s - from_s - 0.008 / 0.99).abs() < 3e-6, "125 lines per second of its own clock");
-            let truth = world.axes(0.5 * (from_s + to_s))[AxisLetter::X];
+            let truth = world.axes(0.5 * (from_s + to_s))[Joint::X];
             assert!((0.5 * (before + after) - truth).abs() < 1.1e-3);
         }
     }

@@ -90,7 +90,7 @@ impl Host {
 }
 
 #[tokio::test]
-async fn a_ball_bar_tells_its_mapping_goes_operational_and_answers_sync() {
+async fn a_ball_bar_reports_its_mapping_goes_operational_and_answers_sync() {
     let directory = tempfile::tempdir().unwrap();
     let (world, cell) = cell(directory.path(), |_| {}).await;
     let mut host = Host::connect(cell.can.as_ref().unwrap().port().unwrap()).await;

@@ -30,7 +30,7 @@ pub fn world() -> Arc<SimulatedCell> {
             let c = state.position[C];
             [0.1 * c.sin(), 0.05 * c.cos(), 0.02]
         }),
-        // Grows with the angle, so that a value tells its instant
+        // Grows with the angle, so that a value shows its instant
         bar_mm: Box::new(|state| 0.5 * state.position[C]),
         temperature_degc: Box::new(|t_s| 21.0 + 0.5 * t_s),
         noise_mm: 0.0005,

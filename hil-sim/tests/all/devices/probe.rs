@@ -2,6 +2,8 @@
 
 use super::client::{bounded, open};
 use super::floor::cell;
+use crate::pauses::Pauses;
+use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio_serial::SerialStream;
 use trunnion_hil_sim::devices::{DeviceClock, Fault, InjectError, ScheduledFault, World};
@@ -56,8 +58,34 @@ impl Host {
     }
 }
 
+/// A test that waited longer than this let the line run over: it holds 170 ms of samples, and 50 ms are left for the rest.
+const LONGEST_PAUSE: Duration = Duration::from_millis(50);
+/// Attempts on a computer that pauses; one must be judged.
+const ATTEMPTS: usize = 10;
+
+/// Runs a test until one attempt was made on a computer that kept time. What needs time is judged by what it returns.
+async fn on_a_computer_that_keeps_time<R>(mut attempt: impl AsyncFnMut() -> R) -> R {
+    for _ in 0..ATTEMPTS {
+        let pauses = Pauses::watch();
+        let measured = attempt().await;
+        if pauses.longest() < LONGEST_PAUSE {
+            return measured;
+        }
+    }
+    panic!("this computer paused in each of {ATTEMPTS} attempts: nothing could be judged")
+}
+
 #[tokio::test]
 async fn a_probe_streams_what_the_world_shows_at_the_instants_of_its_own_clock() {
+    let (steps, delays_s) = on_a_computer_that_keeps_time(async || streamed().await).await;
+    assert!(steps.iter().all(|step| *step == 1), "none lost: {steps:?}");
+    assert!(delays_s.iter().all(|delay_s| (0.0..0.02).contains(delay_s)), "{delays_s:?}");
+    // A clock taken for exact would drift by 20 ms from the first third to the last.
+    assert!((delays_s[2] - delays_s[0]).abs() < 0.008, "{delays_s:?}");
+}
+
+/// Samples from one to the next, and arrival minus sampling, the smallest of each third, s.
+async fn streamed() -> (Vec<u64>, [f64; 3]) {
     let directory = tempfile::tempdir().unwrap();
     // 2 % fast, so that its rate is seen within a second and a half
     let clock = DeviceClock::steady(812.25, 20_000.0);
@@ -77,7 +105,7 @@ async fn a_probe_streams_what_the_world_shows_at_the_instants_of_its_own_clock()
 
     let (mut ticks, mut counter) = (Unwrap::new(32), Unwrap::new(18));
     let mut last: Option<(u64, u64)> = None;
-    // Arrival minus sampling, the smallest of each third, s
+    let mut steps = Vec::new();
     let mut delays_s = [f64::INFINITY; 3];
     let begin_s = cell.origin.now_s();
     loop {
@@ -96,8 +124,7 @@ async fn a_probe_streams_what_the_world_shows_at_the_instants_of_its_own_clock()
             if let Some(before) = last {
                 let samples = now.0 - before.0;
                 assert_eq!(now.1 - before.1, 50 * samples, "a sample every 0.5 ms");
-                // A busy computer may read too late: then the probe has counted what it could not hand over.
-                assert!(samples == 1 || cell.probes[1].lost_bytes() > 0, "{samples} at once");
+                steps.push(samples);
             }
             last = Some(now);
             let device_s = now.1 as f64 * 1e-5;
@@ -109,11 +136,9 @@ async fn a_probe_streams_what_the_world_shows_at_the_instants_of_its_own_clock()
             delays_s[third] = delays_s[third].min(arrival_s - t_s);
         }
     }
-    assert!(delays_s.iter().all(|delay_s| (0.0..0.02).contains(delay_s)), "{delays_s:?}");
-    // A clock taken for exact would drift by 20 ms from the first third to the last.
-    assert!((delays_s[2] - delays_s[0]).abs() < 0.008, "{delays_s:?}");
     assert_eq!(host.decoder.counts().dropped_bytes, 0);
     cell.shutdown().await;
+    (steps, delays_s)
 }
 
 #[tokio::test]
@@ -143,6 +168,13 @@ async fn a_pulled_cable_hangs_up_and_the_port_comes_back_under_its_name() {
 
 #[tokio::test]
 async fn garbage_and_silence_are_seen_by_the_host_and_end() {
+    let gap = on_a_computer_that_keeps_time(async || silenced().await).await;
+    // 1 kHz, and the deliveries are 4 ms apart.
+    assert!((190..300).contains(&gap), "{gap}");
+}
+
+/// Samples missing in a silence of 0.2 s.
+async fn silenced() -> u64 {
     let directory = tempfile::tempdir().unwrap();
     let at_once = ScheduledFault { at_s: 0.0, fault: Fault::GarbleBytes { count: 1000 } };
     let (_, cell) = cell(directory.path(), |config| {
@@ -174,12 +206,11 @@ async fn garbage_and_silence_are_seen_by_the_host_and_end() {
             last = Some(now);
         }
     }
-    // 1 kHz, and the deliveries are 4 ms apart; a busy computer may add to the silence.
-    assert!((190..20_000).contains(&gaps[0]), "{gaps:?}");
     assert!(cell.probes[2].lost_bytes() > 0);
     let impossible = Fault::AgentRestart;
     assert_eq!(cell.probes[2].inject(impossible), Err(InjectError::NotPossible(impossible)));
     cell.shutdown().await;
+    gaps[0]
 }
 
 #[tokio::test]
@@ -190,7 +221,7 @@ async fn a_host_that_comes_late_finds_no_old_samples() {
     // Nobody reads until the line has thrown something away.
     bounded("overrun", async {
         while cell.probes[0].lost_bytes() == 0 {
-            tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+            tokio::time::sleep(Duration::from_millis(20)).await;
         }
     })
     .await;

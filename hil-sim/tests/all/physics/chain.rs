@@ -2,7 +2,7 @@
 
 use super::{low_and_high, setup, table_bc};
 use nalgebra::{Point3, Rotation3, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, State, Twist};
+use trunnion_core::{AxisValues, Joint, State, Twist};
 use trunnion_hil_sim::physics::{grid, simulate_points};
 use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine};
 use trunnion_machine::{JointErrors, Machine, shipped};
@@ -57,10 +57,10 @@ fn a_perfect_bar_of_any_direction_reads_zero() {
         VirtualMachine::new(machine.clone(), Truth::perfect("table-bc", &[bar], 1.0)).unwrap();
     for angle in [0.0, 0.7, 2.0, 4.0_f64] {
         let mut position = AxisValues::default();
-        position[AxisLetter::C] = angle;
+        position[Joint::C] = angle;
         let mut position = machine.follow(&position, &ball).unwrap();
-        position[AxisLetter::X] += 100.0 * angle.cos();
-        position[AxisLetter::Z] += 100.0 * angle.sin();
+        position[Joint::X] += 100.0 * angle.cos();
+        position[Joint::Z] += 100.0 * angle.sin();
         let state = State { position, ..State::default() };
         assert!(virtual_machine.ideal_reading_mm(0, &state)[0].abs() < 1e-12);
     }
@@ -72,14 +72,14 @@ fn small_errors_read_as_equations_8_and_9_of_s1() {
     let mut truth = Truth::perfect("table-bc", &low_and_high(), 1.0);
     let b = [3e-6, -5e-6, 4e-6, 1e-8, -2e-8, 3e-8];
     let c = [-2e-6, 6e-6, 1e-6, 4e-8, 1e-8, -3e-8];
-    truth.location[AxisLetter::B] = twist(b);
-    truth.location[AxisLetter::C] = twist(c);
+    truth.location[Joint::B] = twist(b);
+    truth.location[Joint::C] = twist(c);
     let machine = table_bc();
     let states = grid::standard_bc(&machine, &low_and_high());
     let virtual_machine = VirtualMachine::new(machine, truth).unwrap();
     for state in states {
-        let (sb, cb) = state.position[AxisLetter::B].sin_cos();
-        let (sc, cc) = state.position[AxisLetter::C].sin_cos();
+        let (sb, cb) = state.position[Joint::B].sin_cos();
+        let (sc, cc) = state.position[Joint::C].sin_cos();
         // (δx, δy, δz) or (α, β, γ) of B and C turned into table axes, as printed.
         let printed = |b: &[f64], c: &[f64]| {
             let radial = b[0] * cb - b[2] * sb + c[0];
@@ -102,7 +102,7 @@ fn our_chain_and_the_machine_crate_agree_on_large_errors() {
     machine.table[0].through_mm = Point3::new(3.0, -20.0, 7.0);
     machine.table[0].sense = -1.0;
     let mut errors = JointErrors::default();
-    for (i, letter) in AxisLetter::ALL.into_iter().enumerate() {
+    for (i, letter) in Joint::ALL.into_iter().enumerate() {
         let k = i as f64 + 1.0;
         errors[letter] = twist([0.1 * k, -0.2, 0.05 * k, 0.01 * k, -0.02, 0.015]);
     }
@@ -136,7 +136,7 @@ fn a_tilted_b_moves_a_table_ball_by_the_lever() {
     for tilt_deg in [-0.01, -0.02, -0.03_f64] {
         let setups = [setup("low", NestOn::Spindle, [0.0, 0.0, 66.7])];
         let mut truth = Truth::perfect("table-bc", &setups, 1.0);
-        truth.location[AxisLetter::B] = twist([0.0, 0.0, 0.0, 0.0, tilt_deg.to_radians(), 0.0]);
+        truth.location[Joint::B] = twist([0.0, 0.0, 0.0, 0.0, tilt_deg.to_radians(), 0.0]);
         let machine = table_bc();
         let position = machine.follow(&AxisValues::default(), &setups[0].ball_in_table_mm).unwrap();
         let virtual_machine = VirtualMachine::new(machine, truth).unwrap();

@@ -3,7 +3,7 @@
 use super::{RUN_S, low_and_high, table_bc};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use trunnion_core::{AxisLetter, State};
+use trunnion_core::{Joint, State};
 use trunnion_hil_sim::physics::hidden::{Hidden, HiddenChoice, KINDS, SeenIn, TYPICAL_RMS_MM};
 use trunnion_hil_sim::physics::{grid, hidden, simulate_points};
 use trunnion_hil_sim::{Truth, VirtualMachine};
@@ -94,15 +94,15 @@ fn every_effect_is_finite_over_the_volume() {
                 [(-400.0, -1.0, None), (400.0, 1.0, Some(1e6)), (0.0, 0.0, Some(0.0))]
             {
                 let mut state = State { time_s, setup: 1, ..State::default() };
-                for letter in AxisLetter::LINEAR {
+                for letter in Joint::LINEAR {
                     state.position[letter] = xyz;
                     state.velocity[letter] = xyz;
                     state.direction[letter] = direction;
                 }
-                state.position[AxisLetter::B] = b;
-                state.position[AxisLetter::C] = c;
-                state.direction[AxisLetter::C] = direction;
-                state.velocity[AxisLetter::C] = direction;
+                state.position[Joint::B] = b;
+                state.position[Joint::C] = c;
+                state.direction[Joint::C] = direction;
+                state.velocity[Joint::C] = direction;
                 let read = machine.ideal_reading_mm(1, &state);
                 assert!(read.iter().all(|value| value.is_finite()), "{} {state:?}", hidden.id());
             }
@@ -120,9 +120,9 @@ fn servo_lag_of_c_is_21_um_a_millisecond_at_360_degrees_a_minute_and_200_mm() {
     truth.setups[0].setup.ball_in_table_mm.x = 200.0;
     let machine = VirtualMachine::new(table_bc(), truth).unwrap();
     let mut state = State::default();
-    state.position[AxisLetter::X] = 200.0;
-    state.position[AxisLetter::Z] = 60.0;
-    state.velocity[AxisLetter::C] = 360_f64.to_radians() / 60.0;
+    state.position[Joint::X] = 200.0;
+    state.position[Joint::Z] = 60.0;
+    state.velocity[Joint::C] = 360_f64.to_radians() / 60.0;
     let [x, y, _] = machine.ideal_reading_mm(0, &state);
     assert!(x.abs() < 1e-5 && (y - 0.02094).abs() < 1e-5, "{x} {y}");
 }
@@ -151,7 +151,7 @@ fn a_random_choice_survives_the_fit_of_location_errors_and_settings() {
 fn a_bowed_guideway_has_neither_slope_nor_offset_over_the_travel_used() {
     let machine = table_bc();
     let states = grid::standard_bc(&machine, &low_and_high());
-    for (letter, seed) in [(AxisLetter::X, 1), (AxisLetter::Y, 2), (AxisLetter::Z, 3)] {
+    for (letter, seed) in [(Joint::X, 1), (Joint::Y, 2), (Joint::Z, 3)] {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let choice = choice(&format!("straightness:{letter}"));
         let hidden = Hidden::draw(&choice, &machine, &low_and_high(), RUN_S, &mut rng).unwrap();
@@ -161,7 +161,7 @@ fn a_bowed_guideway_has_neither_slope_nor_offset_over_the_travel_used() {
         let virtual_machine = machine_with(&hidden);
         let nothing = Truth::perfect("table-bc", &low_and_high(), RUN_S);
         let straight = VirtualMachine::new(table_bc(), nothing).unwrap();
-        // Evenly over the travel; the other axes stand still, so that readings differ by the deviation alone.
+        // Evenly over the travel; the other axes are at rest, so that readings differ by the deviation alone.
         let (mut offset, mut slope, mut size) = ([0.0; 3], [0.0; 3], 0.0_f64);
         let count = 2000;
         for i in 0..count {

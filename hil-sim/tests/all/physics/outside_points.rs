@@ -3,7 +3,7 @@
 
 use super::{low_and_high, table_bc};
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, State};
+use trunnion_core::{Joint, State};
 use trunnion_hil_sim::{Truth, VirtualMachine};
 
 const POINTS: &str = include_str!("../../../../tests/data/points-nothing-hidden/points.csv");
@@ -21,10 +21,10 @@ const EA0C: f64 = 1.5871879575883201e-06;
 #[test]
 fn an_independent_simulator_reads_the_same_to_its_noise() {
     let mut truth = Truth::perfect("table-bc", &low_and_high(), 1.0);
-    let b = &mut truth.location[AxisLetter::B];
+    let b = &mut truth.location[Joint::B];
     b.translation_mm = Vector3::new(EX0B, 0.0, EZ0B);
     b.rotation_rad = Vector3::new(EA0B, EB0B, EC0B);
-    let c = &mut truth.location[AxisLetter::C];
+    let c = &mut truth.location[Joint::C];
     c.translation_mm = Vector3::new(EX0C, EY0C, 0.0);
     c.rotation_rad = Vector3::new(EA0C, 0.0, 0.0);
     let machine = VirtualMachine::new(table_bc(), truth).unwrap();
@@ -58,11 +58,11 @@ fn points() -> Vec<(State, Vector3<f64>)> {
             let cell = |name: &str| cells[columns.iter().position(|column| *column == name).unwrap()];
             let number = |name: &str| cell(name).parse::<f64>().unwrap();
             let mut state = State { setup: usize::from(cell("setup") == "high"), ..State::default() };
-            for (letter, name) in AxisLetter::LINEAR.into_iter().zip(["x_mm", "y_mm", "z_mm"]) {
+            for (letter, name) in Joint::LINEAR.into_iter().zip(["x_mm", "y_mm", "z_mm"]) {
                 state.position[letter] = number(name);
             }
-            state.position[AxisLetter::B] = number("b_deg").to_radians();
-            state.position[AxisLetter::C] = number("c_deg").to_radians();
+            state.position[Joint::B] = number("b_deg").to_radians();
+            state.position[Joint::C] = number("c_deg").to_radians();
             (state, Vector3::new(number("dx_um"), number("dy_um"), number("dz_um")) * 1e-3)
         })
         .collect()

@@ -19,7 +19,7 @@ const START_S: f64 = 2.0;
 pub struct Floor {
     /// In the order of the table.
     pub devices: Vec<Device>,
-    /// Index of the controller whose axes the gestures are looked for in.
+    /// Index of the controller whose axes the synchronisation moves are looked for in.
     pub reference: usize,
     seconds: f64,
     origin: TimeOrigin,

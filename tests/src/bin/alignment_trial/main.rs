@@ -2,7 +2,7 @@
 //!
 //! All devices run at once through real ports, and the real drivers read them. The host's clock is the simulator's time,
 //! so the error of every sample is known (`trunnion_tests::alignment`): stamped on arrival, by the line as it goes, by the line of the whole run, and with
-//! the delay of the sync gestures taken out. Writes docs/measured/alignment.md. Run it on a computer with nothing else to do:
+//! the delay of the synchronisation moves taken out. Writes docs/measured/alignment.md. Run it on a computer with nothing else to do:
 //! the jitter of a busy one is in the figures.
 
 mod devices;

@@ -35,7 +35,7 @@ fn introduction(seconds: f64) -> String {
 }
 
 fn promises() -> String {
-    let told = |timer_s: f64| {
+    let reported = |timer_s: f64| {
         let Promise { arrival_s, line_s: [least, middle, most] } = behind(timer_s);
         format!(
             "behind a timer of {:.0} ms {} become {} ({} to {})",
@@ -56,8 +56,8 @@ fn promises() -> String {
         promise::READY_S * 1e6,
         promise::SECONDS,
         promise::SEEDS,
-        told(0.016),
-        told(0.001)
+        reported(0.016),
+        reported(0.001)
     )
 }
 

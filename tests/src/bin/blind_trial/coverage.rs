@@ -12,7 +12,7 @@ use crate::stage::{SIGMA_MM, Stage, experiment};
 use crate::trial::{catalogue_id, stage_case};
 use trunnion_effects::ModelEffect;
 use trunnion_engine::fit::Options;
-use trunnion_engine::{HoldoutWanted, Identification, identify};
+use trunnion_engine::{HeldOut, Identification, identify};
 use trunnion_hil_sim::truth::minimum_set;
 
 /// Half-width of a 95 % interval in standard uncertainties.
@@ -48,7 +48,7 @@ pub fn cover(stage: &Stage, case: &Case) -> Covered {
     let entry = |id: &String| ModelEffect { id: catalogue_id(id), ..ModelEffect::default() };
     let set: Vec<ModelEffect> = case.hidden.iter().map(entry).collect();
     let model = with_set(&stage.machine, &set);
-    let options = Options { holdout: HoldoutWanted::No, ..Options::default() };
+    let options = Options { holdout: HeldOut::Skipped, ..Options::default() };
     let exact = experiment(&stage.trial.run("noise-free", &stage.trial.ideal_mm(&staged.truth)));
     let mut covered = Covered {
         noise: case.noise,

@@ -1,7 +1,7 @@
 //! Trials as files, for methods in other languages: `tests/peers/sparse_methods.py`.
 //!
 //! One folder a trial: `columns.npy` (rows × columns, float32, µm per unit, base model projected out), `readings.npy` (µm, base
-//! model projected out; points that the base model sets aside as outliers read what it predicts), `trial.json` (effect of each
+//! model projected out; points that the base model excludes as outliers read what it predicts), `trial.json` (effect of each
 //! column, the truth, our answer).
 
 use crate::stage::Stage;

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StudentT};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use trunnion_core::{AxisLetter, State};
+use trunnion_core::{Joint, State};
 use trunnion_hil_sim::truth::Noise;
 use trunnion_hil_sim::{Sampler, Truth};
 
@@ -83,7 +83,7 @@ fn add_foreign(readings_mm: &mut [[f64; 3]], states: &[State], seed: u64) {
         let tool_in_machine_mm = wandered_mm + sine * (TAU * time_s / period_s + phase).sin();
         let in_table_mm = table_from_machine(state) * tool_in_machine_mm;
         let (upright, tilted) = SIZE_OF_POSE;
-        let size_mm = SIGMA_MM * (upright + tilted * state.position[AxisLetter::B].abs() / FRAC_PI_2);
+        let size_mm = SIGMA_MM * (upright + tilted * state.position[Joint::B].abs() / FRAC_PI_2);
         for (k, value) in reading_mm.iter_mut().enumerate() {
             *value += in_table_mm[k] + size_mm * tails.sample(&mut rng) / tails_rms;
         }
@@ -92,8 +92,8 @@ fn add_foreign(readings_mm: &mut [[f64; 3]], states: &[State], seed: u64) {
 
 /// Directions of the machine seen from the table: back by B about Y, then by C about Z.
 fn table_from_machine(state: &State) -> Rotation3<f64> {
-    let tilt = Rotation3::from_axis_angle(&Vector3::y_axis(), -state.position[AxisLetter::B]);
-    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), -state.position[AxisLetter::C]);
+    let tilt = Rotation3::from_axis_angle(&Vector3::y_axis(), -state.position[Joint::B]);
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), -state.position[Joint::C]);
     turn * tilt
 }
 

@@ -73,7 +73,8 @@ pub fn outcome(
     diagnosis: &Diagnosis,
 ) -> Outcome {
     let found: Vec<&String> = diagnosis.set.iter().map(|entry| &entry.id).collect();
-    let claims = diagnosis.verdict != Verdict::NoiseFloor || !found.is_empty();
+    let silent = matches!(diagnosis.verdict, Verdict::NoiseFloor | Verdict::Undecided);
+    let claims = !silent || !found.is_empty();
     match (group, claims) {
         (Group::Null, false) => return Outcome::Quiet,
         (Group::Null, true) => return Outcome::Claim,

@@ -1,7 +1,7 @@
 //! The stage: the machine, the grid on which it is measured and one that nobody has seen.
 //!
 //! The unseen grid has the same order and pace, other heights, and poses between those of the trial. There a noise-free signal
-//! is compared with what a model says of it; the base model may settle anew, as after every set-up.
+//! is compared with what a model says of it; the base model may be fitted again, as after every set-up.
 
 use nalgebra::{DMatrix, DVector, Point3};
 use trunnion_core::{InstrumentKind, NestSide, Point, Quality, Setup, State};
@@ -93,7 +93,7 @@ impl Grid {
         columns - &self.base * self.base.tr_mul(columns)
     }
 
-    /// This machine with the setups of the grid; a truth of another grid has its setups mounted anew.
+    /// This machine with the setups of the grid; a truth of another grid has its setups mounted again.
     pub fn machine(&self, truth: &Truth) -> VirtualMachine {
         let mounted = truth.mounted(&self.setups, 0);
         VirtualMachine::new(self.machine.clone(), mounted).expect("the truth was drawn for this machine")

@@ -107,7 +107,7 @@ fn judge_found(stage: &Stage, staged: &Staged, diagnosis: &Diagnosis, trial: &mu
         return;
     }
     // Values only: how uncertain they are is the business of `coverage`.
-    let fit_options = Options { outliers: Outliers::SetAside, ..Options::quick() };
+    let fit_options = Options { outliers: Outliers::Excluded, ..Options::quick() };
     let model = score::with_set(&stage.machine, &diagnosis.set);
     let fit = match identify(&staged.experiment, &model, &fit_options) {
         Ok(fit) => fit,

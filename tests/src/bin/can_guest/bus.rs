@@ -36,8 +36,8 @@ impl SimulatedBus {
     pub fn start_nodes(interface: &str, nodes: Nodes, origin: TimeOrigin) -> anyhow::Result<Self> {
         let socket = CanSocket::open(interface).with_context(|| format!("opening {interface}"))?;
         let (nodes, stop) = (Arc::new(Mutex::new(nodes)), Arc::new(AtomicBool::new(false)));
-        let (of_thread, told) = (Arc::clone(&nodes), Arc::clone(&stop));
-        let thread = std::thread::spawn(move || serve(&socket, origin, &of_thread, &told));
+        let (of_thread, stopped) = (Arc::clone(&nodes), Arc::clone(&stop));
+        let thread = std::thread::spawn(move || serve(&socket, origin, &of_thread, &stopped));
         Ok(Self { interface: interface.into(), nodes, stop, thread })
     }
 
@@ -47,7 +47,7 @@ impl SimulatedBus {
         self.nodes.lock().unwrap_or_else(PoisonError::into_inner).switch_off(id);
     }
 
-    /// All nodes are switched on anew.
+    /// All nodes are switched on again.
     pub fn restart(&self) {
         *self.nodes.lock().unwrap_or_else(PoisonError::into_inner) = nodes();
     }

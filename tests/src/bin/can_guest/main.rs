@@ -43,9 +43,9 @@ async fn vcan() -> anyhow::Result<()> {
 
     // Values go on while the wall clock is set.
     command("date", &["-s", "2031-05-05 05:05:05"])?;
-    let told = session.until_log("wall clock was set").await?;
+    let reported = session.until_log("wall clock was set").await?;
     session.read_syncs(100, 4).await?;
-    println!("FAULT | wall clock of the computer set | none | none | {told} |");
+    println!("FAULT | wall clock of the computer set | none | none | {reported} |");
 
     bus.switch_off(3);
     let is_silent = |end: &SessionEnd| matches!(end, SessionEnd::Silent { .. });

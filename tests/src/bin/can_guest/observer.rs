@@ -20,10 +20,10 @@ pub fn start(interface: &str) -> anyhow::Result<Observer> {
     socket.set_recv_timestamp(true)?;
     socket.set_read_timeout(Duration::from_millis(50))?;
     let stop = Arc::new(AtomicBool::new(false));
-    let told = Arc::clone(&stop);
+    let stopped = Arc::clone(&stop);
     let thread = std::thread::spawn(move || {
         let mut seen = Vec::new();
-        while !told.load(Ordering::Relaxed) {
+        while !stopped.load(Ordering::Relaxed) {
             match socket.read_frame_with_timestamp() {
                 Ok((_, stamp)) => seen.push((stamp, SystemTime::now())),
                 Err(error) if error.kind() == std::io::ErrorKind::WouldBlock => {}

@@ -48,7 +48,7 @@ impl Session {
             let message = self.next().await?;
             let Reading::Probe(reading) = message.reading else { continue };
             if message.epoch != self.epoch {
-                // A new connection counts anew: the emulated processor was stopped for longer than the silence allowed.
+                // A new connection counts again: the emulated processor was stopped for longer than the silence allowed.
                 self.epoch = message.epoch;
                 by_sync.clear();
             }

@@ -72,7 +72,7 @@ impl Stream {
     }
 
     /// As many samples as the recording says are lost, at most.
-    pub fn told_lost(&self) -> u64 {
+    pub fn reported_lost(&self) -> u64 {
         self.lost + (self.uncounted_s * self.rate_hz).ceil() as u64
     }
 

@@ -52,7 +52,7 @@ enum Part {
 /// Exit codes: samples are missing and the recording does not say so; it does; it does, and this computer paused so long that
 /// nothing can be said of the service.
 const LOST_IN_SILENCE: i32 = 1;
-const LOST_AND_TOLD: i32 = 3;
+const LOST_AND_REPORTED: i32 = 3;
 const TOO_SLOW_TO_JUDGE: i32 = 4;
 /// A pseudo-terminal holds 4096 bytes, 114 ms of a probe at 4 kHz with 9 bytes a value. A pause of half of that, which the
 /// service has to catch up with, is the computer's doing.
@@ -94,16 +94,16 @@ impl Trial {
         self.counts.length_s < self.seconds - floor::EDGE_S
     }
 
-    /// Samples that are missing, and those of them that no gap tells of.
+    /// Samples that are missing, and those of them that no gap reports.
     fn missing(&self) -> (u64, u64) {
         let missing = |stream: &count::Stream| {
             let (expected, recorded) = self.compared(stream);
             expected.saturating_sub(recorded + EDGE_SAMPLES)
         };
         let streams = &self.counts.streams;
-        let untold = |stream: &count::Stream| missing(stream).saturating_sub(stream.told_lost());
-        let untold_of_all = streams.iter().map(untold).sum::<u64>();
-        (streams.iter().map(missing).sum(), untold_of_all.saturating_sub(self.counts.lost_of_any))
+        let unreported = |stream: &count::Stream| missing(stream).saturating_sub(stream.reported_lost());
+        let unreported_of_all = streams.iter().map(unreported).sum::<u64>();
+        (streams.iter().map(missing).sum(), unreported_of_all.saturating_sub(self.counts.lost_of_any))
     }
 }
 
@@ -129,20 +129,22 @@ fn main() -> anyhow::Result<()> {
     if trial.is_late() {
         eprintln!("the service began after the program: the encoder is not judged");
     }
-    let ((missing, untold), lost) = (trial.missing(), trial.counts.lost);
+    let ((missing, unreported), lost) = (trial.missing(), trial.counts.lost);
     if missing == 0 && lost == 0 {
         return Ok(());
     }
-    eprintln!("{missing} samples are missing, {untold} of them without a gap; {lost} were recorded as lost");
+    eprintln!(
+        "{missing} samples are missing, {unreported} of them without a gap; {lost} were recorded as lost"
+    );
     let longest = pauses.longest();
-    std::process::exit(match (untold, longest > TOO_LONG) {
+    std::process::exit(match (unreported, longest > TOO_LONG) {
         (1.., _) => LOST_IN_SILENCE,
         (0, true) => {
             let rates = "whether the service keeps up with these rates is not judged";
             eprintln!("too slow to judge: this computer paused {} ms; {rates}", longest.as_millis());
             TOO_SLOW_TO_JUDGE
         }
-        (0, false) => LOST_AND_TOLD,
+        (0, false) => LOST_AND_REPORTED,
     })
 }
 
@@ -179,17 +181,17 @@ async fn trial(seconds: f64, is_low: bool, folder: &Path, recordings: &Path) -> 
     // The line about the queues follows the file.
     let queues = async {
         loop {
-            let told = std::fs::read_to_string(&log).unwrap_or_default();
-            match service::Queues::of_log(&told) {
+            let reported = std::fs::read_to_string(&log).unwrap_or_default();
+            match service::Queues::of_log(&reported) {
                 Some(queues) => return queues,
                 None => tokio::time::sleep(Duration::from_millis(100)).await,
             }
         }
     };
     let queues = tokio::time::timeout(LINE_LIMIT, queues).await.context("no line about the queues");
-    let told = std::fs::read_to_string(&log).unwrap_or_default();
-    let queues = queues.with_context(|| format!("the service said:\n{told}"))?;
-    let path = finished.with_context(|| format!("the service said:\n{told}"))?;
+    let reported = std::fs::read_to_string(&log).unwrap_or_default();
+    let queues = queues.with_context(|| format!("the service said:\n{reported}"))?;
+    let path = finished.with_context(|| format!("the service said:\n{reported}"))?;
     let (encoder_sent, bytes_not_taken) = (floor.encoder_sent(), floor.bytes_not_taken());
     let counts = count::count(&path, rates, floor.duration_s)?;
     let seconds = floor.duration_s;

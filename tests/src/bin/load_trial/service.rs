@@ -26,7 +26,7 @@ pub fn run(path: &Path) -> anyhow::Result<()> {
     let cycle = Cycle::parse("cycle.toml", &cycle_text)?;
     let machine = shipped::machine(&cycle.machine).context("the machine is shipped")?;
     let machine_text = shipped::FILES.iter().find(|(name, _)| *name == cycle.machine).map(|(_, text)| *text);
-    let model = Model::base(&machine.name);
+    let model = Model::base(&machine.name).into();
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
     let texts = Texts {
         machine: machine_text.unwrap_or_default().into(),

@@ -205,7 +205,7 @@ impl Watch {
         }
     }
 
-    /// What the recording tells from the fault on.
+    /// What the recording holds from the fault on.
     fn recorded(self, fault_s: f64) -> Result<Seen, String> {
         let (gaps, events) = self.tape.read_back()?;
         let mut seen = Seen { states: self.seen.states, ..Seen::default() };
@@ -228,7 +228,7 @@ impl Watch {
         let last = self.seen.states.last();
         let ends_badly = case.course.last().is_some_and(|state| *state != DeviceState::Streaming);
         last == case.course.last()
-            && self.seen.has_told(case)
+            && self.seen.has_reported(case)
             && (ends_badly || case.gap.as_ref().is_none_or(|gap| self.seen.gap(gap).is_some()))
     }
 }

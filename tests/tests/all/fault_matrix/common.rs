@@ -80,7 +80,7 @@ impl Default for Case {
 }
 
 impl Case {
-    /// The device was away, and what is told of that is the reason of the gap.
+    /// The device was away, and what is reported of that is the reason of the gap.
     pub fn away(fault: Fault, course: &'static [DeviceState], reason: &str, at_least_s: f64) -> Self {
         let gap = GapOf::away(reason, at_least_s);
         Self { fault: Some(fault), course, gap, message: reason.into(), ..Self::default() }

@@ -1,4 +1,4 @@
-//! Words of the matrix: what befalls a device, and what must follow.
+//! Words of the matrix: the fault of a device, and what must follow.
 
 use std::future::Future;
 use std::net::SocketAddr;
@@ -9,7 +9,7 @@ use trunnion_hil_sim::devices::{Fault, Handle};
 use super::bench::Floor;
 pub use super::common::Kind;
 
-/// What befalls a device.
+/// A fault of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trouble {
     AbsentAtStart,
@@ -111,7 +111,7 @@ pub struct Case {
     pub perhaps: Option<(DeviceState, &'static str)>,
     /// The gap that is recorded.
     pub gap: Option<GapOf>,
-    /// What is told besides the gap; empty where the gap says all.
+    /// What is reported in addition to the gap; empty where the gap says all.
     pub message: String,
 }
 
@@ -139,7 +139,7 @@ impl GapOf {
         Some(Self { channel: None, reason: reason.into(), lost: Lost::NotCounted, at_least_s })
     }
 
-    /// The device told how many were lost, or they can be counted here.
+    /// The device reported how many were lost, or they can be counted here.
     pub fn counted(reason: &str) -> Option<Self> {
         Self::without_value(None, reason, 0.0)
     }

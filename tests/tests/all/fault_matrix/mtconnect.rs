@@ -56,7 +56,7 @@ fn own(trouble: Trouble) -> Option<Cell> {
                 "its clock was set by +* s; times of readings between are uncertain by that much",
                 0.0,
             ),
-            message: "the controller's clock was set by +* s; time of the axes begins anew".into(),
+            message: "the controller's clock was set by +* s; time of the axes begins again".into(),
             ..Case::default()
         },
         Trouble::Restarted => Case::restarted(GONE),

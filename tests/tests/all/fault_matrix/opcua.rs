@@ -1,4 +1,4 @@
-//! A controller with an OPC UA server: tells changes, each with the controller's stamp.
+//! A controller with an OPC UA server: reports changes, each with the controller's stamp.
 
 use super::common::some;
 use super::matrix::{Case, Cell, GapOf, Kind, Subject, Trouble};

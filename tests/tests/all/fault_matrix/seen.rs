@@ -8,13 +8,13 @@ use trunnion_core::{Event, Gap};
 /// Addresses, and what to call them.
 pub type Names = [(String, &'static str); 2];
 
-/// What was seen from the fault on; at the end, what the recording tells of it.
+/// What was seen from the fault on; at the end, what the recording holds of it.
 #[derive(Debug, Default)]
 pub struct Seen {
     /// States, without those of attempts.
     pub states: Vec<DeviceState>,
     /// Lines of the log.
-    pub told: Vec<String>,
+    pub reported: Vec<String>,
     pub gaps: Vec<Gap>,
 }
 
@@ -25,12 +25,12 @@ impl Seen {
 
     pub fn line_of(&mut self, event: &Event, names: &Names) {
         if event.kind != "controller" {
-            self.told.push(named(&event.text, names));
+            self.reported.push(named(&event.text, names));
         }
     }
 
-    pub fn has_told(&self, case: &Case) -> bool {
-        case.message.is_empty() || self.told.iter().any(|line| is_like(line, &case.message))
+    pub fn has_reported(&self, case: &Case) -> bool {
+        case.message.is_empty() || self.reported.iter().any(|line| is_like(line, &case.message))
     }
 
     pub fn gap(&self, wanted: &GapOf) -> Option<&Gap> {
@@ -63,8 +63,8 @@ impl Seen {
         {
             return fail(format!("the states are not {course:?}"));
         }
-        if !self.has_told(case) {
-            return fail(format!("not told: {}", case.message));
+        if !self.has_reported(case) {
+            return fail(format!("not reported: {}", case.message));
         }
         let Some(wanted) = &case.gap else {
             return match self.gaps.first() {

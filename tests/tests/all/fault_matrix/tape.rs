@@ -55,7 +55,7 @@ impl Tape {
         self.recorder.try_send(item, self.clock.now());
     }
 
-    /// Ends the recording; what the file tells of gaps and events.
+    /// Ends the recording; gaps and events of the file.
     pub fn read_back(self) -> Result<(Vec<Gap>, Vec<Event>), String> {
         let finished = self.recorder.finish().map_err(|error| error.to_string())?;
         if finished.lost_samples > 0 {

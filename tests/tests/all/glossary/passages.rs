@@ -3,6 +3,9 @@
 /// Words shown on either side of what is found.
 const CONTEXT: usize = 7;
 
+/// Words of the longest sentence (docs/glossary.md).
+const LONGEST: usize = 25;
+
 /// A literal, a paragraph, a cell or a run of comments.
 pub struct Passage {
     pub words: Vec<Word>,
@@ -53,6 +56,23 @@ impl Passage {
         };
         let windows = self.words.windows(parts.len()).enumerate();
         windows.filter(|(_, words)| fits(words)).map(|(at, _)| (at, parts.len())).collect()
+    }
+
+    /// Sentences of more than [`LONGEST`] words: line, number of words, text. What follows a colon is a
+    /// sentence of its own, as is what follows an empty line.
+    pub fn long_sentences(&self) -> Vec<(usize, usize, String)> {
+        let goes_on = |word: &Word, next: &Word| {
+            let is_item = next.text == "-" || next.text == "```";
+            !word.text.ends_with(['.', ';', ':', '?', '!']) && next.line <= word.line + 1 && !is_item
+        };
+        let counted = |sentence: &[Word]| sentence.iter().filter(|word| !word.bare.is_empty()).count();
+        let text =
+            |sentence: &[Word]| sentence.iter().map(|word| word.text.as_str()).collect::<Vec<_>>().join(" ");
+        self.words
+            .chunk_by(goes_on)
+            .filter(|sentence| counted(sentence) > LONGEST)
+            .map(|sentence| (sentence[0].line, counted(sentence), text(sentence)))
+            .collect()
     }
 
     /// Words `at..at + length` and those around them.

@@ -1,11 +1,11 @@
 //! A truth file, a shipped cycle file, and the run they give.
 
-use trunnion_core::{InstrumentKind, NestSide, Point, Quality, Setup};
+use trunnion_core::{Point, Quality};
 use trunnion_cycles::Pace;
 use trunnion_cycles::cycle::Motion;
 use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine};
-use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth};
+use trunnion_hil_sim::{NestOn, SimSetup, Truth};
 use trunnion_machine::shipped;
 use trunnion_methods::findings::Plot;
 use trunnion_methods::recipes::{Convention, MethodError, MethodOptions};
@@ -37,7 +37,7 @@ pub fn truth(machine: &str, seed: u64, cycle: &Cycle, settings: &[Set<'_>], rest
         "format = \"trunnion-truth/1\"\nmachine = \"{machine}\"\nseed = \"{seed}\"\nrun_duration_s = 600.0\n{rest}"
     );
     for setup in &cycle.setups {
-        let sim = sim_setup(setup);
+        let sim = SimSetup::from(setup);
         let setting = settings.iter().find(|s| s.name == setup.name).map_or([0.0; 3], |s| s.setting_um);
         let (ball, nest) =
             (sim.ball_in_table_mm, if sim.nest == NestOn::Table { "table" } else { "spindle" });
@@ -54,7 +54,7 @@ pub fn truth(machine: &str, seed: u64, cycle: &Cycle, settings: &[Set<'_>], rest
 pub fn measure(truth: &Truth, cycle: &Cycle) -> Run {
     let machine = shipped::machine(&truth.machine).expect("shipped");
     let visits = cycle.visits(&machine, &Pace::default()).unwrap_or_else(|error| panic!("{error}"));
-    let placed: Vec<SimSetup> = cycle.setups.iter().map(sim_setup).collect();
+    let placed: Vec<SimSetup> = cycle.setups.iter().map(SimSetup::from).collect();
     let virtual_machine =
         VirtualMachine::new(machine.clone(), truth.mounted(&placed, 0)).expect("same machine");
     let mut sampler = Sampler::new(&virtual_machine, 0);
@@ -96,13 +96,4 @@ pub fn curve(findings: &Findings, title: &str, name: &str) -> Vec<(f64, f64)> {
             _ => None,
         });
     of.unwrap_or_else(|| panic!("no curve {name} in {title}")).points.clone()
-}
-
-fn sim_setup(setup: &Setup) -> SimSetup {
-    assert_eq!(setup.instrument, InstrumentKind::RTest);
-    let nest = match setup.nest {
-        NestSide::Table => NestOn::Table,
-        NestSide::Spindle => NestOn::Spindle,
-    };
-    SimSetup::new(setup.name.clone(), nest, setup.ball_in_table_mm, Instrument::RTest)
 }

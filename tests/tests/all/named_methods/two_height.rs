@@ -105,7 +105,7 @@ fn an_a_axis_is_found_by_the_same_recipe() {
 }
 
 #[test]
-fn a_nest_on_the_table_tells_the_same_as_one_in_the_spindle() {
+fn a_nest_on_the_table_reports_the_same_as_one_in_the_spindle() {
     let spindle = cycle(&cycle_text("two-height-c-static"));
     let table = cycle(&cycle_text("two-height-c-static").replace("nest = \"spindle\"", "nest = \"table\""));
     let rest = format!("{LOCATION}{}{}", noise(0.0, 0.0), motions("C"));

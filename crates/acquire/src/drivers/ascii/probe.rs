@@ -1,5 +1,5 @@
 //! Is there an indicator at a port? Each preset whose request a manual confirms is asked for one value; a preset that
-//! shares its request with another is told apart by its name. Then it is listened whether one talks on its own.
+//! shares its request with another is distinguished by its name. Then it is listened whether one talks on its own.
 
 use super::settings::framing_named;
 use crate::probe::{Answer, Found, Medium, Probe, Probing, ask_at};
@@ -54,7 +54,7 @@ fn at<'a>(port: &'a str, preset: &'static Preset) -> Probing<'a> {
     })
 }
 
-/// The preset whose name the device tells, of those it could be.
+/// The preset whose name the device reports, of those it could be.
 async fn by_name(port: &str, answered: &'static Preset) -> Option<(&'static Preset, String)> {
     let (question, _) = answered.identity;
     if question.is_empty() {

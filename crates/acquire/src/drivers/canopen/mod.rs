@@ -130,7 +130,7 @@ impl Network {
                 let now = link.now();
                 nodes.check_silence(now, link.silence).map_err(|end| bus::explain(end, bus))?;
                 link.counters.dropped_bytes = bus.dropped_bytes();
-                link.tell_counters(now);
+                link.report_counters(now);
             }
         }
     }

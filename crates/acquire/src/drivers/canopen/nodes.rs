@@ -80,15 +80,15 @@ struct Node {
     config: NodeConfig,
     channel: u16,
     description: NodeDescription,
-    /// Values come with SYNC; those it sends besides, by event, are not taken.
+    /// Values come with SYNC; those it sends by event are not taken.
     by_sync: bool,
     /// Last SYNC index or count, with its arrival.
     last: Option<(u64, HostTime)>,
     /// TPDO that brought it.
     last_id: Option<CanId>,
     last_value: HostTime,
-    late_told: bool,
-    /// It has told of an error of its measurement (emergency with error register bit 5, CiA 301 §7.5.2.2).
+    late_reported: bool,
+    /// It has reported an error of its measurement (emergency with error register bit 5, CiA 301 §7.5.2.2).
     cannot_measure: bool,
     heartbeat: Option<HostTime>,
     longest_heartbeat: Duration,
@@ -109,7 +109,7 @@ impl Nodes {
             last: None,
             last_id: None,
             last_value: began,
-            late_told: false,
+            late_reported: false,
             cannot_measure: false,
             heartbeat: None,
             longest_heartbeat: Duration::ZERO,
@@ -293,7 +293,7 @@ impl Node {
         let id = self.config.id.get();
         let reason = format!("node {id} answered later than the next SYNC; its moment is unknown");
         link.gap(arrival, arrival, Some(1), reason);
-        if !std::mem::replace(&mut self.late_told, true) {
+        if !std::mem::replace(&mut self.late_reported, true) {
             link.log(true, format!("node {id} answers later than the next SYNC: take a longer sync_ms"));
         }
     }
@@ -379,7 +379,7 @@ impl Node {
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 enum NoValue {
     #[error(
-        "the node told by an emergency that it cannot measure; check its sensor or reading head, and the cable between"
+        "the node reported by an emergency that it cannot measure; check its sensor or reading head, and the cable between"
     )]
     Emergency,
     #[error("the node calls its value {0}; bring it back into the range, or check the sensor and its cable")]

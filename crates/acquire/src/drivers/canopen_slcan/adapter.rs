@@ -27,7 +27,7 @@ pub(super) struct OpenAdapter {
     under_way: VecDeque<UnderWay>,
     acknowledges: bool,
     /// False once the adapter has refused to tell its status.
-    tells_status: bool,
+    reports_status: bool,
     status: StatusFlags,
 }
 
@@ -53,7 +53,7 @@ impl OpenAdapter {
             buffer: Box::new([0; 8192]),
             under_way: VecDeque::new(),
             acknowledges: false,
-            tells_status: true,
+            reports_status: true,
             status: StatusFlags::default(),
         };
         // Two empty lines end whatever is in the adapter's buffer; the answers up to here mean nothing.
@@ -112,7 +112,7 @@ impl OpenAdapter {
                     .then_some(BusEvent::SyncSent { at: None })
             }
             AdapterMessage::Refused => self.refused(),
-            AdapterMessage::Status(flags) => return self.told_status(StatusFlags(flags)),
+            AdapterMessage::Status(flags) => return self.reported_status(StatusFlags(flags)),
             AdapterMessage::Done | AdapterMessage::Version(_) | AdapterMessage::SerialNumber(_) => None,
         };
         event.into_iter().collect()
@@ -129,13 +129,13 @@ impl OpenAdapter {
             UnderWay::Frame => None,
             UnderWay::Sync => Some(BusEvent::SyncRefused),
             UnderWay::Status => {
-                self.tells_status = false;
+                self.reports_status = false;
                 None
             }
         }
     }
 
-    fn told_status(&mut self, status: StatusFlags) -> Vec<BusEvent> {
+    fn reported_status(&mut self, status: StatusFlags) -> Vec<BusEvent> {
         // What was asked before and is not answered yet never will be: its answer was lost on the line. SYNCs among it
         // were sent all the same, and later values must not be taken for theirs.
         let asked = self.under_way.iter().position(|kind| *kind == UnderWay::Status);
@@ -180,7 +180,7 @@ impl Bus for OpenAdapter {
     }
 
     async fn tend(&mut self) -> Result<(), SessionEnd> {
-        if self.tells_status && !self.under_way.contains(&UnderWay::Status) {
+        if self.reports_status && !self.under_way.contains(&UnderWay::Status) {
             self.ask(HostCommand::Status, UnderWay::Status).await?;
         }
         Ok(())

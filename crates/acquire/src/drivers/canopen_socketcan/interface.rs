@@ -71,7 +71,7 @@ fn bring_up(name: &str) -> String {
 mod tests {
     use super::*;
 
-    fn told(type_: &str, flags: &str, carrier: Option<&str>) -> Result<(), String> {
+    fn reported(type_: &str, flags: &str, carrier: Option<&str>) -> Result<(), String> {
         let all = tempfile::tempdir().unwrap();
         let folder = all.path().join("can0");
         fs::create_dir(&folder).unwrap();
@@ -84,15 +84,15 @@ mod tests {
     }
 
     #[test]
-    fn an_interface_that_cannot_be_used_is_told_with_the_command_that_helps() {
-        assert_eq!(told("280", "0x40081", Some("1")), Ok(()));
+    fn an_interface_that_cannot_be_used_is_reported_with_the_command_that_helps() {
+        assert_eq!(reported("280", "0x40081", Some("1")), Ok(()));
         let says = |found: Result<(), String>, piece: &str| {
             let text = found.unwrap_err();
             assert!(text.contains(piece), "{text}");
         };
-        says(told("280", "0x40080", None), "ip link set can0 up type can bitrate 1000000");
-        says(told("280", "0x40081", Some("0")), "ip link set can0 type can restart");
-        says(told("1", "0x1003", Some("1")), "no CAN interface");
+        says(reported("280", "0x40080", None), "ip link set can0 up type can bitrate 1000000");
+        says(reported("280", "0x40081", Some("0")), "ip link set can0 type can restart");
+        says(reported("1", "0x1003", Some("1")), "no CAN interface");
         let absent = check_in(tempfile::tempdir().unwrap().path(), "can7").unwrap_err();
         assert!(
             matches!(&absent, SessionEnd::Absent { address, .. } if address.contains("can7")),

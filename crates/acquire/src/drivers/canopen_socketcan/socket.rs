@@ -20,10 +20,10 @@ use trunnion_protocol::canopen::network::sync_frame;
 const WRITE_LIMIT: Duration = Duration::from_millis(200);
 /// Wait before a frame is offered again to a full queue (ENOBUFS), which nothing announces.
 const FULL_WAIT: Duration = Duration::from_millis(1);
-/// How long an error of the bus is believed to last after the frame that told of it.
+/// How long an error of the bus is believed to last after the frame that reported it.
 const FAULT_LASTS: Duration = Duration::from_secs(3);
 
-/// Error numbers of Linux on every architecture it has CAN for but MIPS and SPARC, where the text alone is told.
+/// Error numbers of Linux on every architecture it has CAN for but MIPS and SPARC, where the text alone is reported.
 const ENXIO: i32 = 6;
 const ENODEV: i32 = 19;
 const EAFNOSUPPORT: i32 = 97;
@@ -38,7 +38,7 @@ pub(super) struct OpenInterface {
     stamps: Stamps,
     /// SYNCs that have not come back; one whose echo was lost stays in it.
     syncs_under_way: u32,
-    foreign_sync_told: bool,
+    foreign_sync_reported: bool,
     fault: Option<(Instant, String)>,
 }
 
@@ -59,7 +59,7 @@ impl OpenInterface {
             socket,
             stamps: Stamps::default(),
             syncs_under_way: 0,
-            foreign_sync_told: false,
+            foreign_sync_reported: false,
             fault: None,
         })
     }
@@ -76,8 +76,8 @@ impl OpenInterface {
             self.syncs_under_way = left;
             return Ok(Some(BusEvent::SyncSent { at: Some(at) }));
         }
-        let told = std::mem::replace(&mut self.foreign_sync_told, true);
-        Ok((!told).then(|| BusEvent::Remark {
+        let reported = std::mem::replace(&mut self.foreign_sync_reported, true);
+        Ok((!reported).then(|| BusEvent::Remark {
             warning: true,
             text: format!(
                 "somebody else sends SYNC on {}; values may belong to other moments than recorded. Switch the other \
@@ -100,8 +100,8 @@ impl OpenInterface {
         let serious = |cause: &&ErrorCause| {
             !matches!(cause, ErrorCause::Counters { .. } | ErrorCause::LostArbitration(_))
         };
-        let told: Vec<String> = error.causes().filter(serious).map(ToString::to_string).collect();
-        if told.is_empty() {
+        let reported: Vec<String> = error.causes().filter(serious).map(ToString::to_string).collect();
+        if reported.is_empty() {
             return Ok(None);
         }
         let advice = if error.is_no_ack() {
@@ -109,7 +109,7 @@ impl OpenInterface {
         } else {
             "check cable, both 120 Ω terminators and the bit rate"
         };
-        let text = format!("{} reports {}; {advice}", self.name, told.join(", "));
+        let text = format!("{} reports {}; {advice}", self.name, reported.join(", "));
         let now = Instant::now();
         let known = self.fault.replace((now, text.clone()));
         let news = known.is_none_or(|(at, before)| before != text || now - at > FAULT_LASTS);
@@ -184,7 +184,7 @@ impl Bus for OpenInterface {
     }
 
     async fn tend(&mut self) -> Result<(), SessionEnd> {
-        // The kernel tells by itself.
+        // The kernel reports on its own.
         Ok(())
     }
 

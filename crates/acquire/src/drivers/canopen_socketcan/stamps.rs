@@ -6,7 +6,7 @@
 
 use trunnion_core::{Clock, HostTime};
 
-/// The difference of the clocks is sampled anew when the two readings around it are farther apart, ns.
+/// The difference of the clocks is sampled again when the two readings around it are farther apart, ns.
 const GOOD_SAMPLE_NS: i64 = 5_000;
 const MOST_SAMPLES: usize = 3;
 /// Changes of the difference beyond this are steps, ns: NTP slews by 0.5 ms/s at most, and frames come more often.
@@ -91,7 +91,7 @@ mod tests {
     const HOUR: i64 = 3_600_000 * MS;
 
     #[test]
-    fn a_wall_clock_that_is_set_moves_no_frame_and_is_told() {
+    fn a_wall_clock_that_is_set_moves_no_frame_and_is_reported() {
         let clock = Fixed { now_ns: AtomicI64::new(0), wall_minus_host_ns: AtomicI64::new(400_000 * HOUR) };
         let mut stamps = Stamps::default();
         let mut read = |now_ns: i64, set_ns: i64, stamp_ns: i64| {

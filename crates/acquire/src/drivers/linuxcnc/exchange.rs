@@ -135,7 +135,7 @@ impl Exchange {
                         expected: "linuxcncrsh; give the port after -p of linuxcncrsh".into(),
                     });
                 }
-                // The answers no longer belong to their questions: begin anew.
+                // The answers no longer belong to their questions: begin again.
                 Err(error) => return Err(protocol(error.to_string())),
             }
         }

@@ -1,4 +1,4 @@
-//! Does linuxcncrsh answer at an address? It tells its name and the units of its joints, not which axis each joint moves.
+//! Does linuxcncrsh answer at an address? It reports its name and the units of its joints, not which axis each joint moves.
 
 use super::exchange::{Exchange, PASSWORD, PORT, unexpected};
 use crate::probe;
@@ -35,7 +35,7 @@ async fn ask(url: &str) -> Result<Answer, SessionEnd> {
         keys.push(format!("port = {port}"));
     }
     keys.push(format!(
-        "joints = \"?\"  # the server does not tell: copy COORDINATES of [TRAJ] in its INI file. Joints 0 to {last} are in \
+        "joints = \"?\"  # the server does not report them: copy COORDINATES of [TRAJ] in its INI file. Joints 0 to {last} are in \
          {units}; the machine may have fewer"
     ));
     Ok(Answer::Found(Found { identity: format!("linuxcncrsh {server} {version}, joints in {units}"), keys }))

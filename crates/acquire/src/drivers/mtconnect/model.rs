@@ -3,7 +3,7 @@
 use crate::axis_name::letter_of;
 use std::collections::BTreeMap;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, TemperatureReading};
-use trunnion_core::{AxisLetter, AxisValues, HostTime, convert};
+use trunnion_core::{AxisValues, HostTime, Joint, convert};
 use trunnion_protocol::mtconnect::{Category, DataItem, Device, Observation, ObservedValue, StreamsDocument};
 
 /// Longest time from a change at the controller to its arrival here, ns.
@@ -33,7 +33,7 @@ impl Items {
             items.iter().find(|item| item.id == wanted || item.name.as_deref() == Some(wanted))
         };
         let mut axes = AxisValues::default();
-        for letter in AxisLetter::ISO {
+        for letter in Joint::ISO {
             axes[letter] = match &named[letter] {
                 Some(name) => {
                     Some(by_name(name).ok_or(format!("a data item {name} for axis {letter}"))?.id.clone())
@@ -69,13 +69,13 @@ impl Items {
     }
 
     /// The axes found.
-    pub(super) fn letters(&self) -> Vec<AxisLetter> {
-        AxisLetter::ISO.into_iter().filter(|&letter| self.axes[letter].is_some()).collect()
+    pub(super) fn letters(&self) -> Vec<Joint> {
+        Joint::ISO.into_iter().filter(|&letter| self.axes[letter].is_some()).collect()
     }
 }
 
 /// Actual position of this axis in machine coordinates.
-fn is_position(item: &DataItem, letter: AxisLetter) -> bool {
+fn is_position(item: &DataItem, letter: Joint) -> bool {
     let (kind, component) = if letter.is_rotary() { ("ANGLE", "Rotary") } else { ("POSITION", "Linear") };
     let name = Some(item.component.name.as_str()).filter(|name| !name.is_empty());
     item.category == Category::Sample
@@ -102,7 +102,7 @@ pub(super) struct Model {
     clock_set_s: Option<f64>,
     ended_absence: Option<(HostTime, HostTime)>,
     /// The axis that has just lost its value.
-    newly_absent: Option<AxisLetter>,
+    newly_absent: Option<Joint>,
 }
 
 impl Model {
@@ -143,17 +143,17 @@ impl Model {
             .collect()
     }
 
-    /// An axis that has lost its value, told once when it begins.
-    pub(super) fn began_absence(&mut self) -> Option<AxisLetter> {
+    /// An axis that has lost its value, reported once when it begins.
+    pub(super) fn began_absence(&mut self) -> Option<Joint> {
         self.newly_absent.take()
     }
 
-    /// The time in which an axis had no value, told once when it is over.
+    /// The time in which an axis had no value, reported once when it is over.
     pub(super) fn ended_absence(&mut self) -> Option<(HostTime, HostTime)> {
         self.ended_absence.take()
     }
 
-    /// By how much the controller's clock was set, s; told once.
+    /// By how much the controller's clock was set, s; reported once.
     pub(super) fn clock_was_set(&mut self) -> Option<f64> {
         self.clock_set_s.take()
     }
@@ -192,12 +192,12 @@ impl Model {
         readings
     }
 
-    fn axis_of(&self, observation: &Observation) -> Option<AxisLetter> {
+    fn axis_of(&self, observation: &Observation) -> Option<Joint> {
         let is_it = |id: &Option<String>| id.as_ref() == Some(&observation.data_item_id);
-        AxisLetter::ISO.into_iter().find(|&letter| is_it(&self.items.axes[letter]))
+        Joint::ISO.into_iter().find(|&letter| is_it(&self.items.axes[letter]))
     }
 
-    fn set_axis(&mut self, letter: AxisLetter, observation: &Observation, arrival: HostTime) {
+    fn set_axis(&mut self, letter: Joint, observation: &Observation, arrival: HostTime) {
         let value = number(&observation.value);
         self.position[letter] = value.map(|v| if letter.is_rotary() { convert::rad_from_deg(v) } else { v });
         self.stamps[letter] = observation.timestamp_ns;
@@ -232,7 +232,7 @@ impl Model {
     /// A reading of all axes at a stamp; none while one that the controller has is unavailable.
     fn axes(&mut self, stamp_ns: i64, arrival: HostTime, held: bool) -> Option<Reading> {
         let present = AxisValues::from_fn(|letter| self.items.axes[letter].is_some());
-        if AxisLetter::ISO.iter().any(|&letter| present[letter] && self.position[letter].is_none()) {
+        if Joint::ISO.iter().any(|&letter| present[letter] && self.position[letter].is_none()) {
             return None;
         }
         if let Some(since) = self.absent_since.take() {

@@ -116,7 +116,7 @@ async fn client(device: &OpcUa) -> Result<Client, SessionEnd> {
         .request_timeout(Duration::from_secs(2))
         .session_timeout(20_000);
     let made = tokio::task::spawn_blocking(move || {
-        // Without encryption the library tells of missing certificates as of an error.
+        // Without encryption the library reports missing certificates as an error.
         let make = || builder.client();
         if encrypted {
             make()

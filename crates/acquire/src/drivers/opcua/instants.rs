@@ -1,6 +1,6 @@
 //! Axes with a stamp each, brought to common instants.
 //!
-//! A server tells changes only, and each axis has its own stamp. An axis is known up to its newest sample; one that told
+//! A server reports changes only, and each axis has its own stamp. An axis is known up to its newest sample; one that reported
 //! nothing for longer than the hold time stands. Up to the moment until which all axes are known, every stamp is an
 //! instant: the others are interpolated between their neighbouring samples. The skew of an instant is the farthest of
 //! these neighbours, 0 where an axis stands.
@@ -25,7 +25,7 @@ pub(super) struct Instant {
 struct Sample {
     stamp_ns: i64,
     position: f64,
-    /// Not told by the server: the axis stood.
+    /// Not reported by the server: the axis stood.
     is_stand: bool,
 }
 
@@ -52,7 +52,7 @@ impl Instants {
         }
     }
 
-    /// A value as the server told it. One that is not later than the last of its axis is left out.
+    /// A value as the server reported it. One that is not later than the last of its axis is left out.
     pub(super) fn sample(&mut self, axis: usize, stamp_ns: i64, position: f64) {
         if self.newest_ns.saturating_sub(stamp_ns) > SET_BACK_NS {
             self.forget();
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn staggered_axes_are_interpolated_and_their_skew_is_told() {
+    fn staggered_axes_are_interpolated_and_their_skew_is_reported() {
         let mut instants = Instants::new(2, 10 * MS, 40 * MS);
         // Axis 1 is sampled 3 ms after axis 0; both move at one unit a millisecond.
         let mut given = Vec::new();
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_that_tells_nothing_stands_and_begins_to_move_where_it_stood() {
+    fn an_axis_that_reports_nothing_stands_and_begins_to_move_where_it_stood() {
         let mut instants = Instants::new(2, 10 * MS, 40 * MS);
         instants.sample(1, 0, 7.0);
         let mut given = Vec::new();
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_set_back_begins_anew() {
+    fn a_clock_set_back_restarts() {
         let mut instants = Instants::new(1, 10 * MS, 40 * MS);
         instants.sample(0, 5000 * MS, 1.0);
         assert_eq!(stamps(&instants.take()), [5000]);

@@ -12,7 +12,7 @@ use opcua::types::{
 };
 use std::f64::consts::PI;
 use std::str::FromStr;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 
 /// Levels and nodes looked through below Objects for `CncAxisList`.
 const DEEPEST: usize = 5;
@@ -36,7 +36,7 @@ pub(super) struct Nodes {
 
 /// The node of an axis.
 pub(super) struct AxisNode {
-    pub(super) letter: AxisLetter,
+    pub(super) letter: Joint,
     pub(super) node: NodeId,
     /// Size of its unit in mm or rad.
     pub(super) unit: f64,
@@ -58,11 +58,11 @@ pub(super) async fn find(
         signal: given(&device.named.signal)?,
         numbers: Numbers::Opc40502,
     };
-    let mut found: Vec<(AxisLetter, NodeId)> = Vec::new();
+    let mut found: Vec<(Joint, NodeId)> = Vec::new();
     let mut known = [None, None, None];
     match &device.layout {
         Layout::Nodes(named) => {
-            for letter in AxisLetter::ISO {
+            for letter in Joint::ISO {
                 if let Some(text) = &named[letter] {
                     found.push((letter, node_id(text)?));
                 }
@@ -172,10 +172,7 @@ pub(super) struct Browser<'a> {
 
 impl Browser<'_> {
     /// `CncAxisList/<axis>/<position>/ActPos` of every axis named by a letter, and the folder that holds the list.
-    pub(super) async fn axes(
-        &self,
-        position: &str,
-    ) -> Result<(NodeId, Vec<(AxisLetter, NodeId)>), SessionEnd> {
+    pub(super) async fn axes(&self, position: &str) -> Result<(NodeId, Vec<(Joint, NodeId)>), SessionEnd> {
         let wrong = |found: String, expected: String| SessionEnd::WrongDevice { found, expected };
         let Some((parent, list_node)) = self.search(AXIS_LIST).await? else {
             let objects = self.names_below(&ObjectId::ObjectsFolder.into()).await?;
@@ -291,7 +288,7 @@ impl Browser<'_> {
     }
 
     /// Size of the node's unit in mm or rad: by its `EngineeringUnits` (UNECE codes), else mm and degrees.
-    async fn unit(&self, node: &NodeId, letter: AxisLetter) -> Result<f64, SessionEnd> {
+    async fn unit(&self, node: &NodeId, letter: Joint) -> Result<f64, SessionEnd> {
         let usual = if letter.is_rotary() { PI / 180.0 } else { 1.0 };
         let properties = self.children(node).await?;
         let Some((_, units)) = properties.iter().find(|(name, _)| name == "EngineeringUnits") else {

@@ -26,8 +26,11 @@ mod tests {
         let refused = parse_devices("trunnion.toml", table).unwrap_err().to_string();
         let place = servers("opc.tcp://cnc", None).unwrap().remove(0);
         let trouble = look(place, None).await.trouble.unwrap();
-        for told in [refused, trouble] {
-            assert!(told.contains("not part of this build") && told.contains("--features full"), "{told}");
+        for reported in [refused, trouble] {
+            assert!(
+                reported.contains("not part of this build") && reported.contains("--features full"),
+                "{reported}"
+            );
         }
     }
 }

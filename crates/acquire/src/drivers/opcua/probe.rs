@@ -87,7 +87,7 @@ async fn axes(browser: &Browser<'_>) -> Result<Found, SessionEnd> {
     let count = values.iter().take_while(|(status, _)| !nodes::is_missing(*status)).count();
     if count > 0 {
         let axes = format!(
-            "axes = \"?\"  # the server does not tell: the letters of machine axes 1 to {count}, in their order"
+            "axes = \"?\"  # the server does not report them: the letters of machine axes 1 to {count}, in their order"
         );
         let identity = format!("SINUMERIK with {count} machine axes");
         return Ok(Found { identity, keys: vec!["layout = \"sinumerik\"".into(), axes] });

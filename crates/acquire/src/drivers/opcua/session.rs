@@ -29,7 +29,7 @@ const QUEUE: usize = 1024;
 const HEARTBEAT: Duration = Duration::from_millis(100);
 /// Longest time from a change at the controller to its arrival here, beyond the publishing interval.
 const ON_THE_WAY: Duration = Duration::from_millis(50);
-/// An axis that tells nothing for so long, beyond three samplings, stands.
+/// An axis that reports nothing for so long, beyond three samplings, stands.
 const HOLD: Duration = Duration::from_millis(20);
 /// Values of one item that the server keeps between two publications.
 const ITEM_QUEUE: u32 = 20;
@@ -84,7 +84,7 @@ pub(super) async fn run(device: &OpcUa, link: &mut Link) -> Result<Infallible, S
             link.gap(model.heard, now, Some(missed), "notifications were not taken in time".into());
         }
         let now = link.now();
-        link.tell_counters(now);
+        link.report_counters(now);
     }
 }
 
@@ -203,7 +203,7 @@ impl OnSubscriptionNotificationCore for Tap {
         if let Some(status) = ended.filter(StatusCode::is_bad)
             && self.sender.try_send(Notification::Ended(status)).is_err()
         {
-            tracing::debug!(%status, "the end of a subscription was not told; its silence will be");
+            tracing::debug!(%status, "the end of a subscription was not reported; its silence will be");
         }
     }
 }
@@ -225,7 +225,7 @@ struct Model {
     bad_since: Option<(HostTime, String)>,
     sequence: u64,
     controller: (Execution, String, String, Option<bool>),
-    /// Its stamp, while it is not told yet.
+    /// Its stamp, while it is not reported yet.
     controller_ns: Option<i64>,
 }
 
@@ -326,7 +326,7 @@ impl Model {
         }
     }
 
-    /// The server lives and told of no change: all axes stand, as long after their stamp as after its arrival.
+    /// The server is up and reported no change: all axes stand, as long after their stamp as after its arrival.
     fn nothing_changed(&mut self, link: &mut Link) {
         let waited = (link.now() - self.moved).saturating_sub(self.delay);
         let Some(newest_ns) = self.instants.newest_ns().filter(|_| self.bad.is_empty() && !waited.is_zero())

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 use trunnion_core::input::Table;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 
-/// Where such servers listen unless told otherwise.
+/// Where such servers listen unless the user says otherwise.
 pub(super) const PORT: u16 = 4840;
 
 /// Where positions and states are.
@@ -13,9 +13,9 @@ pub(super) const PORT: u16 = 4840;
 #[expect(clippy::large_enum_variant, reason = "one for each controller")]
 pub(super) enum Layout {
     /// Machine axes in order of their numbers.
-    Sinumerik { axes: Vec<AxisLetter>, unit: String },
+    Sinumerik { axes: Vec<Joint>, unit: String },
     /// By browsing.
-    Opc40502 { axes: Option<Vec<AxisLetter>>, position: String },
+    Opc40502 { axes: Option<Vec<Joint>>, position: String },
     /// Named nodes.
     Nodes(AxisValues<Option<String>>),
 }
@@ -121,7 +121,7 @@ fn read_layout(table: &Table<'_>) -> Option<Layout> {
         }
         _ => {
             let named = table.table("nodes")?;
-            let nodes = AxisValues::of(AxisLetter::ISO, |letter| named.optional_string(letter.as_str()));
+            let nodes = AxisValues::of(Joint::ISO, |letter| named.optional_string(letter.as_str()));
             named.no_other_keys();
             if nodes.0.iter().all(Option::is_none) {
                 table.problem("nodes", "names no axis", "X, Y, Z, A, B, C, U, V, W = \"node id\"", "");
@@ -131,9 +131,9 @@ fn read_layout(table: &Table<'_>) -> Option<Layout> {
     }
 }
 
-fn letters(table: &Table<'_>, text: &str) -> Option<Vec<AxisLetter>> {
+fn letters(table: &Table<'_>, text: &str) -> Option<Vec<Joint>> {
     let letters: Vec<char> = text.chars().filter(|c| !c.is_whitespace()).collect();
-    let axes: Option<Vec<_>> = letters.iter().map(|c| AxisLetter::parse(&c.to_string())).collect();
+    let axes: Option<Vec<_>> = letters.iter().map(|c| Joint::parse(&c.to_string())).collect();
     let axes = axes.filter(|axes| !axes.is_empty());
     if axes.is_none() {
         table.problem("axes", format!("= \"{text}\""), "letters of X, Y, Z, A, B, C, U, V, W", "");

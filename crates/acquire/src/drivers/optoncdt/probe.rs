@@ -1,4 +1,4 @@
-//! Is there an optoNCDT at a port? `GETINFO` tells model, serial number and range, also while it streams.
+//! Is there an optoNCDT at a port? `GETINFO` reports model, serial number and range, also while it streams.
 
 use crate::probe::{Answer, Found, Medium, Probe, Probing, ask_at};
 use crate::session_end::SessionEnd;

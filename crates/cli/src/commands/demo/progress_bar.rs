@@ -1,7 +1,7 @@
 //! How far the cycle is.
 
 use std::io::{IsTerminal, Write};
-use trunnion_sync::Progress;
+use trunnion_service::live::Progress;
 
 /// One line on standard error: share done and time left.
 pub(super) struct ProgressBar {

@@ -13,7 +13,7 @@ use tokio_util::sync::CancellationToken;
 use trunnion_acquire::config::channels;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceConfig, DeviceState, DeviceStatus, parse_devices, start};
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_core::reading::{Message, Reading};
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
@@ -128,7 +128,7 @@ fn take(message: Message, names: &[String], checked: &mut [Checked]) {
             device.readings.insert(temperature.name, shown);
         }
         Reading::Axes(axes) => {
-            for letter in AxisLetter::ISO.into_iter().filter(|&letter| axes.present[letter]) {
+            for letter in Joint::ISO.into_iter().filter(|&letter| axes.present[letter]) {
                 let value = axes.position[letter];
                 let shown = match letter.is_rotary() {
                     true => format!("{:.4}°", value.to_degrees()),

@@ -5,12 +5,12 @@ use super::super::{Cycle, Leg, Motion};
 use super::step::{CourseRules, Step};
 use crate::RunKind;
 use nalgebra::{Point3, Vector3};
-use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Slot, State};
+use trunnion_core::{AxisValues, InstrumentKind, Joint, Slot, State};
 use trunnion_machine::{JointErrors, Machine};
 
-/// Shortest standing still before a sweep, s: it tells the passes of a recording apart.
+/// Shortest dwell before a sweep, s: it separates the passes of a recording.
 const PAUSE_S: f64 = 1.0;
-/// One stroke of the gesture takes this long, s.
+/// One stroke of the synchronisation move takes this long, s.
 const STROKE_S: f64 = 0.2;
 /// Pieces of a path from which its curvature is first judged.
 const FIRST_PIECES: usize = 16;
@@ -117,7 +117,7 @@ impl<'a> Guide<'a> {
         }
         self.steps.push(Step::Join { setup, at, attended: bar || new });
         self.joined = Some(Joined { setup, place, at });
-        self.gesture();
+        self.sync_move();
         Ok(())
     }
 
@@ -128,7 +128,7 @@ impl<'a> Guide<'a> {
         if !own_way {
             self.transfer(&Place::asked(self.home))?;
         }
-        self.gesture();
+        self.sync_move();
         let at = self.joined.map_or(joined.at, |joined| joined.at);
         self.steps.push(Step::Part { setup: joined.setup, to: self.above(joined.setup, &at)? });
         self.joined = None;
@@ -165,7 +165,7 @@ impl<'a> Guide<'a> {
             }
             self.transfer(&Place::asked(beyond))?;
             self.transfer(&Place::asked(station.asked))?;
-            self.steps.push(Step::Stand { seconds });
+            self.steps.push(Step::Dwell { seconds });
             before = Some(station.asked);
         }
         Ok(())
@@ -176,7 +176,7 @@ impl<'a> Guide<'a> {
         let Some((began, ends)) = self.ends(leg) else { return Ok(()) };
         let Some(Sweeping { turning, feed, .. }) = self.cycle.sweeping(leg) else { return Ok(()) };
         self.transfer(&began)?;
-        self.wait(PAUSE_S, "standing still before a pass");
+        self.wait(PAUSE_S, "dwell before a pass");
         let near = self.joined.map_or_else(AxisValues::default, |joined| joined.at);
         let path = self.pieces(leg.setup, (&began, &ends), &near, self.rules.chord_mm)?;
         let travel =
@@ -206,7 +206,7 @@ impl<'a> Guide<'a> {
 
     /// On the fly only: strokes along the linear axis in which the instrument sees most, X for an R-test, along the bar for a
     /// ball bar.
-    fn gesture(&mut self) {
+    fn sync_move(&mut self) {
         let Some(Joined { setup, at, .. }) =
             self.joined.filter(|_| self.cycle.run_kind() == RunKind::OnTheFly)
         else {
@@ -216,19 +216,18 @@ impl<'a> Guide<'a> {
             InstrumentKind::BallBar => self.tip_in_machine(setup, &at) - self.ball_in_machine(setup, &at),
             _ => Vector3::x(),
         };
-        let shown = |letter: &AxisLetter| {
-            self.machine.axis(*letter).map_or(-1.0, |axis| axis.direction.dot(&seen).abs())
-        };
-        let axis = AxisLetter::LINEAR
+        let shown =
+            |letter: &Joint| self.machine.axis(*letter).map_or(-1.0, |axis| axis.direction.dot(&seen).abs());
+        let axis = Joint::LINEAR
             .into_iter()
             .reduce(|best, letter| if shown(&letter) > shown(&best) { letter } else { best })
-            .unwrap_or(AxisLetter::X);
+            .unwrap_or(Joint::X);
         let mut there = at;
         there[axis] += self.rules.stroke_mm;
         let pieces = (0..self.rules.strokes).flat_map(|_| [(there, STROKE_S), (at, STROKE_S)]).collect();
-        self.wait(PAUSE_S, "standing still before the gesture");
-        self.steps.push(Step::Gesture { axis, pieces });
-        self.wait(PAUSE_S, "standing still after the gesture");
+        self.wait(PAUSE_S, "dwell before the synchronisation move");
+        self.steps.push(Step::SyncMove { axis, pieces });
+        self.wait(PAUSE_S, "dwell after the synchronisation move");
     }
 
     /// To another place, joined.
@@ -289,7 +288,7 @@ impl<'a> Guide<'a> {
 
     /// Time of a straight piece, s.
     fn seconds(&self, from: &AxisValues<f64>, to: &AxisValues<f64>) -> f64 {
-        let of_axis = |letter: AxisLetter| {
+        let of_axis = |letter: Joint| {
             let usual =
                 if letter.is_rotary() { self.rules.transfer_rad_per_s } else { self.rules.transfer_mm_per_s };
             let limit = self.machine.axis(letter).and_then(|axis| axis.facts.feed_limit);

@@ -1,7 +1,7 @@
 //! How a course is laid out, and its steps.
 
 use super::super::visit::Pace;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 
 /// How a course is laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,11 +18,11 @@ pub struct CourseRules {
     pub transfer_rad_per_s: f64,
     /// Height of the retracted spindle above the highest ball, mm.
     pub clearance_mm: f64,
-    /// Standing still at a pose at rest, s; `None`: settling and two windows of the cycle.
+    /// Dwell at a pose at rest, s; `None`: settling and two windows of the cycle.
     pub dwell_s: Option<f64>,
-    /// Length of one stroke of the gesture that begins and ends a cycle on the fly, mm.
+    /// Length of one stroke of the synchronisation move that begins and ends a cycle on the fly, mm.
     pub stroke_mm: f64,
-    /// Strokes of the gesture, each there and back.
+    /// Strokes of the synchronisation move, each there and back.
     pub strokes: usize,
 }
 
@@ -78,29 +78,29 @@ pub enum Step {
         /// End and duration, s, of every piece.
         pieces: Vec<(AxisValues<f64>, f64)>,
     },
-    /// Stand until the pose is read.
-    Stand {
+    /// Dwell until the pose is read.
+    Dwell {
         /// How long, s.
         seconds: f64,
     },
-    /// Stand for another reason.
+    /// Dwell for another reason.
     Wait {
         /// How long, s.
         seconds: f64,
         /// Why.
         reason: &'static str,
     },
-    /// A small motion that is seen by axes and probes alike.
-    Gesture {
+    /// A small motion that is seen by axes and by probes.
+    SyncMove {
         /// The axis that strokes.
-        axis: AxisLetter,
+        axis: Joint,
         /// End and duration, s, of every stroke.
         pieces: Vec<(AxisValues<f64>, f64)>,
     },
     /// At the feed of the cycle through pieces of equal duration.
     Sweep {
         /// The axis at its feed; `None` along a curve.
-        turning: Option<AxisLetter>,
+        turning: Option<Joint>,
         /// Signed feed, rad/s of that axis or of the angle along the curve.
         feed: f64,
         /// Duration of every piece, s.

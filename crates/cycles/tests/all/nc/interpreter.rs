@@ -1,7 +1,7 @@
 //! Just enough of each dialect to run the programs: positions in mm and degrees, durations in s.
 
 use std::collections::HashMap;
-use trunnion_core::{AxisLetter, AxisValues};
+use trunnion_core::{AxisValues, Joint};
 
 /// What a program does.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,7 +94,7 @@ fn iso(lines: &[String], dwell_unit_s: f64, dwell_word: char) -> Vec<Event> {
             None => {}
         }
         if codes.contains(&10) {
-            let target: Vec<(AxisLetter, f64)> = AxisLetter::ALL
+            let target: Vec<(Joint, f64)> = Joint::ALL
                 .into_iter()
                 .filter_map(|letter| {
                     others.get(&letter.as_str().chars().next().unwrap()).map(|v| (letter, *v))
@@ -137,11 +137,11 @@ fn klartext(text: &str) -> Vec<Event> {
             }
         } else if let Some(rest) = block.strip_prefix("L ") {
             let (axes, feed) = rest.split_once(" R0 F").unwrap();
-            let target: Vec<(AxisLetter, f64)> = axes
+            let target: Vec<(Joint, f64)> = axes
                 .split(' ')
                 .map(|word| {
                     assert!(matches!(word.as_bytes()[1], b'+' | b'-'), "a sign in {word}");
-                    (AxisLetter::parse(&word[..1]).unwrap(), word[1..].parse().unwrap())
+                    (Joint::parse(&word[..1]).unwrap(), word[1..].parse().unwrap())
                 })
                 .collect();
             let seconds = way(&at, &known, &target) / feed.parse::<f64>().unwrap() * 60.0;
@@ -157,7 +157,7 @@ fn klartext(text: &str) -> Vec<Event> {
 }
 
 /// Length of the way in mm and degrees together; axes whose place is unknown do not count.
-fn way(at: &AxisValues<f64>, known: &AxisValues<bool>, target: &[(AxisLetter, f64)]) -> f64 {
+fn way(at: &AxisValues<f64>, known: &AxisValues<bool>, target: &[(Joint, f64)]) -> f64 {
     target
         .iter()
         .filter(|(letter, _)| known[*letter])
@@ -165,7 +165,7 @@ fn way(at: &AxisValues<f64>, known: &AxisValues<bool>, target: &[(AxisLetter, f6
         .fold(0.0, f64::hypot)
 }
 
-fn go(at: &mut AxisValues<f64>, known: &mut AxisValues<bool>, target: &[(AxisLetter, f64)]) {
+fn go(at: &mut AxisValues<f64>, known: &mut AxisValues<bool>, target: &[(Joint, f64)]) {
     for &(letter, value) in target {
         (at[letter], known[letter]) = (value, true);
     }

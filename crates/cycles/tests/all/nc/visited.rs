@@ -2,7 +2,7 @@
 
 use crate::interpreter::Event;
 use nalgebra::Point3;
-use trunnion_core::{AxisLetter, AxisValues, State, convert};
+use trunnion_core::{AxisValues, Joint, State, convert};
 use trunnion_cycles::Cycle;
 use trunnion_cycles::cycle::Motion;
 use trunnion_cycles::{CourseRules, Visits};
@@ -18,29 +18,29 @@ pub fn visited(
     machine: &Machine,
     rules: &CourseRules,
     decimals: usize,
-    told: &dyn Fn(usize) -> String,
+    named: &dyn Fn(usize) -> String,
 ) {
     let visits = cycle.visits(machine, &rules.pace).unwrap();
     if let Some(settle) = cycle.settle() {
         let dwell_s = rules.pace.settle_s + 2.0 * settle.window_s;
-        return stands(events, &visits, dwell_s, decimals, told);
+        return stands(events, &visits, dwell_s, decimals, named);
     }
     let on_piece = |state: &State, piece: &Piece| match matches!(cycle.motion, Motion::Path { .. }) {
         false => on_sweep(state, piece, decimals, rules),
         true => on_curve(state, piece, decimals, rules, machine),
     };
-    passes(events, &visits, &on_piece, told);
+    passes(events, &visits, &on_piece, named);
 }
 
 /// Every pose at rest: the next dwell of its length stands there, and each axis of the grid came from the side of the pass.
-fn stands(events: &[Event], visits: &Visits, dwell_s: f64, decimals: usize, told: &dyn Fn(usize) -> String) {
+fn stands(events: &[Event], visits: &Visits, dwell_s: f64, decimals: usize, named: &dyn Fn(usize) -> String) {
     let mut poses = visits.states.iter().enumerate();
     let (mut at, mut heading) = (AxisValues::<f64>::default(), AxisValues::<f64>::default());
     let mut seen = 0;
     for event in events {
         match event {
             Event::Move { to, .. } => {
-                for letter in AxisLetter::ALL {
+                for letter in Joint::ALL {
                     if to[letter] != at[letter] {
                         heading[letter] = (to[letter] - at[letter]).signum();
                     }
@@ -50,12 +50,12 @@ fn stands(events: &[Event], visits: &Visits, dwell_s: f64, decimals: usize, told
             // Waits are shorter or longer.
             Event::Dwell { seconds } if (*seconds - dwell_s).abs() < 1e-3 => {
                 let (i, state) =
-                    poses.next().unwrap_or_else(|| panic!("more dwells than poses: {}", told(seen)));
-                for letter in AxisLetter::ALL {
-                    assert!(off(state, &at, letter) <= rounding(decimals), "{}: {letter} {at:?}", told(i));
+                    poses.next().unwrap_or_else(|| panic!("more dwells than poses: {}", named(seen)));
+                for letter in Joint::ALL {
+                    assert!(off(state, &at, letter) <= rounding(decimals), "{}: {letter} {at:?}", named(i));
                     // Linear axes follow the ball on the way, not the straight line from pose to pose.
                     if letter.is_rotary() && state.direction[letter] != 0.0 {
-                        assert_eq!(heading[letter], state.direction[letter], "{}: {letter}", told(i));
+                        assert_eq!(heading[letter], state.direction[letter], "{}: {letter}", named(i));
                     }
                 }
                 seen += 1;
@@ -63,7 +63,7 @@ fn stands(events: &[Event], visits: &Visits, dwell_s: f64, decimals: usize, told
             Event::Dwell { .. } | Event::Stop(_) => {}
         }
     }
-    assert_eq!(seen, visits.states.len(), "{}", told(seen));
+    assert_eq!(seen, visits.states.len(), "{}", named(seen));
 }
 
 /// A straight piece: from, to, seconds; mm and degrees.
@@ -74,7 +74,7 @@ fn passes(
     events: &[Event],
     visits: &Visits,
     on_piece: &dyn Fn(&State, &Piece) -> bool,
-    told: &dyn Fn(usize) -> String,
+    named: &dyn Fn(usize) -> String,
 ) {
     let mut pieces = Vec::new();
     let mut at = AxisValues::<f64>::default();
@@ -87,13 +87,13 @@ fn passes(
     let mut next = 0;
     for (i, state) in visits.states.iter().enumerate() {
         let found = (next..pieces.len()).find(|&k| on_piece(state, &pieces[k]));
-        next = found.unwrap_or_else(|| panic!("{}: {:?} is never passed", told(i), state.position));
+        next = found.unwrap_or_else(|| panic!("{}: {:?} is never passed", named(i), state.position));
     }
 }
 
 /// The turning axis passes the point at its feed with the others where they belong.
 fn on_sweep(state: &State, (from, to, seconds): &Piece, decimals: usize, rules: &CourseRules) -> bool {
-    let Some(turning) = AxisLetter::ROTARY.into_iter().find(|&letter| state.velocity[letter] != 0.0) else {
+    let Some(turning) = Joint::ROTARY.into_iter().find(|&letter| state.velocity[letter] != 0.0) else {
         return false;
     };
     let travel = to[turning] - from[turning];
@@ -106,7 +106,7 @@ fn on_sweep(state: &State, (from, to, seconds): &Piece, decimals: usize, rules: 
     }
     let near = rules.chord_mm + rounding(decimals) * (1.0 + convert::rad_from_deg(ARM_MM));
     let here = AxisValues::from_fn(|letter| from[letter] + (to[letter] - from[letter]) * u);
-    AxisLetter::ALL.into_iter().all(|letter| off(state, &here, letter) <= near)
+    Joint::ALL.into_iter().all(|letter| off(state, &here, letter) <= near)
 }
 
 /// The tool passes the point of the curve over the table at its feed.
@@ -136,16 +136,16 @@ fn on_curve(
     (-0.01..=1.01).contains(&u)
         && off_mm <= rules.chord_mm + rounded_mm
         && (speed - 1.0).abs() < 0.005 + rounded_mm / way.norm()
-        && AxisLetter::ROTARY.into_iter().all(|letter| off(state, to, letter) < 2.0)
+        && Joint::ROTARY.into_iter().all(|letter| off(state, to, letter) < 2.0)
 }
 
 /// mm as they are, rad as degrees.
-fn edge(value: f64, letter: AxisLetter) -> f64 {
+fn edge(value: f64, letter: Joint) -> f64 {
     if letter.is_rotary() { convert::deg_from_rad(value) } else { value }
 }
 
 /// Distance from the pose, mm or degrees.
-fn off(state: &State, at: &AxisValues<f64>, letter: AxisLetter) -> f64 {
+fn off(state: &State, at: &AxisValues<f64>, letter: Joint) -> f64 {
     (at[letter] - edge(state.position[letter], letter)).abs()
 }
 

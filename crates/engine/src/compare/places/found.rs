@@ -1,6 +1,6 @@
 //! A box of readings: one component, a range of one or two axes, directions of travel, a setup.
 
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 
 /// Which directions of travel a box holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -8,11 +8,11 @@ pub enum Way {
     /// Every point.
     All,
     /// Points with the axis going forward.
-    Forward(AxisLetter),
+    Forward(Joint),
     /// Points with the axis going back.
-    Back(AxisLetter),
+    Back(Joint),
     /// Points with the axis going either way, the sign turned over with it.
-    Turns(AxisLetter),
+    Turns(Joint),
 }
 
 /// A box and what its mean explains.

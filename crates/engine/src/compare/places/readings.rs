@@ -5,7 +5,7 @@ use crate::Experiment;
 use crate::compare::frames::in_frames;
 use nalgebra::{DVector, Matrix3, Vector3};
 use std::collections::HashMap;
-use trunnion_core::{AxisLetter, State, convert};
+use trunnion_core::{Joint, State, convert};
 
 /// Most bins of one axis.
 const MOST_BINS: usize = 13;
@@ -26,9 +26,9 @@ pub struct Readings {
     pub dimensions: Vec<Dimension>,
     pub setups: usize,
     /// Axes measured in both directions; of those that always went the same way only the one that moves most often.
-    pub both_ways: Vec<AxisLetter>,
+    pub both_ways: Vec<Joint>,
     /// Axes that always went the way of another one: (that other one, the axis).
-    alike: Vec<(AxisLetter, AxisLetter)>,
+    alike: Vec<(Joint, Joint)>,
     pub any_direction: bool,
     /// Every n-th point was taken.
     pub every: usize,
@@ -67,7 +67,7 @@ enum Residual {
 /// An axis or time, cut into bins.
 pub struct Dimension {
     /// `None`: time.
-    pub letter: Option<AxisLetter>,
+    pub letter: Option<Joint>,
     /// First and last value in each bin; degrees, mm or s.
     pub bins: Vec<(f64, f64)>,
     /// The last bin is the neighbour of the first.
@@ -83,14 +83,14 @@ impl Readings {
         let state = |i: usize| -> &State { &experiment.points[i].state };
         let mut dimensions = Vec::new();
         let mut bins_of: Vec<Vec<usize>> = Vec::new();
-        let mut put = |letter: Option<AxisLetter>, values: Vec<f64>| {
+        let mut put = |letter: Option<Joint>, values: Vec<f64>| {
             if let Some((dimension, bins)) = Dimension::new(letter, &values) {
                 dimensions.push(dimension);
                 bins_of.push(bins);
             }
         };
         let axes: Vec<_> = experiment.machine().axes().map(|axis| axis.letter).collect();
-        let moves = |letter: AxisLetter| {
+        let moves = |letter: Joint| {
             taken.iter().any(|&i| (state(i).position[letter] - state(taken[0]).position[letter]).abs() > 1e-6)
         };
         // Where rotary axes move, the linear ones only follow them.
@@ -102,23 +102,23 @@ impl Readings {
         if experiment.runs.len() == 1 && experiment.scene.time_range_s.is_some() {
             put(None, taken.iter().map(|&i| state(i).time_s.unwrap_or_default()).collect());
         }
-        let sign = |i: usize, letter: AxisLetter| -> i8 {
+        let sign = |i: usize, letter: Joint| -> i8 {
             let direction = state(i).direction[letter];
             if direction > 0.0 { 1 } else { -i8::from(direction < 0.0) }
         };
-        let share = |letter: AxisLetter, of: i8| {
+        let share = |letter: Joint, of: i8| {
             taken.iter().filter(|&&i| sign(i, letter) == of).count() as f64 / taken.len().max(1) as f64
         };
-        let mut candidates: Vec<AxisLetter> =
+        let mut candidates: Vec<Joint> =
             axes.iter().copied().filter(|&l| share(l, 1).min(share(l, -1)) >= LEAST_OF_A_DIRECTION).collect();
-        let steps = |letter: AxisLetter| {
+        let steps = |letter: Joint| {
             let position = |i: usize| state(i).position[letter];
             taken.windows(2).filter(|w| (position(w[0]) - position(w[1])).abs() > 1e-6).count()
         };
         candidates.sort_by_key(|&letter| std::cmp::Reverse(steps(letter)));
-        let (mut both_ways, mut alike): (Vec<AxisLetter>, Vec<_>) = Default::default();
+        let (mut both_ways, mut alike): (Vec<Joint>, Vec<_>) = Default::default();
         for letter in candidates {
-            let follows = |&leader: &AxisLetter| {
+            let follows = |&leader: &Joint| {
                 let same = taken.iter().filter(|&&i| sign(i, letter) == sign(i, leader)).count();
                 same as f64 >= SAME_WAY * taken.len() as f64
             };
@@ -246,7 +246,7 @@ impl Readings {
     }
 
     /// `C`, or `B and C` where both always went the same way.
-    pub fn name_of_way(&self, letter: AxisLetter) -> String {
+    pub fn name_of_way(&self, letter: Joint) -> String {
         let followers = self.alike.iter().filter(|(leader, _)| *leader == letter).map(|(_, axis)| *axis);
         let mut names: Vec<String> = followers.chain([letter]).map(|axis| axis.to_string()).collect();
         names.sort();
@@ -255,9 +255,8 @@ impl Readings {
 
     /// Sign of a way of travel for a point; `None` when the point does not belong to it.
     pub fn way_weight(&self, way: Way, point: &Reading) -> Option<f64> {
-        let sign = |letter: AxisLetter| {
-            self.both_ways.iter().position(|l| *l == letter).map_or(0, |at| point.signs[at])
-        };
+        let sign =
+            |letter: Joint| self.both_ways.iter().position(|l| *l == letter).map_or(0, |at| point.signs[at]);
         match way {
             Way::All => Some(1.0),
             Way::Forward(letter) => (sign(letter) > 0).then_some(1.0),
@@ -283,7 +282,7 @@ impl Reading {
 
 impl Dimension {
     /// Cuts values into bins: their stations when few, else equal parts. `None` when nothing varies.
-    fn new(letter: Option<AxisLetter>, values: &[f64]) -> Option<(Self, Vec<usize>)> {
+    fn new(letter: Option<Joint>, values: &[f64]) -> Option<(Self, Vec<usize>)> {
         let mut stations: Vec<i64> = values.iter().map(|v| (v * 10.0).round() as i64).collect();
         stations.sort_unstable();
         stations.dedup();
@@ -309,7 +308,7 @@ impl Dimension {
         };
         let gap = if few { (high - low) / (count - 1) as f64 } else { width };
         let span = if few { high - low + gap } else { high - low };
-        let is_full_turn = letter.is_some_and(AxisLetter::is_rotary) && span > 360.0 - 0.6 * gap;
+        let is_full_turn = letter.is_some_and(Joint::is_rotary) && span > 360.0 - 0.6 * gap;
         let dimension = Self { letter, bins: (0..count).map(edges).collect(), is_full_turn };
         Some((dimension, values.iter().map(|&v| bin(v)).collect()))
     }

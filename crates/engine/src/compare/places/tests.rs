@@ -14,10 +14,10 @@ fn grid() -> Experiment {
         let (setup, way, b, c) = (index / 168, index / 84 % 2, index / 12 % 7, index % 12);
         let mut state = State { setup, time_s: Some(4.0 * index as f64), ..State::default() };
         let c = if way == 0 { c } else { 11 - c };
-        state.position[AxisLetter::B] = (-90.0 + 30.0 * b as f64).to_radians();
-        state.position[AxisLetter::C] = (30.0 * c as f64).to_radians();
-        state.direction[AxisLetter::B] = 1.0;
-        state.direction[AxisLetter::C] = if way == 0 { 1.0 } else { -1.0 };
+        state.position[Joint::B] = (-90.0 + 30.0 * b as f64).to_radians();
+        state.position[Joint::C] = (30.0 * c as f64).to_radians();
+        state.direction[Joint::B] = 1.0;
+        state.direction[Joint::C] = if way == 0 { 1.0 } else { -1.0 };
         points.push(Point {
             state,
             reading_mm: [0.0; 3],
@@ -70,16 +70,15 @@ fn residual(
     residual
 }
 
-fn told(seed: u64, clinging: f64, in_machine_um: impl Fn(&State) -> [f64; 3]) -> Vec<Place> {
+fn found_in(seed: u64, clinging: f64, in_machine_um: impl Fn(&State) -> [f64; 3]) -> Vec<Place> {
     let experiment = grid();
     let used = vec![true; experiment.points.len()];
     places(&experiment, &residual(&experiment, seed, clinging, in_machine_um), &used)
 }
 
 #[test]
-fn a_stop_below_minus_60_degrees_is_told_as_one_tail_region() {
-    let found =
-        told(7, 0.3, |state| [0.0, 0.0, if state.position[AxisLetter::B] < -1.0 { 4.0 } else { 0.0 }]);
+fn a_stop_below_minus_60_degrees_is_reported_as_one_tail_region() {
+    let found = found_in(7, 0.3, |state| [0.0, 0.0, if state.position[Joint::B] < -1.0 { 4.0 } else { 0.0 }]);
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!(found[0].location(), "Z, B −60° and below, both directions, both setups");
     assert!((found[0].mean_um - 4.0).abs() < 0.3 && found[0].readings == 96, "{found:?}");
@@ -88,15 +87,15 @@ fn a_stop_below_minus_60_degrees_is_told_as_one_tail_region() {
 
 #[test]
 fn what_clings_to_a_station_in_every_pass_is_no_accident() {
-    let found = told(3, 0.9, |state| [0.0, if state.position[AxisLetter::B] > 1.0 { 2.5 } else { 0.0 }, 0.0]);
+    let found = found_in(3, 0.9, |state| [0.0, if state.position[Joint::B] > 1.0 { 2.5 } else { 0.0 }, 0.0]);
     assert_eq!(found[0].location(), "Y, B 60° and above, both directions, both setups");
 }
 
 #[test]
-fn two_places_of_one_component_do_not_overlap_and_a_lag_is_told_by_its_directions() {
-    let found = told(7, 0.3, |state| {
-        let hinge = if state.position[AxisLetter::B] > 1.0 { -3.0 } else { 0.0 };
-        [2.0 * state.direction[AxisLetter::C], hinge, 0.0]
+fn two_places_of_one_component_do_not_overlap_and_a_lag_is_reported_by_its_directions() {
+    let found = found_in(7, 0.3, |state| {
+        let hinge = if state.position[Joint::B] > 1.0 { -3.0 } else { 0.0 };
+        [2.0 * state.direction[Joint::C], hinge, 0.0]
     });
     let words: Vec<String> = found.iter().map(Place::location).collect();
     assert_eq!(words, ["X, both setups", "Y, B 60° and above, both directions, both setups"]);
@@ -106,8 +105,8 @@ fn two_places_of_one_component_do_not_overlap_and_a_lag_is_told_by_its_direction
 
 #[test]
 fn a_bump_over_the_zero_of_a_full_turn_is_one_range() {
-    let found = told(7, 0.3, |state| {
-        let c = state.position[AxisLetter::C].to_degrees().round();
+    let found = found_in(7, 0.3, |state| {
+        let c = state.position[Joint::C].to_degrees().round();
         [0.0, if (40.0..=320.0).contains(&c) { 0.0 } else { 4.0 }, 0.0]
     });
     assert_eq!(found[0].location(), "Y, C 330° to 30°, both directions, both setups");
@@ -117,7 +116,7 @@ fn a_bump_over_the_zero_of_a_full_turn_is_one_range() {
 fn no_place_stands_out_of_noise_even_when_stations_cling_together() {
     for seed in 1..=8 {
         for clinging in [0.0, 0.5, 0.9] {
-            assert_eq!(told(seed, clinging, |_| [0.0; 3]), [], "seed {seed}, clinging {clinging}");
+            assert_eq!(found_in(seed, clinging, |_| [0.0; 3]), [], "seed {seed}, clinging {clinging}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Draft, companions, products, waves};
 use std::f64::consts::PI;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_effects::Scene;
 
 /// Harmonics of the slow and of the fast rotary axis.
@@ -13,7 +13,7 @@ const PLACES: usize = 12;
 /// Usual half-width of a bump, rad, and how narrow or wide it may turn out.
 const WIDTH_RAD: f64 = 0.37;
 const WIDTHS_RAD: (f64, f64) = (0.12, 1.2);
-pub(super) fn angles(rotary: &[AxisLetter], drafts: &mut Vec<Draft>) {
+pub(super) fn angles(rotary: &[Joint], drafts: &mut Vec<Draft>) {
     let (slow, fast) = match rotary {
         [fast] => (None, Some(*fast)),
         [slow, fast] => (Some(*slow), Some(*fast)),
@@ -24,7 +24,7 @@ pub(super) fn angles(rotary: &[AxisLetter], drafts: &mut Vec<Draft>) {
             if k + m == 0 {
                 continue;
             }
-            let per_turn = |n: usize, letter: Option<AxisLetter>| {
+            let per_turn = |n: usize, letter: Option<Joint>| {
                 letter.filter(|_| n > 0).map(|letter| format!("{n} per turn of {letter}"))
             };
             let words: Vec<String> = [per_turn(k, slow), per_turn(m, fast)].into_iter().flatten().collect();
@@ -45,7 +45,7 @@ pub(super) fn angles(rotary: &[AxisLetter], drafts: &mut Vec<Draft>) {
     }
 }
 
-pub(super) fn directions(letter: AxisLetter, rotary: &[AxisLetter], scene: &Scene, drafts: &mut Vec<Draft>) {
+pub(super) fn directions(letter: Joint, rotary: &[Joint], scene: &Scene, drafts: &mut Vec<Draft>) {
     let idea = format!("reversal {letter}");
     for (order, factors, words) in companions(rotary) {
         let columns = products(&[format!("dir{letter}")], &factors);
@@ -71,7 +71,7 @@ pub(super) fn directions(letter: AxisLetter, rotary: &[AxisLetter], scene: &Scen
 }
 
 /// Bumps and steps in one angle.
-pub(super) fn places(letter: AxisLetter, scene: &Scene, drafts: &mut Vec<Draft>) {
+pub(super) fn places(letter: Joint, scene: &Scene, drafts: &mut Vec<Draft>) {
     let (low, high) = scene.position_range[letter];
     if high - low < 1e-3 {
         return;
@@ -108,7 +108,7 @@ pub(super) fn places(letter: AxisLetter, scene: &Scene, drafts: &mut Vec<Draft>)
 }
 
 /// What begins beyond an angle: stops, loose clamps, cables that come tight.
-pub(super) fn knees(letter: AxisLetter, scene: &Scene, drafts: &mut Vec<Draft>) {
+pub(super) fn knees(letter: Joint, scene: &Scene, drafts: &mut Vec<Draft>) {
     let (low, high) = scene.position_range[letter];
     if high - low < 1e-3 {
         return;

@@ -2,14 +2,14 @@
 
 use super::{Draft, companions, products};
 use std::f64::consts::{PI, TAU};
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_effects::Scene;
 
 /// Moments of a switch during the run.
 const MOMENTS: usize = 13;
 
 /// Warming up and wandering.
-pub(super) fn settling(duration_s: f64, rotary: &[AxisLetter], drafts: &mut Vec<Draft>) {
+pub(super) fn settling(duration_s: f64, rotary: &[Joint], drafts: &mut Vec<Draft>) {
     let limits = (0.04 * duration_s, 2.0 * duration_s);
     for (order, factors, words) in companions(rotary) {
         let columns = products(&[format!("(t/{duration_s:.0} - 0.5)")], &factors);
@@ -60,7 +60,7 @@ pub(super) fn switching(duration_s: f64, scene: &Scene, drafts: &mut Vec<Draft>)
     );
 }
 
-pub(super) fn temperatures(rotary: &[AxisLetter], scene: &Scene, drafts: &mut Vec<Draft>) {
+pub(super) fn temperatures(rotary: &[Joint], scene: &Scene, drafts: &mut Vec<Draft>) {
     for channel in &scene.channels {
         for (order, factors, words) in companions(rotary) {
             let columns = products(&[format!("T_{channel}")], &factors);

@@ -2,8 +2,9 @@
 
 use super::{Draft, companions, products};
 use crate::Experiment;
+use crate::spectrum::Wave;
 use std::f64::consts::TAU;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_effects::Scene;
 
 pub(super) fn linear(experiment: &Experiment, drafts: &mut Vec<Draft>) {
@@ -31,9 +32,29 @@ pub(super) fn linear(experiment: &Experiment, drafts: &mut Vec<Draft>) {
     }
 }
 
+/// A wave that the spectrum of the residual shows, whole or broken; its period is known to a few of its uncertainties.
+pub(super) fn wave(joint: Joint, wave: &Wave) -> Draft {
+    let omega = wave.omega();
+    let u = omega * wave.u / wave.value;
+    // An idea of its own: another period is another wave.
+    let idea = format!("wave {joint} {omega:.6}");
+    let within = (omega - WITHIN_U * u, omega + WITHIN_U * u);
+    if joint.is_rotary() {
+        let columns = vec![format!("cos(cycles*{joint})"), format!("sin(cycles*{joint})")];
+        let words = format!("{:.2} per turn of {joint}", wave.value);
+        return Draft::new(idea, 2, columns, words).with("cycles", within, &[omega]);
+    }
+    let columns = vec![format!("cos(per_mm*{joint})"), format!("sin(per_mm*{joint})")];
+    let words = format!("repeating along {joint} every {:.4} mm", wave.value);
+    Draft::new(idea, 2, columns, words).with("per_mm", within, &[omega]).ground()
+}
+
+/// Uncertainties of a period within which it is refined.
+const WITHIN_U: f64 = 4.0;
+
 /// While axes move: with speed and acceleration.
-pub(super) fn moving(rotary: &[AxisLetter], scene: &Scene, drafts: &mut Vec<Draft>) {
-    let fastest = |letter: AxisLetter| scene.speed_range[letter].1;
+pub(super) fn moving(rotary: &[Joint], scene: &Scene, drafts: &mut Vec<Draft>) {
+    let fastest = |letter: Joint| scene.speed_range[letter].1;
     for letter in scene.machine.joints().into_iter().filter(|&letter| fastest(letter) > 0.0) {
         for (order, factors, words) in companions(rotary) {
             for (factor, how) in [

@@ -2,7 +2,7 @@
 
 use crate::Experiment;
 use nalgebra::{DMatrix, DVector, Vector3};
-use trunnion_core::{AxisLetter, Twist};
+use trunnion_core::{Joint, Twist};
 use trunnion_instruments::Projector;
 use trunnion_machine::Site;
 
@@ -22,7 +22,7 @@ pub fn repeatable_motions(experiment: &Experiment) -> DMatrix<f64> {
             let carrier = unit_columns(experiment, Site::Joint(axis.letter), k);
             for harmonic in 1..=MOTION_HARMONICS {
                 for phase in [0.0, std::f64::consts::FRAC_PI_2] {
-                    let factor = |letter: AxisLetter, i: usize| {
+                    let factor = |letter: Joint, i: usize| {
                         (harmonic as f64 * experiment.points[i].state.position[letter] - phase).cos()
                     };
                     columns.push(modulated(experiment, &carrier, |i| factor(axis.letter, i)));

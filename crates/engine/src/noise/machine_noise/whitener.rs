@@ -142,7 +142,7 @@ impl Step {
 mod tests {
     use super::*;
     use crate::Experiment;
-    use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, NestSide, Point, Quality, Setup, State};
+    use trunnion_core::{AxisValues, InstrumentKind, Joint, NestSide, Point, Quality, Setup, State};
     use trunnion_cycles::{Run, RunKind};
     use trunnion_machine::shipped;
 
@@ -159,8 +159,8 @@ mod tests {
             [(0.0, 0.1), (0.0, 0.9), (0.7, 0.9), (0.7, 2.0), (0.7, 3.0), (-0.4, 1.0)].into_iter().enumerate()
         {
             let mut position = AxisValues::default();
-            position[AxisLetter::B] = b;
-            position[AxisLetter::C] = c;
+            position[Joint::B] = b;
+            position[Joint::C] = c;
             let time_s = Some(4.0 * i as f64 + if i > 3 { 30.0 } else { 0.0 });
             points.push(Point {
                 state: State { position, time_s, ..State::default() },

@@ -6,7 +6,7 @@ use super::location::{Location, locations};
 use super::shape::{AxisShapes, Shape};
 use super::track::Tracks;
 use crate::recipes::{Method, MethodError};
-use trunnion_core::{AxisLetter, Point};
+use trunnion_core::{Joint, Point};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
@@ -15,7 +15,7 @@ use trunnion_engine::{Experiment, identify};
 pub(super) fn locations_of(
     method: &Method,
     runs: &[Run],
-    asked: Option<AxisLetter>,
+    asked: Option<Joint>,
 ) -> Result<Vec<Location>, MethodError> {
     let experiment = Experiment::new(runs)?;
     let joint = identify(&experiment, &Model::base(&experiment.machine().name), &Options::default())?;

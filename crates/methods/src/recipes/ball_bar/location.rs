@@ -4,7 +4,7 @@ use super::causes::ErrorKind;
 use super::shape::{AxisShapes, Shape};
 use super::track::Kind;
 use crate::recipes::Convention;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_effects::Unit;
 
 /// A location error, right-handed, inside units.
@@ -31,7 +31,7 @@ pub(super) fn locations(shapes: &[Shape], axes: &[AxisShapes]) -> Vec<Location> 
         let axis = of_axis.axis;
         let [tilt_u, tilt_v, _] = axis.rotations();
         // S4 eq. 1 and 3 are of C.
-        let of_c = axis.frame[2] == AxisLetter::Z;
+        let of_c = axis.frame[2] == Joint::Z;
         let squareness = |direction, value, u, opposite_in_source| Location {
             name: axis.symbol(direction, true),
             value,

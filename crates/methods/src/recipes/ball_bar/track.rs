@@ -5,12 +5,12 @@ use crate::geometry;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Point3, Vector2, Vector3};
 use trunnion_core::convert::rad_from_deg;
-use trunnion_core::{AxisLetter, AxisValues, InstrumentKind, Point, Setup};
+use trunnion_core::{AxisValues, InstrumentKind, Joint, Point, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_instruments::predict;
 use trunnion_machine::{Errors, JointErrors, Machine, Side};
 
-/// Other axes that move less than this stand still, mm or rad.
+/// Other axes that move less than this are at rest, mm or rad.
 const STILL_MM: f64 = 0.05;
 const STILL_RAD: f64 = 1e-4;
 /// An axis that turns less than this is only positioned.
@@ -55,19 +55,19 @@ pub(super) enum Kind {
 /// A rotary axis with the letters across (u, v) and along (w) it.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Axis {
-    pub letter: AxisLetter,
-    pub frame: [AxisLetter; 3],
+    pub letter: Joint,
+    pub frame: [Joint; 3],
 }
 
 impl Axis {
     /// Its errors: `E`, direction, axis; of the average line with a `0`.
-    pub fn symbol(self, direction: AxisLetter, average_line: bool) -> String {
+    pub fn symbol(self, direction: Joint, average_line: bool) -> String {
         format!("E{direction}{}{}", if average_line { "0" } else { "" }, self.letter)
     }
 
     /// The letters of the rotations about u, v, w.
-    pub fn rotations(self) -> [AxisLetter; 3] {
-        self.frame.map(|letter| AxisLetter::ROTARY[letter.index()])
+    pub fn rotations(self) -> [Joint; 3] {
+        self.frame.map(|letter| Joint::ROTARY[letter.index()])
     }
 }
 
@@ -93,7 +93,7 @@ impl Tracks {
     ///
     /// # Errors
     /// No setup that the method can use.
-    pub fn of(method: &Method, runs: &[Run], asked: Option<AxisLetter>) -> Result<Self, MethodError> {
+    pub fn of(method: &Method, runs: &[Run], asked: Option<Joint>) -> Result<Self, MethodError> {
         let mut tracks = Self { all: Vec::new(), left_out: Vec::new() };
         for Mounted { name, run, setup, points } in mounted(runs) {
             match Seen::of(&run.machine, setup, &points)
@@ -174,17 +174,15 @@ impl<'a> Seen<'a> {
     }
 
     fn track(&self, name: &str, on_the_fly: bool) -> Result<Track, String> {
-        let moves = |letter: AxisLetter| span(self.points.iter().map(|p| p.state.position[letter]));
-        let still =
-            |letter: &AxisLetter| moves(*letter) <= if letter.is_rotary() { STILL_RAD } else { STILL_MM };
+        let moves = |letter: Joint| span(self.points.iter().map(|p| p.state.position[letter]));
+        let still = |letter: &Joint| moves(*letter) <= if letter.is_rotary() { STILL_RAD } else { STILL_MM };
         let (joints, rotary) = (self.machine.joints(), self.machine.rotary_joints());
         let turning: Vec<_> =
             rotary.iter().copied().filter(|&letter| moves(letter) > LEAST_TURN_RAD).collect();
         if rotary.iter().all(still) {
             return Err("only linear axes move".into());
         }
-        let others_still =
-            |axis: AxisLetter, among: &[AxisLetter]| among.iter().filter(|l| **l != axis).all(still);
+        let others_still = |axis: Joint, among: &[Joint]| among.iter().filter(|l| **l != axis).all(still);
         let lone = match turning[..] {
             [axis] if others_still(axis, &rotary) => Placed::of(self.machine, axis),
             _ => None,
@@ -269,7 +267,7 @@ impl<'a> Seen<'a> {
 }
 
 /// Directions of travel; where a run does not state them they follow from the angles.
-fn directions(points: &[&Point], letter: AxisLetter) -> Vec<f64> {
+fn directions(points: &[&Point], letter: Joint) -> Vec<f64> {
     let angle = |i: usize| points[i].state.position[letter];
     let stated = |i: usize| {
         let stated: f64 = points[i].state.direction[letter];
@@ -289,10 +287,10 @@ struct Placed<'a> {
 }
 
 impl<'a> Placed<'a> {
-    fn of(machine: &'a Machine, letter: AxisLetter) -> Option<Self> {
+    fn of(machine: &'a Machine, letter: Joint) -> Option<Self> {
         let joint = machine.axis(letter)?;
         let along = joint.direction.iamax();
-        let frame = [(along + 1) % 3, (along + 2) % 3, along].map(|k| AxisLetter::LINEAR[k]);
+        let frame = [(along + 1) % 3, (along + 2) % 3, along].map(|k| Joint::LINEAR[k]);
         let (cosine, side) = (joint.direction[along], machine.side(letter)?);
         let sense = joint.sense * cosine.signum();
         (cosine.abs() > ALONG).then_some(Self { machine, axis: Axis { letter, frame }, side, sense })

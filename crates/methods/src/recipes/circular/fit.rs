@@ -11,11 +11,11 @@ use trunnion_machine::Machine;
 
 /// Decays of a spike that are tried, as shares of the radius.
 const DECAYS: [f64; 8] = [0.002, 0.0035, 0.006, 0.01, 0.015, 0.022, 0.033, 0.045];
-/// Longest decay, as share of the radius: a longer one is hardly told from backlash.
+/// Longest decay, as share of the radius: a longer one is hardly distinguished from backlash.
 const LONGEST_DECAY: f64 = 0.05;
 /// A spike must be this many times its uncertainty: its decay was chosen among many.
 const SPIKE_STANDS_OUT: f64 = 5.0;
-/// Relative singular value below which errors are not told apart.
+/// Relative singular value below which errors are not distinguished.
 const TOLERANCE: f64 = 1e-6;
 
 /// Angle (rad) and deviation (mm) in the order of the angle.

@@ -2,7 +2,7 @@
 
 use super::trace::{Sample, Trace};
 use std::f64::consts::TAU;
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_effects::Unit;
 use trunnion_machine::Machine;
 
@@ -76,8 +76,8 @@ pub(super) fn listed(machine: &Machine, trace: &Trace) -> Vec<Listed> {
 }
 
 /// Sign of r = ± γ R sin φ cos φ: the later axis leans about the third direction (EC0Y, EA0Z, EB0Z).
-fn squareness_sign(a: AxisLetter) -> f64 {
-    if a == AxisLetter::Z { 1.0 } else { -1.0 }
+fn squareness_sign(a: Joint) -> f64 {
+    if a == Joint::Z { 1.0 } else { -1.0 }
 }
 
 /// The columns of an error at one reading, mm per inside unit of the error. `decay_mm`: s₀ of the spikes of a and b.

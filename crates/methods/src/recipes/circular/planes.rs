@@ -6,7 +6,7 @@
 use super::fit::Fitted;
 use super::list::ListedKind;
 use nalgebra::{DMatrix, DVector};
-use trunnion_core::AxisLetter;
+use trunnion_core::Joint;
 use trunnion_effects::Unit;
 use trunnion_engine::solve::linear::least_squares;
 
@@ -36,11 +36,11 @@ pub(super) fn together(fits: &[Fitted<'_>]) -> Vec<Together> {
         return Vec::new();
     }
     let mut found = Vec::new();
-    let backlash = |kind, plane: [AxisLetter; 2]| match kind {
+    let backlash = |kind, plane: [Joint; 2]| match kind {
         ListedKind::Backlash(k) => Some(unit_factor(plane[k])),
         _ => None,
     };
-    for letter in AxisLetter::LINEAR {
+    for letter in Joint::LINEAR {
         found.extend(solve(
             &said(fits, backlash),
             unit_factor(letter),
@@ -48,28 +48,26 @@ pub(super) fn together(fits: &[Fitted<'_>]) -> Vec<Together> {
             Unit::UM,
         ));
     }
-    let difference = |plane: [AxisLetter; 2]| {
+    let difference = |plane: [Joint; 2]| {
         let (a, b) = (unit_factor(plane[0]), unit_factor(plane[1]));
         [0, 1, 2].map(|k| a[k] - b[k])
     };
     let scale = |kind, plane| (kind == ListedKind::ScaleMismatch).then(|| difference(plane));
     let servo = |kind, plane| (kind == ListedKind::ServoMismatch).then(|| difference(plane));
-    for [a, b] in
-        [[AxisLetter::X, AxisLetter::Y], [AxisLetter::Y, AxisLetter::Z], [AxisLetter::Z, AxisLetter::X]]
-    {
+    for [a, b] in [[Joint::X, Joint::Y], [Joint::Y, Joint::Z], [Joint::Z, Joint::X]] {
         found.extend(solve(&said(fits, scale), difference([a, b]), format!("scale {a}−{b}"), Unit::UM_PER_M));
         found.extend(solve(&said(fits, servo), difference([a, b]), format!("servo {a}−{b}"), Unit::MS));
     }
     found
 }
 
-fn unit_factor(letter: AxisLetter) -> [f64; 3] {
+fn unit_factor(letter: Joint) -> [f64; 3] {
     let mut factors = [0.0; 3];
     factors[letter.index()] = 1.0;
     factors
 }
 
-fn said(fits: &[Fitted<'_>], factors: impl Fn(ListedKind, [AxisLetter; 2]) -> Option<[f64; 3]>) -> Vec<Said> {
+fn said(fits: &[Fitted<'_>], factors: impl Fn(ListedKind, [Joint; 2]) -> Option<[f64; 3]>) -> Vec<Said> {
     let mut all = Vec::new();
     for fit in fits {
         for error in &fit.errors {

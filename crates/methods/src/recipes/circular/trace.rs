@@ -3,12 +3,12 @@
 use crate::common::{Mounted, mounted};
 use crate::recipes::{Method, MethodError};
 use nalgebra::Vector3;
-use trunnion_core::{AxisLetter, InstrumentKind, Point, Setup};
+use trunnion_core::{InstrumentKind, Joint, Point, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_instruments::predict;
 use trunnion_machine::{Errors, JointErrors, Machine};
 
-/// Axes that move less than this stand still, mm or rad.
+/// Axes that move less than this are at rest, mm or rad.
 const STILL_MM: f64 = 0.05;
 const STILL_RAD: f64 = 1e-4;
 /// Sine of the angle by which a bar may leave its plane.
@@ -17,8 +17,7 @@ const FLAT: f64 = 1e-3;
 const LEAST_READINGS: usize = 60;
 
 /// The planes, first letter to the right.
-const PLANES: [[AxisLetter; 2]; 3] =
-    [[AxisLetter::X, AxisLetter::Y], [AxisLetter::Y, AxisLetter::Z], [AxisLetter::Z, AxisLetter::X]];
+const PLANES: [[Joint; 2]; 3] = [[Joint::X, Joint::Y], [Joint::Y, Joint::Z], [Joint::Z, Joint::X]];
 
 /// The circles.
 pub(super) struct Traces {
@@ -31,7 +30,7 @@ pub(super) struct Traces {
 pub(super) struct Trace {
     /// `XY`, with the setup's name when several setups have this plane.
     pub name: String,
-    pub plane: [AxisLetter; 2],
+    pub plane: [Joint; 2],
     pub radius_mm: f64,
     /// The bar's length is known.
     pub calibrated: bool,
@@ -94,13 +93,13 @@ fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, 
     if points.len() < LEAST_READINGS {
         return Err(format!("has {} readings; {LEAST_READINGS} or more separate the errors", points.len()));
     }
-    let moves = |letter: &AxisLetter| {
+    let moves = |letter: &Joint| {
         let positions = || points.iter().map(|p| p.state.position[*letter]);
         let (low, high) =
             positions().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         high - low > if letter.is_rotary() { STILL_RAD } else { STILL_MM }
     };
-    let moving: Vec<AxisLetter> = machine.joints().into_iter().filter(moves).collect();
+    let moving: Vec<Joint> = machine.joints().into_iter().filter(moves).collect();
     let plane =
         PLANES.into_iter().find(|plane| moving.len() == 2 && plane.iter().all(|l| moving.contains(l)));
     let Some([a, b]) = plane else {

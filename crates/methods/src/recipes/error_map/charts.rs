@@ -7,7 +7,7 @@ use super::grid::{Cell, Grid};
 use crate::findings::{AxisName, Chart, Curve, MapPlace, Plot};
 use nalgebra::Vector3;
 use trunnion_core::convert::deg_from_rad;
-use trunnion_core::{AxisLetter, Twist};
+use trunnion_core::{Joint, Twist};
 use trunnion_effects::Unit;
 
 pub(super) fn charts(grid: &Grid<'_>, b_errors: &BErrors, c_errors: &CErrors) -> Vec<Chart> {
@@ -59,7 +59,7 @@ fn over_turning(grid: &Grid<'_>, c_errors: &CErrors, tilt: usize) -> [Chart; 2] 
 /// One chart of the rotations and one of the translations of an axis.
 fn sorted(
     group: &str,
-    axis: AxisLetter,
+    axis: Joint,
     at: &str,
     shown: impl Fn(&str) -> bool,
     points: impl Fn(fn(&Twist) -> f64) -> Option<Vec<(f64, f64)>>,
@@ -81,7 +81,7 @@ fn sorted(
 
 /// Commanded, measured and simulated places of the nests on the plane in which the table tilts and on the table.
 fn places(grid: &Grid<'_>, b_errors: &BErrors, tilt: usize) -> Vec<Chart> {
-    let across = if grid.tilting == AxisLetter::A { 1 } else { 0 };
+    let across = if grid.tilting == Joint::A { 1 } else { 0 };
     let names = ["X", "Y", "Z"];
     let group = "Places of the nest: commanded (dot), measured (circle), by the errors of the tilting axis (cross) (S1 Fig. 5, 8)";
     let mut charts = Vec::new();

@@ -1,21 +1,21 @@
 //! The six components of the error of an axis.
 
-use trunnion_core::{AxisLetter, Twist};
+use trunnion_core::{Joint, Twist};
 use trunnion_effects::Unit;
 
 /// Symbol, unit, and how to take it from an error.
 pub(super) type Component = (String, Unit, fn(&Twist) -> f64);
 
 /// The six components of the error of an axis.
-pub(super) fn components(axis: AxisLetter) -> [Component; 6] {
-    let symbol = |direction: AxisLetter| format!("E{direction}{axis}");
+pub(super) fn components(axis: Joint) -> [Component; 6] {
+    let symbol = |direction: Joint| format!("E{direction}{axis}");
     [
-        (symbol(AxisLetter::X), Unit::UM, |t| t.translation_mm.x),
-        (symbol(AxisLetter::Y), Unit::UM, |t| t.translation_mm.y),
-        (symbol(AxisLetter::Z), Unit::UM, |t| t.translation_mm.z),
-        (symbol(AxisLetter::A), Unit::URAD, |t| t.rotation_rad.x),
-        (symbol(AxisLetter::B), Unit::URAD, |t| t.rotation_rad.y),
-        (symbol(AxisLetter::C), Unit::URAD, |t| t.rotation_rad.z),
+        (symbol(Joint::X), Unit::UM, |t| t.translation_mm.x),
+        (symbol(Joint::Y), Unit::UM, |t| t.translation_mm.y),
+        (symbol(Joint::Z), Unit::UM, |t| t.translation_mm.z),
+        (symbol(Joint::A), Unit::URAD, |t| t.rotation_rad.x),
+        (symbol(Joint::B), Unit::URAD, |t| t.rotation_rad.y),
+        (symbol(Joint::C), Unit::URAD, |t| t.rotation_rad.z),
     ]
 }
 

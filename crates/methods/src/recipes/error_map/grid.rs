@@ -5,7 +5,7 @@ use crate::common::relative::tool_against_table_mm;
 use crate::common::stations::Stations;
 use crate::recipes::{Method, MethodError, one_machine};
 use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
-use trunnion_core::{AxisLetter, InstrumentKind, Point, Setup, Twist};
+use trunnion_core::{InstrumentKind, Joint, Point, Setup, Twist};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::propagation::JointFrame;
 use trunnion_machine::{JointErrors, Machine};
@@ -21,9 +21,9 @@ const APART_MM: f64 = 10.0;
 pub(super) struct Grid<'a> {
     pub machine: &'a Machine,
     /// The axis next to the bed, S1's B.
-    pub tilting: AxisLetter,
+    pub tilting: Joint,
     /// The axis that carries the table, S1's C.
-    pub turning: AxisLetter,
+    pub turning: Joint,
     /// Angles of the tilting axis, rad.
     pub tilts_rad: Vec<f64>,
     /// Angles of the turning axis, rad.
@@ -58,7 +58,7 @@ pub(super) struct Cell {
 impl<'a> Grid<'a> {
     pub fn of(method: &Method, runs: &'a [Run]) -> Result<Self, MethodError> {
         let machine = one_machine(runs)?;
-        let rotary: Vec<AxisLetter> =
+        let rotary: Vec<Joint> =
             machine.table.iter().rev().filter(|axis| axis.is_rotary()).map(|axis| axis.letter).collect();
         let &[tilting, turning] = &rotary[..] else {
             let found = format!("machine {} has {} rotary axes under the table", machine.name, rotary.len());
@@ -162,7 +162,7 @@ type Cells = Vec<Vec<Vec<Option<Cell>>>>;
 
 fn averaged(
     machine: &Machine,
-    [tilting, turning]: [AxisLetter; 2],
+    [tilting, turning]: [Joint; 2],
     [tilts, turns]: [&Stations; 2],
     nests: &[(String, &Setup)],
     readings: &[(String, &Setup, &Point)],

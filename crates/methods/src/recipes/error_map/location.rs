@@ -8,7 +8,7 @@
 use super::b_errors::BErrors;
 use super::grid::Grid;
 use nalgebra::{DMatrix, DVector, Vector3};
-use trunnion_core::{AxisLetter, Twist};
+use trunnion_core::{Joint, Twist};
 use trunnion_effects::Unit;
 use trunnion_effects::catalogue::LOCATION_ERRORS;
 use trunnion_engine::solve::linear::least_squares;
@@ -40,7 +40,7 @@ pub(super) struct Location {
 
 impl Locations {
     pub fn of(grid: &Grid<'_>, b_errors: &BErrors, joint: &Identification) -> Self {
-        let observable: Vec<(&FittedParameter, AxisLetter, Twist)> = joint
+        let observable: Vec<(&FittedParameter, Joint, Twist)> = joint
             .parameters
             .iter()
             .filter(|p| p.effect == LOCATION_ERRORS && p.observable())
@@ -51,12 +51,12 @@ impl Locations {
             .collect();
         let along = Vector3::ith(grid.turning.index() % 3, 1.0);
         let offsets = [Twist::translation(along), Twist::rotation(along)].map(|twist| (grid.turning, twist));
-        let constants: Vec<(AxisLetter, Twist)> =
+        let constants: Vec<(Joint, Twist)> =
             observable.iter().map(|(_, axis, twist)| (*axis, *twist)).chain(offsets).collect();
         let frames: Vec<(JointFrame, JointFrame)> = (0..grid.tilts_rad.len())
             .filter_map(|tilt| grid.at_tilt(tilt).next().map(|(.., cell)| (cell.tilting, cell.turning)))
             .collect();
-        let seen = |(axis, twist): &(AxisLetter, Twist), frames: &(JointFrame, JointFrame)| {
+        let seen = |(axis, twist): &(Joint, Twist), frames: &(JointFrame, JointFrame)| {
             if *axis == grid.tilting { *twist } else { as_tilting(frames, twist) }
         };
         let rows = 6 * frames.len();
@@ -69,7 +69,7 @@ impl Locations {
             }
         }
         let fit = least_squares(&a, &b, 1e-7);
-        let found = |(k, (parameter, ..)): (usize, &(&FittedParameter, AxisLetter, Twist))| Location {
+        let found = |(k, (parameter, ..)): (usize, &(&FittedParameter, Joint, Twist))| Location {
             name: parameter.name.clone(),
             unit: parameter.unit,
             by_map: fit.x[k],
@@ -95,8 +95,8 @@ impl Locations {
 }
 
 /// Axis and unit twist of a location error of one of these axes by its name, `EX0C`.
-fn constant(name: &str, axes: [AxisLetter; 2]) -> Option<(AxisLetter, Twist)> {
-    let of_axes = axes.into_iter().flat_map(|axis| AxisLetter::ALL.map(|direction| (axis, direction)));
+fn constant(name: &str, axes: [Joint; 2]) -> Option<(Joint, Twist)> {
+    let of_axes = axes.into_iter().flat_map(|axis| Joint::ALL.map(|direction| (axis, direction)));
     let (axis, direction) =
         of_axes.into_iter().find(|(axis, direction)| format!("E{direction}0{axis}") == name)?;
     let unit = Vector3::ith(direction.index() % 3, 1.0);

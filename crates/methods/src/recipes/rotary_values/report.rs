@@ -100,7 +100,7 @@ fn tilts(turning: &Turning, stations: &Stations) -> Vec<Judged> {
         let [low, high] = [low, high].map(|set| ways(set, stations, &|r| sign * r.moved_mm[k] / apart_mm));
         [0, 1].map(|way| Contour::of(&stations.angles_rad, &differences(&high[way], &low[way])))
     };
-    let judge = |(letter, ways): (trunnion_core::AxisLetter, [Option<Contour>; 2])| {
+    let judge = |(letter, ways): (trunnion_core::Joint, [Option<Contour>; 2])| {
         ways.iter().any(Option::is_some).then(|| Judged {
             name: format!("tilt-{}", letter.lower()),
             title: format!("Tilt {}", turning.symbol(letter, false)),

@@ -122,7 +122,7 @@ fn notes(turning: &Turning, heights: &Heights) -> Vec<String> {
         places.join(", "),
         turning.rotations()[2]
     )];
-    let others = trunnion_core::AxisLetter::ROTARY
+    let others = trunnion_core::Joint::ROTARY
         .into_iter()
         .filter(|&letter| letter != axis && turning.sets[0].position[letter] != 0.0)
         .map(|letter| format!("{letter} = {:.4}°", deg_from_rad(turning.sets[0].position[letter])));

@@ -101,7 +101,7 @@ fn the_moment_of_a_value_is_the_stamp_of_its_sync_where_the_transport_has_one() 
     bench.nodes.sync_written(HostTime(20 * MS));
     assert!(!bench.nodes.may_sync(1, HostTime(200 * MS)) && bench.nodes.may_sync(1, HostTime(221 * MS)));
     bench.nodes.sync_written(HostTime(221 * MS));
-    // It was only late: its stamp tells, and the next one has its own.
+    // It was only late: its stamp shows that, and the next one has its own.
     bench.nodes.sync_accepted(Some(HostTime(21 * MS)));
     assert_eq!(bench.value(222).device_ticks, 21_000);
     bench.nodes.sync_accepted(Some(HostTime(222 * MS)));
@@ -132,7 +132,7 @@ fn an_adapter_that_pauses_for_long_keeps_every_value_with_its_own_sync() {
 }
 
 #[test]
-fn a_node_that_answers_after_the_next_sync_is_told_and_its_value_is_a_recorded_loss() {
+fn a_node_that_answers_after_the_next_sync_is_reported_and_its_value_is_a_recorded_loss() {
     let mut bench = bench();
     for ms in [10, 11] {
         bench.nodes.sync_written(HostTime(ms * MS));
@@ -141,15 +141,16 @@ fn a_node_that_answers_after_the_next_sync_is_told_and_its_value_is_a_recorded_l
     assert_eq!(bench.value(12).sequence, 2);
     let frame = CanFrame::data_frame(bench.id, &[1, 0, 0, 0]).unwrap();
     bench.nodes.take(&frame, HostTime(13 * MS), &mut bench.link).unwrap();
-    let told: Vec<Reading> = std::iter::from_fn(|| Some(bench.delivered.try_recv().ok()?.reading)).collect();
+    let reported: Vec<Reading> =
+        std::iter::from_fn(|| Some(bench.delivered.try_recv().ok()?.reading)).collect();
     let says = |piece: &str| {
-        told.iter().any(|reading| match reading {
+        reported.iter().any(|reading| match reading {
             Reading::Gap(gap) => gap.lost_readings == Some(1) && gap.reason.contains(piece),
             Reading::Log(line) => line.text.contains(piece),
             _ => false,
         })
     };
-    assert!(says("its moment is unknown") && says("longer sync_ms"), "{told:?}");
+    assert!(says("its moment is unknown") && says("longer sync_ms"), "{reported:?}");
 }
 
 #[test]

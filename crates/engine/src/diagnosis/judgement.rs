@@ -1,0 +1,140 @@
+//! The verdict where nothing is claimed: an all-clear that is earned, or that these data cannot say.
+//!
+//! An all-clear needs repeats that show the repeatability, a residual no larger than they and the natural motions of a machine allow, and no effect that has
+//! anything to say for it. It states the size of effect that would have been noticed.
+
+use crate::diagnosis::named::BARE_MENTION_LN;
+use crate::diagnosis::scan::Scan;
+use crate::diagnosis::search::Found;
+use crate::diagnosis::verdict::{NoiseSizes, Verdict};
+use crate::evidence::turned;
+use crate::fit::identification::Identification;
+use crate::noise::learned::kernels::Part;
+use crate::noise::outliers::median;
+use nalgebra::DMatrix;
+use trunnion_core::convert::um_from_mm;
+
+/// Share of the points that must have been read again.
+const REPEATED_SHARE: f64 = 0.2;
+/// Every machine has repeatable motions; up to this times the white noise they are no finding.
+const NATURAL_PATTERN: f64 = 1.5;
+/// The residual may be this times the repeatability, √(1 + 1.5²): what repeats leave out (offsets of passes, drift, natural motions) is
+/// no finding up to 1.5 times the repeatability.
+const MOST_OF_REPEATABILITY: f64 = 1.8;
+/// Share of what exceeds the repeatability that a pattern that comes back must make up to be called one.
+const PATTERN_SHARE: f64 = 0.5;
+/// An effect is noticed in half of the cases where ½ z² reaches its price, almost always at 1.4 times that.
+const ALMOST_ALWAYS: f64 = 1.4;
+/// Median size of an effect in units of its prior's.
+const PRICE_OF_SIZE: f64 = 2.0;
+
+/// Sizes at x = (ln s, ln ρ).
+pub fn noise_sizes(scan: &Scan<'_>, x: &[f64]) -> NoiseSizes {
+    let white_um = um_from_mm(x[0].exp() * scan.unit_mm);
+    let of = |part: Part| {
+        let own = scan.kernels.list.iter().zip(&x[1..]).filter(|(kernel, _)| kernel.part == part);
+        white_um * own.map(|(_, ln)| (2.0 * ln).exp()).sum::<f64>().sqrt()
+    };
+    NoiseSizes {
+        white_um,
+        passes_um: of(Part::Pass),
+        stations_um: of(Part::Station),
+        drift_um: of(Part::Drift),
+        pattern_um: of(Part::Pattern),
+    }
+}
+
+/// Verdict, its reason and what to measure where nothing is claimed.
+pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> (Verdict, String, String) {
+    let undecided = |why: String, next: &str| (Verdict::Undecided, why, next.to_string());
+    let repeats = fit
+        .repeatability
+        .filter(|repeatability| repeatability.repeats as f64 >= REPEATED_SHARE * fit.points as f64);
+    let open: Vec<String> = open_effects(scan, found).map(|(g, _)| scan.named[g].instance.id()).collect();
+    let speaks = format!(
+        "Something speaks for {}, but no more than offsets of passes and small patterns may do.",
+        open.join(", ")
+    );
+    let Some(repeatability) = repeats else {
+        let why = "Too few poses were measured twice, so the repeatability is not known.";
+        let why = if open.is_empty() { why.to_string() } else { format!("{speaks} {why}") };
+        return undecided(why, "Repeat this pass: the same poses once more, in the opposite direction too.");
+    };
+    if !open.is_empty() {
+        return undecided(
+            speaks,
+            "Repeat this pass, twice if time allows, with the setup mounted again between.",
+        );
+    }
+    let (rms_um, noise_um) = (um_from_mm(fit.rms_mm), um_from_mm(repeatability.sigma_mm));
+    if within_repeats(fit, fit.rms_mm) {
+        return (Verdict::NoiseFloor, String::new(), String::new());
+    }
+    let sizes = noise_sizes(scan, found.last.null.x());
+    let excess = rms_um.powi(2) - noise_um.powi(2);
+    // What looks white beside all kernels and yet comes back in repeats is a pattern finer than they are.
+    let fine = (sizes.white_um.powi(2) - noise_um.powi(2)).max(0.0);
+    let pattern = sizes.pattern_um.powi(2) + fine;
+    if pattern > PATTERN_SHARE * excess {
+        let why = format!(
+            "A pattern over the positions of some {:.2} µm comes back in repeats (repeatability {noise_um:.2} µm). No effect or \
+             expression describes it.",
+            pattern.sqrt()
+        );
+        return (Verdict::UnnamedStructure, why, String::new());
+    }
+    let why = format!(
+        "The residual, {rms_um:.2} µm, is larger than repeats allow ({noise_um:.2} µm). It wanders with time or differs from \
+         pass to pass. No effect explains it."
+    );
+    undecided(why, "Repeat this pass after the machine has run warm, without a pause.")
+}
+
+/// True where a residual is no larger than repeats allow, or where no repeat says what they allow.
+pub fn within_repeats(fit: &Identification, rms_mm: f64) -> bool {
+    fit.repeatability.is_none_or(|noise| rms_mm <= MOST_OF_REPEATABILITY * noise.sigma_mm)
+}
+
+/// True where the pattern that remains next to all that was found is no larger than natural.
+pub fn pattern_is_natural(sizes: &NoiseSizes) -> bool {
+    sizes.pattern_um <= NATURAL_PATTERN * sizes.white_um
+}
+
+/// Effects with something to say for them that is worth more than a bare mention. Not the small repeatable motions that every bearing,
+/// encoder and gear has: something always speaks for them, and one that is too small to be named is no finding.
+pub fn open_effects<'a>(scan: &'a Scan<'_>, found: &'a Found) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let open = found.open.iter().copied();
+    open.filter(|(group, ln_bf)| *ln_bf > BARE_MENTION_LN && !scan.named[*group].natural)
+}
+
+/// The size of a usual effect that would almost always have been noticed, µm rms of what the model leaves of it: the median over the
+/// visible effects. ½ z² must reach the price of the name and of its size.
+pub fn noticeable_um(scan: &Scan<'_>, found: &Found, claim_ln: f64) -> Option<f64> {
+    let here = &found.last.null.here;
+    let basis = found.last.basis.map(f64::from);
+    let white = found.last.null.white();
+    let sizes: Vec<f64> = scan
+        .named
+        .iter()
+        .zip(&found.last.named)
+        .filter(|(_, score)| score.visible)
+        .filter_map(|(named, _)| {
+            let part = (named.parts.start + named.parts.end) / 2;
+            let columns = scan.part(part);
+            if columns.is_empty() {
+                return None;
+            }
+            let left = &columns - &basis * basis.tr_mul(&columns);
+            let seen = left.norm_squared() / columns.nrows() as f64;
+            let single: DMatrix<crate::noise::learned::Real> = turned(&columns).cast();
+            let gram = here.grams(&single, &[single.ncols()]).remove(0);
+            let eigen = ((&gram + gram.transpose()) * 0.5).symmetric_eigenvalues();
+            let of_size: f64 =
+                eigen.iter().map(|l| 0.5 * ((PRICE_OF_SIZE * white).powi(2) * l.max(0.0)).ln_1p()).sum();
+            let price = (scan.named.len() as f64).ln() + claim_ln + of_size;
+            let information = gram.trace();
+            (information > 0.0).then(|| (2.0 * price * seen / information).sqrt())
+        })
+        .collect();
+    (!sizes.is_empty()).then(|| um_from_mm(ALMOST_ALWAYS * median(&sizes) * scan.unit_mm))
+}

@@ -1,0 +1,77 @@
+//! What these data cannot tell from an effect: names with nearly its evidence, and names that imitate what was fitted with it.
+
+use crate::diagnosis::named::named;
+use crate::diagnosis::scan::Scan;
+use crate::diagnosis::scored::Scored;
+use crate::diagnosis::search::Found;
+use crate::diagnosis::view::{Item, View, What, columns_of, fitted};
+use crate::evidence::{beside, turned};
+use crate::noise::learned::Real;
+use crate::noise::learned::sigma::Projected;
+use nalgebra::DVector;
+
+/// Rivals within this ln of the Bayes factor are confused (a factor of 20).
+const CONFUSED_LN: f64 = 3.0;
+/// Share of the fitted signal, in the metric of the learned noise, at which a block is another name for the same readings.
+const IMITATES: f64 = 0.95;
+/// Directions of a block below this share of its largest eigenvalue are not seen.
+const SEEN: f64 = 1e-3;
+
+/// Groups that are confused with one of the items found, most likely first.
+pub fn confused_with(scan: &Scan<'_>, found: &Found, item: &Item, claim_ln: f64) -> Vec<usize> {
+    let What::Named(group) = item.what else { return Vec::new() };
+    let kept = |g: &usize| found.items.iter().any(|other| other.what == What::Named(*g));
+    let others = found.items.iter().filter(|other| other.what != item.what);
+    let chosen = beside(&columns_of(others, scan.y.len()), &found.further);
+    let alone = chosen.ncols() == 0;
+    let view = match alone {
+        true => Some(found.before.clone()),
+        false => View::of(scan, chosen, &found.last.null.here.sigma),
+    };
+    let Some(view) = view else { return Vec::new() };
+    let scored: Vec<Scored> = if alone { found.first.clone() } else { named(scan, &view, &[], claim_ln) };
+    let of_group = |g: usize| move |scored: &&Scored| scored.item.what == What::Named(g);
+    let own = scored.iter().find(of_group(group)).map_or(f64::INFINITY, |scored| scored.ln_bf);
+    let mut confused: Vec<usize> = scored
+        .iter()
+        .filter(|scored| scored.ln_bf > own - CONFUSED_LN && scored.ln_bf > 0.0)
+        .filter_map(|scored| if let What::Named(g) = scored.item.what { Some(g) } else { None })
+        .collect();
+    confused.extend(imitators(scan, &view.null.here, item));
+    let mut seen = vec![group];
+    confused.retain(|g| {
+        let new = !seen.contains(g) && !kept(g);
+        seen.push(*g);
+        new
+    });
+    confused
+}
+
+/// Named effects of which one shape imitates what was fitted with an item.
+fn imitators(scan: &Scan<'_>, here: &Projected, item: &Item) -> Vec<usize> {
+    let signal = fitted(here, &turned(&item.columns)).cast::<Real>();
+    let on_basis = (here.weighted.tr_mul(&signal)).cast::<f64>();
+    let seen: DVector<Real> =
+        &here.sigma.inverse * &signal - &here.weighted * (&here.cofactor * on_basis).cast::<Real>();
+    let square: f64 = signal.iter().zip(seen.iter()).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
+    let products = scan.columns.tr_mul(&seen).cast::<f64>();
+    let mut first = 0;
+    let shares: Vec<f64> = here
+        .grams(&scan.columns, &scan.widths)
+        .into_iter()
+        .map(|gram| {
+            let on_signal = products.rows(first, gram.ncols()).into_owned();
+            first += gram.ncols();
+            if gram.is_empty() {
+                return 0.0;
+            }
+            let eigen = ((&gram + gram.transpose()) * 0.5).symmetric_eigen();
+            let along = eigen.eigenvectors.tr_mul(&on_signal);
+            let least = SEEN * eigen.eigenvalues.amax();
+            let pairs = eigen.eigenvalues.iter().zip(along.iter()).filter(|(lambda, _)| **lambda > least);
+            pairs.map(|(lambda, z)| z * z / lambda).sum::<f64>() / square
+        })
+        .collect();
+    let imitates = |g: &usize| scan.named[*g].parts.clone().any(|part| shares[part] > IMITATES);
+    (0..scan.named.len()).filter(imitates).collect()
+}

@@ -1,0 +1,98 @@
+//! The rows that a scan looks at: readings as they are, or means of neighbours where there are many.
+//!
+//! The matrices of a scan have a row for each reading, so their number is bounded. Points on the fly, and others that lie close together, are averaged with
+//! their neighbours of the same pass; points far apart are thinned. A mean hides what repeats within it: the answer judges the size of the residual on all points.
+
+use crate::Experiment;
+use crate::problem::sequence::in_order_taken;
+use crate::problem::taken::Taken;
+use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
+
+/// Readings that a scan looks at: a covariance of that size takes some 30 ms to invert.
+const MOST_ROWS: usize = 1200;
+/// Neighbours closer than this in every rotary axis may be averaged, rad.
+const CLOSE_RAD: f64 = 0.09;
+
+/// Points that stand for all.
+pub struct Rows<'a> {
+    /// One point for each group: the middle one.
+    pub points: Cow<'a, Experiment>,
+    /// Points of the whole experiment that each stands for; `None` where each stands for itself.
+    groups: Option<Vec<Vec<usize>>>,
+    /// Of the whole experiment.
+    all: &'a Experiment,
+}
+
+impl<'a> Rows<'a> {
+    pub fn new(all: &'a Experiment) -> Self {
+        let step = all.rows().div_ceil(MOST_ROWS);
+        if step < 2 {
+            return Self { points: Cow::Borrowed(all), groups: None, all };
+        }
+        let mut groups = stretches(all, step);
+        let middle = |group: &Vec<usize>| group[group.len() / 2];
+        groups.sort_by_key(middle);
+        let mut keep = vec![false; all.points.len()];
+        groups.iter().for_each(|group| keep[middle(group)] = true);
+        Self { points: Cow::Owned(all.kept(&keep)), groups: Some(groups), all }
+    }
+
+    /// All points.
+    pub fn whole(&self) -> &'a Experiment {
+        self.all
+    }
+
+    /// The points of each row group.
+    pub fn points_of(&self, node: usize) -> Vec<usize> {
+        self.groups.as_ref().map_or_else(|| vec![node], |groups| groups[node].clone())
+    }
+
+    /// Columns (rows of all readings × columns) on these rows.
+    pub fn of(&self, columns: DMatrix<f64>) -> DMatrix<f64> {
+        let Some(groups) = &self.groups else { return columns };
+        let mut reduced = DMatrix::zeros(self.points.rows(), columns.ncols());
+        for (node, group) in groups.iter().enumerate() {
+            let share = 1.0 / group.len() as f64;
+            for &point in group {
+                for (to, from) in self.points.rows_of(node).zip(self.all.rows_of(point)) {
+                    for j in 0..columns.ncols() {
+                        reduced[(to, j)] += share * columns[(from, j)];
+                    }
+                }
+            }
+        }
+        reduced
+    }
+
+    /// The same of one column.
+    pub fn of_vector(&self, column: DVector<f64>) -> DVector<f64> {
+        let rows = column.len();
+        DVector::from_column_slice(self.of(DMatrix::from_column_slice(rows, 1, column.as_slice())).as_slice())
+    }
+}
+
+/// Stretches of up to `step` neighbours of one pass that read alike.
+fn stretches(all: &Experiment, step: usize) -> Vec<Vec<usize>> {
+    let taken = Taken::new(all);
+    let sequence = in_order_taken(all);
+    let close = |i: usize, j: usize| {
+        let position = |i: usize| &all.points[i].state.position;
+        let letters = all.machine().rotary();
+        letters.iter().all(|axis| (position(i)[axis.letter] - position(j)[axis.letter]).abs() < CLOSE_RAD)
+    };
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let mut since = 0;
+    for (k, &i) in sequence.iter().enumerate() {
+        let alike = |j: usize| taken.pass[i] == taken.pass[j] && all.rows_of(i).len() == all.rows_of(j).len();
+        let neighbour = k > 0 && alike(sequence[k - 1]);
+        since = if neighbour && since + 1 < step { since + 1 } else { 0 };
+        match groups.last_mut() {
+            Some(group) if since > 0 && close(i, sequence[k - 1]) => group.push(i),
+            // Far from its neighbour: thinned.
+            Some(_) if since > 0 => {}
+            _ => groups.push(vec![i]),
+        }
+    }
+    groups
+}

@@ -1,0 +1,332 @@
+//! What machines do beside what they are asked: the kernels of the noise, as data.
+//!
+//! Each has a frame (in what it acts), pairs of points that it moves alike, and what is expected of its size. A free correlation time
+//! or length is a mixture of a few fixed ones with free sizes: every unknown is then a logarithm of a size. The expected sizes say
+//! "about a seventh to a quarter of the white noise, perhaps eight times as much" (σ of the logarithm 1.2): they matter where a run has few degrees of
+//! freedom, such as two passes.
+
+use super::Real;
+use crate::Experiment;
+use crate::noise::machine_noise::{ground_joint, unit_columns};
+use crate::problem::taken::Taken;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+use trunnion_core::{AxisValues, Joint};
+use trunnion_instruments::Projector;
+use trunnion_machine::Site;
+
+/// σ of ln ρ.
+const SPREAD_LN: f64 = 1.2;
+/// The same of angles at which axes stop: maker's data say more of them.
+const SPREAD_OF_ANGLES_LN: f64 = 1.0;
+/// Correlation times of drift, as shares of the span from four points to the whole run, in logarithms: nothing shorter or
+/// longer can be told from white noise or from a constant.
+const DRIFT_OF_READINGS: [f64; 3] = [0.0, 0.5, 1.0];
+const DRIFT_OF_MACHINE: [f64; 2] = [0.3, 0.9];
+const SHORTEST_DRIFT_POINTS: f64 = 4.0;
+/// Poses that come back at least this often on average make a pattern without any smoothness visible.
+const REPEATED: f64 = 1.25;
+/// A rotary axis that covers this much is taken as closed, rad.
+const CLOSED_RAD: f64 = 5.2;
+/// Kernels of one frame whose pairs are this much alike are one.
+const SAME: f64 = 0.999;
+
+/// All kernels on the points of one experiment.
+pub(crate) struct Kernels {
+    pub list: Vec<Kernel>,
+    pub frames: Vec<Frame>,
+    pub points: usize,
+    pub point_of_row: Vec<usize>,
+    pub rows_of_point: Vec<Range<usize>>,
+}
+
+/// One kernel.
+pub(crate) struct Kernel {
+    pub part: Part,
+    pub frame: usize,
+    pub over: Over,
+    /// ln m.
+    pub mean_ln: f64,
+    spread_ln: f64,
+}
+
+impl Kernel {
+    /// Of the prior.
+    pub fn precision(&self) -> f64 {
+        self.spread_ln.powi(-2)
+    }
+}
+
+/// What a kernel is, in kinds that a person tells apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// Offsets from pass to pass, and of mountings.
+    Pass,
+    /// Scatter when an axis is positioned again.
+    Station,
+    /// Slow wandering.
+    Drift,
+    /// A pattern over the poses that comes back.
+    Pattern,
+}
+
+/// Points that a kernel moves alike.
+pub(crate) enum Over {
+    /// Point × point.
+    Pairs(DMatrix<Real>),
+    /// Every point by itself.
+    Own,
+}
+
+/// In what a kernel acts.
+pub(crate) struct Frame {
+    /// Row × direction; mean square 1 over the rows.
+    lever: DMatrix<Real>,
+    /// lever · leverᵀ.
+    pub gram: DMatrix<Real>,
+}
+
+impl Kernels {
+    /// `root`: roots of the weights of the rows; the white part stays 1, the others follow the rows.
+    pub fn new(experiment: &Experiment, root: &DVector<f64>) -> Self {
+        let points = experiment.points.len();
+        let rows_of_point: Vec<Range<usize>> = (0..points).map(|i| experiment.rows_of(i)).collect();
+        let point_of_row =
+            rows_of_point.iter().enumerate().flat_map(|(i, rows)| rows.clone().map(move |_| i)).collect();
+        let mut kernels = Self { list: Vec::new(), frames: Vec::new(), points, point_of_row, rows_of_point };
+        let taken = Taken::new(experiment);
+        let mut readings = In::frame(&mut kernels, of_readings(experiment), root);
+        readings.add(Part::Pass, alike(&taken.pass), 0.25, SPREAD_LN);
+        readings.add(Part::Pass, alike(&taken.heading), 0.25, SPREAD_LN);
+        readings.add(Part::Pass, alike(&taken.visit), 0.25, SPREAD_LN);
+        readings.add(Part::Station, alike(&taken.station), 0.12, SPREAD_LN);
+        for tau in taken.times(DRIFT_OF_READINGS, SHORTEST_DRIFT_POINTS) {
+            readings.add(Part::Drift, taken.drift(tau), 0.15, SPREAD_LN);
+        }
+        let axes = Axes::new(experiment, &taken);
+        if f64::from(count(&taken.pose)) * REPEATED < points as f64 && !axes.turning.is_empty() {
+            readings.add(Part::Pattern, alike(&taken.pose), 0.1, SPREAD_LN);
+        }
+        for (mean, lengths) in axes.lengths_of_readings() {
+            readings.add(Part::Pattern, axes.field(&lengths), mean, SPREAD_LN);
+        }
+        if axes.turning.is_empty() {
+            return kernels;
+        }
+        let mut machine = In::frame(&mut kernels, of_machine(experiment), root);
+        for tau in taken.times(DRIFT_OF_MACHINE, SHORTEST_DRIFT_POINTS) {
+            machine.add(Part::Drift, taken.drift(tau), 0.1, SPREAD_LN);
+        }
+        for (mean, lengths) in axes.lengths_of_machine() {
+            machine.add(Part::Pattern, axes.field(&lengths), mean, SPREAD_LN);
+        }
+        if let Some(slow) = taken.slow {
+            In::frame(&mut kernels, of_axis(experiment, slow), root).add(
+                Part::Station,
+                alike(&taken.station),
+                0.2,
+                SPREAD_OF_ANGLES_LN,
+            );
+        }
+        if let Some(fast) = taken.fast {
+            In::frame(&mut kernels, of_axis(experiment, fast), root).own(Part::Station, 0.2);
+        }
+        kernels
+    }
+
+    /// Σ over the rows of each pair of points of `matrix` ∘ gram.
+    pub fn contracted(&self, frame: &Frame, matrix: &DMatrix<Real>) -> DMatrix<Real> {
+        let (rows, points) = (matrix.nrows(), self.points);
+        let mut sums = DMatrix::zeros(points, points);
+        for column in 0..rows {
+            let of_point = self.point_of_row[column] * points;
+            let target = &mut sums.as_mut_slice()[of_point..of_point + points];
+            let a = &matrix.as_slice()[column * rows..(column + 1) * rows];
+            let b = &frame.gram.as_slice()[column * rows..(column + 1) * rows];
+            for ((a, b), &point) in a.iter().zip(b).zip(&self.point_of_row) {
+                target[point] += a * b;
+            }
+        }
+        sums
+    }
+
+    /// Sums over the rows of each point of lever ∘ v: point × direction.
+    pub fn folded(&self, frame: &Frame, v: &DVector<Real>) -> DMatrix<Real> {
+        let mut sums = DMatrix::zeros(self.points, frame.lever.ncols());
+        for (row, &point) in self.point_of_row.iter().enumerate() {
+            for k in 0..frame.lever.ncols() {
+                sums[(point, k)] += frame.lever[(row, k)] * v[row];
+            }
+        }
+        sums
+    }
+
+    /// Back to rows: lever · values of the row's point.
+    pub fn unfolded(&self, frame: &Frame, values: &DMatrix<Real>) -> DVector<Real> {
+        let of_row = |(row, &point): (usize, &usize)| {
+            (0..frame.lever.ncols()).map(|k| frame.lever[(row, k)] * values[(point, k)]).sum::<Real>()
+        };
+        DVector::from_iterator(self.point_of_row.len(), self.point_of_row.iter().enumerate().map(of_row))
+    }
+
+    /// ln of what is expected of every size.
+    pub fn means(&self) -> impl Iterator<Item = f64> + '_ {
+        self.list.iter().map(|kernel| kernel.mean_ln)
+    }
+}
+
+/// A frame on the way to its kernels.
+struct In<'a> {
+    kernels: &'a mut Kernels,
+    frame: Option<usize>,
+}
+
+impl<'a> In<'a> {
+    /// No kernel is added where the frame moves no reading.
+    fn frame(kernels: &'a mut Kernels, mut lever: DMatrix<f64>, root: &DVector<f64>) -> Self {
+        lever.column_iter_mut().for_each(|mut column| column.component_mul_assign(root));
+        let size = lever.norm() / (lever.nrows() as f64).sqrt();
+        if size < 1e-9 {
+            return Self { kernels, frame: None };
+        }
+        let lever = (lever / size).cast::<Real>();
+        let gram = &lever * lever.transpose();
+        kernels.frames.push(Frame { lever, gram });
+        let frame = Some(kernels.frames.len() - 1);
+        Self { kernels, frame }
+    }
+
+    fn add(&mut self, part: Part, pairs: DMatrix<Real>, mean: f64, spread_ln: f64) {
+        let Some(frame) = self.frame else { return };
+        let norm = pairs.norm();
+        let like = |kernel: &Kernel| match &kernel.over {
+            Over::Pairs(other) => {
+                kernel.frame == frame && pairs.dot(other) > SAME as Real * norm * other.norm()
+            }
+            Over::Own => false,
+        };
+        // One group of all points is the mounting, which the model has; one for every point is white.
+        let points = pairs.nrows() as Real;
+        if norm > SAME as Real * points || norm < 1.001 * points.sqrt() || self.kernels.list.iter().any(like)
+        {
+            return;
+        }
+        self.kernels.list.push(Kernel {
+            part,
+            frame,
+            over: Over::Pairs(pairs),
+            mean_ln: mean.ln(),
+            spread_ln,
+        });
+    }
+
+    fn own(&mut self, part: Part, mean: f64) {
+        let Some(frame) = self.frame else { return };
+        let spread_ln = SPREAD_OF_ANGLES_LN;
+        self.kernels.list.push(Kernel { part, frame, over: Over::Own, mean_ln: mean.ln(), spread_ln });
+    }
+}
+
+/// 1 for two points of one group.
+fn alike(group: &[usize]) -> DMatrix<Real> {
+    DMatrix::from_fn(group.len(), group.len(), |i, j| if group[i] == group[j] { 1.0 } else { 0.0 })
+}
+
+fn count(groups: &[usize]) -> u32 {
+    groups.iter().max().map_or(0, |most| *most as u32 + 1)
+}
+
+/// Each component of a reading by itself, alike in all instruments that read it.
+fn of_readings(experiment: &Experiment) -> DMatrix<f64> {
+    let names: Vec<&str> = experiment
+        .points
+        .iter()
+        .enumerate()
+        .flat_map(|(i, point)| {
+            let components = experiment.scene.setups[point.state.setup].components;
+            components.iter().copied().take(experiment.rows_of(i).len())
+        })
+        .collect();
+    let mut distinct: Vec<&str> = names.clone();
+    distinct.sort_unstable();
+    distinct.dedup();
+    DMatrix::from_fn(names.len(), distinct.len(), |row, k| f64::from(names[row] == distinct[k]))
+}
+
+/// Displacement of the tool against the table along the axes of the machine.
+fn of_machine(experiment: &Experiment) -> DMatrix<f64> {
+    let (ground, _) = ground_joint(experiment.machine(), &AxisValues::default());
+    DMatrix::from_columns(&[0, 1, 2].map(|k| unit_columns(experiment, ground, k)))
+}
+
+/// The angle at which an axis stops.
+fn of_axis(experiment: &Experiment, letter: Joint) -> DMatrix<f64> {
+    let mut lever = DMatrix::zeros(experiment.rows(), 1);
+    let Some(axis) = experiment.machine().axis(letter) else { return lever };
+    for (i, point) in experiment.points.iter().enumerate() {
+        let setup = &experiment.setups[point.state.setup];
+        let projector = Projector::new(experiment.machine(), setup, &point.state);
+        let seen = projector.column(Site::Joint(letter), &axis.positioning_twist());
+        for (k, row) in experiment.rows_of(i).enumerate() {
+            lever[(row, 0)] = seen[k];
+        }
+    }
+    lever
+}
+
+/// The rotary axes over which a pattern may repeat. On linear axes a smooth pattern is a component error, which has a name.
+struct Axes {
+    /// Positions of each point, rad, and whether the axis closes; slow axis first.
+    turning: Vec<(Vec<f64>, bool)>,
+}
+
+impl Axes {
+    fn new(experiment: &Experiment, taken: &Taken) -> Self {
+        let positions = |letter: Joint| {
+            let of_points: Vec<f64> =
+                experiment.points.iter().map(|point| point.state.position[letter]).collect();
+            let (low, high) = experiment.scene.position_range[letter];
+            (of_points, high - low > CLOSED_RAD)
+        };
+        Self { turning: [taken.slow, taken.fast].into_iter().flatten().map(positions).collect() }
+    }
+
+    /// exp(−½ Σ (d/ℓ)²); d a chord on an axis that closes; no length: alike along that axis.
+    fn field(&self, lengths: &[Option<f64>]) -> DMatrix<Real> {
+        let points = self.turning.first().map_or(0, |(positions, _)| positions.len());
+        DMatrix::from_fn(points, points, |i, j| {
+            let of_axis = |((positions, closes), length): (&(Vec<f64>, bool), &Option<f64>)| {
+                let Some(length) = length else { return 0.0 };
+                let turn = positions[i] - positions[j];
+                let distance = if *closes { 2.0 * (0.5 * turn).sin() } else { turn };
+                (distance / length).powi(2)
+            };
+            (-0.5 * self.turning.iter().zip(lengths).map(of_axis).sum::<f64>()).exp() as Real
+        })
+    }
+
+    /// Mean sizes and lengths (rad, for the slow and the fast axis): round, long along one axis, of one axis alone.
+    fn lengths_of_readings(&self) -> Vec<(f64, Vec<Option<f64>>)> {
+        match self.turning.len() {
+            0 => Vec::new(),
+            1 => [0.35, 0.7, 1.4].map(|length| (0.12, vec![Some(length)])).into(),
+            _ => [
+                (0.12, Some(0.45), Some(0.45)),
+                (0.12, Some(1.1), Some(1.1)),
+                (0.1, Some(0.35), Some(1.4)),
+                (0.1, Some(1.4), Some(0.35)),
+                (0.1, None, Some(0.7)),
+            ]
+            .map(|(mean, slow, fast)| (mean, vec![slow, fast]))
+            .into(),
+        }
+    }
+
+    fn lengths_of_machine(&self) -> Vec<(f64, Vec<Option<f64>>)> {
+        match self.turning.len() {
+            0 => Vec::new(),
+            1 => vec![(0.1, vec![Some(0.7)])],
+            _ => vec![(0.1, vec![Some(0.8), Some(0.8)]), (0.1, vec![Some(0.7), None])],
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Posterior mode of the sizes of the noise (restricted maximum likelihood with a prior), by Newton steps with the average information.
+//!
+//! L(x) = −½ (ln|Σ| + ln|XᵀΣ⁻¹X| + yᵀPy) + ln p(ρ),   x = (ln s, ln ρ_k)
+//! ∂L/∂ln ρ_k = s²ρ_k² (yᵀP K_k P y − tr P K_k) + prior,   ∂L/∂ln s = yᵀPy − ν
+//! H_kl = ½ w_kᵀ P w_l + precision of the prior,   w_k = 2 s²ρ_k² K_k P y,   w_s = 2y
+//! ln p(y | model) = L(x̂) − ½ ln|H(x̂)| + const                              [Gilmour 1995]
+
+use super::Real;
+use super::kernels::{Frame, Kernels, Over};
+use super::sigma::{Projected, Sigma};
+use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
+
+/// Longest step in any logarithm: a factor of 4.5 in size.
+const LONGEST_STEP: f64 = 1.5;
+/// What a step that does not raise the posterior is multiplied by, and how often.
+const SHORTER: f64 = 0.35;
+const MOST_SHORTER: usize = 5;
+/// A step that loses less than this is accepted: rounding of the posterior in single precision.
+const ROUNDING_LN: f64 = 1e-2;
+/// Added to the information: ln s alone has no prior.
+const RIDGE: f64 = 1e-6;
+
+/// Readings and what is known of them.
+pub(crate) struct Readings<'a> {
+    pub kernels: &'a Kernels,
+    pub y: &'a DVector<Real>,
+    /// Multiple of the white variance of every row.
+    pub white: &'a DVector<f64>,
+}
+
+/// How long to look.
+#[derive(Clone, Copy)]
+pub(crate) struct Effort {
+    pub steps: usize,
+    /// Expected gain of a step below which it is not made, ln.
+    pub gain_ln: f64,
+}
+
+impl Effort {
+    /// From the prior's mean.
+    pub const FULL: Self = Self { steps: 12, gain_ln: 0.1 };
+    /// From a mode nearby.
+    pub const AGAIN: Self = Self { steps: 5, gain_ln: 0.25 };
+}
+
+/// The mode for one set of columns.
+#[derive(Clone)]
+pub(crate) struct Mode {
+    pub here: Projected,
+    /// L(x̂).
+    pub posterior: f64,
+    /// ln|H(x̂)|.
+    pub log_information: f64,
+}
+
+impl Mode {
+    /// ln p(y | columns), but for a constant.
+    pub fn evidence(&self) -> f64 {
+        self.posterior - 0.5 * self.log_information
+    }
+
+    pub fn x(&self) -> &[f64] {
+        &self.here.sigma.x
+    }
+
+    /// White standard deviation s.
+    pub fn white(&self) -> f64 {
+        self.x()[0].exp()
+    }
+}
+
+impl Readings<'_> {
+    pub fn sigma(&self, x: &[f64]) -> Option<Arc<Sigma>> {
+        Sigma::new(self.kernels, x, self.white).map(Arc::new)
+    }
+
+    /// L of columns at a Σ.
+    pub fn posterior(&self, here: &Projected) -> f64 {
+        let prior = self.kernels.list.iter().zip(&here.sigma.x[1..]);
+        let off: f64 = prior.map(|(kernel, x)| kernel.precision() * (x - kernel.mean_ln).powi(2)).sum();
+        here.likelihood - 0.5 * off
+    }
+
+    /// Climbs from `start` to the mode; `basis`: orthonormal columns X. `None` where no Σ can be formed.
+    pub fn learn(&self, basis: &DMatrix<Real>, start: Arc<Sigma>, effort: Effort) -> Option<Mode> {
+        let mut here = Projected::new(start, self.y, basis)?;
+        let mut posterior = self.posterior(&here);
+        let (mut gradient, mut information) = self.slope(&here, basis.ncols());
+        for _ in 0..effort.steps {
+            let Some(factor) = information.clone().cholesky() else { break };
+            let mut step = factor.solve(&gradient);
+            if 0.5 * gradient.dot(&step) < effort.gain_ln {
+                break;
+            }
+            step *= (LONGEST_STEP / step.amax()).min(1.0);
+            let Some((next, reached)) = self.climb(&here, posterior, basis, step) else { break };
+            (here, posterior) = (next, reached);
+            (gradient, information) = self.slope(&here, basis.ncols());
+        }
+        let log_information = information
+            .cholesky()
+            .map_or(f64::INFINITY, |f| f.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum());
+        Some(Mode { here, posterior, log_information })
+    }
+
+    fn climb(
+        &self,
+        here: &Projected,
+        posterior: f64,
+        basis: &DMatrix<Real>,
+        mut step: DVector<f64>,
+    ) -> Option<(Projected, f64)> {
+        for _ in 0..MOST_SHORTER {
+            let x: Vec<f64> = here.sigma.x.iter().zip(step.iter()).map(|(x, s)| x + s).collect();
+            let next = self.sigma(&x).and_then(|sigma| Projected::new(sigma, self.y, basis));
+            if let Some(next) = next {
+                let reached = self.posterior(&next);
+                if reached > posterior - ROUNDING_LN {
+                    return Some((next, reached));
+                }
+            }
+            step *= SHORTER;
+        }
+        None
+    }
+
+    /// Gradient and average information at one place.
+    fn slope(&self, here: &Projected, columns: usize) -> (DVector<f64>, DMatrix<f64>) {
+        let (kernels, x) = (self.kernels, &here.sigma.x);
+        let precision = here.precision();
+        let rows = self.y.len();
+        let traces: Vec<DMatrix<Real>> =
+            kernels.frames.iter().map(|frame| kernels.contracted(frame, &precision)).collect();
+        let folded: Vec<DMatrix<Real>> =
+            kernels.frames.iter().map(|frame| kernels.folded(frame, &here.py)).collect();
+        let mut gradient = DVector::zeros(x.len());
+        gradient[0] = here.quadratic - (rows - columns) as f64;
+        let mut directions: DMatrix<Real> = DMatrix::zeros(rows, x.len());
+        directions.set_column(0, &(self.y * 2.0));
+        for (k, kernel) in kernels.list.iter().enumerate() {
+            let frame: &Frame = &kernels.frames[kernel.frame];
+            let variance = (2.0 * (x[0] + x[1 + k])).exp();
+            let (seen, trace) = match &kernel.over {
+                Over::Own => {
+                    let trace = traces[kernel.frame].diagonal().iter().map(|t| f64::from(*t)).sum::<f64>();
+                    (kernels.unfolded(frame, &folded[kernel.frame]), trace)
+                }
+                Over::Pairs(pairs) => {
+                    let seen = kernels.unfolded(frame, &(pairs * &folded[kernel.frame]));
+                    (seen, f64::from(pairs.dot(&traces[kernel.frame])))
+                }
+            };
+            let square: f64 =
+                seen.iter().zip(here.py.iter()).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
+            gradient[1 + k] = variance * (square - trace) - kernel.precision() * (x[1 + k] - kernel.mean_ln);
+            directions.set_column(1 + k, &(seen * (2.0 * variance) as Real));
+        }
+        let mut along = &precision * &directions;
+        // Σ P y stands as y where P follows.
+        along.set_column(0, &(&here.py * 2.0));
+        let products = directions.transpose() * along;
+        let mut information = products.cast::<f64>() * 0.5;
+        information = (&information + information.transpose()) * 0.5;
+        information[(0, 0)] += RIDGE;
+        for (k, kernel) in kernels.list.iter().enumerate() {
+            information[(1 + k, 1 + k)] += kernel.precision() + RIDGE;
+        }
+        (gradient, information)
+    }
+}

@@ -1,0 +1,128 @@
+//! The covariance at one choice of sizes, and what projections on it give.
+
+use super::Real;
+use super::dense;
+use super::kernels::{Kernels, Over};
+use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
+
+/// Above this sum of ρ² single precision no longer holds the factor: rounding grows with it, the white part stays 1.
+const SINGLE_PRECISION: f64 = 12.0;
+
+/// Σ⁻¹ and ln det Σ at x = (ln s, ln ρ_k).
+pub(crate) struct Sigma {
+    pub x: Vec<f64>,
+    pub inverse: DMatrix<Real>,
+    log_det: f64,
+}
+
+impl Sigma {
+    /// `white`: multiple of the white variance of every row. `None` where rounding makes Σ indefinite.
+    pub fn new(kernels: &Kernels, x: &[f64], white: &DVector<f64>) -> Option<Self> {
+        let rho_squared: Vec<f64> = x[1..].iter().map(|ln| (2.0 * ln).exp()).collect();
+        let relative = covariance(kernels, &rho_squared, white);
+        let (log_det, mut inverse) = if rho_squared.iter().sum::<f64>() < SINGLE_PRECISION {
+            dense::inverse(relative)?
+        } else {
+            let (log_det, inverse) = dense::inverse(relative.cast::<f64>())?;
+            (log_det, inverse.cast::<Real>())
+        };
+        let rows = inverse.nrows() as f64;
+        inverse *= (-2.0 * x[0]).exp() as Real;
+        Some(Self { x: x.to_vec(), inverse, log_det: log_det + 2.0 * rows * x[0] })
+    }
+}
+
+/// W + Σ_k ρ_k² K_k, lower triangle.
+fn covariance(kernels: &Kernels, rho_squared: &[f64], white: &DVector<f64>) -> DMatrix<Real> {
+    let (rows, points) = (kernels.point_of_row.len(), kernels.points);
+    let mut sums: Vec<Option<DMatrix<Real>>> = vec![None; kernels.frames.len()];
+    let mut own = vec![0.0; kernels.frames.len()];
+    for (kernel, rho) in kernels.list.iter().zip(rho_squared) {
+        match &kernel.over {
+            Over::Own => own[kernel.frame] += *rho as Real,
+            Over::Pairs(pairs) => {
+                let sum = sums[kernel.frame].get_or_insert_with(|| DMatrix::zeros(points, points));
+                let rho = *rho as Real;
+                for (a, b) in sum.as_mut_slice().iter_mut().zip(pairs.as_slice()) {
+                    *a += rho * b;
+                }
+            }
+        }
+    }
+    let mut sigma = DMatrix::zeros(rows, rows);
+    for column in 0..rows {
+        let point = kernels.point_of_row[column];
+        let target = &mut sigma.as_mut_slice()[column * rows + column..(column + 1) * rows];
+        for (frame, sum) in kernels.frames.iter().zip(&sums) {
+            let Some(sum) = sum else { continue };
+            let of_points = &sum.as_slice()[point * points..(point + 1) * points];
+            let gram = &frame.gram.as_slice()[column * rows + column..(column + 1) * rows];
+            for ((value, gram), &other) in target.iter_mut().zip(gram).zip(&kernels.point_of_row[column..]) {
+                *value += gram * of_points[other];
+            }
+        }
+        let last = kernels.rows_of_point[point].end;
+        for (frame, own) in kernels.frames.iter().zip(&own).filter(|(_, own)| **own > 0.0) {
+            for row in column..last {
+                target[row - column] += own * frame.gram[(row, column)];
+            }
+        }
+        target[0] += white[column] as Real;
+    }
+    sigma
+}
+
+/// Readings with columns X projected out, at one Σ.
+#[derive(Clone)]
+pub(crate) struct Projected {
+    pub sigma: Arc<Sigma>,
+    /// Σ⁻¹X.
+    pub weighted: DMatrix<Real>,
+    /// (XᵀΣ⁻¹X)⁻¹.
+    pub cofactor: DMatrix<f64>,
+    /// Py.
+    pub py: DVector<Real>,
+    /// yᵀPy.
+    pub quadratic: f64,
+    /// −½ (ln|Σ| + ln|XᵀΣ⁻¹X| + yᵀPy).
+    pub likelihood: f64,
+}
+
+impl Projected {
+    /// `basis`: orthonormal columns X.
+    pub fn new(sigma: Arc<Sigma>, y: &DVector<Real>, basis: &DMatrix<Real>) -> Option<Self> {
+        let weighted = &sigma.inverse * basis;
+        let gram = (basis.transpose() * &weighted).cast::<f64>();
+        let factor = ((&gram + gram.transpose()) * 0.5).cholesky()?;
+        let log_det: f64 = factor.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
+        let cofactor = factor.inverse();
+        let on_basis = weighted.tr_mul(y).cast::<f64>();
+        let py = &sigma.inverse * y - &weighted * (&cofactor * on_basis).cast::<Real>();
+        let quadratic = y.iter().zip(py.iter()).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>();
+        let likelihood = -0.5 * (sigma.log_det + log_det + quadratic);
+        Some(Self { sigma, weighted, cofactor, py, quadratic, likelihood })
+    }
+
+    /// P.
+    pub fn precision(&self) -> DMatrix<Real> {
+        let mut precision = self.sigma.inverse.clone();
+        let right = self.cofactor.map(|x| x as Real) * self.weighted.transpose();
+        precision.gemm(-1.0, &self.weighted, &right, 1.0);
+        precision
+    }
+
+    /// AᵀPA of several blocks of columns side by side (rows × columns), one Gram matrix for each width.
+    pub fn grams(&self, columns: &DMatrix<Real>, widths: &[usize]) -> Vec<DMatrix<f64>> {
+        let seen = &self.sigma.inverse * columns;
+        let on_basis = (self.weighted.transpose() * columns).cast::<f64>();
+        let mut first = 0;
+        let gram = |&width: &usize| {
+            let (a, b) = (columns.columns(first, width), seen.columns(first, width));
+            let shadow = on_basis.columns(first, width);
+            first += width;
+            a.tr_mul(&b).cast::<f64>() - shadow.transpose() * &self.cofactor * shadow
+        };
+        widths.iter().map(gram).collect()
+    }
+}

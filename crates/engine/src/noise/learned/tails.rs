@@ -1,0 +1,70 @@
+//! Weights of points where more of them lie outside than a normal law allows: Student's t, as learned from the white parts.
+//!
+//! The white part of a point is e = s² W P y. With u the mean square of its components over its median, the weight of the white
+//! variance is (ν + k u)/(ν + k).
+
+use super::Real;
+use super::mode::Mode;
+use crate::noise::outliers::median;
+use nalgebra::DVector;
+use std::ops::Range;
+
+/// Of χ²_k/k: median and the point beyond which 1 % of a normal law lies, for one and for three components.
+const MEDIAN: [f64; 2] = [0.455, 0.789];
+const RARE: [f64; 2] = [6.63, 3.78];
+/// Shares beyond the rare point at which tails are heavy, and very heavy.
+const HEAVY: f64 = 0.02;
+const VERY_HEAVY: f64 = 0.035;
+/// Single points beyond this times the rare point count as wild, those beyond the second multiple as worth nothing.
+const WILD: f64 = 3.2;
+const WORTHLESS: f64 = 8.0;
+/// White variance of a point that is worth nothing, as a multiple.
+pub(crate) const NOTHING: f64 = 1e4;
+
+/// Multiples of the white variance of every row; `None` where the tails are those of a normal law.
+pub(crate) fn weights(
+    mode: &Mode,
+    rows_of_point: &[Range<usize>],
+    now: &DVector<f64>,
+    used: &[bool],
+) -> Option<DVector<f64>> {
+    let white = mode.white().powi(2);
+    let part = |row: usize| f64::from(mode.here.py[row] as Real) * white * now[row];
+    let mean_square = |rows: &Range<usize>| {
+        rows.clone().map(|row| part(row).powi(2)).sum::<f64>() / rows.len().max(1) as f64
+    };
+    let squares: Vec<f64> = rows_of_point.iter().map(mean_square).collect();
+    let sort = |rows: &Range<usize>| usize::from(rows.len() > 1);
+    let of_sort = |sort_wanted: usize| {
+        let chosen = (0..squares.len()).filter(|&i| used[i] && sort(&rows_of_point[i]) == sort_wanted);
+        median(&chosen.map(|i| squares[i]).collect::<Vec<_>>()).max(1e-12)
+    };
+    let medians = [of_sort(0), of_sort(1)];
+    let relative: Vec<(f64, f64)> = (0..squares.len())
+        .map(|i| {
+            let k = sort(&rows_of_point[i]);
+            (MEDIAN[k] * squares[i] / medians[k], RARE[k])
+        })
+        .collect();
+    let taking_part: Vec<&(f64, f64)> =
+        relative.iter().zip(used).filter(|(_, used)| **used).map(|(r, _)| r).collect();
+    let beyond = |times: f64| {
+        taking_part.iter().filter(|(u, rare)| *u > times * rare).count() as f64
+            / taking_part.len().max(1) as f64
+    };
+    let far = beyond(1.0);
+    if far < HEAVY && beyond(WILD) == 0.0 {
+        return None;
+    }
+    let freedom = if far > VERY_HEAVY { 4.0 } else { 8.0 };
+    let least = if far > HEAVY { 0.6 } else { 1.0 };
+    let mut weights = now.clone();
+    for (i, rows) in rows_of_point.iter().enumerate() {
+        let (u, rare) = relative[i];
+        let components = rows.len() as f64;
+        let weight = (freedom + components * u) / (freedom + components);
+        let wild = !used[i] || u > WORTHLESS * rare;
+        weights.rows_mut(rows.start, rows.len()).fill(if wild { NOTHING } else { weight.max(least) });
+    }
+    Some(weights)
+}

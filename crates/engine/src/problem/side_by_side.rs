@@ -1,0 +1,160 @@
+//! The effects of a model placed side by side: names, columns, exact prediction.
+
+use crate::{Experiment, IdentifyError};
+use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
+use std::ops::Range;
+use trunnion_core::State;
+use trunnion_effects::{Instance, Model, ModelEffect, Parameter, Shapes};
+use trunnion_instruments::predict;
+use trunnion_machine::Errors;
+
+/// All effects of a model on one experiment.
+pub(crate) struct SideBySide {
+    pub effects: Vec<Placed>,
+    /// Parameters of all effects, side by side.
+    pub parameters: Vec<Parameter>,
+    /// Index of the effect of each parameter.
+    pub effect_of: Vec<usize>,
+    /// Value at which the model holds a parameter, inside units.
+    pub held: Vec<Option<f64>>,
+    /// What the model expects of parameters beforehand.
+    pub priors: Vec<Expected>,
+}
+
+/// A value expected beforehand, inside units.
+pub(crate) struct Expected {
+    pub parameter: usize,
+    pub value: f64,
+    pub u: f64,
+}
+
+/// One effect with its shape numbers.
+pub(crate) struct Placed {
+    pub id: String,
+    pub instance: Instance,
+    pub shapes: Shapes,
+    pub shape: Vec<f64>,
+    /// True when the model leaves the shape to the fit.
+    pub shape_is_free: bool,
+}
+
+impl SideBySide {
+    pub fn place(experiment: &Experiment, model: &Model) -> Result<Self, IdentifyError> {
+        let mut joint =
+            Self { effects: vec![], parameters: vec![], effect_of: vec![], held: vec![], priors: vec![] };
+        for entry in &model.effects {
+            if joint.effects.iter().any(|placed| placed.id == entry.id) {
+                return Err(IdentifyError::EffectTwice { effect: entry.id.clone() });
+            }
+            let placed = place(experiment, entry)?;
+            let parameters = placed.instance.parameters(&experiment.scene);
+            if parameters.is_empty() {
+                let why = placed.instance.out_of_reach(&experiment.scene);
+                let why = why.unwrap_or_else(|| "has no parameter here".into());
+                return Err(IdentifyError::OutOfReach { effect: entry.id.clone(), why });
+            }
+            for (name, prior) in &entry.prior {
+                let j = index(entry, &parameters, name)?;
+                let per_inside = parameters[j].unit.per_inside;
+                let (value, u) = (prior.value / per_inside, prior.u / per_inside);
+                joint.priors.push(Expected { parameter: joint.width() + j, value, u });
+            }
+            joint.held.extend(held(entry, &parameters)?);
+            joint.effect_of.extend(parameters.iter().map(|_| joint.effects.len()));
+            joint.parameters.extend(parameters);
+            joint.effects.push(placed);
+        }
+        Ok(joint)
+    }
+
+    pub fn width(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Columns that the data may determine.
+    pub fn free(&self) -> Vec<usize> {
+        (0..self.width()).filter(|&j| self.held[j].is_none()).collect()
+    }
+
+    /// All columns in the rows of `points`, mm per unit.
+    pub fn columns(&self, experiment: &Experiment, points: Range<usize>) -> DMatrix<f64> {
+        self.columns_at(experiment, &|i| Cow::Borrowed(&experiment.points[i].state), points)
+    }
+
+    /// The same with the points in other states.
+    pub fn columns_at<'s>(
+        &self,
+        experiment: &Experiment,
+        state_of: &dyn Fn(usize) -> Cow<'s, State>,
+        points: Range<usize>,
+    ) -> DMatrix<f64> {
+        let mut columns = DMatrix::zeros(experiment.rows_of_points(&points).len(), self.width());
+        let effects: Vec<(&Instance, &[f64])> =
+            self.effects.iter().map(|placed| (&placed.instance, placed.shape.as_slice())).collect();
+        experiment.add_columns_at(state_of, &effects, points, &mut columns);
+        columns
+    }
+
+    /// Exact reading of every point, mm: all effects at once through the full transforms.
+    pub fn predict_mm(&self, experiment: &Experiment, solution: &DVector<f64>) -> DVector<f64> {
+        let mut first = vec![0];
+        for placed in &self.effects {
+            first.push(first[first.len() - 1] + placed.instance.parameters(&experiment.scene).len());
+        }
+        let mut predicted = DVector::zeros(experiment.rows());
+        for (i, point) in experiment.points.iter().enumerate() {
+            let mut errors = Errors::default();
+            for (k, placed) in self.effects.iter().enumerate() {
+                placed.instance.motions(
+                    &experiment.scene,
+                    &placed.shape,
+                    &point.state,
+                    &mut |parameter, site, twist| {
+                        errors.add(site, twist * solution[first[k] + parameter]);
+                    },
+                );
+            }
+            let setup = &experiment.setups[point.state.setup];
+            let reading = predict(experiment.machine(), setup, &point.state, &errors);
+            for (component, row) in experiment.rows_of(i).enumerate() {
+                predicted[row] = reading[component];
+            }
+        }
+        predicted
+    }
+}
+
+fn place(experiment: &Experiment, entry: &ModelEffect) -> Result<Placed, IdentifyError> {
+    let instance = Instance::from_model_effect(entry, experiment.machine())?;
+    let shapes = instance.shapes(&experiment.scene);
+    if !entry.shape.is_empty() && entry.shape.len() != shapes.names.len() {
+        return Err(IdentifyError::WrongShape {
+            effect: entry.id.clone(),
+            expected: shapes.names.len(),
+            names: shapes.names.join(", "),
+            found: entry.shape.len(),
+        });
+    }
+    let shape_is_free = entry.shape.is_empty() && !shapes.names.is_empty();
+    let middle = shapes.grid.get(shapes.grid.len() / 2).cloned().unwrap_or_default();
+    let shape = if shape_is_free { middle } else { entry.shape.clone() };
+    Ok(Placed { id: entry.id.clone(), instance, shapes, shape, shape_is_free })
+}
+
+fn held(entry: &ModelEffect, parameters: &[Parameter]) -> Result<Vec<Option<f64>>, IdentifyError> {
+    let mut held = vec![None; parameters.len()];
+    for (name, value) in &entry.fixed {
+        let j = index(entry, parameters, name)?;
+        held[j] = Some(value / parameters[j].unit.per_inside);
+    }
+    Ok(held)
+}
+
+fn index(entry: &ModelEffect, parameters: &[Parameter], name: &str) -> Result<usize, IdentifyError> {
+    parameters.iter().position(|p| p.name == name).ok_or_else(|| IdentifyError::UnknownParameter {
+        effect: entry.id.clone(),
+        name: name.into(),
+        allowed: parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
+    })
+}

@@ -1,0 +1,106 @@
+//! How points were taken one after the other: passes, mountings, stops of the slow axis, times.
+//!
+//! A pass begins with another run or setup, where a pose of the present one comes back, and after a pause. This is the order of
+//! things on the machine; [`crate::problem::passes`] groups by state (run × setup × directions × feed).
+
+use crate::Experiment;
+use crate::noise::learned::Real;
+use crate::noise::machine_noise::Order;
+use crate::problem::passes::{passes, pose_key};
+use crate::problem::sequence::{in_order_taken, run_and_time};
+use nalgebra::DMatrix;
+use std::collections::{HashMap, HashSet};
+use trunnion_core::Joint;
+
+/// A wait this many times longer than usual is a pause: somebody or something came between.
+const PAUSE: f64 = 4.0;
+
+/// Groups and times of each point, by its number in the experiment.
+pub(crate) struct Taken {
+    pub pass: Vec<usize>,
+    /// Run × setup × directions.
+    pub heading: Vec<usize>,
+    pub visit: Vec<usize>,
+    pub station: Vec<usize>,
+    /// Position of the rotary axes.
+    pub pose: Vec<usize>,
+    /// The rotary axes that move least and most often.
+    pub slow: Option<Joint>,
+    pub fast: Option<Joint>,
+    run_and_time: Vec<(usize, f64)>,
+    usual_step: f64,
+    longest_run: f64,
+}
+
+impl Taken {
+    pub fn new(experiment: &Experiment) -> Self {
+        let points = experiment.points.len();
+        let sequence = in_order_taken(experiment);
+        let run_and_time: Vec<(usize, f64)> = (0..points).map(|i| run_and_time(experiment, i)).collect();
+        let step = |pair: &[usize]| {
+            let ((run, from), (next, to)) = (run_and_time[pair[0]], run_and_time[pair[1]]);
+            (run == next).then_some(to - from)
+        };
+        let mut steps: Vec<f64> = sequence.windows(2).filter_map(step).collect();
+        steps.sort_by(f64::total_cmp);
+        let usual_step = steps.get(steps.len() / 2).copied().unwrap_or(1.0).max(1e-9);
+        let order = Order::new(experiment);
+        let stations = order.stations();
+        let (mut pass, mut visit, mut station) = (vec![0; points], vec![0; points], vec![0; points]);
+        let mut seen = HashSet::new();
+        for (k, &i) in sequence.iter().enumerate() {
+            let key = pose_key(&experiment.points[i].state.position);
+            if k > 0 {
+                let last = sequence[k - 1];
+                let new_run = run_and_time[last].0 != run_and_time[i].0;
+                let setup = |i: usize| experiment.points[i].state.setup;
+                let new_visit = new_run || setup(last) != setup(i);
+                let paused = run_and_time[i].1 - run_and_time[last].1 > PAUSE * usual_step;
+                let new_pass = new_visit || paused || seen.contains(&key);
+                visit[i] = visit[last] + usize::from(new_visit);
+                pass[i] = pass[last] + usize::from(new_pass);
+                station[i] = station[last] + usize::from(new_pass || stations[i] != stations[last]);
+                if new_pass {
+                    seen.clear();
+                }
+            }
+            seen.insert(key);
+        }
+        let mut poses = HashMap::new();
+        let rotary: Vec<Joint> = experiment.machine().rotary().iter().map(|axis| axis.letter).collect();
+        let pose = |i: usize| {
+            let position = &experiment.points[i].state.position;
+            let key: Vec<i64> = rotary.iter().map(|l| (position[*l] * 1e6).round() as i64).collect();
+            let next = poses.len();
+            *poses.entry(key).or_insert(next)
+        };
+        let pose: Vec<usize> = (0..points).map(pose).collect();
+        let mut ends: HashMap<usize, (f64, f64)> = HashMap::new();
+        for (run, time) in &run_and_time {
+            let end = ends.entry(*run).or_insert((*time, *time));
+            *end = (end.0.min(*time), end.1.max(*time));
+        }
+        let longest_run = ends.values().fold(0.0, |most, (from, to)| f64::max(most, to - from));
+        let heading = passes(experiment).pass;
+        let (slow, fast) = (order.slow, order.fast);
+        Self { pass, heading, visit, station, pose, slow, fast, run_and_time, usual_step, longest_run }
+    }
+
+    /// Times at these shares of the way from `shortest` usual steps to the longest run, in logarithms.
+    pub fn times<const N: usize>(&self, shares: [f64; N], shortest: f64) -> Vec<f64> {
+        let (from, to) = (shortest * self.usual_step, self.longest_run);
+        if to < 2.0 * from {
+            return Vec::new();
+        }
+        shares.iter().map(|share| from * (to / from).powf(*share)).collect()
+    }
+
+    /// exp(−Δt/τ) within a run, 0 between runs.
+    pub fn drift(&self, tau: f64) -> DMatrix<Real> {
+        let points = self.run_and_time.len();
+        DMatrix::from_fn(points, points, |i, j| {
+            let ((run, from), (other, to)) = (self.run_and_time[i], self.run_and_time[j]);
+            if run == other { (-(from - to).abs() / tau).exp() as Real } else { 0.0 }
+        })
+    }
+}

@@ -1,0 +1,39 @@
+//! One file per instrument, one line here.
+
+mod ball_bar;
+mod ball_plate;
+mod diagonal;
+mod laser_ball_bar;
+mod machined_surface;
+mod passive_arm;
+mod r_test;
+mod step_diagonal;
+mod touch_probe;
+mod touch_probe_face;
+mod tracker;
+
+use crate::Instrument;
+use trunnion_core::InstrumentKind;
+
+/// Every instrument.
+pub const REGISTRY: [Instrument; 11] = [
+    r_test::INSTRUMENT,
+    ball_bar::INSTRUMENT,
+    tracker::INSTRUMENT,
+    laser_ball_bar::INSTRUMENT,
+    passive_arm::INSTRUMENT,
+    diagonal::INSTRUMENT,
+    step_diagonal::INSTRUMENT,
+    ball_plate::INSTRUMENT,
+    touch_probe::INSTRUMENT,
+    touch_probe_face::INSTRUMENT,
+    machined_surface::INSTRUMENT,
+];
+
+/// The instrument of a setup.
+pub fn instrument(kind: InstrumentKind) -> &'static Instrument {
+    const { &REGISTRY }
+        .iter()
+        .find(|instrument| instrument.kind == kind)
+        .expect("every kind is registered (tested)")
+}

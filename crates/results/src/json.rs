@@ -1,0 +1,9 @@
+//! Answers as text.
+
+/// JSON as the program writes it: indented, with a final newline.
+///
+/// # Errors
+/// A value that JSON cannot hold; the types of this crate are none.
+pub fn to_json(answer: &impl serde::Serialize) -> Result<String, serde_json::Error> {
+    serde_json::to_string_pretty(answer).map(|text| text + "\n")
+}

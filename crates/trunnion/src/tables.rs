@@ -1,0 +1,91 @@
+//! Tables in and out: points measured elsewhere become a recording, a recording becomes a table.
+
+use crate::experiment::read;
+use crate::{Error, files};
+use std::path::Path;
+use trunnion_core::setup::parse_setup_file;
+use trunnion_core::{AxisSample, Point};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_record::{Item, RunHeader, RunWriter, points_csv};
+
+/// Reads a points file with its setup file and writes the recording `output`, which gives the run its name; gives the run
+/// without its points, and their number. The recording is begun with the first row, and thrown away when a later one is wrong.
+///
+/// # Errors
+/// Every problem of both files at once; a recording that cannot be written.
+pub fn import(kind: RunKind, points: &Path, setup: &Path, output: &Path) -> Result<(Run, u64), Error> {
+    let (setup_text, points_text) = (files::read(setup)?, files::read(points)?);
+    let (points_file, setup_file) = (points.display().to_string(), setup.display().to_string());
+    let name = output.file_stem().map_or_else(|| "run".into(), |stem| stem.to_string_lossy());
+    let not_written = |source| Error::NotRecorded { path: output.into(), source: Box::new(source) };
+    let begin = |run: &Run| -> Result<RunWriter, Error> {
+        let machine = parse_setup_file(&setup_file, &setup_text)?.machine;
+        let header = RunHeader::of_run(run, &files::machine_text(&machine)?, env!("CARGO_PKG_VERSION"), 0);
+        RunWriter::create(output, &header).map_err(not_written)
+    };
+    let (mut writer, mut count) = (None, 0_u64);
+    let mut on_row = |run: &Run, point: Point, actual: Option<AxisSample>| {
+        if let Ok(writer) = writer.get_or_insert_with(|| begin(run)) {
+            writer.point(point);
+            actual.into_iter().for_each(|actual| writer.axes(actual));
+        }
+        count += 1;
+    };
+    let read = points_csv::visit_files(
+        kind,
+        &name,
+        (&points_file, &points_text),
+        (&setup_file, &setup_text),
+        &|machine| files::machine(machine).ok(),
+        &mut on_row,
+    );
+    match (read, writer) {
+        (Ok(run), Some(writer)) => writer?.finish().map(|_| (run, count)).map_err(not_written),
+        (Ok(run), None) => Ok((run, count)),
+        (Err(problems), writer) => {
+            if let Some(Ok(writer)) = writer {
+                writer.discard().map_err(not_written)?;
+            }
+            Err(problems.into())
+        }
+    }
+}
+
+/// The points of a recording as a table, on the fly with what the encoders read; and what is wrong with the file.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn export_csv(path: &Path) -> Result<(String, Option<String>), Error> {
+    let recording = read(path, None)?;
+    let mut axes = Vec::new();
+    if recording.run.kind == RunKind::OnTheFly {
+        trunnion_record::visit(path, &mut |item| {
+            if let Item::Axes(sample) = item {
+                axes.push(sample);
+            }
+            true
+        })
+        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
+    }
+    let damage = recording.damage.map(|damage| format!("{}: {damage}", path.display()));
+    Ok((trunnion_record::export::points_csv_with_axes(&recording.run, &axes), damage))
+}
+
+/// Writes a run whole as a recording, with the texts of its machine and cycle and the positions of its axes, where they are
+/// known.
+///
+/// # Errors
+/// A recording that cannot be written.
+pub fn record(
+    path: &Path,
+    run: &Run,
+    machine_text: &str,
+    cycle_text: &str,
+    axes: &[AxisSample],
+) -> Result<(), Error> {
+    let mut header = RunHeader::of_run(run, machine_text, env!("CARGO_PKG_VERSION"), 0);
+    header.cycle_text = cycle_text.into();
+    trunnion_record::write_run_with_axes(path, &header, run, axes)
+        .map(drop)
+        .map_err(|source| Error::NotRecorded { path: path.into(), source: Box::new(source) })
+}
