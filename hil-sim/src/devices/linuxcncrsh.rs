@@ -8,7 +8,7 @@ use super::faults::{Fault, FaultSource, ScheduledFault, damage};
 use super::handle::{Address, DeviceError, FAULT_QUEUE, Handle};
 use super::world::World;
 use std::net::{Ipv4Addr, SocketAddr};
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
@@ -37,6 +37,9 @@ pub struct ServerConfig {
     pub joints: Vec<Joint>,
     /// Positions are renewed so often, s.
     pub cycle_s: f64,
+    /// Every so many answers to positions is cut to two joints, as the real one does when two connections ask at once;
+    /// 0 for none.
+    pub mixed_every: u64,
 }
 
 impl Default for ServerConfig {
@@ -48,6 +51,7 @@ impl Default for ServerConfig {
             password: "EMC".into(),
             joints: vec![X, Y, Z, B, C],
             cycle_s: 0.01,
+            mixed_every: 0,
         }
     }
 }
@@ -75,7 +79,13 @@ pub async fn spawn(
     let (commands, commanded) = mpsc::channel(FAULT_QUEUE);
     let faults = FaultSource::new(origin, faults, commanded);
     let stop = CancellationToken::new();
-    let server = Arc::new(Server { world, config, origin, ills: Mutex::default() });
+    let server = Arc::new(Server {
+        world,
+        config,
+        origin,
+        ills: Mutex::default(),
+        positions_answered: AtomicU64::default(),
+    });
     let task = tokio::spawn(run(server, listener, address, faults, stop.clone()));
     let lost_bytes = Arc::new(AtomicU64::new(0));
     Ok(Handle::new(Address::Tcp(address), (commands, can_have), lost_bytes, stop, task))
@@ -91,6 +101,7 @@ struct Server {
     config: ServerConfig,
     origin: TimeOrigin,
     ills: Mutex<Ills>,
+    positions_answered: AtomicU64,
 }
 
 /// Faults under way; times of the cell, s.
@@ -228,7 +239,11 @@ impl Server {
                 let shown = |letter: Joint| {
                     if letter.is_rotary() { axes[letter].to_degrees() } else { axes[letter] }
                 };
-                Reply::JointPos((0..JOINTS_REPORTED).map(|k| joint(k).map_or(0.0, shown)).collect())
+                let answered = self.positions_answered.fetch_add(1, Ordering::Relaxed) + 1;
+                let is_mixed =
+                    self.config.mixed_every > 0 && answered.is_multiple_of(self.config.mixed_every);
+                let reported = if is_mixed { 2 } else { JOINTS_REPORTED };
+                Reply::JointPos((0..reported).map(|k| joint(k).map_or(0.0, shown)).collect())
             }
             Request::Get(Item::JointUnits) => {
                 let unit = |k| match joint(k) {

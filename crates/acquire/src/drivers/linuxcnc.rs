@@ -106,7 +106,7 @@ impl LinuxCnc {
         let mut program = Program::default();
         loop {
             polls.tick().await;
-            let answered = exchange.get(Item::JointPos, link).await?;
+            let answered = exchange.positions(self.joints.len(), link).await?;
             if let Some(reading) = track.take(self.position(&answered, &units)?, &answered, self.present()) {
                 link.reading(reading, answered.arrival);
             }

@@ -147,6 +147,18 @@ async fn each_fault_of_linuxcnc_is_reported_recorded_and_recovered_from() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn answers_of_linuxcnc_mixed_with_another_connections_are_asked_again() {
+    let mut bench = bench(ServerConfig { mixed_every: 3, ..Default::default() }, JOINTS).await;
+    for _ in 0..50 {
+        let axes = bench.axes().await;
+        assert!(axes.present[C] && (axes.position[X] - 100.0).abs() < 1e-5, "{axes:?}");
+    }
+    let status = bench.status(|status| status.state == DeviceState::Streaming).await;
+    assert_eq!((status.epoch, status.last_end), (1, None), "the connection is kept");
+    bench.acquisition.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn another_linuxcnc_a_wrong_password_and_another_program_are_refused_with_what_to_do() {
     let mut bench1 = bench(ServerConfig::default(), JOINTS).await;
     bench1.find(|reading| matches!(reading, Reading::Axes(_)).then_some(())).await;

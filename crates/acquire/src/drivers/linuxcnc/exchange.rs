@@ -94,6 +94,12 @@ impl Exchange {
         self.repeat(&Request::Get(item), link, |reply| item.is_answered_by(reply)).await
     }
 
+    /// Asks for the positions of at least `joints` joints: an answer mixed with another connection's has fewer.
+    pub(super) async fn positions(&mut self, joints: usize, link: &Link) -> Result<Answered, SessionEnd> {
+        let is_whole = |reply: &Reply| matches!(reply, Reply::JointPos(numbers) if numbers.len() >= joints);
+        self.repeat(&Request::Get(Item::JointPos), link, is_whole).await
+    }
+
     /// Asks until the answer belongs to the question; gives the last answer in any case.
     async fn repeat(
         &mut self,
