@@ -9,6 +9,7 @@
 
 mod band;
 pub(crate) mod left;
+mod moments;
 pub(crate) mod shapes;
 mod sources;
 pub(crate) mod wave;
@@ -109,12 +110,8 @@ impl AxisSpectrum {
         if carriers.ncols() == 0 {
             return None;
         }
-        let mut waves = Waves {
-            position: left.positions(joint),
-            carriers,
-            basis: left.basis.clone(),
-            residual_mm: left.residual_mm.clone(),
-        };
+        let mut waves =
+            Waves::new(left.positions(joint), carriers, left.basis.clone(), left.residual_mm.clone());
         let units = Units { axis, readings: rows.max(1) as f64 };
         let first = waves.scan(&band);
         let mut spectrum = Self {

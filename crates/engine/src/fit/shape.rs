@@ -113,12 +113,9 @@ fn best_shape(
     let score = |shape: &[f64]| score(experiment, instance, shape, rows, &others, &left);
     let mut grid = shapes.grid.clone();
     if let Some(wave) = shapes.wave {
-        let waves = Waves {
-            position: rows.positions(experiment, wave.joint()),
-            carriers: carriers(&selected(experiment, &[(instance, &at_rest(wave))], rows)),
-            basis: others.clone(),
-            residual_mm: left.clone(),
-        };
+        let moving = carriers(&selected(experiment, &[(instance, &at_rest(wave))], rows));
+        let positions = rows.positions(experiment, wave.joint());
+        let waves = Waves::new(positions, moving, others.clone(), left.clone());
         let found = found(wave, &waves);
         grid.extend(found.into_iter().flat_map(|found| found.shapes));
     }

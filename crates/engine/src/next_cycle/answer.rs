@@ -170,7 +170,7 @@ fn words(
         }
         (Rivals::Separate(_), None) => {
             format!(
-                "No cycle of poses, directions and feeds separates {ids}: they are confounded wherever the axes go.{}",
+                "No choice of directions and feeds separates {ids}: they are confounded wherever the axes go.{}",
                 load_words(design, &design.ids())
             )
         }

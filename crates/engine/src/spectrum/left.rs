@@ -63,12 +63,8 @@ impl Left {
     /// What may wave of an effect.
     pub fn waves(&self, instance: &Instance, repeats: WaveNumber) -> Waves {
         let columns = credible_columns(&self.experiment, instance, &at_rest(repeats));
-        Waves {
-            position: self.positions(repeats.joint()),
-            carriers: carriers(&columns),
-            basis: self.basis.clone(),
-            residual_mm: self.residual_mm.clone(),
-        }
+        let (basis, residual_mm) = (self.basis.clone(), self.residual_mm.clone());
+        Waves::new(self.positions(repeats.joint()), carriers(&columns), basis, residual_mm)
     }
 
     /// How many positions of an axis differ.

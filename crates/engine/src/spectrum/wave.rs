@@ -1,6 +1,7 @@
 //! Waves of one frequency in a residual: how much they explain, and how well their frequency is known.
 
 use super::band::Band;
+use super::moments::{Inner, Moments};
 use crate::solve::golden_section::golden_section;
 use nalgebra::{DMatrix, DVector};
 
@@ -24,6 +25,7 @@ pub(crate) struct Waves {
     pub basis: DMatrix<f64>,
     /// What the model leaves, mm, orthogonal to `basis`.
     pub residual_mm: DVector<f64>,
+    moments: Moments,
 }
 
 /// What waves of one frequency explain.
@@ -36,6 +38,17 @@ pub(crate) struct Explained {
 }
 
 impl Waves {
+    /// `position`: of the axis at every row, mm or rad.
+    pub fn new(
+        position: Vec<f64>,
+        carriers: DMatrix<f64>,
+        basis: DMatrix<f64>,
+        residual_mm: DVector<f64>,
+    ) -> Self {
+        let moments = Moments::new(&position, &carriers, &basis, &residual_mm);
+        Self { position, carriers, basis, residual_mm, moments }
+    }
+
     /// cos ωq and sin ωq times every carrier, rows × 2 carriers.
     fn columns(&self, omega: f64) -> DMatrix<f64> {
         let (rows, count) = self.carriers.shape();
@@ -50,46 +63,18 @@ impl Waves {
         columns
     }
 
-    /// What waves of this frequency explain: pivoted elimination of the inner products off the model.
+    /// What waves of this frequency explain.
     pub fn explained(&self, omega: f64) -> Explained {
-        let columns = self.columns(omega);
-        let transposed = columns.transpose();
-        let raw = &transposed * &columns;
-        let on_basis = &transposed * &self.basis;
-        let mut gram = &raw - &on_basis * on_basis.transpose();
-        let mut right = transposed * &self.residual_mm;
-        let mut open: Vec<usize> = (0..right.len()).collect();
-        let mut explained = Explained::default();
-        let share = |gram: &DMatrix<f64>, j: usize| gram[(j, j)] / raw[(j, j)].max(f64::MIN_POSITIVE);
-        while let Some(at) =
-            (0..open.len()).max_by(|&a, &b| share(&gram, open[a]).total_cmp(&share(&gram, open[b])))
-        {
-            let pivot = open.swap_remove(at);
-            if share(&gram, pivot) <= SURVIVAL * SURVIVAL {
-                break;
-            }
-            let diagonal = gram[(pivot, pivot)];
-            explained.sum += right[pivot] * right[pivot] / diagonal;
-            explained.directions += 1;
-            for &i in &open {
-                let factor = gram[(i, pivot)] / diagonal;
-                right[i] -= factor * right[pivot];
-                for &j in &open {
-                    gram[(i, j)] -= factor * gram[(pivot, j)];
-                }
-            }
-        }
-        explained
+        self.moments.at(&[omega]).next().map_or_else(Explained::default, explained)
     }
 
     /// Frequencies of a band, and what each explains.
     pub fn scan(&self, band: &Band) -> Vec<(f64, Explained)> {
         let step = band.resolution() / OVERSAMPLING;
         let count = ((band.high() - band.low()) / step).floor() as usize;
-        (0..=count)
-            .map(|k| band.low() + step * k as f64)
-            .map(|omega| (omega, self.explained(omega)))
-            .collect()
+        let omegas: Vec<f64> = (0..=count).map(|k| band.low() + step * k as f64).collect();
+        let explained: Vec<_> = self.moments.at(&omegas).map(explained).collect();
+        omegas.into_iter().zip(explained).collect()
     }
 
     /// The highest peaks of a band, refined, highest first.
@@ -140,7 +125,7 @@ impl Waves {
             self.basis = self.basis.insert_column(last, 0.0);
             self.basis.set_column(last, &left);
         }
-        self
+        Self::new(self.position, self.carriers, self.basis, self.residual_mm)
     }
 
     /// Amplitudes (cos, sin) of each carrier at a frequency, mm or rad; least squares next to the model.
@@ -154,4 +139,33 @@ impl Waves {
             .expect("both factors were asked for");
         (0..self.carriers.ncols()).map(|k| (values[2 * k], values[2 * k + 1])).collect()
     }
+}
+
+/// Pivoted elimination of the inner products off the model.
+fn explained(inner: Inner) -> Explained {
+    let raw = inner.gram;
+    let mut gram = &raw - &inner.on_basis * inner.on_basis.transpose();
+    let mut right = inner.on_residual;
+    let mut open: Vec<usize> = (0..right.len()).collect();
+    let mut explained = Explained::default();
+    let share = |gram: &DMatrix<f64>, j: usize| gram[(j, j)] / raw[(j, j)].max(f64::MIN_POSITIVE);
+    while let Some(at) =
+        (0..open.len()).max_by(|&a, &b| share(&gram, open[a]).total_cmp(&share(&gram, open[b])))
+    {
+        let pivot = open.swap_remove(at);
+        if share(&gram, pivot) <= SURVIVAL * SURVIVAL {
+            break;
+        }
+        let diagonal = gram[(pivot, pivot)];
+        explained.sum += right[pivot] * right[pivot] / diagonal;
+        explained.directions += 1;
+        for &i in &open {
+            let factor = gram[(i, pivot)] / diagonal;
+            right[i] -= factor * right[pivot];
+            for &j in &open {
+                gram[(i, j)] -= factor * gram[(pivot, j)];
+            }
+        }
+    }
+    explained
 }
