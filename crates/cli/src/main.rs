@@ -1,6 +1,6 @@
 //! `trunnion`: the one binary. Each command is one file under `commands`.
 //!
-//! Exit codes (docs/design/contracts.md §5): 0 done, 1 failed, 2 usage, 3 done with data loss.
+//! Exit codes (docs/design/contracts.md §5): 0 done, 1 failed, 2 usage, 3 done with data loss or without a verdict.
 
 mod commands;
 mod load;
@@ -9,8 +9,8 @@ mod terminal;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, attribute, check_config, compare, compensation, daemon, demo, devices, diagnose, export, identify,
-    import, ladder, nc_program, plan, predict, remove, replay, simulate, volumetric,
+    add, attribute, check, check_config, compare, compensation, daemon, demo, devices, diagnose, export,
+    identify, import, ladder, nc_program, plan, predict, remove, replay, simulate, volumetric,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -28,6 +28,7 @@ enum Command {
     Demo(demo::Args),
     Daemon(daemon::Args),
     Devices(devices::Args),
+    Check(check::Args),
     CheckConfig(check_config::Args),
     Import(import::Args),
     Export(export::Args),
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Daemon(args) => daemon::run(&args),
         Command::Devices(args) => devices::run(&args),
+        Command::Check(args) => check::run(&args),
         Command::CheckConfig(args) => check_config::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Export(args) => export::run(&args),
@@ -72,7 +74,7 @@ fn main() -> ExitCode {
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::DataLoss) => ExitCode::from(3),
+        Ok(Outcome::DataLoss | Outcome::Withheld) => ExitCode::from(3),
         Err(error) => {
             terminal::remark(&format!("{error:#}"));
             ExitCode::FAILURE

@@ -11,6 +11,7 @@ mod evidence;
 pub mod fit;
 pub mod next_cycle;
 pub mod noise;
+pub mod plausibility;
 pub mod problem;
 pub mod solve;
 pub mod spectrum;

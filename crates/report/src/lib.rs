@@ -21,8 +21,9 @@ use trunnion_results::number;
 
 pub use html::{compare_html, findings_html, ladder_html, trial_html, volumetric_html};
 pub use text::{
-    axis_errors_text, compare_text, diagnosis_text, findings_text, identification_text, ladder_text,
-    location_text, plan_text, prediction_text, preview_text, timing_text, trial_text, volumetric_text,
+    axis_errors_text, check_text, compare_text, diagnosis_text, findings_text, identification_text,
+    ladder_text, location_text, plan_text, prediction_text, preview_text, timing_text, trial_text,
+    volumetric_text,
 };
 pub use time_quality::duration;
 pub use volumetric::error_map_csv;

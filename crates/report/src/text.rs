@@ -17,22 +17,24 @@ pub use prediction::prediction_text;
 pub use timing::timing_text;
 pub use volumetric::{location_text, volumetric_text};
 
-use crate::number::{percent, percent_or_dash, um, um_or_dash, value_and_u};
+use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::views::cuts;
 use crate::words::{
     NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, formula_shape,
-    formula_site, headline, left_out, noise_origin, planned_words, repeatability, trial_verdict, verdict,
+    formula_site, headline, left_out, noise_origin, noticeable, planned_words, repeatability, trial_verdict,
+    verdict,
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph};
 use trunnion_results::{
-    Candidate, Comparison, Diagnosis, FormulaProposal, Identification, LeftOut, Moved, Parameter, Place,
-    Trial,
+    Candidate, Check, Comparison, Diagnosis, FormulaProposal, Identification, LeftOut, Moved, Parameter,
+    Place, Plausibility, Trial,
 };
 
 /// Fit, parameters with uncertainty, and what is confounded or not observable.
 pub fn identification_text(view: &Identification) -> String {
     let mut out = format!("Machine {}, runs: {}\n", clean(&view.machine), clean(&view.runs.join(", ")));
+    out += &doubts(&view.plausibility);
     out += &format!("Model: {}\n\n", clean(&view.effects.join(" + ")));
     out += &columns(
         &[
@@ -59,6 +61,22 @@ pub fn identification_text(view: &Identification) -> String {
         }
     }
     out
+}
+
+/// Whether the runs can be what they say they are.
+pub fn check_text(check: &Check) -> String {
+    let head = format!("Runs: {}; {} usable points\n", clean(&check.runs.join(", ")), check.points);
+    match check.plausibility.is_empty() {
+        true => head + "Positions, readings and times fit together: no mistake was found.\n",
+        false => head + &doubts(&check.plausibility),
+    }
+}
+
+fn doubts(plausibility: &[Plausibility]) -> String {
+    plausibility
+        .iter()
+        .map(|doubt| paragraph(&format!("Doubt: {} {}", doubt.finding, doubt.hypothesis)))
+        .collect()
 }
 
 /// What is wrong, where the model fails most, and the residual by component, axis position, direction, setup and time.
@@ -132,13 +150,17 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
     let input = Comparison { diagnosis: Some(diagnosis.clone()), ..Comparison::default() };
     let residual = &diagnosis.residual;
     let mut out = format!("{}\n", clean(&headline(&input)));
+    let explained = residual.unexplained_fraction.map_or(String::new(), |fraction| {
+        format!("; what was found explains {} of the mean square", percent(fraction))
+    });
     out += &format!(
-        "{} rms left ({}); held-out error {}; what was found explains {} of the mean square.\n",
+        "{} rms left ({}); held-out error {}{explained}.\n",
         um(residual.rms_um),
         repeatability(residual.noise_um),
         held_out(residual.holdout_rms_um, residual.holdout_unit),
-        percent_or_dash(residual.unexplained_fraction)
     );
+    out += &paragraph(&diagnosis.why);
+    out += &noticeable(diagnosis).map_or(String::new(), |sentence| paragraph(&sentence));
     if !diagnosis.candidates.is_empty() {
         out += "\n";
         let head =

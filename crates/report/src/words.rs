@@ -32,6 +32,7 @@ pub fn headline(input: &Comparison) -> String {
             format!("Missing from the model: {}", effect_name(&best.effect))
         }
         (Verdict::Undecided, _) => "These data cannot say whether an effect is missing".into(),
+        (Verdict::NotJudged, _) => "Not judged: these runs cannot be what they say they are".into(),
         _ => "Something that the catalogue has no name for is missing from the model".into(),
     }
 }
@@ -43,7 +44,7 @@ pub fn verdict(input: &Comparison) -> Vec<String> {
         match (diagnosis.verdict, diagnosis.candidates.first(), &diagnosis.formula) {
             (Verdict::NoiseFloor, ..) => sentences.extend(nothing_left(input, diagnosis)),
             (Verdict::MissingEffect, Some(best), _) => sentences.extend(named(diagnosis, best)),
-            (Verdict::Undecided, ..) => sentences.extend(undecided(diagnosis)),
+            (Verdict::Undecided | Verdict::NotJudged, ..) => sentences.extend(undecided(diagnosis)),
             (_, _, formula) => {
                 sentences.push(format!(
                     "The readings differ from what the model predicts by {} rms ({}): \
@@ -92,11 +93,14 @@ fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
         um(diagnosis.residual.rms_um),
         repeatability(diagnosis.residual.noise_um)
     ));
-    if let Some(noticeable_um) = diagnosis.noticeable_um {
-        sentences
-            .push(format!("A usual effect of {} rms or more would have been noticed.", um(noticeable_um)));
-    }
+    sentences.extend(noticeable(diagnosis));
     sentences
+}
+
+/// What an all-clear is worth.
+pub fn noticeable(diagnosis: &Diagnosis) -> Option<String> {
+    let noticeable_um = diagnosis.noticeable_um.filter(|_| diagnosis.verdict == Verdict::NoiseFloor)?;
+    Some(format!("A usual effect of {} rms or more would have been noticed.", um(noticeable_um)))
 }
 
 fn named(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
@@ -171,6 +175,7 @@ fn then_sentence(then: &Then) -> String {
         (Verdict::MissingEffect, Some(next)) => {
             format!("After it the model still misses something, first of all {}.", effect_name(next))
         }
+        (Verdict::NotJudged, _) => format!("What remains was not judged. {}", then.why),
         (Verdict::Undecided, _) => format!("What remains these data cannot judge. {}", then.why),
         _ => "After it something remains that the catalogue has no name for.".into(),
     }

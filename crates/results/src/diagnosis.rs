@@ -260,6 +260,7 @@ impl From<engine::Verdict> for Verdict {
             engine::Verdict::UnnamedStructure => Self::UnnamedStructure,
             engine::Verdict::NoiseFloor => Self::NoiseFloor,
             engine::Verdict::Undecided => Self::Undecided,
+            engine::Verdict::NotJudged => Self::NotJudged,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::location::LocationErrors;
 use crate::number::finite;
+use crate::plausibility::Plausibility;
 use crate::time_quality::TimeQuality;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -64,6 +65,9 @@ pub struct Identification {
     /// Location errors in a notation, when one was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub location_errors: Option<LocationErrors>,
+    /// What in the runs no machine can do; empty for good runs.
+    #[serde(default)]
+    pub plausibility: Vec<Plausibility>,
     /// How well each run with time stamps is known in time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub time_quality: Vec<TimeQuality>,
@@ -255,6 +259,7 @@ impl From<&engine::Identification> for Identification {
             unobservable: fit.unobservable.iter().map(unobservable).collect(),
             seen_together: fit.seen_together.iter().map(combination).collect(),
             location_errors: None,
+            plausibility: Vec::new(),
             time_quality: Vec::new(),
         }
     }

@@ -15,6 +15,7 @@ mod left_out;
 mod location;
 pub mod number;
 mod plan;
+mod plausibility;
 mod prediction;
 mod preview;
 mod residuals;
@@ -45,6 +46,7 @@ pub use ladder::{Added, Ladder, LadderEntry, LadderFormat, LadderRow, Moved, Rem
 pub use left_out::LeftOutEffect;
 pub use location::{LocationError, LocationErrors};
 pub use plan::{Considered, Goal, LeftOpen, NextPlanned, Plan, PlanFormat};
+pub use plausibility::{Check, CheckFormat, Plausibility};
 pub use prediction::{Prediction, PredictionFormat, RunPrediction};
 pub use preview::{Alias, OutOfReach, Preview, PreviewFormat, SeenBy, SeparatedBy};
 pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, ShiftedPlace};

@@ -1,7 +1,7 @@
 //! The JSON schemas, generated from the types.
 
 use crate::{
-    Added, AxisErrors, Comparison, CompensationSummary, Diagnosis, ErrorMap, Findings, Identification,
+    Added, AxisErrors, Check, Comparison, CompensationSummary, Diagnosis, ErrorMap, Findings, Identification,
     Ladder, Plan, Prediction, Preview, Removed, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
@@ -10,6 +10,7 @@ use schemars::{Schema, schema_for};
 pub fn schemas() -> Vec<(&'static str, Schema)> {
     vec![
         ("identification", schema_for!(Identification)),
+        ("check", schema_for!(Check)),
         ("diagnosis", schema_for!(Diagnosis)),
         ("comparison", schema_for!(Comparison)),
         ("trial", schema_for!(Trial)),

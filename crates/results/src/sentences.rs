@@ -3,7 +3,7 @@
 use crate::number::{degrees, plain, um, unit_on_screen};
 use crate::{
     Candidate, Diagnosis, FormulaProposal, Identification, LeftOut, Moved, Parameter, PlannedCycle,
-    ShapeNumber, Verdict,
+    Plausibility, ShapeNumber, Verdict,
 };
 use trunnion_effects::catalogue::effect;
 use trunnion_effects::{About, SOURCES};
@@ -16,6 +16,12 @@ const LEVER_MM: f64 = 100.0;
 /// What the catalogue knows of an effect id; `None` for a formula or a foreign id.
 pub fn about(id: &str) -> Option<&'static About> {
     effect(id).map(|effect| &effect.about)
+}
+
+/// Why nothing was judged: what is not plausible, and the mistakes that would explain it.
+pub fn not_plausible(found: &[Plausibility]) -> String {
+    let sentences = found.iter().flat_map(|one| [one.finding.as_str(), one.hypothesis.as_str()]);
+    sentences.filter(|text| !text.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
 /// `Title (id)`, or the id alone.

@@ -26,7 +26,11 @@ impl Fit {
 impl Diagnosed {
     /// What the model lacks, without a plan for the next cycle.
     pub(crate) fn without_plan(fit: &Fit) -> Result<Self, Error> {
-        let diagnosis = diagnosed(&fit.problem())?;
+        let implausible = fit.experiment().plausibility();
+        let diagnosis = match implausible.is_empty() {
+            true => diagnosed(&fit.problem())?,
+            false => Diagnosis::not_judged(&fit.problem(), results::sentences::not_plausible(&implausible)),
+        };
         Ok(Self { fit: fit.clone(), diagnosis: Arc::new(diagnosis) })
     }
 

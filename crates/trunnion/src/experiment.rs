@@ -3,8 +3,9 @@
 use crate::recording::{self, Recording};
 use crate::{Error, Model, files, timing};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use trunnion_cycles::Run;
+use trunnion_engine::plausibility::{Implausible, implausible};
 use trunnion_machine::Machine;
 use trunnion_results as results;
 use trunnion_sync::blocks::Limits;
@@ -22,6 +23,7 @@ struct Opened {
     timing: Vec<TimeQuality>,
     damage: Vec<String>,
     reductions: Vec<String>,
+    implausible: OnceLock<Vec<Implausible>>,
 }
 
 /// Opens one run: a recording (`.mcap`), or a points file (`.csv`) with its `setup.toml` next to it.
@@ -101,7 +103,16 @@ impl Experiment {
             runs.push(recording.run);
         }
         let points = trunnion_engine::Experiment::new(&runs)?;
-        Ok(Self { opened: Arc::new(Opened { runs, points, timing, damage, reductions }) })
+        Ok(Self {
+            opened: Arc::new(Opened {
+                runs,
+                points,
+                timing,
+                damage,
+                reductions,
+                implausible: OnceLock::new(),
+            }),
+        })
     }
 
     /// The machine.
@@ -117,6 +128,22 @@ impl Experiment {
     /// Points, rows and columns of the runs together.
     pub fn points(&self) -> &trunnion_engine::Experiment {
         &self.opened.points
+    }
+
+    /// What in the runs no machine can do, the gravest first; empty for good runs.
+    pub fn plausibility(&self) -> Vec<results::Plausibility> {
+        let found = self.opened.implausible.get_or_init(|| implausible(&self.opened.runs));
+        found.iter().map(results::Plausibility::from).collect()
+    }
+
+    /// Can these runs be what they say they are: `trunnion-check/1`.
+    pub fn check(&self) -> results::Check {
+        results::Check {
+            runs: self.points().runs.clone(),
+            points: self.points().points.len(),
+            plausibility: self.plausibility(),
+            ..results::Check::default()
+        }
     }
 
     /// What is wrong with the files, one sentence for each that is damaged.

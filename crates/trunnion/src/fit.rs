@@ -71,7 +71,8 @@ impl Fit {
 
     /// The answer: `trunnion-identification/1`.
     pub fn results(&self) -> results::Identification {
-        self.identification().into()
+        let plausibility = self.experiment.plausibility();
+        results::Identification { plausibility, ..self.identification().into() }
     }
 
     /// The answer as text.

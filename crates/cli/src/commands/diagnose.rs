@@ -3,6 +3,7 @@
 use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
 use crate::{load, terminal};
+use trunnion::results::Verdict;
 
 /// Say which physical effect is missing from the model
 ///
@@ -28,5 +29,5 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else {
         terminal::print(&answer.summary())?;
     }
-    Ok(outcome)
+    Ok(if answer.results().verdict == Verdict::NotJudged { Outcome::Withheld } else { outcome })
 }

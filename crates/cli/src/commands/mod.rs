@@ -2,6 +2,7 @@
 
 pub mod add;
 pub mod attribute;
+pub mod check;
 pub mod check_config;
 pub mod compare;
 pub mod compensation;

@@ -1,8 +1,10 @@
 //! The answer of a diagnosis.
 
 use crate::next_cycle::PlannedCycle;
+use crate::problem::Problem;
 use crate::problem::folds::LeftOut;
 use crate::spectrum::Wave;
+use trunnion_core::convert::um_from_mm;
 use trunnion_effects::ModelEffect;
 
 /// What is missing from a model, as far as the data can say.
@@ -51,6 +53,34 @@ pub struct ResidualSummary {
     pub unexplained_fraction: f64,
 }
 
+impl Diagnosis {
+    /// The answer where the runs are not plausible: what the fit leaves, and `why` nothing was weighed.
+    pub fn not_judged(problem: &Problem<'_>, why: String) -> Self {
+        let fit = problem.fit();
+        Self {
+            model: fit.effects.iter().map(|effect| effect.id.clone()).collect(),
+            residual: ResidualSummary {
+                rms_um: um_from_mm(fit.rms_mm),
+                holdout_rms_um: fit.holdout_rms_mm().map(um_from_mm),
+                holdout_unit: fit.holdout.map(|holdout| holdout.left_out),
+                noise_um: fit.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
+                unexplained_fraction: f64::NAN,
+            },
+            verdict: Verdict::NotJudged,
+            why,
+            noise: NoiseSizes::default(),
+            noticeable_um: None,
+            undecided: Vec::new(),
+            candidates: Vec::new(),
+            set: Vec::new(),
+            formula: None,
+            next_cycle: None,
+            not_visible: Vec::new(),
+            out_of_reach: Vec::new(),
+        }
+    }
+}
+
 /// The answer in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -62,6 +92,8 @@ pub enum Verdict {
     NoiseFloor,
     /// These data cannot say.
     Undecided,
+    /// The runs cannot be what they say they are, so that nothing was weighed.
+    NotJudged,
 }
 
 /// An effect that these data neither show nor exclude.
@@ -192,6 +224,7 @@ impl Verdict {
             Self::UnnamedStructure => "unnamed-structure",
             Self::NoiseFloor => "noise-floor",
             Self::Undecided => "undecided",
+            Self::NotJudged => "not-judged",
         }
     }
 }

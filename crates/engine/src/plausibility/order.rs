@@ -1,0 +1,147 @@
+//! Times, directions and copies: does the order of the points make sense?
+
+use super::Implausible;
+use trunnion_core::{Joint, Point};
+use trunnion_cycles::{Run, RunKind};
+
+/// No cycle lasts longer; the longest of docs/use are thermal runs of a night, s.
+const LONGEST_S: f64 = 3.0 * 86_400.0;
+/// So many equal steps in a row are a pass, not a random order.
+const STREAK: usize = 4;
+/// Share of the steps that must go against the stated direction.
+const AGAINST: f64 = 0.2;
+/// Steps of an axis below which nothing is said of its direction.
+const FEWEST_STEPS: usize = 8;
+
+pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
+    let mut found: Vec<Implausible> = same_run(runs);
+    for run in runs {
+        found.extend(copies(run));
+        found.extend(backward(run));
+        found.extend(too_long(run));
+        found.extend(run.machine.joints().into_iter().filter_map(|joint| against(run, joint)));
+    }
+    found
+}
+
+fn plain(finding: String, hypothesis: &str) -> Implausible {
+    Implausible { finding, hypothesis: hypothesis.into(), rms_um_with_it: None }
+}
+
+/// The same in everything that was measured.
+fn is_copy(a: &Point, b: &Point) -> bool {
+    let (now, then) = (&a.state, &b.state);
+    a.reading_mm == b.reading_mm
+        && (now.time_s, now.setup, now.target) == (then.time_s, then.setup, then.target)
+        && now.position == then.position
+}
+
+fn same_run(runs: &[Run]) -> Vec<Implausible> {
+    let mut found = Vec::new();
+    for b in 1..runs.len() {
+        let same = |a: &usize| {
+            let (a, b) = (&runs[*a].points, &runs[b].points);
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_copy(a, b))
+        };
+        if let Some(a) = (0..b).find(same) {
+            found.push(plain(
+                format!("The runs {} and {} are identical, reading by reading.", runs[a].name, runs[b].name),
+                "One recording was given twice, so its repeats prove nothing. Give each recording once.",
+            ));
+        }
+    }
+    found
+}
+
+/// Points that were measured at different times never agree in every digit of time and readings.
+fn copies(run: &Run) -> Option<Implausible> {
+    let points = &run.points;
+    let with_time = run.has_time();
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    let count = if with_time {
+        order.sort_by(|&a, &b| {
+            points[a].state.time_s.partial_cmp(&points[b].state.time_s).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        order.windows(2).filter(|pair| is_copy(&points[pair[0]], &points[pair[1]])).count()
+    } else {
+        // Without times a coarse display gives equal rows by itself; a second half that repeats the first is a copy.
+        let half = points.len() / 2;
+        let doubled = points.len() > 2 * STREAK
+            && points.len().is_multiple_of(2)
+            && (0..half).all(|k| is_copy(&points[k], &points[half + k]));
+        if doubled { half } else { 0 }
+    };
+    (count > 0).then(|| {
+        plain(
+            format!(
+                "{}: {count} of {} points are copies of others, in time and readings.",
+                run.name,
+                points.len()
+            ),
+            "Rows were pasted twice, so their repeats prove nothing. Remove the duplicate rows.",
+        )
+    })
+}
+
+fn times(run: &Run) -> Vec<f64> {
+    run.points.iter().filter_map(|point| point.state.time_s).collect()
+}
+
+fn backward(run: &Run) -> Option<Implausible> {
+    let times = times(run);
+    let back = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
+    (2 * back > times.len()).then(|| {
+        plain(
+            format!("{}: time runs backward from row to row ({back} of {} steps).", run.name, times.len() - 1),
+            "The rows stand in reversed order, or the times do. Give the rows in the order in which they were taken.",
+        )
+    })
+}
+
+fn too_long(run: &Run) -> Option<Implausible> {
+    let times = times(run);
+    let last = times.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let first = times.iter().copied().fold(f64::INFINITY, f64::min);
+    let span_s = last - first;
+    (span_s > LONGEST_S).then(|| {
+        plain(
+            format!("{}: by its times the cycle took {:.0} days, which is too long.", run.name, span_s / 86_400.0),
+            "In milliseconds instead of seconds (factor 1000) it would be plausible. Check the units of time_s.",
+        )
+    })
+}
+
+/// An axis of which every point states one direction, while whole passes of it go the other way.
+fn against(run: &Run, joint: Joint) -> Option<Implausible> {
+    if run.kind != RunKind::Static {
+        return None;
+    }
+    let stated = run.points.first()?.state.direction[joint];
+    if stated == 0.0 || run.points.iter().any(|point| point.state.direction[joint] != stated) {
+        return None;
+    }
+    let steps: Vec<f64> = run
+        .points
+        .windows(2)
+        .filter(|pair| pair[0].state.setup == pair[1].state.setup)
+        .map(|pair| pair[1].state.position[joint] - pair[0].state.position[joint])
+        .filter(|step| *step != 0.0)
+        .collect();
+    let mut contrary = 0;
+    for streak in steps.chunk_by(|a, b| (a - b).abs() <= 1e-6 * a.abs()) {
+        if streak.len() >= STREAK && streak[0] * stated < 0.0 {
+            contrary += streak.len();
+        }
+    }
+    (steps.len() >= FEWEST_STEPS && contrary as f64 > AGAINST * steps.len() as f64).then(|| {
+        let column = format!("direction_{}", joint.lower());
+        plain(
+            format!(
+                "{}: {column} is always {stated:+.0}, but {joint} moves the opposite way in {contrary} of {} steps.",
+                run.name,
+                steps.len()
+            ),
+            &format!("The directions were never filled in. Give {column} as the axis moved, or 0 where it is not known."),
+        )
+    })
+}

@@ -1,0 +1,227 @@
+//! Do the readings belong to the positions? The base model, with every location error and setting free, is fitted to the
+//! readings as they are and with each mistake undone.
+
+use super::Implausible;
+use crate::Experiment;
+use crate::solve::linear::Reduced;
+use nalgebra::{DMatrix, DVector};
+use std::collections::HashMap;
+use trunnion_core::convert::um_from_mm;
+use trunnion_core::{NestSide, Point};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_effects::{Instance, Model};
+
+/// A mistake is believed where undoing it divides what the model leaves by this: mean square by nine, which no effect that
+/// resembles the mistake reaches by chance where dozens of readings are left.
+const BELIEVED: f64 = 3.0;
+/// Below this nothing is gross, µm rms.
+const GROSS_UM: f64 = 2.0;
+/// Readings that are all smaller: no ball is set so well in its nest, and no probe is worth less than its last digit, µm.
+const TOO_SMALL_UM: f64 = 0.5;
+/// A channel reads one value for at least this share of the points, while another moves over this, µm.
+const DEAD_SHARE: f64 = 0.9;
+const ALIVE_UM: f64 = 10.0;
+/// Readings of one pose scatter by at least this share of the scatter of all poses: they do not depend on the pose.
+const NO_STRUCTURE: f64 = 0.75;
+/// Fewer points say nothing.
+const FEWEST_POINTS: usize = 12;
+/// Longer runs are reduced to so many points, for time only.
+const MOST_POINTS: usize = 1_500;
+/// Relative singular value of a direction that the columns do not see.
+const UNSEEN: f64 = 1e-6;
+
+pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
+    let small: Vec<Run> = runs.iter().map(thinned).collect();
+    let mut found: Vec<Implausible> =
+        small.iter().filter(|run| run.points.len() >= FEWEST_POINTS).filter_map(channel).collect();
+    if found.is_empty() {
+        found.extend(small.iter().filter(|run| run.points.len() >= FEWEST_POINTS).filter_map(exchanged));
+    }
+    found
+}
+
+/// The run with at most [`MOST_POINTS`] points: a stretch of neighbours, so that their order means what it meant.
+fn thinned(run: &Run) -> Run {
+    let points = run.good_points().take(MOST_POINTS).cloned().collect();
+    Run { points, ..run.clone() }
+}
+
+/// Components of an R-test or bar, as they stand in a points file.
+fn names(run: &Run) -> Vec<&'static str> {
+    run.setups.first().map_or_else(Vec::new, |setup| setup.instrument.components().to_vec())
+}
+
+/// What is wrong with a channel by itself.
+fn channel(run: &Run) -> Option<Implausible> {
+    let alike = run
+        .setups
+        .iter()
+        .all(|setup| setup.instrument.deflects_probes() && setup.instrument == run.setups[0].instrument);
+    if !alike {
+        return None;
+    }
+    let names = names(run);
+    let of = |k: usize| run.points.iter().map(move |point| um_from_mm(point.reading_mm[k]));
+    let span = |k: usize| of(k).fold(f64::NEG_INFINITY, f64::max) - of(k).fold(f64::INFINITY, f64::min);
+    let largest = (0..names.len()).map(span).fold(0.0, f64::max);
+    for (k, name) in names.iter().enumerate() {
+        let mut counts: HashMap<u64, usize> = HashMap::new();
+        of(k).for_each(|value| *counts.entry(value.to_bits()).or_default() += 1);
+        let most = counts.values().copied().max().unwrap_or(0);
+        if largest > ALIVE_UM && most as f64 > DEAD_SHARE * run.points.len() as f64 {
+            return Some(Implausible {
+                finding: format!(
+                    "{}: the probe d{name} reads the same value in {most} of {} points, while others move by {largest:.0} µm.",
+                    run.name,
+                    run.points.len()
+                ),
+                hypothesis: "The probe is dead, stuck or not connected. Check it and measure again.".into(),
+                rms_um_with_it: None,
+            });
+        }
+    }
+    let most_um = (0..names.len()).flat_map(of).fold(0.0, |most: f64, value| most.max(value.abs()));
+    if most_um < TOO_SMALL_UM {
+        return Some(Implausible {
+            finding: format!(
+                "{}: no reading is larger than {most_um:.3} µm, which is too small for a ball set in a nest.",
+                run.name
+            ),
+            hypothesis:
+                "In mm instead of µm (factor 1000) they would be plausible. Check the units of the readings."
+                    .into(),
+            rms_um_with_it: None,
+        });
+    }
+    nothing_but_scatter(run, names.len())
+}
+
+/// Readings that do not depend on the pose.
+fn nothing_but_scatter(run: &Run, components: usize) -> Option<Implausible> {
+    let rotary = run.machine.rotary_joints();
+    let mut poses: HashMap<Vec<i64>, Vec<&Point>> = HashMap::new();
+    for point in &run.points {
+        let micro = rotary.iter().map(|&joint| (point.state.position[joint] * 1e4).round() as i64);
+        poses.entry(micro.chain([point.state.setup as i64]).collect()).or_default().push(point);
+    }
+    let (mut within, mut freedom, mut all, mut of_all) = (0.0, 0.0, 0.0, 0.0);
+    let add = |points: &[&Point], sum: &mut f64, count: &mut f64| {
+        for k in 0..components {
+            let mean = points.iter().map(|point| point.reading_mm[k]).sum::<f64>() / points.len() as f64;
+            *sum += points.iter().map(|point| (point.reading_mm[k] - mean).powi(2)).sum::<f64>();
+        }
+        *count += ((points.len() - 1) * components) as f64;
+    };
+    for points in poses.values() {
+        add(points, &mut within, &mut freedom);
+    }
+    for setup in 0..run.setups.len() {
+        let own: Vec<&Point> = run.points.iter().filter(|point| point.state.setup == setup).collect();
+        if !own.is_empty() {
+            add(&own, &mut all, &mut of_all);
+        }
+    }
+    if freedom < FEWEST_POINTS as f64 {
+        return None;
+    }
+    let (within_um, all_um) = (um_from_mm((within / freedom).sqrt()), um_from_mm((all / of_all).sqrt()));
+    (within_um > GROSS_UM && within_um > NO_STRUCTURE * all_um).then(|| Implausible {
+        finding: format!(
+            "{}: readings of one pose scatter by {within_um:.1} µm, nothing but noise beside the {all_um:.1} µm of all poses.",
+            run.name
+        ),
+        hypothesis: "The readings do not depend on the pose. Check that ball, nest and probes are firm, and the file.".into(),
+        rms_um_with_it: None,
+    })
+}
+
+/// Mistakes between readings and positions, each tried.
+fn exchanged(run: &Run) -> Option<Implausible> {
+    let experiment = Experiment::of_points(&[run]).ok()?;
+    let model = Fitted::new(&experiment)?;
+    let readings = experiment.readings_mm();
+    let before_um = um_from_mm(model.rms_mm(&readings));
+    if before_um < GROSS_UM {
+        return None;
+    }
+    let names = names(run);
+    let mut tried: Vec<(String, f64)> = Vec::new();
+    let changed = |change: &dyn Fn(&mut [f64; 3])| {
+        let mut own = experiment.clone();
+        own.points.iter_mut().for_each(|point| change(&mut point.reading_mm));
+        model.rms_mm(&own.readings_mm())
+    };
+    if names.len() == 3 {
+        for (k, name) in names.iter().enumerate() {
+            let flipped = changed(&|reading| reading[k] = -reading[k]);
+            tried.push((format!("the sign of the readings d{name} reversed"), flipped));
+            for (l, other) in names.iter().enumerate().skip(k + 1) {
+                let swapped = changed(&|reading| reading.swap(k, l));
+                tried.push((format!("the readings d{name} and d{other} exchanged (probe inputs)"), swapped));
+            }
+        }
+    }
+    if run.kind == RunKind::Static {
+        for (earlier, words) in [
+            (true, "one row earlier: they are one pose late"),
+            (false, "one row later: they are one pose early"),
+        ] {
+            let mut own = experiment.clone();
+            let count = own.points.len();
+            for k in 0..count - 1 {
+                let (to, from) = if earlier { (k, k + 1) } else { (k + 1, k) };
+                own.points[to].reading_mm = experiment.points[from].reading_mm;
+            }
+            tried.push((format!("the readings shifted {words}"), model.rms_mm(&own.readings_mm())));
+        }
+    }
+    if names.len() == 3 {
+        let mut other = run.clone();
+        for setup in &mut other.setups {
+            setup.nest = if setup.nest == NestSide::Table { NestSide::Spindle } else { NestSide::Table };
+        }
+        let side = if other.setups[0].nest == NestSide::Table { "on the table" } else { "at the spindle" };
+        let rms_mm = Experiment::of_points(&[other])
+            .ok()
+            .and_then(|other| Some(Fitted::new(&other)?.rms_mm(&readings)));
+        tried.extend(rms_mm.map(|rms_mm| (format!("the nest {side}, not on the other side"), rms_mm)));
+    }
+    let (mistake, left_mm) = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let left_um = um_from_mm(left_mm);
+    (BELIEVED * left_um < before_um).then(|| Implausible {
+        finding: format!(
+            "{}: the readings do not fit their positions: {before_um:.1} µm rms are left.",
+            run.name
+        ),
+        hypothesis: format!("With {mistake}, {left_um:.1} µm are left. Change it?"),
+        rms_um_with_it: Some(left_um),
+    })
+}
+
+/// Directions that the base model can explain.
+struct Fitted {
+    basis: DMatrix<f64>,
+}
+
+impl Fitted {
+    fn new(experiment: &Experiment) -> Option<Self> {
+        let machine = experiment.machine();
+        let model = Model::base(&machine.name);
+        let mut columns = DMatrix::zeros(experiment.rows(), 0);
+        for entry in &model.effects {
+            let instance = Instance::from_model_effect(entry, machine).ok()?;
+            let own = experiment.columns(&instance, &[]);
+            let at = columns.ncols();
+            columns = columns.insert_columns(at, own.ncols(), 0.0);
+            columns.columns_mut(at, own.ncols()).copy_from(&own);
+        }
+        let seen = Reduced::from_design(&columns).orthonormal(UNSEEN);
+        Some(Self { basis: columns * seen })
+    }
+
+    /// What it leaves of readings, mm rms.
+    fn rms_mm(&self, readings_mm: &DVector<f64>) -> f64 {
+        let left = readings_mm - &self.basis * self.basis.tr_mul(readings_mm);
+        (left.norm_squared() / readings_mm.len().max(1) as f64).sqrt()
+    }
+}
