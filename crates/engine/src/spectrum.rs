@@ -110,7 +110,7 @@ impl AxisSpectrum {
             return None;
         }
         let mut waves = Waves {
-            position: left.positions(joint),
+            position: left.experiment.positions(joint),
             carriers,
             basis: left.basis.clone(),
             residual_mm: left.residual_mm.clone(),

@@ -1,8 +1,9 @@
 //! The plan.
 
 use super::design::CycleDesign;
+use super::options::{HOPELESS_LN, Options};
+use super::rivals::Rivals;
 use super::utility::Utility;
-use super::{HOPELESS_LN, Options, Rivals};
 use std::f64::consts::LN_10;
 use trunnion_core::convert;
 use trunnion_cycles::Cycle;

@@ -6,7 +6,7 @@
 use super::candidates::candidates;
 use super::consideration::{thinned, within_feeds};
 use super::information::{Information, Part, View, finite};
-use super::{Options, PlanError};
+use super::options::{Options, PlanError};
 use crate::Experiment;
 use nalgebra::DMatrix;
 use trunnion_core::{AxisValues, Point, Quality, Setup, State};

@@ -1,9 +1,9 @@
 //! What an experiment would tell of the rivals: expected ln Bayes factors of each against nothing and against every other.
 
-use super::ENOUGH_LN;
 use super::design::CycleDesign;
 use super::information::Information;
 use super::knowledge::Knowledge;
+use super::options::ENOUGH_LN;
 use super::rivals::Rivals;
 use super::separation::{expected_ln, with_unknown_noise};
 use crate::Experiment;
