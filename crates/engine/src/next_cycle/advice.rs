@@ -36,7 +36,7 @@ fn planned(plan: &Plan) -> Option<PlannedCycle> {
         separation_before: plan.before_ln / LN_10,
         separation: row.separation_ln / LN_10,
         separates: row.apart.clone(),
-        text: cycle.to_text(),
+        file: cycle.to_text(),
     })
 }
 

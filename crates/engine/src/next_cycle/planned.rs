@@ -1,11 +1,14 @@
 //! The cycle that was chosen, as a diagnosis carries it.
 
-/// A cycle that separates rivals, with what may be expected of it.
-#[derive(Clone, Debug, PartialEq)]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A cycle that separates effects.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PlannedCycle {
     /// Its name.
     pub name: String,
-    /// What it does, in words.
+    /// What it does.
     pub what: String,
     /// Machine time with mounting, min.
     pub minutes: f64,
@@ -13,8 +16,8 @@ pub struct PlannedCycle {
     pub separation_before: f64,
     /// The same after the cycle.
     pub separation: f64,
-    /// Pairs of effects that it distinguishes.
+    /// Pairs of effects that it separates.
     pub separates: Vec<[String; 2]>,
     /// The cycle file, `trunnion-cycle/1`.
-    pub text: String,
+    pub file: String,
 }
