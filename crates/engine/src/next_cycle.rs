@@ -1,10 +1,10 @@
 //! What to measure next: the cycle that separates rival effects, per minute of machine time (docs/design/statistics.md §6).
 //!
-//! Rivals are effects that the data cannot tell apart, or that the present cycle cannot see at all. Candidate cycles are made
+//! Rivals are effects that the data leave confounded, or that the present cycle cannot see at all. Candidate cycles are made
 //! from the machine and the present setups (`candidates`); for each the states it visits, the columns of rivals and model there
 //! together with the present data (same location errors, ball mounted again), whitened under a few noise models (`information`),
-//! and from these the expected ln Bayes factor of every two rivals: T-optimality (`separation`). Cycles that tell every pair
-//! apart come first, then those that tell the first rival from most others, then those that separate the pairs farthest on
+//! and from these the expected ln Bayes factor of every two rivals: T-optimality (`separation`). Cycles that separate every pair
+//! come first, then those that separate the first rival from most others, then those that separate the pairs farthest on
 //! average, per minute.
 //! Limits: linear in small errors; the noise stays what it is; nothing is charged for the number of parameters.
 

@@ -1,4 +1,4 @@
-//! One candidate cycle on the scales: can the machine run it, how long does it take, what would it tell.
+//! The utility of one candidate cycle: can the machine run it, how long does it take, what would it separate.
 
 use super::answer::Considered;
 use super::candidates::Candidate;

@@ -42,7 +42,9 @@ pub enum PlanError {
     #[error("the cycle cannot be run")]
     Visit(#[from] VisitError),
     /// The model holds one of the rivals already.
-    #[error("the model holds {effect} already, so nothing is left to tell from it; name effects it lacks")]
+    #[error(
+        "the model holds {effect} already, so nothing remains to separate from it; name effects it lacks"
+    )]
     InModel {
         /// Effect id.
         effect: String,
