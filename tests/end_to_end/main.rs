@@ -9,6 +9,7 @@ mod compensation;
 mod demo;
 mod devices;
 mod hybrid;
+mod long_lists;
 mod methods;
 mod nc_program;
 mod outside_data;

@@ -81,7 +81,7 @@ pub struct Found {
 }
 
 impl Answer {
-    /// From the results of one question after the other: the first that found something, or what is worth telling.
+    /// From the results of one question after the other: the first that found something, or what is worth reporting.
     pub async fn first<'a>(questions: impl IntoIterator<Item = Probing<'a>>) -> Self {
         let mut senseless = 0;
         for question in questions {

@@ -5,6 +5,7 @@
 mod commands;
 mod load;
 mod outcome;
+mod output;
 mod terminal;
 
 use clap::{Parser, Subcommand};
@@ -21,6 +22,9 @@ use std::process::ExitCode;
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Print lists in full that are longer than the screen
+    #[arg(long, global = true)]
+    all: bool,
 }
 
 #[derive(Subcommand)]
@@ -49,7 +53,11 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let cli = Cli::parse();
+    if cli.all {
+        terminal::show_all();
+    }
+    let outcome = match cli.command {
         Command::Demo(args) => demo::run(&args),
         Command::Daemon(args) => daemon::run(&args),
         Command::Devices(args) => devices::run(&args),

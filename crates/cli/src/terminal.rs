@@ -1,40 +1,77 @@
-//! The one way text reaches the screen: wrapped to the terminal, and no panic when the reader has gone (`| head`).
+//! The one way text reaches the screen: wrapped to the terminal, long lists folded, and no panic when the reader has gone
+//! (`| head`).
+
+mod fold;
 
 use anyhow::Context;
+use fold::fold;
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use textwrap::{Options, WrapAlgorithm};
 
-/// Columns where nobody says how many there are (a pipe, a file).
-const USUAL_COLUMNS: usize = 80;
-/// Fewer columns than this are taken for a slip of the terminal.
-const FEWEST_COLUMNS: usize = 40;
+/// Columns and lines where nobody says how many there are (a pipe, a file).
+const USUAL: Screen = Screen { columns: 80, lines: 40 };
+/// Fewer than these are taken for a slip of the terminal.
+const FEWEST: Screen = Screen { columns: 40, lines: 10 };
 
-/// Columns of the screen: the terminal's, else those of `COLUMNS`, else 80.
-fn columns(is_terminal: bool) -> usize {
-    let of_terminal = || terminal_size::terminal_size().map(|(width, _)| usize::from(width.0));
-    let of_environment = || std::env::var("COLUMNS").ok()?.parse().ok();
-    let width = if is_terminal { of_terminal().or_else(of_environment) } else { of_environment() };
-    width.unwrap_or(USUAL_COLUMNS).max(FEWEST_COLUMNS)
+/// True after `--all`: lists are not folded.
+static ALL: AtomicBool = AtomicBool::new(false);
+
+/// Size of a screen, characters.
+#[derive(Clone, Copy)]
+struct Screen {
+    columns: usize,
+    lines: usize,
+}
+
+impl Screen {
+    /// The terminal's size, else that of `COLUMNS` and `LINES`, else the usual one.
+    fn now(is_terminal: bool) -> Self {
+        let terminal = terminal_size::terminal_size().filter(|_| is_terminal);
+        let of_environment = |name: &str| std::env::var(name).ok()?.parse().ok();
+        let columns = terminal.map(|(width, _)| width.0.into()).or_else(|| of_environment("COLUMNS"));
+        let lines = terminal.map(|(_, height)| height.0.into()).or_else(|| of_environment("LINES"));
+        Self {
+            columns: columns.unwrap_or(USUAL.columns).max(FEWEST.columns),
+            lines: lines.unwrap_or(USUAL.lines).max(FEWEST.lines),
+        }
+    }
+
+    /// The text as the screen shows it.
+    fn shown(self, text: &str) -> String {
+        let height = |line: &str| wrap(line, self.columns).lines().count().max(1);
+        match ALL.load(Ordering::Relaxed) {
+            true => wrap(text, self.columns),
+            false => wrap(&fold(text, self.lines, &height), self.columns),
+        }
+    }
+}
+
+/// From now on lists are printed in full, however long they are.
+pub fn show_all() {
+    ALL.store(true, Ordering::Relaxed);
 }
 
 /// Prints a result. A reader that closed the pipe is no failure.
 pub fn print(text: &str) -> anyhow::Result<()> {
+    print_verbatim(&Screen::now(std::io::stdout().is_terminal()).shown(text))
+}
+
+/// Prints what other programs read, as it is: a table, a program, a file.
+pub fn print_verbatim(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
-    let text = wrap(text, columns(out.is_terminal()));
     gone_is_fine(out.write_all(text.as_bytes()).and_then(|()| out.flush())).context("writing the result")
 }
 
-/// Prints JSON, indented, with a final newline; never wrapped.
+/// Prints JSON, indented, with a final newline; neither wrapped nor folded.
 pub fn print_json(answer: &impl serde::Serialize) -> anyhow::Result<()> {
-    let text = trunnion::results::to_json(answer).context("writing the result as JSON")?;
-    let mut out = std::io::stdout().lock();
-    gone_is_fine(out.write_all(text.as_bytes()).and_then(|()| out.flush())).context("writing the result")
+    print_verbatim(&trunnion::results::to_json(answer).context("writing the result as JSON")?)
 }
 
 /// Prints a remark or an error, `trunnion: …`, on standard error. Nobody is left to read it when that fails.
 pub fn remark(text: &str) {
     let mut out = std::io::stderr().lock();
-    let text = wrap(&format!("trunnion: {text}\n"), columns(out.is_terminal()));
+    let text = Screen::now(out.is_terminal()).shown(&format!("trunnion: {text}\n"));
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).ok();
 }
 

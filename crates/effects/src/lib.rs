@@ -18,6 +18,7 @@ mod model_effect;
 mod need;
 mod parameter;
 mod path;
+mod phasors;
 mod picture;
 mod reading;
 mod scene;

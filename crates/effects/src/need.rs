@@ -107,7 +107,7 @@ impl Need {
         }
     }
 
-    /// Whether the data of a scene have it for this subject; `None` when the data cannot tell.
+    /// Whether the data of a scene have it for this subject; `None` when the data do not show it.
     pub fn met(self, scene: &Scene, subject: Subject) -> Option<bool> {
         let of_axis = |test: &dyn Fn(Joint) -> bool| match subject {
             Subject::Axis(letter) | Subject::Pair(letter, _) => test(letter),

@@ -28,8 +28,9 @@ pub use fit::identification::{
 pub use fit::identify;
 pub use fit::options::{HeldOut, IdentifyError, Outliers, Uncertainties};
 pub use problem::Problem;
-pub use problem::experiment::{Experiment, ExperimentError};
+pub use problem::experiment::Experiment;
 pub use problem::folds::LeftOut;
+pub use problem::runs::ExperimentError;
 pub use problem::stream::{Nominal, blocks_of, reducer, stations};
 pub use solve::combinations::Combination;
 pub use solve::direction::{Status, Unobservable};

@@ -110,8 +110,12 @@ impl AxisSpectrum {
         if carriers.ncols() == 0 {
             return None;
         }
-        let mut waves =
-            Waves::new(left.positions(joint), carriers, left.basis.clone(), left.residual_mm.clone());
+        let mut waves = Waves::new(
+            left.experiment.positions(joint),
+            carriers,
+            left.basis.clone(),
+            left.residual_mm.clone(),
+        );
         let units = Units { axis, readings: rows.max(1) as f64 };
         let first = waves.scan(&band);
         let mut spectrum = Self {

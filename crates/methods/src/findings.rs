@@ -38,7 +38,7 @@ pub struct FoundValue {
     pub value: f64,
     /// Unit on files and screens.
     pub unit: Unit,
-    /// Standard uncertainty, inside units; `None` when these runs do not tell.
+    /// Standard uncertainty, inside units; `None` when these runs do not show it.
     pub u: Option<f64>,
     /// A remark for a person; may be empty.
     pub note: String,

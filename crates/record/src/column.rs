@@ -44,7 +44,7 @@ impl Column {
             Self::Reading(column) => column.name().into(),
             Self::Temperature(name) => format!("{name}_degc"),
             Self::Feed => "feed_mm_per_min".into(),
-            // A spindle has no commanded angle to tell it from.
+            // A spindle has no commanded angle to distinguish it from.
             Self::Actual(joint) if joint.lower() == SPINDLE => of(joint, ""),
             Self::Actual(joint) => of(joint, "_actual"),
             Self::Speed(joint) => of(joint, "_speed") + "_per_s",

@@ -1,6 +1,7 @@
-//! Rows of comma-separated text, with where each cell stands.
+//! Rows of separated text, with where each cell stands. Comma-separated with decimal points, or as spreadsheets in much of
+//! Europe write it: semicolons (or tabs) with decimal commas. Lines that begin with `#` are remarks.
 
-use csv_core::{ReadFieldResult, Reader};
+use csv_core::{ReadFieldResult, Reader, ReaderBuilder};
 
 /// A cell: the column in characters, from 1, at which its text begins, and the text without spaces around it.
 pub type Cell = (usize, String);
@@ -13,10 +14,24 @@ pub struct Row {
     pub cells: Vec<Cell>,
 }
 
-/// The rows of a text, one after the other; a byte-order mark is passed over, and so are empty rows.
+/// The rows of a text, one after the other; a byte-order mark is passed over, and so are remarks and empty rows.
 pub fn rows(text: &str) -> Rows<'_> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    Rows { text, reader: Reader::new(), cell: vec![0; FIRST_CELL], begins: 0, at: 0, line: 1, ended: false }
+    let separator = separator(text);
+    let reader = ReaderBuilder::new().delimiter(separator).comment(Some(REMARK as u8)).build();
+    let decimal_comma = separator != b',';
+    let cell = vec![0; FIRST_CELL];
+    Rows { text, reader, decimal_comma, cell, begins: 0, at: 0, line: 1, ended: false }
+}
+
+/// Begins a line that is no row.
+const REMARK: char = '#';
+
+/// What separates the cells of the header, which holds names alone.
+fn separator(text: &str) -> u8 {
+    let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with(REMARK)).unwrap_or("");
+    let others = [b';', b'\t'].into_iter().find(|other| header.bytes().any(|byte| byte == *other));
+    others.filter(|_| !header.contains(',')).unwrap_or(b',')
 }
 
 /// Room for a cell at first, bytes; it grows when a longer one comes.
@@ -26,6 +41,7 @@ const FIRST_CELL: usize = 256;
 pub struct Rows<'a> {
     text: &'a str,
     reader: Reader,
+    decimal_comma: bool,
     cell: Vec<u8>,
     /// Where the next cell begins, and how far the text is read.
     begins: usize,
@@ -66,14 +82,16 @@ impl Rows<'_> {
                     break;
                 }
             };
-            // Line ends of rows that were empty are read with the cell behind them.
+            // Line ends of rows that were empty, and remarks, are read with the cell behind them.
             let raw = &self.text[self.begins..self.at];
-            let cell = if row.cells.is_empty() { raw.trim_start_matches(['\r', '\n']) } else { raw };
+            let cell = if row.cells.is_empty() { behind_remarks(raw) } else { raw };
             self.line += line_ends(&raw[..raw.len() - cell.len()]);
             if row.cells.is_empty() {
                 row.line = self.line;
             }
-            row.cells.push((column + leading(cell), bare(&String::from_utf8_lossy(&self.cell[..length]))));
+            let text = bare(&String::from_utf8_lossy(&self.cell[..length]));
+            row.cells
+                .push((column + leading(cell), if self.decimal_comma { with_point(text) } else { text }));
             self.line += line_ends(cell);
             (self.begins, length, column) = (self.at, 0, column + cell.chars().count());
             if record_end {
@@ -82,6 +100,23 @@ impl Rows<'_> {
         }
         None
     }
+}
+
+/// What follows empty lines and remarks.
+fn behind_remarks(mut raw: &str) -> &str {
+    loop {
+        raw = raw.trim_start_matches(['\r', '\n']);
+        match raw.strip_prefix(REMARK) {
+            Some(remark) => raw = remark.split_once('\n').map_or("", |(_, behind)| behind),
+            None => return raw,
+        }
+    }
+}
+
+/// A number with a decimal comma as one with a point; any other text as it is.
+fn with_point(text: String) -> String {
+    let number = text.replacen(',', ".", 1);
+    if text.contains(',') && number.parse::<f64>().is_ok() { number } else { text }
 }
 
 fn line_ends(raw: &str) -> usize {
@@ -119,5 +154,8 @@ mod tests {
         check("\u{feff}µ,b\r\n\r\n  \r\n1,", &[(1, &[(1, "µ"), (3, "b")]), (4, &[(1, "1"), (3, "")])]);
         check("a\n\n\n\"x, y\", \"z\" ,", &[(1, &[(1, "a")]), (4, &[(1, "x, y"), (9, "z"), (14, "")])]);
         check("a,b", &[(1, &[(1, "a"), (3, "b")])]);
+        check("# by hand, twice\na,b\n#\n1,2", &[(2, &[(1, "a"), (3, "b")]), (4, &[(1, "1"), (3, "2")])]);
+        check("a;b\r\n1,5;x,y\r\n", &[(1, &[(1, "a"), (3, "b")]), (2, &[(1, "1.5"), (5, "x,y")])]);
+        check("a\tb\n-1,5\t\"2,25\"", &[(1, &[(1, "a"), (3, "b")]), (2, &[(1, "-1.5"), (6, "2.25")])]);
     }
 }

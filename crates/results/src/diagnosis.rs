@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use trunnion_effects::Formula;
 use trunnion_engine as engine;
 
+pub use trunnion_engine::next_cycle::PlannedCycle;
+
 /// `trunnion-diagnosis/1`: the answer of a diagnosis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Diagnosis {
@@ -210,25 +212,6 @@ pub struct NextCycle {
     pub cycle: Option<PlannedCycle>,
 }
 
-/// A cycle that separates effects.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct PlannedCycle {
-    /// Its name.
-    pub name: String,
-    /// What it does.
-    pub what: String,
-    /// Machine time with mounting, min.
-    pub minutes: f64,
-    /// log₁₀ of the expected odds between the hardest pair in the present data.
-    pub separation_before: f64,
-    /// The same after the cycle.
-    pub separation: f64,
-    /// Pairs of effects that it separates.
-    pub separates: Vec<[String; 2]>,
-    /// The cycle file, `trunnion-cycle/1`.
-    pub file: String,
-}
-
 impl Verdict {
     /// The word in JSON.
     pub fn as_str(self) -> &'static str {
@@ -369,15 +352,6 @@ impl From<&engine::FormulaProposal> for FormulaProposal {
 
 impl From<&engine::NextCycle> for NextCycle {
     fn from(next: &engine::NextCycle) -> Self {
-        let planned = |cycle: &engine::next_cycle::PlannedCycle| PlannedCycle {
-            name: cycle.name.clone(),
-            what: cycle.what.clone(),
-            minutes: cycle.minutes,
-            separation_before: cycle.separation_before,
-            separation: cycle.separation,
-            separates: cycle.separates.clone(),
-            file: cycle.text.clone(),
-        };
-        Self { suggestion: next.suggestion.clone(), cycle: next.cycle.as_ref().map(planned) }
+        Self { suggestion: next.suggestion.clone(), cycle: next.cycle.clone() }
     }
 }

@@ -6,6 +6,8 @@
 mod axis_errors;
 mod comparison;
 mod compensation;
+mod demo;
+mod devices;
 mod diagnosis;
 mod findings;
 mod identification;
@@ -13,6 +15,7 @@ mod json;
 mod ladder;
 mod left_out;
 mod location;
+mod nc_program;
 pub mod number;
 mod plan;
 mod plausibility;
@@ -23,6 +26,7 @@ mod schema;
 pub mod sentences;
 mod time_quality;
 mod volumetric;
+mod written;
 
 pub use axis_errors::{AxisErrors, AxisErrorsFormat, AxisTable};
 pub use comparison::{
@@ -30,6 +34,8 @@ pub use comparison::{
     ResidualsBeforeAfter, Then, Trial, TrialFormat,
 };
 pub use compensation::{CompensationAxis, CompensationFormat, CompensationSummary, CompensationValues};
+pub use demo::{Demo, DemoFormat, DemoStep};
+pub use devices::{CheckedDevice, DevicePlace, DevicesChecked, DevicesFormat, DevicesFound};
 pub use diagnosis::{
     Candidate, Diagnosis, DiagnosisFormat, FormulaProposal, LearnedNoise, NextCycle, OpenEffect,
     PlannedCycle, Residual, ShapeNumber, Verdict,
@@ -45,6 +51,7 @@ pub use json::to_json;
 pub use ladder::{Added, Ladder, LadderEntry, LadderFormat, LadderRow, Moved, Removed};
 pub use left_out::LeftOutEffect;
 pub use location::{LocationError, LocationErrors};
+pub use nc_program::{NcProgram, NcProgramFormat};
 pub use plan::{Considered, Goal, LeftOpen, NextPlanned, Plan, PlanFormat};
 pub use plausibility::{Check, CheckFormat, Plausibility};
 pub use prediction::{Prediction, PredictionFormat, RunPrediction};
@@ -55,3 +62,4 @@ pub use time_quality::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
 pub use volumetric::{
     Datum, ErrorAt, ErrorMap, ErrorMapFormat, Unseen, Volumetric, VolumetricFormat, VolumetricValue,
 };
+pub use written::{Imported, Simulation, SimulationFormat};

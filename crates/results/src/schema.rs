@@ -1,8 +1,9 @@
 //! The JSON schemas, generated from the types.
 
 use crate::{
-    Added, AxisErrors, Check, Comparison, CompensationSummary, Diagnosis, ErrorMap, Findings, Identification,
-    Ladder, Plan, Prediction, Preview, Removed, TimeQuality, Trial, Volumetric, to_json,
+    Added, AxisErrors, Check, Comparison, CompensationSummary, Demo, DevicesChecked, DevicesFound, Diagnosis,
+    ErrorMap, Findings, Identification, Imported, Ladder, NcProgram, Plan, Prediction, Preview, Removed,
+    Simulation, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -26,6 +27,12 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("axis-errors", schema_for!(AxisErrors)),
         ("compensation-summary", schema_for!(CompensationSummary)),
         ("time-quality", schema_for!(TimeQuality)),
+        ("nc-program", schema_for!(NcProgram)),
+        ("simulation", schema_for!(Simulation)),
+        ("imported", schema_for!(Imported)),
+        ("demo", schema_for!(Demo)),
+        ("devices-found", schema_for!(DevicesFound)),
+        ("devices-checked", schema_for!(DevicesChecked)),
     ]
 }
 

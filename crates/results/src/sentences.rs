@@ -8,7 +8,7 @@ use crate::{
 use trunnion_effects::catalogue::effect;
 use trunnion_effects::{About, SOURCES};
 
-/// A parameter is worth telling when it exceeds this many standard uncertainties.
+/// A parameter is worth reporting when it exceeds this many standard uncertainties.
 const CLEAR_U: f64 = 3.0;
 /// A turn is weighed against a shift at this distance, mm.
 const LEVER_MM: f64 = 100.0;

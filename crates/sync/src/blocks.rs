@@ -93,7 +93,7 @@ pub struct Reducer<F> {
 struct Stream {
     hampel: Hampel,
     open: Option<Cell>,
-    /// Last sample taken, to tell whether the next one goes on from it.
+    /// Last sample taken, to see whether the next one goes on from it.
     last: Option<Last>,
 }
 

@@ -151,7 +151,7 @@ pub struct BallOffset {
 }
 
 /// Centre shift of the ball from readings at indexed spindle angles (rad, reading in nest axes, mm); the spindle is
-/// parallel to nest z and turns right-handed about it. `None` when the angles do not tell offset from centre.
+/// parallel to nest z and turns right-handed about it. `None` when the angles do not separate offset from centre.
 pub fn ball_offset(readings: &[(f64, Vector3<f64>)]) -> Option<BallOffset> {
     let readings: Vec<_> = readings.iter().filter(|(_, s)| s.x.is_finite() && s.y.is_finite()).collect();
     let n = readings.len();

@@ -169,7 +169,7 @@ impl StaticCycle {
         if self.next + 1 < self.poses.len() {
             self.early = Some(point);
         } else {
-            self.decide(point, state.time_s, events); // no later dwell could tell more
+            self.decide(point, state.time_s, events); // no later dwell could show more
         }
     }
 

@@ -27,7 +27,7 @@ pub struct StreamTiming {
     /// Lines fitted: one for each connection, and one more after each jump of the clock.
     pub lines: usize,
     /// Drift of the device's clock against the host's, weighted by samples, 1e-6; `None` without arrivals, or while a run is too
-    /// short to tell.
+    /// short to show it.
     pub drift_ppm: Option<f64>,
     /// Spread of the arrivals about the line (rms), s: the error of a sample stamped on arrival.
     pub jitter_before_s: Option<f64>,

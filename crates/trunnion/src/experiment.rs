@@ -156,7 +156,7 @@ impl Experiment {
         &self.opened.reductions
     }
 
-    /// How well each run with time stamps is known in time; the last one with what the sweeps tell of delays.
+    /// How well each run with time stamps is known in time; the last one with what the sweeps show of delays.
     ///
     /// # Errors
     /// When the fit behind the delays fails.

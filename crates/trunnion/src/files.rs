@@ -34,12 +34,23 @@ pub fn machine_text(name: &str) -> Result<String, Error> {
     }
 }
 
-/// Reads a text file; the error names it.
+/// Reads a text file, UTF-8 or with the mark of UTF-16 at its beginning; the error names it.
 ///
 /// # Errors
 /// A file that cannot be read.
 pub fn read(path: &Path) -> Result<String, Error> {
-    std::fs::read_to_string(path).map_err(Error::read(path))
+    let bytes = std::fs::read(path).map_err(Error::read(path))?;
+    decoded(bytes).map_err(|why| Error::read(path)(std::io::Error::new(std::io::ErrorKind::InvalidData, why)))
+}
+
+fn decoded(bytes: Vec<u8>) -> Result<String, String> {
+    let unit: fn([u8; 2]) -> u16 = match bytes[..] {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        _ => return String::from_utf8(bytes).map_err(|error| format!("it is no text in UTF-8: {error}")),
+    };
+    let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
+    String::from_utf16(&units).map_err(|error| format!("it is no text in UTF-16: {error}"))
 }
 
 /// Writes a text file whole or not at all: next to it first, then under its name.

@@ -21,7 +21,7 @@ const TWO_FEEDS: f64 = 1.3;
 /// Share of the stroke by which a probe may miss what the nest calibration expects of it.
 const GAIN_SLACK: f64 = 0.25;
 
-/// What the stamps of a recording tell.
+/// What the stamps of a recording show.
 pub struct Timing {
     /// For the report.
     pub quality: TimeQuality,
@@ -193,7 +193,7 @@ fn nest_motion(plan: &Plan, axis: Joint, position: &AxisValues<f64>) -> Vector3<
     }
 }
 
-/// What the sweeps of an experiment tell of the delay between rotary and linear axes, and of the probes where their motion shows
+/// What the sweeps of an experiment show of the delay between rotary and linear axes, and of the probes where their motion shows
 /// it; `None` at rest. With one feed, or in one direction, a delay looks like backlash or the phase of a once-per-turn error:
 /// then it is only said what is missing [docs/design/physics.md §9.8].
 ///

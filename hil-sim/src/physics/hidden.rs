@@ -150,7 +150,7 @@ pub fn random(machine: &Machine, seed: u64) -> HiddenChoice {
 }
 
 /// Catalogued effects of which the S1 grid keeps most after location errors and settings are fitted, and that it
-/// can tell from each other (docs/design/statistics.md §4.4).
+/// can separate from each other (docs/design/statistics.md §4.4).
 const SHOWN_BY_A_STATIC_RUN: [&str; 13] = [
     "gravity-sag:B",
     "gravity-sag:A",

@@ -8,8 +8,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use trunnion_tests::workspace_root;
 
-/// Crates that still have circles, with the reason.
-const NOT_YET: [(&str, &str); 1] = [("engine", "one Problem is being built")];
+/// Files that are in a circle still, with the reason.
+const NOT_YET: [(&str, &str); 2] = [
+    ("crates/engine/src/diagnosis/families.rs", "its folder is being rebuilt"),
+    ("crates/engine/src/noise/machine_noise.rs", "its folder is being rebuilt"),
+];
 
 /// The names of a path; that of a module begins at the root of its crate.
 type Names = Vec<String>;
@@ -33,15 +36,12 @@ fn no_crate_has_a_circle_of_files() {
         std::fs::read_dir(root.join("crates")).unwrap().map(|entry| entry.unwrap().path()).collect();
     folders.extend([root.join("hil-sim"), root.join("tests")]);
     folders.sort();
-    let mut found = Vec::new();
-    for folder in folders.iter().map(|folder| folder.join("src")).filter(|folder| folder.is_dir()) {
-        let name = folder.parent().and_then(Path::file_name).unwrap().to_string_lossy().into_owned();
-        let circles = circles(&arrows(&sources(&folder)));
-        let waits = NOT_YET.iter().any(|(listed, _)| *listed == name);
-        assert!(!waits || !circles.is_empty(), "{name} has no circle any more; take it from NOT_YET");
-        if !waits {
-            found.extend(circles);
-        }
+    let folders = folders.iter().map(|folder| folder.join("src")).filter(|folder| folder.is_dir());
+    let mut found: Vec<String> = folders.flat_map(|folder| circles(&arrows(&sources(&folder)))).collect();
+    for (file, _) in NOT_YET {
+        let before = found.len();
+        found.retain(|circle| !circle.contains(&format!("\n  {file} ->")));
+        assert!(found.len() < before, "{file} is in no circle any more; take it from NOT_YET");
     }
     assert!(found.is_empty(), "{} circles of files:\n{}", found.len(), found.join("\n"));
 }

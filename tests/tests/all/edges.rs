@@ -80,8 +80,56 @@ fn members() -> Vec<(String, toml::Table)> {
 }
 
 fn dependencies(manifest: &toml::Table) -> BTreeSet<String> {
-    let table = |key: &str| manifest.get(key).and_then(|t| t.as_table()).cloned().unwrap_or_default();
-    table("dependencies").keys().cloned().collect()
+    table(manifest, "dependencies").into_iter().map(|(name, _)| name).collect()
+}
+
+/// The same with those of tests and build scripts, and of single platforms.
+fn every_dependency(manifest: &toml::Table) -> BTreeSet<String> {
+    let platforms = table(manifest, "target").into_iter().filter_map(|(_, value)| value.as_table().cloned());
+    let kinds = ["dependencies", "dev-dependencies", "build-dependencies"];
+    let of_kinds = |manifest: toml::Table| kinds.map(|kind| table(&manifest, kind)).into_iter().flatten();
+    platforms.chain([manifest.clone()]).flat_map(of_kinds).map(|(name, _)| name).collect()
+}
+
+fn table(manifest: &toml::Table, key: &str) -> toml::Table {
+    manifest.get(key).and_then(|table| table.as_table()).cloned().unwrap_or_default()
+}
+
+/// Names in the first column of the table of outside crates, without those that have no reason in the second.
+fn reasoned(architecture: &str) -> BTreeSet<String> {
+    let section = architecture.split("\n## ").find(|section| section.starts_with("Outside crates")).unwrap();
+    let rows = section.lines().filter(|line| line.starts_with("| `"));
+    let cells = rows.map(|row| row.split('|').map(str::trim).collect::<Vec<_>>());
+    let names = |cells: Vec<&str>| {
+        let names = cells[1].split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
+        if cells[2].is_empty() { Vec::new() } else { names }
+    };
+    cells.flat_map(names).collect()
+}
+
+#[test]
+fn every_outside_crate_has_its_reason_in_architecture() {
+    let architecture = std::fs::read_to_string(workspace_root().join("ARCHITECTURE.md")).unwrap();
+    let used: BTreeSet<String> = members()
+        .iter()
+        .flat_map(|(_, manifest)| every_dependency(manifest))
+        .filter(|name| !name.starts_with("trunnion"))
+        .collect();
+    let reasoned = reasoned(&architecture);
+    let without: Vec<_> = used.difference(&reasoned).collect();
+    assert!(without.is_empty(), "no line in ARCHITECTURE.md, Outside crates: {without:?}");
+    let unused: Vec<_> = reasoned.difference(&used).collect();
+    assert!(unused.is_empty(), "ARCHITECTURE.md has a line for what no crate uses: {unused:?}");
+}
+
+#[test]
+fn dependencies_of_every_kind_and_reasons_are_found() {
+    let manifest = "[dependencies]\na = \"1\"\n[dev-dependencies]\nb.workspace = true\n[build-dependencies]\nc = \"1\"\n\
+                    [target.'cfg(unix)'.dependencies]\nd = \"1\"\n";
+    let found = every_dependency(&manifest.parse().unwrap());
+    assert_eq!(found.into_iter().collect::<Vec<_>>(), ["a", "b", "c", "d"]);
+    let text = "\n## Crates\n| `no` | x |\n## Outside crates\n| crate | why |\n|---|---|\n| `a`, `b` | x |\n| `c` | |\n\n## Next\n| `no` | x |";
+    assert_eq!(reasoned(text).into_iter().collect::<Vec<_>>(), ["a", "b"]);
 }
 
 #[test]

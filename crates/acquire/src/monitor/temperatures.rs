@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use trunnion_core::HostTime;
 use trunnion_core::reading::TemperatureReading;
 
-/// Something to tell about a temperature.
+/// Something to report about a temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Absence {
     /// From here on it has no value.

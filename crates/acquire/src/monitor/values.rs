@@ -29,7 +29,7 @@ const EARLY_READINGS: u32 = WINDOW_READINGS / 2;
 const RESTLESS_WINDOWS: u32 = 10;
 const LEAST_LEVELS: u64 = 4;
 
-/// Something to tell about a channel.
+/// Something to report about a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Finding {
     /// From here on the device sends no values but this number.

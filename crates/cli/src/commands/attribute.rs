@@ -1,11 +1,9 @@
 //! `trunnion attribute`: which axis made the deviation, from the axes' own encoders.
 
 use crate::outcome::Outcome;
-use crate::{load, terminal};
-use anyhow::Context;
+use crate::{load, output};
 use std::path::PathBuf;
 use trunnion::Attributed;
-use trunnion::report::{findings_html, findings_text};
 
 /// Find out which axis made the deviation of a recording on the fly
 ///
@@ -36,17 +34,6 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let Attributed { findings, damage } = trunnion::attribute_run(&args.run, args.knot_s, args.smooth)?;
     let outcome = load::outcome(damage.map(|damage| format!("{}: {damage}", args.run.display())));
-    if let Some(path) = &args.html {
-        std::fs::write(path, findings_html(&findings, &trunnion::page::label()))
-            .with_context(|| format!("cannot write {}", path.display()))?;
-    }
-    if args.json {
-        terminal::print_json(&findings)?;
-    } else {
-        terminal::print(&findings_text(&findings))?;
-        if let Some(path) = &args.html {
-            terminal::print(&format!("page: {}\n", path.display()))?;
-        }
-    }
+    output::findings(&findings, args.html.as_deref(), args.json)?;
     Ok(outcome)
 }

@@ -3,9 +3,9 @@
 use super::add::FormulaArgs;
 use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, terminal};
-use anyhow::{Context, bail};
-use std::path::{Path, PathBuf};
+use crate::{load, output, terminal};
+use anyhow::bail;
+use std::path::PathBuf;
 use trunnion::results::{Comparison, Trial};
 use trunnion::{Fit, FormulaText};
 
@@ -54,13 +54,13 @@ fn compare(args: &Args, fit: &Fit) -> anyhow::Result<()> {
     // A page shows the best candidate at work.
     let compared = if args.html.is_some() { compared.with_best()? } else { compared };
     if let Some(path) = &args.html {
-        write(path, &compared.page())?;
+        output::write(path, &compared.page())?;
     }
     if args.json {
         return terminal::print_json(&Comparison { html: html(args), ..compared.results() });
     }
     terminal::print(&compared.summary())?;
-    report_page(args)
+    output::report_page(args.html.as_deref())
 }
 
 fn try_effect(args: &Args, fit: &Fit, effect: &str, formula: &FormulaText) -> anyhow::Result<()> {
@@ -69,26 +69,15 @@ fn try_effect(args: &Args, fit: &Fit, effect: &str, formula: &FormulaText) -> an
     }
     let trial = fit.try_effect(effect, formula)?;
     if let Some(path) = &args.html {
-        write(path, &trial.page())?;
+        output::write(path, &trial.page())?;
     }
     if args.json {
         return terminal::print_json(&Trial { html: html(args), ..trial.results() });
     }
     terminal::print(&trial.summary())?;
-    report_page(args)
+    output::report_page(args.html.as_deref())
 }
 
 fn html(args: &Args) -> Option<String> {
     args.html.as_ref().map(|path| path.display().to_string())
-}
-
-fn write(path: &Path, page: &str) -> anyhow::Result<()> {
-    std::fs::write(path, page).with_context(|| format!("cannot write {}", path.display()))
-}
-
-fn report_page(args: &Args) -> anyhow::Result<()> {
-    if let Some(path) = &args.html {
-        terminal::print(&format!("page: {}\n", path.display()))?;
-    }
-    Ok(())
 }

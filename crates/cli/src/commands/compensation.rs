@@ -2,7 +2,7 @@
 
 use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, terminal};
+use crate::{load, output, terminal};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
 use trunnion::report::{axis_errors_text, compensation};
@@ -46,10 +46,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let values = if args.corrections { CompensationValues::Correction } else { CompensationValues::Error };
     let text = (format.write)(&errors, values);
     let Some(path) = &args.output else {
-        terminal::print(&text)?;
+        terminal::print_verbatim(&text)?;
         return Ok(outcome);
     };
-    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    output::write(path, &text)?;
     if args.json {
         terminal::print_json(&CompensationSummary::new(&errors, values, path.display().to_string()))?;
     } else {

@@ -8,7 +8,7 @@ mod story;
 
 use crate::commands::daemon::log_to_stderr;
 use crate::outcome::Outcome;
-use crate::terminal;
+use crate::{output, terminal};
 use anyhow::{Context, bail};
 use progress_bar::ProgressBar;
 use std::path::{Path, PathBuf};
@@ -17,9 +17,9 @@ use std::time::Duration;
 use story::{story, truth_text};
 use tokio_util::sync::CancellationToken;
 use trunnion::cycles::{Cycle, Motion};
-use trunnion::results::TimeQuality;
 use trunnion::results::number::um;
 use trunnion::results::sentences::repeatability;
+use trunnion::results::{Demo, DemoFormat, DemoStep, TimeQuality};
 use trunnion::{Model, page};
 use trunnion_acquire::config::channels;
 use trunnion_core::Clock;
@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 async fn demo(args: &Args) -> anyhow::Result<Outcome> {
-    let tell = |text: &str| if args.json { Ok(()) } else { terminal::print(text) };
+    let show = |text: &str| if args.json { Ok(()) } else { terminal::print(text) };
     let static_cycle = Cycle::parse("demo-static.toml", STATIC_CYCLE)?;
     let machine = trunnion::files::machine(&static_cycle.machine)?;
     let poses = static_cycle.poses(&machine).context("the demo machine follows the ball")?;
@@ -88,25 +88,25 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     let truth =
         Truth::draw(&machine, &setups, &choices, scenario::duration_s(stations.len(), PACE), args.seed)?;
     let truth_path = args.output.join("truth.toml");
-    write(&truth_path, &truth.to_toml())?;
+    output::write(&truth_path, &truth.to_toml())?;
     let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth)?);
 
-    tell(&format!(
+    show(&format!(
         "A simulated five-axis machine ({}) with errors of its own{}. The truth is sealed.\n\
          Three probes on serial ports and the controller on the network; the program knows only what they say.\n\n",
         machine.name,
         if args.hidden == "none" { "" } else { " and something hidden" },
     ))?;
-    tell(&format!("Static cycle: {} poses, two heights, both directions.\n", stations.len()))?;
+    show(&format!("Static cycle: {} poses, two heights, both directions.\n", stations.len()))?;
     let world = scenario::static_cycle(virtual_machine.clone(), &static_cycle.name, &stations, PACE)?;
     let recorded = measure(args, &static_cycle, STATIC_CYCLE, world, "static").await?;
-    tell(&format!("Recorded {}\n\n", recorded.path.display()))?;
+    show(&format!("Recorded {}\n\n", recorded.path.display()))?;
 
     let date = daemon::day(SystemClock::start().wall_ns());
     let (path, base) = (recorded.path.clone(), Model::base(&machine.name));
     let analysed =
         tokio::task::spawn_blocking(move || daemon::analyse_recording(&path, &base, &date)).await??;
-    tell(&story(&analysed))?;
+    show(&story(&analysed))?;
 
     let mut losses = page::losses(&recorded.gaps, recorded.lost_samples);
     let mut timing: Vec<TimeQuality> = Vec::new();
@@ -114,7 +114,7 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         None
     } else {
         let sweep_cycle = Cycle::parse("demo-sweep-c.toml", SWEEP_CYCLE)?;
-        tell("\nOn-the-fly cycle: C turns both ways at two feeds.\n")?;
+        show("\nOn-the-fly cycle: C turns both ways at two feeds.\n")?;
         let world = sweep_world(virtual_machine.clone(), &sweep_cycle)?;
         let swept = measure(args, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c").await?;
         losses.extend(page::losses(&swept.gaps, swept.lost_samples));
@@ -122,7 +122,7 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         // What a turning C cannot show is left out, not guessed.
         let fit = swept_runs.fit_within_reach(analysed.fit().model())?.results();
         timing.extend(swept_runs.time_quality()?);
-        tell(&format!(
+        show(&format!(
             "Recorded {}; {} points while turning. The model of the static cycle leaves {} there, {}.\n",
             swept.path.display(),
             fit.points,
@@ -133,33 +133,31 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     };
 
     for loss in &losses {
-        tell(&format!("Data loss: {loss}\n"))?;
+        show(&format!("Data loss: {loss}\n"))?;
     }
     let report = args.output.join("report.html");
     let compared = analysed.compare()?.with_losses(&losses).with_time_quality(&timing);
-    write(&report, &compared.page())?;
+    output::write(&report, &compared.page())?;
     let model_path = args.output.join("model.toml");
     analysed.fit().model().save(&model_path)?;
-    tell(&format!("\nReport: {}\nModel:  {}\n", report.display(), model_path.display()))?;
-    tell(&format!("\nThe seal is broken. {}\n", truth_text(&virtual_machine, &analysed, &truth_path)))?;
+    show(&format!("\nReport: {}\nModel:  {}\n", report.display(), model_path.display()))?;
+    show(&format!("\nThe seal is broken. {}\n", truth_text(&virtual_machine, &analysed, &truth_path)))?;
     if args.json {
-        terminal::print_json(&serde_json::json!({
-            "format": "trunnion-demo/1",
-            "seed": args.seed,
-            "hidden": virtual_machine.truth().hidden.iter().map(hidden::Hidden::id).collect::<Vec<_>>(),
-            "found": analysed.added(),
-            "verdict": analysed.first().results().verdict.as_str(),
-            "diagnosis": analysed.first().results(),
-            "ladder": analysed.fit().model().ladder().added().map(|(effect, row)| serde_json::json!({
-                "effect": effect, "error_before_um": row.error_before_um, "error_after_um": row.error_after_um,
-                "holdout_before_um": row.holdout_before_um, "holdout_after_um": row.holdout_after_um,
-            })).collect::<Vec<_>>(),
-            "identification": analysed.fit().results(),
-            "last_diagnosis": analysed.last().results(),
-            "on_the_fly": on_the_fly,
-            "report": report.display().to_string(),
-            "losses": losses,
-        }))?;
+        let ladder = analysed.fit().model().ladder();
+        terminal::print_json(&Demo {
+            format: DemoFormat::V1,
+            seed: args.seed,
+            hidden: virtual_machine.truth().hidden.iter().map(hidden::Hidden::id).collect(),
+            found: analysed.added().into_iter().map(String::from).collect(),
+            verdict: analysed.first().results().verdict,
+            diagnosis: analysed.first().results(),
+            ladder: ladder.added().map(|(effect, row)| DemoStep::new(effect, row)).collect(),
+            identification: analysed.fit().results(),
+            last_diagnosis: analysed.last().results(),
+            on_the_fly,
+            report: report.display().to_string(),
+            losses: losses.clone(),
+        })?;
     }
     Ok(if losses.is_empty() { Outcome::Done } else { Outcome::DataLoss })
 }
@@ -268,8 +266,4 @@ fn config_text(ports: &Path, agent: &str, recordings: &Path) -> String {
         );
     }
     text + &format!("\n[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{agent}\"\n")
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }

@@ -55,7 +55,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     let looks = runtime.block_on(look_at(chosen, args.driver.clone()));
     if args.json {
-        terminal::print_json(&show::json(&looks))?
+        terminal::print_json(&show::value(&looks))?
     } else {
         terminal::print(&show::text(&looks))?
     }

@@ -1,8 +1,7 @@
 //! `trunnion export`: the points of a recording as a table.
 
 use crate::outcome::Outcome;
-use crate::{load, terminal};
-use anyhow::Context;
+use crate::{load, output, terminal};
 use std::path::PathBuf;
 
 /// Export a recording as a table
@@ -26,10 +25,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let (table, damage) = trunnion::tables::export_csv(&args.run)?;
     let outcome = load::outcome(damage);
     match &args.output {
-        None => terminal::print(&table)?,
-        Some(path) => {
-            std::fs::write(path, table).with_context(|| format!("cannot write {}", path.display()))?
-        }
+        None => terminal::print_verbatim(&table)?,
+        Some(path) => output::write(path, &table)?,
     }
     Ok(outcome)
 }

@@ -3,10 +3,9 @@
 
 use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, terminal};
-use anyhow::Context;
+use crate::{load, output, terminal};
 use std::path::PathBuf;
-use trunnion::report::{findings_html, findings_text, identification_text, location_text, timing_text};
+use trunnion::report::{identification_text, location_text, timing_text};
 use trunnion::{Convention, EVERY_METHOD, MethodOptions, Notation, method};
 
 /// Identify the machine's errors from recordings
@@ -91,14 +90,6 @@ fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
     let axis = args.axis.as_deref().map(|name| experiment.rotary_joint(name)).transpose()?;
     let options = MethodOptions { axis, convention: args.convention };
     let findings = experiment.by_method(name, &options)?;
-    if let Some(path) = &args.html {
-        std::fs::write(path, findings_html(&findings, &trunnion::page::label()))
-            .with_context(|| format!("cannot write {}", path.display()))?;
-    }
-    if args.json {
-        terminal::print_json(&findings)?;
-    } else {
-        terminal::print(&findings_text(&findings))?;
-    }
+    output::findings(&findings, args.html.as_deref(), args.json)?;
     Ok(outcome)
 }

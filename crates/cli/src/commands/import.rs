@@ -4,6 +4,7 @@ use crate::outcome::Outcome;
 use crate::terminal;
 use std::path::PathBuf;
 use trunnion::cycles::RunKind;
+use trunnion::results::Imported;
 
 /// Import a points file (points.csv with setup.toml) as a recording
 ///
@@ -36,9 +37,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let kind = if args.kind == "static" { RunKind::Static } else { RunKind::OnTheFly };
     let (run, points) = trunnion::tables::import(kind, &args.points, &setup_path, &args.output)?;
     if args.json {
-        let summary = serde_json::json!({ "run": args.output.display().to_string(), "points": points,
-            "setups": run.setups.len(), "machine": run.machine.name });
-        terminal::print_json(&summary)?;
+        terminal::print_json(&Imported {
+            run: args.output.display().to_string(),
+            points,
+            setups: run.setups.len(),
+            machine: run.machine.name,
+        })?;
     } else {
         let setups = run.setups.len();
         terminal::print(&format!("{points} points of {setups} setups -> {}\n", args.output.display()))?;

@@ -1,8 +1,7 @@
 //! `trunnion ladder`: the effects added so far, with the error after each.
 
 use crate::outcome::Outcome;
-use crate::terminal;
-use anyhow::Context;
+use crate::{output, terminal};
 use std::path::PathBuf;
 use trunnion::Model;
 use trunnion::report::{ladder_html, ladder_text};
@@ -27,8 +26,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let model = Model::load(&args.model)?;
     let ladder = model.ladder();
     if let Some(path) = &args.html {
-        std::fs::write(path, ladder_html(&model.entries().machine, &ladder))
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        output::write(path, &ladder_html(&model.entries().machine, &ladder))?;
     }
     if args.json {
         terminal::print_json(&ladder)?;

@@ -1,11 +1,13 @@
 //! `trunnion nc-program`: a cycle as a program of the machine's controller.
 
 use crate::outcome::Outcome;
-use crate::terminal;
+use crate::{output, terminal};
 use anyhow::{Context, bail};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use trunnion::Machine;
 use trunnion::cycles::{CourseRules, DIALECTS, Pace, dialect, nc_program};
+use trunnion::results::{NcProgram, NcProgramFormat};
 use trunnion_core::{State, convert};
 
 /// Write a cycle as an NC program
@@ -46,24 +48,24 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let rules = rules(args)?;
     let dialect = dialect(&args.dialect).context("the command line allows known dialects only")?;
     let program = nc_program(&args.cycle, dialect, &rules, args.decimals.map(usize::from))?;
-    let text = &program.text;
     if args.json {
-        terminal::print_json(&serde_json::json!({
-            "format": "trunnion-nc-program/1",
-            "cycle": program.cycle.name,
-            "dialect": dialect.name,
-            "minutes": program.duration_s / 60.0,
-            "chord_um": args.chord_um,
-            "visits": program.visits.iter().map(|state| visit(&program.machine, state)).collect::<Vec<_>>(),
-            "program": text,
-        }))?;
+        terminal::print_json(&NcProgram {
+            format: NcProgramFormat::V1,
+            cycle: program.cycle.name,
+            dialect: dialect.name.into(),
+            minutes: program.duration_s / 60.0,
+            chord_um: args.chord_um,
+            visits: program.visits.iter().map(|state| visit(&program.machine, state)).collect(),
+            program: program.text,
+        })?;
         return Ok(Outcome::Done);
     }
+    let text = &program.text;
     let Some(path) = &args.output else {
-        terminal::print(text)?;
+        terminal::print_verbatim(text)?;
         return Ok(Outcome::Done);
     };
-    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    output::write(path, text)?;
     let lines = text.lines().count();
     let minutes = program.duration_s / 60.0;
     terminal::print(&format!(
@@ -93,8 +95,8 @@ fn rules(args: &Args) -> anyhow::Result<CourseRules> {
 }
 
 /// Positions in mm and degrees, and the speed where the axis is read in motion, degrees/s.
-fn visit(machine: &Machine, state: &State) -> serde_json::Value {
-    let mut value = serde_json::Map::new();
+fn visit(machine: &Machine, state: &State) -> BTreeMap<String, f64> {
+    let mut value = BTreeMap::new();
     for axis in machine.axes() {
         let letter = axis.letter;
         let (unit, at, speed) = if letter.is_rotary() {
@@ -106,10 +108,10 @@ fn visit(machine: &Machine, state: &State) -> serde_json::Value {
         } else {
             ("mm", state.position[letter], state.velocity[letter])
         };
-        value.insert(format!("{}_{unit}", letter.lower()), at.into());
+        value.insert(format!("{}_{unit}", letter.lower()), at);
         if speed != 0.0 {
-            value.insert(format!("v{}_{unit}_per_s", letter.lower()), speed.into());
+            value.insert(format!("v{}_{unit}_per_s", letter.lower()), speed);
         }
     }
-    value.into()
+    value
 }

@@ -2,8 +2,8 @@
 
 use crate::load::Loaded;
 use crate::outcome::Outcome;
-use crate::{load, terminal};
-use anyhow::{Context, bail};
+use crate::{load, output, terminal};
+use anyhow::bail;
 use std::path::{Path, PathBuf};
 use trunnion::report::{plan_text, preview_text};
 use trunnion::results::Plan;
@@ -64,8 +64,7 @@ fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
     };
     let written = match (&args.output, &plan.next) {
         (Some(path), Some(cycle)) => {
-            std::fs::write(path, cycle_text(&plan, &cycle.cycle))
-                .with_context(|| format!("cannot write {}", path.display()))?;
+            output::write(path, &cycle_text(&plan, &cycle.cycle))?;
             Some(path)
         }
         _ => None,

@@ -2,7 +2,7 @@
 
 use crate::load::{Loaded, ModelArgs};
 use crate::outcome::Outcome;
-use crate::{load, terminal};
+use crate::{load, output, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
 use trunnion::results::to_json;
@@ -29,15 +29,15 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let identification = to_json(&analysed.fit().results())?;
     let diagnosis = to_json(&analysed.first().results())?;
     let Some(folder) = &args.output else {
-        terminal::print(&identification)?;
-        terminal::print(&diagnosis)?;
+        terminal::print_verbatim(&identification)?;
+        terminal::print_verbatim(&diagnosis)?;
         return Ok(outcome);
     };
     let name = args.run.file_name().context("the recording has no name")?;
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     for (ending, text) in [("identification.json", identification), ("diagnosis.json", diagnosis)] {
         let path = folder.join(name).with_extension(ending);
-        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        output::write(&path, &text)?;
         terminal::print(&format!("{}\n", path.display()))?;
     }
     Ok(outcome)

@@ -6,6 +6,7 @@ use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion::Machine;
 use trunnion::cycles::{Cycle, Pace, Run, RunKind};
+use trunnion::results::{Simulation, SimulationFormat};
 use trunnion_core::{AxisSample, InstrumentKind, NestSide, Point, Quality, Setup, State};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{Compensation, Instrument, NestOn, SimSetup, Truth};
@@ -80,12 +81,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let run = Run { name, machine, kind, setups, channels: Vec::new(), points };
     trunnion::tables::record(&args.output, &run, &machine_text, &simulated.cycle_text, &axes)?;
     if args.json {
-        terminal::print_json(&serde_json::json!({
-            "format": "trunnion-simulation/1",
-            "points": run.points.len(),
-            "minutes": simulated.duration_s / 60.0,
-            "run": args.output.display().to_string(),
-        }))?;
+        terminal::print_json(&Simulation {
+            format: SimulationFormat::V1,
+            points: run.points.len(),
+            minutes: simulated.duration_s / 60.0,
+            run: args.output.display().to_string(),
+        })?;
     } else {
         terminal::print(&format!("{} points -> {}\n", run.points.len(), args.output.display()))?;
     }

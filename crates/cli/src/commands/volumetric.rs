@@ -2,9 +2,8 @@
 
 use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
-use crate::{load, terminal};
-use anyhow::Context;
-use std::path::{Path, PathBuf};
+use crate::{load, output, terminal};
+use std::path::PathBuf;
 use trunnion::Datum;
 
 /// Volumetric accuracy and error map of a volume, by a model fitted to recordings
@@ -67,10 +66,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let fit = experiment.fit(&args.model.model(&experiment)?)?;
     let answer = fit.volumetric(&args.volume, usize::from(args.steps), args.tool_point.0, args.datum)?;
     if let Some(path) = &args.html {
-        write(path, &answer.page())?;
+        output::write(path, &answer.page())?;
     }
     if let Some(path) = &args.csv {
-        write(path, &answer.error_map_csv())?;
+        output::write(path, &answer.error_map_csv())?;
     }
     if args.json {
         terminal::print_json(&answer.results())?;
@@ -78,8 +77,4 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         terminal::print(&answer.summary())?;
     }
     Ok(outcome)
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }

@@ -5,13 +5,10 @@
 //! n = 1 forward turns with the table: it *is* the ball setting (or the place of the next axis) and gives no motion here.
 //! Limits: repeats every turn.
 
-use crate::subjects::{across, axis_of, every_rotary, linear_name};
-use crate::{
-    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
-};
-use nalgebra::UnitQuaternion;
-use trunnion_core::{State, Twist};
-use trunnion_machine::Site;
+use crate::phasors;
+use crate::subjects::{every_rotary, linear_name};
+use crate::{About, Effect, Example, Golden, Moment, Need, Role, Shapes, Unit, View};
+use trunnion_core::Twist;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "radial-error-motion",
@@ -30,9 +27,11 @@ pub(crate) static EFFECT: Effect = Effect {
         helps: &[Need::TwoHeights, Need::TwoRadii],
     },
     subjects: every_rotary,
-    parameters,
+    parameters: |scene, subject| phasors::parameters(scene, subject, linear_name, Unit::UM),
     shapes: |_, _| Shapes::one("lobes", (1..=4).map(f64::from), false),
-    motions,
+    motions: |scene, subject, shape, state, emit| {
+        phasors::motions(scene, subject, shape, state, Twist::translation, emit);
+    },
     example: Example {
         id: "radial-error-motion:C",
         shape: &[2.0],
@@ -54,27 +53,3 @@ pub(crate) static EFFECT: Effect = Effect {
         within_um: 1e-06,
     },
 };
-
-fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
-    let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.moves(axis.letter)) else {
-        return Vec::new();
-    };
-    let [first, second, _] = across(&axis.direction).index.map(linear_name);
-    let name =
-        |turn: &str, direction: &str| Parameter::new(format!("E{direction}{}.{turn}", axis.letter), Unit::UM);
-    vec![name("forward", first), name("forward", second), name("backward", first), name("backward", second)]
-}
-
-fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
-    let (Some(axis), &[n]) = (axis_of(&scene.machine, subject), shape) else { return };
-    let site = Site::Joint(axis.letter);
-    let across = across(&axis.direction);
-    let angle = axis.sense * state.position[axis.letter];
-    let forward = UnitQuaternion::from_axis_angle(&axis.direction, n * angle);
-    for (k, e) in [across.first, across.second].into_iter().enumerate() {
-        if n > 1.0 {
-            emit(k, site, Twist::translation(forward * e));
-        }
-        emit(2 + k, site, Twist::translation(forward.inverse() * e));
-    }
-}

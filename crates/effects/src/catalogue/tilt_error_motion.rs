@@ -4,13 +4,10 @@
 //! n = 1 forward turns with the table: to the ball it is part of the ball setting and gives no motion here.
 //! Limits: repeats every turn.
 
-use crate::subjects::{across, axis_of, every_rotary, rotary_name};
-use crate::{
-    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
-};
-use nalgebra::UnitQuaternion;
-use trunnion_core::{State, Twist};
-use trunnion_machine::Site;
+use crate::phasors;
+use crate::subjects::{every_rotary, rotary_name};
+use crate::{About, Effect, Example, Golden, Moment, Need, Role, Shapes, Unit, View};
+use trunnion_core::Twist;
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "tilt-error-motion",
@@ -29,9 +26,11 @@ pub(crate) static EFFECT: Effect = Effect {
         helps: &[Need::TwoHeights],
     },
     subjects: every_rotary,
-    parameters,
+    parameters: |scene, subject| phasors::parameters(scene, subject, rotary_name, Unit::URAD),
     shapes: |_, _| Shapes::one("lobes", (1..=3).map(f64::from), false),
-    motions,
+    motions: |scene, subject, shape, state, emit| {
+        phasors::motions(scene, subject, shape, state, Twist::rotation, emit);
+    },
     example: Example {
         id: "tilt-error-motion:C",
         shape: &[2.0],
@@ -52,28 +51,3 @@ pub(crate) static EFFECT: Effect = Effect {
         within_um: 0.005,
     },
 };
-
-fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
-    let Some(axis) = axis_of(&scene.machine, subject).filter(|axis| scene.moves(axis.letter)) else {
-        return Vec::new();
-    };
-    let [first, second, _] = across(&axis.direction).index.map(rotary_name);
-    let name = |turn: &str, direction: &str| {
-        Parameter::new(format!("E{direction}{}.{turn}", axis.letter), Unit::URAD)
-    };
-    vec![name("forward", first), name("forward", second), name("backward", first), name("backward", second)]
-}
-
-fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {
-    let (Some(axis), &[n]) = (axis_of(&scene.machine, subject), shape) else { return };
-    let site = Site::Joint(axis.letter);
-    let across = across(&axis.direction);
-    let angle = axis.sense * state.position[axis.letter];
-    let forward = UnitQuaternion::from_axis_angle(&axis.direction, n * angle);
-    for (k, e) in [across.first, across.second].into_iter().enumerate() {
-        if n > 1.0 {
-            emit(k, site, Twist::rotation(forward * e));
-        }
-        emit(2 + k, site, Twist::rotation(forward.inverse() * e));
-    }
-}

@@ -71,12 +71,9 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Position of an axis at every row.
+    /// Position of an axis at every row looked at, mm or rad.
     fn positions(&self, experiment: &Experiment, joint: Joint) -> Vec<f64> {
-        let mut positions = vec![0.0; experiment.rows()];
-        for (i, point) in experiment.points.iter().enumerate() {
-            experiment.rows_of(i).for_each(|row| positions[row] = point.state.position[joint]);
-        }
+        let positions = experiment.positions(joint);
         self.list.iter().map(|&row| positions[row]).collect()
     }
 }

@@ -1,29 +1,14 @@
 //! A diagnosis that leaves rivals open gets the cycle that separates them.
 
-use super::{Options, Plan, Rivals, plan_problem, wanted};
+use super::answer::Plan;
+use super::choose::plan_problem;
+use super::options::Options;
+use super::planned::PlannedCycle;
+use super::rivals::{Rivals, wanted};
 use crate::Diagnosis;
 use crate::problem::Problem;
 use std::error::Error;
 use std::f64::consts::LN_10;
-
-/// A cycle that separates rivals, with what may be expected of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlannedCycle {
-    /// Its name.
-    pub name: String,
-    /// What it does, in words.
-    pub what: String,
-    /// Machine time with mounting, min.
-    pub minutes: f64,
-    /// log₁₀ of the expected odds between the hardest pair in the present data.
-    pub separation_before: f64,
-    /// The same after the cycle.
-    pub separation: f64,
-    /// Pairs of effects that it distinguishes.
-    pub separates: Vec<[String; 2]>,
-    /// The cycle file, `trunnion-cycle/1`.
-    pub text: String,
-}
 
 /// Plans the next cycle when a candidate is confused with others, and leaves every other diagnosis as it is: planning takes
 /// longer than the diagnosis itself. When no plan can be made the advice stays and says why.
@@ -51,7 +36,7 @@ fn planned(plan: &Plan) -> Option<PlannedCycle> {
         separation_before: plan.before_ln / LN_10,
         separation: row.separation_ln / LN_10,
         separates: row.apart.clone(),
-        text: cycle.to_text(),
+        file: cycle.to_text(),
     })
 }
 

@@ -1,8 +1,9 @@
 //! The plan.
 
 use super::design::CycleDesign;
+use super::options::{HOPELESS_LN, Options};
+use super::rivals::Rivals;
 use super::utility::Utility;
-use super::{HOPELESS_LN, Options, Rivals};
 use std::f64::consts::LN_10;
 use trunnion_core::convert;
 use trunnion_cycles::Cycle;
@@ -32,7 +33,7 @@ pub struct Plan {
     pub assumptions: Vec<String>,
 }
 
-/// Two effects that the next cycle does not tell apart.
+/// Two effects that the next cycle does not separate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOpen {
     /// The two.
@@ -121,7 +122,7 @@ pub(super) fn answer(
     }
 }
 
-/// Pairs that the choice does not tell apart, each with the cheapest cycle that would.
+/// Pairs that the choice does not separate, each with the cheapest cycle that would.
 fn left_open(
     considered: &[Considered],
     pairs: &[(usize, usize, f64)],

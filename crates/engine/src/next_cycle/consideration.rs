@@ -1,11 +1,11 @@
-//! One candidate cycle on the scales: can the machine run it, how long does it take, what would it tell.
+//! The utility of one candidate cycle: can the machine run it, how long does it take, what would it separate.
 
 use super::answer::Considered;
 use super::candidates::Candidate;
 use super::design::CycleDesign;
 use super::knowledge::Knowledge;
+use super::options::{HOPELESS_LN, Options, PlanError};
 use super::utility::Utility;
-use super::{HOPELESS_LN, Options, PlanError};
 use trunnion_core::{Setup, State};
 use trunnion_cycles::Pace;
 use trunnion_cycles::{Cycle, RunKind};

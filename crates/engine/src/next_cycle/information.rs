@@ -1,4 +1,4 @@
-//! What a set of runs can tell about several effects: their columns under a few noise models, the model projected out.
+//! What a set of runs can show of several effects: their columns under a few noise models, the model projected out.
 //!
 //! `S = CᵀΣ⁻¹C − CᵀΣ⁻¹X (XᵀΣ⁻¹X)⁺ XᵀΣ⁻¹C`, X the columns of the model, C those of the effects [docs/design/statistics.md §2: what the model can
 //! imitate scores nothing]. Everything that follows is small linear algebra on S.

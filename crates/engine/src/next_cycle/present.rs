@@ -1,7 +1,7 @@
 //! The data at hand, thinned for planning, and the same together with a run that has not been measured yet.
 
-use super::PlanError;
 use super::information::finite;
+use super::options::PlanError;
 use crate::fit::identification::Identification;
 use crate::problem::Problem;
 use crate::problem::experiment::Experiment;

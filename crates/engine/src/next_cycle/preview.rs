@@ -1,4 +1,4 @@
-//! What a cycle cannot show and cannot tell apart, computed from its poses alone, before anything is measured.
+//! What a cycle cannot show and cannot separate, computed from its poses alone, before anything is measured.
 //!
 //! White noise, base model. Effects whose columns coincide after the model is projected out (canonical correlation above
 //! 0.999) are aliases; for each pair the cheapest candidate cycle that breaks them.
@@ -6,7 +6,7 @@
 use super::candidates::candidates;
 use super::consideration::{thinned, within_feeds};
 use super::information::{Information, Part, View, finite};
-use super::{Options, PlanError};
+use super::options::{Options, PlanError};
 use crate::Experiment;
 use nalgebra::DMatrix;
 use trunnion_core::{AxisValues, Point, Quality, Setup, State};

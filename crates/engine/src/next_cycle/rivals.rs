@@ -1,4 +1,4 @@
-//! Which effects to tell apart: those a diagnosis confuses, or those the present cycle cannot see.
+//! Which effects to separate: those a diagnosis confuses, or those the present cycle cannot see.
 
 use crate::{Diagnosis, FormulaProposal};
 use trunnion_effects::{Formula, Instance, ModelEffect, UnknownEffect};

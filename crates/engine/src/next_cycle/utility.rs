@@ -1,9 +1,9 @@
-//! What an experiment would tell of the rivals: expected ln Bayes factors of each against nothing and against every other.
+//! What an experiment would show of the rivals: expected ln Bayes factors of each against nothing and against every other.
 
-use super::ENOUGH_LN;
 use super::design::CycleDesign;
 use super::information::Information;
 use super::knowledge::Knowledge;
+use super::options::ENOUGH_LN;
 use super::rivals::Rivals;
 use super::separation::{expected_ln, with_unknown_noise};
 use crate::Experiment;
@@ -36,7 +36,7 @@ impl Utility {
 }
 
 impl CycleDesign<'_> {
-    /// What an experiment would tell.
+    /// What an experiment would show of the rivals.
     pub(super) fn utility(&self, experiment: &Experiment, knowledge: &Knowledge) -> Utility {
         let shaped = self.shaped(&experiment.scene, Some(&knowledge.shapes));
         let model = self.present.model_columns(experiment);

@@ -4,17 +4,14 @@
 //! bar). Column of parameter j of an effect: `Σ_sites projection · propagation · twist_j(state)` (docs/design/physics.md §2).
 
 use crate::IdentifyError;
-use crate::fit::Options;
-use crate::problem::stream::{blocks_of, many, stations_of};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use std::borrow::{Borrow, Cow};
+use nalgebra::{DMatrix, DVector, Matrix3};
+use std::borrow::Cow;
 use std::ops::Range;
-use trunnion_core::{NestSide, Point, Setup, State};
+use trunnion_core::{Joint, Point, Setup, State};
 use trunnion_cycles::{Run, RunKind};
-use trunnion_effects::{Instance, Model, Scene, SceneArtefact, SceneSetting, SceneSetup, Unit};
-use trunnion_instruments::{Projector, Quantity, instrument};
-use trunnion_machine::{Machine, Side};
-use trunnion_sync::blocks::Limits;
+use trunnion_effects::{Instance, Scene};
+use trunnion_instruments::Projector;
+use trunnion_machine::Machine;
 
 /// Points of one or more runs of one machine.
 #[derive(Clone, Debug)]
@@ -34,135 +31,20 @@ pub struct Experiment {
     first_row: Vec<usize>,
 }
 
-/// Runs that cannot be fitted together.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum ExperimentError {
-    /// No run was given.
-    #[error("there is no run to identify from; name at least one recording")]
-    NoRun,
-    /// No usable point.
-    #[error("the runs {runs} hold no usable point; look at their quality with `trunnion compare`")]
-    NoPoints {
-        /// Names of the runs.
-        runs: String,
-    },
-    /// Two machines.
-    #[error(
-        "run {run} was measured on machine {found}, run {first} on {expected}; fit runs of one machine together"
-    )]
-    DifferentMachines {
-        /// The run that differs.
-        run: String,
-        /// Its machine.
-        found: String,
-        /// The first run.
-        first: String,
-        /// Its machine.
-        expected: String,
-    },
-}
-
 impl Experiment {
-    /// Puts runs together; one with more points than [`Limits`] allows for its kind is reduced to blocks or stations first. Setups of
-    /// different runs stay apart (the ball was set again); with several runs their names are prefixed by the run's number, e.g. `1.low`.
-    ///
-    /// # Errors
-    /// No run, no usable point, or runs of different machines.
-    pub fn new(runs: &[Run]) -> Result<Self, ExperimentError> {
-        let limits = Limits::default();
-        let reduced = |run: &'_ Run| match run.kind {
-            RunKind::OnTheFly => blocks_of(run, limits).0,
-            RunKind::Static => stations_of(run, limits),
-        };
-        let fitted = runs.iter().map(|run| match many(run, limits) {
-            true => Cow::Owned(reduced(run)),
-            false => Cow::Borrowed(run),
-        });
-        Self::of_points(&fitted.collect::<Vec<_>>())
-    }
-
-    /// As [`Self::new`], with every point as it is, however many.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn of_points(runs: &[impl Borrow<Run>]) -> Result<Self, ExperimentError> {
-        let runs: Vec<&Run> = runs.iter().map(Borrow::borrow).collect();
-        let first = *runs.first().ok_or(ExperimentError::NoRun)?;
-        let (mut setups, mut points, mut run_of_point, mut channels) =
-            (Vec::new(), Vec::new(), Vec::new(), first.channels.clone());
-        let mut run_of_setup = Vec::new();
-        for (i, run) in runs.iter().copied().enumerate() {
-            if run.machine != first.machine {
-                return Err(ExperimentError::DifferentMachines {
-                    run: run.name.clone(),
-                    found: run.machine.name.clone(),
-                    first: first.name.clone(),
-                    expected: first.machine.name.clone(),
-                });
-            }
-            let offset = setups.len();
-            for setup in &run.setups {
-                let name =
-                    if runs.len() > 1 { format!("{}.{}", i + 1, setup.name) } else { setup.name.clone() };
-                setups.push(Setup { name, ..setup.clone() });
-                run_of_setup.push(i);
-            }
-            channels.retain(|channel| run.channels.contains(channel));
-            for point in run.good_points() {
-                let mut point = point.clone();
-                point.state.setup += offset;
-                points.push(point);
-                run_of_point.push(i);
-            }
-        }
-        // Channels that not every run has would leave holes: only common ones take part.
-        for (point, &i) in points.iter_mut().zip(&run_of_point) {
-            let all = &point.state.temperature_degc;
-            let common = channels
-                .iter()
-                .filter_map(|c| runs[i].channels.iter().position(|x| x == c))
-                .filter_map(|k| all.get(k).copied());
-            point.state.temperature_degc = common.collect();
-        }
-        if points.is_empty() {
-            let runs = runs.iter().map(|run| run.name.clone()).collect::<Vec<_>>().join(", ");
-            return Err(ExperimentError::NoPoints { runs });
-        }
-        let scene_setups = setups
-            .iter()
-            .zip(&run_of_setup)
-            .map(|(setup, &run): (&Setup, _)| SceneSetup {
-                name: setup.name.clone(),
-                components: setup.instrument.components(),
-                nest: match setup.nest {
-                    NestSide::Table => Side::Table,
-                    NestSide::Spindle => Side::Tool,
-                },
-                ball_in_table_mm: setup.ball_in_table_mm,
-                run,
-                settings: settings(setup),
-                artefact: setup.artefact.as_ref().map(|artefact| SceneArtefact {
-                    name: artefact.name.clone(),
-                    targets: artefact.targets.iter().map(|target| target.name.clone()).collect(),
-                    table_from_artefact: artefact.table_from_artefact(),
-                }),
-            })
-            .collect();
-        for point in &mut points {
-            point.state.deflection_mm = Vector3::zeros();
-        }
-        let states = points.iter().map(|p: &Point| &p.state);
-        let scene = Scene::new(first.machine.clone(), scene_setups, channels, states);
-        let mut first_row = vec![0];
-        for point in &points {
-            let components = setups[point.state.setup].instrument.components().len();
-            first_row.push(first_row[first_row.len() - 1] + components);
-        }
-        let names = runs.iter().map(|run| run.name.clone()).collect();
+    /// Lays points out in rows, with the run of each; `setups` and `scene` are those of all runs.
+    pub(super) fn laid_out(
+        runs: &[&Run],
+        scene: Scene,
+        setups: Vec<Setup>,
+        points: Vec<Point>,
+        run_of_point: Vec<usize>,
+    ) -> Self {
+        let components = |point: &Point| setups[point.state.setup].instrument.components().len();
+        let first_row = first_rows(points.iter().map(components));
         let kinds = runs.iter().map(|run| run.kind).collect();
-        let mut experiment = Self { scene, setups, points, run_of_point, runs: names, kinds, first_row };
-        experiment.predict_deflections();
-        Ok(experiment)
+        let runs = runs.iter().map(|run| run.name.clone()).collect();
+        Self { scene, setups, points, run_of_point, runs, kinds, first_row }
     }
 
     /// The same with some of its points only, one flag for each; ranges of the scene stay those of all.
@@ -170,34 +52,13 @@ impl Experiment {
     pub fn kept(&self, keep: &[bool]) -> Self {
         let chosen = |i: &usize| keep[*i];
         let indices: Vec<usize> = (0..self.points.len()).filter(chosen).collect();
-        let mut first_row = vec![0];
-        for &i in &indices {
-            first_row.push(first_row[first_row.len() - 1] + self.rows_of(i).len());
-        }
+        let first_row = first_rows(indices.iter().map(|&i| self.rows_of(i).len()));
         Self {
             points: indices.iter().map(|&i| self.points[i].clone()).collect(),
             run_of_point: indices.iter().map(|&i| self.run_of_point[i]).collect(),
             first_row,
             ..self.clone()
         }
-    }
-
-    /// What the probes were asked to read, as the base model predicts it. Never the readings themselves: an
-    /// effect of the probes would then explain every reading by itself.
-    fn predict_deflections(&mut self) {
-        let base = Model::base(&self.machine().name);
-        let Ok(fit) = crate::identify(self, &base, &Options::quick()) else { return };
-        for i in 0..self.points.len() {
-            if !self.setups[self.points[i].state.setup].instrument.deflects_probes() {
-                continue;
-            }
-            for (k, row) in self.rows_of(i).enumerate() {
-                self.points[i].state.deflection_mm[k] = fit.predicted_mm[row];
-            }
-        }
-        let states = self.points.iter().map(|p| &p.state);
-        let (machine, setups) = (self.scene.machine.clone(), self.scene.setups.clone());
-        self.scene = Scene::new(machine, setups, self.scene.channels.clone(), states);
     }
 
     /// The machine.
@@ -213,6 +74,12 @@ impl Experiment {
     /// Rows of one point.
     pub fn rows_of(&self, point: usize) -> Range<usize> {
         self.first_row[point]..self.first_row[point + 1]
+    }
+
+    /// Position of a joint at every row, mm or rad.
+    pub(crate) fn positions(&self, joint: Joint) -> Vec<f64> {
+        let of_point = |i: usize| self.rows_of(i).map(move |_| self.points[i].state.position[joint]);
+        (0..self.points.len()).flat_map(of_point).collect()
     }
 
     /// Readings, mm.
@@ -303,14 +170,11 @@ impl Experiment {
     }
 }
 
-/// Unknowns of a mounting, as effects see them.
-fn settings(setup: &Setup) -> Vec<SceneSetting> {
-    let unit = |quantity: Quantity| match quantity {
-        Quantity::Length => Unit::UM,
-        Quantity::Angle => Unit::URAD,
-    };
-    (instrument(setup.instrument).settings)(setup)
-        .into_iter()
-        .map(|s| SceneSetting { name: s.name, unit: unit(s.quantity), site: s.site, twist: s.twist })
-        .collect()
+/// Row where each point begins, and where the last one ends, from how many rows each has.
+fn first_rows(of_points: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut first_row = vec![0];
+    for rows in of_points {
+        first_row.push(first_row[first_row.len() - 1] + rows);
+    }
+    first_row
 }

@@ -15,7 +15,7 @@ use trunnion_core::Slot;
 const OFF_MM: f64 = 10e-3;
 /// The same at a radius of 200 mm.
 const OFF_RAD: f64 = 50e-6;
-/// So many points tell how large a change is.
+/// So many points show how large a change is.
 const ENOUGH_POINTS: usize = 1024;
 
 /// ΔAᵀΔA over all points, rows weighted by `root`.

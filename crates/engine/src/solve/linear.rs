@@ -8,7 +8,7 @@
 
 use nalgebra::{DMatrix, DVector, Dyn};
 
-/// Smallest relative singular value that a Gram matrix in double precision can tell from zero.
+/// Smallest relative singular value that a Gram matrix in double precision can distinguish from zero.
 const GRAM_FLOOR: f64 = 3e-7;
 
 /// Columns smaller than this share of the largest are rounding.

@@ -86,7 +86,7 @@ impl Limits<'_> {
     }
 }
 
-/// A parameter that by convention is zero when it cannot be told from others.
+/// A parameter that by convention is zero when it is confounded with others.
 pub(crate) struct Zero {
     /// Name of the parameter.
     pub name: String,

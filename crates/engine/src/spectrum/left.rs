@@ -46,15 +46,6 @@ impl Left {
         Ok(Self { experiment, basis, residual_mm })
     }
 
-    /// Position of an axis at every row, mm or rad.
-    pub fn positions(&self, joint: Joint) -> Vec<f64> {
-        let mut positions = vec![0.0; self.experiment.rows()];
-        for (i, point) in self.experiment.points.iter().enumerate() {
-            self.experiment.rows_of(i).for_each(|row| positions[row] = point.state.position[joint]);
-        }
-        positions
-    }
-
     /// What the residual shows of an effect that waves.
     pub fn found(&self, instance: &Instance, shapes: &Shapes) -> Option<Found> {
         found(shapes.wave?, &self.waves(instance, shapes.wave?))
@@ -64,7 +55,7 @@ impl Left {
     pub fn waves(&self, instance: &Instance, repeats: WaveNumber) -> Waves {
         let columns = credible_columns(&self.experiment, instance, &at_rest(repeats));
         let (basis, residual_mm) = (self.basis.clone(), self.residual_mm.clone());
-        Waves::new(self.positions(repeats.joint()), carriers(&columns), basis, residual_mm)
+        Waves::new(self.experiment.positions(repeats.joint()), carriers(&columns), basis, residual_mm)
     }
 
     /// How many positions of an axis differ.

@@ -18,10 +18,12 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
     inner: none,
 };
 
-fn reading(setup: &Setup, contact: &Contact, _: &Inner) -> Vector3<f64> {
+/// What a face is off along its outward normal, mm.
+pub(super) fn reading(setup: &Setup, contact: &Contact, _: &Inner) -> Vector3<f64> {
     seen(setup, contact, &contact.apart_in_machine_mm())
 }
 
-fn seen(_: &Setup, contact: &Contact, tool_against_table: &Vector3<f64>) -> Vector3<f64> {
+/// The same for a displacement of the tool.
+pub(super) fn seen(_: &Setup, contact: &Contact, tool_against_table: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(contact.normal_in_machine().dot(tool_against_table), 0.0, 0.0)
 }

@@ -5,8 +5,8 @@
 
 use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
 
-/// Relative inertia about a direction below which the places do not tell a turn.
-const TELLS: f64 = 1e-9;
+/// Relative inertia about a direction below which the places do not show a turn.
+const SHOWS_A_TURN: f64 = 1e-9;
 
 /// Every column of a map without its best rigid displacement; rows: X Y Z A B C of each place.
 pub fn removed(map: &DMatrix<f64>, in_table_mm: &[Point3<f64>]) -> DMatrix<f64> {
@@ -16,7 +16,7 @@ pub fn removed(map: &DMatrix<f64>, in_table_mm: &[Point3<f64>]) -> DMatrix<f64> 
     let inertia: Matrix3<f64> =
         arms.iter().map(|arm| Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()).sum();
     let principal = inertia.symmetric_eigen();
-    let least = TELLS * principal.eigenvalues.max();
+    let least = SHOWS_A_TURN * principal.eigenvalues.max();
     let inverse =
         |k: usize| if principal.eigenvalues[k] > least { principal.eigenvalues[k].recip() } else { 0.0 };
     let turn_from_moment: Matrix3<f64> = (0..3)

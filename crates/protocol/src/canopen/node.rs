@@ -94,7 +94,7 @@ pub enum Value {
     Status(InputStatus),
     /// The node marks the value as none (overload, sensor fault).
     NoValue,
-    /// An object whose meaning the node did not tell.
+    /// An object whose meaning the node did not report.
     Raw,
 }
 

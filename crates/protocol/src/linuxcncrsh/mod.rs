@@ -31,7 +31,7 @@ impl JointUnit {
         Self::WORDS.iter().find(|(_, unit)| *unit == self).map_or("", |(word, _)| word)
     }
 
-    /// True for an angle; `None` when the unit does not tell.
+    /// True for an angle; `None` when the unit does not show it.
     pub fn is_angle(self) -> Option<bool> {
         match self {
             Self::Mm | Self::Inch | Self::Cm => Some(false),

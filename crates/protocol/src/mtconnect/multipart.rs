@@ -116,7 +116,7 @@ impl MultipartDecoder {
         };
         self.drop_front(at);
         let end = self.delimiter.len();
-        // The two bytes behind tell whether it is the last: `--` or a line end.
+        // The two bytes behind show whether it is the last: `--` or a line end.
         let Some(behind) = self.buffer.get(end..end + 2) else { return false };
         if behind == b"--" {
             self.losses.dropped_bytes += visible(&self.buffer[self.delimiter.len() + 2..]);

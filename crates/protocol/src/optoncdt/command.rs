@@ -255,7 +255,7 @@ pub struct SensorInfo {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum InfoError {
     /// A line is missing.
-    #[error("GETINFO did not tell \"{0}\": is this an optoNCDT 1320 or 1420?")]
+    #[error("GETINFO did not report \"{0}\": is this an optoNCDT 1320 or 1420?")]
     Missing(&'static str),
     /// The measuring range is no length in mm.
     #[error("GETINFO gave the measuring range as \"{0}\"; expected a length in mm such as 10.00mm")]

@@ -12,8 +12,9 @@ use trunnion_methods::notation::{Layout, Notation};
 use trunnion_methods::recipes::{MethodOptions, REGISTRY};
 use trunnion_methods::volumetric as methods;
 use trunnion_results::{
-    AxisErrors, Comparison, Diagnosis, ErrorMap, Findings, Identification, Ladder, LocationErrors, Plan,
-    Preview, Verdict, Volumetric, to_json,
+    AxisErrors, CheckedDevice, Comparison, Demo, DemoStep, DevicePlace, DevicesChecked, DevicesFound,
+    Diagnosis, ErrorMap, Findings, Identification, Imported, Ladder, LadderRow, LocationErrors, NcProgram,
+    Plan, Preview, Simulation, Verdict, Volumetric, to_json,
 };
 
 fn run(folder: &str) -> Run {
@@ -113,6 +114,37 @@ fn findings_plan_preview_ladder_and_volume_return() {
         ..ModelEffect::default()
     });
     returns(&Ladder::from(&model));
+}
+
+#[test]
+fn the_answers_of_commands_that_write_files_or_ask_devices_return() {
+    let visits = vec![[("c_deg".into(), 90.0), ("vc_deg_per_s".into(), -12.5)].into()];
+    let program = NcProgram { program: "N10 M30\n".into(), visits, ..NcProgram::default() };
+    let json = returns(&program);
+    assert_eq!(
+        (&json["format"], &json["visits"][0]["c_deg"]),
+        (&"trunnion-nc-program/1".into(), &90.0.into())
+    );
+    let json = returns(&Simulation { points: 336, run: "run.mcap".into(), ..Simulation::default() });
+    assert_eq!((&json["format"], &json["points"]), (&"trunnion-simulation/1".into(), &336.into()));
+    let json = returns(&Imported { points: 336, setups: 2, ..Imported::default() });
+    assert_eq!((&json["points"], &json["setups"]), (&336.into(), &2.into()));
+    let row = LadderRow { error_before_um: 2.0, error_after_um: 0.5, ..LadderRow::default() };
+    let ladder = vec![DemoStep::new("gravity-sag:B", &row)];
+    let json = returns(&Demo { ladder, verdict: Verdict::MissingEffect, ..Demo::default() });
+    assert_eq!((&json["format"], &json["verdict"]), (&"trunnion-demo/1".into(), &"missing-effect".into()));
+    assert!(json["on_the_fly"].is_null() && json["ladder"][0]["error_after_um"] == 0.5, "{json}");
+    let place = DevicePlace { address: "/dev/ttyUSB0".into(), ..DevicePlace::default() };
+    let json = returns(&DevicesFound { places: vec![place], ..DevicesFound::default() });
+    assert_eq!(json["format"], "trunnion-devices/1");
+    assert!(
+        json["places"][0]["driver"].is_null() && json["places"][0]["address"] == "/dev/ttyUSB0",
+        "{json}"
+    );
+    let readings = [("probe-1".into(), "0.1234 mm".into())].into();
+    let device = CheckedDevice { readings, ..CheckedDevice::default() };
+    let json = returns(&DevicesChecked { devices: vec![device], ..DevicesChecked::default() });
+    assert_eq!(json["devices"][0]["readings"]["probe-1"], "0.1234 mm");
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub(super) async fn publish_status(
     }
 }
 
-/// Tells systemd, where there is one.
+/// Notifies systemd, where there is one.
 pub(super) fn report_systemd(states: &[sd_notify::NotifyState<'_>]) {
     if let Err(failure) = sd_notify::notify(states) {
         tracing::debug!(%failure, "systemd was not reported");

@@ -42,7 +42,7 @@ pub struct AxisState {
     pub since_reversal: AxisValues<f64>,
 }
 
-/// An axis sample with what the samples before it tell.
+/// An axis sample with what the samples before it show.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     time_s: f64,

@@ -7,7 +7,7 @@ use trunnion_core::{AxisValues, HostTime, Slot};
 const STILL_MM: f64 = 0.02;
 /// The same for rotary axes, rad.
 const STILL_RAD: f64 = 2e-4;
-/// A stand of a pattern is as long as given within so much, s: agents tell of a stand late.
+/// A stand of a pattern is as long as given within so much, s: agents report a dwell late.
 const DWELL_TOLERANCE_S: f64 = 0.3;
 /// A shorter stand is a corner of the path, s.
 const SHORTEST_STAND_S: f64 = 0.2;

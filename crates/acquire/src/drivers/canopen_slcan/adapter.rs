@@ -26,7 +26,7 @@ pub(super) struct OpenAdapter {
     /// Commands not yet answered, oldest first.
     under_way: VecDeque<UnderWay>,
     acknowledges: bool,
-    /// False once the adapter has refused to tell its status.
+    /// False once the adapter has refused to report its status.
     reports_status: bool,
     status: StatusFlags,
 }

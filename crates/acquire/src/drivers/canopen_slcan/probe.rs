@@ -1,4 +1,4 @@
-//! Is there an slcan adapter at a port? `V` and `N` tell its version and serial number; the bus is left alone.
+//! Is there an slcan adapter at a port? `V` and `N` give its version and serial number; the bus is left alone.
 
 use crate::probe::{Answer, Found, Medium, Probe, Probing, ask_at};
 use crate::transport::serial::Framing;

@@ -1,4 +1,4 @@
-//! One session: subscribe, bring the axes to common instants, tell what the controller does.
+//! One session: subscribe, bring the axes to common instants, report what the controller does.
 
 use super::connect::{self, Connection, end_of, limited};
 use super::instants::{Instant, Instants};

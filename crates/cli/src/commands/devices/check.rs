@@ -3,13 +3,13 @@
 use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::bail;
-use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::{Instant, timeout_at};
 use tokio_util::sync::CancellationToken;
+use trunnion::results::{CheckedDevice, DevicesChecked, DevicesFormat};
 use trunnion_acquire::config::channels;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceConfig, DeviceState, DeviceStatus, parse_devices, start};
@@ -73,7 +73,7 @@ pub async fn run(path: &Path, as_json: bool) -> anyhow::Result<Outcome> {
     }
     acquisition.stop().await;
     if as_json {
-        terminal::print_json(&to_json(&checked))?
+        terminal::print_json(&value(&checked))?
     } else {
         terminal::print(&to_text(&checked))?
     }
@@ -162,18 +162,16 @@ fn to_text(checked: &[Checked]) -> String {
     text
 }
 
-fn to_json(checked: &[Checked]) -> Value {
-    let device = |device: &Checked| {
-        json!({
-            "name": device.name,
-            "driver": device.driver,
-            "address": device.address,
-            "state": format!("{:?}", device.status.state),
-            "identity": device.status.identity,
-            "readings": device.readings,
-            "warnings": device.warnings,
-            "trouble": device.trouble(),
-        })
+fn value(checked: &[Checked]) -> DevicesChecked {
+    let device = |device: &Checked| CheckedDevice {
+        name: device.name.clone(),
+        driver: device.driver.into(),
+        address: device.address.clone(),
+        state: format!("{:?}", device.status.state),
+        identity: device.status.identity.clone(),
+        readings: device.readings.clone(),
+        warnings: device.warnings.clone(),
+        trouble: device.trouble(),
     };
-    json!({ "format": "trunnion-devices/1", "devices": checked.iter().map(device).collect::<Vec<_>>() })
+    DevicesChecked { format: DevicesFormat::V1, devices: checked.iter().map(device).collect() }
 }

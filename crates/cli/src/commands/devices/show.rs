@@ -1,6 +1,6 @@
 //! What was found, for people and for programs.
 
-use serde_json::{Value, json};
+use trunnion::results::{DevicePlace, DevicesFormat, DevicesFound};
 use trunnion_acquire::discovery::{Look, Roles};
 
 /// Places with their answers, then the lines to paste.
@@ -46,23 +46,20 @@ fn heading(look: &Look) -> String {
     heading + "\n"
 }
 
-/// `{"format": "trunnion-devices/1", "places": […]}`
-pub fn json(looks: &[Look]) -> Value {
-    let tables = tables(looks);
-    let place = |(look, table): (&Look, Option<String>)| {
-        json!({
-            "address": look.place.address,
-            "device": look.place.device,
-            "about": look.place.about,
-            "driver": look.found.as_ref().map(|(driver, _)| driver),
-            "identity": look.found.as_ref().map(|(_, found)| &found.identity),
-            "config": table,
-            "trouble": look.trouble,
-            "asked": look.asked,
-        })
+/// The same as a value.
+pub fn value(looks: &[Look]) -> DevicesFound {
+    let place = |(look, config): (&Look, Option<String>)| DevicePlace {
+        address: look.place.address.clone(),
+        device: look.place.device.clone(),
+        about: look.place.about.clone(),
+        driver: look.found.as_ref().map(|(driver, _)| (*driver).into()),
+        identity: look.found.as_ref().map(|(_, found)| found.identity.clone()),
+        config,
+        trouble: look.trouble.clone(),
+        asked: look.asked.iter().map(|&question| question.into()).collect(),
     };
-    let places: Vec<Value> = looks.iter().zip(tables).map(place).collect();
-    json!({ "format": "trunnion-devices/1", "places": places })
+    let places = looks.iter().zip(tables(looks)).map(place).collect();
+    DevicesFound { format: DevicesFormat::V1, places }
 }
 
 /// The lines to paste of each place.

@@ -44,7 +44,7 @@ impl Shape {
     /// Every trace about its centre; traces of one axis at common angles.
     ///
     /// # Errors
-    /// Readings that do not tell the place of the axis from the setting of the ball.
+    /// Readings that do not separate the place of the axis from the setting of the ball.
     pub fn of_all(method: &Method, tracks: &[Track]) -> Result<Vec<Self>, MethodError> {
         let mut shapes: Vec<Self> = Vec::new();
         for track in tracks {

@@ -54,7 +54,7 @@ pub(super) struct Sample {
     pub since_reversal_mm: [f64; 2],
     /// Commanded positions of a and b, mm.
     pub position_mm: [f64; 2],
-    /// Speed along the path, mm/s; zero when the run does not tell.
+    /// Speed along the path, mm/s; zero when the run does not show it.
     pub speed_mm_per_s: f64,
 }
 
@@ -133,7 +133,7 @@ fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, 
     let samples = (0..points.len()).map(|i| {
         let (state, angle_rad) = (&points[i].state, angles[i]);
         let (from, to) = if i + 1 < angles.len() { (i, i + 1) } else { (i - 1, i) };
-        // Between passes the angle jumps back: the directions of the axes tell the way there.
+        // Between passes the angle jumps back: the directions of the axes show the way there.
         let stated =
             sense[1] * state.direction[b] * angle_rad.cos() - sense[0] * state.direction[a] * angle_rad.sin();
         let step = if stated.abs() > 0.1 { stated } else { (angles[to] - angles[from]).sin() };

@@ -1,10 +1,11 @@
+use super::super::rivals_named;
 use super::*;
 use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trunnion_core::{Point, Quality};
-use trunnion_cycles::{Cycle, Run, RunKind};
+use trunnion_cycles::{Cycle, Pace, Run, RunKind};
 use trunnion_machine::shipped;
 
 const WHITE_MM: f64 = 0.3e-3;
@@ -12,7 +13,7 @@ const WHITE_MM: f64 = 0.3e-3;
 /// A run of the C sweep in which one effect is hidden, with location errors, a setting and white noise.
 fn measured(hidden: &str, value: f64, seed: u64) -> Experiment {
     let machine = shipped::machine("table-bc").unwrap();
-    let text = include_str!("../../../../config/cycles/r-test-sweep-c.toml");
+    let text = include_str!("../../../../../config/cycles/r-test-sweep-c.toml");
     let cycle = Cycle::parse("sweep.toml", text).unwrap();
     let point = |state| Point {
         state,

@@ -1,0 +1,168 @@
+//! Runs put together into an experiment: points of long runs reduced, setups renumbered, deflections of the probes predicted.
+
+use crate::fit::{Options, identify};
+use crate::problem::experiment::Experiment;
+use crate::problem::stream::{blocks_of, many, stations_of};
+use nalgebra::Vector3;
+use std::borrow::{Borrow, Cow};
+use trunnion_core::{NestSide, Point, Setup};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_effects::{Model, Scene, SceneArtefact, SceneSetting, SceneSetup, Unit};
+use trunnion_instruments::{Quantity, instrument};
+use trunnion_machine::Side;
+use trunnion_sync::blocks::Limits;
+
+/// Runs that cannot be fitted together.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// No run was given.
+    #[error("there is no run to identify from; name at least one recording")]
+    NoRun,
+    /// No usable point.
+    #[error("the runs {runs} hold no usable point; look at their quality with `trunnion compare`")]
+    NoPoints {
+        /// Names of the runs.
+        runs: String,
+    },
+    /// Two machines.
+    #[error(
+        "run {run} was measured on machine {found}, run {first} on {expected}; fit runs of one machine together"
+    )]
+    DifferentMachines {
+        /// The run that differs.
+        run: String,
+        /// Its machine.
+        found: String,
+        /// The first run.
+        first: String,
+        /// Its machine.
+        expected: String,
+    },
+}
+
+impl Experiment {
+    /// Puts runs together; one with more points than [`Limits`] allows for its kind is reduced to blocks or stations first. Setups of
+    /// different runs stay apart (the ball was set again); with several runs their names are prefixed by the run's number, e.g. `1.low`.
+    ///
+    /// # Errors
+    /// No run, no usable point, or runs of different machines.
+    pub fn new(runs: &[Run]) -> Result<Self, ExperimentError> {
+        let limits = Limits::default();
+        let reduced = |run: &'_ Run| match run.kind {
+            RunKind::OnTheFly => blocks_of(run, limits).0,
+            RunKind::Static => stations_of(run, limits),
+        };
+        let fitted = runs.iter().map(|run| match many(run, limits) {
+            true => Cow::Owned(reduced(run)),
+            false => Cow::Borrowed(run),
+        });
+        Self::of_points(&fitted.collect::<Vec<_>>())
+    }
+
+    /// As [`Self::new`], with every point as it is, however many.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of_points(runs: &[impl Borrow<Run>]) -> Result<Self, ExperimentError> {
+        let runs: Vec<&Run> = runs.iter().map(Borrow::borrow).collect();
+        let first = *runs.first().ok_or(ExperimentError::NoRun)?;
+        let (mut setups, mut points, mut run_of_point, mut channels) =
+            (Vec::new(), Vec::new(), Vec::new(), first.channels.clone());
+        let mut run_of_setup = Vec::new();
+        for (i, run) in runs.iter().copied().enumerate() {
+            if run.machine != first.machine {
+                return Err(ExperimentError::DifferentMachines {
+                    run: run.name.clone(),
+                    found: run.machine.name.clone(),
+                    first: first.name.clone(),
+                    expected: first.machine.name.clone(),
+                });
+            }
+            let offset = setups.len();
+            for setup in &run.setups {
+                let name =
+                    if runs.len() > 1 { format!("{}.{}", i + 1, setup.name) } else { setup.name.clone() };
+                setups.push(Setup { name, ..setup.clone() });
+                run_of_setup.push(i);
+            }
+            channels.retain(|channel| run.channels.contains(channel));
+            for point in run.good_points() {
+                let mut point = point.clone();
+                point.state.setup += offset;
+                points.push(point);
+                run_of_point.push(i);
+            }
+        }
+        // Channels that not every run has would leave holes: only common ones take part.
+        for (point, &i) in points.iter_mut().zip(&run_of_point) {
+            let all = &point.state.temperature_degc;
+            let common = channels
+                .iter()
+                .filter_map(|c| runs[i].channels.iter().position(|x| x == c))
+                .filter_map(|k| all.get(k).copied());
+            point.state.temperature_degc = common.collect();
+        }
+        if points.is_empty() {
+            let runs = runs.iter().map(|run| run.name.clone()).collect::<Vec<_>>().join(", ");
+            return Err(ExperimentError::NoPoints { runs });
+        }
+        let scene_setups = setups
+            .iter()
+            .zip(&run_of_setup)
+            .map(|(setup, &run): (&Setup, _)| SceneSetup {
+                name: setup.name.clone(),
+                components: setup.instrument.components(),
+                nest: match setup.nest {
+                    NestSide::Table => Side::Table,
+                    NestSide::Spindle => Side::Tool,
+                },
+                ball_in_table_mm: setup.ball_in_table_mm,
+                run,
+                settings: settings(setup),
+                artefact: setup.artefact.as_ref().map(|artefact| SceneArtefact {
+                    name: artefact.name.clone(),
+                    targets: artefact.targets.iter().map(|target| target.name.clone()).collect(),
+                    table_from_artefact: artefact.table_from_artefact(),
+                }),
+            })
+            .collect();
+        for point in &mut points {
+            point.state.deflection_mm = Vector3::zeros();
+        }
+        let states = points.iter().map(|p: &Point| &p.state);
+        let scene = Scene::new(first.machine.clone(), scene_setups, channels, states);
+        let mut experiment = Self::laid_out(&runs, scene, setups, points, run_of_point);
+        experiment.predict_deflections();
+        Ok(experiment)
+    }
+
+    /// What the probes were asked to read, as the base model predicts it. Never the readings themselves: an
+    /// effect of the probes would then explain every reading by itself.
+    fn predict_deflections(&mut self) {
+        let base = Model::base(&self.machine().name);
+        let Ok(fit) = identify(self, &base, &Options::quick()) else { return };
+        for i in 0..self.points.len() {
+            if !self.setups[self.points[i].state.setup].instrument.deflects_probes() {
+                continue;
+            }
+            for (k, row) in self.rows_of(i).enumerate() {
+                self.points[i].state.deflection_mm[k] = fit.predicted_mm[row];
+            }
+        }
+        let states = self.points.iter().map(|p| &p.state);
+        let (machine, setups) = (self.scene.machine.clone(), self.scene.setups.clone());
+        self.scene = Scene::new(machine, setups, self.scene.channels.clone(), states);
+    }
+}
+
+/// Unknowns of a mounting, as effects see them.
+fn settings(setup: &Setup) -> Vec<SceneSetting> {
+    let unit = |quantity: Quantity| match quantity {
+        Quantity::Length => Unit::UM,
+        Quantity::Angle => Unit::URAD,
+    };
+    (instrument(setup.instrument).settings)(setup)
+        .into_iter()
+        .map(|s| SceneSetting { name: s.name, unit: unit(s.quantity), site: s.site, twist: s.twist })
+        .collect()
+}

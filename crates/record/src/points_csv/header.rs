@@ -1,0 +1,110 @@
+//! The header row of a points file: which column holds what.
+
+use super::notes::Notes;
+use crate::column::{Column, on_the_fly, readings};
+use crate::motion::Wanted;
+use crate::rows::Cell;
+use std::collections::HashSet;
+use trunnion_core::names::nearest;
+use trunnion_core::{InstrumentKind, Joint, Setup};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_machine::Machine;
+
+/// What is known of the run before its points are read; without setups or machine only what can be checked without them.
+#[derive(Clone, Copy)]
+pub(super) struct Known<'a> {
+    pub kind: RunKind,
+    pub run: Option<&'a Run>,
+    pub setups: Option<&'a [Setup]>,
+    pub machine: Option<&'a Machine>,
+}
+
+impl<'a> Known<'a> {
+    pub fn of(run: &'a Run) -> Self {
+        Self { kind: run.kind, run: Some(run), setups: Some(&run.setups), machine: Some(&run.machine) }
+    }
+}
+
+/// The columns in order; `None` where nobody knows what one holds, which is noted unless it may be about a joint.
+pub(super) fn read_header(
+    notes: &mut Notes<'_>,
+    line: usize,
+    header: &[Cell],
+    Known { kind, setups, machine, .. }: Known<'_>,
+) -> Vec<Option<Column>> {
+    let every_kind = InstrumentKind::NAMES.map(|(_, kind)| kind).to_vec();
+    let kinds = setups.map_or(every_kind, |setups| setups.iter().map(|setup| setup.instrument).collect());
+    let joints = machine.map_or_else(|| Joint::ISO.to_vec(), Machine::joints);
+    let mut required = vec![Column::Setup];
+    required.extend(joints.iter().copied().map(Column::Position));
+    let readings = readings(kinds.iter().copied());
+    if let Some(name) =
+        readings.iter().map(|column| column.name()).find(|name| required.iter().any(|c| c.name() == *name))
+    {
+        let found = format!("{name} is a reading of an instrument and the position of a joint");
+        notes.add(
+            line,
+            1,
+            &found,
+            "a machine without a joint of that name",
+            "Rename the joint in the machine file.",
+        );
+    }
+    required.extend(readings.into_iter().map(Column::Reading));
+    if setups.is_none_or(|setups| setups.iter().any(|setup| setup.artefact.is_some())) {
+        required.push(Column::Target);
+    }
+    let mut allowed = required.clone();
+    allowed.push(Column::Time);
+    allowed.extend(joints.iter().copied().map(Column::Direction));
+    if kind == RunKind::OnTheFly {
+        allowed.extend(on_the_fly(&joints, kinds.iter().copied()));
+    }
+    let names = allowed.iter().map(Column::name).collect::<Vec<_>>().join(", ") + ", NAME_degc";
+
+    let mut columns: Vec<Option<Column>> = Vec::new();
+    for &(at, ref cell) in header {
+        // Spreadsheets like capitals.
+        let column =
+            Column::parse(cell, &allowed).or_else(|| Column::parse(&cell.to_ascii_lowercase(), &allowed));
+        if column.is_none() && (machine.is_some() || !may_be_joint(cell)) {
+            let advice = match nearest(
+                cell,
+                allowed.iter().map(Column::name).collect::<Vec<_>>().iter().map(String::as_str),
+            ) {
+                Some(near) => format!("Did you mean {near}?"),
+                None => String::new(),
+            };
+            notes.add(line, at, &format!("column \"{cell}\""), &names, &advice);
+        } else if column.is_some() && columns.contains(&column) {
+            notes.add(line, at, &format!("column \"{cell}\" appears twice"), "each column once", "");
+        }
+        columns.push(column);
+    }
+    if machine.is_some() && setups.is_some() {
+        for column in required.into_iter().map(Some).filter(|column| !columns.contains(column)) {
+            let name = column.as_ref().map(Column::name).unwrap_or_default();
+            notes.add(line, 1, &format!("column {name} is missing"), &names, "");
+        }
+    }
+    columns
+}
+
+/// Without its machine nobody knows whether a column is about one of its joints.
+fn may_be_joint(name: &str) -> bool {
+    name.ends_with("_deg") || name.ends_with("_mm") || name.starts_with("direction_")
+}
+
+/// What the columns leave to be computed from the positions.
+pub(super) fn wanted(columns: &[Option<Column>], known: Known<'_>) -> Wanted {
+    let stated: HashSet<&Column> = columns.iter().flatten().collect();
+    let any = |of: fn(&Column) -> bool| columns.iter().flatten().any(of);
+    let joints = known.machine.map_or_else(Vec::new, Machine::joints);
+    let moves = known.kind == RunKind::OnTheFly;
+    Wanted {
+        directions: joints.into_iter().filter(|&joint| !stated.contains(&Column::Direction(joint))).collect(),
+        since_reversal: !any(|column| matches!(column, Column::SinceReversal(_))),
+        speeds: moves && !any(|column| matches!(column, Column::Speed(_))),
+        accelerations: moves && !any(|column| matches!(column, Column::Acceleration(_))),
+    }
+}

@@ -1,0 +1,39 @@
+//! Recordings written from tables and by the simulator.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The answer of `import`: a recording made from a table.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Imported {
+    /// Path of the recording.
+    pub run: String,
+    /// Points or samples taken.
+    pub points: u64,
+    /// Setups of the run.
+    pub setups: usize,
+    /// Name of the machine.
+    pub machine: String,
+}
+
+/// `trunnion-simulation/1`: a recording made by the simulator.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Simulation {
+    /// Format and version.
+    pub format: SimulationFormat,
+    /// Points read.
+    pub points: usize,
+    /// Machine time, min.
+    pub minutes: f64,
+    /// Path of the recording.
+    pub run: String,
+}
+
+/// Format and version of a simulation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum SimulationFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-simulation/1")]
+    V1,
+}
