@@ -5,3 +5,4 @@
 mod examples;
 mod library;
 mod one_answer;
+mod plausible;
