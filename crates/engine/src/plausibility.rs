@@ -4,22 +4,14 @@
 //! tried as a named mistake: with the mistake undone everything must fit. The rules look only for gross mistakes; what a
 //! machine itself can do is never one.
 
+mod found;
 mod order;
 mod positions;
 mod readings;
 
-use trunnion_cycles::Run;
+pub use found::Implausible;
 
-/// Something in the runs that no machine can do.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Implausible {
-    /// What is wrong, where, and how large.
-    pub finding: String,
-    /// The mistake that would explain it, and what to do; empty where none of those tried does.
-    pub hypothesis: String,
-    /// Root mean square of what is left with the mistake undone, µm; `None` where it is no question of size.
-    pub rms_um_with_it: Option<f64>,
-}
+use trunnion_cycles::Run;
 
 /// Everything about these runs that is not plausible, the gravest first; empty for good runs.
 pub fn implausible(runs: &[Run]) -> Vec<Implausible> {

@@ -1,6 +1,6 @@
 //! Times, directions and copies: does the order of the points make sense?
 
-use super::Implausible;
+use super::found::Implausible;
 use trunnion_core::{Joint, Point};
 use trunnion_cycles::{Run, RunKind};
 

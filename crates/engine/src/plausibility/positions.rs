@@ -1,7 +1,7 @@
 //! Do the axes follow the ball? An R-test reads a ball in its nest, so both must be at one place, whatever the machine's
 //! errors are: these are a thousand times smaller than any mistake here.
 
-use super::Implausible;
+use super::found::Implausible;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::PI;
 use trunnion_core::convert::um_from_mm;

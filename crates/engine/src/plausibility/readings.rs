@@ -1,7 +1,7 @@
 //! Do the readings belong to the positions? The base model, with every location error and setting free, is fitted to the
 //! readings as they are and with each mistake undone.
 
-use super::Implausible;
+use super::found::Implausible;
 use crate::Experiment;
 use crate::solve::linear::Reduced;
 use nalgebra::{DMatrix, DVector};

@@ -110,7 +110,7 @@ fn findings_plan_preview_ladder_and_volume_return() {
     returns(&AxisErrors::from(&errors));
     model.effects.push(ModelEffect {
         id: "gravity-sag:B".into(),
-        ladder: Some(trunnion_effects::LadderRow { date: "2026-03-01".into(), ..Default::default() }),
+        ladder: Some(LadderRow { date: "2026-03-01".into(), ..Default::default() }),
         ..ModelEffect::default()
     });
     returns(&Ladder::from(&model));
