@@ -13,6 +13,7 @@ mod moments;
 pub(crate) mod shapes;
 mod sources;
 pub(crate) mod wave;
+mod words;
 
 use crate::Experiment;
 use crate::IdentifyError;
@@ -81,19 +82,24 @@ pub struct Wave {
 /// A model whose columns cannot be formed.
 pub fn spectra(problem: &Problem<'_>) -> Result<Vec<AxisSpectrum>, IdentifyError> {
     let left = Left::of(problem)?;
-    let of = |axis: &Axis| AxisSpectrum::of(&left, axis);
-    Ok(left.experiment.machine().axes().filter_map(of).collect())
+    let own = moved_by_themselves(&left).filter_map(|axis| AxisSpectrum::of(&left, axis));
+    Ok(own.collect())
+}
+
+/// Rotary axes, and linear axes that do not only follow a rotary one.
+fn moved_by_themselves(left: &Left) -> impl Iterator<Item = &Axis> {
+    let machine = left.experiment.machine();
+    let scene = &left.experiment.scene;
+    let turning = machine.rotary_joints().into_iter().any(|joint| scene.moves(joint));
+    machine
+        .axes()
+        .filter(move |axis| axis.letter.is_rotary() || !turning || scene.measures_volume(axis.letter))
 }
 
 /// Waves that stand out along axes which moved by themselves, or through enough positions: those that a term without a name may follow.
 pub(crate) fn free_waves(left: &Left) -> Vec<(Joint, Wave)> {
-    let machine = left.experiment.machine();
-    let scene = &left.experiment.scene;
-    let turning = machine.rotary_joints().into_iter().any(|joint| scene.moves(joint));
-    let eligible = |axis: &&Axis| axis.letter.is_rotary() || !turning || scene.measures_volume(axis.letter);
     let fine = |axis: &&Axis| left.distinct_positions(axis.letter) >= FINE;
-    let spectra =
-        machine.axes().filter(eligible).filter(fine).filter_map(|axis| AxisSpectrum::of(left, axis));
+    let spectra = moved_by_themselves(left).filter(fine).filter_map(|axis| AxisSpectrum::of(left, axis));
     spectra.flat_map(|spectrum| spectrum.waves.into_iter().map(move |wave| (spectrum.joint, wave))).collect()
 }
 

@@ -8,6 +8,7 @@ mod parameters;
 mod places;
 mod polars;
 mod positions;
+mod spectrum;
 mod summary;
 mod sure;
 mod sweeps;
@@ -26,6 +27,7 @@ pub fn compare_html(input: &Comparison, label: &str) -> String {
     let sections = [
         summary::section(input, label),
         places::section(&input.places, &input.residuals),
+        spectrum::section(&input.spectra),
         candidates::section(input),
         sure::section(input),
         ladder::section(&input.ladder),

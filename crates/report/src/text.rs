@@ -22,7 +22,7 @@ use crate::views::cuts;
 use crate::words::{
     NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, formula_shape,
     formula_site, headline, left_out, noise_origin, noticeable, planned_words, repeatability, trial_verdict,
-    verdict,
+    verdict, wave,
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph};
@@ -85,6 +85,11 @@ pub fn compare_text(input: &Comparison) -> String {
     out += &paragraph(&verdict(input).join(" "));
     out += "\nWhere the model fails most\n";
     out += &places(&input.places);
+    let waves = input.spectra.iter().flat_map(|axis| axis.waves.iter().map(|one| wave(&axis.axis, one)));
+    let waves: String = waves.map(|sentence| paragraph(&sentence)).collect();
+    if !waves.is_empty() {
+        out += &format!("\nWhat repeats along the axes\n{waves}");
+    }
     let cuts = cuts(&input.residuals);
     let groups = cuts.iter().flat_map(|(_, groups)| groups);
     let largest = groups.map(|group| group.rms_um).filter(|r| r.is_finite()).fold(0.0, f64::max);

@@ -1,7 +1,9 @@
 //! What a comparison and a trial come to, in sentences: shared by page and terminal. Each thing is said once.
 
 use crate::number::{percent, um, um_or_dash};
-use trunnion_results::{Candidate, Comparison, Diagnosis, FormulaProposal, Then, Trial, Verdict};
+use trunnion_results::{
+    Candidate, Comparison, Diagnosis, FormulaProposal, SpectrumWave, Then, Trial, Verdict,
+};
 
 pub use trunnion_results::sentences::*;
 
@@ -95,6 +97,16 @@ fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
     ));
     sentences.extend(noticeable(diagnosis));
     sentences
+}
+
+/// A wave that stands out of what remains.
+pub fn wave(axis: &str, wave: &SpectrumWave) -> String {
+    let after = um(wave.rms_um_after);
+    format!(
+        "{axis}: a wave of {} rms. {} With it in the model {after} rms remain.",
+        um(wave.rms_um),
+        wave.words
+    )
 }
 
 /// What an all-clear is worth.

@@ -4,6 +4,7 @@ use crate::diagnosis::{Diagnosis, Verdict};
 use crate::identification::{Identification, Parameter};
 use crate::ladder::{Ladder, Moved};
 use crate::residuals::Residuals;
+use crate::spectrum::AxisSpectrum;
 use crate::time_quality::TimeQuality;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,9 @@ pub struct Comparison {
     pub time_quality: Vec<TimeQuality>,
     /// Where the model fails most, worst first; empty when no place stands out.
     pub places: Vec<Place>,
+    /// What the model leaves along each axis that moved by itself, by period.
+    #[serde(default)]
+    pub spectra: Vec<AxisSpectrum>,
     /// The fit.
     pub identification: Identification,
     /// What is missing from the model, when that was asked.

@@ -2,6 +2,7 @@
 
 use crate::identification::{LeftOut, Parameter};
 use crate::number::finite;
+use crate::spectrum::Period;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_effects::Formula;
@@ -112,23 +113,6 @@ pub struct LearnedNoise {
     pub drift_um: f64,
     /// A pattern over the poses that comes back.
     pub pattern_um: f64,
-}
-
-/// How an effect repeats along an axis.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Period {
-    /// Period, or cycles a turn.
-    pub value: f64,
-    /// `mm` or `per turn`.
-    pub unit: String,
-    /// Standard uncertainty.
-    pub u: f64,
-    /// The known part of the machine that repeats so, e.g. `lead/4`; null when none does.
-    pub is: Option<String>,
-    /// Amplitude, µm of a shift or µrad of a turn, where one motion waves.
-    pub amplitude: Option<f64>,
-    /// What gives the same readings on this even grid of positions; null where positions are uneven.
-    pub alias: Option<f64>,
 }
 
 /// One effect that would explain part of the residual.
@@ -308,19 +292,6 @@ impl From<&engine::Candidate> for Candidate {
             adequate: candidate.adequate,
             period: candidate.period.as_ref().map(Period::from),
             why: candidate.why.clone(),
-        }
-    }
-}
-
-impl From<&engine::spectrum::Wave> for Period {
-    fn from(wave: &engine::spectrum::Wave) -> Self {
-        Self {
-            value: wave.value,
-            unit: wave.unit.into(),
-            u: wave.u,
-            is: wave.is.clone(),
-            amplitude: wave.amplitude.and_then(finite),
-            alias: wave.alias.and_then(finite),
         }
     }
 }

@@ -24,6 +24,7 @@ mod preview;
 mod residuals;
 mod schema;
 pub mod sentences;
+mod spectrum;
 mod time_quality;
 mod volumetric;
 mod written;
@@ -58,6 +59,7 @@ pub use prediction::{Prediction, PredictionFormat, RunPrediction};
 pub use preview::{Alias, OutOfReach, Preview, PreviewFormat, SeenBy, SeparatedBy};
 pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, ShiftedPlace};
 pub use schema::{schema_text, schemas};
+pub use spectrum::{AxisSpectrum, Period, SpectrumWave};
 pub use time_quality::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
 pub use volumetric::{
     Datum, ErrorAt, ErrorMap, ErrorMapFormat, Unseen, Volumetric, VolumetricFormat, VolumetricValue,

@@ -3,6 +3,7 @@
 use crate::analysis::FormulaText;
 use crate::{Diagnosed, Error, Fit, Step, page};
 use trunnion_effects::catalogue::BASE;
+use trunnion_engine::spectrum::spectra;
 use trunnion_results as results;
 
 /// The residual of a fit, with what is missing from its model.
@@ -44,7 +45,12 @@ impl Diagnosed {
     /// When the fit behind the delays of a run on the fly fails.
     pub fn compare(&self) -> Result<Compared, Error> {
         let (fit, diagnosis) = (self.fit(), self.results());
+        let spectra = match diagnosis.verdict {
+            results::Verdict::NotJudged => Vec::new(),
+            _ => spectra(&fit.problem())?.iter().map(results::AxisSpectrum::from).collect(),
+        };
         let answer = results::Comparison {
+            spectra,
             time_quality: fit.experiment().time_quality()?,
             ladder: fit.model().ladder(),
             ..results::Comparison::new(fit.experiment().points(), fit.identification(), Some(diagnosis))

@@ -23,7 +23,7 @@ pub fn why(instance: &Instance, numbers: &Numbers, period: Option<&Wave>, adequa
         sentences.push(about.explanation.to_string());
         sentences.push(format!("Likely cause: {}", about.cause));
     }
-    sentences.extend(period.map(repeats));
+    sentences.extend(period.map(Wave::words));
     let held_out = numbers.holdout.map_or(String::new(), |(before, after_um)| {
         let (unit, before_um) = (before.left_out.plural(), um_from_mm(before.rms_mm));
         format!("on {unit} left out of the fit from {before_um:.2} to {after_um:.2} µm; ")
@@ -43,27 +43,6 @@ pub fn why(instance: &Instance, numbers: &Numbers, period: Option<&Wave>, adequa
     });
     sentences.join(" ")
 }
-
-/// How an effect repeats along an axis, how large it is, and what these positions mistake it for.
-fn repeats(wave: &Wave) -> String {
-    // Two digits of the uncertainty.
-    let digits = (1.0 - wave.u.max(FINEST).log10().floor()).clamp(0.0, 6.0) as usize;
-    let every = |value: f64| match wave.unit {
-        "mm" => format!("every {value:.digits$} mm"),
-        _ => format!("{value:.digits$} times per turn"),
-    };
-    let spread = format!("{:.digits$}", wave.u);
-    let unit = if wave.unit == "mm" { "µm" } else { "µrad" };
-    let source = wave.is.as_ref().map_or(String::new(), |is| format!(" ({is})"));
-    let amplitude = wave.amplitude.map_or(String::new(), |size| format!(", amplitude {size:.2} {unit}"));
-    let alias = wave.alias.map_or(String::new(), |alias| {
-        format!(" On this even grid a wave {} gives the same readings.", every(alias))
-    });
-    format!("It repeats {}, u = {spread}{source}{amplitude}.{alias}", every(wave.value))
-}
-
-/// Nobody reads a smaller uncertainty of a period, mm or cycles.
-const FINEST: f64 = 1e-5;
 
 /// The measurement that tells an effect from its rivals; empty without rivals.
 pub fn separate_by(instance: &Instance, rivals: &[&Instance]) -> String {

@@ -64,11 +64,12 @@ fn figure(chart: &Chart) -> String {
                 .zip(Mark::LINES)
                 .map(|(curve, (mark, _))| Series { name: curve.name.clone(), mark, points: points(curve) })
                 .collect();
+            let y_limit = limit(series.iter().map(|s| &s.points));
             xy_chart(&XyChart {
                 title,
                 x_name: &axis(x),
                 y_name: &axis(y),
-                y_limit: limit(series.iter().map(|s| &s.points)),
+                y: (-y_limit, y_limit),
                 series: &series,
                 marks_on_x: &[],
             })

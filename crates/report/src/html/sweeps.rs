@@ -77,7 +77,14 @@ fn charts(
     let mut html = String::new();
     for (component, series) in &of_components {
         let title = format!("Component {component} over {over}; scale ±{}", um(y_limit));
-        html += &xy_chart(&XyChart { title: &title, x_name, y_name: "µm", series, y_limit, marks_on_x });
+        html += &xy_chart(&XyChart {
+            title: &title,
+            x_name,
+            y_name: "µm",
+            series,
+            y: (-y_limit, y_limit),
+            marks_on_x,
+        });
     }
     if html.is_empty() { escape("Nothing to draw.") } else { html }
 }

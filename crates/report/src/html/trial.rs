@@ -191,7 +191,14 @@ fn charts(trial: &Trial) -> String {
     let y_limit = nice_above(all.fold(0.0, |limit: f64, p| limit.max(p.1.abs())));
     let chart = |(component, series): &(&str, [Series; 2])| {
         let title = format!("Component {component}, before and after");
-        xy_chart(&XyChart { title: &title, x_name: &x_name, y_name: "µm", series, y_limit, marks_on_x: &[] })
+        xy_chart(&XyChart {
+            title: &title,
+            x_name: &x_name,
+            y_name: "µm",
+            series,
+            y: (-y_limit, y_limit),
+            marks_on_x: &[],
+        })
     };
     format!("<div class=\"plots\">{}</div>\n", components.iter().map(chart).collect::<String>())
 }

@@ -51,8 +51,8 @@ pub struct XyChart<'a> {
     pub x_name: &'a str,
     pub y_name: &'a str,
     pub series: &'a [Series],
-    /// Half height of the y axis around zero.
-    pub y_limit: f64,
+    /// Ends of the y axis.
+    pub y: (f64, f64),
     /// Places on x that are marked with a name.
     pub marks_on_x: &'a [(f64, String)],
 }
@@ -61,7 +61,7 @@ pub struct XyChart<'a> {
 pub fn xy_chart(chart: &XyChart<'_>) -> String {
     let all_x = chart.series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
     let x = Scale::new(extent(all_x).unwrap_or((0.0, 1.0)), (LEFT + 4.0, RIGHT - 4.0));
-    let y = Scale::new((-chart.y_limit, chart.y_limit), (BOTTOM, TOP));
+    let y = Scale::new(chart.y, (BOTTOM, TOP));
     let mut body = axes(&x, &y, chart.x_name, chart.y_name);
     for (at, name) in chart.marks_on_x.iter().filter(|(at, _)| at.is_finite()) {
         body += &line((x.at(*at), TOP), (x.at(*at), BOTTOM), "guide");
@@ -72,7 +72,7 @@ pub fn xy_chart(chart: &XyChart<'_>) -> String {
         // A line ends where a value is no number, and begins again after it.
         for stretch in series.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
             let places: Vec<_> =
-                stretch.iter().map(|p| (x.at(p.0), y.at(p.1.clamp(-chart.y_limit, chart.y_limit)))).collect();
+                stretch.iter().map(|p| (x.at(p.0), y.at(p.1.clamp(chart.y.0, chart.y.1)))).collect();
             body += &drawn(series.mark, &places);
         }
         body += &key(series.mark, key_x);

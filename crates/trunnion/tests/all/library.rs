@@ -92,3 +92,33 @@ fn what_cannot_be_opened_is_named() {
     let machine = trunnion::files::machine("table-xy").err().unwrap().to_string();
     assert!(machine.contains("table-xy") && machine.contains("table-bc"), "{machine}");
 }
+
+#[test]
+fn a_wave_along_an_axis_is_in_the_comparison_its_text_and_its_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let setup = "format = \"trunnion-points/1\"\nmachine = \"three-axis\"\n[[setup]]\nname = \"line\"\ninstrument = \"diagonal\"\n\
+                 nest = \"spindle\"\nball_in_table_mm = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n";
+    std::fs::write(folder.path().join("setup.toml"), setup).unwrap();
+    let mut points = String::from("setup,x_mm,y_mm,z_mm,l_mm,time_s\n");
+    for k in 0..300 {
+        // 0.37 mm is no share of a lead of 10 mm; the rest is a residue without a period.
+        let x_mm = 0.05 * f64::from(k);
+        let other_mm = 0.3e-3 * (f64::from(k * k % 97) / 97.0 - 0.5);
+        let l_mm = x_mm + 5e-3 * (std::f64::consts::TAU * x_mm / 0.37).sin() + other_mm;
+        points += &format!("line,{x_mm:.4},0,0,{l_mm:.6},{k}\n");
+    }
+    std::fs::write(folder.path().join("points.csv"), points).unwrap();
+    let run = trunnion::open(folder.path().join("points.csv")).unwrap();
+    let compared = run.fit(&run.base_model()).unwrap().compare().unwrap();
+    let answer = compared.results();
+    let [spectrum] = &answer.spectra[..] else { panic!("{:?}", answer.spectra.len()) };
+    let wave = &spectrum.waves[0];
+    assert_eq!((spectrum.axis.as_str(), wave.period.unit.as_str()), ("X", "mm"));
+    assert!((wave.period.value - 0.37).abs() < 4.0 * wave.period.u.max(1e-5), "{wave:?}");
+    let amplitude_um = wave.period.amplitude.unwrap();
+    assert!((amplitude_um - 5.0).abs() < 0.1, "{wave:?}");
+    for surface in [compared.summary(), compared.page()] {
+        assert!(surface.contains("What repeats along the axes"), "{surface}");
+        assert!(surface.contains("X: a wave of"), "{surface}");
+    }
+}
