@@ -96,9 +96,10 @@ pub fn within_repeats(fit: &Identification, rms_mm: f64) -> bool {
     fit.repeatability.is_none_or(|noise| rms_mm <= MOST_OF_REPEATABILITY * noise.sigma_mm)
 }
 
-/// True where the pattern that remains next to all that was found is no larger than natural.
-pub fn pattern_is_natural(sizes: &NoiseSizes) -> bool {
-    sizes.pattern_um <= NATURAL_PATTERN * sizes.white_um
+/// True where the pattern that remains next to all that was found, and the scatter from stop to stop, are no larger than natural: what an
+/// effect without a name does at every stop of an axis looks like either.
+pub fn remainder_is_natural(sizes: &NoiseSizes) -> bool {
+    sizes.pattern_um.max(sizes.stations_um) <= NATURAL_PATTERN * sizes.white_um
 }
 
 /// Effects with something to say for them that is worth more than a bare mention, where together they are worth more than that.
