@@ -6,6 +6,7 @@
 //! all of them.
 
 mod answer;
+mod constancy;
 mod expressions;
 mod families;
 mod judgement;

@@ -1,8 +1,9 @@
 //! From scans to the answer: candidates in order, what each would do, what it could be mistaken for, the verdict.
 
+use crate::diagnosis::constancy::is_constant;
 use crate::diagnosis::families::Number;
 use crate::diagnosis::judgement::{
-    noise_sizes, nothing_claimed, noticeable_um, open_effects, pattern_is_natural, within_repeats,
+    noise_sizes, nothing_claimed, noticeable_um, open_effects, remainder_is_natural, within_repeats,
 };
 use crate::diagnosis::options::{DiagnoseError, Options};
 use crate::diagnosis::refits::{Explained, Refit, refits};
@@ -31,7 +32,9 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let found = search(scan, options.claim_ln, options.look_ahead).ok_or(DiagnoseError::NoNoise)?;
     let all_found_mm = scan.left(&columns_of(found.items.iter(), scan.y.len()));
     let alone_mm = scan.left(&DMatrix::zeros(scan.y.len(), 0));
-    let context = Context { problem, scan, options, found: &found, floor_mm: all_found_mm, alone_mm };
+    let is_constant = is_constant(scan, &found, options.claim_ln);
+    let context =
+        Context { problem, scan, options, found: &found, floor_mm: all_found_mm, alone_mm, is_constant };
 
     let listed = context.listed();
     let refits = context.refits(&listed);
@@ -93,6 +96,8 @@ struct Context<'a> {
     /// What the scan leaves with all that was found, and with nothing, mm rms.
     floor_mm: f64,
     alone_mm: f64,
+    /// Whether nothing that was found changes with time or place.
+    is_constant: bool,
 }
 
 /// The fits with what is listed.
@@ -229,7 +234,8 @@ impl Context<'_> {
             readings * (self.scan.left(&item.columns) / self.floor_mm).ln() < CONFUSED_LN
         };
         self.found.complete
-            && pattern_is_natural(&noise_sizes(self.scan, self.found.last.null.x()))
+            && self.is_constant
+            && remainder_is_natural(&noise_sizes(self.scan, self.found.last.null.x()))
             && !self.found.items.iter().any(Item::is_open)
             && (all_found || like_all_found())
     }

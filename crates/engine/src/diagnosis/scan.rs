@@ -5,7 +5,7 @@ use crate::diagnosis::options::DiagnoseError;
 use crate::diagnosis::rows::Rows;
 use crate::diagnosis::vocabulary::Vocabulary;
 use crate::evidence::{beside, log_mean_exp, orthonormal, turned};
-use crate::noise::learned::display::{saw, step_mm};
+use crate::noise::learned::display::Display;
 use crate::noise::learned::kernels::Kernels;
 use crate::noise::learned::mode::{Effort, Mode, Readings};
 use crate::noise::learned::{Real, tails};
@@ -50,6 +50,7 @@ pub struct Scan<'a> {
     pub unit_mm: f64,
     pub kernels: Kernels,
     white: DVector<f64>,
+    least_ln: f64,
     /// Root of the weight of each row: base, readings and every column are multiplied by it.
     pub root: DVector<f64>,
     /// The noise when nothing is added.
@@ -86,8 +87,11 @@ impl<'a> Scan<'a> {
         let residual = rows.of_vector(fit.residual_mm.clone()).component_mul(&root);
         let sizes: Vec<f64> = residual.iter().map(|r| r.abs()).collect();
         let unit_mm = (median(&sizes) / MEDIAN_LENGTH).max(FINEST_MM);
-        if let Some(step) = step_mm(&experiment.readings_mm()).filter(|step| *step > unit_mm) {
-            base = beside(&base, &weighted(of_rows(saw(experiment, &fit.predicted_mm, step)), &root));
+        let display = Display::of(experiment);
+        let least_mm = display.map_or(0.0, |display| display.hidden_mm()).max(FINEST_MM);
+        let least_ln = (least_mm / unit_mm).ln();
+        if let Some(display) = display.filter(|display| display.step_mm > unit_mm) {
+            base = beside(&base, &weighted(of_rows(display.saw(experiment, &fit.predicted_mm)), &root));
         }
         let left = Left::of(problem)?;
         let (named, columns, widths, out_of_reach) = competitors(problem, &left, &rows, &root, without);
@@ -102,7 +106,7 @@ impl<'a> Scan<'a> {
         let used: Vec<bool> = (0..rows.points.points.len())
             .map(|node| rows.points_of(node).iter().all(|&point| fit.used[point]))
             .collect();
-        let (white, first) = learned(&kernels, &y, &basis.cast::<Real>(), &used);
+        let (white, first) = learned(&kernels, &y, &basis.cast::<Real>(), &used, least_ln);
         let first = first.ok_or(DiagnoseError::NoNoise)?;
         Ok(Self {
             residual: left,
@@ -117,6 +121,7 @@ impl<'a> Scan<'a> {
             unit_mm,
             kernels,
             white,
+            least_ln,
             root,
             first,
         })
@@ -139,7 +144,7 @@ impl<'a> Scan<'a> {
     }
 
     pub fn readings(&self) -> Readings<'_> {
-        Readings { kernels: &self.kernels, y: &self.y, white: &self.white }
+        Readings { kernels: &self.kernels, y: &self.y, white: &self.white, least_ln: self.least_ln }
     }
 
     /// Columns of an instance at a shape; rows count with their weights.
@@ -154,6 +159,7 @@ fn learned(
     y: &DVector<Real>,
     basis: &DMatrix<Real>,
     used: &[bool],
+    least_ln: f64,
 ) -> (DVector<f64>, Option<Mode>) {
     let of_point = |i: &usize| if used[*i] { 1.0 } else { tails::NOTHING };
     let mut white = DVector::from_iterator(y.len(), kernels.point_of_row.iter().map(of_point));
@@ -161,7 +167,7 @@ fn learned(
     let mut effort = Effort::FULL;
     let mut mode = None;
     for round in 0..=WEIGHINGS {
-        let readings = Readings { kernels, y, white: &white };
+        let readings = Readings { kernels, y, white: &white, least_ln };
         mode = readings.sigma(&x).and_then(|start| readings.learn(basis, start, effort));
         let Some(found) = mode.as_ref().filter(|_| round < WEIGHINGS) else { break };
         let Some(weights) = tails::weights(found, &kernels.rows_of_point, &white, used) else { break };

@@ -99,6 +99,11 @@ impl View {
         Some(Self { chosen, basis, null, quiet, named })
     }
 
+    /// ln Bayes factor of turned columns at the learned noise or in a quiet one, whichever is larger.
+    pub fn ln_bf(&self, columns: &DMatrix<f64>) -> f64 {
+        weigh(&self.null.here, columns).ln_bf.max(weigh(&self.quiet, columns).ln_bf)
+    }
+
     /// Learns the noise beside columns.
     pub fn beside(&self, scan: &Scan<'_>, columns: &DMatrix<f64>) -> Option<Beside> {
         let readings = scan.readings();

@@ -8,12 +8,11 @@
 
 use crate::Experiment;
 use crate::fit::identification::Repeatability;
+use crate::noise::learned::display::{Display, nominal_mm};
 use crate::noise::outliers::median;
 use crate::problem::passes::{Passes, pose_key};
 use nalgebra::Vector3;
 use std::collections::HashMap;
-use trunnion_instruments::predict;
-use trunnion_machine::Errors;
 
 /// Fewer differences than this say nothing.
 const FEWEST: usize = 6;
@@ -42,8 +41,10 @@ pub(crate) fn repeatability(experiment: &Experiment, passes: &Passes) -> Option<
     // Coarse readings may repeat exactly at most poses: then no distance is far.
     let near = differences_mm.iter().filter(|d| robust_mm == 0.0 || d.abs() <= SIGMAS * robust_mm);
     let (count, squares) = near.fold((0, 0.0), |(count, squares), d| (count + 1, squares + d * d));
+    // Equal readings of a coarse display repeat no better than its step.
+    let hidden_mm = Display::of(experiment).map_or(0.0, |display| display.hidden_mm());
     (count >= FEWEST).then(|| Repeatability {
-        sigma_mm: (squares / 4.0 / f64::from(count as u32)).sqrt(),
+        sigma_mm: (squares / 4.0 / f64::from(count as u32)).sqrt().max(hidden_mm),
         repeats: repeats.len(),
         // Neighbouring differences share a visit: about two thirds as many degrees of freedom.
         degrees_of_freedom: count * 2 / 3,
@@ -52,9 +53,7 @@ pub(crate) fn repeatability(experiment: &Experiment, passes: &Passes) -> Option<
 
 /// Reading minus what a machine without errors would read, mm.
 fn deviation_mm(experiment: &Experiment, i: usize) -> Vector3<f64> {
-    let point = &experiment.points[i];
-    let setup = &experiment.setups[point.state.setup];
-    Vector3::from(point.reading_mm) - predict(experiment.machine(), setup, &point.state, &Errors::default())
+    Vector3::from(experiment.points[i].reading_mm) - nominal_mm(experiment, i)
 }
 
 fn repeats(experiment: &Experiment, passes: &Passes) -> Vec<Repeat> {

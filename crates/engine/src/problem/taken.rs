@@ -97,10 +97,45 @@ impl Taken {
 
     /// exp(−Δt/τ) within a run, 0 between runs.
     pub fn drift(&self, tau: f64) -> DMatrix<Real> {
+        self.within_runs(|from, to| (-(from - to).abs() / tau).exp()).cast()
+    }
+
+    /// exp(−½ (Δt/τ)²) within a run, from the mean of the run: its offset is the mounting. Mean variance 1.
+    pub fn smooth_drift(&self, tau: f64) -> DMatrix<Real> {
+        self.off_mean_of_run(self.within_runs(|from, to| (-0.5 * ((from - to) / tau).powi(2)).exp()))
+    }
+
+    /// What drift that takes far longer than a run looks like: in proportion to time, from the mean of the run. Mean variance 1.
+    pub fn trend(&self) -> DMatrix<Real> {
+        let begin = self.run_and_time.iter().map(|(_, time)| *time).fold(f64::INFINITY, f64::min);
+        self.off_mean_of_run(self.within_runs(|from, to| (from - begin) * (to - begin)))
+    }
+
+    fn within_runs(&self, alike: impl Fn(f64, f64) -> f64) -> DMatrix<f64> {
         let points = self.run_and_time.len();
         DMatrix::from_fn(points, points, |i, j| {
             let ((run, from), (other, to)) = (self.run_and_time[i], self.run_and_time[j]);
-            if run == other { (-(from - to).abs() / tau).exp() as Real } else { 0.0 }
+            if run == other { alike(from, to) } else { 0.0 }
         })
+    }
+
+    /// H K Hᵀ, H what takes the mean of its run from a point, brought to mean variance 1.
+    fn off_mean_of_run(&self, mut pairs: DMatrix<f64>) -> DMatrix<Real> {
+        let points = self.run_and_time.len();
+        for _ in 0..2 {
+            for mut column in pairs.column_iter_mut() {
+                let mut means: HashMap<usize, (f64, f64)> = HashMap::new();
+                for (value, (run, _)) in column.iter().zip(&self.run_and_time) {
+                    let mean = means.entry(*run).or_default();
+                    *mean = (mean.0 + value, mean.1 + 1.0);
+                }
+                for (value, (run, _)) in column.iter_mut().zip(&self.run_and_time) {
+                    *value -= means[run].0 / means[run].1;
+                }
+            }
+            pairs.transpose_mut();
+        }
+        let mean_variance = pairs.trace() / points.max(1) as f64;
+        if mean_variance > 0.0 { (pairs / mean_variance).cast() } else { DMatrix::zeros(points, points) }
     }
 }

@@ -6,6 +6,7 @@ mod common;
 mod excluded_points;
 mod held_out;
 mod intervals;
+mod lines;
 mod nothing_hidden;
 mod null;
 mod outside_data;

@@ -4,8 +4,10 @@
 //! for every component are columns that are projected out. With a step of 0.87 µm over 0.05 µm of noise they remove four fifths of it.
 
 use crate::Experiment;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use std::f64::consts::TAU;
+use trunnion_instruments::predict;
+use trunnion_machine::Errors;
 
 /// Harmonics of the saw.
 const HARMONICS: usize = 2;
@@ -15,9 +17,68 @@ const FINEST_MM: f64 = 1e-8;
 const ALL: f64 = 0.95;
 const WHOLE: f64 = 0.05;
 
-/// Smallest difference between readings where all are its multiples, mm.
-pub(crate) fn step_mm(readings_mm: &DVector<f64>) -> Option<f64> {
-    let mut values: Vec<f64> = readings_mm.iter().copied().collect();
+/// A display whose steps these readings show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Display {
+    pub step_mm: f64,
+    /// True where it shows deviations from the nominal reading, as controls and laser software do.
+    of_deviations: bool,
+}
+
+impl Display {
+    /// `None` where neither the readings nor their deviations from nominal are multiples of one step.
+    pub fn of(experiment: &Experiment) -> Option<Self> {
+        let readings_mm = experiment.readings_mm();
+        let of = |values: &DVector<f64>, of_deviations| {
+            step_mm(values).map(|step_mm| Self { step_mm, of_deviations })
+        };
+        of(&readings_mm, false).or_else(|| of(&(readings_mm - nominal_readings_mm(experiment)), true))
+    }
+
+    /// Standard deviation of what rounding to a step hides, mm: all values within a step are equally likely [GUM F.2.2.1].
+    pub fn hidden_mm(&self) -> f64 {
+        self.step_mm / 12f64.sqrt()
+    }
+
+    /// Columns of the saw at the fitted readings, rows × columns.
+    pub fn saw(&self, experiment: &Experiment, fitted_mm: &DVector<f64>) -> DMatrix<f64> {
+        let shown_mm =
+            if self.of_deviations { fitted_mm - nominal_readings_mm(experiment) } else { fitted_mm.clone() };
+        let most = (0..experiment.points.len()).map(|i| experiment.rows_of(i).len()).max().unwrap_or(0);
+        let mut columns = DMatrix::zeros(experiment.rows(), most * HARMONICS * 2);
+        for i in 0..experiment.points.len() {
+            for (k, row) in experiment.rows_of(i).enumerate() {
+                for harmonic in 0..HARMONICS {
+                    let (sin, cos) = (TAU * (harmonic + 1) as f64 * shown_mm[row] / self.step_mm).sin_cos();
+                    columns[(row, (k * HARMONICS + harmonic) * 2)] = cos;
+                    columns[(row, (k * HARMONICS + harmonic) * 2 + 1)] = sin;
+                }
+            }
+        }
+        columns
+    }
+}
+
+/// What a machine without errors would read at a point, mm.
+pub(crate) fn nominal_mm(experiment: &Experiment, i: usize) -> Vector3<f64> {
+    let state = &experiment.points[i].state;
+    predict(experiment.machine(), &experiment.setups[state.setup], state, &Errors::default())
+}
+
+fn nominal_readings_mm(experiment: &Experiment) -> DVector<f64> {
+    let mut nominal = DVector::zeros(experiment.rows());
+    for i in 0..experiment.points.len() {
+        let of_point_mm = nominal_mm(experiment, i);
+        for (k, row) in experiment.rows_of(i).enumerate() {
+            nominal[row] = of_point_mm[k];
+        }
+    }
+    nominal
+}
+
+/// Smallest difference between values where all are its multiples, mm.
+fn step_mm(values_mm: &DVector<f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values_mm.iter().copied().collect();
     values.sort_by(f64::total_cmp);
     let gaps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|d| *d > FINEST_MM).collect();
     let step = gaps.iter().copied().fold(f64::INFINITY, f64::min);
@@ -25,22 +86,6 @@ pub(crate) fn step_mm(readings_mm: &DVector<f64>) -> Option<f64> {
     let repeats = gaps.len() + 1 < values.len();
     let whole = gaps.iter().filter(|gap| ((*gap / step) - (*gap / step).round()).abs() < WHOLE).count();
     (repeats && step.is_finite() && whole as f64 > ALL * gaps.len() as f64).then_some(step)
-}
-
-/// Columns of the saw at the fitted readings, rows × columns.
-pub(crate) fn saw(experiment: &Experiment, fitted_mm: &DVector<f64>, step_mm: f64) -> DMatrix<f64> {
-    let most = (0..experiment.points.len()).map(|i| experiment.rows_of(i).len()).max().unwrap_or(0);
-    let mut columns = DMatrix::zeros(experiment.rows(), most * HARMONICS * 2);
-    for i in 0..experiment.points.len() {
-        for (k, row) in experiment.rows_of(i).enumerate() {
-            for harmonic in 0..HARMONICS {
-                let (sin, cos) = (TAU * (harmonic + 1) as f64 * fitted_mm[row] / step_mm).sin_cos();
-                columns[(row, (k * HARMONICS + harmonic) * 2)] = cos;
-                columns[(row, (k * HARMONICS + harmonic) * 2 + 1)] = sin;
-            }
-        }
-    }
-    columns
 }
 
 #[cfg(test)]

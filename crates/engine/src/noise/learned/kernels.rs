@@ -24,6 +24,12 @@ const SPREAD_OF_ANGLES_LN: f64 = 1.0;
 const DRIFT_OF_READINGS: [f64; 3] = [0.0, 0.5, 1.0];
 const DRIFT_OF_MACHINE: [f64; 2] = [0.3, 0.9];
 const SHORTEST_DRIFT_POINTS: f64 = 4.0;
+/// The same of smooth drift where no rotary axis moves: there position may grow with time alone, as on a line measured one way, so
+/// that a smooth drift is a smooth error of the axis.
+const SMOOTH_DRIFT: [f64; 2] = [0.7, 1.0];
+/// The same of their sizes: a wider one takes every scale for drift, a narrower one takes drift for a scale
+/// (docs/measured/worlds.md, lines).
+const SPREAD_OF_SMOOTH_LN: f64 = 1.0;
 /// Poses that come back at least this often on average make a pattern without any smoothness visible.
 const REPEATED: f64 = 1.25;
 /// A rotary axis that covers this much is taken as closed, rad.
@@ -104,6 +110,12 @@ impl Kernels {
             readings.add(Part::Drift, taken.drift(tau), 0.15, SPREAD_LN);
         }
         let axes = Axes::new(experiment, &taken);
+        if axes.turning.is_empty() {
+            readings.add(Part::Drift, taken.trend(), 0.1, SPREAD_OF_SMOOTH_LN);
+            for tau in taken.times(SMOOTH_DRIFT, SHORTEST_DRIFT_POINTS) {
+                readings.add(Part::Drift, taken.smooth_drift(tau), 0.1, SPREAD_OF_SMOOTH_LN);
+            }
+        }
         if f64::from(count(&taken.pose)) * REPEATED < points as f64 && !axes.turning.is_empty() {
             readings.add(Part::Pattern, alike(&taken.pose), 0.1, SPREAD_LN);
         }

@@ -27,6 +27,8 @@ pub(crate) struct Readings<'a> {
     pub y: &'a DVector<Real>,
     /// Multiple of the white variance of every row.
     pub white: &'a DVector<f64>,
+    /// ln of the least white standard deviation: what the display of the readings can show.
+    pub least_ln: f64,
 }
 
 /// How long to look.
@@ -84,12 +86,13 @@ impl Readings<'_> {
 
     /// Climbs from `start` to the mode; `basis`: orthonormal columns X. `None` where no Σ can be formed.
     pub fn learn(&self, basis: &DMatrix<Real>, start: Arc<Sigma>, effort: Effort) -> Option<Mode> {
+        let start =
+            if start.x[0] < self.least_ln { self.sigma(&self.shown(start.x.clone()))? } else { start };
         let mut here = Projected::new(start, self.y, basis)?;
         let mut posterior = self.posterior(&here);
         let (mut gradient, mut information) = self.slope(&here, basis.ncols());
         for _ in 0..effort.steps {
-            let Some(factor) = information.clone().cholesky() else { break };
-            let mut step = factor.solve(&gradient);
+            let Some(mut step) = self.newton_step(&here, &gradient, &information) else { break };
             if 0.5 * gradient.dot(&step) < effort.gain_ln {
                 break;
             }
@@ -104,6 +107,27 @@ impl Readings<'_> {
         Some(Mode { here, posterior, log_information })
     }
 
+    /// Newton's step; without ln s where that is at its least and would fall.
+    fn newton_step(
+        &self,
+        here: &Projected,
+        gradient: &DVector<f64>,
+        information: &DMatrix<f64>,
+    ) -> Option<DVector<f64>> {
+        if here.sigma.x[0] > self.least_ln || gradient[0] >= 0.0 {
+            return Some(information.clone().cholesky()?.solve(gradient));
+        }
+        let (gradient, information) = (gradient.clone().remove_row(0), information.clone());
+        let factor = information.remove_row(0).remove_column(0).cholesky()?;
+        Some(factor.solve(&gradient).insert_row(0, 0.0))
+    }
+
+    /// Sizes with a white part that the display can show.
+    fn shown(&self, mut x: Vec<f64>) -> Vec<f64> {
+        x[0] = x[0].max(self.least_ln);
+        x
+    }
+
     fn climb(
         &self,
         here: &Projected,
@@ -113,7 +137,7 @@ impl Readings<'_> {
     ) -> Option<(Projected, f64)> {
         for _ in 0..MOST_SHORTER {
             let x: Vec<f64> = here.sigma.x.iter().zip(step.iter()).map(|(x, s)| x + s).collect();
-            let next = self.sigma(&x).and_then(|sigma| Projected::new(sigma, self.y, basis));
+            let next = self.sigma(&self.shown(x)).and_then(|sigma| Projected::new(sigma, self.y, basis));
             if let Some(next) = next {
                 let reached = self.posterior(&next);
                 if reached > posterior - ROUNDING_LN {
