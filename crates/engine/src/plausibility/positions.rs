@@ -138,7 +138,7 @@ fn standing(run: &Run, rows: &[usize], far: &[usize], claim: &Claim<'_>) -> Opti
         "Read the positions of these rows again.".into()
     } else {
         format!(
-            "The position of {} stands still there: it was not updated. Read these rows again.",
+            "The position of {} stays the same there: it was not updated. Read these rows again.",
             stuck.join(" and ")
         )
     };

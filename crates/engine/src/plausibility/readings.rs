@@ -127,7 +127,7 @@ fn nothing_but_scatter(run: &Run, components: usize) -> Option<Implausible> {
     let (within_um, all_um) = (um_from_mm((within / freedom).sqrt()), um_from_mm((all / of_all).sqrt()));
     (within_um > GROSS_UM && within_um > NO_STRUCTURE * all_um).then(|| Implausible {
         finding: format!(
-            "{}: readings of one pose scatter by {within_um:.1} µm, nothing but noise beside the {all_um:.1} µm of all poses.",
+            "{}: readings of one pose scatter by {within_um:.1} µm, nothing but noise next to the {all_um:.1} µm of all poses.",
             run.name
         ),
         hypothesis: "The readings do not depend on the pose. Check that ball, nest and probes are firm, and the file.".into(),

@@ -75,7 +75,7 @@ const MISTAKES: [Mistake; 22] = [
                 f.rows[100..150].iter_mut().for_each(|row| row[column].clone_from(&first));
             }
         },
-        &["elsewhere they do", "B and C stands still"],
+        &["elsewhere they do", "B and C stays the same"],
     ),
     (
         "one pose late",
