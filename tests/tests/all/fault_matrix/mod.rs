@@ -40,25 +40,38 @@ const TOO_LONG: Duration = Duration::from_millis(200);
 /// Of the cells, at least this share must have been judged.
 const LEAST_JUDGED: f64 = 0.8;
 
-/// Attempts at a cell: a driver that is wrong fails in each, other work of the computer does not disturb each.
+/// Attempts at a cell that failed; what it said each time counts unless the computer paused.
 const ATTEMPTS: usize = 3;
+/// Cells that may fail once on a computer that did not pause and then hold: other work can also delay without one long pause.
+const SPORADIC: usize = 1;
 
-/// What is wrong with a cell; false when it failed on a computer that paused meanwhile, which says nothing of the driver.
-async fn judged(subject: &Subject, case: &matrix::Case, name: &str) -> Result<bool, String> {
+/// How a cell went.
+#[derive(Debug, PartialEq)]
+enum Outcome {
+    Holds,
+    /// It failed at first, with these words.
+    Sporadic(String),
+    /// The computer paused in an attempt, which says nothing of the driver, and it held in none.
+    NotJudged,
+    Wrong(String),
+}
+
+async fn judged(subject: &Subject, case: &matrix::Case, name: &str) -> Outcome {
     let mut wrong = Vec::new();
     for _ in 0..ATTEMPTS {
         let (begun, pauses) = (std::time::Instant::now(), Pauses::watch());
         let result = bench::run(subject, case).await;
         println!("{name}: {:.1} s", begun.elapsed().as_secs_f64());
         match result {
-            Ok(()) => return Ok(true),
+            Ok(()) if wrong.is_empty() => return Outcome::Holds,
+            Ok(()) => return Outcome::Sporadic(wrong.join("\n")),
             Err(what) if pauses.longest() < TOO_LONG => wrong.push(format!("{name}: {what}")),
             Err(_) => {
                 println!("{name}: not judged, this computer paused {} ms", pauses.longest().as_millis())
             }
         }
     }
-    if wrong.len() < ATTEMPTS { Ok(false) } else { Err(wrong.join("\n")) }
+    if wrong.len() < ATTEMPTS { Outcome::NotJudged } else { Outcome::Wrong(wrong.join("\n")) }
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -81,9 +94,19 @@ async fn each_fault_of_each_device_leads_to_its_state_its_gap_and_its_message() 
         }
     }
     let results = cells.join_all().await;
-    let (cells, judged) = (results.len(), results.iter().filter(|result| **result == Ok(true)).count());
-    let failed: Vec<String> = results.into_iter().filter_map(Result::err).collect();
+    let cells = results.len();
+    let judged = cells - results.iter().filter(|result| **result == Outcome::NotJudged).count();
+    let (mut failed, mut sporadic) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Outcome::Wrong(what) => failed.push(what),
+            Outcome::Sporadic(what) => sporadic.push(what),
+            Outcome::Holds | Outcome::NotJudged => {}
+        }
+    }
     assert!(failed.is_empty(), "{}", failed.join("\n\n"));
+    println!("{} of {cells} cells failed once and held then\n{}", sporadic.len(), sporadic.join("\n"));
+    assert!(sporadic.len() <= SPORADIC, "{}", sporadic.join("\n\n"));
     assert!(
         judged as f64 >= LEAST_JUDGED * cells as f64,
         "this computer paused: {judged} of {cells} cells judged"
