@@ -244,7 +244,7 @@ fn identify_recording(folder: &Path, run: Run) -> Box<dyn FnOnce() -> String> {
         let recording = trunnion::recording::read(&path, &shipped::machine, limits).unwrap();
         let experiment = Experiment::new(std::slice::from_ref(&recording.run)).unwrap();
         let fit = identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap();
-        format!("{} means, rms {:.3} µm", recording.run.points.len(), 1e3 * fit.rms_mm)
+        format!("{} means of neighbours, rms {:.3} µm", recording.run.points.len(), 1e3 * fit.rms_mm)
     })
 }
 
