@@ -27,21 +27,21 @@ struct Claim<'a> {
 }
 
 impl Claim<'_> {
-    /// From the nest to the ball by nominal kinematics, machine axes, mm.
-    fn apart_mm(&self, (setup, position): &(usize, AxisValues<f64>)) -> Vector3<f64> {
-        let (setup, none) = (&self.setups[*setup], JointErrors::default());
-        self.machine.machine_from_tool(position, &none) * setup.ball_in_tool_mm
-            - self.machine.machine_from_table(position, &none) * setup.ball_in_table_mm
-    }
-
     fn rms_mm(&self) -> f64 {
-        rms(self.positions.iter().map(|at| self.apart_mm(at)))
+        rms(self.positions.iter().map(|(setup, at)| apart_mm(self.machine, &self.setups[*setup], at)))
     }
 
     fn turned(&self, change: impl Fn(&AxisValues<f64>) -> AxisValues<f64>) -> f64 {
         let positions = self.positions.iter().map(|(setup, position)| (*setup, change(position)));
         Claim { machine: self.machine, setups: self.setups.clone(), positions: positions.collect() }.rms_mm()
     }
+}
+
+/// From the nest to the ball by nominal kinematics, machine axes, mm.
+fn apart_mm(machine: &Machine, setup: &Setup, position: &AxisValues<f64>) -> Vector3<f64> {
+    let none = JointErrors::default();
+    machine.machine_from_tool(position, &none) * setup.ball_in_tool_mm
+        - machine.machine_from_table(position, &none) * setup.ball_in_table_mm
 }
 
 fn rms(distances: impl Iterator<Item = Vector3<f64>>) -> f64 {
@@ -57,27 +57,20 @@ fn of_run(run: &Run) -> Option<Implausible> {
     let brings_together = |setup: usize| run.setups[setup].instrument == InstrumentKind::RTest;
     let rows: Vec<usize> =
         (0..run.points.len()).filter(|&row| brings_together(run.points[row].state.setup)).collect();
-    let at = |row: usize| (run.points[row].state.setup, run.points[row].state.position);
-    let whole = Claim {
-        machine: &run.machine,
-        setups: run.setups.clone(),
-        positions: rows.iter().map(|&row| at(row)).collect(),
+    let apart_mm = |row: usize| {
+        let state = &run.points[row].state;
+        apart_mm(&run.machine, &run.setups[state.setup], &state.position)
     };
-    let far: Vec<usize> = (0..rows.len())
-        .filter(|&k| whole.apart_mm(&whole.positions[k]).norm() > FAR_MM)
-        .map(|k| rows[k])
-        .collect();
+    let far: Vec<usize> = rows.iter().copied().filter(|&row| apart_mm(row).norm() > FAR_MM).collect();
     let (first, last) = (*far.first()?, *far.last()?);
-    if let Some(found) = standing(run, &rows, &far, &whole) {
+    if let Some(found) = standing(run, &rows, &far) {
         return Some(found);
     }
-    let step = rows.len().div_ceil(TRIED_POINTS);
-    let claim = Claim {
-        positions: whole.positions.iter().step_by(step).copied().collect(),
-        machine: whole.machine,
-        setups: whole.setups.clone(),
-    };
-    let apart_mm = whole.rms_mm();
+    let tried_rows = rows.iter().step_by(rows.len().div_ceil(TRIED_POINTS));
+    let at = |&row: &usize| (run.points[row].state.setup, run.points[row].state.position);
+    let claim =
+        Claim { machine: &run.machine, setups: run.setups.clone(), positions: tried_rows.map(at).collect() };
+    let apart_mm = rms(rows.iter().map(|&row| apart_mm(row)));
     let mut tried = mistakes(run, &claim);
     let best =
         |tried: &[(String, f64)]| tried.iter().map(|(_, rms_mm)| *rms_mm).fold(f64::INFINITY, f64::min);
@@ -111,7 +104,7 @@ fn of_run(run: &Run) -> Option<Implausible> {
 }
 
 /// A stretch of points in which axes stood still by their positions, while the others went on.
-fn standing(run: &Run, rows: &[usize], far: &[usize], claim: &Claim<'_>) -> Option<Implausible> {
+fn standing(run: &Run, rows: &[usize], far: &[usize]) -> Option<Implausible> {
     let (first, last) = (*far.first()?, *far.last()?);
     // The first points of the stretch may still be right by chance, and poses of it that were meant to be there.
     let stretch = || (first..=last).filter(|row| rows.binary_search(row).is_ok());
@@ -121,7 +114,7 @@ fn standing(run: &Run, rows: &[usize], far: &[usize], claim: &Claim<'_>) -> Opti
     let value = |row: usize, joint: Joint| run.points[row].state.position[joint];
     let stands = |joint: &Joint| stretch().all(|row| value(row, *joint) == value(first, *joint));
     let others = |joint: &Joint| rows.iter().any(|&row| value(row, *joint) != value(first, *joint));
-    let stuck: Vec<&str> = claim
+    let stuck: Vec<&str> = run
         .machine
         .joints()
         .into_iter()

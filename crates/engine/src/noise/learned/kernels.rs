@@ -19,8 +19,8 @@ use trunnion_machine::Site;
 const SPREAD_LN: f64 = 1.2;
 /// The same of angles at which axes stop: maker's data say more of them.
 const SPREAD_OF_ANGLES_LN: f64 = 1.0;
-/// Correlation times of drift, as shares of the span from four points to the whole run, in logarithms: nothing shorter or
-/// longer can be told from white noise or from a constant.
+/// Correlation times of drift, as shares of the span from four points to the whole run, in logarithms: shorter ones look like
+/// white noise, longer ones like a constant.
 const DRIFT_OF_READINGS: [f64; 3] = [0.0, 0.5, 1.0];
 const DRIFT_OF_MACHINE: [f64; 2] = [0.3, 0.9];
 const SHORTEST_DRIFT_POINTS: f64 = 4.0;
