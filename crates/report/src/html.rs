@@ -26,7 +26,7 @@ const STYLE: &str = include_str!("html/style.css");
 pub fn compare_html(input: &Comparison, label: &str) -> String {
     let sections = [
         summary::section(input, label),
-        places::section(&input.places, &input.residuals),
+        places::section(input),
         spectrum::section(&input.spectra),
         candidates::section(input),
         sure::section(input),

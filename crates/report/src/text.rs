@@ -21,8 +21,8 @@ use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::views::cuts;
 use crate::words::{
     NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, formula_shape,
-    formula_site, headline, left_out, noise_origin, noticeable, planned_words, repeatability, trial_verdict,
-    verdict, wave,
+    formula_site, headline, left_out, no_place, noise_origin, noticeable, planned_words, repeatability,
+    trial_verdict, verdict, wave,
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph};
@@ -84,7 +84,7 @@ pub fn compare_text(input: &Comparison) -> String {
     let mut out = format!("{}\n", clean(&headline(input)));
     out += &paragraph(&verdict(input).join(" "));
     out += "\nWhere the model fails most\n";
-    out += &places(&input.places);
+    out += &places(&input.places, no_place(input));
     let waves = input.spectra.iter().flat_map(|axis| axis.waves.iter().map(|one| wave(&axis.axis, one)));
     let waves: String = waves.map(|sentence| paragraph(&sentence)).collect();
     if !waves.is_empty() {
@@ -136,7 +136,7 @@ pub fn trial_text(trial: &Trial) -> String {
     );
     for (when, list) in [("before", &trial.places.before), ("after", &trial.places.after)] {
         out += &format!("\nWhere the model fails most, {when}\n");
-        out += &places(list);
+        out += &places(list, NO_PLACE);
     }
     out += "\n";
     out += &parameters(&trial.parameters);
@@ -251,9 +251,9 @@ fn parameters(rows: &[Parameter]) -> String {
     columns(&once(head).chain(rows).collect::<Vec<_>>(), &[1, 2])
 }
 
-fn places(places: &[Place]) -> String {
+fn places(places: &[Place], none: &str) -> String {
     if places.is_empty() {
-        return format!("  {NO_PLACE}\n");
+        return format!("  {none}\n");
     }
     let line = |(i, place): (usize, &Place)| {
         format!("  {}. {}; {} of the residual\n", i + 1, clean(&place.words), percent(place.share))

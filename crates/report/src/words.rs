@@ -99,6 +99,25 @@ fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
     sentences
 }
 
+/// Why no effect is listed.
+pub fn nothing_named(diagnosis: &Diagnosis) -> &str {
+    match diagnosis.verdict {
+        Verdict::Undecided => &diagnosis.why,
+        Verdict::NotJudged => "No effect was weighed, because the runs are not plausible.",
+        _ => "No effect explains the residual significantly better than noise does.",
+    }
+}
+
+/// Where nothing stands out, or nothing was looked for.
+pub fn no_place(input: &Comparison) -> &'static str {
+    match &input.diagnosis {
+        Some(diagnosis) if diagnosis.verdict == Verdict::NotJudged => {
+            "Not looked for, because the runs are not plausible."
+        }
+        _ => NO_PLACE,
+    }
+}
+
 /// A wave that stands out of what remains.
 pub fn wave(axis: &str, wave: &SpectrumWave) -> String {
     let after = um(wave.rms_um_after);

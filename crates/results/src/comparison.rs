@@ -136,8 +136,8 @@ pub struct Then {
 impl Comparison {
     /// The comparison of a fit. Ladder, trial, losses and time quality are the caller's to fill in.
     pub fn new(experiment: &Experiment, fit: &engine::Identification, diagnosis: Option<Diagnosis>) -> Self {
-        // Where the diagnosis finds nothing but noise, no place is blamed.
-        let silent = diagnosis.as_ref().is_some_and(|d| d.verdict == Verdict::NoiseFloor);
+        // Where the diagnosis finds nothing but noise, or does not judge, no place is blamed.
+        let silent = diagnosis.as_ref().is_some_and(|d| d.verdict.blames_no_place());
         Self {
             places: if silent { Vec::new() } else { worst_places(experiment, fit) },
             identification: fit.into(),
@@ -158,7 +158,7 @@ impl Trial {
         [before, after]: [&engine::Identification; 2],
         then: Option<&Diagnosis>,
     ) -> Self {
-        let silent = then.is_some_and(|then| then.verdict == Verdict::NoiseFloor);
+        let silent = then.is_some_and(|then| then.verdict.blames_no_place());
         let components: Vec<&str> = added.iter().filter_map(|entry| entry.component.as_deref()).collect();
         let expression = match (&entry.site, &entry.expression) {
             (Some(site), Some(expression)) => format!("{} at {site}: {expression}", components.join(", ")),

@@ -209,6 +209,13 @@ impl Verdict {
     }
 }
 
+impl Verdict {
+    /// True where nothing but noise remains, or nothing was judged.
+    pub fn blames_no_place(self) -> bool {
+        matches!(self, Self::NoiseFloor | Self::NotJudged)
+    }
+}
+
 impl Diagnosis {
     /// The effect or formula that leads, if the verdict names one.
     pub fn best(&self) -> Option<String> {

@@ -60,11 +60,6 @@ pub fn percent(share: f64) -> String {
     if share.is_finite() { format!("{} %", minus(format!("{:.0}", share * 100.0))) } else { MISSING.into() }
 }
 
-/// The same, or a dash.
-pub fn percent_or_dash(share: Option<f64>) -> String {
-    share.map_or(MISSING.into(), percent)
-}
-
 /// Degrees from rad, `−90°`, with decimals only where needed.
 pub fn degrees(rad: f64) -> String {
     if !rad.is_finite() {

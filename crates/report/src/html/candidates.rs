@@ -4,7 +4,7 @@ use super::trial;
 use crate::markup::{element, escape, table};
 use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::svg::{Bar, bars};
-use crate::words::{about, effect_name, formula_shape, formula_site, sources};
+use crate::words::{about, effect_name, formula_shape, formula_site, nothing_named, sources};
 use trunnion_results::{Candidate, Comparison, Diagnosis, FormulaProposal, Parameter};
 
 pub fn section(input: &Comparison) -> String {
@@ -20,7 +20,7 @@ pub fn section(input: &Comparison) -> String {
 
 fn found(input: &Comparison, diagnosis: &Diagnosis) -> String {
     if diagnosis.candidates.is_empty() && diagnosis.formula.is_none() {
-        return element("p", "No effect explains the residual significantly better than noise does.");
+        return element("p", nothing_named(diagnosis));
     }
     let mut body = bars(
         "Error before and after each candidate",

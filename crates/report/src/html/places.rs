@@ -3,11 +3,12 @@
 use super::maps::{self, Grid, Map};
 use crate::markup::{element, escape};
 use crate::number::percent;
-use crate::words::NO_PLACE;
-use trunnion_results::{Place, Residuals};
+use crate::words::no_place;
+use trunnion_results::{Comparison, Place};
 
-pub fn section(places: &[Place], residuals: &Residuals) -> String {
-    let mut body = list(places);
+pub fn section(input: &Comparison) -> String {
+    let (places, residuals) = (&input.places, &input.residuals);
+    let mut body = list(places, no_place(input));
     if let Some(grid) = Grid::of(residuals).filter(|_| !places.is_empty()) {
         let drawn: Vec<Option<Map>> =
             places.iter().map(|place| maps::of_place(residuals, &grid, place)).collect();
@@ -27,10 +28,10 @@ pub fn section(places: &[Place], residuals: &Residuals) -> String {
     format!("<section><h2>Where the model fails most</h2>\n{body}</section>\n")
 }
 
-/// The places as a numbered list.
-pub fn list(places: &[Place]) -> String {
+/// The places as a numbered list; `none`: what an empty one means.
+pub fn list(places: &[Place], none: &str) -> String {
     if places.is_empty() {
-        return element("p", NO_PLACE);
+        return element("p", none);
     }
     let item = |place: &Place| {
         format!(

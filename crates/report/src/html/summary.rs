@@ -1,7 +1,7 @@
 //! The top of the page: what is wrong with the machine, in one paragraph, and the figures.
 
 use crate::markup::escape;
-use crate::number::{percent_or_dash, um, um_or_dash};
+use crate::number::{percent, um, um_or_dash};
 use crate::words::{headline, left_out, noise_origin, verdict};
 use trunnion_results::Comparison;
 
@@ -31,12 +31,9 @@ fn facts(input: &Comparison) -> String {
         fact("Repeatability", &um_or_dash(fit.noise_um), &noise_origin(fit)),
         fact("Held-out error", &um_or_dash(fit.holdout_rms_um), &left_out(fit.holdout_unit)),
     ];
-    if let Some(diagnosis) = &input.diagnosis {
-        facts.push(fact(
-            "Explained by what was found",
-            &percent_or_dash(diagnosis.residual.unexplained_fraction),
-            "of the mean square of the residual",
-        ));
+    if let Some(fraction) = input.diagnosis.as_ref().and_then(|d| d.residual.unexplained_fraction) {
+        let remark = "of the mean square of the residual";
+        facts.push(fact("Explained by what was found", &percent(fraction), remark));
     }
     let drawn = if input.residuals.every > 1 {
         format!(", every {}th drawn", input.residuals.every)

@@ -1,7 +1,7 @@
 //! How sure the answer is: evidence in words, what it could be mistaken for, what to measure next, what is not observable.
 
 use crate::markup::{element, escape};
-use crate::number::{percent_or_dash, um};
+use crate::number::{percent, um};
 use crate::words::{
     beyond_figures, effect_name, evidence_words, formula_leads, planned_words, repeatability,
 };
@@ -42,9 +42,13 @@ pub fn section(input: &Comparison) -> String {
 }
 
 fn noise(diagnosis: &Diagnosis) -> String {
-    let share = percent_or_dash(diagnosis.residual.unexplained_fraction);
     let known = repeatability(diagnosis.residual.noise_um);
-    format!("What was found explains {share} of the mean square of the residual; {known}.")
+    match diagnosis.residual.unexplained_fraction.map(percent) {
+        Some(share) => {
+            format!("What was found explains {share} of the mean square of the residual; {known}.")
+        }
+        None => format!("Nothing was weighed; {known}."),
+    }
 }
 
 fn held_out(input: &Comparison, best: &Candidate) -> Option<String> {

@@ -6,7 +6,7 @@ use crate::markup::{element, escape, table};
 use crate::number::{plain, um_or_dash, unit_on_screen, value_and_u};
 use crate::svg::{Bar, Mark, Series, XyChart, bars, legend, nice_above, xy_chart};
 use crate::views::{Axes, component_name, component_names, residuals_um, thinned};
-use crate::words::{about, effect_name, trial_verdict};
+use crate::words::{NO_PLACE, about, effect_name, trial_verdict};
 use std::collections::HashSet;
 use trunnion_core::convert::s_from_min;
 use trunnion_results::sentences::noise_origin;
@@ -59,7 +59,8 @@ pub fn headline(trial: &Trial, label: &str) -> String {
 
 /// Where the model fails most, before and after.
 pub fn places(trial: &Trial) -> String {
-    let [before, after] = [&trial.places.before, &trial.places.after].map(|places| place_list::list(places));
+    let [before, after] =
+        [&trial.places.before, &trial.places.after].map(|places| place_list::list(places, NO_PLACE));
     format!(
         "<section><h2>Where the model fails most</h2>\n<div class=\"plots\"><div><h3>before</h3>{before}</div>\
          <div><h3>after</h3>{after}</div></div></section>\n"
