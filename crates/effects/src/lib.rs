@@ -35,7 +35,7 @@ pub use markdown::{SOURCES, catalogue_markdown};
 pub use model::Model;
 pub use model_effect::{LadderRow, ModelEffect, Moved, Prior};
 pub use need::Need;
-pub use parameter::{Emit, Parameter, Shapes, Subject, Unit, WaveNumber};
+pub use parameter::{Emit, Limit, Parameter, Shapes, Subject, Unit, WaveNumber};
 pub use path::Path;
 pub use picture::{Picture, catalogue_pictures};
 pub use reading::r_test_reading;

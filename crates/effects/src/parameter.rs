@@ -26,6 +26,17 @@ pub struct Parameter {
     pub name: String,
     /// Unit on files and screens.
     pub unit: Unit,
+    /// Beyond what the parameter is not physical.
+    pub limit: Option<Limit>,
+}
+
+/// The largest size of a parameter that its cause can have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// In the unit of screens.
+    pub largest: f64,
+    /// What a larger one says instead.
+    pub beyond: &'static str,
 }
 
 /// A unit on files and screens with its size.
@@ -145,6 +156,12 @@ impl Shapes {
 impl Parameter {
     /// A parameter.
     pub fn new(name: impl Into<String>, unit: Unit) -> Self {
-        Self { name: name.into(), unit }
+        Self { name: name.into(), unit, limit: None }
+    }
+
+    /// The same where a larger size is not physical.
+    #[must_use]
+    pub fn at_most(self, limit: Limit) -> Self {
+        Self { limit: Some(limit), ..self }
     }
 }

@@ -9,6 +9,7 @@ mod answer;
 mod constancy;
 mod expressions;
 mod families;
+pub mod judged;
 mod judgement;
 mod model_comparison;
 mod named;
@@ -29,6 +30,7 @@ pub use options::Options;
 
 use crate::problem::Problem;
 use crate::problem::experiment::Experiment;
+use answer::Answer;
 use options::DiagnoseError;
 use trunnion_effects::Model;
 use verdict::Diagnosis;
@@ -50,5 +52,15 @@ pub fn diagnose(
 /// # Errors
 /// Too few readings.
 pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diagnosis, DiagnoseError> {
-    answer::answer(problem, &scan::Scan::new(problem, &options.without)?, options)
+    let mut options = options.clone();
+    let mut doubts = Vec::new();
+    loop {
+        match answer::answer(problem, &scan::Scan::new(problem, &options.without)?, &options)? {
+            Answer::Diagnosis(diagnosis) => return Ok(diagnosis.doubted(&doubts)),
+            Answer::Without { effect, why } => {
+                options.without.push(effect);
+                doubts.push(why);
+            }
+        }
+    }
 }

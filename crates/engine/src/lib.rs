@@ -16,10 +16,10 @@ pub mod problem;
 pub mod solve;
 pub mod spectrum;
 
+pub use diagnosis::judged::{LearnedNoise, OpenEffect, Verdict};
 pub use diagnosis::options::DiagnoseError;
 pub use diagnosis::verdict::{
-    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, NoiseSizes, OpenEffect,
-    ResidualSummary, ShapeNumber, Verdict,
+    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
 };
 pub use diagnosis::{diagnose, diagnose_problem};
 pub use fit::identification::{

@@ -9,6 +9,7 @@ pub mod experiment;
 pub(crate) mod folds;
 pub(crate) mod off_nominal;
 pub mod passes;
+pub(crate) mod poses;
 pub mod runs;
 pub(crate) mod sequence;
 pub(crate) mod side_by_side;

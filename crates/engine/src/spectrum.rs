@@ -110,18 +110,14 @@ impl AxisSpectrum {
     fn of(left: &Left, axis: &Axis) -> Option<Self> {
         let experiment = &left.experiment;
         let joint = axis.letter;
-        let band = Band::of(experiment.points.iter().map(|point| point.state.position[joint]))?;
+        let position = experiment.positions(joint);
+        let band = Band::of(position.iter().copied())?;
         let rows = experiment.rows();
         let carriers = carriers(experiment, joint);
         if carriers.ncols() == 0 {
             return None;
         }
-        let mut waves = Waves::new(
-            left.experiment.positions(joint),
-            carriers,
-            left.basis.clone(),
-            left.residual_mm.clone(),
-        );
+        let mut waves = Waves::new(position, carriers, left.basis.clone(), left.residual_mm.clone());
         let units = Units { axis, readings: rows.max(1) as f64 };
         let first = waves.scan(&band);
         let mut spectrum = Self {

@@ -9,6 +9,7 @@ use trunnion_effects::Formula;
 use trunnion_engine as engine;
 
 pub use trunnion_engine::next_cycle::PlannedCycle;
+pub use trunnion_engine::{LearnedNoise, OpenEffect, Verdict};
 
 /// `trunnion-diagnosis/1`: the answer of a diagnosis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -72,47 +73,6 @@ pub struct Residual {
     pub noise_um: Option<f64>,
     /// Share of the residual's mean square that what was found explains, 0…1.
     pub unexplained_fraction: Option<f64>,
-}
-
-/// The answer of a diagnosis in one word.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// An effect of the catalogue explains the residual: the first candidate.
-    MissingEffect,
-    /// The residual has structure that no effect of the catalogue explains as well as an expression does.
-    UnnamedStructure,
-    /// Nothing above the noise: repeats show the repeatability, and the residual is no larger than they allow.
-    NoiseFloor,
-    /// These data cannot say; `why` says what is missing.
-    Undecided,
-    /// The run is not whole or not plausible.
-    #[default]
-    NotJudged,
-}
-
-/// An effect that these data neither show nor exclude.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct OpenEffect {
-    /// Effect id.
-    pub effect: String,
-    /// log₁₀ of the Bayes factor against noise only, before any prior.
-    pub evidence: f64,
-}
-
-/// What the noise learned from the readings of a run consists of, µm rms per component.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct LearnedNoise {
-    /// What differs from reading to reading.
-    pub white_um: f64,
-    /// Offsets from pass to pass, and of mountings.
-    pub passes_um: f64,
-    /// Scatter when an axis is positioned again.
-    pub stations_um: f64,
-    /// Slow wandering.
-    pub drift_um: f64,
-    /// A pattern over the poses that comes back.
-    pub pattern_um: f64,
 }
 
 /// One effect that would explain part of the residual.
@@ -196,26 +156,6 @@ pub struct NextCycle {
     pub cycle: Option<PlannedCycle>,
 }
 
-impl Verdict {
-    /// The word in JSON.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::MissingEffect => "missing-effect",
-            Self::UnnamedStructure => "unnamed-structure",
-            Self::NoiseFloor => "noise-floor",
-            Self::Undecided => "undecided",
-            Self::NotJudged => "not-judged",
-        }
-    }
-}
-
-impl Verdict {
-    /// True where nothing but noise remains, or nothing was judged.
-    pub fn blames_no_place(self) -> bool {
-        matches!(self, Self::NoiseFloor | Self::NotJudged)
-    }
-}
-
 impl Diagnosis {
     /// The effect or formula that leads, if the verdict names one.
     pub fn best(&self) -> Option<String> {
@@ -223,18 +163,6 @@ impl Diagnosis {
             Verdict::MissingEffect => self.candidates.first().map(|candidate| candidate.effect.clone()),
             Verdict::UnnamedStructure => self.formula.as_ref().map(|formula| Formula::id_of(&formula.name)),
             Verdict::NoiseFloor | Verdict::Undecided | Verdict::NotJudged => None,
-        }
-    }
-}
-
-impl From<engine::Verdict> for Verdict {
-    fn from(verdict: engine::Verdict) -> Self {
-        match verdict {
-            engine::Verdict::MissingEffect => Self::MissingEffect,
-            engine::Verdict::UnnamedStructure => Self::UnnamedStructure,
-            engine::Verdict::NoiseFloor => Self::NoiseFloor,
-            engine::Verdict::Undecided => Self::Undecided,
-            engine::Verdict::NotJudged => Self::NotJudged,
         }
     }
 }
@@ -251,21 +179,11 @@ impl From<&engine::Diagnosis> for Diagnosis {
                 noise_um: diagnosis.residual.noise_um.and_then(finite),
                 unexplained_fraction: finite(diagnosis.residual.unexplained_fraction),
             },
-            verdict: diagnosis.verdict.into(),
+            verdict: diagnosis.verdict,
             why: diagnosis.why.clone(),
-            noise: LearnedNoise {
-                white_um: diagnosis.noise.white_um,
-                passes_um: diagnosis.noise.passes_um,
-                stations_um: diagnosis.noise.stations_um,
-                drift_um: diagnosis.noise.drift_um,
-                pattern_um: diagnosis.noise.pattern_um,
-            },
+            noise: diagnosis.noise,
             noticeable_um: diagnosis.noticeable_um.and_then(finite),
-            undecided: diagnosis
-                .undecided
-                .iter()
-                .map(|open| OpenEffect { effect: open.effect.clone(), evidence: open.evidence })
-                .collect(),
+            undecided: diagnosis.undecided.clone(),
             candidates: diagnosis.candidates.iter().map(Candidate::from).collect(),
             set: diagnosis.set.iter().map(|entry| entry.id.clone()).collect(),
             formula: diagnosis.formula.as_ref().map(FormulaProposal::from),

@@ -5,7 +5,8 @@
 //! all that never deflects hides.
 
 use crate::{
-    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+    About, Effect, Emit, Example, Golden, Limit, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit,
+    View,
 };
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
@@ -29,7 +30,10 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     subjects: |_| vec![Subject::Whole],
     parameters: |scene, _| {
-        deflected(scene).into_iter().map(|k| Parameter::new(COMPONENTS[k], Unit::UM_PER_MM)).collect()
+        deflected(scene)
+            .into_iter()
+            .map(|k| Parameter::new(COMPONENTS[k], Unit::UM_PER_MM).at_most(GAIN))
+            .collect()
     },
     shapes: |_, _| Shapes::none(),
     motions,
@@ -47,6 +51,13 @@ pub(crate) static EFFECT: Effect = Effect {
         ],
         within_um: 0.0005,
     },
+};
+
+/// Half of the deflection: no probe leaves its calibration so far. −1000 µm/mm undoes what the recorded positions ask for.
+const GAIN: Limit = Limit {
+    largest: 500.0,
+    beyond: "the readings do not follow the recorded positions to the last micrometre: those may be rounded, or asked for \
+             instead of read",
 };
 
 /// Names of the components of a reading; a ball bar has the first only.

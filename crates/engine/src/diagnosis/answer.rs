@@ -2,6 +2,7 @@
 
 use crate::diagnosis::constancy::is_constant;
 use crate::diagnosis::families::Number;
+use crate::diagnosis::judged::{OpenEffect, Verdict};
 use crate::diagnosis::judgement::{
     noise_sizes, nothing_claimed, noticeable_um, open_effects, remainder_is_natural, within_repeats,
 };
@@ -11,7 +12,7 @@ use crate::diagnosis::rivals::confused_with;
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::{Found, search};
 use crate::diagnosis::verdict::{
-    Candidate, Diagnosis, FormulaProposal, NextCycle, OpenEffect, ResidualSummary, ShapeNumber, Verdict,
+    Candidate, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
 };
 use crate::diagnosis::view::{Item, What, columns_of};
 use crate::diagnosis::words;
@@ -27,8 +28,8 @@ const CONFUSED_LN: f64 = 3.0;
 /// A named effect that explains at least this share leads, although a part remains.
 const MOSTLY: f64 = 0.8;
 
-/// Answers for the model of `problem`.
-pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Result<Diagnosis, DiagnoseError> {
+/// Answers for the model of `problem`, unless a named effect that was found cannot be the cause.
+pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Result<Answer, DiagnoseError> {
     let found = search(scan, options.claim_ln, options.look_ahead).ok_or(DiagnoseError::NoNoise)?;
     let all_found_mm = scan.left(&columns_of(found.items.iter(), scan.y.len()));
     let alone_mm = scan.left(&DMatrix::zeros(scan.y.len(), 0));
@@ -39,6 +40,9 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let listed = context.listed();
     let refits = context.refits(&listed);
     let explained = refits.explained(problem);
+    if let Some((effect, why)) = context.beyond_physical(&listed, &refits.candidates) {
+        return Ok(Answer::Without { effect, why });
+    }
     let candidates = context.candidates(&listed, &refits.candidates, &explained);
     let formula = context.formula(refits.formula.as_ref(), &explained);
     let fit = problem.fit();
@@ -59,7 +63,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         effect: scan.named[group].instance.id(),
         evidence: ln_bf / LN_10,
     };
-    Ok(Diagnosis {
+    Ok(Answer::Diagnosis(Box::new(Diagnosis {
         model: problem.model().effects.iter().map(|effect| effect.id.clone()).collect(),
         residual: ResidualSummary {
             rms_um: um_from_mm(fit.rms_mm),
@@ -79,7 +83,17 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         next_cycle,
         not_visible: invisible(scan, &found),
         out_of_reach: scan.out_of_reach.clone(),
-    })
+    })))
+}
+
+/// What a search came to.
+pub enum Answer {
+    Diagnosis(Box<Diagnosis>),
+    /// Search again without this effect: it fits best, but cannot be the cause.
+    Without {
+        effect: String,
+        why: String,
+    },
 }
 
 /// Effects that the model imitates in this cycle.
@@ -174,6 +188,21 @@ impl Context<'_> {
             Some(self.candidate(*group, item, refit.as_ref()?, explained))
         })
         .collect()
+    }
+
+    /// The first that was found and cannot be the cause, and why.
+    fn beyond_physical(
+        &self,
+        listed: &[(usize, Item)],
+        refits: &[Option<Refit>],
+    ) -> Option<(String, String)> {
+        let scene = &self.problem.experiment().scene;
+        let is_found = |item: &Item| self.found.items.iter().any(|other| other.what == item.what);
+        let mut found = listed.iter().zip(refits).filter(|((_, item), _)| is_found(item));
+        found.find_map(|((group, _), refit)| {
+            let instance = &self.scan.named[*group].instance;
+            Some((instance.id(), refit.as_ref()?.beyond_physical(instance, scene)?))
+        })
     }
 
     /// Model entries of what the search kept.

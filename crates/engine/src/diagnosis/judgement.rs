@@ -3,10 +3,10 @@
 //! An all-clear needs repeats that show the repeatability, a residual no larger than they and the natural motions of a machine allow, and no effect that has
 //! anything to say for it. It states the size of effect that would have been noticed.
 
+use crate::diagnosis::judged::{LearnedNoise, Verdict};
 use crate::diagnosis::named::{BARE_MENTION_LN, price_ln};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::Found;
-use crate::diagnosis::verdict::{NoiseSizes, Verdict};
 use crate::diagnosis::view::What;
 use crate::evidence::turned;
 use crate::fit::identification::Identification;
@@ -30,13 +30,13 @@ const ALMOST_ALWAYS: f64 = 1.4;
 const PRICE_OF_SIZE: f64 = 2.0;
 
 /// Sizes at x = (ln s, ln ρ).
-pub fn noise_sizes(scan: &Scan<'_>, x: &[f64]) -> NoiseSizes {
+pub fn noise_sizes(scan: &Scan<'_>, x: &[f64]) -> LearnedNoise {
     let white_um = um_from_mm(x[0].exp() * scan.unit_mm);
     let of = |part: Part| {
         let own = scan.kernels.list.iter().zip(&x[1..]).filter(|(kernel, _)| kernel.part == part);
         white_um * own.map(|(_, ln)| (2.0 * ln).exp()).sum::<f64>().sqrt()
     };
-    NoiseSizes {
+    LearnedNoise {
         white_um,
         passes_um: of(Part::Pass),
         stations_um: of(Part::Station),
@@ -98,7 +98,7 @@ pub fn within_repeats(fit: &Identification, rms_mm: f64) -> bool {
 
 /// True where the pattern that remains next to all that was found, and the scatter from stop to stop, are no larger than natural: what an
 /// effect without a name does at every stop of an axis looks like either.
-pub fn remainder_is_natural(sizes: &NoiseSizes) -> bool {
+pub fn remainder_is_natural(sizes: &LearnedNoise) -> bool {
     sizes.pattern_um.max(sizes.stations_um) <= NATURAL_PATTERN * sizes.white_um
 }
 

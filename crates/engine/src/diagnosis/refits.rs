@@ -5,7 +5,10 @@ use crate::evidence::parallel;
 use crate::fit::identification::Identification;
 use crate::problem::Problem;
 use trunnion_core::convert::um_from_mm;
-use trunnion_effects::{ModelEffect, Unit};
+use trunnion_effects::{Instance, Limit, ModelEffect, Scene, Unit};
+
+/// Uncertainties at 95 % [GUM 6.3.3].
+const WIDENING: f64 = 2.0;
 
 /// A fit of the model with something added.
 pub struct Refit {
@@ -60,6 +63,25 @@ impl Refit {
     pub fn shape(&self) -> Option<&[f64]> {
         let first = self.added.first()?;
         self.fit.effects.iter().find(|effect| effect.id == first.id).map(|effect| effect.shape.as_slice())
+    }
+
+    /// Why what was added cannot be the cause: the first parameter of `instance` that is larger than its cause allows by more than
+    /// twice its uncertainty.
+    pub fn beyond_physical(&self, instance: &Instance, scene: &Scene) -> Option<String> {
+        let fitted = self.parameters();
+        instance.parameters(scene).into_iter().find_map(|parameter| {
+            let Limit { largest, beyond } = parameter.limit?;
+            let found = fitted.iter().find(|fitted| fitted.name == parameter.name)?;
+            let (value, u) = (found.value?, found.u?);
+            (value.abs() - WIDENING * u > largest).then(|| {
+                format!(
+                    "{} fits best, but with {} = {value:.0} {unit}, where {largest:.0} {unit} is the most that is physical: {beyond}.",
+                    instance.id(),
+                    parameter.name,
+                    unit = parameter.unit.text(),
+                )
+            })
+        })
     }
 
     /// Parameters of what was added, shape numbers last.

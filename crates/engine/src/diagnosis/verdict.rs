@@ -1,5 +1,6 @@
 //! The answer of a diagnosis.
 
+use crate::diagnosis::judged::{LearnedNoise, OpenEffect, Verdict};
 use crate::next_cycle::PlannedCycle;
 use crate::problem::Problem;
 use crate::problem::folds::LeftOut;
@@ -19,7 +20,7 @@ pub struct Diagnosis {
     /// Why nothing is claimed and nothing cleared; empty with every other verdict.
     pub why: String,
     /// What the learned noise consists of, with all that was found in the model.
-    pub noise: NoiseSizes,
+    pub noise: LearnedNoise,
     /// Size of a usual effect that would almost always have been noticed, µm rms; `None` where no effect is visible.
     pub noticeable_um: Option<f64>,
     /// Effects that have something to say for them, but not enough.
@@ -68,7 +69,7 @@ impl Diagnosis {
             },
             verdict: Verdict::NotJudged,
             why,
-            noise: NoiseSizes::default(),
+            noise: LearnedNoise::default(),
             noticeable_um: None,
             undecided: Vec::new(),
             candidates: Vec::new(),
@@ -81,43 +82,22 @@ impl Diagnosis {
     }
 }
 
-/// The answer in one word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// A named effect explains what is left; the first candidate.
-    MissingEffect,
-    /// Structure is left, and no named effect explains it as well as an expression without a name.
-    UnnamedStructure,
-    /// Nothing above the noise, and repeats show it.
-    NoiseFloor,
-    /// These data cannot say.
-    Undecided,
-    /// The runs cannot be what they say they are, so that nothing was weighed.
-    NotJudged,
-}
-
-/// An effect that these data neither show nor exclude.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OpenEffect {
-    /// Effect id.
-    pub effect: String,
-    /// log₁₀ of the Bayes factor against nothing, before any prior.
-    pub evidence: f64,
-}
-
-/// What the learned noise consists of, µm per reading.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct NoiseSizes {
-    /// What differs from reading to reading.
-    pub white_um: f64,
-    /// Offsets from pass to pass, and of mountings.
-    pub passes_um: f64,
-    /// Scatter when an axis is positioned again.
-    pub stations_um: f64,
-    /// Slow wandering.
-    pub drift_um: f64,
-    /// A pattern over the poses that comes back.
-    pub pattern_um: f64,
+impl Diagnosis {
+    /// With the reasons why effects that would fit better cannot be the cause: no all-clear, and a remark on what is claimed.
+    pub(crate) fn doubted(mut self, doubts: &[String]) -> Self {
+        if doubts.is_empty() {
+            return self;
+        }
+        let doubts = doubts.join(" ");
+        match self.candidates.first_mut() {
+            Some(first) => first.why = format!("{} {doubts}", first.why),
+            None => self.why = format!("{doubts} {}", self.why).trim_end().into(),
+        }
+        if self.verdict == Verdict::NoiseFloor {
+            self.verdict = Verdict::Undecided;
+        }
+        self
+    }
 }
 
 /// One effect that would explain part of the residual.
@@ -214,17 +194,4 @@ pub struct ShapeNumber {
     pub value: f64,
     /// `rad`, `s`, `rad/s`, `rad/mm` or `1`.
     pub unit: &'static str,
-}
-
-impl Verdict {
-    /// The verdict in a word.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::MissingEffect => "missing-effect",
-            Self::UnnamedStructure => "unnamed-structure",
-            Self::NoiseFloor => "noise-floor",
-            Self::Undecided => "undecided",
-            Self::NotJudged => "not-judged",
-        }
-    }
 }

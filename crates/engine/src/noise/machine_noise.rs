@@ -27,8 +27,6 @@ use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_instruments::Projector;
 use trunnion_machine::{Machine, Side, Site};
 
-/// Travel below which an axis has not been positioned again, rad.
-const SAME_STATION_RAD: f64 = 1e-7;
 /// One noise: variances relative to the white noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
@@ -75,10 +73,12 @@ impl Order {
         let key = |i: usize| run_and_time(experiment, i);
         let order = in_order_taken(experiment);
         let (slow, fast) = slow_and_fast(experiment, &order);
+        let stand = slow.map(|joint| experiment.stands(&[joint]));
+        let turned = |from: usize, to: usize| stand.as_ref().is_some_and(|stand| stand[from] != stand[to]);
         let mut visits = Vec::with_capacity(order.len());
         for (k, &i) in order.iter().enumerate() {
             let previous = (k > 0).then(|| order[k - 1]);
-            visits.push(visit(experiment, i, previous, slow, fast, key));
+            visits.push(visit(experiment, i, previous, (slow, fast), &turned, key));
         }
         normalise(&mut visits, |visit| &mut visit.slow_lever);
         normalise(&mut visits, |visit| &mut visit.fast_lever);
@@ -102,8 +102,8 @@ impl Order {
 /// The rotary axis that moves least often and the one that moves most often.
 fn slow_and_fast(experiment: &Experiment, order: &[usize]) -> (Option<Joint>, Option<Joint>) {
     let moves = |letter: Joint| {
-        let at = |k: usize| experiment.points[order[k]].state.position[letter];
-        (1..order.len()).filter(|&k| (at(k) - at(k - 1)).abs() > SAME_STATION_RAD).count()
+        let stand = experiment.stands(&[letter]);
+        order.windows(2).filter(|pair| stand[pair[0]] != stand[pair[1]]).count()
     };
     let mut moving: Vec<(usize, Joint)> =
         experiment.machine().rotary().iter().map(|axis| (moves(axis.letter), axis.letter)).collect();
@@ -118,8 +118,8 @@ fn visit(
     experiment: &Experiment,
     point: usize,
     previous: Option<usize>,
-    slow: Option<Joint>,
-    fast: Option<Joint>,
+    (slow, fast): (Option<Joint>, Option<Joint>),
+    turned: &dyn Fn(usize, usize) -> bool,
     key: impl Fn(usize) -> (usize, f64),
 ) -> Visit {
     let machine = experiment.machine();
@@ -128,11 +128,8 @@ fn visit(
     let new_run = previous.is_none_or(|p| key(p).0 != key(point).0);
     let station_changed = |p: usize| {
         let before = &experiment.points[p].state;
-        let turned = |letter: Joint| {
-            (before.position[letter] - state.position[letter]).abs() > SAME_STATION_RAD
-                || before.direction[letter] * state.direction[letter] < 0.0
-        };
-        before.setup != state.setup || slow.is_some_and(turned)
+        let reversed = |letter: Joint| before.direction[letter] * state.direction[letter] < 0.0;
+        before.setup != state.setup || turned(p, point) || slow.is_some_and(reversed)
     };
     let lever = |letter: Option<Joint>| -> Vector3<f64> {
         let axis = letter.and_then(|l| machine.axis(l));

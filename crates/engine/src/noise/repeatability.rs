@@ -10,7 +10,7 @@ use crate::Experiment;
 use crate::fit::identification::Repeatability;
 use crate::noise::learned::display::{Display, nominal_mm};
 use crate::noise::outliers::median;
-use crate::problem::passes::{Passes, pose_key};
+use crate::problem::passes::Passes;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
@@ -59,8 +59,8 @@ fn deviation_mm(experiment: &Experiment, i: usize) -> Vector3<f64> {
 fn repeats(experiment: &Experiment, passes: &Passes) -> Vec<Repeat> {
     let mut last_visit = HashMap::new();
     let mut repeats = Vec::new();
-    for (i, point) in experiment.points.iter().enumerate() {
-        let key = (experiment.run_of_point[i], point.state.setup, pose_key(&point.state.position));
+    for (i, pose) in experiment.poses().into_iter().enumerate() {
+        let key = (experiment.run_of_point[i], pose);
         let Some(first) = last_visit.insert(key, i) else { continue };
         let readings = 0..experiment.rows_of(i).len();
         let (again_mm, first_mm) = (deviation_mm(experiment, i), deviation_mm(experiment, first));

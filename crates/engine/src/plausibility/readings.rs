@@ -3,6 +3,7 @@
 
 use super::found::Implausible;
 use crate::Experiment;
+use crate::problem::poses::same_pose;
 use crate::solve::linear::Reduced;
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
@@ -106,10 +107,11 @@ fn channel(run: &Run) -> Option<Implausible> {
 /// Readings that do not depend on the pose.
 fn nothing_but_scatter(run: &Run, components: usize) -> Option<Implausible> {
     let rotary = run.machine.rotary_joints();
-    let mut poses: HashMap<Vec<i64>, Vec<&Point>> = HashMap::new();
-    for point in &run.points {
-        let micro = rotary.iter().map(|&joint| (point.state.position[joint] * 1e4).round() as i64);
-        poses.entry(micro.chain([point.state.setup as i64]).collect()).or_default().push(point);
+    let setup = run.points.iter().map(|point| point.state.setup).collect();
+    let positions: Vec<_> = run.points.iter().map(|point| &point.state.position).collect();
+    let mut poses: HashMap<usize, Vec<&Point>> = HashMap::new();
+    for (pose, point) in same_pose(setup, &positions, &rotary).into_iter().zip(&run.points) {
+        poses.entry(pose).or_default().push(point);
     }
     let (mut within, mut freedom, mut all, mut of_all) = (0.0, 0.0, 0.0, 0.0);
     let add = |points: &[&Point], sum: &mut f64, count: &mut f64| {

@@ -4,10 +4,11 @@
 //! bar). Column of parameter j of an effect: `Σ_sites projection · propagation · twist_j(state)` (docs/design/physics.md §2).
 
 use crate::IdentifyError;
+use crate::problem::poses::{same_pose, stood};
 use nalgebra::{DMatrix, DVector, Matrix3};
 use std::borrow::Cow;
 use std::ops::Range;
-use trunnion_core::{Joint, Point, Setup, State};
+use trunnion_core::{AxisValues, Joint, Point, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{Instance, Scene};
 use trunnion_instruments::Projector;
@@ -76,10 +77,26 @@ impl Experiment {
         self.first_row[point]..self.first_row[point + 1]
     }
 
-    /// Position of a joint at every row, mm or rad.
+    /// Number of the pose of each point, by all joints; those of different setups differ.
+    pub(crate) fn poses(&self) -> Vec<usize> {
+        let setup = self.points.iter().map(|point| point.state.setup).collect();
+        same_pose(setup, &self.all_positions(), &self.machine().joints())
+    }
+
+    /// Number of the stand of each point, by some joints alone.
+    pub(crate) fn stands(&self, joints: &[Joint]) -> Vec<usize> {
+        same_pose(vec![0; self.points.len()], &self.all_positions(), joints)
+    }
+
+    fn all_positions(&self) -> Vec<&AxisValues<f64>> {
+        self.points.iter().map(|point| &point.state.position).collect()
+    }
+
+    /// Where a joint stood at every row, mm or rad; positions that scatter about one stand are its mean.
     pub(crate) fn positions(&self, joint: Joint) -> Vec<f64> {
-        let of_point = |i: usize| self.rows_of(i).map(move |_| self.points[i].state.position[joint]);
-        (0..self.points.len()).flat_map(of_point).collect()
+        let stood = stood(&self.all_positions(), joint);
+        let of_point = |(i, position): (usize, f64)| self.rows_of(i).map(move |_| position);
+        stood.into_iter().enumerate().flat_map(of_point).collect()
     }
 
     /// Readings, mm.

@@ -4,9 +4,9 @@
 //! groups are what uncertainties and held-out proof count as independent (docs/design/statistics.md §5).
 
 use crate::Experiment;
+use crate::problem::poses::{count, number};
 use std::collections::HashMap;
-use trunnion_core::axis::SLOTS;
-use trunnion_core::{AxisValues, Joint, Point, State};
+use trunnion_core::{Joint, Point, State};
 use trunnion_cycles::RunKind;
 use trunnion_effects::same_position;
 
@@ -14,8 +14,6 @@ use trunnion_effects::same_position;
 const SMALLEST_PASS: f64 = 0.05;
 /// A slow axis stands at no more than this many positions; else blocks are parts of the pass in order.
 const MOST_POSITIONS: usize = 64;
-/// An axis whose positions go on for longer without a step moves, in steps that count as one position.
-const LONGEST_STAND: f64 = 4.0;
 /// Blocks of a pass without a slow axis.
 const PARTS_OF_PASS: usize = 8;
 
@@ -29,11 +27,6 @@ pub(crate) struct Passes {
     /// pass × block, numbered densely.
     pub cluster: Vec<usize>,
     pub clusters: usize,
-}
-
-/// Position as a key, nm and nrad.
-pub(crate) fn pose_key(position: &AxisValues<f64>) -> [i64; SLOTS] {
-    position.0.map(|q| (q * 1e6).round() as i64)
 }
 
 pub(crate) fn passes(experiment: &Experiment) -> Passes {
@@ -103,10 +96,11 @@ fn pass_of_points(experiment: &Experiment, moving: &[Joint]) -> Vec<usize> {
 }
 
 fn block_of_points(experiment: &Experiment, moving: &[Joint], pass: &[usize]) -> Vec<usize> {
-    if let Some(&slow) = moving.first().filter(|_| moving.len() > 1)
-        && let Some(block) = stands(experiment, slow)
-    {
-        return block;
+    if let Some(&slow) = moving.first().filter(|_| moving.len() > 1) {
+        let block = experiment.stands(&[slow]);
+        if count(&block) <= MOST_POSITIONS {
+            return block;
+        }
     }
     let mut length = vec![0; count(pass)];
     for &p in pass {
@@ -121,24 +115,6 @@ fn block_of_points(experiment: &Experiment, moving: &[Joint], pass: &[usize]) ->
         .collect()
 }
 
-/// Number of the position at which each point finds an axis; `None` when it does not stand at few of them.
-fn stands(experiment: &Experiment, letter: Joint) -> Option<Vec<usize>> {
-    let position = |i: usize| experiment.points[i].state.position[letter];
-    let mut order: Vec<usize> = (0..experiment.points.len()).collect();
-    order.sort_by(|&i, &j| position(i).total_cmp(&position(j)));
-    let same = same_position(letter.slot());
-    let (mut of_point, mut number, mut first) = (vec![0; order.len()], 0, position(*order.first()?));
-    for pair in order.windows(2) {
-        if position(pair[1]) - position(pair[0]) > same {
-            (number, first) = (number + 1, position(pair[1]));
-        } else if position(pair[1]) - first > LONGEST_STAND * same {
-            return None;
-        }
-        of_point[pair[1]] = number;
-    }
-    (number < MOST_POSITIONS).then_some(of_point)
-}
-
 /// Class of the feed of the axis that turns, in steps of √2; 0 at rest and where no rotary axis moves.
 fn feed_class(state: &State, moving: &[Joint]) -> i32 {
     let rotary = moving.iter().filter(|letter| letter.is_rotary());
@@ -148,19 +124,4 @@ fn feed_class(state: &State, moving: &[Joint]) -> i32 {
 
 fn sign(direction: f64) -> i8 {
     if direction > 0.0 { 1 } else { -i8::from(direction < 0.0) }
-}
-
-/// Numbers keys in order of appearance.
-fn number<K: Eq + std::hash::Hash>(keys: impl IntoIterator<Item = K>) -> Vec<usize> {
-    let mut numbers = HashMap::new();
-    keys.into_iter()
-        .map(|key| {
-            let next = numbers.len();
-            *numbers.entry(key).or_insert(next)
-        })
-        .collect()
-}
-
-fn count(numbers: &[usize]) -> usize {
-    numbers.iter().max().map_or(0, |most| most + 1)
 }

@@ -6,7 +6,7 @@
 use crate::Experiment;
 use crate::noise::learned::Real;
 use crate::noise::machine_noise::Order;
-use crate::problem::passes::{passes, pose_key};
+use crate::problem::passes::passes;
 use crate::problem::sequence::{in_order_taken, run_and_time};
 use nalgebra::DMatrix;
 use std::collections::{HashMap, HashSet};
@@ -47,9 +47,10 @@ impl Taken {
         let order = Order::new(experiment);
         let stations = order.stations();
         let (mut pass, mut visit, mut station) = (vec![0; points], vec![0; points], vec![0; points]);
+        let poses = experiment.poses();
         let mut seen = HashSet::new();
         for (k, &i) in sequence.iter().enumerate() {
-            let key = pose_key(&experiment.points[i].state.position);
+            let key = poses[i];
             if k > 0 {
                 let last = sequence[k - 1];
                 let new_run = run_and_time[last].0 != run_and_time[i].0;
@@ -66,15 +67,7 @@ impl Taken {
             }
             seen.insert(key);
         }
-        let mut poses = HashMap::new();
-        let rotary: Vec<Joint> = experiment.machine().rotary().iter().map(|axis| axis.letter).collect();
-        let pose = |i: usize| {
-            let position = &experiment.points[i].state.position;
-            let key: Vec<i64> = rotary.iter().map(|l| (position[*l] * 1e6).round() as i64).collect();
-            let next = poses.len();
-            *poses.entry(key).or_insert(next)
-        };
-        let pose: Vec<usize> = (0..points).map(pose).collect();
+        let pose = experiment.stands(&experiment.machine().rotary_joints());
         let mut ends: HashMap<usize, (f64, f64)> = HashMap::new();
         for (run, time) in &run_and_time {
             let end = ends.entry(*run).or_insert((*time, *time));

@@ -4,6 +4,7 @@ use super::shapes::{Found, at_rest, carriers, found};
 use super::wave::Waves;
 use crate::problem::Problem;
 use crate::problem::credible::credible_columns;
+use crate::problem::poses::count;
 use crate::solve::linear::Reduced;
 use crate::{Experiment, IdentifyError};
 use nalgebra::{DMatrix, DVector};
@@ -12,8 +13,6 @@ use trunnion_effects::{Instance, Shapes, WaveNumber};
 
 /// Points of which a spectrum is formed; of more, as many are drawn, never every k-th: a regular choice would alias.
 const MOST_POINTS: usize = 6_000;
-/// Positions closer than this were meant to be the same, mm and rad.
-const SAME_POSITION: f64 = 1e-4;
 /// Relative singular value of a direction that the columns do not see.
 const UNSEEN: f64 = 1e-6;
 
@@ -60,11 +59,7 @@ impl Left {
 
     /// How many positions of an axis differ.
     pub fn distinct_positions(&self, joint: Joint) -> usize {
-        let mut positions: Vec<f64> =
-            self.experiment.points.iter().map(|point| point.state.position[joint]).collect();
-        positions.sort_by(f64::total_cmp);
-        positions.dedup_by(|next, before| (*next - *before).abs() < SAME_POSITION);
-        positions.len()
+        count(&self.experiment.stands(&[joint]))
     }
 }
 

@@ -11,5 +11,6 @@ mod nothing_hidden;
 mod null;
 mod outside_data;
 mod robot;
+mod scatter;
 mod single_error_tables;
 mod spectrum;

@@ -3,8 +3,8 @@
 use crate::number::{plain, unit_on_screen};
 use trunnion_results::Moved;
 
-/// Longest bar, characters.
-pub(super) const BAR: f64 = 30.0;
+/// Longest bar, characters: a row of the widest table fits 80 columns.
+pub(super) const BAR: f64 = 24.0;
 
 /// A bar as long as the share of `largest`.
 pub(super) fn bar(value: f64, largest: f64) -> String {

@@ -16,7 +16,7 @@ pub const EQUIVALENT: f64 = 0.97;
 /// What an answer is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Nothing hidden, nothing claimed.
+    /// Nothing hidden, and said so.
     Quiet,
     /// Nothing hidden, something claimed.
     Claim,
@@ -24,7 +24,9 @@ pub enum Outcome {
     Exact,
     /// Other names that say the same, on this grid and on the unseen one.
     Equivalent,
-    /// Nothing found.
+    /// These data cannot say.
+    Undecided,
+    /// All clear, and something was hidden.
     Missed,
     /// Only a part of the hidden set.
     Fewer,
@@ -45,6 +47,7 @@ impl Outcome {
             Self::Claim => "claim",
             Self::Exact => "exact",
             Self::Equivalent => "equivalent",
+            Self::Undecided => "undecided",
             Self::Missed => "missed",
             Self::Fewer => "fewer",
             Self::Extra => "extra",
@@ -76,6 +79,7 @@ pub fn outcome(
     let silent = matches!(diagnosis.verdict, Verdict::NoiseFloor | Verdict::Undecided);
     let claims = !silent || !found.is_empty();
     match (group, claims) {
+        (_, false) if diagnosis.verdict == Verdict::Undecided => return Outcome::Undecided,
         (Group::Null, false) => return Outcome::Quiet,
         (Group::Null, true) => return Outcome::Claim,
         (_, false) => return Outcome::Missed,

@@ -15,11 +15,15 @@ const NO_GOAL: fn(f64) -> &'static str = |_| "";
 /// What is counted for each group, with the goals.
 fn columns(group: Group) -> &'static [Column] {
     match group {
-        Group::Null => &[("claims something", &[Outcome::Claim], |_| "≤ 1 %")],
+        Group::Null => &[
+            ("claims something", &[Outcome::Claim], |_| "≤ 1 %"),
+            ("undecided", &[Outcome::Undecided], |_| "< 25 %"),
+        ],
         Group::Single => &[
             ("exact", &[Outcome::Exact], |size| if size < 1.0 { "≥ 95 %" } else { "≥ 99 %" }),
             ("equivalent", &[Outcome::Equivalent], NO_GOAL),
-            ("missed", &[Outcome::Missed], NO_GOAL),
+            ("undecided", &[Outcome::Undecided], NO_GOAL),
+            ("all clear", &[Outcome::Missed], NO_GOAL),
             ("more than it", &[Outcome::Extra], NO_GOAL),
             ("unnamed", &[Outcome::Unnamed], NO_GOAL),
             ("wrong name", &[Outcome::Wrong], |_| "≤ 0.5 %"),
@@ -28,7 +32,8 @@ fn columns(group: Group) -> &'static [Column] {
         Group::Pair => &[
             ("exact", &[Outcome::Exact], |size| if size < 1.0 { "" } else { "≥ 95 %" }),
             ("equivalent", &[Outcome::Equivalent], NO_GOAL),
-            ("missed", &[Outcome::Missed], NO_GOAL),
+            ("undecided", &[Outcome::Undecided], NO_GOAL),
+            ("all clear", &[Outcome::Missed], NO_GOAL),
             ("one of two", &[Outcome::Fewer], NO_GOAL),
             ("more than both", &[Outcome::Extra], NO_GOAL),
             ("unnamed", &[Outcome::Unnamed], NO_GOAL),
@@ -38,14 +43,16 @@ fn columns(group: Group) -> &'static [Column] {
         Group::TakenOut => &[
             ("said to be outside", &[Outcome::Unnamed], NO_GOAL),
             ("equivalent", &[Outcome::Equivalent], NO_GOAL),
-            ("nothing found", &[Outcome::Missed], NO_GOAL),
+            ("undecided", &[Outcome::Undecided], NO_GOAL),
+            ("all clear", &[Outcome::Missed], NO_GOAL),
             ("wrongly confirmed", &[Outcome::Wrong], |_| "≤ 2 %"),
             ("wrong, doubted", &[Outcome::Doubted], NO_GOAL),
         ],
         Group::Unnamed => &[
             ("said to be outside", &[Outcome::Unnamed], |size| if size < 2.0 { "" } else { "≥ 90 %" }),
             ("equivalent", &[Outcome::Equivalent], NO_GOAL),
-            ("nothing found", &[Outcome::Missed], NO_GOAL),
+            ("undecided", &[Outcome::Undecided], NO_GOAL),
+            ("all clear", &[Outcome::Missed], NO_GOAL),
             ("wrongly confirmed", &[Outcome::Wrong], |_| "≤ 5 %"),
             ("wrong, doubted", &[Outcome::Doubted], NO_GOAL),
         ],

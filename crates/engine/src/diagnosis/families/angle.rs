@@ -1,6 +1,6 @@
 //! Factors that depend on the angle of a rotary axis and on the side it came from.
 
-use super::{Draft, companions, products, waves};
+use super::draft::{Draft, companions, products, waves};
 use std::f64::consts::PI;
 use trunnion_core::Joint;
 use trunnion_effects::Scene;

@@ -1,6 +1,6 @@
 //! Factors that depend on time and temperature.
 
-use super::{Draft, companions, products};
+use super::draft::{Draft, companions, products};
 use std::f64::consts::{PI, TAU};
 use trunnion_core::Joint;
 use trunnion_effects::Scene;

@@ -1,6 +1,6 @@
 //! Factors that depend on linear positions, and on how axes move while they are read.
 
-use super::{Draft, companions, products};
+use super::draft::{Draft, companions, products};
 use crate::Experiment;
 use crate::spectrum::Wave;
 use std::f64::consts::TAU;
