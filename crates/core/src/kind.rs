@@ -65,30 +65,38 @@ struct Row {
     components: &'static [&'static str],
     /// Columns of a points file that hold them.
     columns: &'static [ReadingColumn],
-    targets: Targets,
+    /// What a setup of it must hold, next to name and place.
+    keys: &'static [Key],
 }
 
-/// What a point of a setup names.
+/// What a setup file may have to hold.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Targets {
-    None,
-    Balls,
-    Faces,
+enum Key {
+    /// `bar_length_mm`.
+    BarLength,
+    /// `direction`.
+    Direction,
+    /// `arms_mm`.
+    Arms,
+    /// `artefact`; every point names one of its targets.
+    Targets,
+    /// `normal` of each target.
+    Normals,
 }
 
 /// Every kind, one row each.
-const ROWS: [Row; 11] = [
-    row(InstrumentKind::RTest, "r-test", &["x", "y", "z"], XYZ, Targets::None),
-    row(InstrumentKind::BallBar, "ball-bar", &["r"], &[ReadingColumn::Deviation("dr_um")], Targets::None),
-    row(InstrumentKind::Tracker, "tracker", &["l"], LENGTH, Targets::None),
-    row(InstrumentKind::LaserBallBar, "laser-ball-bar", &["l"], LENGTH, Targets::None),
-    row(InstrumentKind::PassiveArm, "passive-arm", &["j1", "j2"], ANGLES, Targets::None),
-    row(InstrumentKind::Diagonal, "diagonal", &["l"], LENGTH, Targets::None),
-    row(InstrumentKind::StepDiagonal, "step-diagonal", &["l"], LENGTH, Targets::None),
-    row(InstrumentKind::BallPlate, "ball-plate", &["x", "y", "z"], XYZ, Targets::Balls),
-    row(InstrumentKind::TouchProbe, "touch-probe", &["x", "y", "z"], XYZ, Targets::None),
-    row(InstrumentKind::TouchProbeFace, "touch-probe-face", &["n"], NORMAL, Targets::Faces),
-    row(InstrumentKind::MachinedSurface, "machined-surface", &["n"], NORMAL, Targets::Faces),
+const ROWS: &[Row] = &[
+    row(InstrumentKind::RTest, "r-test", &["x", "y", "z"], XYZ, &[]),
+    row(InstrumentKind::BallBar, "ball-bar", &["r"], &[ReadingColumn::Deviation("dr_um")], &[Key::BarLength]),
+    row(InstrumentKind::Tracker, "tracker", &["l"], LENGTH, &[]),
+    row(InstrumentKind::LaserBallBar, "laser-ball-bar", &["l"], LENGTH, &[]),
+    row(InstrumentKind::PassiveArm, "passive-arm", &["j1", "j2"], ANGLES, &[Key::Arms]),
+    row(InstrumentKind::Diagonal, "diagonal", &["l"], LENGTH, &[Key::Direction]),
+    row(InstrumentKind::StepDiagonal, "step-diagonal", &["l"], LENGTH, &[Key::Direction]),
+    row(InstrumentKind::BallPlate, "ball-plate", &["x", "y", "z"], XYZ, &[Key::Targets]),
+    row(InstrumentKind::TouchProbe, "touch-probe", &["x", "y", "z"], XYZ, &[]),
+    row(InstrumentKind::TouchProbeFace, "touch-probe-face", &["n"], NORMAL, &[Key::Targets, Key::Normals]),
+    row(InstrumentKind::MachinedSurface, "machined-surface", &["n"], NORMAL, &[Key::Targets, Key::Normals]),
 ];
 
 const fn row(
@@ -96,9 +104,9 @@ const fn row(
     name: &'static str,
     components: &'static [&'static str],
     columns: &'static [ReadingColumn],
-    targets: Targets,
+    keys: &'static [Key],
 ) -> Row {
-    Row { kind, name, components, columns, targets }
+    Row { kind, name, components, columns, keys }
 }
 
 impl InstrumentKind {
@@ -114,7 +122,11 @@ impl InstrumentKind {
     };
 
     fn row(self) -> &'static Row {
-        const { &ROWS }.iter().find(|row| row.kind == self).expect("every kind is listed")
+        ROWS.iter().find(|row| row.kind == self).expect("every kind has a row of ROWS")
+    }
+
+    fn needs(self, key: Key) -> bool {
+        self.row().keys.contains(&key)
     }
 
     /// Name in files.
@@ -139,16 +151,26 @@ impl InstrumentKind {
 
     /// True when it keeps a length from the table's ball to the tool's instead of bringing both together.
     pub fn keeps_bar_length(self) -> bool {
-        self == Self::BallBar
+        self.needs(Key::BarLength)
+    }
+
+    /// True when it reads along a direction of its setup.
+    pub fn has_direction(self) -> bool {
+        self.needs(Key::Direction)
+    }
+
+    /// True when it is made of two arms.
+    pub fn has_arms(self) -> bool {
+        self.needs(Key::Arms)
     }
 
     /// True when every point names one of the targets of its setup.
     pub fn has_targets(self) -> bool {
-        self.row().targets != Targets::None
+        self.needs(Key::Targets)
     }
 
     /// True when targets are faces with a normal.
     pub fn has_normals(self) -> bool {
-        self.row().targets == Targets::Faces
+        self.needs(Key::Normals)
     }
 }

@@ -158,18 +158,21 @@ fn read_setup(table: &Table<'_>) -> Option<Setup> {
     };
     let ball = table.vector3("ball_in_table_mm");
     let bar_length_mm = table.optional_number("bar_length_mm", 0.0..=20_000.0);
-    if instrument == Some(InstrumentKind::BallBar) && bar_length_mm.is_none_or(|length| length < 10.0) {
+    if instrument.is_some_and(InstrumentKind::keeps_bar_length)
+        && bar_length_mm.is_none_or(|length| length < 10.0)
+    {
         table.problem("bar_length_mm", "is missing", "10..=3000", "A ball bar needs its nominal length.");
     }
     let ball_in_tool = table.optional_vector3("ball_in_tool_mm").unwrap_or_else(Vector3::zeros);
     let direction = table.optional_vector3("direction");
-    let laser_line = matches!(instrument, Some(InstrumentKind::Diagonal | InstrumentKind::StepDiagonal));
-    if laser_line && direction.is_none_or(|along| along.norm() < 1e-6) {
+    if instrument.is_some_and(InstrumentKind::has_direction)
+        && direction.is_none_or(|along| along.norm() < 1e-6)
+    {
         let allowed = "the direction of the laser, e.g. [1, 1, 1]";
         table.problem("direction", "is missing or has no length", allowed, "");
     }
     let arms_mm = table.optional_numbers("arms_mm").and_then(|arms| <[f64; 2]>::try_from(arms).ok());
-    if instrument == Some(InstrumentKind::PassiveArm) && arms_mm.is_none_or(|[a, b]| a < 1.0 || b < 1.0) {
+    if instrument.is_some_and(InstrumentKind::has_arms) && arms_mm.is_none_or(|[a, b]| a < 1.0 || b < 1.0) {
         table.problem("arms_mm", "is missing", "the lengths of both arms, e.g. [250, 250]", "");
     }
     let calibrated = table.boolean_or("calibrated", false);
