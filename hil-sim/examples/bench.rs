@@ -56,7 +56,7 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
         canopen::spawn(world.clone(), &bus, &port("slcan"), origin, &[])?,
     ];
     for preset in PRESETS {
-        let config = IndicatorConfig::new(Sees::Probe(0), preset);
+        let config = IndicatorConfig::new(Sees::Probe(0), **preset);
         devices.push(ascii::spawn(world.clone(), config, &port(preset.name), origin, &[])?);
     }
     let wall_ns = i64::try_from(SystemTime::now().duration_since(UNIX_EPOCH)?.as_nanos())?;

@@ -6,14 +6,10 @@ pub mod pauses;
 pub mod peer;
 pub mod section;
 
+pub use section::workspace_root;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use trunnion_hil_sim::devices::orthogonal_nest;
-
-/// Root folder of the workspace.
-pub fn workspace_root() -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-}
 
 /// What the program logs is shown when a test fails.
 pub fn show_log() {

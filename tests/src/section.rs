@@ -1,4 +1,7 @@
-//! Sections of a document that a command writes: what is between two marks.
+//! Sections of a document that a command writes: what is between two marks. Tests of other crates that write a section take this file
+//! in by its path.
+
+use std::path::{Path, PathBuf};
 
 /// A document cut at the marks of one section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +39,7 @@ impl<'a> Section<'a> {
 /// # Panics
 /// When the document has no such section, or when it is old.
 pub fn write_or_compare(document: &str, name: &str, inside: &str) {
-    let path = crate::workspace_root().join(document);
+    let path = workspace_root().join(document);
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{document}: {error}"));
     let section = Section::of(&text, name).unwrap_or_else(|| panic!("{document} has no section {name}"));
     if is_writing() {
@@ -44,6 +47,12 @@ pub fn write_or_compare(document: &str, name: &str, inside: &str) {
     } else {
         assert_eq!(section.inside, inside, "{document} is old: run this test with TRUNNION_WRITE_DOCS=1");
     }
+}
+
+/// Root folder of the workspace, from any of its crates.
+pub fn workspace_root() -> PathBuf {
+    let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    folders.find(|folder| folder.join("Cargo.lock").is_file()).expect("a crate of the workspace").to_owned()
 }
 
 /// True when tests that measure write what they measured into the documents.

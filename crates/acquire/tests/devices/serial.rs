@@ -131,7 +131,7 @@ fn indicator_text(preset: &str, role: &str) -> String {
 #[tokio::test(flavor = "multi_thread")]
 async fn every_preset_is_read_in_mm_with_the_moment_of_its_value() {
     for preset in PRESETS {
-        let (shop, _gauge) = indicator(MOVING, Sees::Probe(1), preset);
+        let (shop, _gauge) = indicator(MOVING, Sees::Probe(1), **preset);
         let mut acquisition = shop.start(&indicator_text(preset.name, "probe-2"));
         let readings = until(&mut acquisition, |r| probe(r).is_some_and(|probe| probe.sequence >= 9)).await;
         let error = |reading: ProbeReading| {

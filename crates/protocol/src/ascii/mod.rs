@@ -6,8 +6,10 @@
 
 mod decoder;
 mod pattern;
+mod preset;
 mod presets;
 
 pub use decoder::{Decoder, Format, Line, Measured, Unit};
 pub use pattern::{Number, Pattern, PatternError};
-pub use presets::{PRESETS, Preset, Stamp};
+pub use preset::{Preset, Stamp};
+pub use presets::PRESETS;

@@ -6,3 +6,7 @@ mod canopen_startup;
 mod fuzz;
 mod linuxcncrsh_lines;
 mod mtconnect_documents;
+mod presets;
+#[allow(dead_code, reason = "the tests of this crate use a part")]
+#[path = "../../../../tests/src/section.rs"]
+mod section;

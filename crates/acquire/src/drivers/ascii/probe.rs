@@ -67,8 +67,29 @@ async fn by_name(port: &str, answered: &'static Preset) -> Option<(&'static Pres
         .lines()
         .map(|line| line.trim_matches(|c: char| c.is_ascii_control() || c == ' '))
         .find(|line| !line.is_empty() && !line.starts_with("ERR") && *line != question.trim())?;
-    let alike =
-        PRESETS.iter().filter(|preset| (preset.request, preset.baud) == (answered.request, answered.baud));
+    let mut alike = PRESETS
+        .iter()
+        .copied()
+        .filter(|preset| (preset.request, preset.baud) == (answered.request, answered.baud));
     let fits = |preset: &&Preset| preset.identity.1.iter().any(|begin| name.starts_with(begin));
-    Some((alike.clone().find(fits).unwrap_or(answered), name.to_owned()))
+    Some((alike.find(fits).unwrap_or(answered), name.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_of_what_is_asked_holds_every_request() {
+        for preset in PRESETS.iter().filter(|preset| preset.may_be_asked) {
+            let request = match preset.request.trim_end() {
+                "" => "listening",
+                "\x02" => "STX",
+                request => request,
+            };
+            for part in [request, &format!("{} {}", preset.baud, preset.framing)] {
+                assert!(PROBE.asks.contains(part), "{}: `asks` of this file lacks \"{part}\"", preset.name);
+            }
+        }
+    }
 }
