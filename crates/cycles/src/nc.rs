@@ -18,10 +18,10 @@ pub use dialect::Dialect;
 pub use program::{Block, Program};
 
 /// The registry.
-pub static DIALECTS: [&Dialect; 4] =
-    [&fanuc::DIALECT, &heidenhain::DIALECT, &linuxcnc::DIALECT, &siemens::DIALECT];
+pub static DIALECTS: &[&Dialect] =
+    &[&fanuc::DIALECT, &heidenhain::DIALECT, &linuxcnc::DIALECT, &siemens::DIALECT];
 
 /// The dialect of this name.
 pub fn dialect(name: &str) -> Option<&'static Dialect> {
-    DIALECTS.into_iter().find(|dialect| dialect.name == name)
+    DIALECTS.iter().copied().find(|dialect| dialect.name == name)
 }

@@ -22,7 +22,7 @@ pub struct Args {
     #[arg(value_name = "CYCLE.TOML")]
     cycle: PathBuf,
     /// Controller
-    #[arg(long, value_parser = DIALECTS.map(|dialect| dialect.name))]
+    #[arg(long, value_parser = dialect_names())]
     dialect: String,
     /// File to write; without it, standard output
     #[arg(short, long, value_name = "FILE")]
@@ -42,6 +42,10 @@ pub struct Args {
     /// Print JSON (format trunnion-nc-program/1) with the program and the poses it must visit
     #[arg(long, conflicts_with = "output")]
     json: bool,
+}
+
+fn dialect_names() -> Vec<&'static str> {
+    DIALECTS.iter().map(|dialect| dialect.name).collect()
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {

@@ -12,6 +12,12 @@ pub struct Dialect {
     pub source: &'static str,
     /// Usual ending of the file name.
     pub ending: &'static str,
+    /// How it gives the duration of a block, for the guide.
+    pub duration: &'static str,
+    /// How it dwells.
+    pub dwell: &'static str,
+    /// How it stops with a word to the operator.
+    pub stop: &'static str,
     /// Decimals of positions in mm and degrees that such controllers usually take.
     pub decimals: usize,
     /// The text of the program; decimals of positions.

@@ -16,6 +16,9 @@ pub(super) static DIALECT: Dialect = Dialect {
     controllers: "Fanuc 30i, 31i, 32i model B with inverse time feed (G93)",
     source: "Fanuc 30i-B operator's manual B-64484EN: G93 (inverse time feed), G04, G49, M00; increment systems IS-B, IS-C",
     ending: "nc",
+    duration: "G93, F = 1/min",
+    dwell: "G04 P ms",
+    stop: "comment, M00",
     decimals: 3,
     write,
 };

@@ -18,6 +18,9 @@ pub(super) static DIALECT: Dialect = Dialect {
     controllers: "TNC 640, TNC 620, iTNC 530 (Klartext)",
     source: "TNC 640 User's Manual for Klartext Programming: L, STOP, cycles 9 (dwell time) and 32 (tolerance), M127, M129, FUNCTION TCPM F CONT; input formats: positions 5.4, feed rates 5.3, dwell 4.3",
     ending: "h",
+    duration: "F in mm per minute, degrees counted as mm",
+    dwell: "cycle 9",
+    stop: "comment, STOP",
     decimals: 4,
     write,
 };

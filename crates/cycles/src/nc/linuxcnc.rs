@@ -12,6 +12,9 @@ pub(super) static DIALECT: Dialect = Dialect {
     controllers: "LinuxCNC 2.8 and later",
     source: "LinuxCNC documentation: G-Code Overview, G-Codes (G4, G61, G64, G93), M-Codes",
     ending: "ngc",
+    duration: "G93, F = 1/min",
+    dwell: "G4 P s",
+    stop: "(MSG,…), M0",
     decimals: 6,
     write,
 };

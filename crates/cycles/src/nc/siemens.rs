@@ -16,6 +16,9 @@ pub(super) static DIALECT: Dialect = Dialect {
     controllers: "SINUMERIK 840D sl, SINUMERIK ONE",
     source: "SINUMERIK 840D sl Programming Manual Fundamentals: G93, G4, MSG, M0, TRAFOOF, G642 and CTOL",
     ending: "mpf",
+    duration: "G93, F = 1/min",
+    dwell: "G4 F s",
+    stop: "MSG, M0",
     decimals: 4,
     write,
 };

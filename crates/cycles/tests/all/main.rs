@@ -5,5 +5,8 @@
 #[path = "nc/interpreter.rs"]
 mod interpreter;
 mod nc_programs;
+#[allow(dead_code, reason = "the tests of this crate use a part")]
+#[path = "../../../../tests/src/section.rs"]
+mod section;
 #[path = "nc/visited.rs"]
 mod visited;

@@ -1,6 +1,7 @@
 //! NC programs read back by small interpreters that know nothing of the writers.
 
 use crate::interpreter::interpret;
+use crate::section::{is_writing, write_or_compare};
 use crate::visited::visited;
 use proptest::prelude::*;
 use trunnion_core::{AxisValues, InstrumentKind, Joint, Setup, convert};
@@ -72,13 +73,36 @@ fn the_registry_holds_every_dialect_file_and_nothing_else() {
         .filter(|stem| !machinery.contains(&stem.as_str()))
         .collect();
     files.sort();
-    assert_eq!(files, DIALECTS.map(|dialect| dialect.name));
+    let registered: Vec<&str> = DIALECTS.iter().map(|dialect| dialect.name).collect();
+    assert_eq!(
+        registered, files,
+        "left: names of DIALECTS in crates/cycles/src/nc.rs, in their order; right: the files of its folder"
+    );
     for dialect in DIALECTS {
         for (what, text) in [("controllers", dialect.controllers), ("source", dialect.source)] {
             assert!(text.len() > 5, "{} says nothing of its {what}", dialect.name);
         }
         assert!((2..=9).contains(&dialect.decimals), "{}", dialect.name);
     }
+}
+
+#[test]
+fn the_guide_lists_the_dialects() {
+    let mut table = String::from(
+        "| dialect | controllers | duration of a block | dwell | stop with a word | positions |\n|---|---|---|---|---|---|\n",
+    );
+    for dialect in DIALECTS {
+        table += &format!(
+            "| `{}` | {} | {} | {} | {} | {} decimals |\n",
+            dialect.name,
+            dialect.controllers,
+            dialect.duration,
+            dialect.dwell,
+            dialect.stop,
+            dialect.decimals
+        );
+    }
+    write_or_compare("docs/use/nc-programs.md", "dialects", &table);
 }
 
 #[test]
@@ -94,13 +118,13 @@ fn every_dialect_writes_the_small_cycles_as_before() {
                 dialect.name,
                 dialect.ending
             );
-            if std::env::var_os("TRUNNION_WRITE_SNAPSHOTS").is_some() {
+            if is_writing() {
                 std::fs::write(&path, &written).unwrap();
             }
             let expected = std::fs::read_to_string(&path).unwrap_or_default();
             assert_eq!(
                 written, expected,
-                "{path} differs; look at it, then run with TRUNNION_WRITE_SNAPSHOTS=1"
+                "{path} is old: run this test with TRUNNION_WRITE_DOCS=1, then read what it wrote"
             );
             assert!(written.is_ascii() && written.lines().all(|line| line.len() < 128), "{path}");
         }

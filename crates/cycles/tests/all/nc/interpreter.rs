@@ -21,31 +21,38 @@ pub fn interpret(dialect: &str, text: &str) -> Vec<Event> {
         "linuxcnc" => iso(&linuxcnc_lines(text), 1.0, 'P'),
         "siemens" => iso(&siemens_lines(text), 1.0, 'F'),
         "heidenhain" => klartext(text),
-        other => panic!("no interpreter for {other}"),
+        other => panic!(
+            "crates/cycles/tests/all/nc/interpreter.rs, `interpret`: add a line for {other}: where its blocks are letters and numbers, \
+             its lines, the unit of a dwell in seconds and the letter of the dwell; else a reader like `klartext`"
+        ),
     }
 }
 
-/// Lines without comments; the comment before a stop is its message.
+/// Capital letters, and no colon, which would be read as the letter O of a program number.
 fn fanuc_lines(text: &str) -> Vec<String> {
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!((lines[0], lines[lines.len() - 1]), ("%", "%"));
     assert!(lines[1].starts_with('O') && lines[1][1..5].parse::<u32>().is_ok(), "{}", lines[1]);
-    assert!(!text.contains(':') && text.to_ascii_uppercase() == text);
-    bracketed(&lines[2..lines.len() - 1])
+    assert!(
+        !text.contains(':') && text.to_ascii_uppercase() == text,
+        "Fanuc takes capital letters and no colon"
+    );
+    bracketed(text.lines())
 }
 
 fn linuxcnc_lines(text: &str) -> Vec<String> {
-    bracketed(&text.lines().collect::<Vec<_>>())
+    bracketed(text.lines())
 }
 
-fn bracketed(lines: &[&str]) -> Vec<String> {
+/// Blocks of a program whose comments stand in brackets on lines of their own, without `%` and the number of the program.
+fn bracketed<'a>(lines: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut blocks = Vec::new();
-    for line in lines {
+    for line in lines.filter(|line| *line != "%" && !line.starts_with('O')) {
         if let Some(comment) = line.strip_prefix('(') {
             let inner = comment.strip_suffix(')').expect("a comment fills its line");
             assert!(!inner.contains(['(', ')']), "nested comment: {line}");
         } else {
-            blocks.push((*line).to_owned());
+            blocks.push(line.to_owned());
         }
     }
     blocks
@@ -80,7 +87,10 @@ fn iso(lines: &[String], dwell_unit_s: f64, dwell_word: char) -> Vec<Event> {
                 930 => inverse_time = true,
                 940 => inverse_time = false,
                 10 | 40 | 170 | 210 | 400 | 490 | 540 | 640 | 800 | 900 | 6420 | 7100 => {}
-                other => panic!("G{} in {line}", *other as f64 / 10.0),
+                other => panic!(
+                    "G{} in {line}: no code of the list above, which changes no position and no time",
+                    *other as f64 / 10.0
+                ),
             }
         }
         if codes.contains(&40) {
@@ -90,7 +100,7 @@ fn iso(lines: &[String], dwell_unit_s: f64, dwell_word: char) -> Vec<Event> {
         match others.get(&'M').map(|m| *m as i64) {
             Some(0) => events.push(Event::Stop(String::new())),
             Some(2 | 30) => ended = true,
-            Some(other) => panic!("M{other}"),
+            Some(other) => panic!("M{other} in {line}: only M0, M2 and M30 are read"),
             None => {}
         }
         if codes.contains(&10) {
