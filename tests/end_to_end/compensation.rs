@@ -7,6 +7,7 @@ use crate::program::{output, trunnion};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use trunnion_report::compensation::FORMATS;
 
 /// White noise of the readings of both truths, µm.
 const NOISE_UM: f64 = 0.1;
@@ -97,7 +98,7 @@ fn rotary_errors_exported_in_any_format_are_gone_when_applied_and_double_with_th
     let before = shop.measure("before", None);
     let before_um = rms_um(&before);
     assert!(before_um > 10.0, "{before_um}");
-    for format in ["csv", "etalon", "isg"] {
+    for format in FORMATS.iter().map(|format| format.name) {
         for more in [&[][..], &["--corrections"]] {
             let (file, reported) = shop.export(&before, format, more);
             let after_um = rms_um(&shop.measure("after", Some(&file)));
@@ -120,7 +121,7 @@ fn errors_of_linear_axes_are_gone_and_backlash_is_named_and_stays() {
         serde_json::from_str(&trunnion(&["identify", run, "--model", &shop.model, "--json"])).unwrap()
     };
     let found = identify(&before);
-    for format in ["csv", "etalon", "isg"] {
+    for format in FORMATS.iter().map(|format| format.name) {
         let (file, reported) = shop.export(&before, format, &[]);
         let left_out = reported["left_out"].as_array().unwrap();
         let backlash = left_out.iter().find(|left| left["effect"] == "backlash:C").unwrap();
@@ -165,6 +166,7 @@ fn a_table_that_does_not_say_its_sign_or_is_no_table_is_refused() {
     refused("C EXC", "C EQC", "EQC; allowed: a component error such as EXC");
     refused("\n-85 ", "\n-85 0.1 ", "8 numbers; allowed: as many numbers as names in the header");
     refused("\n-85 ", "\n-95 ", "two or more rows with rising arguments");
+    let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
     let (done, _, reported) = output(&["compensation", &before, "--format", "xml"]);
-    assert!(!done && reported.contains("possible values: csv, etalon, isg"), "{reported}");
+    assert!(!done && reported.contains(&format!("possible values: {}", names.join(", "))), "{reported}");
 }

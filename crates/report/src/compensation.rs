@@ -11,9 +11,9 @@ mod isg;
 pub use format::Format;
 
 /// The registry.
-pub static FORMATS: [&Format; 3] = [&csv::FORMAT, &etalon::FORMAT, &isg::FORMAT];
+pub static FORMATS: &[&Format] = &[&csv::FORMAT, &etalon::FORMAT, &isg::FORMAT];
 
 /// The format of this name.
 pub fn format(name: &str) -> Option<&'static Format> {
-    FORMATS.into_iter().find(|format| format.name == name)
+    FORMATS.iter().copied().find(|format| format.name == name)
 }

@@ -22,7 +22,7 @@ pub struct Args {
     #[command(flatten)]
     model: ModelArgs,
     /// Format of the file
-    #[arg(long, value_parser = compensation::FORMATS.map(|format| format.name))]
+    #[arg(long, value_parser = format_names())]
     format: String,
     /// Write corrections (-error) instead of errors
     #[arg(long)]
@@ -33,6 +33,10 @@ pub struct Args {
     /// Print what the file holds and what it leaves out as JSON (format trunnion-compensation-summary/1)
     #[arg(long, requires = "output")]
     json: bool,
+}
+
+fn format_names() -> Vec<&'static str> {
+    compensation::FORMATS.iter().map(|format| format.name).collect()
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {

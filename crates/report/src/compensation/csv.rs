@@ -9,6 +9,7 @@ use trunnion_results::{AxisErrors, CompensationValues};
 
 pub(super) static FORMAT: Format = Format {
     name: "csv",
+    about: "one number a line: `parameter,axis,argument,argument_unit,value,value_unit`",
     readers: "spreadsheets, other programs",
     source: "this file; symbols of ISO 230-1",
     ending: "csv",

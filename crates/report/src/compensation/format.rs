@@ -6,6 +6,8 @@ use trunnion_results::{AxisErrors, CompensationValues};
 pub struct Format {
     /// Name on the command line and of the file.
     pub name: &'static str,
+    /// What the file looks like, for the guide.
+    pub about: &'static str,
     /// What reads it.
     pub readers: &'static str,
     /// Where it is described.

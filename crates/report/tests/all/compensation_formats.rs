@@ -1,5 +1,6 @@
 //! Compensation files as text, and their registry.
 
+use crate::section::write_or_compare;
 use trunnion_report::compensation::FORMATS;
 use trunnion_results::{AxisErrors, AxisTable, CompensationValues, LeftOutEffect};
 
@@ -12,10 +13,23 @@ fn the_registry_holds_every_format_file_and_nothing_else() {
         .collect();
     files.retain(|name| name != "format");
     files.sort();
-    assert_eq!(files, FORMATS.map(|format| format.name));
+    let registered: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+    assert_eq!(
+        registered, files,
+        "left: names of FORMATS in crates/report/src/compensation.rs, in their order; right: the files of its folder"
+    );
     for format in FORMATS {
         assert!(format.source.len() > 5 && format.readers.len() > 5, "{} is undocumented", format.name);
     }
+}
+
+#[test]
+fn the_guide_lists_the_formats() {
+    let mut table = String::from("| format | file | read by |\n|---|---|---|\n");
+    for format in FORMATS {
+        table += &format!("| `{}` | {} | {} |\n", format.name, format.about, format.readers);
+    }
+    write_or_compare("docs/use/compensation.md", "formats", &table);
 }
 
 #[test]
@@ -42,7 +56,7 @@ fn every_format_says_sign_units_range_and_what_is_missing() {
 #[test]
 fn the_bodies_are_laid_out_as_the_controllers_describe_them() {
     let body = |name: &str| {
-        let format = FORMATS.into_iter().find(|format| format.name == name).unwrap();
+        let format = FORMATS.iter().find(|format| format.name == name).unwrap();
         let text = (format.write)(&errors(), CompensationValues::Error);
         let kept = text.lines().filter(|line| !line.starts_with("//") && !line.starts_with("# "));
         kept.map(|line| format!("{line}\n")).collect::<String>()

@@ -4,3 +4,6 @@
 
 mod compensation_formats;
 mod pages;
+#[allow(dead_code, reason = "the tests of this crate use a part")]
+#[path = "../../../../tests/src/section.rs"]
+mod section;
