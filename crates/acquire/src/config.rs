@@ -95,7 +95,7 @@ pub fn read_devices(root: &Table<'_>) -> Option<Vec<DeviceConfig>> {
 
 fn read_device(table: &Table<'_>) -> Option<DeviceConfig> {
     let name = table.string("name");
-    let names = DRIVERS.map(|driver| driver.name);
+    let names: Vec<&str> = DRIVERS.iter().map(|driver| driver.name).collect();
     let chosen = table.one_of("driver", &names);
     let silence_ms = table.optional_number("silence_ms", 20.0..=10_000.0);
     let driver = DRIVERS.iter().find(|driver| Some(driver.name) == chosen.as_deref())?;

@@ -16,7 +16,7 @@ use crate::Instrument;
 use trunnion_core::InstrumentKind;
 
 /// Every instrument.
-pub const REGISTRY: [Instrument; 11] = [
+pub static REGISTRY: &[Instrument] = &[
     r_test::INSTRUMENT,
     ball_bar::INSTRUMENT,
     tracker::INSTRUMENT,
@@ -32,8 +32,5 @@ pub const REGISTRY: [Instrument; 11] = [
 
 /// The instrument of a setup.
 pub fn instrument(kind: InstrumentKind) -> &'static Instrument {
-    const { &REGISTRY }
-        .iter()
-        .find(|instrument| instrument.kind == kind)
-        .expect("every kind is registered (tested)")
+    REGISTRY.iter().find(|instrument| instrument.kind == kind).expect("every kind is registered (tested)")
 }

@@ -33,8 +33,18 @@ fn setups() -> Vec<Setup> {
 
 #[test]
 fn every_kind_of_instrument_is_registered_once() {
+    assert_eq!(
+        REGISTRY.len(),
+        InstrumentKind::NAMES.len(),
+        "a kind without a row of ROWS in crates/core/src/kind.rs"
+    );
     for (_, kind) in InstrumentKind::NAMES {
-        assert_eq!(REGISTRY.iter().filter(|instrument| instrument.kind == kind).count(), 1);
+        assert_eq!(
+            REGISTRY.iter().filter(|instrument| instrument.kind == kind).count(),
+            1,
+            "{} must stand once in REGISTRY of crates/instruments/src/registry.rs",
+            kind.name()
+        );
     }
 }
 
@@ -88,7 +98,7 @@ fn columns_are_the_derivatives_of_the_exact_prediction() {
 
 #[test]
 fn every_setting_of_a_mounting_has_a_name_of_its_own() {
-    for instrument in &REGISTRY {
+    for instrument in REGISTRY {
         let settings = (instrument.settings)(&setup_of(instrument.kind));
         let names: std::collections::BTreeSet<&str> = settings.iter().map(|s| s.name).collect();
         assert_eq!(names.len(), settings.len(), "{}", instrument.kind.name());

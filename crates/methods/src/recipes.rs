@@ -19,16 +19,16 @@ pub use method::{Method, MethodError, MethodOptions};
 use trunnion_core::names;
 
 /// Every named method.
-pub static REGISTRY: [&Method; 5] =
-    [&two_height::METHOD, &error_map::METHOD, &rotary_values::METHOD, &ball_bar::METHOD, &circular::METHOD];
+pub static REGISTRY: &[&Method] =
+    &[&two_height::METHOD, &error_map::METHOD, &rotary_values::METHOD, &ball_bar::METHOD, &circular::METHOD];
 
 /// The method of this name.
 ///
 /// # Errors
 /// With every allowed name.
 pub fn find(name: &str) -> Result<&'static Method, MethodError> {
-    REGISTRY.into_iter().find(|method| method.name == name).ok_or_else(|| MethodError::Unknown {
+    REGISTRY.iter().copied().find(|method| method.name == name).ok_or_else(|| MethodError::Unknown {
         name: name.into(),
-        allowed: names::allowed(name, REGISTRY.map(|method| method.name)),
+        allowed: names::allowed(name, REGISTRY.iter().map(|method| method.name)),
     })
 }

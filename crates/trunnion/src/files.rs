@@ -19,7 +19,7 @@ pub fn machine(name: &str) -> Result<Machine, Error> {
     }
     shipped::machine(name).ok_or_else(|| Error::NoSuchMachine {
         name: name.into(),
-        allowed: names::allowed(name, shipped::FILES.map(|(name, _)| name)),
+        allowed: names::allowed(name, shipped::FILES.iter().map(|(name, _)| name)),
     })
 }
 

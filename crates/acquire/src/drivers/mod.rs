@@ -13,7 +13,7 @@ pub mod optoncdt;
 use crate::driver::Driver;
 
 /// Every driver.
-pub const DRIVERS: [&Driver; 8] = [
+pub static DRIVERS: &[&Driver] = &[
     &ascii::DRIVER,
     &canopen_slcan::DRIVER,
     &canopen_socketcan::DRIVER,
@@ -38,7 +38,23 @@ mod tests {
             .filter(|stem| stem != "mod")
             .collect();
         files.sort();
-        assert_eq!(files, DRIVERS.map(|driver| driver.name));
+        let registered: Vec<&str> = DRIVERS.iter().map(|driver| driver.name).collect();
+        assert_eq!(
+            registered, files,
+            "left: names of DRIVERS in crates/acquire/src/drivers/mod.rs, in their order; right: the files of its folder"
+        );
         assert!(DRIVERS.iter().all(|driver| !driver.about.is_empty()));
+    }
+
+    #[test]
+    fn the_guide_shows_how_to_configure_every_driver() {
+        let guide = include_str!("../../../../docs/use/connect.md");
+        for driver in DRIVERS {
+            let line = format!("driver = \"{}\"", driver.name);
+            assert!(
+                guide.contains(&line),
+                "docs/use/connect.md needs a section with a table that holds {line}"
+            );
+        }
     }
 }

@@ -34,7 +34,7 @@ pub fn run(name: &str, machine: Machine, setups: Vec<Setup>, points: Vec<Point>)
 
 /// The A-C table that turns by −A, −C.
 pub fn table_ac_turning_back() -> Machine {
-    let (name, text) = shipped::FILES.into_iter().find(|(name, _)| *name == "table-ac").expect("shipped");
+    let (name, text) = shipped::FILES.iter().find(|(name, _)| *name == "table-ac").expect("shipped");
     let mut text = text.to_string();
     for letter in ["A", "C"] {
         let start = text.find(&format!("[axis.{letter}]")).expect("its table");

@@ -32,7 +32,11 @@ fn every_file_of_the_directory_is_registered_under_its_name() {
         .filter(|name| !leaves.contains(&name.as_str()))
         .collect();
     let registered: Vec<String> = REGISTRY.iter().map(|method| method.name.into()).collect();
-    assert_eq!(files, registered.iter().cloned().collect());
+    assert_eq!(
+        files,
+        registered.iter().cloned().collect(),
+        "left: the files of crates/methods/src/recipes, `-` for `_`; right: names of REGISTRY in crates/methods/src/recipes.rs"
+    );
     assert_eq!(files.len(), registered.len(), "a method is registered twice");
 }
 
@@ -51,6 +55,23 @@ fn every_method_says_what_it_is_and_is_in_the_guide() {
         assert!(guide.contains(&format!("## {}", method.name)), "docs/use/methods.md lacks {}", method.name);
         assert!(guide.contains(&format!("--method {}", method.name)), "no command for {}", method.name);
         assert_eq!(recipes::find(method.name).unwrap().name, method.name);
+    }
+}
+
+#[test]
+fn every_method_is_tested_against_figures() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let folders = ["crates/methods/tests/all", "tests/tests/all/named_methods"];
+    let files = folders.iter().flat_map(|folder| std::fs::read_dir(Path::new(root).join(folder)).unwrap());
+    let paths = files.map(|entry| entry.unwrap().path()).filter(|path| !path.ends_with("methods.rs"));
+    let tests: Vec<String> = paths.map(|path| std::fs::read_to_string(path).unwrap()).collect();
+    for method in REGISTRY {
+        let (name, quoted) = (method.name, format!("\"{}\"", method.name));
+        assert!(
+            tests.iter().any(|test| test.contains(&quoted)),
+            "no test finds {name}: write crates/methods/tests/all/{}.rs with figures that its source prints",
+            name.replace('-', "_")
+        );
     }
 }
 
