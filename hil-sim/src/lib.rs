@@ -6,6 +6,7 @@
 
 pub mod compensation;
 pub mod devices;
+mod instruments;
 pub mod motion;
 pub mod physics;
 pub mod scenario;

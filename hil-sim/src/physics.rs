@@ -1,12 +1,11 @@
 //! The virtual machine: poses with errors, and what an instrument between tool and table reads.
 //!
-//! All exact, the poses from `chain`, the readings from `instruments`.
+//! All exact, the poses from `chain`, the readings from [`crate::instruments`].
 
 pub(crate) mod chain;
 pub mod disturbance;
 pub mod grid;
 pub mod hidden;
-mod instruments;
 mod legs;
 pub(crate) mod rotation;
 mod virtual_machine;
@@ -19,6 +18,7 @@ pub use disturbance::Disturbance;
 pub use sampler::Sampler;
 
 use crate::compensation::{CannotCorrect, Compensation};
+use crate::instruments::{Poses, read_mm};
 use crate::truth::Truth;
 use hidden::Scene;
 use trunnion_core::{AxisValues, State};
@@ -87,14 +87,14 @@ impl VirtualMachine {
         let corrected = compensation.and_then(|table| table.corrected(&self.machine, &state.position));
         let position = corrected.unwrap_or(state.position);
         let pose = |side| chain::machine_from_tip(&self.machine, side, &position, &wrong.joints);
-        let poses = instruments::Poses {
+        let poses = Poses {
             machine_from_table: pose(Side::Table),
             machine_from_tool: pose(Side::Tool),
             table_in_machine_mm: wrong.table_in_machine_mm,
             tool_in_machine_mm: wrong.tool_in_machine_mm,
             setting_in_table_mm: wrong.setting_in_table_mm,
         };
-        instruments::read_mm(&self.truth.setups[setup], state.target, &poses)
+        read_mm(&self.truth.setups[setup], state.target, &poses)
     }
 
     fn disturbance(&self, setup: usize, state: &State) -> Disturbance {

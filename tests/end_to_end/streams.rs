@@ -107,7 +107,7 @@ fn write(run: &Run, folder: &Path) -> String {
 
 #[test]
 fn a_fit_of_blocks_gives_what_a_fit_of_all_samples_gives() {
-    let setups = [placed("low", 60.0, Instrument::RTest), placed("high", 160.0, Instrument::RTest)];
+    let setups = [placed("low", 60.0, Instrument::R_TEST), placed("high", 160.0, Instrument::R_TEST)];
     for seed in [3, 11] {
         let mut truth = Truth::draw(&machine(), &setups, &[], 600.0, seed).unwrap();
         (truth.noise.outlier_share, truth.noise.repeatability_rad) = (0.0, 0.0);
@@ -134,12 +134,12 @@ fn a_fit_of_blocks_gives_what_a_fit_of_all_samples_gives() {
 #[test]
 fn static_on_the_fly_and_ball_bar_runs_fitted_together_beat_each_alone() {
     let folder = tempfile::tempdir().unwrap();
-    let bar = Instrument::BallBar { length_mm: BAR_MM };
+    let bar = Instrument::ball_bar(BAR_MM);
     let setups = [
-        placed("low", 60.0, Instrument::RTest),
-        placed("high", 160.0, Instrument::RTest),
-        placed("sweep-low", 60.0, Instrument::RTest),
-        placed("sweep-high", 160.0, Instrument::RTest),
+        placed("low", 60.0, Instrument::R_TEST),
+        placed("high", 160.0, Instrument::R_TEST),
+        placed("sweep-low", 60.0, Instrument::R_TEST),
+        placed("sweep-high", 160.0, Instrument::R_TEST),
         placed("bar-x", 60.0, bar),
         placed("bar-y", 60.0, bar),
         placed("bar-z", 60.0, bar),
@@ -197,7 +197,7 @@ fn static_on_the_fly_and_ball_bar_runs_fitted_together_beat_each_alone() {
 #[test]
 fn lag_of_an_axis_is_named_from_a_stream_and_a_static_run_together() {
     let folder = tempfile::tempdir().unwrap();
-    let setups = [placed("low", 60.0, Instrument::RTest), placed("sweep", 60.0, Instrument::RTest)];
+    let setups = [placed("low", 60.0, Instrument::R_TEST), placed("sweep", 60.0, Instrument::R_TEST)];
     let hidden = [HiddenChoice { id: "servo-lag:X".into(), sigma: 1.0 }];
     let truth = Truth::draw(&machine(), &setups, &hidden, 600.0, 8).unwrap();
     let sweep = sweeps(&truth, 1..2, &[-45.0, 30.0], &[10.0, 30.0], 1000);

@@ -177,7 +177,7 @@ fn peak_mib() -> f64 {
 
 fn setups() -> Vec<SimSetup> {
     let placed =
-        |(name, z)| SimSetup::new(name, NestOn::Table, Point3::new(150.0, 0.0, z), Instrument::RTest);
+        |(name, z)| SimSetup::new(name, NestOn::Table, Point3::new(150.0, 0.0, z), Instrument::R_TEST);
     [("low", 60.0), ("high", 160.0)].map(placed).into()
 }
 

@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, value};
 use trunnion_core::convert::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
 use trunnion_core::input::{Document, Table};
-use trunnion_core::{Joint, Problems};
+use trunnion_core::{InstrumentKind, Joint, Problems};
 use trunnion_machine::JointErrors;
 
 const FORMAT: &str = "trunnion-truth/1";
@@ -80,12 +80,11 @@ fn noise_table(noise: &Noise) -> toml_edit::Table {
 fn setup_table(placed: &PlacedSetup) -> Option<toml_edit::Table> {
     let mut table = toml_edit::Table::new();
     table["name"] = value(&placed.setup.name);
-    match placed.setup.instrument {
-        Instrument::RTest => table["instrument"] = value("r-test"),
-        Instrument::BallBar { length_mm } => {
-            table["instrument"] = value("ball-bar");
-            table["length_mm"] = value(length_mm);
-        }
+    let Instrument { kind, length_mm, .. } = placed.setup.instrument;
+    table["instrument"] = value(kind.name());
+    match kind {
+        InstrumentKind::RTest => {}
+        InstrumentKind::BallBar => table["length_mm"] = value(length_mm),
         _ => return None,
     }
     table["nest"] = value(match placed.setup.nest {
@@ -181,9 +180,9 @@ fn read_setup(table: &Table<'_>) -> Option<PlacedSetup> {
     let name = table.string("name");
     let instrument = match table.one_of("instrument", &["r-test", "ball-bar"]).as_deref() {
         Some("ball-bar") => {
-            table.number("length_mm", 1.0..=10_000.0).map(|length_mm| Instrument::BallBar { length_mm })
+            table.number("length_mm", 1.0..=10_000.0).map(|length_mm| Instrument::ball_bar(length_mm))
         }
-        Some(_) => Some(Instrument::RTest),
+        Some(_) => Some(Instrument::R_TEST),
         None => None,
     };
     let nest = table.one_of("nest", &["table", "spindle"]);

@@ -22,21 +22,17 @@ impl From<&Setup> for SimSetup {
     }
 }
 
+/// The kind, with what a setup of it must hold: a key that it does not need makes it no other instrument.
 fn instrument(setup: &Setup) -> Instrument {
-    let line = |mirror| Instrument::Line {
-        direction: setup.direction.map_or([1.0, 0.0, 0.0], |along| along.into_inner().into()).into(),
-        mirror,
-    };
-    match setup.instrument {
-        InstrumentKind::RTest => Instrument::RTest,
-        InstrumentKind::BallBar => Instrument::BallBar { length_mm: setup.bar_length_mm.unwrap_or_default() },
-        InstrumentKind::Tracker | InstrumentKind::LaserBallBar => Instrument::Length,
-        InstrumentKind::PassiveArm => Instrument::Arm { arms_mm: setup.arms_mm.unwrap_or([1.0, 1.0]) },
-        InstrumentKind::Diagonal => line(false),
-        InstrumentKind::StepDiagonal => line(true),
-        InstrumentKind::BallPlate | InstrumentKind::TouchProbe => Instrument::Centre,
-        InstrumentKind::TouchProbeFace => Instrument::Face,
-        InstrumentKind::MachinedSurface => Instrument::Cut,
+    let kind = setup.instrument;
+    let plain = Instrument::new(kind);
+    let length_mm = setup.bar_length_mm.filter(|_| kind.keeps_bar_length());
+    let direction = setup.direction.filter(|_| kind.has_direction());
+    Instrument {
+        length_mm: length_mm.unwrap_or(plain.length_mm),
+        arms_mm: setup.arms_mm.filter(|_| kind.has_arms()).unwrap_or(plain.arms_mm),
+        direction: direction.map_or(plain.direction, |along| along.into_inner()),
+        ..plain
     }
 }
 

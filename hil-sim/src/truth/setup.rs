@@ -1,6 +1,7 @@
 //! Setups of the virtual machine: as asked for, and as placed.
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
+use trunnion_core::InstrumentKind;
 
 /// One way of placing ball and nest.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,44 +65,34 @@ pub enum NestOn {
 
 /// The instrument between tool and table.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Instrument {
-    /// Three probes: all three components.
-    RTest,
-    /// A ball bar: change of the distance of two balls.
-    BallBar {
-        /// Calibrated length, mm.
-        length_mm: f64,
-    },
-    /// A length from the table to the tool with an arbitrary zero: tracking interferometer, laser ball bar, leg.
-    Length,
-    /// Two arms that turn in the table's XY plane, joint angles as arcs.
-    Arm {
-        /// Nominal lengths, mm.
-        arms_mm: [f64; 2],
-    },
-    /// Laser interferometer along a line of the machine.
-    Line {
-        /// Nominal direction, machine axes.
-        direction: Vector3<f64>,
-        /// True: a flat mirror rides in the spindle, else a retroreflector.
-        mirror: bool,
-    },
-    /// Centre of a ball found by a probe in the spindle: measured minus nominal, machine axes.
-    Centre,
-    /// Face found by a probe in the spindle: measured minus nominal along its normal.
-    Face,
-    /// Surface left by a tool in the spindle, measured elsewhere along its normal.
-    Cut,
+pub struct Instrument {
+    /// What files call it.
+    pub kind: InstrumentKind,
+    /// Calibrated length of a bar, mm.
+    pub length_mm: f64,
+    /// Nominal lengths of two arms, mm.
+    pub arms_mm: [f64; 2],
+    /// Nominal direction.
+    pub direction: Vector3<f64>,
 }
 
 impl Instrument {
+    /// Three probes around a ball.
+    pub const R_TEST: Self = Self::new(InstrumentKind::RTest);
+
+    /// A bar of this length.
+    pub const fn ball_bar(length_mm: f64) -> Self {
+        Self { length_mm, ..Self::new(InstrumentKind::BallBar) }
+    }
+
+    /// An instrument without lengths of its own, along X.
+    pub const fn new(kind: InstrumentKind) -> Self {
+        Self { kind, length_mm: 0.0, arms_mm: [1.0, 1.0], direction: Vector3::new(1.0, 0.0, 0.0) }
+    }
+
     /// How many numbers it reads.
     pub fn components(self) -> usize {
-        match self {
-            Self::RTest | Self::Centre => 3,
-            Self::Arm { .. } => 2,
-            Self::BallBar { .. } | Self::Length | Self::Line { .. } | Self::Face | Self::Cut => 1,
-        }
+        self.kind.components().len()
     }
 }
 

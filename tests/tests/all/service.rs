@@ -96,7 +96,7 @@ async fn measure(
 
 fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
     let of = |setup: &trunnion_core::Setup| {
-        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::RTest)
+        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::R_TEST)
     };
     cycle.setups.iter().map(of).collect()
 }

@@ -296,7 +296,7 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
     let setups: Vec<SimSetup> = cycle
         .setups
         .iter()
-        .map(|s| SimSetup::new(s.name.clone(), NestOn::Table, s.ball_in_table_mm, Instrument::RTest))
+        .map(|s| SimSetup::new(s.name.clone(), NestOn::Table, s.ball_in_table_mm, Instrument::R_TEST))
         .collect();
     let truth = Truth::draw(&machine, &setups, &[], 600.0, 11).unwrap();
     let hidden: BTreeMap<String, f64> =

@@ -165,13 +165,11 @@ fn fingerprint(text: &str) -> u64 {
 
 /// A setup of the truth file, which knows R-tests and ball bars.
 fn setup_of(placed: &SimSetup) -> Setup {
-    let (instrument, bar_length_mm) = match placed.instrument {
-        Instrument::BallBar { length_mm } => (InstrumentKind::BallBar, Some(length_mm)),
-        _ => (InstrumentKind::RTest, None),
-    };
+    let Instrument { kind, length_mm, .. } = placed.instrument;
+    let bar_length_mm = kind.keeps_bar_length().then_some(length_mm);
     let nest = match placed.nest {
         NestOn::Table => NestSide::Table,
         NestOn::Spindle => NestSide::Spindle,
     };
-    Setup { bar_length_mm, ..Setup::new(&placed.name, instrument, nest, placed.ball_in_table_mm) }
+    Setup { bar_length_mm, ..Setup::new(&placed.name, kind, nest, placed.ball_in_table_mm) }
 }

@@ -12,7 +12,7 @@ use trunnion_results::{AxisErrors, CompensationValues};
 pub(super) static FORMAT: Format = Format {
     name: "etalon",
     about: "Etalon exchange, variant \"Vendor\", as far as ISG and Beckhoff document it",
-    readers: "ISG-kernel CNC, Beckhoff TwinCAT 3 CNC (file_format ETALON_EXCHANGE)",
+    readers: "ISG-kernel CNC, Beckhoff TwinCAT 3 CNC (`ETALON_EXCHANGE`)",
     source: "ISG functional description C26 / Beckhoff TF5280 Volumetric Compensation: Etalon Exchange Format, Units of measure",
     ending: "txt",
     write,

@@ -12,7 +12,7 @@ use trunnion_results::{AxisErrors, CompensationValues};
 pub(super) static FORMAT: Format = Format {
     name: "isg",
     about: "ISG CSV: blocks of columns, blanks between them",
-    readers: "ISG-kernel CNC, Beckhoff TwinCAT 3 CNC (TF5280)",
+    readers: "ISG-kernel CNC, Beckhoff TwinCAT 3 CNC (`file_format ISG_CSV`)",
     source: "ISG functional description C26 / Beckhoff TF5280 Volumetric Compensation: ISG CSV format, List of parameters supported, Units of measure, Interpolation mode",
     ending: "csv",
     write,

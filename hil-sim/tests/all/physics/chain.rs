@@ -50,7 +50,7 @@ fn a_perfect_bar_of_any_direction_reads_zero() {
     let machine = table_bc();
     let ball = Point3::new(20.0, -30.0, 80.0);
     let bar = SimSetup {
-        instrument: Instrument::BallBar { length_mm: 100.0 },
+        instrument: Instrument::ball_bar(100.0),
         ..setup("bar", NestOn::Table, [20.0, -30.0, 80.0])
     };
     let virtual_machine =

@@ -19,7 +19,7 @@ fn table_bc() -> Machine {
 }
 
 fn setup(name: &str, nest: NestOn, ball: [f64; 3]) -> SimSetup {
-    SimSetup::new(name, nest, Point3::from(ball), Instrument::RTest)
+    SimSetup::new(name, nest, Point3::from(ball), Instrument::R_TEST)
 }
 
 fn low_and_high() -> Vec<SimSetup> {

@@ -10,7 +10,7 @@ fn drawn() -> Truth {
     let mut setups = low_and_high();
     setups.push(setup("spindle", NestOn::Spindle, [0.0, 0.0, 100.0]));
     setups.push(SimSetup {
-        instrument: Instrument::BallBar { length_mm: 150.0 },
+        instrument: Instrument::ball_bar(150.0),
         ..setup("bar", NestOn::Table, [0.0, 0.0, 50.0])
     });
     let hidden = ["gravity-sag:B", "squareness:ZX", "cable-drag:B", "thermal-drift"]

@@ -55,7 +55,7 @@ impl Stage {
 
 fn setups(heights_mm: [f64; 2]) -> Vec<SimSetup> {
     let place = |(name, z_mm): (&str, f64)| {
-        SimSetup::new(name, NestOn::Table, Point3::new(150.0, 0.0, z_mm), Instrument::RTest)
+        SimSetup::new(name, NestOn::Table, Point3::new(150.0, 0.0, z_mm), Instrument::R_TEST)
     };
     ["low", "high"].into_iter().zip(heights_mm).map(place).collect()
 }

@@ -151,7 +151,7 @@ impl Floor {
 
 fn world(to_deg: f64) -> anyhow::Result<SimulatedCell> {
     let machine = shipped::machine("table-bc").context("the machine is shipped")?;
-    let setup = SimSetup::new("low", NestOn::Table, [150.0, 0.0, 60.0].into(), Instrument::RTest);
+    let setup = SimSetup::new("low", NestOn::Table, [150.0, 0.0, 60.0].into(), Instrument::R_TEST);
     let truth = Truth::draw(&machine, &[setup], &[], 600.0, 1)?;
     let machine = Arc::new(VirtualMachine::new(machine, truth)?);
     let feeds = FEEDS_DEG_PER_MIN.map(|feed| (feed / 60.0).to_radians());
