@@ -24,8 +24,7 @@ impl Sigma {
         let (log_det, mut inverse) = if rho_squared.iter().sum::<f64>() < SINGLE_PRECISION {
             dense::inverse(relative)?
         } else {
-            let (log_det, inverse) = dense::inverse(relative.cast::<f64>())?;
-            (log_det, inverse.cast::<Real>())
+            dense::inverse(relative.cast::<f64>())?
         };
         let rows = inverse.nrows() as f64;
         inverse *= (-2.0 * x[0]).exp() as Real;
