@@ -13,9 +13,8 @@ use std::sync::Arc;
 
 /// Longest step in any logarithm: a factor of 4.5 in size.
 const LONGEST_STEP: f64 = 1.5;
-/// What a step that does not raise the posterior is multiplied by, and how often.
+/// What a step that does not raise the posterior is multiplied by.
 const SHORTER: f64 = 0.35;
-const MOST_SHORTER: usize = 5;
 /// A step that loses less than this is accepted: rounding of the posterior in single precision.
 const ROUNDING_LN: f64 = 1e-2;
 /// Added to the information: ln s alone has no prior.
@@ -97,7 +96,9 @@ impl Readings<'_> {
                 break;
             }
             step *= (LONGEST_STEP / step.amax()).min(1.0);
-            let Some((next, reached)) = self.climb(&here, posterior, basis, step) else { break };
+            let promised_ln = gradient.dot(&step);
+            let climbed = self.climb(&here, posterior, basis, step, promised_ln / effort.gain_ln);
+            let Some((next, reached)) = climbed else { break };
             (here, posterior) = (next, reached);
             (gradient, information) = self.slope(&here, basis.ncols());
         }
@@ -128,14 +129,17 @@ impl Readings<'_> {
         x
     }
 
+    /// `promised`: what the slope promises of the step, as a multiple of what a step must gain. A shorter one that cannot gain as much
+    /// is not worth a covariance.
     fn climb(
         &self,
         here: &Projected,
         posterior: f64,
         basis: &DMatrix<Real>,
         mut step: DVector<f64>,
+        mut promised: f64,
     ) -> Option<(Projected, f64)> {
-        for _ in 0..MOST_SHORTER {
+        loop {
             let x: Vec<f64> = here.sigma.x.iter().zip(step.iter()).map(|(x, s)| x + s).collect();
             let next = self.sigma(&self.shown(x)).and_then(|sigma| Projected::new(sigma, self.y, basis));
             if let Some(next) = next {
@@ -145,8 +149,11 @@ impl Readings<'_> {
                 }
             }
             step *= SHORTER;
+            promised *= SHORTER;
+            if promised < 1.0 {
+                return None;
+            }
         }
-        None
     }
 
     /// Gradient and average information at one place.
