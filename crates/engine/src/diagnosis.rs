@@ -23,6 +23,7 @@ mod scored;
 mod search;
 pub mod verdict;
 mod view;
+mod views;
 mod vocabulary;
 mod words;
 

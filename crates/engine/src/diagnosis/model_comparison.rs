@@ -8,6 +8,7 @@ use crate::diagnosis::named::{named, price_ln};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
 use crate::diagnosis::view::{View, What};
+use crate::diagnosis::views::{Seen, Views};
 use crate::evidence::beside;
 
 /// A term beats the catalogue when it leads by more than this.
@@ -28,13 +29,20 @@ pub struct Additions {
 }
 
 /// Looks at everything; `taken` are named effects that are in already.
-pub fn additions(scan: &Scan<'_>, view: &View, taken: &[usize], claim_ln: f64) -> Additions {
+pub fn additions(scan: &Scan<'_>, views: &Views, view: &Seen, taken: &[usize], claim_ln: f64) -> Additions {
     let named = named(scan, view, taken, claim_ln);
-    let best = best(scan, view, &named, taken, claim_ln);
+    let best = best(scan, views, view, &named, taken, claim_ln);
     Additions { best, named }
 }
 
-fn best(scan: &Scan<'_>, view: &View, named: &[Scored], taken: &[usize], claim_ln: f64) -> Option<Scored> {
+fn best(
+    scan: &Scan<'_>,
+    views: &Views,
+    view: &Seen,
+    named: &[Scored],
+    taken: &[usize],
+    claim_ln: f64,
+) -> Option<Scored> {
     let best = named.iter().find(|scored| scored.noticeable).cloned();
     let term = best_term(scan, view, beat(scan, view, best.as_ref(), claim_ln))
         .filter(|term| term.noticeable && term.item.ln_odds > claim_ln && !is_natural(named, term));
@@ -47,7 +55,7 @@ fn best(scan: &Scan<'_>, view: &View, named: &[Scored], taken: &[usize], claim_l
     if let Some(covering) = named.iter().find(covers) {
         return Some(covering.clone());
     }
-    two_do_better(scan, view, named, taken, &term).or(Some(term))
+    two_do_better(scan, views, view, named, taken, &term).or(Some(term))
 }
 
 /// ln odds on the grid that a term must come near to be looked at, at the learned and at the quiet noise: those of the best named effect.
@@ -70,6 +78,7 @@ fn is_natural(named: &[Scored], term: &Scored) -> bool {
 /// The first of two named effects that together beat the term and whatever goes best with it.
 fn two_do_better(
     scan: &Scan<'_>,
+    views: &Views,
     view: &View,
     named: &[Scored],
     taken: &[usize],
@@ -77,7 +86,7 @@ fn two_do_better(
 ) -> Option<Scored> {
     let second = |first: &Scored, also: Option<usize>| {
         let chosen = beside(&view.chosen, &first.item.columns);
-        let next = View::of(scan, chosen, &first.sigma);
+        let next = views.of(scan, chosen, &first.sigma);
         let price = (scan.named.len() as f64).ln();
         let free = |g: &usize| !taken.contains(g) && also != Some(*g);
         next.map_or(0.0, |next| {

@@ -4,7 +4,8 @@ use crate::diagnosis::refine::{Shaped, refined, stretches};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::{Scored, shape_price_ln};
 use crate::diagnosis::view::{Item, OnGrid, View, What, weighed_beside};
-use crate::evidence::{parallel, turned, weigh, weigh_all};
+use crate::diagnosis::views::Seen;
+use crate::evidence::{turned, weigh, weigh_all};
 use nalgebra::DMatrix;
 
 /// ln Bayes factors below this are "not worth more than a bare mention" [Kass 1995].
@@ -25,7 +26,7 @@ pub fn price_ln(scan: &Scan<'_>, group: usize) -> f64 {
 }
 
 /// Those worth it, best first; `but` are left out.
-pub fn named(scan: &Scan<'_>, view: &View, but: &[usize], claim_ln: f64) -> Vec<Scored> {
+pub fn named(scan: &Scan<'_>, view: &Seen, but: &[usize], claim_ln: f64) -> Vec<Scored> {
     let mut scored = beside_each(scan, view, &worth_it(scan, view, but, claim_ln));
     scored.sort_by(|a, b| b.item.ln_odds.total_cmp(&a.item.ln_odds));
     plainest_first(scan, &mut scored);
@@ -65,8 +66,8 @@ fn worth_it(scan: &Scan<'_>, view: &View, but: &[usize], claim_ln: f64) -> Vec<u
 }
 
 /// Some effects, each with the noise learned beside it.
-pub fn beside_each(scan: &Scan<'_>, view: &View, groups: &[usize]) -> Vec<Scored> {
-    parallel(groups.len(), |i| beside(scan, view, groups[i])).into_iter().flatten().collect()
+pub fn beside_each(scan: &Scan<'_>, view: &Seen, groups: &[usize]) -> Vec<Scored> {
+    view.scored(groups, |view, group| beside(scan, view, group))
 }
 
 fn beside(scan: &Scan<'_>, view: &View, group: usize) -> Option<Scored> {

@@ -4,7 +4,7 @@ use crate::diagnosis::named::named;
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
 use crate::diagnosis::search::Found;
-use crate::diagnosis::view::{Item, View, What, columns_of, fitted};
+use crate::diagnosis::view::{Item, What, columns_of, fitted};
 use crate::evidence::{beside, turned};
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
@@ -26,7 +26,7 @@ pub fn confused_with(scan: &Scan<'_>, found: &Found, item: &Item, claim_ln: f64)
     let alone = chosen.ncols() == 0;
     let view = match alone {
         true => Some(found.before.clone()),
-        false => View::of(scan, chosen, &found.last.null.here.sigma),
+        false => found.views.of(scan, chosen, &found.last.null.here.sigma),
     };
     let Some(view) = view else { return Vec::new() };
     let scored: Vec<Scored> = if alone { found.first.clone() } else { named(scan, &view, &[], claim_ln) };

@@ -9,10 +9,12 @@ use crate::diagnosis::model_comparison::{Additions, additions};
 use crate::diagnosis::named::{beside_each, price_ln};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
-use crate::diagnosis::view::{Item, View, What, columns_of};
+use crate::diagnosis::view::{Item, What, columns_of};
+use crate::diagnosis::views::{Seen, Views};
 use crate::evidence::beside;
 use crate::noise::learned::sigma::Sigma;
 use nalgebra::DMatrix;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// Further shapes of effects that are in, at most.
@@ -29,17 +31,21 @@ pub struct Found {
     /// Further shapes of effects among the items, weighted.
     pub further: DMatrix<f64>,
     /// The noise beside all items.
-    pub last: View,
+    pub last: Rc<Seen>,
     /// The noise beside nothing, and what was looked at next to it.
-    pub before: View,
+    pub before: Rc<Seen>,
     pub first: Vec<Scored>,
+    /// Whatever else was looked at.
+    pub views: Views,
 }
 
 /// Searches next to the model, at most `most` additions. `None` where the noise cannot be learned.
 pub fn search(scan: &Scan<'_>, claim_ln: f64, most: usize) -> Option<Found> {
     let rows = scan.y.len();
-    let mut state = State { scan, claim_ln, items: Vec::new(), further: DMatrix::zeros(rows, 0) };
-    let mut view = View::of(scan, DMatrix::zeros(rows, 0), &scan.first.here.sigma)?;
+    let none = DMatrix::zeros(rows, 0);
+    let mut state =
+        State { scan, claim_ln, items: Vec::new(), further: none.clone(), views: Views::default() };
+    let mut view = state.views.of(scan, none, &scan.first.here.sigma)?;
     let before = view.clone();
     let mut next = state.next(&view);
     let first = next.named.clone();
@@ -75,7 +81,7 @@ pub fn search(scan: &Scan<'_>, claim_ln: f64, most: usize) -> Option<Found> {
         } else {
             best.sigma.clone()
         };
-        let Some(after) = View::of(scan, state.chosen(), &sigma) else { break };
+        let Some(after) = state.views.of(scan, state.chosen(), &sigma) else { break };
         (view, on_trial) = (after, if enough { None } else { Some(ln_odds) });
         next = state.next(&view);
         if enough {
@@ -84,10 +90,10 @@ pub fn search(scan: &Scan<'_>, claim_ln: f64, most: usize) -> Option<Found> {
     }
     if on_trial.is_some() {
         state.items.pop();
-        view = View::of(scan, state.chosen(), &view.null.here.sigma)?;
+        view = state.views.of(scan, state.chosen(), &view.null.here.sigma)?;
     }
-    let State { items, further, .. } = state;
-    Some(Found { items, complete, open, further, last: view, before, first })
+    let State { items, further, views, .. } = state;
+    Some(Found { items, complete, open, further, last: view, before, first, views })
 }
 
 struct State<'a> {
@@ -95,6 +101,7 @@ struct State<'a> {
     claim_ln: f64,
     items: Vec<Item>,
     further: DMatrix<f64>,
+    views: Views,
 }
 
 impl State<'_> {
@@ -103,10 +110,10 @@ impl State<'_> {
     }
 
     /// What could come next. Effects that are in may come again with a further shape, where they have shapes to choose from.
-    fn next(&self, view: &View) -> Additions {
+    fn next(&self, view: &Seen) -> Additions {
         let single = |g: &usize| self.scan.named[*g].parts.len() < 2;
         let closed: Vec<usize> = self.taken().into_iter().filter(single).collect();
-        additions(self.scan, view, &closed, self.claim_ln)
+        additions(self.scan, &self.views, view, &closed, self.claim_ln)
     }
 
     fn taken(&self) -> Vec<usize> {
@@ -138,13 +145,14 @@ impl State<'_> {
         for i in 0..self.items.len() - 1 {
             let others = self.items.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, item)| item);
             let chosen = beside(&columns_of(others, self.scan.y.len()), &self.further);
-            let Some(view) = View::of(self.scan, chosen, &sigma) else { continue };
+            let Some(view) = self.views.of(self.scan, chosen, &sigma) else { continue };
             let taken: Vec<usize> = (0..self.items.len())
                 .filter(|j| *j != i)
                 .filter_map(|j| if let What::Named(g) = self.items[j].what { Some(g) } else { None })
                 .collect();
             let What::Named(group) = self.items[i].what else { continue };
-            let Some(best) = additions(self.scan, &view, &taken, self.claim_ln).best else { continue };
+            let next = additions(self.scan, &self.views, &view, &taken, self.claim_ln);
+            let Some(best) = next.best else { continue };
             if best.item.what == self.items[i].what {
                 self.items[i] = best.item;
                 continue;

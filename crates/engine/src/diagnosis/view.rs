@@ -57,7 +57,6 @@ pub struct OnGrid {
 }
 
 /// The readings with columns in the model.
-#[derive(Clone)]
 pub struct View {
     /// Weighted, rows × columns.
     pub chosen: DMatrix<f64>,
