@@ -9,6 +9,7 @@ pub mod config;
 pub mod discovery;
 pub mod driver;
 pub mod drivers;
+pub mod execution;
 pub mod link;
 mod monitor;
 pub mod probe;

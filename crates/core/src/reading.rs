@@ -87,19 +87,21 @@ pub struct ControllerReading {
     pub arrival: HostTime,
 }
 
-/// MTConnect `Execution`, other controllers alike.
+/// What a program does, whatever its controller calls it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Execution {
     /// Not reported.
     #[default]
     Unknown,
-    /// Ready to run.
+    /// No program is under way: reset, ready to run.
     Ready,
     /// Running.
     Active,
-    /// Held: feed hold, optional stop, interrupted, waiting.
+    /// Held, and goes on: M0, M1, feed hold, interrupted, waiting.
     Held,
-    /// Ended: stopped or program completed.
+    /// Stopped without having been asked to (emergency stop, alarm): it goes on or is reset, which is not known yet.
+    Stopped,
+    /// Over: completed or aborted.
     Ended,
 }
 

@@ -21,135 +21,31 @@
 //! rest_s = 2
 //! still_s = 60
 //! ```
-//! Whatever begins it, a controller that was seen running and says that its program has ended ends it; a hold, or a lost
-//! connection, does not. What began one cycle must go away before it begins another: a program that goes on after its
-//! last pose is not taken for the next cycle. Pure: the readings carry their times.
+//! Whatever begins it, a controller that was seen running and says that its program is over or reset ends it; a hold of any
+//! length, or a lost connection, does not. A program that stopped unasked (emergency stop, alarm) and runs again goes on,
+//! unless its blocks began from the top. A beginning ends what ran before, so that none is lost. What began one cycle must go
+//! away before it begins another, or the machine must come back to the first pose: a program that goes on after its last
+//! pose is not taken for the next cycle. Pure: the readings carry their times. docs/measured/cycle-boundaries.md has the tables.
 
 mod motion;
+mod program;
+mod rule;
 
+pub use rule::{Pattern, StartRule};
+
+use crate::static_cycle::StandsAt;
 use motion::{Motion, Step};
+use program::{Program, Way};
 use trunnion_core::HostTime;
-use trunnion_core::input::Table;
-use trunnion_core::reading::{ControllerReading, Execution, Reading};
+use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading};
 
-/// What begins a cycle.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum StartRule {
-    /// The controller runs a program.
-    #[default]
-    Execution,
-    /// The controller runs a program with this name.
-    Program(Pattern),
-    /// Blocks with these texts begin and end it.
-    Block {
-        /// First block.
-        begin: Pattern,
-        /// Last block; without one the end of the program.
-        end: Option<Pattern>,
-    },
-    /// The signal of the controller is on.
-    Signal,
-    /// Stands of these lengths one after the other, s.
-    Dwells {
-        /// The stands in order.
-        dwells_s: Vec<f64>,
-        /// Standing so long ends the cycle, s.
-        still_s: f64,
-    },
-    /// Motion after standing.
-    Motion {
-        /// Standing so long before, s.
-        rest_s: f64,
-        /// Standing so long ends the cycle, s.
-        still_s: f64,
-    },
-}
-
-/// A text in which `*` stands for anything; upper and lower case are alike.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Pattern(String);
-
-impl Pattern {
-    /// As written.
-    pub fn new(text: &str) -> Self {
-        Self(text.to_lowercase())
-    }
-
-    /// True when the whole of `text` is like the pattern.
-    pub fn matches(&self, text: &str) -> bool {
-        let text = text.to_lowercase();
-        let Some((head, rest)) = self.0.split_once('*') else { return self.0 == text };
-        let (middle, tail) = rest.rsplit_once('*').unwrap_or(("", rest));
-        let Some(mut left) = text.strip_prefix(head).and_then(|text| text.strip_suffix(tail)) else {
-            return false;
-        };
-        middle.split('*').all(|piece| match left.find(piece) {
-            Some(at) => {
-                left = &left[at + piece.len()..];
-                true
-            }
-            None => false,
-        })
-    }
-}
-
-impl StartRule {
-    const NAMES: [&'static str; 6] = ["execution", "program", "block", "signal", "dwells", "motion"];
-
-    /// Reads `[cycle_start]`; without the table, [`StartRule::Execution`].
-    pub fn read(root: &Table<'_>) -> Option<Self> {
-        let Some(table) = root.optional_table("cycle_start") else { return Some(Self::default()) };
-        let still_s = || table.optional_number("still_s", 1.0..=3600.0).unwrap_or(60.0);
-        let pattern = |key: &str| table.string(key).map(|text| Pattern::new(&text));
-        let rule = match table.one_of("by", &Self::NAMES)?.as_str() {
-            "program" => Self::Program(pattern("program")?),
-            "block" => Self::Block {
-                begin: pattern("begin")?,
-                end: table.optional_string("end").map(|text| Pattern::new(&text)),
-            },
-            "signal" => Self::Signal,
-            "dwells" => Self::Dwells { dwells_s: read_dwells(&table)?, still_s: still_s() },
-            "motion" => {
-                let rest_s = table.optional_number("rest_s", 0.2..=600.0).unwrap_or(2.0);
-                Self::Motion { rest_s, still_s: still_s() }
-            }
-            _ => Self::Execution,
-        };
-        table.no_other_keys();
-        Some(rule)
-    }
-
-    /// What is waited for, for the log.
-    pub fn about(&self) -> String {
-        match self {
-            Self::Execution => "the controller to run a program".into(),
-            Self::Program(Pattern(name)) => format!("the controller to run the program {name}"),
-            Self::Block { begin: Pattern(text), .. } => format!("the block {text}"),
-            Self::Signal => "the controller's signal".into(),
-            Self::Dwells { dwells_s, .. } => format!("stands of {dwells_s:?} s"),
-            Self::Motion { rest_s, .. } => format!("motion after {rest_s} s of standing"),
-        }
-    }
-}
-
-fn read_dwells(table: &Table<'_>) -> Option<Vec<f64>> {
-    let dwells_s = table.optional_numbers("dwells_s");
-    match dwells_s {
-        Some(dwells_s) if !dwells_s.is_empty() && dwells_s.iter().all(|s| (0.5..=60.0).contains(s)) => {
-            Some(dwells_s)
-        }
-        found => {
-            let advice = "Give the stands at the head of the NC program, for example [2.0, 1.0, 2.0].";
-            table.problem("dwells_s", format!("= {found:?}"), "one number or more, each 0.5..=60", advice);
-            None
-        }
-    }
-}
+/// A stand so long at the first pose is no corner on the way, s: as long as the static cycle calls a dwell.
+const AT_FIRST_POSE_S: f64 = 0.2;
 
 /// The beginning or the end of a cycle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Bound {
-    /// It begins.
+    /// It begins; one that runs ends with it.
     Begins {
         /// When.
         at: HostTime,
@@ -170,12 +66,26 @@ pub enum Bound {
 pub struct CycleBounds {
     rule: StartRule,
     motion: Motion,
+    program: Program,
     /// The cycle runs.
     running: bool,
-    /// What begins a cycle is there, as last seen.
-    was_there: bool,
+    /// What begins a cycle is there, as last seen; `None` before the first report.
+    was_there: Option<bool>,
     /// A program was seen running since the cycle began.
     program_ran: bool,
+    /// Name of the program that began it.
+    began_by: String,
+    /// The last program that ran under another name before, which may have called it.
+    caller: Option<String>,
+    first_pose: Option<FirstPose>,
+}
+
+/// The first pose of the cycle, where a program that goes on begins it again.
+#[derive(Clone, Debug)]
+struct FirstPose {
+    place: StandsAt,
+    /// The machine was elsewhere since the cycle ended.
+    left: bool,
 }
 
 impl CycleBounds {
@@ -186,9 +96,23 @@ impl CycleBounds {
         Self { rule, motion: Motion::new(dwells), ..Self::default() }
     }
 
+    /// With the place of the first pose: a program that measures the cycle twice begins it there a second time.
+    #[must_use]
+    pub fn with_first_pose(self, place: Option<StandsAt>) -> Self {
+        Self { first_pose: place.map(|place| FirstPose { place, left: false }), ..self }
+    }
+
     /// The cycle was ended by something else: all poses read, or stopped by a person.
     pub fn ended_otherwise(&mut self) {
         self.running = false;
+        if let Some(first) = &mut self.first_pose {
+            first.left = false;
+        }
+    }
+
+    /// The program waits for a person, or for what stopped it: standing still is not its end.
+    pub fn is_held(&self) -> bool {
+        self.program.is_held()
     }
 
     /// The next reading in order.
@@ -197,7 +121,10 @@ impl CycleBounds {
             Reading::Controller(controller) => self.controller(controller),
             Reading::Axes(axes) => {
                 let step = self.motion.take(axes);
-                self.moved(step, axes.arrival)
+                self.given_up(axes.arrival).or_else(|| match self.rule {
+                    StartRule::Motion { .. } | StartRule::Dwells { .. } => self.moved(step, axes.arrival),
+                    _ => self.back_at_first_pose(step, axes),
+                })
             }
             Reading::Probe(_)
             | Reading::Temperature(_)
@@ -209,9 +136,13 @@ impl CycleBounds {
 
     fn controller(&mut self, now: &ControllerReading) -> Option<Bound> {
         let runs = now.execution == Execution::Active;
+        let way = self.program.take(now);
         if self.running {
             if self.program_ran && matches!(now.execution, Execution::Ready | Execution::Ended) {
                 return self.end(now.arrival, format!("the controller says {:?}", now.execution));
+            }
+            if runs && self.caller.as_deref().is_some_and(|caller| caller == now.program) {
+                return self.end(now.arrival, format!("the program is back in {}", now.program));
             }
             self.program_ran |= runs;
         }
@@ -223,6 +154,11 @@ impl CycleBounds {
                 // A controller that never reports what it executes is judged by the name alone.
                 let reported =
                     if now.execution == Execution::Unknown { Some(named) } else { reported(now.execution) };
+                if !self.running {
+                    self.caller = Some(now.program.clone())
+                        .filter(|_| runs && !named)
+                        .or_else(|| self.caller.take().filter(|_| reported != Some(false)));
+                }
                 (reported.map(|runs| runs && named), format!("runs {}", now.program))
             }
             StartRule::Block { begin, end } => {
@@ -230,16 +166,26 @@ impl CycleBounds {
                 if self.running && is_end {
                     return self.end(now.arrival, format!("block {}", now.block));
                 }
-                (Some(begin.matches(&now.block)), format!("block {}", now.block))
+                let there = Some(begin.matches(&now.block)).filter(|_| !now.block.is_empty());
+                (there, format!("block {}", now.block))
             }
             StartRule::Signal => (now.signal, "the signal is on".into()),
             StartRule::Dwells { .. } | StartRule::Motion { .. } => return None,
         };
         let there = there?;
-        let came = there && !self.was_there;
-        self.was_there = there;
-        if came && !self.running {
-            return self.begin(now.arrival, format!("the controller: {why}"), runs);
+        let other_name = !self.running && now.program != self.began_by;
+        let is_another = match self.rule {
+            StartRule::Program(_) => other_name || self.is_another(way),
+            StartRule::Execution => self.is_another(way),
+            _ => false,
+        };
+        let was_there = self.was_there.replace(there);
+        let came = there && (was_there != Some(true) || is_another);
+        let begins_again = is_another || matches!(self.rule, StartRule::Block { .. });
+        if came && (!self.running || begins_again) {
+            self.began_by.clone_from(&now.program);
+            let late = if was_there.is_none() { ", as it did when this was first asked" } else { "" };
+            return self.begin(now.arrival, format!("the controller: {}{late}", why.trim_end()), runs);
         }
         // Held and subprograms pass through here with the rule unfulfilled; only these two are levels.
         let is_level = match self.rule {
@@ -253,13 +199,22 @@ impl CycleBounds {
         None
     }
 
+    /// Where the blocks do not show it, a cycle that was under way goes on, and one that was over begins again.
+    fn is_another(&self, way: Way) -> bool {
+        match way {
+            Way::AsBefore => false,
+            Way::FromTheTop => true,
+            Way::FromSomewhere => !self.running,
+        }
+    }
+
     fn moved(&mut self, step: Step, at: HostTime) -> Option<Bound> {
         let still_s = match &self.rule {
             StartRule::Motion { still_s, .. } | StartRule::Dwells { still_s, .. } => *still_s,
             _ => return None,
         };
         match step {
-            Step::Stands { for_s } if self.running && for_s >= still_s => {
+            Step::Stands { for_s } if self.running && for_s >= still_s && !self.is_held() => {
                 self.end(at, format!("no axis moved for {still_s} s"))
             }
             Step::Stands { .. } => None,
@@ -273,6 +228,32 @@ impl CycleBounds {
         }
     }
 
+    /// A program that went on after the last pose stands at the first one again.
+    fn back_at_first_pose(&mut self, step: Step, axes: &AxisReading) -> Option<Bound> {
+        if self.running || self.was_there != Some(true) {
+            return None;
+        }
+        let first = self.first_pose.as_mut()?;
+        if !first.place.is_near(&axes.position) {
+            first.left = true;
+            return None;
+        }
+        match step {
+            Step::Stands { for_s } if first.left && for_s >= AT_FIRST_POSE_S => {
+                self.begin(axes.arrival, "the program is back at the first pose".into(), true)
+            }
+            Step::Stands { .. } | Step::Moves { .. } => None,
+        }
+    }
+
+    fn given_up(&mut self, at: HostTime) -> Option<Bound> {
+        if !self.program.has_given_up(at) {
+            return None;
+        }
+        self.was_there = Some(false);
+        if self.running { self.end(at, "the program stopped and was not resumed".into()) } else { None }
+    }
+
     fn begin(&mut self, at: HostTime, why: String, program_ran: bool) -> Option<Bound> {
         (self.running, self.program_ran) = (true, program_ran);
         Some(Bound::Begins { at, why: why.trim_end().into() })
@@ -281,7 +262,9 @@ impl CycleBounds {
     fn end(&mut self, at: HostTime, why: String) -> Option<Bound> {
         self.running = false;
         // Reported by the same reading: what follows is another program.
-        self.was_there &= !matches!(self.rule, StartRule::Execution | StartRule::Program(_));
+        if matches!(self.rule, StartRule::Execution | StartRule::Program(_)) {
+            self.was_there = Some(false);
+        }
         Some(Bound::Ends { at, why })
     }
 }
@@ -291,7 +274,7 @@ fn reported(execution: Execution) -> Option<bool> {
     match execution {
         Execution::Active => Some(true),
         Execution::Ready | Execution::Ended => Some(false),
-        Execution::Held | Execution::Unknown => None,
+        Execution::Held | Execution::Stopped | Execution::Unknown => None,
     }
 }
 

@@ -134,6 +134,13 @@ impl Forming {
         self.reader.set_temperature(channel, degc);
     }
 
+    /// The program waits for a person, or goes on.
+    pub fn set_held(&mut self, held: bool) {
+        if let Reader::Static(cycle) = &mut self.reader {
+            cycle.set_held(held);
+        }
+    }
+
     /// Time of the newest sample, s.
     pub fn newest_s(&self) -> f64 {
         self.newest_s

@@ -1,6 +1,6 @@
 //! What a cycle needs of machine and devices before it can be measured.
 
-use crate::NestCalibration;
+use crate::{NestCalibration, StandsAt, StaticRules};
 use trunnion_core::channel::instrument_channels;
 use trunnion_core::{Channel, InstrumentKind};
 use trunnion_cycles::Cycle;
@@ -18,6 +18,18 @@ pub struct Plan {
     pub nest: NestCalibration,
     /// Channels of all devices.
     pub channels: Vec<Channel>,
+}
+
+impl Plan {
+    /// Where the cycle begins; `None` for one that is not measured pose by pose.
+    pub fn first_pose(&self) -> Option<StandsAt> {
+        let (Motion::Static { settle, .. } | Motion::Line { settle, .. }) = &self.cycle.motion else {
+            return None;
+        };
+        let axes = self.machine.axes().map(|axis| axis.letter).collect();
+        let poses = self.cycle.poses(&self.machine)?;
+        Some(StandsAt::pose(poses.first()?, axes, &StaticRules::new(*settle)))
+    }
 }
 
 /// A plan that cannot be measured.

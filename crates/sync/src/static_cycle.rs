@@ -12,7 +12,7 @@
 mod dwell;
 mod rules;
 
-pub use rules::StaticRules;
+pub use rules::{StandsAt, StaticRules};
 
 use crate::align::{Aligned, AxisState};
 use crate::cycle_event::{CycleEvent, EndReason, Progress};
@@ -39,6 +39,9 @@ pub struct StaticCycle {
     served: bool,
     reported_unknown: bool,
     pace: Option<(f64, usize, f64)>,
+    /// The program waits for a person; until when it was last seen to, s.
+    held: bool,
+    held_until_s: f64,
     ended: bool,
 }
 
@@ -64,6 +67,8 @@ impl StaticCycle {
             served: false,
             reported_unknown: false,
             pace: None,
+            held: false,
+            held_until_s: f64::NEG_INFINITY,
             ended: false,
         }
     }
@@ -73,6 +78,11 @@ impl StaticCycle {
         if let Some(value) = self.temperature_degc.get_mut(channel) {
             *value = degc;
         }
+    }
+
+    /// The program waits for a person, or goes on: standing in a hold is not the end of the cycle, however long.
+    pub fn set_held(&mut self, held: bool) {
+        self.held = held;
     }
 
     /// How far it is.
@@ -121,7 +131,10 @@ impl StaticCycle {
         } else {
             self.read(state, events);
         }
-        let still_s = state.time_s - self.dwell.began_s();
+        if self.held {
+            self.held_until_s = state.time_s;
+        }
+        let still_s = state.time_s - self.dwell.began_s().max(self.held_until_s);
         if !self.ended && still_s > self.rules.end_after_still_s && !self.awaits_a_person() {
             self.end(EndReason::NoMotion, state.time_s, events);
         }

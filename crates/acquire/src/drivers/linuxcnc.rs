@@ -12,6 +12,7 @@ mod exchange;
 mod probe;
 
 use crate::driver::{Device, Driver, Session};
+use crate::execution::LINUXCNC;
 use crate::link::Link;
 use crate::session_end::SessionEnd;
 use exchange::{Answered, Exchange, PASSWORD, PORT, unexpected};
@@ -22,7 +23,7 @@ use tokio::time::MissedTickBehavior;
 use trunnion_core::input::Table;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading};
 use trunnion_core::{AxisValues, HostTime, Joint, Role};
-use trunnion_protocol::linuxcncrsh::{Item, JointUnit, ProgramStatus, Reply};
+use trunnion_protocol::linuxcncrsh::{Item, JointUnit, Reply};
 
 /// Registry entry.
 pub const DRIVER: Driver = Driver {
@@ -217,11 +218,7 @@ impl Program {
         self.asked = Some(link.now());
         let answered = exchange.get(Item::ProgramStatus, link).await?;
         let Reply::ProgramStatus(status) = answered.reply else { return Err(unexpected(&answered)) };
-        let execution = match status {
-            ProgramStatus::Idle => Execution::Ready,
-            ProgramStatus::Running => Execution::Active,
-            ProgramStatus::Paused => Execution::Held,
-        };
+        let execution = LINUXCNC.execution(status.word());
         let line = exchange.get(Item::ProgramLine, link).await?;
         let Reply::ProgramLine(line) = line.reply else { return Err(unexpected(&line)) };
         let name = exchange.get(Item::Program, link).await?;

@@ -1,7 +1,9 @@
 use super::*;
+use crate::StaticRules;
 use trunnion_core::input::Document;
 use trunnion_core::reading::AxisReading;
 use trunnion_core::{AxisValues, Joint};
+use trunnion_cycles::cycle::{Motion, Pose};
 
 fn at(time_s: f64) -> HostTime {
     HostTime((time_s * 1e9) as i64)
@@ -43,7 +45,7 @@ fn bounds(rule: StartRule, readings: &[Reading]) -> Vec<f64> {
     readings.iter().filter_map(|reading| bounds.take(reading)).map(signed).collect()
 }
 
-use Execution::{Active, Ended, Held, Ready, Unknown};
+use Execution::{Active, Ended, Held, Ready, Stopped, Unknown};
 
 #[test]
 fn a_program_begins_and_ends_the_cycle_and_a_hold_or_a_lost_link_does_not() {
@@ -196,4 +198,127 @@ fn the_table_is_read_and_its_mistakes_are_reported() {
     expect("[cycle_start]\nby = \"program\"\n", "program is missing in [cycle_start]");
     expect("[cycle_start]\nby = \"dwells\"\ndwells_s = [0.1]\n", "0.5..=60");
     expect("[cycle_start]\nby = \"signal\"\nstill_s = 3\n", "still_s");
+}
+
+/// What the vocabularies promise, said again without a state machine: the last state that is no hold decides.
+fn promised(story: &[Option<Execution>]) -> Vec<i64> {
+    let (mut running, mut last, mut bounds) = (false, Ready, Vec::new());
+    for (k, now) in story.iter().enumerate() {
+        let at = k as i64 + 1;
+        match now {
+            None => running = false,
+            Some(Active) => {
+                let again = matches!(last, Ready | Ended) || last == Stopped && !running;
+                if again {
+                    bounds.push(at);
+                    running = true;
+                }
+                last = Active;
+            }
+            Some(over @ (Ready | Ended)) => {
+                if running {
+                    bounds.push(-at);
+                }
+                (running, last) = (false, *over);
+            }
+            Some(Stopped) => last = Stopped,
+            Some(Held | Unknown) => {}
+        }
+    }
+    bounds
+}
+
+#[test]
+fn in_any_order_of_states_every_program_begins_once_and_no_hold_cuts_it() {
+    // `None`: all poses are read, or a person ends the cycle.
+    let alphabet = [Some(Ready), Some(Active), Some(Held), Some(Stopped), Some(Ended), Some(Unknown), None];
+    let steps: u32 = 6;
+    for number in 0..alphabet.len().pow(steps) {
+        let digit = |k: u32| alphabet[number / alphabet.len().pow(k) % alphabet.len()];
+        let story: Vec<Option<Execution>> = (0..steps).map(digit).collect();
+        let mut bounds = CycleBounds::new(StartRule::Execution);
+        let mut found = Vec::new();
+        for (k, now) in story.iter().enumerate() {
+            let at = k as i64 + 1;
+            let bound = match now {
+                None => {
+                    bounds.ended_otherwise();
+                    None
+                }
+                Some(now) => bounds.take(&reported(at as f64, *now, "P", "")),
+            };
+            found.extend(bound.map(|bound| if matches!(bound, Bound::Begins { .. }) { at } else { -at }));
+        }
+        assert_eq!(found, promised(&story), "{story:?}");
+    }
+}
+
+#[test]
+fn after_an_unasked_stop_the_block_shows_whether_the_program_goes_on() {
+    let story = |again: &str| {
+        let run = [
+            reported(1.0, Active, "P", "N10"),
+            reported(2.0, Active, "P", "N500 G1"),
+            reported(3.0, Stopped, "P", "N500 G1"),
+            reported(3.4, Active, "P", again),
+            reported(9.0, Ended, "P", ""),
+        ];
+        bounds(StartRule::Execution, &run)
+    };
+    assert_eq!(story("N510"), [1.0, -9.0]);
+    assert_eq!(story("N10"), [1.0, 3.4, -9.0]);
+    assert_eq!(story("G1 X1"), [1.0, -9.0]);
+}
+
+#[test]
+fn a_program_that_stays_stopped_is_over_after_a_while() {
+    let story = [
+        reported(1.0, Active, "P", ""),
+        reported(2.0, Stopped, "P", ""),
+        axes(100.0, 0.0),
+        axes(122.5, 0.0),
+        axes(123.0, 0.0),
+        reported(200.0, Active, "P", ""),
+    ];
+    assert_eq!(bounds(StartRule::Execution, &story), [1.0, -122.5, 200.0]);
+}
+
+#[test]
+fn a_main_program_that_calls_the_cycle_twice_gives_two_cycles() {
+    let rule = || StartRule::Program(Pattern::new("*cycle*"));
+    let story = [
+        reported(1.0, Active, "MAIN", ""),
+        reported(2.0, Active, "CYCLE", ""),
+        reported(3.0, Active, "L100", ""),
+        reported(4.0, Active, "CYCLE", ""),
+        reported(5.0, Active, "MAIN", ""),
+        reported(5.4, Active, "CYCLE", ""),
+        reported(8.0, Active, "MAIN", ""),
+        reported(9.0, Ended, "MAIN", ""),
+    ];
+    assert_eq!(bounds(rule(), &story), [2.0, -5.0, 5.4, -8.0]);
+
+    // The name does not change: the first pose shows the second call, once the machine was elsewhere.
+    let text = include_str!("../../../../config/cycles/demo-static.toml");
+    let cycle = trunnion_cycles::Cycle::parse("c.toml", text).unwrap();
+    let Motion::Static { settle, .. } = cycle.motion else { panic!("it is static") };
+    let (position, direction) = Default::default();
+    let pose = Pose { setup: 0, target: 0, position, direction };
+    let first = StandsAt::pose(&pose, vec![Joint::C], &StaticRules::new(settle));
+    let mut bounds = CycleBounds::new(StartRule::Execution).with_first_pose(Some(first));
+    assert!(bounds.take(&reported(1.0, Active, "MAIN", "")).is_some());
+    assert!(moving(&[1.0, 1.0]).iter().all(|reading| bounds.take(reading).is_none()));
+    bounds.ended_otherwise();
+    let back: Vec<_> = [(4.0, 0.0), (4.5, 0.0), (5.0, 1.0), (6.0, 0.0), (6.1, 0.0), (6.3, 0.0), (6.5, 0.0)]
+        .iter()
+        .filter_map(|&(time_s, c_rad)| bounds.take(&axes(time_s, c_rad)))
+        .collect();
+    assert!(matches!(&back[..], [Bound::Begins { at: found, .. }] if *found == at(6.3)), "{back:?}");
+}
+
+#[test]
+fn a_program_that_ran_before_anyone_asked_begins_and_says_so() {
+    let mut bounds = CycleBounds::new(StartRule::Execution);
+    let Some(Bound::Begins { why, .. }) = bounds.take(&reported(1.0, Active, "P", "N700")) else { panic!() };
+    assert!(why.contains("first asked"), "{why}");
 }

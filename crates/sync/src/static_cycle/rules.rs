@@ -39,15 +39,40 @@ impl StaticRules {
     }
 
     pub(super) fn is_near(&self, position: &AxisValues<f64>, pose: &Pose, axes: &[Joint]) -> bool {
-        axes.iter().all(|&letter| {
-            let off = position[letter] - pose.position[letter];
-            if letter.is_rotary() {
-                whole_turns_off(off).abs() <= self.near_rad
-            } else {
-                off.abs() <= self.near_mm
-            }
-        })
+        is_near(position, &pose.position, axes, (self.near_mm, self.near_rad))
     }
+}
+
+/// A place of the axes at which a pose counts as reached.
+#[derive(Clone, Debug)]
+pub struct StandsAt {
+    position: AxisValues<f64>,
+    axes: Vec<Joint>,
+    near: (f64, f64),
+}
+
+impl StandsAt {
+    /// The place of a pose by the rules of a static cycle.
+    pub fn pose(pose: &Pose, axes: Vec<Joint>, rules: &StaticRules) -> Self {
+        Self { position: pose.position, axes, near: (rules.near_mm, rules.near_rad) }
+    }
+
+    /// True within the limits of the rules.
+    pub fn is_near(&self, position: &AxisValues<f64>) -> bool {
+        is_near(position, &self.position, &self.axes, self.near)
+    }
+}
+
+fn is_near(
+    a: &AxisValues<f64>,
+    b: &AxisValues<f64>,
+    axes: &[Joint],
+    (near_mm, near_rad): (f64, f64),
+) -> bool {
+    axes.iter().all(|&letter| {
+        let off = a[letter] - b[letter];
+        if letter.is_rotary() { whole_turns_off(off).abs() <= near_rad } else { off.abs() <= near_mm }
+    })
 }
 
 /// A controller may show an angle modulo a turn.

@@ -1,6 +1,7 @@
 //! What the agent's data items mean, and the latest value of each.
 
 use crate::axis_name::letter_of;
+use crate::execution::MTCONNECT;
 use std::collections::BTreeMap;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, TemperatureReading};
 use trunnion_core::{AxisValues, HostTime, Joint, convert};
@@ -68,10 +69,24 @@ impl Items {
         })
     }
 
+    fn is_of_controller(&self, id: &str) -> bool {
+        [&self.execution, &self.program, &self.block, &self.signal]
+            .into_iter()
+            .flatten()
+            .any(|known| known == id)
+    }
+
     /// The axes found.
     pub(super) fn letters(&self) -> Vec<Joint> {
         Joint::ISO.into_iter().filter(|&letter| self.axes[letter].is_some()).collect()
     }
+}
+
+/// Items of the controller that changed since its last reading, with the stamp of the latest.
+#[derive(Default)]
+struct Changed<'a> {
+    items: Vec<&'a str>,
+    stamp_ns: i64,
 }
 
 /// Actual position of this axis in machine coordinates.
@@ -164,7 +179,7 @@ impl Model {
         observations.sort_by_key(|observation| observation.sequence);
         let mut readings = Vec::new();
         let mut pending: Option<i64> = None;
-        let mut controller_stamp = None;
+        let mut changed = Changed::default();
         for observation in observations {
             if let Some(letter) = self.axis_of(observation) {
                 if let Some(stamp) = pending.filter(|&stamp| stamp != observation.timestamp_ns) {
@@ -172,8 +187,15 @@ impl Model {
                 }
                 pending = Some(observation.timestamp_ns);
                 self.set_axis(letter, observation, arrival);
-            } else if self.set_controller(observation) {
-                controller_stamp = Some(observation.timestamp_ns);
+            } else if self.items.is_of_controller(&observation.data_item_id) {
+                // A document may hold the end of one program and the beginning of the next.
+                if changed.items.contains(&observation.data_item_id.as_str()) {
+                    readings.push(self.controller(changed.stamp_ns, arrival));
+                    changed.items.clear();
+                }
+                changed.items.push(&observation.data_item_id);
+                changed.stamp_ns = observation.timestamp_ns;
+                self.set_controller(observation);
             } else if let Some(name) = self.items.temperatures.get(&observation.data_item_id) {
                 let degc = number(&observation.value).unwrap_or(f64::NAN);
                 readings.push(Reading::Temperature(TemperatureReading { name: name.clone(), degc, arrival }));
@@ -183,13 +205,16 @@ impl Model {
             Some(stamp) => readings.extend(self.axes(stamp, arrival, false)),
             None => readings.extend(self.held(arrival)),
         }
-        if let Some(stamp_ns) = controller_stamp {
-            let (execution, program, block) = self.controller.clone();
-            let signal = self.signal;
-            let reading = ControllerReading { execution, program, block, signal, stamp_ns, arrival };
-            readings.push(Reading::Controller(reading));
+        if !changed.items.is_empty() {
+            readings.push(self.controller(changed.stamp_ns, arrival));
         }
         readings
+    }
+
+    fn controller(&self, stamp_ns: i64, arrival: HostTime) -> Reading {
+        let (execution, program, block) = self.controller.clone();
+        let signal = self.signal;
+        Reading::Controller(ControllerReading { execution, program, block, signal, stamp_ns, arrival })
     }
 
     fn axis_of(&self, observation: &Observation) -> Option<Joint> {
@@ -207,7 +232,7 @@ impl Model {
         }
     }
 
-    fn set_controller(&mut self, observation: &Observation) -> bool {
+    fn set_controller(&mut self, observation: &Observation) {
         let id = Some(&observation.data_item_id);
         let text = match &observation.value {
             ObservedValue::Text(text) => text.clone(),
@@ -216,17 +241,14 @@ impl Model {
         };
         let (execution, program, block) = &mut self.controller;
         if id == self.items.execution.as_ref() {
-            *execution = execution_of(&text);
+            *execution = MTCONNECT.execution(&text);
         } else if id == self.items.program.as_ref() {
             *program = text;
         } else if id == self.items.block.as_ref() {
             *block = text;
         } else if id == self.items.signal.as_ref() {
             self.signal = (!text.is_empty()).then(|| is_on(&text));
-        } else {
-            return false;
         }
-        true
     }
 
     /// A reading of all axes at a stamp; none while one that the controller has is unavailable.
@@ -281,14 +303,4 @@ fn is_on(text: &str) -> bool {
         |_| ["ON", "ACTIVE", "CLOSED", "TRUE", "YES", "HIGH"].contains(&text.to_uppercase().as_str()),
         |number| number != 0.0,
     )
-}
-
-fn execution_of(text: &str) -> Execution {
-    match text {
-        "READY" => Execution::Ready,
-        "ACTIVE" => Execution::Active,
-        "INTERRUPTED" | "FEED_HOLD" | "OPTIONAL_STOP" | "PROGRAM_OPTIONAL_STOP" | "WAIT" => Execution::Held,
-        "STOPPED" | "PROGRAM_STOPPED" | "PROGRAM_COMPLETED" => Execution::Ended,
-        _ => Execution::Unknown,
-    }
 }

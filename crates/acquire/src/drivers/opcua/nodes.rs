@@ -2,8 +2,8 @@
 
 use super::connect::{Connection, limited};
 use super::settings::{Layout, OpcUa};
-use super::status::Numbers;
 use crate::axis_name::letter_of;
+use crate::execution::{OPC_40502, SINUMERIK, Vocabulary};
 use crate::link::Link;
 use crate::session_end::SessionEnd;
 use opcua::types::{
@@ -31,7 +31,7 @@ pub(super) struct Nodes {
     pub(super) state: Option<NodeId>,
     pub(super) block: Option<NodeId>,
     pub(super) signal: Option<NodeId>,
-    pub(super) numbers: Numbers,
+    pub(super) numbers: &'static Vocabulary,
 }
 
 /// The node of an axis.
@@ -56,7 +56,7 @@ pub(super) async fn find(
         state: given(&device.named.state)?,
         block: given(&device.named.block)?,
         signal: given(&device.named.signal)?,
-        numbers: Numbers::Opc40502,
+        numbers: &OPC_40502,
     };
     let mut found: Vec<(Joint, NodeId)> = Vec::new();
     let mut known = [None, None, None];
@@ -69,7 +69,7 @@ pub(super) async fn find(
             }
         }
         Layout::Sinumerik { axes, unit } => {
-            nodes.numbers = Numbers::Sinumerik;
+            nodes.numbers = &SINUMERIK;
             for (number, &letter) in (1..).zip(axes) {
                 found.push((letter, machine_axis(unit, number)));
             }

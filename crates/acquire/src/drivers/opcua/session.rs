@@ -227,6 +227,8 @@ struct Model {
     controller: (Execution, String, String, Option<bool>),
     /// Its stamp, while it is not reported yet.
     controller_ns: Option<i64>,
+    /// What is not reported yet holds a new state of the program.
+    state_changed: bool,
 }
 
 impl Model {
@@ -248,6 +250,7 @@ impl Model {
             sequence: 0,
             controller: Default::default(),
             controller_ns: None,
+            state_changed: false,
         }
     }
 
@@ -264,6 +267,11 @@ impl Model {
                 None => link.counters.damaged += 1,
                 Some(Use::Axis(axis)) => self.axis(axis, &value, stamp_ns, arrival, link),
                 Some(other) => {
+                    // A message may hold the end of one program and the beginning of the next.
+                    if matches!(other, Use::State) && self.state_changed {
+                        self.report_controller(arrival, link);
+                    }
+                    self.state_changed |= matches!(other, Use::State);
                     self.state(other, &value);
                     self.controller_ns = Some(stamp_ns.unwrap_or_default());
                 }
@@ -277,12 +285,16 @@ impl Model {
             let instants = self.instants.take();
             self.send(instants, false, link);
         }
-        // While axes have no value, what the program does is no proof of health, and comes with them.
-        if let Some(stamp_ns) = self.controller_ns.take_if(|_| self.bad.is_empty()) {
-            let (execution, program, block, signal) = self.controller.clone();
-            let reading = ControllerReading { execution, program, block, signal, stamp_ns, arrival };
-            link.reading(Reading::Controller(reading), arrival);
-        }
+        self.report_controller(arrival, link);
+    }
+
+    /// While axes have no value, what the program does is no proof of health, and comes with them.
+    fn report_controller(&mut self, arrival: HostTime, link: &mut Link) {
+        let Some(stamp_ns) = self.controller_ns.take_if(|_| self.bad.is_empty()) else { return };
+        self.state_changed = false;
+        let (execution, program, block, signal) = self.controller.clone();
+        let reading = ControllerReading { execution, program, block, signal, stamp_ns, arrival };
+        link.reading(Reading::Controller(reading), arrival);
     }
 
     fn axis(

@@ -1,40 +1,15 @@
 //! What a program is doing, from the numbers, words and bits of servers.
 
+use crate::execution::{OPC_UA_TEXT, Vocabulary};
 use opcua::types::Variant;
 use trunnion_core::reading::Execution;
 
-/// Whose numbers they are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Numbers {
-    /// `progStatus` of SINUMERIK: 1 interrupted, 2 stopped, 3 in progress, 4 waiting, 5 aborted. Programs of others read 2 and 3
-    /// so too; 1, 4 and 5 are not confirmed.
-    Sinumerik,
-    /// `CncChannelProgramStatus` of OPC 40502 §7.2.5: 0 stopped, 1 running, 2 waiting, 3 interrupted, 4 cancelled.
-    Opc40502,
-}
-
-pub(super) fn execution(value: &Variant, numbers: Numbers) -> Execution {
+pub(super) fn execution(value: &Variant, numbers: &Vocabulary) -> Execution {
     match value {
-        Variant::Boolean(runs) => {
-            if *runs {
-                Execution::Active
-            } else {
-                Execution::Ready
-            }
-        }
-        Variant::String(words) => match words.as_ref().to_lowercase().as_str() {
-            "active" | "running" | "waiting" => Execution::Active,
-            "interrupted" | "held" | "feed_hold" => Execution::Held,
-            "stopped" | "canceled" | "cancelled" | "aborted" | "completed" => Execution::Ended,
-            "ready" | "idle" | "reset" => Execution::Ready,
-            _ => Execution::Unknown,
-        },
-        other => match (numbers, number(other).map(|number| number.round() as i64)) {
-            (Numbers::Sinumerik, Some(3 | 4)) | (Numbers::Opc40502, Some(1 | 2)) => Execution::Active,
-            (Numbers::Sinumerik, Some(1 | 2)) | (Numbers::Opc40502, Some(3)) => Execution::Held,
-            (Numbers::Sinumerik, Some(5)) | (Numbers::Opc40502, Some(0 | 4)) => Execution::Ended,
-            _ => Execution::Unknown,
-        },
+        Variant::Boolean(true) => Execution::Active,
+        Variant::Boolean(false) => Execution::Ready,
+        Variant::String(words) => OPC_UA_TEXT.execution(words.as_ref()),
+        other => number(other).map_or(Execution::Unknown, |n| numbers.execution(&n.round().to_string())),
     }
 }
 
