@@ -4,11 +4,11 @@ mod report;
 mod status;
 
 pub use crate::error::ServiceError;
-pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, record_cycle};
+pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, Unfinished, measure_cycle, record_cycle};
 pub use report::analyse_recording;
 
 use crate::config::Config;
-use crate::live::{Live, Plan, check};
+use crate::live::{Live, Measured, Plan, check};
 use crate::mqtt;
 use crate::mqtt::Board;
 use report::report_cycle;
@@ -40,7 +40,7 @@ pub async fn serve(
     recover(&config.recordings);
     let board = Board::default();
     let broker = config.mqtt.clone().map(|mqtt| tokio::spawn(mqtt::run(mqtt, board.clone(), cancel.clone())));
-    let bounds = CycleBounds::new(config.cycle_start.clone());
+    let bounds = CycleBounds::new(config.cycle_start.clone()).with_first_pose(plan.first_pose());
     let mut live = Live::start(config.devices.clone(), bounds, clock.clone(), cancel.clone());
     let names: Vec<String> = config.devices.iter().map(|device| device.name.clone()).collect();
     let status = tokio::spawn(publish_status(names, live.states(), board.clone(), cancel.clone()));
@@ -49,8 +49,8 @@ pub async fn serve(
     let mut reports = JoinSet::new();
     info!(machine = config.name, cycle = plan.cycle.name, "waiting for {}", config.cycle_start.about());
     while let Some(start) = live.wait_for_start().await {
-        let name = format!("{}-{}", plan.cycle.name, file_stamp(clock.wall_ns()));
-        board.set("cycle", &json!({ "state": "measuring", "run": name }));
+        let name = free_name(&config.recordings, &plan.cycle.name, clock.wall_ns());
+        board.set("cycle", &json!({ "state": "measuring", "run": name, "why": start.why }));
         let mut progress = |now: Progress| {
             board.set(
                 "cycle",
@@ -59,19 +59,19 @@ pub async fn serve(
             );
         };
         let run = NewRun { plan: &plan, texts: &texts, folder: &config.recordings, name: &name };
-        let recorded = record_cycle(&run, &mut live, start, &mut progress).await;
-        match recorded {
-            Ok(recorded) => {
+        match measure_cycle(&run, &mut live, start, &mut progress).await {
+            Ok(unfinished) => {
+                let Measured { points, reason, gaps, .. } = &unfinished.measured;
                 board.set(
                     "cycle",
-                    &json!({ "state": "done", "run": recorded.path.display().to_string(),
-                    "ended": recorded.ended, "gaps": recorded.gaps.len(),
-                    "lost_samples": recorded.lost_samples }),
+                    &json!({ "state": "done", "run": unfinished.path.display().to_string(),
+                    "ended": format!("{reason:?}"), "read": points.read, "unsettled": points.unsettled,
+                    "missing": points.missing, "gaps": gaps.len() }),
                 );
                 let (model, board) = (model.clone(), board.clone());
                 let date = day(clock.wall_ns());
                 reports.spawn(async move {
-                    if let Err(failure) = report_cycle(recorded, model, date, &board).await {
+                    if let Err(failure) = finish_and_report(unfinished, model, date, &board).await {
                         error!(error = &failure as &dyn std::error::Error, run = name, "the analysis failed");
                         board.set(
                             "result",
@@ -100,6 +100,25 @@ pub async fn serve(
         }
     }
     Ok(())
+}
+
+async fn finish_and_report(
+    unfinished: Unfinished,
+    model: Model,
+    date: String,
+    board: &Board,
+) -> Result<(), ServiceError> {
+    report_cycle(unfinished.finish().await?, model, date, board).await
+}
+
+/// The name of a new run: two cycles may begin within a second.
+fn free_name(folder: &Path, cycle: &str, wall_ns: i64) -> String {
+    let name = format!("{cycle}-{}", file_stamp(wall_ns));
+    let is_free = |name: &String| {
+        ["mcap", "mcap.active"].iter().all(|ending| !folder.join(format!("{name}.{ending}")).exists())
+    };
+    let numbered = (2..).map(|number| format!("{name}-{number}"));
+    std::iter::once(name.clone()).chain(numbered).find(is_free).unwrap_or(name)
 }
 
 /// Finishes recordings that a kill left behind. What cannot be recovered stays where it is and is reported.

@@ -8,8 +8,7 @@ use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceConfig, DeviceStatus};
-use trunnion_core::reading::Message;
-use trunnion_core::{Channel, Clock, Event, Gap, HostTime, Role};
+use trunnion_core::{Channel, Clock, Event, Gap, HostTime, Quality, Role};
 use trunnion_record::{Item, RecordSender, Temperature};
 use trunnion_sync::forming::Forming;
 use trunnion_sync::{Bound, CycleEvent, EndReason, TimeBase, Timed};
@@ -21,13 +20,34 @@ pub use trunnion_sync::{CycleBounds, Progress};
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// Points recorded. They are not kept: a cycle may last for hours.
-    pub points: u64,
+    pub points: Counted,
     /// Why it ended.
     pub reason: EndReason,
     /// Holes in the data.
     pub gaps: Vec<Gap>,
     /// Most messages that waited to be taken.
     pub most_waiting: usize,
+}
+
+/// Points of a cycle by what became of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counted {
+    /// Good ones.
+    pub read: u64,
+    /// Without a reading that settled.
+    pub unsettled: u64,
+    /// Poses that were not stood at, or without a value of every probe.
+    pub missing: u64,
+}
+
+impl Counted {
+    fn count(&mut self, quality: Quality) {
+        *match quality {
+            Quality::Good => &mut self.read,
+            Quality::Unsettled => &mut self.unsettled,
+            Quality::NoReading => &mut self.missing,
+        } += 1;
+    }
 }
 
 /// A cycle that has begun.
@@ -58,6 +78,10 @@ pub struct Live {
     acquisition: Acquisition,
     timebase: TimeBase,
     bounds: CycleBounds,
+    /// Temperature channels that have reported a value.
+    temperature_channels: Vec<String>,
+    /// A cycle that began while the one before it was being measured.
+    next: Option<Start>,
     clock: Arc<dyn Clock>,
     cancel: CancellationToken,
 }
@@ -71,7 +95,8 @@ impl Live {
         cancel: CancellationToken,
     ) -> Self {
         let acquisition = trunnion_acquire::start(devices, clock.clone(), cancel.clone(), QUEUE_LENGTH);
-        Self { acquisition, timebase: TimeBase::new(clock.now()), bounds, clock, cancel }
+        let timebase = TimeBase::new(clock.now());
+        Self { acquisition, timebase, bounds, temperature_channels: Vec::new(), next: None, clock, cancel }
     }
 
     /// Status of each device, in the order of the configuration.
@@ -89,24 +114,35 @@ impl Live {
         self.acquisition.stop().await;
     }
 
-    /// Waits until a cycle begins. `None` when cancelled or when all devices are gone.
+    /// Waits until a cycle begins; one that began while another was measured has begun. `None` when cancelled or when
+    /// all devices are gone.
     pub async fn wait_for_start(&mut self) -> Option<Start> {
-        self.bounds.ended_otherwise();
-        let mut temperature_channels: Vec<String> = Vec::new();
         loop {
+            if let Some(start) = self.next.take() {
+                return Some(start);
+            }
             let message = tokio::select! {
                 biased;
                 () = self.cancel.cancelled() => return None,
                 message = self.acquisition.messages.recv() => message?,
             };
-            if let Some(Timed::Temperature { name, .. }) = self.timebase.translate(&message)
-                && !temperature_channels.contains(&name)
-            {
-                temperature_channels.push(name);
-            }
+            let timed = self.timebase.translate(&message);
+            self.note_channel(timed.as_ref());
             if let Some(Bound::Begins { at, why }) = self.bounds.take(&message.reading) {
-                return Some(Start { at, why, temperature_channels });
+                self.next = Some(self.started(at, why));
             }
+        }
+    }
+
+    fn started(&self, at: HostTime, why: String) -> Start {
+        Start { at, why, temperature_channels: self.temperature_channels.clone() }
+    }
+
+    fn note_channel(&mut self, timed: Option<&Timed>) {
+        if let Some(Timed::Temperature { name, .. }) = timed
+            && !self.temperature_channels.contains(name)
+        {
+            self.temperature_channels.push(name.clone());
         }
     }
 
@@ -144,15 +180,30 @@ impl Live {
                 measurement.finish(EndReason::Stopped, self.clock.now());
                 break;
             };
-            if let Some(Bound::Ends { at, why }) = self.bounds.take(&message.reading) {
-                measurement.end_seen(self.timebase.seconds(at), why, self.clock.now());
+            match self.bounds.take(&message.reading) {
+                Some(Bound::Ends { at, why }) => {
+                    measurement.end_seen(self.timebase.seconds(at), why, self.clock.now());
+                }
+                Some(Bound::Begins { at, why }) => {
+                    // What comes from here on is the next cycle's.
+                    measurement.finish(EndReason::ControllerEnded, self.clock.now());
+                    self.next = Some(self.started(at, why));
+                    break;
+                }
+                None => {}
             }
-            measurement.take(&message, &mut self.timebase, self.clock.now());
+            measurement.forming.set_held(self.bounds.is_held());
+            let timed = self.timebase.translate(&message);
+            self.note_channel(timed.as_ref());
+            measurement.take(timed, &mut self.timebase, self.clock.now());
             let now = measurement.forming.progress();
             if now.done != last_progress {
                 last_progress = now.done;
                 progress(now);
             }
+        }
+        if self.next.is_none() {
+            self.bounds.ended_otherwise();
         }
         measurement.record_open_gaps(self.clock.now());
         Ok(measurement.into_measured())
@@ -166,7 +217,7 @@ struct Measurement<'m> {
     formed: Vec<CycleEvent>,
     recorder: &'m RecordSender,
     channels: &'m [Channel],
-    points: u64,
+    points: Counted,
     gaps: Vec<Gap>,
     temperature_channels: Vec<String>,
     controller_ended_s: Option<f64>,
@@ -186,7 +237,7 @@ impl<'m> Measurement<'m> {
             formed: Vec::new(),
             recorder,
             channels: &plan.channels,
-            points: 0,
+            points: Counted::default(),
             gaps: Vec::new(),
             temperature_channels: temperature_channels.to_vec(),
             controller_ended_s: None,
@@ -195,8 +246,8 @@ impl<'m> Measurement<'m> {
         })
     }
 
-    fn take(&mut self, message: &Message, timebase: &mut TimeBase, now: HostTime) {
-        let Some(timed) = timebase.translate(message) else { return };
+    fn take(&mut self, timed: Option<Timed>, timebase: &mut TimeBase, now: HostTime) {
+        let Some(timed) = timed else { return };
         for (device, jump) in timebase.take_jumps() {
             let named = self.channels.iter().find(|channel| channel.device == device);
             let source = named.map_or_else(|| "controller".into(), |channel| channel.name.clone());
@@ -266,8 +317,8 @@ impl<'m> Measurement<'m> {
         for event in formed.drain(..) {
             match event.into_point() {
                 Ok(point) => {
+                    self.points.count(point.quality);
                     self.record(Item::Point(point), now);
-                    self.points += 1;
                 }
                 Err(event) => self.record(Item::Event(event), now),
             }

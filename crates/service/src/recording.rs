@@ -1,7 +1,7 @@
 //! One cycle from its beginning to a finished recording.
 
 use crate::error::ServiceError;
-use crate::live::{Live, OnProgress, Plan, Start};
+use crate::live::{Live, Measured, OnProgress, Plan, Start};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tracing::info;
@@ -50,6 +50,15 @@ pub struct NewRun<'a> {
     pub name: &'a str,
 }
 
+/// A cycle that is over, whose file is not yet finished.
+pub struct Unfinished {
+    /// Where the recording will be.
+    pub path: PathBuf,
+    /// What was measured.
+    pub measured: Measured,
+    handle: RecorderHandle,
+}
+
 /// Records one cycle from `start` until it ends and finishes its file.
 ///
 /// # Errors
@@ -60,28 +69,56 @@ pub async fn record_cycle(
     start: Start,
     progress: OnProgress<'_>,
 ) -> Result<Recorded, ServiceError> {
+    measure_cycle(run, live, start, progress).await?.finish().await
+}
+
+/// Records one cycle from `start` until it ends; its file is finished while the next cycle is waited for, or none would see
+/// that begin.
+///
+/// # Errors
+/// When the plan cannot be measured or the recording cannot be begun.
+pub async fn measure_cycle(
+    run: &NewRun<'_>,
+    live: &mut Live,
+    start: Start,
+    progress: OnProgress<'_>,
+) -> Result<Unfinished, ServiceError> {
     let NewRun { folder, name, .. } = *run;
     let recorder = Recorder::create(folder, name, &header(run, &start, live.clock()))?;
     let handle = RecorderHandle::spawn(recorder, RECORDER_QUEUE, live.clock().clone())
         .map_err(ServiceError::Thread)?;
     let sender = handle.sender();
-    let measured = live.measure(run.plan, &start, &sender, progress).await;
-    drop(sender);
-    let recorder_waiting = handle.status().most_waiting;
-    let finished = tokio::task::spawn_blocking(move || handle.finish())
-        .await
-        .map_err(|_| ServiceError::Broken("recording thread"))??;
-    let measured = measured?;
-    info!(run = name, reason = ?measured.reason, points = measured.points, "the cycle has ended");
-    info!(drivers = measured.most_waiting, recorder = recorder_waiting, "{QUEUES}");
-    let path =
-        finished.files.first().map_or_else(|| folder.join(format!("{name}.mcap")), |file| file.path.clone());
-    Ok(Recorded {
-        path,
-        ended: format!("{:?}", measured.reason),
-        gaps: measured.gaps,
-        lost_samples: finished.lost_samples,
-    })
+    let measured = match live.measure(run.plan, &start, &sender, progress).await {
+        Ok(measured) => measured,
+        Err(refused) => {
+            tokio::task::spawn_blocking(move || handle.finish())
+                .await
+                .map_err(|_| ServiceError::Broken("recording thread"))??;
+            return Err(refused.into());
+        }
+    };
+    info!(run = name, reason = ?measured.reason, points = ?measured.points, "the cycle has ended");
+    info!(drivers = measured.most_waiting, recorder = handle.status().most_waiting, "{QUEUES}");
+    Ok(Unfinished { path: folder.join(format!("{name}.mcap")), measured, handle })
+}
+
+impl Unfinished {
+    /// Finishes the file.
+    ///
+    /// # Errors
+    /// When the recording cannot be finished.
+    pub async fn finish(self) -> Result<Recorded, ServiceError> {
+        let Self { path, measured, handle } = self;
+        let finished = tokio::task::spawn_blocking(move || handle.finish())
+            .await
+            .map_err(|_| ServiceError::Broken("recording thread"))??;
+        Ok(Recorded {
+            path: finished.files.first().map_or(path, |file| file.path.clone()),
+            ended: format!("{:?}", measured.reason),
+            gaps: measured.gaps,
+            lost_samples: finished.lost_samples,
+        })
+    }
 }
 
 fn header(run: &NewRun<'_>, start: &Start, clock: &Arc<dyn Clock>) -> RunHeader {
