@@ -7,6 +7,6 @@ pub enum Outcome {
     Done,
     /// Done, but the data have holes, which have been named.
     DataLoss,
-    /// Done, but no verdict was given: the runs are not plausible.
+    /// Done, but no verdict was given: the runs are not plausible or not whole.
     Withheld,
 }

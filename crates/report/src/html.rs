@@ -18,6 +18,7 @@ mod volumetric;
 
 use crate::markup::{element, escape};
 use crate::number::um;
+use trunnion_results::sentences::complete;
 use trunnion_results::{Comparison, ErrorMap, Findings, Ladder, Trial, Volumetric};
 
 const STYLE: &str = include_str!("html/style.css");
@@ -100,16 +101,17 @@ fn page(title: &str, sections: &str) -> String {
 }
 
 fn losses(input: &Comparison) -> String {
-    let outliers = input.identification.outliers;
+    let found = &input.identification.complete;
+    let whole = found.missing.is_empty() && found.excluded.is_empty();
     let mut notes = input.losses.clone();
-    if outliers > 0 {
-        notes.push(format!(
-            "{outliers} of {} points lay far from the rest and were excluded; they are in no figure here.",
-            input.identification.points
-        ));
+    if !whole {
+        notes.extend(complete(found));
     }
     let list = if notes.is_empty() {
-        "<p>Nothing is missing from the recording, and no point was excluded.</p>".to_owned()
+        let all = found
+            .planned
+            .map_or_else(String::new, |planned| format!("All {planned} planned points were read. "));
+        format!("<p>{all}Nothing is missing from the recording, and no point was excluded.</p>")
     } else {
         format!(
             "<ul class=\"warn\">{}</ul>",

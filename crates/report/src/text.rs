@@ -26,19 +26,21 @@ use crate::words::{
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph};
+use trunnion_results::sentences::complete;
 use trunnion_results::{
-    Candidate, Check, Comparison, Diagnosis, FormulaProposal, Identification, LeftOut, Moved, Parameter,
-    Place, Plausibility, Trial,
+    Candidate, Check, Comparison, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Moved,
+    Parameter, Place, Plausibility, Trial,
 };
 
 /// Fit, parameters with uncertainty, and what is confounded or not observable.
 pub fn identification_text(view: &Identification) -> String {
     let mut out = format!("Machine {}, runs: {}\n", clean(&view.machine), clean(&view.runs.join(", ")));
     out += &doubts(&view.plausibility);
+    out += &absent(&view.complete);
     out += &format!("Model: {}\n\n", clean(&view.effects.join(" + ")));
     out += &columns(
         &[
-            vec!["points".into(), format!("{} ({} excluded)", view.points, view.outliers)],
+            vec!["points".into(), points(view)],
             vec!["residual".into(), format!("{} rms", um(view.rms_um))],
             vec!["repeatability".into(), noise(view)],
             vec!["held-out".into(), held_out(view.holdout_rms_um, view.holdout_unit)],
@@ -66,10 +68,25 @@ pub fn identification_text(view: &Identification) -> String {
 /// Whether the runs can be what they say they are.
 pub fn check_text(check: &Check) -> String {
     let head = format!("Runs: {}; {} usable points\n", clean(&check.runs.join(", ")), check.points);
+    let head =
+        head + &complete(&check.complete).iter().map(|sentence| paragraph(sentence)).collect::<String>();
     match check.plausibility.is_empty() {
         true => head + "Positions, readings and times fit together: no mistake was found.\n",
         false => head + &doubts(&check.plausibility),
     }
+}
+
+fn points(view: &Identification) -> String {
+    let planned = view.complete.planned.map_or_else(String::new, |planned| format!(" of {planned} planned"));
+    format!("{}{planned} ({} excluded)", view.points, view.outliers)
+}
+
+/// What is missing from the cycle; nothing for one that is whole.
+fn absent(found: &Complete) -> String {
+    if found.planned.is_none_or(|planned| found.read == planned) {
+        return String::new();
+    }
+    complete(found).iter().map(|sentence| paragraph(sentence)).collect()
 }
 
 fn doubts(plausibility: &[Plausibility]) -> String {
@@ -103,6 +120,7 @@ pub fn compare_text(input: &Comparison) -> String {
     }
     out += "\n";
     out += &columns(&rows, &[2, 3]);
+    out += &absent(&input.identification.complete);
     for loss in &input.losses {
         out += &format!("\nData loss: {}\n", clean(loss));
     }

@@ -2,7 +2,7 @@
 
 use crate::number::{percent, um, um_or_dash};
 use trunnion_results::{
-    Candidate, Comparison, Diagnosis, FormulaProposal, SpectrumWave, Then, Trial, Verdict,
+    Candidate, Comparison, Diagnosis, FormulaProposal, Question, SpectrumWave, Then, Trial, Verdict,
 };
 
 pub use trunnion_results::sentences::*;
@@ -34,6 +34,9 @@ pub fn headline(input: &Comparison) -> String {
             format!("Missing from the model: {}", effect_name(&best.effect))
         }
         (Verdict::Undecided, _) => "These data cannot say whether an effect is missing".into(),
+        (Verdict::NotJudged, _) if is_only_incomplete(input) => {
+            "Not judged: a part of the cycle is missing".into()
+        }
         (Verdict::NotJudged, _) => "Not judged: these runs cannot be what they say they are".into(),
         _ => "Something that the catalogue has no name for is missing from the model".into(),
     }
@@ -64,6 +67,11 @@ pub fn verdict(input: &Comparison) -> Vec<String> {
     let lead = if sentences.is_empty() { "" } else { "In addition, " };
     sentences.extend(location_sentence(&input.identification.parameters, lead));
     sentences
+}
+
+fn is_only_incomplete(input: &Comparison) -> bool {
+    let asked = &input.identification.plausibility;
+    !asked.is_empty() && asked.iter().all(|one| one.question == Question::Whole)
 }
 
 fn undecided(diagnosis: &Diagnosis) -> Vec<String> {
@@ -103,7 +111,7 @@ fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
 pub fn nothing_named(diagnosis: &Diagnosis) -> &str {
     match diagnosis.verdict {
         Verdict::Undecided => &diagnosis.why,
-        Verdict::NotJudged => "No effect was weighed, because the runs are not plausible.",
+        Verdict::NotJudged => "No effect was weighed, because the runs are not plausible or not whole.",
         _ => "No effect explains the residual significantly better than noise does.",
     }
 }
@@ -112,7 +120,7 @@ pub fn nothing_named(diagnosis: &Diagnosis) -> &str {
 pub fn no_place(input: &Comparison) -> &'static str {
     match &input.diagnosis {
         Some(diagnosis) if diagnosis.verdict == Verdict::NotJudged => {
-            "Not looked for, because the runs are not plausible."
+            "Not looked for, because the runs are not plausible or not whole."
         }
         _ => NO_PLACE,
     }

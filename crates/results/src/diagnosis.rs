@@ -1,5 +1,6 @@
 //! A diagnosis: which effect is missing from the model, as far as the data can say.
 
+use crate::complete::Complete;
 use crate::identification::{LeftOut, Parameter};
 use crate::number::finite;
 use crate::spectrum::Period;
@@ -49,6 +50,9 @@ pub struct Diagnosis {
     /// Effects that these runs cannot have (no time stamps, nothing moved, one load, …).
     #[serde(default)]
     pub out_of_reach: Vec<String>,
+    /// What is planned, read, missing and excluded.
+    #[serde(default)]
+    pub complete: Complete,
 }
 
 /// Format and version of a diagnosis.
@@ -190,6 +194,7 @@ impl From<&engine::Diagnosis> for Diagnosis {
             next_cycle: diagnosis.next_cycle.as_ref().map(NextCycle::from),
             not_visible: diagnosis.not_visible.clone(),
             out_of_reach: diagnosis.out_of_reach.clone(),
+            complete: Complete::default(),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A fit: parameters with uncertainties, what is not observable, and how far to trust the numbers.
 
+use crate::complete::Complete;
 use crate::location::LocationErrors;
 use crate::number::finite;
 use crate::plausibility::Plausibility;
@@ -65,7 +66,10 @@ pub struct Identification {
     /// Location errors in a notation, when one was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub location_errors: Option<LocationErrors>,
-    /// What in the runs no machine can do; empty for good runs.
+    /// What is planned, read, missing and excluded.
+    #[serde(default)]
+    pub complete: Complete,
+    /// Why the runs cannot be judged; empty for good runs.
     #[serde(default)]
     pub plausibility: Vec<Plausibility>,
     /// How well each run with time stamps is known in time.
@@ -259,6 +263,7 @@ impl From<&engine::Identification> for Identification {
             unobservable: fit.unobservable.iter().map(unobservable).collect(),
             seen_together: fit.seen_together.iter().map(combination).collect(),
             location_errors: None,
+            complete: Complete { read: fit.points, ..Complete::default() }.with_outliers(fit.outliers.len()),
             plausibility: Vec::new(),
             time_quality: Vec::new(),
         }

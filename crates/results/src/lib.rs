@@ -6,6 +6,7 @@
 mod axis_errors;
 mod comparison;
 mod compensation;
+mod complete;
 mod demo;
 mod devices;
 mod diagnosis;
@@ -35,6 +36,7 @@ pub use comparison::{
     ResidualsBeforeAfter, Then, Trial, TrialFormat,
 };
 pub use compensation::{CompensationAxis, CompensationFormat, CompensationSummary, CompensationValues};
+pub use complete::{Complete, Excluded, Missing};
 pub use demo::{Demo, DemoFormat, DemoStep};
 pub use devices::{CheckedDevice, DevicePlace, DevicesChecked, DevicesFormat, DevicesFound};
 pub use diagnosis::{
@@ -54,7 +56,7 @@ pub use left_out::LeftOutEffect;
 pub use location::{LocationError, LocationErrors};
 pub use nc_program::{NcProgram, NcProgramFormat};
 pub use plan::{Considered, Goal, LeftOpen, NextPlanned, Plan, PlanFormat};
-pub use plausibility::{Check, CheckFormat, Plausibility};
+pub use plausibility::{Check, CheckFormat, Plausibility, Question};
 pub use prediction::{Prediction, PredictionFormat, RunPrediction};
 pub use preview::{Alias, OutOfReach, Preview, PreviewFormat, SeenBy, SeparatedBy};
 pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, ShiftedPlace};

@@ -2,8 +2,8 @@
 
 use crate::number::{degrees, plain, um, unit_on_screen};
 use crate::{
-    Candidate, Diagnosis, FormulaProposal, Identification, LeftOut, Moved, Parameter, PlannedCycle,
-    Plausibility, ShapeNumber, Verdict,
+    Candidate, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Missing, Moved, Parameter,
+    PlannedCycle, Plausibility, ShapeNumber, Verdict,
 };
 use trunnion_effects::catalogue::effect;
 use trunnion_effects::{About, SOURCES};
@@ -18,7 +18,22 @@ pub fn about(id: &str) -> Option<&'static About> {
     effect(id).map(|effect| &effect.about)
 }
 
-/// Why nothing was judged: what is not plausible, and the mistakes that would explain it.
+/// What is planned, read, missing and excluded; empty where nothing was planned and nothing excluded.
+pub fn complete(complete: &Complete) -> Vec<String> {
+    let read =
+        complete.planned.map(|planned| format!("{} of {planned} planned points were read.", complete.read));
+    let missing = complete.missing.iter().map(|part| {
+        let Missing { run, setup, count, planned, points } = part;
+        format!("{run}, setup {setup}: {count} of {planned} points are missing ({points}).")
+    });
+    let excluded = complete.excluded.iter().map(|part| match part.count {
+        1 => format!("1 point is excluded: {}.", part.reason),
+        count => format!("{count} points are excluded: {}.", part.reason),
+    });
+    read.into_iter().chain(missing).chain(excluded).collect()
+}
+
+/// Why nothing was judged: what is not plausible or not whole, the mistakes that would explain it, and what to repeat.
 pub fn not_plausible(found: &[Plausibility]) -> String {
     let sentences = found.iter().flat_map(|one| [one.finding.as_str(), one.hypothesis.as_str()]);
     sentences.filter(|text| !text.is_empty()).collect::<Vec<_>>().join(" ")

@@ -53,6 +53,7 @@ impl Diagnosed {
             spectra,
             time_quality: fit.experiment().time_quality()?,
             ladder: fit.model().ladder(),
+            identification: fit.results(),
             ..results::Comparison::new(fit.experiment().points(), fit.identification(), Some(diagnosis))
         };
         Ok(Compared { diagnosed: self.clone(), answer })

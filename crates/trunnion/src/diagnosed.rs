@@ -53,7 +53,7 @@ impl Diagnosed {
 
     /// The answer: `trunnion-diagnosis/1`.
     pub fn results(&self) -> results::Diagnosis {
-        self.diagnosis().into()
+        results::Diagnosis { complete: self.fit.complete(), ..self.diagnosis().into() }
     }
 
     /// The answer as text.

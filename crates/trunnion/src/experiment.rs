@@ -1,7 +1,7 @@
 //! Runs opened together, ready to be fitted.
 
 use crate::recording::{self, Recording};
-use crate::{Error, Model, files, timing};
+use crate::{Error, Model, completeness, files, timing};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use trunnion_cycles::Run;
@@ -24,6 +24,8 @@ struct Opened {
     damage: Vec<String>,
     reductions: Vec<String>,
     implausible: OnceLock<Vec<Implausible>>,
+    complete: results::Complete,
+    not_whole: Option<results::Plausibility>,
 }
 
 /// Opens one run: a recording (`.mcap`), or a points file (`.csv`) with its `setup.toml` next to it.
@@ -64,7 +66,7 @@ pub fn open_with<P: AsRef<Path>>(
 pub fn read(path: &Path, limits: Option<Limits>) -> Result<Recording, Error> {
     if path.extension().is_some_and(|ending| ending == "csv") {
         let run = read_points(path, &path.with_file_name("setup.toml"))?;
-        return Ok(Recording { run, reduction: None, damage: None, timing: None });
+        return Ok(Recording { run, reduction: None, planned: None, damage: None, timing: None });
     }
     recording::read(path, &|name| files::machine(name).ok(), limits)
         .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })
@@ -95,13 +97,16 @@ impl Experiment {
     /// No usable point, or runs of different machines.
     pub fn of_recordings(recordings: Vec<(PathBuf, Recording)>) -> Result<Self, Error> {
         let (mut runs, mut timing, mut damage, mut reductions) = (vec![], vec![], vec![], vec![]);
+        let mut planned = Vec::new();
         for (path, recording) in recordings {
             let named = |text: String| format!("{}: {text}", path.display());
             damage.extend(recording.damage.as_ref().map(|damage| named(damage.to_string())));
             reductions.extend(recording.reduction.map(named));
             timing.extend(recording.timing);
             runs.push(recording.run);
+            planned.push(recording.planned);
         }
+        let (complete, not_whole) = completeness::complete(&runs, &planned);
         let points = trunnion_engine::Experiment::new(&runs)?;
         Ok(Self {
             opened: Arc::new(Opened {
@@ -111,6 +116,8 @@ impl Experiment {
                 damage,
                 reductions,
                 implausible: OnceLock::new(),
+                complete,
+                not_whole,
             }),
         })
     }
@@ -130,10 +137,16 @@ impl Experiment {
         &self.opened.points
     }
 
-    /// What in the runs no machine can do, the gravest first; empty for good runs.
+    /// Why the runs cannot be judged: what no machine can do, the gravest first, and a part of the cycle that is missing; empty
+    /// for good runs.
     pub fn plausibility(&self) -> Vec<results::Plausibility> {
         let found = self.opened.implausible.get_or_init(|| implausible(&self.opened.runs));
-        found.iter().map(results::Plausibility::from).collect()
+        found.iter().map(results::Plausibility::from).chain(self.opened.not_whole.clone()).collect()
+    }
+
+    /// What is planned, read, missing and excluded.
+    pub fn complete(&self) -> results::Complete {
+        self.opened.complete.clone()
     }
 
     /// Can these runs be what they say they are: `trunnion-check/1`.
@@ -141,6 +154,7 @@ impl Experiment {
         results::Check {
             runs: self.points().runs.clone(),
             points: self.points().points.len(),
+            complete: self.complete(),
             plausibility: self.plausibility(),
             ..results::Check::default()
         }

@@ -72,7 +72,12 @@ impl Fit {
     /// The answer: `trunnion-identification/1`.
     pub fn results(&self) -> results::Identification {
         let plausibility = self.experiment.plausibility();
-        results::Identification { plausibility, ..self.identification().into() }
+        results::Identification { complete: self.complete(), plausibility, ..self.identification().into() }
+    }
+
+    /// What is planned, read, missing, and excluded by the fit too.
+    pub(crate) fn complete(&self) -> results::Complete {
+        self.experiment.complete().with_outliers(self.identification().outliers.len())
     }
 
     /// The answer as text.

@@ -20,6 +20,7 @@
 mod analysed;
 mod analysis;
 mod compared;
+mod completeness;
 pub mod cycles;
 mod diagnosed;
 mod error;

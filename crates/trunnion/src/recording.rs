@@ -4,6 +4,7 @@
 //! better than was possible while it went on. They become blocks while they are read, so that a long run needs no more memory
 //! than a short one. Points at rest, and points without samples, are as recorded.
 
+use crate::completeness::Planned;
 use crate::timing;
 use crate::timing::Timing;
 use std::path::Path;
@@ -26,6 +27,8 @@ pub struct Recording {
     pub run: Run,
     /// How many points became how few; `None` when every point is as recorded.
     pub reduction: Option<String>,
+    /// What its cycle asks for, and what became of it; `None` when it carries no cycle.
+    pub planned: Option<Planned>,
     /// What is wrong with the file.
     pub damage: Option<Damage>,
     /// How well it is known in time; `None` without stamps.
@@ -54,7 +57,9 @@ pub fn read(
         .filter(|plan| plan.cycle.run_kind() == RunKind::OnTheFly)
         .and_then(|plan| Forming::new(&plan, header.temperature_channels.len()).ok());
     let (send, batches) = mpsc::sync_channel::<Batch>(QUEUE);
-    let mut points = Points { limits, start: None, kept: Vec::new(), reducing: None };
+    let of_header = header.machine().and_then(Result::ok).or_else(|| machine(&header.machine_name));
+    let planned = of_header.and_then(|machine| Planned::of(&header, &machine));
+    let mut points = Points { limits, start: None, kept: Vec::new(), reducing: None, planned };
     let read = std::thread::scope(|scope| {
         let unpack = scope.spawn(|| match (forming, &timing) {
             (Some(forming), Some(timing)) => form_again(path, &header, machine, forming, timing, send),
@@ -64,8 +69,9 @@ pub fn read(
         unpack.join().expect("a panic of the reading thread ends the program")
     });
     let (start, damage) = read?;
-    let (points, reduction) = points.finish();
-    Ok(Recording { run: start.run(points), reduction, damage, timing: timing.map(|timing| timing.quality) })
+    let (points, reduction, planned) = points.finish();
+    let timing = timing.map(|timing| timing.quality);
+    Ok(Recording { run: start.run(points), reduction, planned, damage, timing })
 }
 
 /// Hands over the points that the samples give with the clocks of the whole run.
@@ -165,6 +171,7 @@ struct Points {
     start: Option<RunStart>,
     kept: Vec<(u64, Point)>,
     reducing: Option<Reducing>,
+    planned: Option<Planned>,
 }
 
 enum Reducing {
@@ -207,6 +214,9 @@ impl Points {
     fn take(&mut self, batch: Batch) {
         self.start = batch.start.or(self.start.take());
         for (index, point) in batch.points {
+            if let Some(planned) = &mut self.planned {
+                planned.take(index, &point);
+            }
             match &mut self.reducing {
                 Some(reducing) => reducing.push(index, point),
                 None => self.kept.push((index, point)),
@@ -224,12 +234,12 @@ impl Points {
         }
     }
 
-    fn finish(mut self) -> (Vec<Point>, Option<String>) {
+    fn finish(mut self) -> (Vec<Point>, Option<String>, Option<Planned>) {
         if let Some(reducing) = self.reducing {
             let (points, summary) = reducing.finish();
-            return (points, Some(summary));
+            return (points, Some(summary), self.planned);
         }
         self.kept.sort_by_key(|(index, _)| *index);
-        (self.kept.into_iter().map(|(_, point)| point).collect(), None)
+        (self.kept.into_iter().map(|(_, point)| point).collect(), None, self.planned)
     }
 }

@@ -46,13 +46,16 @@ pub(super) async fn report_cycle(
     if let Some(timing) = timing.last() {
         board.set("quality", &serde_json::to_value(timing)?);
     }
-    let (verdict, added) = (analysed.first().results().verdict.as_str(), analysed.added());
+    let (first, added) = (analysed.first().results(), analysed.added());
+    let verdict = first.verdict.as_str();
     info!(run = %path.display(), verdict, ?added, "analysed");
     board.set(
         "result",
         &json!({
             "run": path.file_name().map(|name| name.to_string_lossy()),
             "verdict": verdict,
+            "why": first.why,
+            "complete": first.complete,
             "missing_effects": added,
             "rms_um_before": analysed.before().results().rms_um,
             "rms_um_after": analysed.fit().results().rms_um,

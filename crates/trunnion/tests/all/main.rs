@@ -6,3 +6,4 @@ mod examples;
 mod library;
 mod one_answer;
 mod plausible;
+mod whole;
