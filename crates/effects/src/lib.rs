@@ -6,6 +6,7 @@
 
 pub mod catalogue;
 mod effect;
+mod fitted_values;
 pub mod formula;
 mod golden;
 mod golden_check;
@@ -26,6 +27,7 @@ mod scene_setup;
 mod subjects;
 
 pub use effect::{About, Effect, Example, Role, View};
+pub use fitted_values::{FittedRun, FittedValue, FittedValues};
 pub use formula::{Formula, FormulaError};
 pub use golden::{ByAxis, Golden, Moment};
 pub use golden_check::Checked;

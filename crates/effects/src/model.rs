@@ -20,6 +20,7 @@
 //! noise_um = 0.9
 //! [effect.ladder.moved]                             # what it did to the other parameters, screen units
 //! EX0C = { before = -3.2, after = -1.1, u = 0.26, unit = "um" }
+//! [effect.values]                                   # of the whole model, see `FittedValues`
 //!
 //! [[effect]]
 //! id = "formula:hose"
@@ -29,7 +30,7 @@
 //! grid = { start = [0.2, 0.4, 0.6] }
 //! ```
 
-use crate::{Formula, LadderRow, ModelEffect, Moved, Prior};
+use crate::{FittedValues, Formula, LadderRow, ModelEffect, Moved, Prior};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table as Written, Value, value};
 use trunnion_core::input::{Document, Table};
 use trunnion_core::{Problem, Problems};
@@ -99,6 +100,24 @@ impl Model {
                 table["ladder"] = Item::Table(written_ladder(row));
             }
         })
+    }
+
+    /// The text of a model file with values in its last entry; everything else stays as it is.
+    ///
+    /// # Errors
+    /// When `text` is no TOML or its `effect` is no `[[effect]]` list.
+    pub fn with_values(text: &str, values: &FittedValues) -> Result<String, Problems> {
+        edited(text, |effects| {
+            if let Some(last) = effects.iter_mut().last() {
+                last["values"] = Item::Table(values.written());
+            }
+        })
+    }
+
+    /// The values that its last fit left in the file; `None` when there are none, or when they are of other effects.
+    pub fn values(&self) -> Option<&FittedValues> {
+        let last = self.effects.last()?.values.as_ref()?;
+        last.are_of(self.effects.iter().map(|entry| entry.id.as_str())).then_some(last)
     }
 }
 
@@ -182,6 +201,7 @@ fn read_effect(table: &Table<'_>) -> Option<ModelEffect> {
             Vec::new()
         },
         ladder: table.optional_table("ladder").and_then(|ladder| read_ladder(&ladder)),
+        values: table.optional_table("values").and_then(|values| FittedValues::read(&values)),
         site,
         component,
         expression,
@@ -252,6 +272,9 @@ fn written(entry: &ModelEffect) -> Written {
     if let Some(row) = &entry.ladder {
         table["ladder"] = Item::Table(written_ladder(row));
     }
+    if let Some(values) = &entry.values {
+        table["values"] = Item::Table(values.written());
+    }
     table
 }
 
@@ -293,83 +316,4 @@ fn rounded(number: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn formula() -> ModelEffect {
-        ModelEffect {
-            id: "formula:hose".into(),
-            site: Some("axis:B".into()),
-            component: Some("ea".into()),
-            expression: Some("pull * step(B - start)".into()),
-            grid: vec![("start".into(), vec![0.2, 0.4])],
-            fixed: vec![("pull".into(), 3.0)],
-            ladder: Some(LadderRow {
-                date: "2026-03-01".into(),
-                run: "tuesday".into(),
-                error_before_um: 4.1,
-                error_after_um: 1.25,
-                holdout_after_um: Some(1.5),
-                holdout_unit: Some("pass".into()),
-                noise_um: Some(0.9),
-                moved: vec![Moved {
-                    name: "ball-setting.low.x".into(),
-                    before: -3.2,
-                    after: -1.1,
-                    u: 0.26,
-                    unit: "um".into(),
-                }],
-                ..LadderRow::default()
-            }),
-            ..ModelEffect::default()
-        }
-    }
-
-    #[test]
-    fn a_model_survives_its_file() {
-        let mut model = Model::base("table-bc");
-        model.effects[0].prior = vec![("EA0C".into(), Prior { value: 0.0, u: 20.0 })];
-        model.effects.push(ModelEffect { shape: vec![300.0, 1800.0], ..formula() });
-        assert_eq!(Model::parse("m.toml", &model.to_text()).unwrap(), model);
-    }
-
-    #[test]
-    fn appending_keeps_comments_and_hand_edits() {
-        let text = "# the blue machine\nformat = \"trunnion-model/1\"\nmachine = \"table-bc\" # C on B\n\n\
-                    [[effect]]\nid = \"location-errors\"\nfixed = { EX0B = 3 }   # from the builder\n";
-        let appended = Model::append(text, &formula()).unwrap();
-        assert!(appended.starts_with(text), "{appended}");
-        let model = Model::parse("m.toml", &appended).unwrap();
-        assert_eq!(model.effects[0].fixed, [("EX0B".to_string(), 3.0)]);
-        assert_eq!(model.effects[1], formula());
-    }
-
-    #[test]
-    fn taking_an_entry_out_again_leaves_the_file_as_it_was() {
-        let text = "# the blue machine\nformat = \"trunnion-model/1\"\nmachine = \"table-bc\"\n\n# always\n[[effect]]\n\
-                    id = \"location-errors\"   # ISO 230-7\n\n[[effect]]\nid = \"backlash:C\"\n# seen twice\n\
-                    [effect.ladder]\ndate = \"2026-01-01\"\nrun = \"monday\"\nerror_before_um = 4.0\n\
-                    error_after_um = 3.0\nnoise_um = 0.5\n";
-        let longer = Model::append(text, &formula()).unwrap();
-        assert_eq!(Model::without(&longer, "formula:hose").unwrap(), text);
-        let shorter = Model::without(&longer, "backlash:C").unwrap();
-        assert!(shorter.contains("# ISO 230-7") && !shorter.contains("monday"), "{shorter}");
-        let row = LadderRow { date: "2026-02-02".into(), ..LadderRow::default() };
-        let measured = Model::with_ladder_row(text, "backlash:C", &row).unwrap();
-        assert_eq!(Model::parse("m.toml", &measured).unwrap().effects[1].ladder, Some(row));
-        assert!(
-            measured.contains("# always\n[[effect]]\nid = \"location-errors\"   # ISO 230-7"),
-            "{measured}"
-        );
-    }
-
-    #[test]
-    fn every_problem_of_a_model_file_is_named_with_its_line() {
-        let text = "format = \"trunnion-model/2\"\nmachine = \"m\"\n[[effect]]\nid = \"a\"\nshap = [1]\n\
-                    [[effect]]\nid = \"a\"\nsite = \"ball\"\n[[effect]]\nid = \"formula:f\"\nsite = \"ball\"\n\
-                    component = \"dx\"\n";
-        let problems = Model::parse("m.toml", text).unwrap_err();
-        let lines: Vec<_> = problems.0.iter().map(|p| p.line).collect();
-        assert_eq!(lines, [1, 5, 7, 8, 9], "{problems}");
-    }
-}
+mod tests;

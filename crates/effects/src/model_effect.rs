@@ -1,5 +1,6 @@
 //! An entry of a model, and what adding it did.
 
+use crate::FittedValues;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +25,8 @@ pub struct ModelEffect {
     pub grid: Vec<(String, Vec<f64>)>,
     /// What adding it did.
     pub ladder: Option<LadderRow>,
+    /// Values of the whole model from the fit of its adding.
+    pub values: Option<FittedValues>,
 }
 
 /// A value known beforehand with its standard uncertainty, screen units.

@@ -4,6 +4,8 @@
 //! weighted by the noise of their run and their samples, and fitted again → uncertainties under the parts of the machine's noise
 //! (`structured`; else from clusters, `uncertainty`), noise, held-out proof.
 
+pub mod between_runs;
+pub mod doubts;
 pub(crate) mod gauss_newton;
 mod holdout;
 pub mod identification;

@@ -22,6 +22,8 @@ pub use diagnosis::verdict::{
     Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
 };
 pub use diagnosis::{diagnose, diagnose_problem};
+pub use fit::between_runs::{BetweenRuns, between_runs};
+pub use fit::doubts::{Doubt, doubts};
 pub use fit::identification::{
     FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, NoisePart, Outlier, Repeatability,
 };

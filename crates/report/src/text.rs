@@ -49,6 +49,8 @@ pub fn identification_text(view: &Identification) -> String {
     );
     out += "\n";
     out += &parameters(&view.parameters);
+    out += &another_run(view);
+    out += &view.doubts.iter().map(|doubt| paragraph(&format!("Doubt: {}", doubt.words))).collect::<String>();
     if !view.seen_together.is_empty() {
         out += "\nSeen only together\n";
         for row in &view.seen_together {
@@ -63,6 +65,19 @@ pub fn identification_text(view: &Identification) -> String {
         }
     }
     out
+}
+
+/// What one more run will show of each parameter, where several runs show what differs between them.
+fn another_run(view: &Identification) -> String {
+    let rows = view.parameters.iter().filter_map(|p| {
+        let (value, of_mean) = value_and_u(p.value, p.u, &p.unit);
+        let (_, of_another) = value_and_u(p.value, Some(p.u_another_run?), &p.unit);
+        Some(vec![p.name.clone(), value, of_mean, of_another])
+    });
+    let head =
+        ["another run will show", "value", "u of the mean", "u of another run"].map(String::from).to_vec();
+    let rows: Vec<_> = once(head).chain(rows).collect();
+    if rows.len() > 1 { format!("\n{}", columns(&rows, &[1, 2, 3])) } else { String::new() }
 }
 
 /// Whether the runs can be what they say they are.

@@ -2,15 +2,23 @@
 
 use crate::number::{percent, um, um_or_dash};
 use trunnion_results::{
-    Candidate, Comparison, Diagnosis, FormulaProposal, Question, SpectrumWave, Then, Trial, Verdict,
+    Candidate, Comparison, Diagnosis, FormulaProposal, Prediction, Question, RunPrediction, SpectrumWave,
+    Then, Trial, Verdict,
 };
 
 pub use trunnion_results::sentences::*;
+
+/// Least share of the readings inside a 95 % band that holds: neighbours err alike, so single runs scatter around 95 %
+/// (docs/design/statistics.md §9).
+const COVERED: f64 = 0.9;
 
 /// The answer in one line.
 pub fn headline(input: &Comparison) -> String {
     let rms_um = input.identification.rms_um;
     let left = um(rms_um);
+    if let Some(frozen) = &input.frozen {
+        return frozen_headline(frozen);
+    }
     let Some(diagnosis) = &input.diagnosis else {
         return match input.identification.noise_um {
             Some(noise_um) if rms_um > 1.25 * noise_um => {
@@ -44,7 +52,7 @@ pub fn headline(input: &Comparison) -> String {
 
 /// What is wrong with the machine, for somebody who knows nothing of this program: sentences of one paragraph.
 pub fn verdict(input: &Comparison) -> Vec<String> {
-    let mut sentences = Vec::new();
+    let mut sentences: Vec<String> = input.frozen.iter().flat_map(frozen_sentences).collect();
     if let Some(diagnosis) = &input.diagnosis {
         match (diagnosis.verdict, diagnosis.candidates.first(), &diagnosis.formula) {
             (Verdict::NoiseFloor, ..) => sentences.extend(nothing_left(input, diagnosis)),
@@ -217,5 +225,43 @@ fn then_sentence(then: &Then) -> String {
         (Verdict::NotJudged, _) => format!("What remains was not judged. {}", then.why),
         (Verdict::Undecided, _) => format!("What remains these data cannot judge. {}", then.why),
         _ => "After it something remains that the catalogue has no name for.".into(),
+    }
+}
+
+/// How far kept values predict the runs, in one line.
+fn frozen_headline(frozen: &Prediction) -> String {
+    let worst = frozen.runs.iter().map(|run| run.inside_95_fraction).fold(1.0, f64::min);
+    match worst >= COVERED {
+        true => "The kept values predict these runs".into(),
+        false => "These runs differ from what the kept values predict".into(),
+    }
+}
+
+/// What kept values say of each run, and what their band holds.
+pub fn frozen_sentences(frozen: &Prediction) -> Vec<String> {
+    let of_run = |run: &RunPrediction| {
+        let fitted =
+            if run.was_fitted { " The values were fitted to this run: this is no prediction." } else { "" };
+        format!(
+            "Run {}: the error is {} rms, {} without the model. {} of the readings lie in the 95 % band of ± {}.{fitted}",
+            run.run,
+            um(run.rms_um),
+            um(run.without_model_rms_um),
+            percent(run.inside_95_fraction),
+            um(run.band_95_um)
+        )
+    };
+    let mut sentences: Vec<String> = frozen.runs.iter().map(of_run).collect();
+    sentences.push(differences(frozen).into());
+    sentences
+}
+
+/// Whether the band knows what differs between runs.
+pub fn differences(frozen: &Prediction) -> &'static str {
+    match frozen.differences_known {
+        true => "The band holds what differed between the fitted runs.",
+        false => {
+            "One run was fitted: what differs from day to day is not known, and the band does not hold it."
+        }
     }
 }

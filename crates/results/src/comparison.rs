@@ -3,6 +3,7 @@
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::identification::{Identification, Parameter};
 use crate::ladder::{Ladder, Moved};
+use crate::prediction::Prediction;
 use crate::residuals::Residuals;
 use crate::spectrum::AxisSpectrum;
 use crate::time_quality::TimeQuality;
@@ -33,6 +34,9 @@ pub struct Comparison {
     pub diagnosis: Option<Diagnosis>,
     /// The effects of the model, with what adding each did.
     pub ladder: Ladder,
+    /// The values of the model file against these runs, when the machine was held at them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frozen: Option<Prediction>,
     /// The best candidate put in for a trial.
     pub trial: Option<Trial>,
     /// What is missing from the recordings, one sentence each.

@@ -207,6 +207,7 @@ impl From<&engine::Candidate> for Candidate {
             value: p.value.and_then(finite),
             unit: p.unit.clone(),
             u: p.u.and_then(finite),
+            u_another_run: None,
             observable: p.value.is_some(),
             note: String::new(),
         };

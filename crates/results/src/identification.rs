@@ -1,6 +1,7 @@
 //! A fit: parameters with uncertainties, what is not observable, and how far to trust the numbers.
 
 use crate::complete::Complete;
+use crate::doubt::Doubt;
 use crate::location::LocationErrors;
 use crate::number::finite;
 use crate::plausibility::Plausibility;
@@ -66,6 +67,9 @@ pub struct Identification {
     /// Location errors in a notation, when one was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub location_errors: Option<LocationErrors>,
+    /// Numbers of this fit to doubt.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<Doubt>,
     /// What is planned, read, missing and excluded.
     #[serde(default)]
     pub complete: Complete,
@@ -182,8 +186,11 @@ pub struct Parameter {
     pub value: Option<f64>,
     /// Unit, e.g. `um`, `urad`.
     pub unit: String,
-    /// Standard uncertainty in `unit`; null when it is not observable or was held.
+    /// Standard uncertainty in `unit`, of the mean where several runs were fitted; null when it is not observable or was held.
     pub u: Option<f64>,
+    /// The same for what one more run will show: what differs between the runs is in it. Left out where no two of the runs show it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub u_another_run: Option<f64>,
     /// True when it has a number.
     pub observable: bool,
     /// A remark; may be empty.
@@ -264,6 +271,7 @@ impl From<&engine::Identification> for Identification {
             seen_together: fit.seen_together.iter().map(combination).collect(),
             location_errors: None,
             complete: Complete { read: fit.points, ..Complete::default() }.with_outliers(fit.outliers.len()),
+            doubts: Vec::new(),
             plausibility: Vec::new(),
             time_quality: Vec::new(),
         }
@@ -301,6 +309,7 @@ impl From<&engine::FittedParameter> for Parameter {
             value: parameter.screen_value().and_then(finite),
             unit: parameter.unit.symbol.into(),
             u: parameter.screen_u().and_then(finite),
+            u_another_run: None,
             observable: parameter.observable(),
             note: parameter.note.clone(),
         }

@@ -10,6 +10,7 @@ mod complete;
 mod demo;
 mod devices;
 mod diagnosis;
+mod doubt;
 mod findings;
 mod identification;
 mod json;
@@ -43,6 +44,7 @@ pub use diagnosis::{
     Candidate, Diagnosis, DiagnosisFormat, FormulaProposal, LearnedNoise, NextCycle, OpenEffect,
     PlannedCycle, Residual, ShapeNumber, Verdict,
 };
+pub use doubt::{Doubt, DoubtReason};
 pub use findings::{
     AxisName, Cell, Chart, Column, Curve, Findings, FindingsFormat, FoundValue, MapPlace, Plot, Table,
 };

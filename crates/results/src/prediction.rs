@@ -12,10 +12,14 @@ pub struct Prediction {
     pub machine: String,
     /// Runs that the model was fitted to.
     pub fitted_runs: Vec<String>,
+    /// Day of that fit, `YYYY-MM-DD`; may be empty.
+    pub fitted_on: String,
     /// Ids of the effects of the model, in order.
     pub effects: Vec<String>,
-    /// Residual of the fit, µm rms: what a prediction can at best leave.
-    pub fit_rms_um: f64,
+    /// Scatter of a reading about the model in that fit, µm rms: what a prediction can at best leave.
+    pub reading_um: f64,
+    /// True when several runs were fitted, so that the band holds what differs between runs.
+    pub differences_known: bool,
     /// Each run that was predicted.
     pub runs: Vec<RunPrediction>,
     /// Parameters that the fit did not determine; the prediction takes the values that its datum convention gives them.
@@ -36,12 +40,16 @@ pub enum PredictionFormat {
 pub struct RunPrediction {
     /// Name of the run.
     pub run: String,
+    /// True when the model was fitted to these very points: then it is no prediction.
+    pub was_fitted: bool,
     /// Points of the run.
     pub points: usize,
     /// Scalar readings compared.
     pub readings: usize,
     /// Root mean square of measured − predicted, µm.
     pub rms_um: f64,
+    /// The same for a nominal machine, with the settings fitted alike.
+    pub without_model_rms_um: f64,
     /// Largest |measured − predicted|, µm.
     pub largest_um: f64,
     /// Share of the readings inside the 95 % band of the prediction, 0…1.

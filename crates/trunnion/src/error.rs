@@ -114,6 +114,15 @@ pub enum Error {
         /// Its machine.
         found: String,
     },
+    /// A model file without values to predict with.
+    #[error(
+        "the model file keeps no values of its effects: {why}; keep them with \
+         `trunnion identify RUN --model FILE --keep`, or fit the model to runs of --fitted"
+    )]
+    NoValues {
+        /// What happened to them.
+        why: String,
+    },
     /// The effect is in the model file already.
     #[error(
         "{effect} is in the model already; remove it first, or delete its [effect.ladder] to measure it again"

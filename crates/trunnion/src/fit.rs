@@ -1,12 +1,14 @@
 //! A model fitted to runs.
 
 use crate::analysis::diagnosed;
+use crate::values::u_of_mean;
 use crate::{Error, Experiment, Model};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use trunnion_effects::Instance;
 use trunnion_engine::fit::Options;
-use trunnion_engine::{Identification, Problem, next_cycle};
+use trunnion_engine::{BetweenRuns, Identification, Problem, doubts, next_cycle};
 use trunnion_results as results;
+use trunnion_results::number::finite;
 
 /// A model fitted to runs. Clones share the data.
 #[derive(Clone)]
@@ -14,6 +16,8 @@ pub struct Fit {
     experiment: Experiment,
     model: Arc<Model>,
     identification: Arc<Identification>,
+    /// What differs between the runs, once somebody asks.
+    pub(crate) between: Arc<OnceLock<Vec<Option<BetweenRuns>>>>,
 }
 
 impl Experiment {
@@ -46,7 +50,13 @@ impl Fit {
             experiment: experiment.clone(),
             model: Arc::new(model),
             identification: Arc::new(identification),
+            between: Arc::default(),
         }
+    }
+
+    /// The same fit of a model that differs in what it keeps and remembers alone.
+    pub(crate) fn with_model(self, model: Model) -> Self {
+        Self { model: Arc::new(model), ..self }
     }
 
     /// The runs.
@@ -71,8 +81,25 @@ impl Fit {
 
     /// The answer: `trunnion-identification/1`.
     pub fn results(&self) -> results::Identification {
-        let plausibility = self.experiment.plausibility();
-        results::Identification { complete: self.complete(), plausibility, ..self.identification().into() }
+        let fit = self.identification();
+        let mut answer = results::Identification {
+            complete: self.complete(),
+            plausibility: self.experiment.plausibility(),
+            doubts: doubts(self.experiment.points(), self.model.entries(), fit)
+                .iter()
+                .map(results::Doubt::from)
+                .collect(),
+            ..fit.into()
+        };
+        for ((shown, fitted), between) in
+            answer.parameters.iter_mut().zip(&fit.parameters).zip(self.between_runs())
+        {
+            let (Some(u), Some(between)) = (fitted.u, between) else { continue };
+            let u = u_of_mean(u, Some(*between));
+            shown.u = finite(u * fitted.unit.per_inside);
+            shown.u_another_run = finite(u.hypot(between.sd) * fitted.unit.per_inside);
+        }
+        answer
     }
 
     /// What is planned, read, missing, and excluded by the fit too.

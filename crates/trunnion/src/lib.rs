@@ -36,6 +36,7 @@ pub mod recording;
 mod step;
 pub mod tables;
 pub mod timing;
+mod values;
 
 pub use analysed::Analysed;
 pub use analysis::{AnalysisError, FormulaText};

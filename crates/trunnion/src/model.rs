@@ -7,7 +7,7 @@ use trunnion_effects::{LadderRow, ModelEffect};
 use trunnion_results as results;
 
 /// Name of a model in problems of its edited text, which is read again so that the model always is what its file will hold.
-const EDITED: &str = "model";
+pub(crate) const EDITED: &str = "model";
 
 /// The effects that explain a machine, in the order they were added (`trunnion-model/1`).
 #[derive(Clone, Debug, PartialEq)]

@@ -1,18 +1,22 @@
-//! Frozen values of a fit against other runs.
+//! Frozen values of a model against other runs.
 //!
 //! r = P (y − f(x̂))    P = I − Q Qᵀ, Q an orthonormal basis of the columns of the new settings
 //! Σ(r) = P (J Σ(x̂) Jᵀ + s² I) P
-//! y readings, f exact prediction, x̂ the values of the fit (frozen), J their columns in the new run, Σ(x̂) their covariance,
-//! s rms of the fit: the scatter of a reading about the model, what the model lacks included. The band is ± 1.96 √Σ(r)ᵢᵢ.
-//! Limits: readings count alike; s is that of one point or block of the fitted runs.
+//! y readings, f exact prediction, x̂ the values (frozen), J their columns in the new run, Σ(x̂) their covariance in one more run
+//! (`FittedValues`: what differs between runs is in it where several were fitted), s the scatter of a reading about the model, what
+//! the model lacks included. The band is ± 1.96 √Σ(r)ᵢᵢ.
+//! Limits: readings count alike; s is that of one point or block of the fitted runs. Values of one run know nothing of what differs
+//! between runs.
 
-use crate::{Error, Experiment, Fit};
+use crate::values::{fitted_run, is_setting};
+use crate::{Error, Experiment, Fit, Model};
 use nalgebra::{DMatrix, DVector};
-use trunnion_core::convert::um_from_mm;
-use trunnion_effects::catalogue::effect;
-use trunnion_effects::{Instance, Model, ModelEffect, Role};
+use std::path::Path;
+use trunnion_core::convert::{mm_from_um, um_from_mm};
+use trunnion_cycles::Run;
+use trunnion_effects::{self as effects, FittedValue, FittedValues, Instance, ModelEffect};
 use trunnion_engine::fit::Options;
-use trunnion_engine::{FittedParameter, Identification, IdentifyError};
+use trunnion_engine::{HeldOut, Identification, IdentifyError};
 use trunnion_results as results;
 
 /// Two-sided 95 % of a normal distribution, in standard uncertainties [GUM, table G.1].
@@ -27,114 +31,197 @@ impl Fit {
     /// # Errors
     /// Runs of another machine, or runs that an effect of the model is out of reach of.
     pub fn predict(&self, other: &Experiment) -> Result<results::Prediction, Error> {
-        predict(self, other)
+        let machine = self.experiment().machine();
+        if let Some(run) = other.runs().iter().find(|run| run.machine != *machine) {
+            return Err(other_machine(&machine.name, run));
+        }
+        predict(self.model().entries(), &self.values(""), other)
     }
 }
 
+impl Model {
+    /// Predicts runs with the values that the model file keeps, as [`Fit::predict`] does with those of a fit.
+    ///
+    /// # Errors
+    /// A file without values of its effects; as [`Fit::predict`].
+    pub fn predict(&self, runs: &Experiment) -> Result<results::Prediction, Error> {
+        predict(self.entries(), self.kept()?, runs)
+    }
+
+    /// Where runs differ from what the values of the model file predict: as [`Fit::compare`], with the machine frozen. What is
+    /// missing from the model is not asked: the values are not those of these runs.
+    ///
+    /// # Errors
+    /// As [`Model::predict`].
+    pub fn compare_frozen(&self, runs: &Experiment) -> Result<results::Comparison, Error> {
+        let prediction = self.predict(runs)?;
+        let frozen = Frozen::new(self.entries(), self.kept()?, runs.points())?;
+        Ok(results::Comparison {
+            frozen: Some(prediction),
+            ladder: self.ladder(),
+            time_quality: runs.time_quality()?,
+            ..results::Comparison::new(runs.points(), &frozen.settled(runs.points())?, None)
+        })
+    }
+
+    fn kept(&self) -> Result<&FittedValues, Error> {
+        self.entries().values().ok_or_else(|| Error::NoValues {
+            why: match self.entries().effects.iter().any(|entry| entry.values.is_some()) {
+                true => "its effects changed since they were fitted".into(),
+                false => "it was not fitted, or by an earlier version".into(),
+            },
+        })
+    }
+}
+
+fn other_machine(fitted: &str, run: &Run) -> Error {
+    Error::OtherMachine { fitted: fitted.into(), run: run.name.clone(), found: run.machine.name.clone() }
+}
+
 /// Predicts each run of `other` alone.
-fn predict(fit: &Fit, other: &Experiment) -> Result<results::Prediction, Error> {
-    let fitted = fit.identification();
+fn predict(
+    model: &effects::Model,
+    values: &FittedValues,
+    other: &Experiment,
+) -> Result<results::Prediction, Error> {
+    // A model names its machine as its file is called.
+    let machine =
+        Path::new(&model.machine).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into());
     let mut runs = Vec::new();
     for run in other.runs() {
-        if run.machine != *fit.experiment().machine() {
-            return Err(Error::OtherMachine {
-                fitted: fitted.machine.clone(),
-                run: run.name.clone(),
-                found: run.machine.name.clone(),
-            });
+        if run.machine.name != machine {
+            return Err(other_machine(&machine, run));
         }
         let experiment = trunnion_engine::Experiment::new(std::slice::from_ref(run))?;
-        runs.push(predict_run(fit, &experiment, &run.name)?);
+        runs.push(predict_run(model, values, &experiment, run)?);
     }
-    let not_determined =
-        |parameter: &&FittedParameter| !parameter.observable() && !is_setting(&parameter.effect);
     Ok(results::Prediction {
         format: results::PredictionFormat::V1,
-        machine: fitted.machine.clone(),
-        fitted_runs: fitted.runs.clone(),
-        effects: fitted.effects.iter().map(|effect| effect.id.clone()).collect(),
-        fit_rms_um: um_from_mm(fitted.rms_mm),
+        machine,
+        fitted_runs: values.runs.iter().map(|run| run.name.clone()).collect(),
+        fitted_on: values.date.clone(),
+        effects: values.effects.clone(),
+        reading_um: values.reading_um,
+        differences_known: values.parameters.iter().any(|parameter| parameter.between_runs.is_some()),
         runs,
-        not_determined: fitted.parameters.iter().filter(not_determined).map(|p| p.name.clone()).collect(),
+        not_determined: values.parameters.iter().filter(|p| p.u.is_none()).map(|p| p.name.clone()).collect(),
     })
 }
 
 fn predict_run(
-    fit: &Fit,
+    model: &effects::Model,
+    values: &FittedValues,
     experiment: &trunnion_engine::Experiment,
-    name: &str,
+    run: &Run,
 ) -> Result<results::RunPrediction, Error> {
-    let fitted = fit.identification();
-    let frozen = Frozen::new(fit, experiment)?;
-    let options = Options { holdout: trunnion_engine::HeldOut::Skipped, ..Options::quick() };
-    let settled = trunnion_engine::identify(experiment, &frozen.model, &options)?;
-    let band = frozen.band_mm(&fitted.covariance, fitted.rms_mm);
+    let frozen = Frozen::new(model, values, experiment)?;
+    let settled = frozen.settled(experiment)?;
+    let band = frozen.band_mm(mm_from_um(values.reading_um));
     let residual = &settled.residual_mm;
     let readings = residual.len();
     let rms = |values: &DVector<f64>| um_from_mm((values.norm_squared() / readings.max(1) as f64).sqrt());
     let inside = residual.iter().zip(band.iter()).filter(|(r, band)| r.abs() <= **band).count();
-    let free = |parameter: &&FittedParameter| parameter.u.is_some();
     Ok(results::RunPrediction {
-        run: name.into(),
+        run: run.name.clone(),
+        was_fitted: values.runs.contains(&fitted_run(run)),
         points: experiment.points.len(),
         readings,
         rms_um: rms(residual),
+        without_model_rms_um: rms(&without_model(model, experiment)?),
         largest_um: um_from_mm(residual.amax()),
         inside_95_fraction: inside as f64 / readings.max(1) as f64,
         band_95_um: rms(&band),
-        fitted_settings: settled.parameters.iter().filter(free).map(|p| p.name.clone()).collect(),
+        fitted_settings: settled
+            .parameters
+            .iter()
+            .filter(|p| p.u.is_some())
+            .map(|p| p.name.clone())
+            .collect(),
     })
 }
 
-/// The model of a fit with its values held, in another run.
-struct Frozen {
-    model: Model,
-    /// Columns of the held parameters that the fit determined, and their index in the fit.
-    held: (DMatrix<f64>, Vec<usize>),
+/// What remains of the readings when the machine is taken to be nominal.
+fn without_model(
+    model: &effects::Model,
+    experiment: &trunnion_engine::Experiment,
+) -> Result<DVector<f64>, Error> {
+    let settings: Vec<_> = model.effects.iter().filter(|entry| is_setting(&entry.id)).cloned().collect();
+    let nominal = effects::Model { machine: model.machine.clone(), effects: settings };
+    Ok(trunnion_engine::identify(experiment, &nominal, &quick())?.residual_mm)
+}
+
+fn quick() -> Options {
+    Options { holdout: HeldOut::Skipped, ..Options::quick() }
+}
+
+/// A model with its values held, in another run.
+struct Frozen<'v> {
+    model: effects::Model,
+    /// Columns of the held parameters that have a standard uncertainty, with their values.
+    held: (DMatrix<f64>, Vec<Known<'v>>),
     /// Columns of the settings of the new run.
     settings: DMatrix<f64>,
 }
 
-impl Frozen {
-    fn new(fit: &Fit, experiment: &trunnion_engine::Experiment) -> Result<Self, Error> {
-        let fitted = fit.identification();
-        let mut model = Model { machine: fitted.machine.clone(), effects: Vec::new() };
-        let (mut held, mut indices, mut settings) = (Vec::new(), Vec::new(), Vec::new());
-        for (entry, effect) in fit.model().entries().effects.iter().zip(&fitted.effects) {
+/// A held parameter.
+struct Known<'v> {
+    value: &'v FittedValue,
+    per_inside: f64,
+    /// Its number in `correlation`.
+    number: usize,
+}
+
+impl<'v> Frozen<'v> {
+    fn new(
+        model: &effects::Model,
+        values: &'v FittedValues,
+        experiment: &trunnion_engine::Experiment,
+    ) -> Result<Self, Error> {
+        let mut frozen = effects::Model { machine: model.machine.clone(), effects: Vec::new() };
+        let (mut held, mut known, mut settings) = (Vec::new(), Vec::new(), Vec::new());
+        for entry in &model.effects {
             let instance =
                 Instance::from_model_effect(entry, experiment.machine()).map_err(IdentifyError::from)?;
-            let columns = experiment.columns(&instance, &effect.shape);
-            let mut frozen =
-                ModelEffect { shape: effect.shape.clone(), fixed: vec![], prior: vec![], ..entry.clone() };
-            for (j, parameter) in instance.parameters(&experiment.scene).iter().enumerate() {
-                let known = index(fitted, &entry.id, &parameter.name).filter(|_| !is_setting(&entry.id));
+            let fitted_shape = values.shapes.iter().find(|(id, _)| *id == entry.id).map(|(_, shape)| shape);
+            let shape = fitted_shape.unwrap_or(&entry.shape).clone();
+            let columns = experiment.columns(&instance, &shape);
+            let mut frozen_entry = ModelEffect { shape, fixed: vec![], prior: vec![], ..entry.clone() };
+            for (j, parameter) in instance.parameters(&experiment.scene).into_iter().enumerate() {
                 let column = columns.column(j).into_owned();
-                match known {
-                    Some(k) => {
-                        frozen
-                            .fixed
-                            .push((parameter.name.clone(), fitted.solution[k] * parameter.unit.per_inside));
-                        held.push(column);
-                        indices.push(k);
-                    }
-                    None => settings.push(column),
+                if is_setting(&entry.id) {
+                    settings.push(column);
+                    continue;
+                }
+                let by_hand = entry.fixed.iter().find(|(name, _)| *name == parameter.name);
+                let value = by_hand.map(|(_, value)| *value);
+                let fitted = find(values, &entry.id, &parameter.name);
+                let value = value.or(fitted.map(|(_, fitted)| fitted.value)).unwrap_or_default();
+                frozen_entry.fixed.push((parameter.name, value));
+                if let Some((number, fitted)) = fitted.filter(|(_, fitted)| fitted.u.is_some()) {
+                    held.push(column);
+                    known.push(Known { value: fitted, per_inside: parameter.unit.per_inside, number });
                 }
             }
-            model.effects.push(frozen);
+            frozen.effects.push(frozen_entry);
         }
         let matrix = |columns: &[DVector<f64>]| match columns {
             [] => DMatrix::zeros(experiment.rows(), 0),
             columns => DMatrix::from_columns(columns),
         };
-        Ok(Self { model, held: (matrix(&held), indices), settings: matrix(&settings) })
+        Ok(Self { model: frozen, held: (matrix(&held), known), settings: matrix(&settings) })
+    }
+
+    /// The fit of the settings.
+    fn settled(&self, experiment: &trunnion_engine::Experiment) -> Result<Identification, Error> {
+        Ok(trunnion_engine::identify(experiment, &self.model, &quick())?)
     }
 
     /// Half width of the 95 % band of every reading, mm.
-    fn band_mm(&self, covariance: &DMatrix<f64>, scatter_mm: f64) -> DVector<f64> {
+    fn band_mm(&self, scatter_mm: f64) -> DVector<f64> {
         let basis = orthonormal(&self.settings);
-        let (columns, indices) = &self.held;
+        let (columns, known) = &self.held;
         let projected = columns - &basis * (basis.transpose() * columns);
-        let covariance = covariance.select_rows(indices).select_columns(indices);
+        let covariance = DMatrix::from_fn(known.len(), known.len(), |i, j| covariance(&known[i], &known[j]));
         let spread = &projected * covariance;
         DVector::from_fn(projected.nrows(), |i, _| {
             let of_values = spread.row(i).dot(&projected.row(i)).max(0.0);
@@ -144,14 +231,21 @@ impl Frozen {
     }
 }
 
-/// True for what mounting and artefact leave unknown: it belongs to a run, not to the machine.
-fn is_setting(id: &str) -> bool {
-    effect(id).is_some_and(|effect| effect.role == Role::Setting)
+/// A value, and its number among those with a standard uncertainty.
+fn find<'v>(values: &'v FittedValues, effect: &str, name: &str) -> Option<(usize, &'v FittedValue)> {
+    let at = values.parameters.iter().position(|value| value.effect == effect && value.name == name)?;
+    let number = values.parameters[..at].iter().filter(|value| value.u.is_some()).count();
+    Some((number, &values.parameters[at]))
 }
 
-/// Index of a parameter of the fit.
-fn index(fitted: &Identification, effect: &str, name: &str) -> Option<usize> {
-    fitted.parameters.iter().position(|p| p.effect == effect && p.name == name)
+/// Covariance of two values in one more run, inside units.
+fn covariance(a: &Known<'_>, b: &Known<'_>) -> f64 {
+    let (early, late) = if a.number <= b.number { (a, b) } else { (b, a) };
+    let rho = late.value.correlation.get(early.number).copied().unwrap_or_default();
+    let size = |of: fn(&FittedValue) -> Option<f64>| {
+        [a, b].map(|known| of(known.value).unwrap_or_default() / known.per_inside).iter().product::<f64>()
+    };
+    rho * (size(|value| value.u) + size(|value| value.between_runs))
 }
 
 /// An orthonormal basis of the space that columns span.

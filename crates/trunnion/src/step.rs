@@ -56,7 +56,14 @@ impl Fit {
                 model = model.with_ladder_row(&entry.id, row)?;
             }
         }
-        Ok(Self::of(self.experiment(), model, fit))
+        let smaller = Self::of(self.experiment(), model, fit);
+        // Values that the last entry kept from its own adding count again; else they are of this fit.
+        let base_alone = smaller.model().effects().iter().all(|id| BASE.contains(id));
+        if base_alone || smaller.model().entries().values().is_some() {
+            return Ok(smaller);
+        }
+        let model = smaller.model().with_values(&smaller.values(date))?;
+        Ok(smaller.with_model(model))
     }
 }
 
@@ -111,7 +118,7 @@ impl Step {
         }
     }
 
-    /// The same with a date in its ladder rows.
+    /// The same with a date in its ladder rows, and with the values of the fit in the model.
     ///
     /// # Errors
     /// None that a model written by this program can have.
@@ -124,7 +131,8 @@ impl Step {
                 model = model.with_ladder_row(&entry.id, row)?;
             }
         }
-        self.after = Fit::of(self.after.experiment(), model, self.after.identification().clone());
+        let model = model.with_values(&self.after.values(date))?;
+        self.after = self.after.with_model(model);
         Ok(self)
     }
 

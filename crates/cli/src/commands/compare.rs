@@ -14,6 +14,8 @@ use trunnion::{Fit, FormulaText};
 /// Example: trunnion compare run.mcap --model machine.model.toml --html report.html
 ///
 /// What one more effect would do: trunnion compare run.mcap --try gravity-sag:B --html trial.html
+///
+/// Against the values that the model file keeps: trunnion compare wednesday.mcap --frozen --model machine.model.toml
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -23,6 +25,9 @@ pub struct Args {
     /// Put this effect in for a trial and show the residual before and after; the model file stays as it is
     #[arg(long = "try", value_name = "EFFECT")]
     trial: Option<String>,
+    /// Hold the machine at the values that the model file keeps; only how the ball was set is fitted
+    #[arg(long, requires = "model", conflicts_with = "trial")]
+    frozen: bool,
     #[command(flatten)]
     formula: FormulaArgs,
     /// Write a self-contained page with plots
@@ -35,7 +40,12 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let Loaded { experiment, outcome } = load::runs(&args.runs)?;
-    let fit = experiment.fit(&args.model.model(&experiment)?)?;
+    let model = args.model.model(&experiment)?;
+    if args.frozen {
+        frozen(args, model.compare_frozen(&experiment)?)?;
+        return Ok(outcome);
+    }
+    let fit = experiment.fit(&model)?;
     let formula = args.formula.text();
     match &args.trial {
         Some(effect) => try_effect(args, &fit, effect, &formula)?,
@@ -47,6 +57,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         None => compare(args, &fit)?,
     }
     Ok(outcome)
+}
+
+fn frozen(args: &Args, answer: Comparison) -> anyhow::Result<()> {
+    if let Some(path) = &args.html {
+        output::write(path, &trunnion::report::compare_html(&answer, &trunnion::page::label()))?;
+    }
+    if args.json {
+        return terminal::print_json(&Comparison { html: html(args), ..answer });
+    }
+    terminal::print(&trunnion::report::compare_text(&answer))?;
+    output::report_page(args.html.as_deref())
 }
 
 fn compare(args: &Args, fit: &Fit) -> anyhow::Result<()> {

@@ -1,6 +1,7 @@
 //! `trunnion identify`: the machine's errors with uncertainties, and what is not observable; or by a named method of the
 //! literature.
 
+use super::add::today;
 use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
 use crate::{load, output, terminal};
@@ -15,6 +16,8 @@ use trunnion::{Convention, EVERY_METHOD, MethodOptions, Notation, method};
 ///
 /// Example: trunnion identify run.mcap --model machine.model.toml
 ///
+/// Values for later runs: trunnion identify monday.mcap tuesday.mcap --model machine.model.toml --keep
+///
 /// Example: trunnion identify c.mcap --method two-height --html two-height.html
 #[derive(clap::Args)]
 pub struct Args {
@@ -22,6 +25,9 @@ pub struct Args {
     runs: RunArgs,
     #[command(flatten)]
     model: ModelArgs,
+    /// Keep the fitted values in the model file, so that it predicts other runs
+    #[arg(long, requires = "model")]
+    keep: bool,
     /// Named method instead of the joint fit
     #[arg(long, value_name = "NAME", conflicts_with = "model", long_help = method_help())]
     method: Option<String>,
@@ -72,6 +78,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 fn jointly(args: &Args) -> anyhow::Result<Outcome> {
     let Loaded { experiment, outcome } = load::runs(&args.runs)?;
     let fit = experiment.fit(&args.model.model(&experiment)?)?;
+    if let Some(path) = args.model.model.as_ref().filter(|_| args.keep) {
+        fit.model().with_values(&fit.values(&today()?))?.save(path)?;
+    }
     let mut answer = fit.results();
     answer.time_quality = experiment.time_quality()?;
     answer.location_errors = args.notation.map(|notation| fit.location_errors(notation));

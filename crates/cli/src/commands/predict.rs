@@ -8,16 +8,19 @@ use trunnion::Model;
 
 /// Predict runs with values fitted to others: error, and share of the readings inside the 95 % band
 ///
-/// The model is fitted to the recordings given with --fitted. Its values are frozen; only how the ball was set is fitted to
-/// each new run.
+/// The values are those that the model file keeps since the last `add` or `identify --keep`; with --fitted the model is fitted
+/// to those recordings first, and the file stays as it is. Everything of the machine is frozen; only how the ball was set is
+/// fitted to each new run.
 ///
-/// Example: trunnion predict wednesday.mcap --fitted tuesday.mcap --model machine.model.toml
+/// Example: trunnion predict wednesday.mcap --model machine.model.toml
+///
+/// Example: trunnion predict friday.mcap --fitted tuesday.mcap wednesday.mcap --model machine.model.toml
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
     runs: RunArgs,
-    /// Recordings that the model is fitted to
-    #[arg(long, value_name = "RUN", required = true, num_args = 1..)]
+    /// Recordings that the model is fitted to, instead of the values that its file keeps
+    #[arg(long, value_name = "RUN", num_args = 1..)]
     fitted: Vec<PathBuf>,
     /// Model file
     #[arg(long, value_name = "FILE")]
@@ -29,9 +32,13 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let model = Model::load(&args.model)?;
-    let Loaded { experiment: fitted, outcome: of_fitted } = load::runs(&RunArgs::of(args.fitted.clone()))?;
     let Loaded { experiment: other, outcome } = load::runs(&args.runs)?;
-    let prediction = fitted.fit(&model)?.predict(&other)?;
+    let (prediction, of_fitted) = if args.fitted.is_empty() {
+        (model.predict(&other)?, Outcome::Done)
+    } else {
+        let Loaded { experiment, outcome } = load::runs(&RunArgs::of(args.fitted.clone()))?;
+        (experiment.fit(&model)?.predict(&other)?, outcome)
+    };
     if args.json {
         terminal::print_json(&prediction)?;
     } else {

@@ -25,8 +25,10 @@ pub(crate) struct Residual<'a> {
 
 /// A part of which the readings show fewer directions than this, after the fit took its share, cannot be sized.
 const FEWEST_DIRECTIONS: usize = 3;
-/// Share of the largest eigenvalue of a part that counts as a direction seen.
-const SEEN: f64 = 0.05;
+/// A direction counts as seen when its part of the variance, for a part as large as the white noise, exceeds the white noise of one
+/// reading: eigenvalues of ZᵀMZ above 1. A share of the largest eigenvalue would ask more of a part whose largest directions the fit
+/// takes, as temperatures take slow drift.
+const SEEN: f64 = 1.0;
 
 /// Inner products of X = [Q Z y], Q an orthonormal basis of the fitted columns.
 pub(crate) struct Products {
@@ -150,9 +152,8 @@ impl Projected {
 
 /// How many directions of random columns are left off the fitted ones.
 fn directions_seen(q: &DMatrix<f64>, columns: &DMatrix<f64>) -> usize {
-    let largest = columns.tr_mul(columns).symmetric_eigenvalues().max();
     let left = columns - q * q.tr_mul(columns);
-    left.tr_mul(&left).symmetric_eigenvalues().iter().filter(|lambda| **lambda > SEEN * largest).count()
+    left.tr_mul(&left).symmetric_eigenvalues().iter().filter(|lambda| **lambda > SEEN).count()
 }
 
 fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {

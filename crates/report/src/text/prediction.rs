@@ -2,35 +2,45 @@
 
 use super::table::{clean, columns, paragraph};
 use crate::number::{percent, um};
+use crate::words::differences;
 use std::iter::once;
 use trunnion_results::{Prediction, RunPrediction};
 
 /// Error and share inside the band of each run.
 pub fn prediction_text(prediction: &Prediction) -> String {
     let mut out = format!(
-        "Machine {}, fitted to: {}\nModel: {}\nThe fit leaves {} rms.\n\n",
+        "Machine {}, fitted to: {}{}\nModel: {}\nA reading scatters by {} rms about the model.\n\n",
         clean(&prediction.machine),
         clean(&prediction.fitted_runs.join(", ")),
+        if prediction.fitted_on.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", clean(&prediction.fitted_on))
+        },
         clean(&prediction.effects.join(" + ")),
-        um(prediction.fit_rms_um)
+        um(prediction.reading_um)
     );
-    let head =
-        ["predicted run", "points", "error", "largest", "95 % band", "inside"].map(String::from).to_vec();
+    let head = ["predicted run", "points", "error", "without model", "largest", "95 % band", "inside", ""]
+        .map(String::from)
+        .to_vec();
     let row = |run: &RunPrediction| {
         vec![
             run.run.clone(),
             run.points.to_string(),
             format!("{} rms", um(run.rms_um)),
+            format!("{} rms", um(run.without_model_rms_um)),
             um(run.largest_um),
             format!("± {}", um(run.band_95_um)),
             percent(run.inside_95_fraction),
+            if run.was_fitted { "fitted to it".into() } else { String::new() },
         ]
     };
     let rows: Vec<_> = once(head).chain(prediction.runs.iter().map(row)).collect();
-    out += &columns(&rows, &[1, 2, 3, 4, 5]);
+    out += &columns(&rows, &[1, 2, 3, 4, 5, 6]);
+    out += "\n";
+    out += &paragraph(differences(prediction));
     if !prediction.not_determined.is_empty() {
         let names = prediction.not_determined.join(", ");
-        out += "\n";
         out += &paragraph(&format!(
             "Not determined by the fitted runs, taken at zero or by convention: {names}."
         ));

@@ -6,4 +6,5 @@ mod examples;
 mod library;
 mod one_answer;
 mod plausible;
+mod values;
 mod whole;

@@ -1,0 +1,155 @@
+//! Fitted numbers that a person should doubt although the fit gives them.
+//!
+//! - Temperatures that changed together: condition index η_k = s_1/s_k of the columns of the coefficients, scaled to unit length, with the
+//!   settings projected out; share of the variance of coefficient j in direction k: π_jk = (v_jk²/s_k²) / Σ_k (v_jk²/s_k²). Where η_k > 30
+//!   and the π_jk of those directions add up to more than ½ for two or more coefficients, these are collinear [Belsley 1980].
+//! - A coefficient above 24 µm/(m·K), the expansion of aluminium, over twice the travel of all linear axes: the way from tool to table goes
+//!   along every axis there and back, so no machine expands more.
+//! - A time constant longer than the longest run: its course was never seen.
+
+use crate::fit::identification::{FittedEffect, Identification};
+use crate::solve::linear::Reduced;
+use crate::{Experiment, Status};
+use nalgebra::DMatrix;
+use trunnion_effects::{Instance, Model, Role, Unit};
+
+/// η beyond which dependencies are moderate to strong [Belsley 1980 §3.2].
+const CONDITION_INDEX: f64 = 30.0;
+/// Share of the variance of a coefficient that says it is involved [Belsley 1980 §3.2].
+const VARIANCE_SHARE: f64 = 0.5;
+/// Expansion of aluminium, per K; steel has half of it [ISO 3650].
+const LARGEST_EXPANSION_PER_K: f64 = 24e-6;
+/// Relative singular value of a direction that the columns of settings do not have.
+const NO_DIRECTION: f64 = 1e-8;
+
+/// Numbers to doubt.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Doubt {
+    /// Effect id.
+    pub effect: String,
+    /// Names of the parameters or shape numbers.
+    pub names: Vec<String>,
+    /// What is wrong with them.
+    pub reason: DoubtReason,
+}
+
+/// What is wrong with fitted numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DoubtReason {
+    /// Their temperatures changed together: only their sum is determined.
+    Collinear {
+        /// Largest condition index.
+        condition_index: f64,
+    },
+    /// Larger than any material and machine allow, inside units.
+    BeyondPhysical {
+        /// What no machine exceeds, inside units.
+        limit: f64,
+    },
+    /// A time constant longer than the record.
+    LongerThanRun {
+        /// Its value, s.
+        tau_s: f64,
+        /// The longest run, s.
+        longest_s: f64,
+    },
+}
+
+/// What to doubt in a fit of `model`.
+pub fn doubts(experiment: &Experiment, model: &Model, fit: &Identification) -> Vec<Doubt> {
+    let mut found = Vec::new();
+    let columns = |id: &str, shape: &[f64]| {
+        let entry = model.effects.iter().find(|entry| entry.id == id)?;
+        let instance = Instance::from_model_effect(entry, experiment.machine()).ok()?;
+        Some(experiment.columns(&instance, shape))
+    };
+    let is_setting = |effect: &&FittedEffect| {
+        trunnion_effects::catalogue::effect(&effect.id).is_some_and(|effect| effect.role == Role::Setting)
+    };
+    let settings: Vec<_> = fit
+        .effects
+        .iter()
+        .filter(is_setting)
+        .filter_map(|effect| columns(&effect.id, &effect.shape))
+        .collect();
+    for effect in &fit.effects {
+        let of_effect: Vec<_> = fit.parameters.iter().filter(|p| p.effect == effect.id).collect();
+        let coefficients: Vec<usize> = (0..of_effect.len())
+            .filter(|&j| of_effect[j].status == Status::Identified && of_effect[j].unit == Unit::UM_PER_K)
+            .collect();
+        let limit = LARGEST_EXPANSION_PER_K * loop_mm(experiment);
+        for &j in &coefficients {
+            if of_effect[j].value.is_some_and(|value| value.abs() > limit) {
+                let names = vec![of_effect[j].name.clone()];
+                found.push(Doubt {
+                    effect: effect.id.clone(),
+                    names,
+                    reason: DoubtReason::BeyondPhysical { limit },
+                });
+            }
+        }
+        if coefficients.len() > 1
+            && let Some(all) = columns(&effect.id, &effect.shape)
+            && let Some((condition_index, involved)) = collinear(all.select_columns(&coefficients), &settings)
+        {
+            let names = involved.into_iter().map(|k| of_effect[coefficients[k]].name.clone()).collect();
+            let reason = DoubtReason::Collinear { condition_index };
+            found.push(Doubt { effect: effect.id.clone(), names, reason });
+        }
+        found.extend(longer_than_run(experiment, effect));
+    }
+    found
+}
+
+/// Length along which a machine can expand between tool and table, mm.
+fn loop_mm(experiment: &Experiment) -> f64 {
+    let machine = experiment.machine();
+    let linear = machine.table.iter().chain(&machine.tool).filter(|axis| !axis.letter.is_rotary());
+    2.0 * linear.map(|axis| axis.travel.1 - axis.travel.0).sum::<f64>()
+}
+
+/// Largest condition index and the columns that it concerns.
+fn collinear(mut columns: DMatrix<f64>, settings: &[DMatrix<f64>]) -> Option<(f64, Vec<usize>)> {
+    for setting in settings {
+        let basis = setting * Reduced::from_design(setting).orthonormal(NO_DIRECTION);
+        let of_setting = basis.tr_mul(&columns);
+        columns -= basis * of_setting;
+    }
+    for mut column in columns.column_iter_mut() {
+        let norm = column.norm();
+        column /= if norm > 0.0 { norm } else { 1.0 };
+    }
+    let eigen = columns.tr_mul(&columns).symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let weak = |k: usize| largest > CONDITION_INDEX.powi(2) * eigen.eigenvalues[k];
+    let share = |j: usize, wanted: &dyn Fn(usize) -> bool| -> f64 {
+        let part =
+            |k: usize| eigen.eigenvectors[(j, k)].powi(2) / eigen.eigenvalues[k].max(f64::MIN_POSITIVE);
+        (0..eigen.eigenvalues.len()).filter(|&k| wanted(k)).map(part).sum()
+    };
+    let involved: Vec<usize> =
+        (0..columns.ncols()).filter(|&j| share(j, &weak) > VARIANCE_SHARE * share(j, &|_| true)).collect();
+    (involved.len() > 1).then(|| ((largest / eigen.eigenvalues.min()).sqrt(), involved))
+}
+
+fn longer_than_run(experiment: &Experiment, effect: &FittedEffect) -> Option<Doubt> {
+    let longest_s = (0..experiment.runs.len())
+        .filter_map(|run| {
+            let times = (0..experiment.points.len())
+                .filter(|&i| experiment.run_of_point[i] == run)
+                .filter_map(|i| experiment.points[i].state.time_s);
+            let (first, last) =
+                times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
+            (last > first).then_some(last - first)
+        })
+        .fold(0.0, f64::max);
+    let is_time_constant = |name: &str| name.starts_with("tau") && name.ends_with("_s");
+    let long = effect
+        .shape_names
+        .iter()
+        .zip(&effect.shape)
+        .filter(|(name, tau_s)| is_time_constant(name) && longest_s > 0.0 && **tau_s > longest_s);
+    let (names, values): (Vec<String>, Vec<f64>) = long.map(|(name, tau_s)| (name.clone(), *tau_s)).unzip();
+    let tau_s = values.into_iter().reduce(f64::max)?;
+    Some(Doubt { effect: effect.id.clone(), names, reason: DoubtReason::LongerThanRun { tau_s, longest_s } })
+}

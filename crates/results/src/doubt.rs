@@ -1,0 +1,64 @@
+//! Numbers of a fit that a person should doubt, and why.
+
+use crate::number::{plain, with_unit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use trunnion_core::convert::um_from_mm;
+use trunnion_engine::fit::doubts as engine;
+
+/// Numbers of a fit to doubt.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Doubt {
+    /// Effect id.
+    pub effect: String,
+    /// Names of its parameters or shape numbers.
+    pub names: Vec<String>,
+    /// What is wrong with them.
+    pub reason: DoubtReason,
+    /// The same in words.
+    pub words: String,
+}
+
+/// What is wrong with fitted numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DoubtReason {
+    /// Their temperatures changed together: only what they predict together is determined.
+    Collinear,
+    /// Larger than any material allows on a machine of this size.
+    BeyondPhysical,
+    /// A time constant longer than the longest run.
+    LongerThanRun,
+}
+
+impl From<&engine::Doubt> for Doubt {
+    fn from(doubt: &engine::Doubt) -> Self {
+        let names = doubt.names.join(", ");
+        let (reason, words) = match doubt.reason {
+            engine::DoubtReason::Collinear { condition_index } => (
+                DoubtReason::Collinear,
+                format!(
+                    "{names}: these temperatures changed together (condition index {}), so their coefficients are confounded; \
+                     only what they predict together counts. Leave sensors out, or warm one spot alone.",
+                    plain(condition_index.round())
+                ),
+            ),
+            engine::DoubtReason::BeyondPhysical { limit } => (
+                DoubtReason::BeyondPhysical,
+                format!(
+                    "{names} exceeds {}: no material expands so much on a machine of this size.",
+                    with_unit(um_from_mm(limit), "um/K")
+                ),
+            ),
+            engine::DoubtReason::LongerThanRun { tau_s, longest_s } => (
+                DoubtReason::LongerThanRun,
+                format!(
+                    "{names} of {} is longer than the longest run ({}): its course was not seen to the end.",
+                    with_unit(tau_s.round(), "s"),
+                    with_unit(longest_s.round(), "s")
+                ),
+            ),
+        };
+        Self { effect: doubt.effect.clone(), names: doubt.names.clone(), reason, words }
+    }
+}

@@ -1,0 +1,127 @@
+//! Values of a fit as a model file keeps them: with covariance, and with what differs between runs.
+
+use crate::{Fit, Model};
+use trunnion_core::Point;
+use trunnion_core::convert::um_from_mm;
+use trunnion_cycles::Run;
+use trunnion_effects::catalogue::effect;
+use trunnion_effects::{self as effects, FittedRun, FittedValue, FittedValues, Role};
+use trunnion_engine::fit::Options;
+use trunnion_engine::{BetweenRuns, HeldOut, Identification, Status, between_runs, identify};
+
+/// Digits of a number in a file: a thousandth of any u that matters.
+const DIGITS: usize = 9;
+
+impl Fit {
+    /// The values of the machine's parameters with their covariance, for a model file; `date` goes with them.
+    pub fn values(&self, date: &str) -> FittedValues {
+        let fitted = self.identification();
+        let mut correlated: Vec<(usize, f64)> = Vec::new();
+        let mut parameters = Vec::new();
+        for (k, parameter) in fitted.parameters.iter().enumerate() {
+            if is_setting(&parameter.effect) || parameter.status == Status::Held {
+                continue;
+            }
+            let per_inside = parameter.unit.per_inside;
+            let between = self.between_runs()[k];
+            let correlation = parameter.u.map_or_else(Vec::new, |u| {
+                correlated.push((k, u));
+                let rho = |(i, u_i): &(usize, f64)| (fitted.covariance[(*i, k)] / (u_i * u)).clamp(-1.0, 1.0);
+                correlated.iter().map(|one| short(rho(one))).collect()
+            });
+            parameters.push(FittedValue {
+                effect: parameter.effect.clone(),
+                name: parameter.name.clone(),
+                unit: parameter.unit.symbol.into(),
+                value: short(fitted.solution[k] * per_inside),
+                u: parameter.u.map(|u| short(u_of_mean(u, between) * per_inside)),
+                between_runs: between.map(|between| short(between.sd * per_inside)),
+                correlation,
+            });
+        }
+        FittedValues {
+            date: date.into(),
+            runs: self.experiment().runs().iter().map(fitted_run).collect(),
+            effects: fitted.effects.iter().map(|effect| effect.id.clone()).collect(),
+            shapes: fitted
+                .effects
+                .iter()
+                .filter(|effect| !effect.shape.is_empty())
+                .map(|effect| (effect.id.clone(), effect.shape.clone()))
+                .collect(),
+            reading_um: short(um_from_mm(reading_mm(fitted))),
+            parameters,
+        }
+    }
+
+    /// What differs between the runs, parameter by parameter; `None` where no two runs alone determine one.
+    pub fn between_runs(&self) -> &[Option<BetweenRuns>] {
+        self.between.get_or_init(|| {
+            let runs = self.experiment().runs();
+            if runs.len() < 2 {
+                return vec![None; self.identification().parameters.len()];
+            }
+            let model = with_shapes_held(self.model().entries(), self.identification());
+            let options = Options { holdout: HeldOut::Skipped, ..Options::default() };
+            // A run that cannot be fitted alone, one pose for instance, says nothing of what differs.
+            let alone = |run: &Run| {
+                let points = trunnion_engine::Experiment::new(std::slice::from_ref(run)).ok()?;
+                identify(&points, &model, &options).ok()
+            };
+            between_runs(self.identification(), &runs.iter().filter_map(alone).collect::<Vec<_>>())
+        })
+    }
+}
+
+impl Model {
+    /// With the values of a fit in its last entry, so that it predicts other runs.
+    ///
+    /// # Errors
+    /// None that a model written by this program can have.
+    pub fn with_values(&self, values: &FittedValues) -> Result<Self, crate::Error> {
+        Self::parse(crate::model::EDITED, effects::Model::with_values(self.text(), values)?)
+    }
+}
+
+/// u of the mean of the runs, with what differs between them.
+pub(crate) fn u_of_mean(u: f64, between: Option<BetweenRuns>) -> f64 {
+    between.map_or(u, |between| (u * u + between.sd * between.sd * between.share_of_mean).sqrt())
+}
+
+/// True for what mounting and artefact leave unknown: it belongs to a run, not to the machine.
+pub(crate) fn is_setting(id: &str) -> bool {
+    effect(id).is_some_and(|effect| effect.role == Role::Setting)
+}
+
+/// The model with the shape numbers of a fit.
+fn with_shapes_held(model: &effects::Model, fit: &Identification) -> effects::Model {
+    let mut model = model.clone();
+    for (entry, effect) in model.effects.iter_mut().zip(&fit.effects) {
+        entry.shape.clone_from(&effect.shape);
+    }
+    model
+}
+
+/// Scatter of a reading about the model: all parts of the noise, drift and offsets included, of which a fit leaves less in its
+/// own residual; at least that residual.
+fn reading_mm(fit: &Identification) -> f64 {
+    let parts = fit.noise_parts.iter().map(|part| part.sigma_mm.powi(2)).sum::<f64>().sqrt();
+    parts.max(fit.rms_mm)
+}
+
+/// Name and digest of a run.
+pub(crate) fn fitted_run(run: &Run) -> FittedRun {
+    let mut digest = crc32fast::Hasher::new();
+    let mut put = |numbers: &[f64]| numbers.iter().for_each(|number| digest.update(&number.to_le_bytes()));
+    for Point { state, reading_mm, .. } in &run.points {
+        put(&state.position.0);
+        put(reading_mm.as_slice());
+        put(&[state.time_s.unwrap_or_default(), state.setup as f64]);
+    }
+    FittedRun { name: run.name.clone(), digest: format!("crc32:{:08x}", digest.finalize()) }
+}
+
+/// Rounded to `DIGITS` digits.
+fn short(number: f64) -> f64 {
+    format!("{number:.*e}", DIGITS - 1).parse().unwrap_or(number)
+}

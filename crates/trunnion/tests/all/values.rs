@@ -1,0 +1,177 @@
+//! Values travel: a model file predicts runs it was not fitted to, and knows how far days differ.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::path::{Path, PathBuf};
+use trunnion::results::DoubtReason;
+use trunnion::{Error, Experiment, Fit, Model};
+
+fn committed(folder: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data").join(folder).join("points.csv")
+}
+
+#[test]
+fn a_model_file_predicts_like_the_fit_that_left_its_values() {
+    let run = trunnion::open(committed("points-gravity")).unwrap();
+    let base = run.fit(&run.base_model()).unwrap();
+    let step = base.add("gravity-sag:B").unwrap().dated("2026-03-01").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("machine.model.toml");
+    step.model().save(&file).unwrap();
+    let kept = Model::load(&file).unwrap();
+    let prediction = kept.predict(&run).unwrap();
+    assert_eq!(prediction.fitted_on, "2026-03-01");
+    assert!(prediction.runs[0].was_fitted, "these very points were fitted");
+    assert!(!prediction.differences_known, "one run knows nothing of another");
+    let of_fit = step.predict(&run).unwrap();
+    assert_eq!((&prediction.runs, &prediction.not_determined), (&of_fit.runs, &of_fit.not_determined));
+    assert!(prediction.runs[0].without_model_rms_um > 3.0 * prediction.runs[0].rms_um);
+
+    let compared = kept.compare_frozen(&run).unwrap();
+    assert!((compared.identification.rms_um / prediction.runs[0].rms_um - 1.0).abs() < 0.01);
+    assert!(compared.identification.parameters.iter().all(|p| p.u.is_none() || p.effect == "ball-setting"));
+    let text = trunnion::report::compare_text(&compared);
+    assert!(
+        text.starts_with("The kept values predict these runs") && text.contains("no prediction"),
+        "{text}"
+    );
+
+    // Values are of the whole model: with another effect they no longer count, without it they do again.
+    let by_hand = format!("{}\n[[effect]]\nid = \"backlash:C\"\n", kept.text());
+    let by_hand = Model::parse("m.toml", by_hand).unwrap();
+    let refused = by_hand.predict(&run).unwrap_err();
+    assert!(matches!(&refused, Error::NoValues { why } if why.contains("changed")), "{refused}");
+    assert!(matches!(base.model().predict(&run), Err(Error::NoValues { .. })));
+    let longer = run.fit(&kept).unwrap().add("backlash:C").unwrap().dated("2026-03-02").unwrap();
+    assert_eq!(longer.model().predict(&run).unwrap().fitted_on, "2026-03-02");
+    let without = longer.fit().remove("backlash:C", "2026-03-03").unwrap();
+    assert_eq!(without.model().text(), kept.text(), "removing undoes adding, values and all");
+    let middle = longer.fit().remove("gravity-sag:B", "2026-03-03").unwrap();
+    assert_eq!(middle.model().predict(&run).unwrap().fitted_on, "2026-03-03", "fitted again");
+}
+
+const MODEL: &str = "format = \"trunnion-model/1\"\nmachine = \"three-axis\"\n[[effect]]\nid = \"location-errors\"\n\
+                     [[effect]]\nid = \"ball-setting\"\n[[effect]]\nid = \"thermal-expansion\"\nshape = [0.0]\n";
+const DAYS: usize = 6;
+const SAMPLES: usize = 120;
+
+/// A machine at rest whose length follows two temperatures; how much, differs from day to day.
+struct Days {
+    /// µm/K, mean of the days.
+    coefficients: [f64; 2],
+    /// Standard deviation from day to day, µm/K.
+    between_um_per_k: f64,
+    /// Standard deviation and time constant (samples) of an Ornstein–Uhlenbeck drift, µm.
+    drift: (f64, f64),
+    white_um: f64,
+}
+
+impl Days {
+    /// One points file a day, and the true coefficients of the last.
+    fn write(&self, folder: &Path, seed: u64) -> (Vec<PathBuf>, [f64; 2]) {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let setup = "format = \"trunnion-points/1\"\nmachine = \"three-axis\"\n[[setup]]\nname = \"rest\"\ninstrument = \"diagonal\"\n\
+                     ball_in_table_mm = [0, 0, 0]\ndirection = [1, 0, 0]\n";
+        std::fs::write(folder.join("setup.toml"), setup).unwrap();
+        let mut last = self.coefficients;
+        let mut files = Vec::new();
+        for day in 0..DAYS {
+            last = self.coefficients.map(|mean| mean + self.between_um_per_k * normal());
+            let (warming_k, swing_k, phase) = (4.0 + normal(), 2.0 + 0.5 * normal(), normal());
+            let kept = (-1.0 / self.drift.1).exp();
+            let mut drift_um = self.drift.0 * normal();
+            let mut text = String::from("setup,time_s,x_mm,y_mm,z_mm,l_mm,bed_degc,ambient_degc\n");
+            for k in 0..SAMPLES {
+                let t = k as f64 / SAMPLES as f64;
+                let bed_k = warming_k * (1.0 - (-3.0 * t).exp());
+                let ambient_k = swing_k * ((6.0 * t + phase).sin() - phase.sin());
+                drift_um = kept * drift_um + (1.0 - kept * kept).sqrt() * self.drift.0 * normal();
+                let l_um = last[0] * bed_k + last[1] * ambient_k + drift_um + self.white_um * normal();
+                let [l_mm, bed, ambient] = [l_um * 1e-3, 20.0 + bed_k, 20.0 + ambient_k];
+                text += &format!("rest,{},0,0,0,{l_mm:.6},{bed:.4},{ambient:.4}\n", 120 * k);
+            }
+            files.push(folder.join(format!("day{day}.csv")));
+            std::fs::write(&files[day], text).unwrap();
+        }
+        (files, last)
+    }
+}
+
+/// Over seeds: mean share of the last day inside the band of the days before, and share of its coefficients inside the interval
+/// that u of another run gives.
+fn cover(days: &Days, seeds: u64, fitted: usize) -> (f64, f64) {
+    let (mut inside, mut coefficients) = (0.0, 0.0);
+    for seed in 0..seeds {
+        let folder = tempfile::tempdir().unwrap();
+        let (files, truth) = days.write(folder.path(), seed);
+        let fit = fit(&files[..fitted]);
+        let last = trunnion::open(&files[DAYS - 1]).unwrap();
+        let kept = fit.model().with_values(&fit.values("2026-03-01")).unwrap();
+        let prediction = kept.predict(&last).unwrap();
+        assert_eq!(prediction.differences_known, fitted > 1);
+        inside += prediction.runs[0].inside_95_fraction / seeds as f64;
+        for (name, truth) in ["bed.x", "ambient.x"].into_iter().zip(truth) {
+            let answer = fit.results();
+            let found = answer.parameter(name).unwrap();
+            let u = found.u_another_run.or(found.u).unwrap();
+            let hit = (found.value.unwrap() - truth).abs() <= 1.96 * u;
+            coefficients += f64::from(u8::from(hit)) / (2 * seeds) as f64;
+        }
+    }
+    (inside, coefficients)
+}
+
+fn fit(files: &[PathBuf]) -> Fit {
+    let runs: Experiment = trunnion::open_all(files).unwrap();
+    runs.fit(&Model::parse("m.toml", MODEL.into()).unwrap()).unwrap()
+}
+
+/// Shares of 20 days scatter by about 2 %, of 40 coefficients by 3.5 %: three of them below 95 %. Above nothing is asked of five
+/// days: their u has to hold what five days alone do not tell.
+#[test]
+fn u_of_several_days_holds_what_the_next_day_shows() {
+    let differing =
+        Days { coefficients: [8.0, -3.0], between_um_per_k: 1.0, drift: (0.5, 10.0), white_um: 0.3 };
+    let (inside, coefficients) = cover(&differing, 20, DAYS - 1);
+    println!("days that differ: {inside:.3} of readings, {coefficients:.3} of coefficients");
+    assert!(inside > 0.89 && coefficients > 0.84, "{inside} {coefficients}");
+    let alike = Days { between_um_per_k: 0.0, ..differing };
+    let (inside, coefficients) = cover(&alike, 20, DAYS - 1);
+    println!("days alike: {inside:.3} of readings, {coefficients:.3} of coefficients");
+    assert!(inside > 0.89 && coefficients > 0.84, "{inside} {coefficients}");
+    // One day cannot know: this is what the others are for.
+    let one = Days { between_um_per_k: 3.0, ..alike };
+    let (blind, _) = cover(&one, 10, 1);
+    let (inside, _) = cover(&one, 10, DAYS - 1);
+    println!("days that differ a lot: {blind:.3} from one, {inside:.3} from five");
+    assert!(inside > 0.89 && blind < inside - 0.1, "{blind} {inside}");
+}
+
+#[test]
+fn temperatures_that_change_together_and_impossible_coefficients_are_doubted() {
+    let folder = tempfile::tempdir().unwrap();
+    let days = Days { coefficients: [8.0, -3.0], between_um_per_k: 0.0, drift: (0.0, 1.0), white_um: 0.3 };
+    let (files, _) = days.write(folder.path(), 1);
+    assert_eq!(fit(&files[..1]).results().doubts, []);
+    // A third sensor next to the first, and a fourth far too sensitive.
+    let table = std::fs::read_to_string(&files[0]).unwrap();
+    let mut lines = table.lines();
+    let mut text = format!("{},twin_degc,far_degc\n", lines.next().unwrap());
+    for (k, line) in lines.enumerate() {
+        let cells: Vec<f64> = line.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+        let twin = cells[5] + 0.01 * ((k * 7) % 5) as f64;
+        let far = 20.0 + 0.002 * (k as f64 * 0.9).sin();
+        let l_mm = cells[4] + 0.5 * (far - 20.0);
+        text += &format!("rest,{},0,0,0,{l_mm:.6},{},{},{twin:.4},{far:.6}\n", cells[0], cells[5], cells[6]);
+    }
+    let file = folder.path().join("twins.csv");
+    std::fs::write(&file, text).unwrap();
+    let fit = fit(&[file]);
+    let doubts = fit.results().doubts;
+    let of = |reason| doubts.iter().filter(move |doubt| doubt.reason == reason).flat_map(|d| d.names.clone());
+    assert_eq!(of(DoubtReason::Collinear).collect::<Vec<_>>(), ["bed.x", "twin.x"], "{doubts:?}");
+    assert_eq!(of(DoubtReason::BeyondPhysical).collect::<Vec<_>>(), ["far.x"], "{doubts:?}");
+    assert!(fit.summary().contains("changed together"), "{}", fit.summary());
+}
