@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use serde_json::Value;
 use std::path::Path;
 use trunnion_core::axis::iso::{B, C};
-use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Quality, Setup, State};
+use trunnion_core::{AxisValues, NestSide, Point, Quality, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
@@ -27,12 +27,10 @@ fn placed(name: &str, z: f64, instrument: Instrument) -> SimSetup {
 }
 
 fn setup_of(placed: &SimSetup) -> Setup {
-    let (instrument, bar_length_mm) = match placed.instrument {
-        Instrument::BallBar { length_mm } => (InstrumentKind::BallBar, Some(length_mm)),
-        _ => (InstrumentKind::RTest, None),
-    };
+    let Instrument { kind, length_mm, .. } = placed.instrument;
+    let bar_length_mm = kind.keeps_bar_length().then_some(length_mm);
     let ball_in_table_mm = placed.ball_in_table_mm;
-    Setup { bar_length_mm, ..Setup::new(&placed.name, instrument, NestSide::Table, ball_in_table_mm) }
+    Setup { bar_length_mm, ..Setup::new(&placed.name, kind, NestSide::Table, ball_in_table_mm) }
 }
 
 /// A run over `states` of the truth's setups `of`, which become setups 0, 1, … of the run.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use trunnion::Machine;
 use trunnion::cycles::{Cycle, Pace, Run, RunKind};
 use trunnion::results::{Simulation, SimulationFormat};
-use trunnion_core::{AxisSample, InstrumentKind, NestSide, Point, Quality, Setup, State};
+use trunnion_core::{AxisSample, NestSide, Point, Quality, Setup, State};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{Compensation, Instrument, NestOn, SimSetup, Truth};
 
