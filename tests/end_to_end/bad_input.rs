@@ -98,3 +98,38 @@ fn wrong_usage_exits_with_2() {
     assert_eq!(trunnion(&["identify"]).status.code(), Some(2));
     assert_eq!(trunnion(&["no-such-command"]).status.code(), Some(2));
 }
+
+#[test]
+fn runs_that_cannot_be_what_they_say_are_shown_with_a_doubt_and_not_acted_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    // The sense of C reversed: its column has the opposite sign.
+    let points = std::fs::read_to_string(data("points.csv")).unwrap();
+    let column = points.lines().next().unwrap().split(',').position(|name| name == "c_deg").unwrap();
+    let reversed = points.lines().enumerate().map(|(i, line)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if i > 0 {
+            cells[column] = format!("{}", -cells[column].parse::<f64>().unwrap());
+        }
+        cells.join(",") + "\n"
+    });
+    std::fs::write(path("points.csv"), reversed.collect::<String>()).unwrap();
+    std::fs::copy(data("setup.toml"), path("setup.toml")).unwrap();
+    let (run, model) = (path("run.mcap"), path("m.toml"));
+    assert!(trunnion(&["import", &path("points.csv"), "-o", &run]).status.success());
+
+    for command in ["check", "identify", "compare", "diagnose"] {
+        let output = trunnion(&[command, &run]);
+        assert_eq!(output.status.code(), Some(3), "{command}");
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains("the opposite") || text.contains("-1"), "{command}: {text}");
+    }
+    let add = ["add", "gravity-sag:B", &run, "--model", &model];
+    let refused = trunnion(&add);
+    let error = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(3), "{error}");
+    assert!(error.contains("nothing was done") && !Path::new(&model).exists(), "{error}");
+    let anyway = trunnion(&[&add[..], &["--anyway"]].concat());
+    assert_eq!(anyway.status.code(), Some(3), "the doubt remains");
+    assert!(Path::new(&model).exists(), "{}", String::from_utf8_lossy(&anyway.stderr));
+}

@@ -4,6 +4,7 @@ use crate::outcome::Outcome;
 use crate::terminal;
 use anyhow::bail;
 use std::path::{Path, PathBuf};
+use trunnion::results::Plausibility;
 use trunnion::{Experiment, Limits, Model};
 
 pub use trunnion::files::{machine, machine_text, read};
@@ -29,6 +30,16 @@ impl RunArgs {
     }
 }
 
+/// Recordings that a person acts on: an effect enters the model, a table the control, a cycle the machine.
+#[derive(clap::Args)]
+pub struct TrustedArgs {
+    #[command(flatten)]
+    pub runs: RunArgs,
+    /// Go on although the runs are not plausible or not whole
+    #[arg(long)]
+    pub anyway: bool,
+}
+
 fn blocks(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count @ 50..=MOST_BLOCKS) => Ok(count),
@@ -50,6 +61,44 @@ pub struct Loaded {
     pub experiment: Experiment,
     /// Whether something of them is lost.
     pub outcome: Outcome,
+}
+
+impl Loaded {
+    /// How a command ends that shows numbers of these runs, and its doubts with them.
+    pub fn judgement(&self) -> Outcome {
+        if self.experiment.plausibility().is_empty() { self.outcome } else { Outcome::Withheld }
+    }
+
+    /// The same for a command whose answer has no room for doubts: they go to standard error.
+    pub fn stated_judgement(&self) -> Outcome {
+        self.experiment.plausibility().iter().for_each(|doubt| terminal::remark(&sentence(doubt)));
+        self.judgement()
+    }
+}
+
+fn sentence(doubt: &Plausibility) -> String {
+    format!("{} {}", doubt.finding, doubt.hypothesis)
+}
+
+/// Runs that were not acted on.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "nothing was done, because the runs are not plausible or not whole: {0} `--anyway` goes on all the same"
+)]
+pub struct NotTrusted(String);
+
+/// Opens recordings that a person acts on.
+///
+/// # Errors
+/// [`NotTrusted`] where they are not plausible or not whole and `anyway` is not given.
+pub fn trusted_runs(args: &TrustedArgs) -> anyhow::Result<Loaded> {
+    let loaded = runs(&args.runs)?;
+    let doubts: Vec<String> = loaded.experiment.plausibility().iter().map(sentence).collect();
+    if !doubts.is_empty() && !args.anyway {
+        return Err(NotTrusted(doubts.join(" ")).into());
+    }
+    let outcome = loaded.stated_judgement();
+    Ok(Loaded { outcome, ..loaded })
 }
 
 /// Opens the recordings; those taken on the fly with more samples than `--blocks` are reduced to blocks while they are read.

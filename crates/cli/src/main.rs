@@ -85,7 +85,7 @@ fn main() -> ExitCode {
         Ok(Outcome::DataLoss | Outcome::Withheld) => ExitCode::from(3),
         Err(error) => {
             terminal::remark(&format!("{error:#}"));
-            ExitCode::FAILURE
+            if error.is::<load::NotTrusted>() { ExitCode::from(3) } else { ExitCode::FAILURE }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `trunnion add`: put an effect into the model, refit, append the ladder row.
 
-use crate::load::{Loaded, RunArgs};
+use crate::load::{Loaded, TrustedArgs};
 use crate::outcome::Outcome;
 use crate::{load, terminal};
 use anyhow::Context;
@@ -20,7 +20,7 @@ pub struct Args {
     /// Effect id, e.g. gravity-sag:B, or formula:NAME
     effect: String,
     #[command(flatten)]
-    runs: RunArgs,
+    runs: TrustedArgs,
     /// Model file; made from the base model when it does not exist yet
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
@@ -70,7 +70,7 @@ fn grid(text: &str) -> Result<(String, Vec<f64>), String> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let Loaded { experiment, outcome } = load::trusted_runs(&args.runs)?;
     let model = Model::load_or_base(&args.model, &experiment.machine().name)?;
     let step = experiment.fit(&model)?.add_as(&args.effect, &args.formula.text())?.dated(&today()?)?;
     step.model().save(&args.model)?;

@@ -1,7 +1,7 @@
 //! `trunnion compare`: where does the model fail, and what would one more effect do.
 
 use super::add::FormulaArgs;
-use crate::load::{Loaded, ModelArgs, RunArgs};
+use crate::load::{ModelArgs, RunArgs};
 use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use anyhow::bail;
@@ -39,7 +39,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let loaded = load::runs(&args.runs)?;
+    let (outcome, experiment) = (loaded.judgement(), loaded.experiment);
     let model = args.model.model(&experiment)?;
     if args.frozen {
         frozen(args, model.compare_frozen(&experiment)?)?;

@@ -1,6 +1,6 @@
 //! `trunnion compensation`: what a model says of each axis as tables for the controller.
 
-use crate::load::{Loaded, ModelArgs, RunArgs};
+use crate::load::{Loaded, ModelArgs, TrustedArgs};
 use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use anyhow::{Context, bail};
@@ -18,7 +18,7 @@ use trunnion::results::{CompensationSummary, CompensationValues};
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
-    runs: RunArgs,
+    runs: TrustedArgs,
     #[command(flatten)]
     model: ModelArgs,
     /// Format of the file
@@ -41,7 +41,7 @@ fn format_names() -> Vec<&'static str> {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = compensation::format(&args.format).context("the command line allows known formats only")?;
-    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let Loaded { experiment, outcome } = load::trusted_runs(&args.runs)?;
     let errors = experiment.fit(&args.model.model(&experiment)?)?.axis_errors()?;
     if errors.axes.is_empty() {
         let why: Vec<String> = errors.left_out.iter().map(|l| format!("{}: {}", l.effect, l.why)).collect();

@@ -76,7 +76,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 fn jointly(args: &Args) -> anyhow::Result<Outcome> {
-    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let loaded = load::runs(&args.runs)?;
+    let (outcome, experiment) = (loaded.judgement(), loaded.experiment);
     let fit = experiment.fit(&args.model.model(&experiment)?)?;
     if let Some(path) = args.model.model.as_ref().filter(|_| args.keep) {
         fit.model().with_values(&fit.values(&today()?))?.save(path)?;

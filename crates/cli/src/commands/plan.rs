@@ -27,8 +27,11 @@ pub struct Args {
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     rivals: Vec<String>,
     /// A cycle to look at before it is measured (format trunnion-cycle/1)
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["runs", "model", "rivals", "output"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["runs", "model", "rivals", "output", "anyway"])]
     cycle: Option<PathBuf>,
+    /// Go on although the runs are not plausible or not whole
+    #[arg(long)]
+    anyway: bool,
     /// Cycle file to write
     #[arg(short, long, value_name = "NEXT.TOML")]
     output: Option<PathBuf>,
@@ -55,7 +58,10 @@ fn look_at(path: &Path, json: bool) -> anyhow::Result<Outcome> {
 }
 
 fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
-    let Loaded { experiment, outcome } = load::runs(&load::RunArgs::of(args.runs.clone()))?;
+    let Loaded { experiment, outcome } = load::trusted_runs(&load::TrustedArgs {
+        runs: load::RunArgs::of(args.runs.clone()),
+        anyway: args.anyway,
+    })?;
     let model = load::ModelArgs { model: args.model.clone() }.model(&experiment)?;
     let Some(plan) = experiment.fit(&model)?.plan(&args.rivals)? else {
         bail!(

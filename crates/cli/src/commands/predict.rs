@@ -1,6 +1,6 @@
 //! `trunnion predict`: a model against runs that it was not fitted to.
 
-use crate::load::{Loaded, RunArgs};
+use crate::load::RunArgs;
 use crate::outcome::Outcome;
 use crate::{load, terminal};
 use std::path::PathBuf;
@@ -32,17 +32,19 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let model = Model::load(&args.model)?;
-    let Loaded { experiment: other, outcome } = load::runs(&args.runs)?;
+    let loaded = load::runs(&args.runs)?;
+    let (outcome, other) = (loaded.stated_judgement(), loaded.experiment);
     let (prediction, of_fitted) = if args.fitted.is_empty() {
         (model.predict(&other)?, Outcome::Done)
     } else {
-        let Loaded { experiment, outcome } = load::runs(&RunArgs::of(args.fitted.clone()))?;
-        (experiment.fit(&model)?.predict(&other)?, outcome)
+        let loaded = load::runs(&RunArgs::of(args.fitted.clone()))?;
+        let outcome = loaded.stated_judgement();
+        (loaded.experiment.fit(&model)?.predict(&other)?, outcome)
     };
     if args.json {
         terminal::print_json(&prediction)?;
     } else {
         terminal::print(&trunnion::report::prediction_text(&prediction))?;
     }
-    Ok(if of_fitted == Outcome::DataLoss { of_fitted } else { outcome })
+    Ok(if of_fitted == Outcome::Done { outcome } else { of_fitted })
 }

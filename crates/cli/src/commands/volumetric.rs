@@ -1,6 +1,6 @@
 //! `trunnion volumetric`: how far tool and table are off all over a volume, by a fitted model.
 
-use crate::load::{Loaded, ModelArgs, RunArgs};
+use crate::load::{ModelArgs, RunArgs};
 use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use std::path::PathBuf;
@@ -62,7 +62,8 @@ fn datum(text: &str) -> Result<Datum, String> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let loaded = load::runs(&args.runs)?;
+    let (outcome, experiment) = (loaded.stated_judgement(), loaded.experiment);
     let fit = experiment.fit(&args.model.model(&experiment)?)?;
     let answer = fit.volumetric(&args.volume, usize::from(args.steps), args.tool_point.0, args.datum)?;
     if let Some(path) = &args.html {

@@ -76,12 +76,16 @@ fn positions_that_scatter_leave_the_answer_as_it_is() {
 }
 
 #[test]
-fn positions_that_the_readings_do_not_follow_are_no_effect() {
-    let mut runs = vec![rounded(points_run("points-nothing-hidden"))];
-    runs.extend((0..SEEDS).map(|seed| flickering(points_run("points-nothing-hidden"), seed)));
-    for run in runs {
-        let diagnosis = diagnosed(run);
+fn positions_that_the_readings_do_not_follow_are_no_effect_and_hide_none() {
+    let disturbed = |set: &str| {
+        let flickering = (0..SEEDS).map(|seed| flickering(points_run(set), seed));
+        std::iter::once(rounded(points_run(set))).chain(flickering).map(diagnosed).collect::<Vec<_>>()
+    };
+    for diagnosis in disturbed("points-nothing-hidden") {
         let quiet = [Verdict::NoiseFloor, Verdict::Undecided].contains(&diagnosis.verdict);
         assert!(quiet && diagnosis.candidates.is_empty(), "{:?} {:?}", diagnosis.verdict, diagnosis.set);
+    }
+    for diagnosis in disturbed("points-gravity") {
+        assert_eq!(diagnosis.candidates[0].effect, "gravity-sag:B", "{}", diagnosis.why);
     }
 }
