@@ -1,6 +1,6 @@
 //! Whitening in one pass over time: a Kalman filter whose gains do not depend on the data.
 
-use super::{Noise, Order};
+use super::order::{Noise, Order};
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, Matrix4, Matrix4x3, Vector3};
 use std::ops::Range;
 
