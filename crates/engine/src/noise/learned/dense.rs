@@ -14,24 +14,25 @@ const SMALL: usize = 48;
 /// Products with a triangle leave its zeros out in strips of this width; narrower ones cost more in copies than they save.
 const STRIP: usize = 128;
 
-/// ln det and inverse of a matrix of which the lower triangle is given; `None` where it is not positive definite.
-///
-/// The factor has the precision of `T`. What follows is single: the factor has the root of the condition only.
-pub(super) fn inverse<T: RealField + Copy>(mut a: DMatrix<T>) -> Option<(f64, DMatrix<Real>)> {
-    let n = a.nrows();
-    let log_det = factor(&mut a, 0..n, &mut Vec::new()).filter(|log_det| log_det.is_finite())?;
-    let mut root = a.map(|value| number(value) as Real);
-    drop(a);
+/// ln det of a matrix of which the lower triangle is given, with L in place of that; `None` where it is not positive definite.
+pub(super) fn factor<T: RealField + Copy>(a: &mut DMatrix<T>) -> Option<f64> {
+    let rows = 0..a.nrows();
+    factor_block(a, rows, &mut Vec::new()).filter(|log_det| log_det.is_finite())
+}
+
+/// A⁻¹ from L: single precision will do, as the factor has the root of the condition only.
+pub(super) fn inverse(mut root: DMatrix<Real>) -> Option<DMatrix<Real>> {
+    let n = root.nrows();
     invert(&mut root, 0..n)?;
     let mut inverse = DMatrix::zeros(n, n);
     square(&root, &mut inverse, 0..n);
     inverse.fill_upper_triangle_with_lower_triangle();
-    Some((log_det, inverse))
+    Some(inverse)
 }
 
 /// L in place of the lower triangle of a block on the diagonal; ln det of the block. `inverses`: of the small blocks of L so far, each
 /// with its first row.
-fn factor<T: RealField + Copy>(
+fn factor_block<T: RealField + Copy>(
     a: &mut DMatrix<T>,
     block: Range<usize>,
     inverses: &mut Vec<(usize, DMatrix<T>)>,
@@ -43,7 +44,7 @@ fn factor<T: RealField + Copy>(
         inverses.push((block.start, inverse_of_small(&small)?));
         return Some(small.diagonal().iter().map(|value| 2.0 * number(*value).ln()).sum());
     };
-    let log_det = factor(a, first.clone(), inverses)?;
+    let log_det = factor_block(a, first.clone(), inverses)?;
     solve(a, &second, first.clone(), inverses);
     let n = a.nrows();
     let (left, right) = a.as_mut_slice().split_at_mut(second.start * n);
@@ -53,7 +54,7 @@ fn factor<T: RealField + Copy>(
         let columns = strip.start - second.start..strip.end - second.start;
         view_mut(right, n, strip.start..second.end, columns).gemm(-T::one(), &below, &across, T::one());
     }
-    Some(log_det + factor(a, second, inverses)?)
+    Some(log_det + factor_block(a, second, inverses)?)
 }
 
 /// X with X Lᵀ = A in place of A on some rows and columns, L on the same columns.
@@ -203,14 +204,18 @@ mod tests {
         let n = 5 * STRIP + 7;
         let root = DMatrix::from_fn(n, n, |i, j| ((i * 37 + j * 11 + i * j) % 23) as f64 / 23.0 - 0.5);
         let a = &root * root.transpose() + DMatrix::identity(n, n);
-        let (log_det, found) = inverse(a.clone()).unwrap();
+        let mut root = a.clone();
+        let log_det = factor(&mut root).unwrap();
+        let found = inverse(root.cast()).unwrap();
         let plain = a.clone().cholesky().unwrap();
         assert!((plain.inverse() - found.cast::<f64>()).amax() < 1e-5);
         let plain: f64 = plain.l_dirty().diagonal().iter().map(|x| 2.0 * x.ln()).sum();
         assert!((log_det - plain).abs() < 1e-8, "{log_det} {plain}");
-        let (single, found) = inverse(a.cast::<Real>()).unwrap();
+        let mut root = a.clone().cast::<Real>();
+        let single = factor(&mut root).unwrap();
+        let found = inverse(root).unwrap();
         assert!((log_det - single).abs() < 0.05, "{log_det} {single}");
         assert!((&a * found.cast::<f64>() - DMatrix::identity(n, n)).amax() < 0.05);
-        assert!(inverse(a - DMatrix::identity(n, n) * 2.0).is_none());
+        assert!(factor(&mut (a - DMatrix::identity(n, n) * 2.0)).is_none());
     }
 }
