@@ -55,15 +55,20 @@ pub fn weighed(gram: &DMatrix<f64>, on_readings: &DVector<f64>, white: f64) -> W
 
 /// Blocks of turned columns side by side, each of its width.
 pub fn weigh_all(here: &Projected, columns: &DMatrix<Real>, widths: &[usize]) -> Vec<Weighed> {
+    weigh_grams(here, columns, &here.grams(columns, widths))
+}
+
+/// The same where AᵀPA of the blocks is known.
+pub fn weigh_grams(here: &Projected, columns: &DMatrix<Real>, grams: &[DMatrix<f64>]) -> Vec<Weighed> {
     let on_readings = columns.tr_mul(&here.py).cast::<f64>();
     let white = here.sigma.x[0].exp();
     let mut first = 0;
-    let of_block = |(gram, width): (DMatrix<f64>, &usize)| {
-        let of_block = on_readings.rows(first, *width).into_owned();
-        first += width;
-        if *width == 0 { Weighed::NOTHING } else { weighed(&gram, &of_block, white) }
+    let of_block = |gram: &DMatrix<f64>| {
+        let of_block = on_readings.rows(first, gram.ncols()).into_owned();
+        first += gram.ncols();
+        if gram.is_empty() { Weighed::NOTHING } else { weighed(gram, &of_block, white) }
     };
-    here.grams(columns, widths).into_iter().zip(widths).map(of_block).collect()
+    grams.iter().map(of_block).collect()
 }
 
 /// One block of turned columns.

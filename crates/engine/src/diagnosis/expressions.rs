@@ -7,7 +7,7 @@ use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::{SHAPE_MAY_ADD_LN, Scored, term_price_ln};
 use crate::diagnosis::view::{Beside, Item, View, What, weighed_beside};
 use crate::diagnosis::vocabulary::{Screened, Term};
-use crate::evidence::{turned, weigh};
+use crate::evidence::{parallel, turned, weigh};
 use nalgebra::DMatrix;
 
 /// Best terms of the grammar, at the learned noise and in a quiet one, whose bundles are looked at too.
@@ -20,25 +20,25 @@ const SHAPED_RELATIVES: usize = 3;
 /// The best term of the grammar at its best shape; none where none can come near `beat_ln` at the learned or at the quiet noise.
 pub fn best_term(scan: &Scan<'_>, view: &View, beat_ln: [f64; 2]) -> Option<Scored> {
     let finalists = finalists(scan, view, beat_ln);
-    let mut best: Option<(Scored, Beside)> = None;
-    let mut seen: Vec<(&str, usize)> = Vec::new();
+    let mut starts: Vec<&Screened> = Vec::new();
+    let idea = |start: &Screened| (&scan.vocabulary.families[start.term.family].idea, start.term.carriers[0]);
     for start in &finalists {
-        let idea = (scan.vocabulary.families[start.term.family].idea.as_str(), start.term.carriers[0]);
-        if seen.contains(&idea) || seen.len() == SHAPED_IDEAS {
-            continue;
-        }
-        seen.push(idea);
-        let shape = &scan.vocabulary.families[start.term.family].grid[start.shape];
-        let Some(columns) = columns(scan, &start.term, shape) else { continue };
-        let Some(beside) = view.beside(scan, &turned(&columns)) else { continue };
-        for scored in shaped_relatives(scan, view, &start.term, &beside) {
-            if best.as_ref().is_none_or(|(best, _)| scored.item.ln_odds > best.item.ln_odds) {
-                let beside = Beside { mode: beside.mode.clone(), alone: beside.alone.clone(), ..beside };
-                best = Some((scored, beside));
-            }
+        if starts.len() < SHAPED_IDEAS && starts.iter().all(|other| idea(other) != idea(start)) {
+            starts.push(start);
         }
     }
-    let (best, beside) = best?;
+    let shaped = parallel(starts.len(), |i| {
+        let start = starts[i];
+        let shape = &scan.vocabulary.families[start.term.family].grid[start.shape];
+        let beside = view.beside(scan, &turned(&columns(scan, &start.term, shape)?))?;
+        let relatives = shaped_relatives(scan, view, &start.term, &beside);
+        let first_best = |a: Scored, b: Scored| if b.item.ln_odds > a.item.ln_odds { b } else { a };
+        Some((relatives.into_iter().reduce(first_best)?, beside))
+    });
+    let first_best = |a: (Scored, Beside), b: (Scored, Beside)| {
+        if b.0.item.ln_odds > a.0.item.ln_odds { b } else { a }
+    };
+    let (best, beside) = shaped.into_iter().flatten().reduce(first_best)?;
     Some(with_siblings(scan, view, best, &beside))
 }
 

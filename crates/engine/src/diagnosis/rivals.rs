@@ -4,10 +4,9 @@ use crate::diagnosis::named::named;
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
 use crate::diagnosis::search::Found;
-use crate::diagnosis::view::{Item, What, columns_of, fitted};
+use crate::diagnosis::view::{Item, View, What, columns_of, fitted};
 use crate::evidence::{beside, turned};
 use crate::noise::learned::Real;
-use crate::noise::learned::sigma::Projected;
 use nalgebra::DVector;
 
 /// Rivals within this ln of the Bayes factor are confused (a factor of 20).
@@ -37,7 +36,7 @@ pub fn confused_with(scan: &Scan<'_>, found: &Found, item: &Item, claim_ln: f64)
         .filter(|scored| scored.ln_bf > own - CONFUSED_LN && scored.ln_bf > 0.0)
         .filter_map(|scored| if let What::Named(g) = scored.item.what { Some(g) } else { None })
         .collect();
-    confused.extend(imitators(scan, &view.null.here, item));
+    confused.extend(imitators(scan, &view, item));
     let mut seen = vec![group];
     confused.retain(|g| {
         let new = !seen.contains(g) && !kept(g);
@@ -48,7 +47,8 @@ pub fn confused_with(scan: &Scan<'_>, found: &Found, item: &Item, claim_ln: f64)
 }
 
 /// Named effects of which one shape imitates what was fitted with an item.
-fn imitators(scan: &Scan<'_>, here: &Projected, item: &Item) -> Vec<usize> {
+fn imitators(scan: &Scan<'_>, view: &View, item: &Item) -> Vec<usize> {
+    let here = &view.null.here;
     let signal = fitted(here, &turned(&item.columns)).cast::<Real>();
     let on_basis = (here.weighted.tr_mul(&signal)).cast::<f64>();
     let seen: DVector<Real> =
@@ -56,16 +56,16 @@ fn imitators(scan: &Scan<'_>, here: &Projected, item: &Item) -> Vec<usize> {
     let square: f64 = signal.iter().zip(seen.iter()).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
     let products = scan.columns.tr_mul(&seen).cast::<f64>();
     let mut first = 0;
-    let shares: Vec<f64> = here
-        .grams(&scan.columns, &scan.widths)
-        .into_iter()
+    let shares: Vec<f64> = view
+        .grams
+        .iter()
         .map(|gram| {
             let on_signal = products.rows(first, gram.ncols()).into_owned();
             first += gram.ncols();
             if gram.is_empty() {
                 return 0.0;
             }
-            let eigen = ((&gram + gram.transpose()) * 0.5).symmetric_eigen();
+            let eigen = ((gram + gram.transpose()) * 0.5).symmetric_eigen();
             let along = eigen.eigenvectors.tr_mul(&on_signal);
             let least = SEEN * eigen.eigenvalues.amax();
             let pairs = eigen.eigenvalues.iter().zip(along.iter()).filter(|(lambda, _)| **lambda > least);

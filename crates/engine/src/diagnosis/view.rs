@@ -2,7 +2,7 @@
 
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::vocabulary::Term;
-use crate::evidence::{Weighed, beside, orthonormal, weigh, weigh_all};
+use crate::evidence::{Weighed, beside, orthonormal, parallel, weigh, weigh_grams};
 use crate::noise::learned::Real;
 use crate::noise::learned::mode::{Effort, Mode};
 use crate::noise::learned::sigma::{Projected, Sigma};
@@ -67,6 +67,8 @@ pub struct View {
     /// The same columns at a quiet noise.
     pub quiet: Projected,
     pub named: Vec<OnGrid>,
+    /// AᵀPA of everything named, one for each shape.
+    pub grams: Vec<DMatrix<f64>>,
 }
 
 /// The noise learned beside some columns.
@@ -94,8 +96,11 @@ impl View {
             *x = (x.min(QUIET.ln()) - QUIETER_LN).max((*x).min(mean - 1.0));
         }
         let quiet = Projected::new(readings.sigma(&x)?, &scan.y, &basis)?;
-        let named = on_grid(scan, &basis, &null.here, &quiet);
-        Some(Self { chosen, basis, null, quiet, named })
+        let at = [&null.here, &quiet];
+        let mut grams = parallel(at.len(), |i| at[i].grams(&scan.columns, &scan.widths));
+        let [at_null, at_quiet] = [0, 1].map(|i| weigh_grams(at[i], &scan.columns, &grams[i]));
+        let named = on_grid(scan, &basis, &at_null, &at_quiet);
+        Some(Self { chosen, basis, null, quiet, named, grams: grams.swap_remove(0) })
     }
 
     /// ln Bayes factor of turned columns at the learned noise or in a quiet one, whichever is larger.
@@ -136,9 +141,7 @@ pub fn fitted(here: &Projected, columns: &DMatrix<f64>) -> DVector<f64> {
     columns * values
 }
 
-fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, null: &Projected, quiet: &Projected) -> Vec<OnGrid> {
-    let at_null = weigh_all(null, &scan.columns, &scan.widths);
-    let at_quiet = weigh_all(quiet, &scan.columns, &scan.widths);
+fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, at_null: &[Weighed], at_quiet: &[Weighed]) -> Vec<OnGrid> {
     let on_basis = basis.transpose() * &scan.columns;
     let total = scan.y.len() as Real;
     let left: Vec<Real> =
@@ -158,7 +161,7 @@ fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, null: &Projected, quiet: &Pro
             let best = (0..own.len()).max_by(|&a, &b| ln[a].total_cmp(&ln[b])).unwrap_or(0);
             (named.averaged(&ln), named.parts.start + best)
         };
-        let ((ln_bf, part), (quiet_ln_bf, quiet_part)) = (best(&at_null), best(&at_quiet));
+        let ((ln_bf, part), (quiet_ln_bf, quiet_part)) = (best(at_null), best(at_quiet));
         let visible = named.parts.clone().any(|part| {
             let columns = first_column[part]..first_column[part] + scan.widths[part];
             columns.into_iter().any(|column| left[column] > (SURVIVAL * SURVIVAL) as Real)

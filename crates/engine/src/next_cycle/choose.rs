@@ -8,6 +8,7 @@ use super::options::{ENOUGH_LN, Options, PlanError};
 use super::present::Present;
 use super::rivals::Rivals;
 use crate::Experiment;
+use crate::evidence::parallel;
 use crate::problem::Problem;
 use trunnion_effects::{Instance, Model, ModelEffect, UnknownEffect};
 
@@ -60,8 +61,10 @@ pub fn plan_problem(problem: &Problem<'_>, rivals: &Rivals, options: &Options) -
     let again = design.again(&knowledge, options)?;
     let states = present.last_states();
     let mut considered = vec![again];
-    for candidate in candidates(machine, present.last_setups(), &states, &options.pace) {
-        considered.extend(design.consider(&candidate, &knowledge, options)?);
+    let candidates = candidates(machine, present.last_setups(), &states, &options.pace);
+    let each = parallel(candidates.len(), |i| design.consider(&candidates[i], &knowledge, options));
+    for candidate in each {
+        considered.extend(candidate?);
     }
     Ok(answer(&design, &before, considered, options))
 }
