@@ -1,0 +1,40 @@
+//! Processor time, memory, and the yardstick.
+
+use std::hint::black_box;
+
+/// Processor time of one GFLOP of the yardstick, s.
+pub fn yardstick_s() -> f64 {
+    const ROWS: usize = 4096;
+    const COLUMNS: usize = 64;
+    let rows: Vec<[f64; COLUMNS]> =
+        (0..ROWS).map(|i| std::array::from_fn(|j| ((i * 31 + j * 17) % 101) as f64 - 50.0)).collect();
+    let begun_s = cpu_s();
+    let mut flop = 0.0;
+    while cpu_s() - begun_s < 0.5 {
+        let mut gram = [[0.0; COLUMNS]; COLUMNS];
+        for row in black_box(&rows) {
+            for (j, of_row) in gram.iter_mut().enumerate() {
+                for (sum, x) in of_row[..=j].iter_mut().zip(row) {
+                    *sum += row[j] * x;
+                }
+            }
+        }
+        black_box(gram);
+        flop += (ROWS * COLUMNS * (COLUMNS + 1)) as f64;
+    }
+    (cpu_s() - begun_s) / flop * 1e9
+}
+
+/// Processor time of this process with all its threads, s (Linux: fields 14 and 15 of `stat`, in ticks of 10 ms).
+pub fn cpu_s() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
+    let fields = stat.rsplit_once(") ").unwrap().1.split_whitespace().skip(11).take(2);
+    fields.map(|ticks| ticks.parse::<f64>().unwrap() / 100.0).sum()
+}
+
+/// Largest resident memory, MiB (Linux).
+pub fn peak_mib() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmHWM")).unwrap();
+    line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() / 1024.0
+}
