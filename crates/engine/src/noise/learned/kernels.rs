@@ -44,6 +44,8 @@ pub(crate) struct Kernels {
     pub points: usize,
     pub point_of_row: Vec<usize>,
     pub rows_of_point: Vec<Range<usize>>,
+    /// Readings of every point, where all have as many.
+    components: Option<usize>,
 }
 
 /// One kernel.
@@ -99,7 +101,10 @@ impl Kernels {
         let rows_of_point: Vec<Range<usize>> = (0..points).map(|i| experiment.rows_of(i)).collect();
         let point_of_row =
             rows_of_point.iter().enumerate().flat_map(|(i, rows)| rows.clone().map(move |_| i)).collect();
-        let mut kernels = Self { list: Vec::new(), frames: Vec::new(), points, point_of_row, rows_of_point };
+        let components = rows_of_point.first().map(Range::len);
+        let components = components.filter(|&count| rows_of_point.iter().all(|rows| rows.len() == count));
+        let (list, frames) = (Vec::new(), Vec::new());
+        let mut kernels = Self { list, frames, points, point_of_row, rows_of_point, components };
         let taken = Taken::new(experiment);
         let mut readings = In::frame(&mut kernels, of_readings(experiment), root);
         readings.add(Part::Pass, alike(&taken.pass), 0.25, SPREAD_LN);
@@ -155,11 +160,31 @@ impl Kernels {
             let target = &mut sums.as_mut_slice()[of_point..of_point + points];
             let a = &matrix.as_slice()[column * rows..(column + 1) * rows];
             let b = &frame.gram.as_slice()[column * rows..(column + 1) * rows];
-            for ((a, b), &point) in a.iter().zip(b).zip(&self.point_of_row) {
-                target[point] += a * b;
+            match self.components {
+                Some(1) => contract::<1>(target, a, b),
+                Some(3) => contract::<3>(target, a, b),
+                _ => {
+                    for ((a, b), &point) in a.iter().zip(b).zip(&self.point_of_row) {
+                        target[point] += a * b;
+                    }
+                }
             }
         }
         sums
+    }
+
+    /// Adds, to the rows of a column of a covariance from point `first` on, gram ∘ the values of the rows' points.
+    pub fn add_expanded(&self, first: usize, target: &mut [Real], gram: &[Real], of_points: &[Real]) {
+        match self.components {
+            Some(1) => expand::<1>(target, gram, &of_points[first..]),
+            Some(3) => expand::<3>(target, gram, &of_points[first..]),
+            _ => {
+                let points = &self.point_of_row[self.rows_of_point[first].start..];
+                for ((value, gram), &point) in target.iter_mut().zip(gram).zip(points) {
+                    *value += gram * of_points[point];
+                }
+            }
+        }
     }
 
     /// Sums over the rows of each point of lever ∘ v: point × direction.
@@ -184,6 +209,22 @@ impl Kernels {
     /// ln of what is expected of every size.
     pub fn means(&self) -> impl Iterator<Item = f64> + '_ {
         self.list.iter().map(|kernel| kernel.mean_ln)
+    }
+}
+
+/// Sums over the N rows of each point of a ∘ b.
+fn contract<const N: usize>(target: &mut [Real], a: &[Real], b: &[Real]) {
+    for ((sum, a), b) in target.iter_mut().zip(a.chunks_exact(N)).zip(b.chunks_exact(N)) {
+        *sum += a.iter().zip(b).map(|(a, b)| a * b).sum::<Real>();
+    }
+}
+
+/// gram ∘ the value of each point, on its N rows.
+fn expand<const N: usize>(target: &mut [Real], gram: &[Real], of_points: &[Real]) {
+    for ((rows, gram), of_point) in target.chunks_exact_mut(N).zip(gram.chunks_exact(N)).zip(of_points) {
+        for (value, gram) in rows.iter_mut().zip(gram) {
+            *value += gram * of_point;
+        }
     }
 }
 

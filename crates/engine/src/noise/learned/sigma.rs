@@ -4,6 +4,7 @@ use super::Real;
 use super::dense;
 use super::kernels::{Kernels, Over};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Above this sum of ρ² single precision no longer holds the factor: rounding grows with it, the white part stays 1.
@@ -34,7 +35,7 @@ impl Sigma {
     }
 }
 
-/// W + Σ_k ρ_k² K_k, lower triangle.
+/// W + Σ_k ρ_k² K_k: the lower triangle; above it only what is of the same point.
 fn covariance(kernels: &Kernels, rho_squared: &[f64], white: &DVector<f64>) -> DMatrix<Real> {
     let (rows, points) = (kernels.point_of_row.len(), kernels.points);
     let mut sums: Vec<Option<DMatrix<Real>>> = vec![None; kernels.frames.len()];
@@ -54,22 +55,20 @@ fn covariance(kernels: &Kernels, rho_squared: &[f64], white: &DVector<f64>) -> D
     let mut sigma = DMatrix::zeros(rows, rows);
     for column in 0..rows {
         let point = kernels.point_of_row[column];
-        let target = &mut sigma.as_mut_slice()[column * rows + column..(column + 1) * rows];
+        let Range { start: first, end: last } = kernels.rows_of_point[point];
+        let below = column * rows + first..(column + 1) * rows;
+        let target = &mut sigma.as_mut_slice()[below.clone()];
         for (frame, sum) in kernels.frames.iter().zip(&sums) {
             let Some(sum) = sum else { continue };
             let of_points = &sum.as_slice()[point * points..(point + 1) * points];
-            let gram = &frame.gram.as_slice()[column * rows + column..(column + 1) * rows];
-            for ((value, gram), &other) in target.iter_mut().zip(gram).zip(&kernels.point_of_row[column..]) {
-                *value += gram * of_points[other];
-            }
+            kernels.add_expanded(point, target, &frame.gram.as_slice()[below.clone()], of_points);
         }
-        let last = kernels.rows_of_point[point].end;
         for (frame, own) in kernels.frames.iter().zip(&own).filter(|(_, own)| **own > 0.0) {
             for row in column..last {
-                target[row - column] += own * frame.gram[(row, column)];
+                target[row - first] += own * frame.gram[(row, column)];
             }
         }
-        target[0] += white[column] as Real;
+        target[column - first] += white[column] as Real;
     }
     sigma
 }
