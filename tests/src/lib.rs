@@ -21,14 +21,21 @@ pub fn show_log() {
 /// Waits until the service has written the report of its first cycle: the recording, next to which the report is; `None` when
 /// there is none after `limit`.
 pub async fn first_report(recordings: &Path, limit: Duration) -> Option<PathBuf> {
+    reports(recordings, 1, limit).await?.pop()
+}
+
+/// The same for so many cycles; the recordings in order of their names.
+pub async fn reports(recordings: &Path, count: usize, limit: Duration) -> Option<Vec<PathBuf>> {
     let written = async {
         loop {
             let files = std::fs::read_dir(recordings).into_iter().flatten().flatten();
             let names = files.map(|file| file.path().to_string_lossy().into_owned());
-            if let Some(run) =
-                names.filter_map(|name| Some(name.strip_suffix(".diagnosis.json")?.to_owned())).next()
-            {
-                return PathBuf::from(run + ".mcap");
+            let run =
+                |name: String| Some(PathBuf::from(format!("{}.mcap", name.strip_suffix(".diagnosis.json")?)));
+            let mut runs: Vec<PathBuf> = names.filter_map(run).collect();
+            runs.sort();
+            if runs.len() >= count {
+                return runs;
             }
             tokio::time::sleep(Duration::from_millis(100)).await;
         }

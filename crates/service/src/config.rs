@@ -2,9 +2,10 @@
 
 use crate::mqtt::MqttConfig;
 use std::path::{Path, PathBuf};
+use trunnion_acquire::config::channels;
 use trunnion_acquire::{DeviceConfig, read_devices};
-use trunnion_core::Problems;
 use trunnion_core::input::{Document, Table};
+use trunnion_core::{Problems, Role};
 use trunnion_sync::{NestCalibration, StartRule};
 
 /// What the service needs to know.
@@ -18,7 +19,7 @@ pub struct Config {
     pub model: Option<PathBuf>,
     /// Folder of the recordings and reports.
     pub recordings: PathBuf,
-    /// Probe directions of the R-test.
+    /// Probe directions of the R-test; of no meaning without probes.
     pub nest: NestCalibration,
     /// What begins a cycle.
     pub cycle_start: StartRule,
@@ -53,9 +54,15 @@ fn read(document: &Document<'_>, folder: &Path, text: &str) -> Option<Config> {
     let cycle = root.string("cycle").map(|path| folder.join(path));
     let model = root.optional_string("model").map(|path| folder.join(path));
     let recordings = root.string("recordings").map(|path| folder.join(path));
-    let nest = root.table("nest").and_then(|table| NestCalibration::read(&table));
     let cycle_start = StartRule::read(&root);
     let devices = read_devices(&root);
+    let probes = devices.as_deref().is_some_and(has_probes);
+    // A ball bar alone has no nest.
+    let nest = if probes || root.has("nest") {
+        root.table("nest").and_then(|table| NestCalibration::read(&table))
+    } else {
+        Some(NestCalibration::orthogonal())
+    };
     let mqtt =
         root.optional_table("mqtt").map(|table| read_mqtt(&table, name.as_deref().unwrap_or("machine")));
     root.no_other_keys();
@@ -75,6 +82,10 @@ fn read(document: &Document<'_>, folder: &Path, text: &str) -> Option<Config> {
         mqtt,
         text: text.into(),
     })
+}
+
+fn has_probes(devices: &[DeviceConfig]) -> bool {
+    channels(devices).iter().any(|channel| matches!(channel.role, Role::Probe(_)))
 }
 
 fn read_mqtt(table: &Table<'_>, machine: &str) -> Option<MqttConfig> {

@@ -17,7 +17,8 @@ pub struct Forming {
     /// What the aligner gave, until it is read.
     steps: Vec<Aligned>,
     reader: Reader,
-    /// Reading of the first good point of each setup: only changes from there are measured (S1 eq. 14).
+    /// Reading of the first good point of each setup: only changes from there are measured (S1 eq. 14); none are taken off a
+    /// calibrated length.
     zero_mm: Vec<Option<Vector3<f64>>>,
     newest_s: f64,
     ended: Option<EndReason>,
@@ -82,7 +83,7 @@ impl Forming {
     pub fn new(plan: &Plan, temperature_channels: usize) -> Result<Self, PlanError> {
         let channels = check(plan)?;
         let axes: Vec<Joint> = plan.machine.axes().map(|axis| axis.letter).collect();
-        let calibrations = vec![plan.nest; plan.cycle.setups.len()];
+        let calibrations = vec![plan.calibration(); plan.cycle.setups.len()];
         let reader = match &plan.cycle.motion {
             Motion::Static { settle, .. } | Motion::Line { settle, .. } => {
                 let poses = plan.cycle.poses(&plan.machine).unwrap_or_default();
@@ -101,14 +102,14 @@ impl Forming {
             }
             Motion::OnTheFly { axis, from_to_rad, .. } => {
                 let rules = SweepRules::new(*axis, *from_to_rad, plan.cycle.sweeps());
-                Reader::Sweep(Box::new(SweepCycle::new(rules, plan.nest, temperature_channels)))
+                Reader::Sweep(Box::new(SweepCycle::new(rules, plan.calibration(), temperature_channels)))
             }
         };
         Ok(Self {
             aligner: Aligner::new(&channels, AlignLimits::default()),
             steps: Vec::new(),
             reader,
-            zero_mm: vec![None; plan.cycle.setups.len()],
+            zero_mm: plan.cycle.setups.iter().map(|s| s.calibrated.then(Vector3::zeros)).collect(),
             newest_s: 0.0,
             ended: None,
         })

@@ -21,6 +21,14 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// What the channels of the instrument become: the three probes the displacement in the nest, the bar its own reading.
+    pub fn calibration(&self) -> NestCalibration {
+        match self.cycle.setups[0].instrument {
+            InstrumentKind::RTest => self.nest,
+            _ => NestCalibration::orthogonal(),
+        }
+    }
+
     /// Where the cycle begins; `None` for one that is not measured pose by pose.
     pub fn first_pose(&self) -> Option<StandsAt> {
         let (Motion::Static { settle, .. } | Motion::Line { settle, .. }) = &self.cycle.motion else {

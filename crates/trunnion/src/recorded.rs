@@ -28,7 +28,10 @@ pub fn plan_of(header: &RunHeader) -> Option<Plan> {
 fn configured(text: &str) -> Option<(NestCalibration, Vec<Role>)> {
     let document = Document::parse("recorded configuration", text).ok()?;
     let root = document.root();
-    let nest = root.table("nest").and_then(|table| NestCalibration::read(&table));
+    let nest = match root.optional_table("nest") {
+        Some(table) => NestCalibration::read(&table),
+        None => Some(NestCalibration::orthogonal()),
+    };
     let roles = roles_of_devices(&root);
     drop(root);
     document.finish(nest.zip(roles)).ok()

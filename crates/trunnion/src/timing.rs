@@ -156,7 +156,8 @@ fn unexpected_gains(
     header: &RunHeader,
 ) -> Vec<String> {
     let Ok(channels) = trunnion_sync::plan::check(plan) else { return Vec::new() };
-    let Some(probes_from_nest) = plan.nest.nest_from_probes.try_inverse().filter(|_| channels.len() == 3)
+    let Some(probes_from_nest) =
+        plan.calibration().nest_from_probes.try_inverse().filter(|_| channels.len() == 3)
     else {
         return Vec::new();
     };

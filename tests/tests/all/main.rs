@@ -2,9 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod bars_live;
 mod circles;
 mod citations;
 mod convergence;
+mod cycle_boundaries;
 mod edges;
 mod fault_matrix;
 mod glossary;

@@ -11,6 +11,7 @@ use trunnion_cycles::cycle::Motion;
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_engine::Experiment;
 use trunnion_hil_sim::devices::cell::CellConfig;
+use trunnion_hil_sim::devices::mtconnect::Shown;
 use trunnion_hil_sim::devices::{Fault, ScheduledFault, World, cell};
 use trunnion_hil_sim::scenario::{Pace, Station};
 use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine, scenario};
@@ -20,7 +21,7 @@ use trunnion_service::config::Config;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
 use trunnion_tests::pauses::Pauses;
-use trunnion_tests::{first_report, show_log, three_probes};
+use trunnion_tests::{reports, show_log, three_probes};
 
 const CYCLE: &str = include_str!("../../../config/cycles/demo-static.toml");
 const SWEEP: &str = include_str!("../../../config/cycles/demo-sweep-c.toml");
@@ -37,33 +38,34 @@ const TOO_LONG: Duration = Duration::from_millis(200);
 /// Attempts on a computer that pauses; one must be judged.
 const ATTEMPTS: usize = 4;
 
-/// Measures until the computer kept time meanwhile; the folder and the recording of that attempt.
+/// Measures until the computer kept time meanwhile; the folder and the recordings, so many, of that attempt.
 async fn measured<W: World + 'static>(
     cycle_text: &str,
+    count: usize,
     mut shop: impl FnMut(&Path) -> (W, CellConfig),
-) -> (tempfile::TempDir, PathBuf) {
+) -> (tempfile::TempDir, Vec<PathBuf>) {
     let _floor = ONE_FLOOR.lock().await;
     show_log();
     for _ in 0..ATTEMPTS {
         let folder = tempfile::tempdir().expect("a folder");
         let pauses = Pauses::watch();
         let (world, floor) = shop(folder.path());
-        let recording = measure(folder.path(), world, floor, cycle_text).await;
+        let recordings = measure(folder.path(), world, floor, (cycle_text, count)).await;
         if pauses.longest() < TOO_LONG {
-            return (folder, recording.unwrap_or_else(|| panic!("no report after {REPORT_LIMIT:?}")));
+            return (folder, recordings.unwrap_or_else(|| panic!("no report after {REPORT_LIMIT:?}")));
         }
         println!("not judged: this computer paused {} ms", pauses.longest().as_millis());
     }
     panic!("this computer paused in each of {ATTEMPTS} attempts: nothing could be judged")
 }
 
-/// Lets the service measure one cycle on this floor until its report is there; the path of the recording.
+/// Lets the service measure so many cycles on this floor until their reports are there; the paths of the recordings.
 async fn measure(
     folder: &Path,
     world: impl World + 'static,
     mut floor: CellConfig,
-    cycle_text: &str,
-) -> Option<PathBuf> {
+    (cycle_text, count): (&str, usize),
+) -> Option<Vec<PathBuf>> {
     let cycle = Cycle::parse("c.toml", cycle_text).expect("the cycle is good");
     let machine = shipped::machine("table-bc").expect("it is shipped");
     let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
@@ -87,11 +89,11 @@ async fn measure(
     let service =
         tokio::spawn(serve(config, plan, texts, Model::base("table-bc").into(), clock, cancel.clone()));
 
-    let recording = first_report(&runs, REPORT_LIMIT).await;
+    let recordings = reports(&runs, count, REPORT_LIMIT).await;
     cancel.cancel();
     service.await.expect("no panic").expect("no failure");
     cell.shutdown().await;
-    recording
+    recordings
 }
 
 fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
@@ -125,9 +127,10 @@ async fn probes_unplugged_for_a_while_or_for_good_leave_gaps_and_the_cycle_goes_
         floor.probes[2].1.push(ScheduledFault { at_s: last_s, fault: Fault::Unplug { duration_s: 600.0 } });
         (world, floor)
     };
-    let (_folder, path) = measured(&cycle_text, shop).await;
+    let (_folder, paths) = measured(&cycle_text, 1, shop).await;
+    let path = &paths[0];
 
-    let recording = trunnion_record::read_run(&path, &|_| Some(machine.clone())).unwrap();
+    let recording = trunnion_record::read_run(path, &|_| Some(machine.clone())).unwrap();
     let gap =
         recording.gaps.iter().find(|gap| gap.source.contains("probe-2") && gap.to_s > 3.0).expect("a gap");
     assert!(gap.to_s - gap.from_s > 2.5 && gap.to_s - gap.from_s < 8.0, "{gap:?}");
@@ -139,6 +142,56 @@ async fn probes_unplugged_for_a_while_or_for_good_leave_gaps_and_the_cycle_goes_
     assert!(good > stations.len() / 3 && good < stations.len(), "{good} of {}", stations.len());
     let page = std::fs::read_to_string(path.with_extension("html")).unwrap();
     assert!(page.contains("Time quality") && page.contains("probe-2"));
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stop_in_the_program_cuts_nothing_and_a_restart_loses_no_begin() {
+    let cycle_text = CYCLE.replace("step_deg = 30", "step_deg = 60");
+    let cycle = Cycle::parse("c.toml", &cycle_text).unwrap();
+    let machine = shipped::machine("table-bc").unwrap();
+    let stations: Vec<Station> = cycle
+        .poses(&machine)
+        .unwrap()
+        .iter()
+        .map(|pose| Station { setup: pose.setup, position: pose.position })
+        .collect();
+    let pace = Pace { move_s: 0.06, dwell_s: 0.1 };
+    let duration_s = scenario::duration_s(stations.len(), pace);
+    let truth = Truth::draw(&machine, &sim_setups(&cycle), &[], duration_s, 3).unwrap();
+    let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
+    // M0 for a second, then a reset, and a start 0.4 s later; the machine goes on meanwhile.
+    let (stop_s, reset_s) = (4.0, 9.0);
+    let shop = |folder: &Path| {
+        let world = scenario::static_cycle(Arc::clone(&virtual_machine), "c", &stations, pace).unwrap();
+        let mut floor = CellConfig::new(folder, 0);
+        let (agent, _) = floor.controller.as_mut().unwrap();
+        agent.shown = vec![
+            Shown { from_s: stop_s, to_s: stop_s + 1.0, execution: "PROGRAM_STOPPED" },
+            Shown { from_s: reset_s, to_s: reset_s + 0.2, execution: "STOPPED" },
+            Shown { from_s: reset_s + 0.2, to_s: reset_s + 0.4, execution: "READY" },
+        ];
+        (world, floor)
+    };
+    let (_folder, paths) = measured(&cycle_text, 2, shop).await;
+
+    let read = |path: &PathBuf| -> Vec<usize> {
+        let run = trunnion_record::read_run(path, &|_| Some(machine.clone())).unwrap().run;
+        assert_eq!(run.points.len(), stations.len(), "every pose is accounted for");
+        (0..run.points.len()).filter(|&k| run.points[k].quality == Quality::Good).collect()
+    };
+    let (first, second) = (read(&paths[0]), read(&paths[1]));
+    // Poses a second, from where the program begins to move.
+    let per_s = stations.len() as f64 / duration_s;
+    let after_stop = ((stop_s + 1.0) * per_s) as usize;
+    assert!(first.iter().any(|k| *k > after_stop + 10), "M0 cut the cycle: {first:?}");
+    assert!(second[0] <= first[first.len() - 1] + 5, "{first:?} {second:?}");
+    assert!(first.len() + second.len() + 8 > stations.len(), "{first:?} {second:?}");
+    let diagnosis = std::fs::read_to_string(paths[0].with_extension("diagnosis.json")).unwrap();
+    let diagnosis: serde_json::Value = serde_json::from_str(&diagnosis).unwrap();
+    assert_eq!(diagnosis["complete"]["planned"], stations.len());
+    assert_eq!(diagnosis["complete"]["read"], first.len());
+    let both = trunnion::open_all(&paths).unwrap().check();
+    assert!(both.plausibility.is_empty(), "{both:?}");
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -163,9 +216,10 @@ async fn on_the_fly_the_delays_of_probes_and_axes_are_found_and_taken_out() {
         }
         (world, floor)
     };
-    let (_folder, path) = measured(SWEEP, shop).await;
+    let (_folder, paths) = measured(SWEEP, 1, shop).await;
+    let path = &paths[0];
 
-    let recording = trunnion::recording::read(&path, &|_| Some(machine.clone()), None).unwrap();
+    let recording = trunnion::recording::read(path, &|_| Some(machine.clone()), None).unwrap();
     let timing = recording.timing.expect("a live recording has stamps");
     assert_eq!(timing.sync_moves.len(), 2, "{timing:?}");
     let delays: Vec<f64> = timing.streams[..3].iter().map(|stream| stream.delay_s.unwrap().0).collect();

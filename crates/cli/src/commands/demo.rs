@@ -121,7 +121,7 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         let swept_runs = trunnion::open(&swept.path)?;
         // What a turning C cannot show is left out, not guessed.
         let fit = swept_runs.fit_within_reach(analysed.fit().model())?.results();
-        timing.extend(swept_runs.time_quality()?);
+        timing.extend(swept_runs.time_quality());
         show(&format!(
             "Recorded {}; {} points while turning. The model of the static cycle leaves {} there, {}.\n",
             swept.path.display(),

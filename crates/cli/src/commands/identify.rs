@@ -83,7 +83,7 @@ fn jointly(args: &Args) -> anyhow::Result<Outcome> {
         fit.model().with_values(&fit.values(&today()?))?.save(path)?;
     }
     let mut answer = fit.results();
-    answer.time_quality = experiment.time_quality()?;
+    answer.time_quality = experiment.time_quality();
     answer.location_errors = args.notation.map(|notation| fit.location_errors(notation));
     if args.json {
         terminal::print_json(&answer)?;

@@ -29,6 +29,19 @@ pub struct AgentConfig {
     pub wall_ns_at_origin: i64,
     /// Offset, rate error and wander of the wall clock.
     pub clock: DeviceClock,
+    /// What the controller says of its program instead of what the machine does.
+    pub shown: Vec<Shown>,
+}
+
+/// A state of the program, shown for a while.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shown {
+    /// From then, time of the cell, s.
+    pub from_s: f64,
+    /// Until then, s.
+    pub to_s: f64,
+    /// Word of the vocabulary.
+    pub execution: &'static str,
 }
 
 impl AgentConfig {
@@ -46,6 +59,7 @@ impl AgentConfig {
             filters_duplicates: true,
             wall_ns_at_origin,
             clock,
+            shown: Vec::new(),
         }
     }
 

@@ -92,7 +92,9 @@ impl Controller {
                 rounded(axes[axis], self.config.resolution_mm)
             }));
         }
-        values.push(text(if cycle.running { "ACTIVE" } else { "READY" }));
+        let shown = self.config.shown.iter().find(|shown| (shown.from_s..shown.to_s).contains(&t_s));
+        let by_motion = if cycle.running { "ACTIVE" } else { "READY" };
+        values.push(text(shown.map_or(by_motion, |shown| shown.execution)));
         values.push(text("AUTOMATIC"));
         values.push(text(&cycle.program));
         values.push(ObservedValue::Text(format!("N{}", cycle.block)));

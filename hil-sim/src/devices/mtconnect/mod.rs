@@ -12,7 +12,7 @@ mod http;
 mod request;
 mod wall_clock;
 
-pub use config::AgentConfig;
+pub use config::{AgentConfig, Shown};
 
 use super::clock::TimeOrigin;
 use super::faults::{Fault, FaultSource, ScheduledFault};

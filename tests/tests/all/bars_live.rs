@@ -1,0 +1,151 @@
+//! Every ball-bar cycle is read live: its NC program, samples of axes and bar, points, and the base model fitted to them, against
+//! a virtual machine.
+
+use crate::interpreter::{Event, interpret};
+use trunnion_core::{AxisSample, AxisValues, Channel, Point, ProbeSample, Quality, Role, State, convert};
+use trunnion_cycles::nc::{DIALECTS, Program};
+use trunnion_cycles::{CourseRules, Cycle, Run};
+use trunnion_effects::Model;
+use trunnion_engine::Experiment;
+use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine};
+use trunnion_machine::{Machine, shipped};
+use trunnion_sync::forming::Forming;
+use trunnion_sync::plan::Plan;
+use trunnion_sync::{CycleEvent, EndReason, NestCalibration};
+use trunnion_tests::workspace_root;
+
+const CYCLES: [&str; 9] =
+    ["ball-bar-c", "bk1-a", "bk1-b", "bk2-c", "bk2-c-of-ac", "s4-b", "s4-c", "head-b", "head-c"];
+/// Axis samples and bar samples, s.
+const STEP_S: f64 = 0.01;
+/// An operator who is quick, s.
+const OPERATOR_S: f64 = 5.0;
+/// A nest that stands in the configuration although the cycle measures with the bar.
+const TRIPOD: [[f64; 3]; 3] = [[0.816, 0.0, 0.577], [-0.408, 0.707, 0.577], [-0.408, -0.707, 0.577]];
+
+struct Measured {
+    cycle: Cycle,
+    machine: Machine,
+    world: VirtualMachine,
+    points: Vec<Point>,
+    ended: Option<EndReason>,
+}
+
+/// The points of a cycle whose program a controller runs, read by a bar that shows what the virtual machine does.
+fn measured(name: &str) -> Measured {
+    let path = workspace_root().join(format!("config/cycles/{name}.toml"));
+    let cycle = Cycle::parse(name, &std::fs::read_to_string(path).unwrap()).unwrap();
+    let machine = shipped::machine(&cycle.machine).unwrap();
+    let sim = |setup: &trunnion_core::Setup| {
+        let length_mm = setup.bar_length_mm.unwrap();
+        let bar = Instrument::BallBar { length_mm };
+        let sim = SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, bar);
+        SimSetup { ball_in_tool_mm: setup.ball_in_tool_mm, ..sim }
+    };
+    let setups: Vec<SimSetup> = cycle.setups.iter().map(sim).collect();
+    let truth = Truth::draw(&machine, &setups, &[], 600.0, 7).unwrap();
+    let world = VirtualMachine::new(machine.clone(), truth).unwrap();
+
+    let mut rows = NestCalibration::orthogonal();
+    rows.nest_from_probes = nalgebra::Matrix3::from_fn(|i, j| TRIPOD[i][j]).try_inverse().unwrap();
+    let channels = vec![Channel { device: 0, name: "bar".into(), role: Role::Bar }];
+    let plan = Plan { machine: machine.clone(), cycle: cycle.clone(), nest: rows, channels };
+    let mut forming = Forming::new(&plan, 0).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let program = Program::of_cycle(&cycle, &machine, &CourseRules::default()).unwrap();
+    let dialect = DIALECTS[0];
+    let events = interpret(dialect.name, &(dialect.write)(&program, dialect.decimals));
+    let (mut at, mut begins_s, mut ticks, mut out) = (AxisValues::<f64>::default(), 0.0, 0u32, Vec::new());
+    let mut setup = None;
+    for event in &events {
+        let (to, seconds) = match event {
+            Event::Move { to, seconds } => (*to, *seconds),
+            Event::Dwell { seconds } => (at, *seconds),
+            Event::Stop(text) => {
+                // The message names the setup whose bar is put in.
+                let named = cycle.setups.iter().position(|s| text.contains(&format!("Setup {}:", s.name)));
+                setup = named.filter(|_| text.contains("put the bar")).or(setup);
+                (at, OPERATOR_S)
+            }
+        };
+        let ends_s = begins_s + seconds;
+        while f64::from(ticks) * STEP_S < ends_s {
+            let time_s = f64::from(ticks) * STEP_S;
+            let share = (time_s - begins_s) / seconds;
+            let position = AxisValues::from_fn(|letter| {
+                let edge = at[letter] + (to[letter] - at[letter]) * share;
+                if letter.is_rotary() { convert::rad_from_deg(edge) } else { edge }
+            });
+            forming.axes(&AxisSample { time_s, position, ..AxisSample::default() }, &mut out);
+            if let Some(setup) = setup {
+                let state = State { position, setup, ..State::default() };
+                let value_mm = world.ideal_reading_mm(setup, &state)[0];
+                forming
+                    .probe(&ProbeSample { channel: 0, time_s, value_mm, ..ProbeSample::default() }, &mut out);
+            }
+            ticks += 1;
+        }
+        (at, begins_s) = (to, ends_s);
+    }
+    forming.finish(EndReason::ControllerEnded, &mut out);
+    let points = out.into_iter().filter_map(|event| match event {
+        CycleEvent::Point { point, .. } => Some(point),
+        _ => None,
+    });
+    Measured { points: points.collect(), ended: forming.ended(), cycle, machine, world }
+}
+
+#[test]
+fn every_pass_of_every_bar_cycle_gives_points_with_the_reading_of_the_bar() {
+    for name in CYCLES {
+        let Measured { cycle, world, points, ended, .. } = measured(name);
+        assert_eq!(ended, Some(EndReason::ControllerEnded), "{name}");
+        for (setup, placed) in cycle.setups.iter().enumerate() {
+            let mine: Vec<&Point> = points.iter().filter(|point| point.state.setup == setup).collect();
+            let seconds: f64 = cycle
+                .sweeps()
+                .iter()
+                .filter(|sweep| sweep.setup == setup)
+                .map(|sweep| span(&cycle) / sweep.feed_rad_per_s.abs())
+                .sum();
+            let share = mine.len() as f64 / (100.0 * seconds);
+            assert!(share > 0.95, "{name}, {}: {} points in {seconds} s", placed.name, mine.len());
+            let truth = |point: &Point| world.ideal_reading_mm(setup, &point.state)[0];
+            let zero_mm = if placed.calibrated { 0.0 } else { truth(mine[0]) };
+            for point in &mine {
+                assert_eq!(point.quality, Quality::Good);
+                let off_mm = point.reading_mm[0] - (truth(point) - zero_mm);
+                assert!(
+                    off_mm.abs() < 1e-4,
+                    "{name}, {}: {off_mm} mm at {:?}",
+                    placed.name,
+                    point.state.position
+                );
+                assert!(point.reading_mm[1] == 0.0 && point.reading_mm[2] == 0.0, "{name}: {point:?}");
+            }
+        }
+    }
+}
+
+fn span(cycle: &Cycle) -> f64 {
+    match &cycle.motion {
+        trunnion_cycles::cycle::Motion::OnTheFly { from_to_rad: (from, to), .. } => (to - from).abs(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn every_bar_cycle_gives_a_result() {
+    for name in CYCLES {
+        let Measured { cycle, machine, points, .. } = measured(name);
+        // A tenth of the points: what is asked is whether there is a result.
+        let points: Vec<Point> = points.into_iter().step_by(10).collect();
+        let kind = cycle.run_kind();
+        let run = Run { name: name.into(), machine, kind, setups: cycle.setups, channels: vec![], points };
+        let experiment = Experiment::new(&[run]).unwrap();
+        let model = Model::base(&experiment.machine().name);
+        let fit = trunnion_engine::identify(&experiment, &model, &Default::default());
+        let fit = fit.unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(fit.rms_mm < 1e-3, "{name}: {} mm", fit.rms_mm);
+        assert!(fit.parameters.iter().any(|parameter| parameter.observable()), "{name}");
+    }
+}
