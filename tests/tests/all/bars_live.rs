@@ -3,7 +3,7 @@
 
 use crate::interpreter::{Event, interpret};
 use trunnion_core::{AxisSample, AxisValues, Channel, Point, ProbeSample, Quality, Role, State, convert};
-use trunnion_cycles::nc::{DIALECTS, Program};
+use trunnion_cycles::nc::{Block, DIALECTS, Program};
 use trunnion_cycles::{CourseRules, Cycle, Run};
 use trunnion_effects::Model;
 use trunnion_engine::Experiment;
@@ -56,14 +56,19 @@ fn measured(name: &str) -> Measured {
     let events = interpret(dialect.name, &(dialect.write)(&program, dialect.decimals));
     let (mut at, mut begins_s, mut ticks, mut out) = (AxisValues::<f64>::default(), 0.0, 0u32, Vec::new());
     let mut setup = None;
+    let mut stops = program.blocks.iter().filter_map(|block| match block {
+        Block::Stop(message) => Some(message),
+        _ => None,
+    });
     for event in &events {
         let (to, seconds) = match event {
             Event::Move { to, seconds } => (*to, *seconds),
             Event::Dwell { seconds } => (at, *seconds),
-            Event::Stop(text) => {
-                // The message names the setup whose bar is put in.
-                let named = cycle.setups.iter().position(|s| text.contains(&format!("Setup {}:", s.name)));
-                setup = named.filter(|_| text.contains("put the bar")).or(setup);
+            Event::Stop(_) => {
+                // The message names the setup whose bar is put in, or taken out.
+                let message = stops.next().unwrap();
+                let named = cycle.setups.iter().position(|s| message.contains(&format!("Setup {}:", s.name)));
+                setup = named.filter(|_| !message.contains("take the bar out"));
                 (at, OPERATOR_S)
             }
         };
