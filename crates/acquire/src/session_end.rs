@@ -24,7 +24,7 @@ pub enum SessionEnd {
         /// How long was waited.
         waited: Duration,
     },
-    /// Another device answers; not retried.
+    /// Another device answers, in its own well-formed words; asked again once a minute.
     #[error("wrong device: found {found}, expected {expected}; correct the port or the configuration")]
     WrongDevice {
         /// What answers.

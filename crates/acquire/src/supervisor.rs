@@ -1,8 +1,8 @@
 //! One supervisor for all devices.
 //!
 //! It starts sessions, waits between them (0.25 s, doubling to 10 s, back to 0.25 s only after a reading has proven
-//! health), never retries a wrong device, lets cancellation win ties, counts and publishes every end, and turns lost
-//! connections into recorded gaps.
+//! health), asks a wrong device again once a minute, lets cancellation win ties, counts and publishes every end, and turns
+//! lost connections into recorded gaps.
 
 use crate::config::{DeviceConfig, channels};
 use crate::link::{Link, Outlet};
@@ -18,6 +18,8 @@ use trunnion_core::reading::Message;
 
 const FIRST_WAIT: Duration = Duration::from_millis(250);
 const LONGEST_WAIT: Duration = Duration::from_secs(10);
+/// A wrong device stays one until a person changes something: often enough to see the right cable back, too seldom to disturb.
+const WRONG_DEVICE_WAIT: Duration = Duration::from_secs(60);
 /// Messages between sessions and their reader: 2 s of four probes at 4 kHz.
 pub const QUEUE_LENGTH: usize = 32_768;
 
@@ -87,22 +89,18 @@ async fn supervise(config: DeviceConfig, mut link: Link, cancel: CancellationTok
             wait = FIRST_WAIT;
         }
         link.ended(&end);
-        match end {
+        let pause = match end {
             SessionEnd::Cancelled => return,
-            SessionEnd::WrongDevice { .. } => {
-                cancel.cancelled().await;
-                link.ended(&SessionEnd::Cancelled);
-                return;
-            }
-            _ => {}
-        }
+            SessionEnd::WrongDevice { .. } => WRONG_DEVICE_WAIT,
+            _ => wait,
+        };
         tokio::select! {
             biased;
             () = cancel.cancelled() => {
                 link.ended(&SessionEnd::Cancelled);
                 return;
             }
-            () = tokio::time::sleep(wait) => {}
+            () = tokio::time::sleep(pause) => {}
         }
         wait = (wait * 2).min(LONGEST_WAIT);
     }

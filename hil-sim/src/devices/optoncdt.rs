@@ -44,6 +44,21 @@ pub struct ProbeConfig {
     pub latency_s: f64,
     /// Its clock.
     pub clock: DeviceClock,
+    /// What happens to the reply of this number, counted from 0.
+    pub reply_fault: Option<(u64, ReplyFault)>,
+}
+
+/// What happens to one reply on its way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ReplyFault {
+    /// It leaves so much later, s.
+    Late(f64),
+    /// It comes twice.
+    Doubled,
+    /// It does not come.
+    Dropped,
+    /// It leaves together with the next one.
+    Merged,
 }
 
 impl ProbeConfig {
@@ -59,6 +74,7 @@ impl ProbeConfig {
             batch_s: 0.004,
             latency_s: 0.0005,
             clock,
+            reply_fault: None,
         }
     }
 
@@ -114,6 +130,9 @@ struct Probe {
     faults: ValueFaults,
     /// By how much the clock was set, s.
     clock_jump_s: f64,
+    /// Replies so far, and one that waits: when it leaves, s; infinite to leave with the next.
+    replies: u64,
+    waiting: Option<(f64, Vec<u8>)>,
 }
 
 impl Probe {
@@ -130,6 +149,8 @@ impl Probe {
             due_s: config.batch_s,
             faults: ValueFaults::default(),
             clock_jump_s: 0.0,
+            replies: 0,
+            waiting: None,
             config,
         }
     }
@@ -230,27 +251,25 @@ impl SerialDevice for Probe {
     fn receive(&mut self, bytes: &[u8], now_s: f64) -> Vec<u8> {
         let mut answers = Vec::new();
         for command in self.commands.push(bytes) {
-            let reply = self.answer(&command, now_s);
-            answers.extend(reply.encode(&command));
+            let reply = self.answer(&command, now_s).encode(&command);
+            answers.extend(self.on_its_way(reply, now_s));
         }
         answers
     }
 
     fn next_due_s(&self) -> Option<f64> {
-        self.streaming.then_some(self.due_s)
+        let waiting_s = self.waiting.as_ref().map(|(due_s, _)| *due_s).filter(|due_s| due_s.is_finite());
+        let streaming_s = self.streaming.then_some(self.due_s);
+        [waiting_s, streaming_s].into_iter().flatten().min_by(f64::total_cmp)
     }
 
     fn send_due(&mut self, now_s: f64) -> Vec<u8> {
-        let batches = ((now_s - self.due_s) / self.config.batch_s).floor().max(0.0) + 1.0;
-        self.due_s += batches * self.config.batch_s;
-        self.next_sample = self.next_sample.max(self.sample_from(now_s - BACKLOG_S));
-        let layout = Layout::from_names(self.names());
-        let end = self.sample_from(now_s - self.config.latency_s);
-        let blocks = (self.next_sample..end)
-            .flat_map(|sample| encode_block(&layout.write(&self.measurement(sample))))
-            .collect();
-        self.next_sample = self.next_sample.max(end);
-        blocks
+        let late = self.waiting.take_if(|(due_s, _)| *due_s <= now_s).map(|(_, reply)| reply);
+        let mut bytes = late.unwrap_or_default();
+        if self.streaming && self.due_s <= now_s {
+            bytes.extend(self.blocks_due(now_s));
+        }
+        bytes
     }
 
     /// The probe has its own supply; only the converter was away.
@@ -271,6 +290,38 @@ impl SerialDevice for Probe {
             }
             _ => self.faults.suffer(fault, now_s),
         }
+    }
+}
+
+impl Probe {
+    /// What of a reply leaves now.
+    fn on_its_way(&mut self, reply: Vec<u8>, now_s: f64) -> Vec<u8> {
+        let number = self.replies;
+        self.replies += 1;
+        match self.config.reply_fault.filter(|(at, _)| *at == number).map(|(_, fault)| fault) {
+            Some(ReplyFault::Late(by_s)) => self.waiting = Some((now_s + by_s, reply)),
+            Some(ReplyFault::Merged) => self.waiting = Some((f64::INFINITY, reply)),
+            Some(ReplyFault::Dropped) => {}
+            Some(ReplyFault::Doubled) => return [reply.clone(), reply].concat(),
+            None => {
+                let before = self.waiting.take_if(|(due_s, _)| due_s.is_infinite());
+                return [before.map(|(_, bytes)| bytes).unwrap_or_default(), reply].concat();
+            }
+        }
+        Vec::new()
+    }
+
+    fn blocks_due(&mut self, now_s: f64) -> Vec<u8> {
+        let batches = ((now_s - self.due_s) / self.config.batch_s).floor().max(0.0) + 1.0;
+        self.due_s += batches * self.config.batch_s;
+        self.next_sample = self.next_sample.max(self.sample_from(now_s - BACKLOG_S));
+        let layout = Layout::from_names(self.names());
+        let end = self.sample_from(now_s - self.config.latency_s);
+        let blocks = (self.next_sample..end)
+            .flat_map(|sample| encode_block(&layout.write(&self.measurement(sample))))
+            .collect();
+        self.next_sample = self.next_sample.max(end);
+        blocks
     }
 }
 

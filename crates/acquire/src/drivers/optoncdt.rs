@@ -1,7 +1,8 @@
 //! Micro-Epsilon optoNCDT 1320/1420 on RS422. Keys: `port`, `baud` (921600), `role`, `range_mm`, `rate_khz` (1).
 //!
 //! The session stops the output, asks `GETINFO` (model and range must be those configured), sets the rate, adds
-//! counter and time stamp, asks for the order of the values, and starts the output.
+//! counter and time stamp, asks for the order of the values, and starts the output. A reply is matched to its command by the
+//! echo; a late one is dropped, and the command is sent again. Only a well-formed `GETINFO` of another sensor is a wrong device.
 
 mod probe;
 
@@ -33,6 +34,11 @@ pub const DRIVER: Driver = Driver {
 
 /// The sensor answers within some ms.
 const REPLY_LIMIT: Duration = Duration::from_millis(700);
+/// A reply may be late, or cut in half by the stop of the output: so often a command is sent.
+const ATTEMPTS: usize = 3;
+/// Before a command is sent again the line is read until it is silent for so long, or until the limit of a reply: what a late
+/// reply has begun to say is not the answer to what is asked next.
+const QUIET: Duration = Duration::from_millis(50);
 const RATES_KHZ: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 /// Two lengths this close are one measuring range, mm.
 const RANGE_SLACK_MM: f64 = 0.01;
@@ -75,7 +81,7 @@ impl Device for Optoncdt {
         Box::pin(async move {
             let port = serial::open(&self.port, self.baud, Framing::PLAIN, link)?;
             let decoder = Decoder::new(BlockLength::UntilNext);
-            Connection { port, decoder, blocks: Vec::new() }.run(self, link).await
+            Connection { port, decoder, blocks: Vec::new(), sent: Vec::new() }.run(self, link).await
         })
     }
 }
@@ -85,6 +91,8 @@ struct Connection {
     decoder: Decoder,
     /// Events read together with a reply and not yet handled.
     blocks: Vec<Event>,
+    /// Commands sent before, whose replies may still come.
+    sent: Vec<Command>,
 }
 
 impl Connection {
@@ -95,21 +103,29 @@ impl Connection {
     }
 
     async fn identify(&mut self, config: &Optoncdt, link: &mut Link) -> Result<(), SessionEnd> {
-        // A reply cut in half by the stop of the output is no answer: ask twice.
-        if self.ask(&Command::output_none()).await.is_err() {
-            self.ask(&Command::output_none()).await?;
-        }
-        let reply = self.ask(&Command::get_info()).await?;
+        self.ask(&Command::output_none()).await?;
+        let info = self.info().await?;
         let expected = || format!("an optoNCDT 1320 or 1420 with range {} mm", config.range_mm);
         let wrong = |found: String| SessionEnd::WrongDevice { found, expected: expected() };
-        let info =
-            SensorInfo::parse(&reply).map_err(|error| wrong(format!("{:?} ({error})", reply.lines)))?;
         let found = format!("{} serial {} range {} mm", info.name, info.serial, info.range_mm);
         if !is_of_the_family(&info) || (info.range_mm - config.range_mm).abs() > RANGE_SLACK_MM {
             return Err(wrong(found));
         }
         link.identified(found);
         Ok(())
+    }
+
+    async fn info(&mut self) -> Result<SensorInfo, SessionEnd> {
+        let mut fault = String::new();
+        for _ in 0..ATTEMPTS {
+            let reply = self.ask(&Command::get_info()).await?;
+            match SensorInfo::parse(&reply) {
+                Ok(info) => return Ok(info),
+                Err(error) => fault = format!("{:?} ({error})", reply.lines),
+            }
+            self.drain().await?;
+        }
+        Err(SessionEnd::Protocol { doing: "asking which sensor it is", fault })
     }
 
     async fn configure(&mut self, config: &Optoncdt, link: &mut Link) -> Result<Layout, SessionEnd> {
@@ -135,30 +151,56 @@ impl Connection {
         }
     }
 
-    /// Sends a command and waits for its reply.
+    /// Sends a command, again if need be, and waits for its reply.
     async fn ask(&mut self, command: &Command) -> Result<Reply, SessionEnd> {
+        for _ in 0..ATTEMPTS {
+            if let Some(reply) = self.ask_once(command).await? {
+                self.port.makes_sense();
+                return Ok(reply);
+            }
+            self.drain().await?;
+        }
+        Err(self.port.no_answer(&command.text(), REPLY_LIMIT * ATTEMPTS as u32))
+    }
+
+    /// `None` when no reply to this command came in time.
+    async fn ask_once(&mut self, command: &Command) -> Result<Option<Reply>, SessionEnd> {
         self.decoder.await_reply();
         self.port.write(&command.encode()).await?;
         let deadline = tokio::time::Instant::now() + REPLY_LIMIT;
         let mut buffer = [0; 4096];
-        loop {
+        let mut answer = None;
+        while answer.is_none() {
             let left = deadline.saturating_duration_since(tokio::time::Instant::now());
-            let Some(count) = self.port.read(&mut buffer, left).await? else {
-                self.decoder.give_up_reply();
-                return Err(self.port.no_answer(&command.text(), REPLY_LIMIT));
-            };
-            let mut reply = None;
-            for event in self.decoder.push(&buffer[..count]) {
-                match event {
-                    Event::ReplyText(text) => reply = Some(Reply::parse(&text, command)),
-                    block => self.blocks.push(block),
+            let Some(count) = self.port.read(&mut buffer, left).await? else { break };
+            // Byte by byte: what follows a late reply is a reply too, not values.
+            for byte in &buffer[..count] {
+                for event in self.decoder.push(std::slice::from_ref(byte)) {
+                    match event {
+                        Event::ReplyText(text) if Reply::is_of_another(&text, command, &self.sent) => {
+                            self.decoder.await_reply();
+                        }
+                        Event::ReplyText(text) => answer = Some(Reply::parse(&text, command)),
+                        block => self.blocks.push(block),
+                    }
                 }
             }
-            if let Some(reply) = reply {
-                self.port.makes_sense();
-                return Ok(reply);
+        }
+        self.decoder.give_up_reply();
+        self.sent.push(command.clone());
+        Ok(answer)
+    }
+
+    /// Reads what is still on its way, until the line is silent.
+    async fn drain(&mut self) -> Result<(), SessionEnd> {
+        let deadline = tokio::time::Instant::now() + REPLY_LIMIT;
+        let mut buffer = [0; 4096];
+        while tokio::time::Instant::now() < deadline {
+            if self.port.read(&mut buffer, QUIET).await?.is_none() {
+                return Ok(());
             }
         }
+        Ok(())
     }
 
     async fn stream(

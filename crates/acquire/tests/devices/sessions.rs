@@ -15,6 +15,7 @@ use trunnion_core::{AxisValues, HostTime, Point, Quality};
 use trunnion_cycles::cycle::{Pose, Settle};
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
+use trunnion_hil_sim::devices::optoncdt::ReplyFault;
 use trunnion_hil_sim::devices::{DeviceClock, Fault, SimulatedCell, World, cell, orthogonal_nest};
 use trunnion_hil_sim::motion::Step;
 use trunnion_sync::align::{AlignLimits, Aligner};
@@ -114,7 +115,7 @@ async fn garbage_is_counted_lost_values_are_a_gap_and_silence_ends_the_session()
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_wrong_device_is_never_retried_and_an_absent_one_is_waited_for() {
+async fn a_wrong_device_is_not_asked_again_at_once_and_an_absent_one_is_waited_for() {
     let floor = floor(only_probe).await;
     let text = PROBE.replace("range_mm = 2", "range_mm = 10")
         + &PROBE.replace("probe-1", "probe-2").replace("range_mm = 2", "range_mm = 2\nsilence_ms = 300");
@@ -364,4 +365,33 @@ async fn a_static_cycle_is_read_live_and_its_replay_gives_the_same_bytes() {
     let mut replay = Pipeline::new(&poses);
     let replayed: Vec<CycleEvent> = recorded.iter().flat_map(|message| replay.push(message)).collect();
     assert_eq!(format!("{events:?}"), format!("{replayed:?}"));
+}
+
+/// Every reply of the start, each late, doubled, missing and together with the next: the probe streams in the end.
+#[tokio::test(flavor = "multi_thread")]
+async fn no_reply_that_is_late_doubled_lost_or_merged_disables_a_probe() {
+    // OUTPUT NONE, GETINFO, MEASRATE, OUTADD_RS422, GETOUTINFO_RS422, OUTPUT RS422.
+    let steps = 6;
+    let faults = [ReplyFault::Late(0.9), ReplyFault::Doubled, ReplyFault::Dropped, ReplyFault::Merged];
+    let mut cases = tokio::task::JoinSet::new();
+    for step in 0..steps {
+        for fault in faults {
+            cases.spawn(async move {
+                let floor = floor(|config| {
+                    only_probe(config);
+                    config.probes[0].0.reply_fault = Some((step, fault));
+                })
+                .await;
+                let mut acquisition = floor.start(PROBE, QUEUE_LENGTH);
+                until_message(&mut acquisition, is_probe).await;
+                let status = state(&acquisition, |status| status.state == DeviceState::Streaming).await;
+                let ends: u64 = status.ends.iter().sum();
+                assert_eq!(ends, 0, "reply {step} {fault:?}: {status:?}");
+                acquisition.stop().await;
+            });
+        }
+    }
+    while let Some(ended) = cases.join_next().await {
+        ended.unwrap();
+    }
 }

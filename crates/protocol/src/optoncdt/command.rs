@@ -203,6 +203,16 @@ impl Reply {
         reply
     }
 
+    /// True when a reply text repeats one of the commands sent before and not this one: it is late.
+    pub fn is_of_another(text: &str, command: &Command, sent: &[Command]) -> bool {
+        let lines: Vec<&str> = text.split(['\r', '\n']).map(str::trim).collect();
+        let repeats = |command: &Command| {
+            let echo = command.text();
+            lines.iter().any(|line| line.ends_with(&echo))
+        };
+        !repeats(command) && sent.iter().any(repeats)
+    }
+
     /// The parameters of a line `<command> <parameter>…`, as a read command answers.
     pub fn parameters(&self, command: &Command) -> Option<Vec<&str>> {
         self.lines.iter().find_map(|line| {
@@ -326,6 +336,17 @@ mod tests {
         let warning = Some(Notice { number: 320, text: "reduced".into() });
         check("W320: reduced\r\n", Reply { warning, ..Reply::default() });
         check("OUTPUT NONE\r\n", Reply { lines: vec!["OUTPUT NONE".into()], ..Reply::default() });
+    }
+
+    #[test]
+    fn a_reply_that_repeats_another_command_is_late() {
+        let (stop, info) = (Command::output_none(), Command::get_info());
+        let late = |text: &str| Reply::is_of_another(text, &info, &[stop.clone(), info.clone()]);
+        assert!(late("OUTPUT NONE\r\n"));
+        assert!(late("x7OUTPUT NONE\r\n"));
+        assert!(!late(GETINFO));
+        // A sensor without echo is believed.
+        assert!(!late("Name: ILD1420-10\r\n"));
     }
 
     #[test]
