@@ -59,7 +59,7 @@ impl Model {
         Ok(results::Comparison {
             frozen: Some(prediction),
             ladder: self.ladder(),
-            time_quality: runs.time_quality()?,
+            time_quality: runs.time_quality(),
             ..results::Comparison::new(runs.points(), &frozen.settled(runs.points())?, None)
         })
     }

@@ -37,8 +37,7 @@ fn measured(name: &str) -> Measured {
     let cycle = Cycle::parse(name, &std::fs::read_to_string(path).unwrap()).unwrap();
     let machine = shipped::machine(&cycle.machine).unwrap();
     let sim = |setup: &trunnion_core::Setup| {
-        let length_mm = setup.bar_length_mm.unwrap();
-        let bar = Instrument::BallBar { length_mm };
+        let bar = Instrument::ball_bar(setup.bar_length_mm.unwrap());
         let sim = SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, bar);
         SimSetup { ball_in_tool_mm: setup.ball_in_tool_mm, ..sim }
     };
