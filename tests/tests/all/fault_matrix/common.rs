@@ -109,7 +109,7 @@ impl Case {
 
     /// Another device takes its place: the session ends so, and the next one says so.
     pub fn another(course: &'static [DeviceState], reason: &str, message: &str) -> Self {
-        debug_assert!(course.last() == Some(&WrongDevice), "a wrong device is not tried again");
+        debug_assert!(course.last() == Some(&WrongDevice), "a wrong device is not asked again at once");
         Self { message: message.into(), ..Self::away(Fault::WrongIdentity, course, reason, 0.1) }
     }
 
