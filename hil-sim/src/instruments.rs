@@ -61,7 +61,7 @@ mod tests {
             let count = REGISTRY.iter().filter(|instrument| instrument.kinds.contains(&kind)).count();
             assert_eq!(
                 count, 1,
-                "{name}: add it to the `kinds` of the file in hil-sim/src/instruments that reads alike, or write one and its line in \
+                "{name}: add it to the `kinds` of the file in hil-sim/src/instruments that reads the same, or write one and its line in \
                  REGISTRY of hil-sim/src/instruments.rs"
             );
         }
