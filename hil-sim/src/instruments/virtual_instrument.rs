@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use trunnion_core::InstrumentKind;
 
-/// One instrument, or several that read alike.
+/// One instrument, or several that read the same.
 pub(super) struct VirtualInstrument {
     /// What files call it.
     pub kinds: &'static [InstrumentKind],

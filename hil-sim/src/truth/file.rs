@@ -179,9 +179,7 @@ fn read_noise(table: &Table<'_>) -> Option<Noise> {
 fn read_setup(table: &Table<'_>) -> Option<PlacedSetup> {
     let name = table.string("name");
     let instrument = match table.one_of("instrument", &["r-test", "ball-bar"]).as_deref() {
-        Some("ball-bar") => {
-            table.number("length_mm", 1.0..=10_000.0).map(|length_mm| Instrument::ball_bar(length_mm))
-        }
+        Some("ball-bar") => table.number("length_mm", 1.0..=10_000.0).map(Instrument::ball_bar),
         Some(_) => Some(Instrument::R_TEST),
         None => None,
     };
