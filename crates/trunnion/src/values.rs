@@ -7,7 +7,7 @@ use trunnion_cycles::Run;
 use trunnion_effects::catalogue::effect;
 use trunnion_effects::{self as effects, FittedRun, FittedValue, FittedValues, Role};
 use trunnion_engine::fit::Options;
-use trunnion_engine::{BetweenRuns, HeldOut, Identification, Status, between_runs, identify};
+use trunnion_engine::{BetweenRuns, HeldOut, Identification, LeftOut, Status, between_runs, identify};
 
 /// Digits of a number in a file: a thousandth of any u that matters.
 const DIGITS: usize = 9;
@@ -103,10 +103,13 @@ fn with_shapes_held(model: &effects::Model, fit: &Identification) -> effects::Mo
 }
 
 /// Scatter of a reading about the model: all parts of the noise, drift and offsets included, of which a fit leaves less in its
-/// own residual; at least that residual.
+/// own residual; at least that residual. Where whole runs were left out in turn, their error shows all of it and that of the values
+/// in addition: no more than that.
 fn reading_mm(fit: &Identification) -> f64 {
     let parts = fit.noise_parts.iter().map(|part| part.sigma_mm.powi(2)).sum::<f64>().sqrt();
-    parts.max(fit.rms_mm)
+    let of_runs =
+        fit.holdout.filter(|holdout| holdout.left_out == LeftOut::Runs).map(|holdout| holdout.rms_mm);
+    parts.min(of_runs.unwrap_or(f64::INFINITY)).max(fit.rms_mm)
 }
 
 /// Name and digest of a run.
