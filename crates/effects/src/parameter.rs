@@ -39,6 +39,16 @@ pub struct Limit {
     pub beyond: &'static str,
 }
 
+/// Uncertainties at 95 % [GUM 6.3.3].
+const WIDENING: f64 = 2.0;
+
+impl Limit {
+    /// Whether a value with its standard uncertainty lies beyond, in the unit of screens.
+    pub fn is_exceeded(&self, value: f64, u: f64) -> bool {
+        value.abs() - WIDENING * u > self.largest
+    }
+}
+
 /// A unit on files and screens with its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {

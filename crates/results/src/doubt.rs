@@ -3,7 +3,6 @@
 use crate::number::{plain, with_unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trunnion_core::convert::um_from_mm;
 use trunnion_engine::fit::doubts as engine;
 
 /// Numbers of a fit to doubt.
@@ -25,7 +24,7 @@ pub struct Doubt {
 pub enum DoubtReason {
     /// Their temperatures changed together: only what they predict together is determined.
     Collinear,
-    /// Larger than any material allows on a machine of this size.
+    /// Larger than the cause allows.
     BeyondPhysical,
     /// A time constant longer than the longest run.
     LongerThanRun,
@@ -43,11 +42,12 @@ impl From<&engine::Doubt> for Doubt {
                     plain(condition_index.round())
                 ),
             ),
-            engine::DoubtReason::BeyondPhysical { limit } => (
+            engine::DoubtReason::BeyondPhysical { limit, unit } => (
                 DoubtReason::BeyondPhysical,
                 format!(
-                    "{names} exceeds {}: no material expands so much on a machine of this size.",
-                    with_unit(um_from_mm(limit), "um/K")
+                    "{names} exceeds {}: {}.",
+                    with_unit(limit.largest.round(), unit.symbol),
+                    limit.beyond
                 ),
             ),
             engine::DoubtReason::LongerThanRun { tau_s, longest_s } => (

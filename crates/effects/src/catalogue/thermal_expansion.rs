@@ -55,15 +55,28 @@ pub(crate) static EFFECT: Effect = Effect {
     },
 };
 
-/// Steel of 4 m or aluminium of 2 m (23 µm/m/K) between tool and table, that grows one way.
-const EXPANSION: Limit = Limit {
-    largest: 50.0,
-    beyond: "the temperatures do not show what warms: sensors that rise together, or none at the source",
-};
+/// Expansion of aluminium, µm/(mm·K); steel has half of it [ISO 3650].
+const ALUMINIUM: f64 = 24e-3;
+
+/// The way from tool to table goes along every linear axis there and back: no machine expands more than aluminium over that.
+fn expansion(scene: &Scene) -> Limit {
+    let travel_mm: f64 = scene
+        .machine
+        .axes()
+        .filter(|axis| !axis.letter.is_rotary())
+        .map(|axis| axis.travel.1 - axis.travel.0)
+        .sum();
+    Limit {
+        largest: ALUMINIUM * 2.0 * travel_mm,
+        beyond: "no material expands so much on a machine of this size; the temperatures do not show what warms: sensors that \
+                 rise together, or none at the source",
+    }
+}
 
 fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {
     let name = |channel: usize, direction: &str| {
-        Parameter::new(format!("{}.{direction}", scene.channels[channel]), Unit::UM_PER_K).at_most(EXPANSION)
+        Parameter::new(format!("{}.{direction}", scene.channels[channel]), Unit::UM_PER_K)
+            .at_most(expansion(scene))
     };
     scene.varying_channels().into_iter().flat_map(|i| ["x", "y", "z"].map(|k| name(i, k))).collect()
 }

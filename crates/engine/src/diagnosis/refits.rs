@@ -5,10 +5,7 @@ use crate::evidence::parallel;
 use crate::fit::identification::Identification;
 use crate::problem::Problem;
 use trunnion_core::convert::um_from_mm;
-use trunnion_effects::{Instance, Limit, ModelEffect, Scene, Unit};
-
-/// Uncertainties at 95 % [GUM 6.3.3].
-const WIDENING: f64 = 2.0;
+use trunnion_effects::{Instance, ModelEffect, Scene, Unit};
 
 /// A fit of the model with something added.
 pub struct Refit {
@@ -70,14 +67,16 @@ impl Refit {
     pub fn beyond_physical(&self, instance: &Instance, scene: &Scene) -> Option<String> {
         let fitted = self.parameters();
         instance.parameters(scene).into_iter().find_map(|parameter| {
-            let Limit { largest, beyond } = parameter.limit?;
+            let limit = parameter.limit?;
             let found = fitted.iter().find(|fitted| fitted.name == parameter.name)?;
             let (value, u) = (found.value?, found.u?);
-            (value.abs() - WIDENING * u > largest).then(|| {
+            limit.is_exceeded(value, u).then(|| {
                 format!(
-                    "{} fits best, but with {} = {value:.0} {unit}, where {largest:.0} {unit} is the most that is physical: {beyond}.",
+                    "{} fits best, but with {} = {value:.0} {unit}, where {:.0} {unit} is the most that is physical: {}.",
                     instance.id(),
                     parameter.name,
+                    limit.largest,
+                    limit.beyond,
                     unit = parameter.unit.text(),
                 )
             })

@@ -3,22 +3,19 @@
 //! - Temperatures that changed together: condition index η_k = s_1/s_k of the columns of the coefficients, scaled to unit length, with the
 //!   settings projected out; share of the variance of coefficient j in direction k: π_jk = (v_jk²/s_k²) / Σ_k (v_jk²/s_k²). Where η_k > 30
 //!   and the π_jk of those directions add up to more than ½ for two or more coefficients, these are collinear [Belsley 1980].
-//! - A coefficient above 24 µm/(m·K), the expansion of aluminium, over twice the travel of all linear axes: the way from tool to table goes
-//!   along every axis there and back, so no machine expands more.
+//! - A parameter larger than its cause allows (`Limit`).
 //! - A time constant longer than the longest run: its course was never seen.
 
-use crate::fit::identification::{FittedEffect, Identification};
+use crate::fit::identification::{FittedEffect, FittedParameter, Identification};
 use crate::solve::linear::Reduced;
 use crate::{Experiment, Status};
 use nalgebra::DMatrix;
-use trunnion_effects::{Instance, Model, Role, Unit};
+use trunnion_effects::{Instance, Limit, Model, Parameter, Role, Unit};
 
 /// η beyond which dependencies are moderate to strong [Belsley 1980 §3.2].
 const CONDITION_INDEX: f64 = 30.0;
 /// Share of the variance of a coefficient that says it is involved [Belsley 1980 §3.2].
 const VARIANCE_SHARE: f64 = 0.5;
-/// Expansion of aluminium, per K; steel has half of it [ISO 3650].
-const LARGEST_EXPANSION_PER_K: f64 = 24e-6;
 /// Relative singular value of a direction that the columns of settings do not have.
 const NO_DIRECTION: f64 = 1e-8;
 
@@ -41,10 +38,12 @@ pub enum DoubtReason {
         /// Largest condition index.
         condition_index: f64,
     },
-    /// Larger than any material and machine allow, inside units.
+    /// Larger than the cause allows.
     BeyondPhysical {
-        /// What no machine exceeds, inside units.
-        limit: f64,
+        /// The largest size.
+        limit: Limit,
+        /// Its unit.
+        unit: Unit,
     },
     /// A time constant longer than the record.
     LongerThanRun {
@@ -77,17 +76,7 @@ pub fn doubts(experiment: &Experiment, model: &Model, fit: &Identification) -> V
         let coefficients: Vec<usize> = (0..of_effect.len())
             .filter(|&j| of_effect[j].status == Status::Identified && of_effect[j].unit == Unit::UM_PER_K)
             .collect();
-        let limit = LARGEST_EXPANSION_PER_K * loop_mm(experiment);
-        for &j in &coefficients {
-            if of_effect[j].value.is_some_and(|value| value.abs() > limit) {
-                let names = vec![of_effect[j].name.clone()];
-                found.push(Doubt {
-                    effect: effect.id.clone(),
-                    names,
-                    reason: DoubtReason::BeyondPhysical { limit },
-                });
-            }
-        }
+        found.extend(beyond_physical(experiment, model, effect, &of_effect));
         if coefficients.len() > 1
             && let Some(all) = columns(&effect.id, &effect.shape)
             && let Some((condition_index, involved)) = collinear(all.select_columns(&coefficients), &settings)
@@ -101,11 +90,25 @@ pub fn doubts(experiment: &Experiment, model: &Model, fit: &Identification) -> V
     found
 }
 
-/// Length along which a machine can expand between tool and table, mm.
-fn loop_mm(experiment: &Experiment) -> f64 {
-    let machine = experiment.machine();
-    let linear = machine.table.iter().chain(&machine.tool).filter(|axis| !axis.letter.is_rotary());
-    2.0 * linear.map(|axis| axis.travel.1 - axis.travel.0).sum::<f64>()
+/// Parameters that are larger than their cause allows.
+fn beyond_physical(
+    experiment: &Experiment,
+    model: &Model,
+    effect: &FittedEffect,
+    fitted: &[&FittedParameter],
+) -> Vec<Doubt> {
+    let entry = model.effects.iter().find(|entry| entry.id == effect.id);
+    let instance = entry.and_then(|entry| Instance::from_model_effect(entry, experiment.machine()).ok());
+    let parameters = instance.map_or_else(Vec::new, |instance| instance.parameters(&experiment.scene));
+    let doubt = |parameter: Parameter| {
+        let limit = parameter.limit?;
+        let fitted = fitted.iter().find(|fitted| fitted.name == parameter.name)?;
+        let (value, u) = (fitted.screen_value()?, fitted.screen_u()?);
+        let reason = DoubtReason::BeyondPhysical { limit, unit: parameter.unit };
+        let names = vec![parameter.name];
+        limit.is_exceeded(value, u).then(|| Doubt { effect: effect.id.clone(), names, reason })
+    };
+    parameters.into_iter().filter_map(doubt).collect()
 }
 
 /// Largest condition index and the columns that it concerns.
