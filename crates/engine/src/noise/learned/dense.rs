@@ -140,7 +140,7 @@ fn inverse_of_small<T: RealField + Copy>(lower: &DMatrix<T>) -> Option<DMatrix<T
 /// `None` of a block that is small.
 fn halves(block: &Range<usize>) -> Option<[Range<usize>; 2]> {
     let middle = block.start + block.len().div_ceil(2);
-    (block.len() > SMALL).then(|| [block.start..middle, middle..block.end])
+    (block.len() > SMALL).then_some([block.start..middle, middle..block.end])
 }
 
 fn strips(range: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
