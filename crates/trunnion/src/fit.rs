@@ -1,7 +1,6 @@
 //! A model fitted to runs.
 
 use crate::analysis::diagnosed;
-use crate::values::u_of_mean;
 use crate::{Error, Experiment, Model};
 use std::sync::{Arc, OnceLock};
 use trunnion_effects::Instance;
@@ -95,7 +94,7 @@ impl Fit {
             answer.parameters.iter_mut().zip(&fit.parameters).zip(self.between_runs())
         {
             let (Some(u), Some(between)) = (fitted.u, between) else { continue };
-            let u = u_of_mean(u, Some(*between));
+            let u = between.u_of_mean(u);
             shown.u = finite(u * fitted.unit.per_inside);
             shown.u_another_run = finite(u.hypot(between.sd) * fitted.unit.per_inside);
         }

@@ -34,7 +34,7 @@ impl Fit {
                 name: parameter.name.clone(),
                 unit: parameter.unit.symbol.into(),
                 value: short(fitted.solution[k] * per_inside),
-                u: parameter.u.map(|u| short(u_of_mean(u, between) * per_inside)),
+                u: parameter.u.map(|u| short(between.map_or(u, |between| between.u_of_mean(u)) * per_inside)),
                 between_runs: between.map(|between| short(between.sd * per_inside)),
                 correlation,
             });
@@ -81,11 +81,6 @@ impl Model {
     pub fn with_values(&self, values: &FittedValues) -> Result<Self, crate::Error> {
         Self::parse(crate::model::EDITED, effects::Model::with_values(self.text(), values)?)
     }
-}
-
-/// u of the mean of the runs, with what differs between them.
-pub(crate) fn u_of_mean(u: f64, between: Option<BetweenRuns>) -> f64 {
-    between.map_or(u, |between| (u * u + between.sd * between.sd * between.share_of_mean).sqrt())
 }
 
 /// True for what mounting and artefact leave unknown: it belongs to a run, not to the machine.

@@ -14,9 +14,9 @@ use crate::fit::identification::Identification;
 use crate::solve::normal::within;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Grid of λ: half decades. Its ends hardly matter: an s below does not show, an s above is a rare guess with two runs.
+/// Grid of λ: sixths of a decade, a fifth in s. Its ends hardly matter: an s below does not show, an s above is a rare guess with two runs.
 const DECADES: [i32; 2] = [-3, 5];
-const PER_DECADE: i32 = 2;
+const PER_DECADE: i32 = 6;
 /// Two-sided 95 % of a normal distribution, in standard uncertainties [GUM, table G.1].
 const COVERAGE_95: f64 = 1.96;
 /// Variance inflation, the diagonal of the inverse correlation, above which the others nearly determine a parameter [Belsley 1980 §3.2].
@@ -33,6 +33,13 @@ pub struct BetweenRuns {
     pub sd: f64,
     /// v: the share of s² that the mean of the runs keeps.
     pub share_of_mean: f64,
+}
+
+impl BetweenRuns {
+    /// u of the mean of the runs, from the u of their fit together.
+    pub fn u_of_mean(&self, u: f64) -> f64 {
+        (u * u + self.sd * self.sd * self.share_of_mean).sqrt()
+    }
 }
 
 /// For each parameter of a fit of several runs what differs between them; `None` where fewer than two of the fits of runs
