@@ -3,6 +3,7 @@
 use crate::devices::SimulatedCell;
 use crate::motion::{Follow, Program, ProgramError, Step, Trajectory};
 use crate::physics::{Sampler, VirtualMachine};
+use crate::truth::Instrument;
 use std::sync::Arc;
 use trunnion_core::{AxisValues, Joint, State};
 use trunnion_machine::Machine;
@@ -102,8 +103,7 @@ pub fn sweep_cycle(
     let (from, to) = from_to_rad;
     let mut rotary = *others;
     rotary[axis] = from;
-    let ball = machine.truth().setups[0].setup.ball_in_table_mm;
-    let start = machine.machine().follow(&rotary, &ball).unwrap_or(rotary);
+    let start = at_ball(machine.machine(), &machine, 0, &rotary);
     let mut steps = sync_move(&start);
     for &feed in feeds_rad_per_s {
         for (from, to) in [(from, to), (to, from)] {
@@ -127,10 +127,24 @@ fn sync_move(stand: &AxisValues<f64>) -> Vec<Step> {
     std::iter::once(pause()).chain(strokes).chain([pause()]).collect()
 }
 
-fn follow(nominal: &Machine, machine: &VirtualMachine, setup: usize) -> Follow {
-    let nominal = nominal.clone();
-    let ball = machine.truth().setups[setup].setup.ball_in_table_mm;
-    Follow::new(move |axes| nominal.follow(axes, &ball).unwrap_or(*axes))
+fn follow(nominal: &Machine, machine: &Arc<VirtualMachine>, setup: usize) -> Follow {
+    let (nominal, machine) = (nominal.clone(), Arc::clone(machine));
+    Follow::new(move |axes| at_ball(&nominal, &machine, setup, axes))
+}
+
+/// The linear axes bring the tool to the ball; the length of a bar before it in X of the machine.
+fn at_ball(
+    nominal: &Machine,
+    machine: &VirtualMachine,
+    setup: usize,
+    axes: &AxisValues<f64>,
+) -> AxisValues<f64> {
+    let placed = &machine.truth().setups[setup].setup;
+    let mut at = nominal.follow(axes, &placed.ball_in_table_mm).unwrap_or(*axes);
+    if let Instrument::BallBar { length_mm } = placed.instrument {
+        at[Joint::X] += length_mm;
+    }
+    at
 }
 
 fn cell(
@@ -156,14 +170,17 @@ fn cell(
         .collect();
     let seed = machine.truth().seed;
     let along = trajectory.clone();
-    let deflection_mm = move |state: &State| {
+    let is_bar = matches!(machine.truth().setups[0].setup.instrument, Instrument::BallBar { .. });
+    let reading_mm = Arc::new(move |state: &State| -> [f64; 3] {
         let step = along.at(state.time_s.unwrap_or(0.0)).step.min(setup_of_step.len() - 1);
         let ideal = machine.ideal_reading_mm(setup_of_step[step], state);
         std::array::from_fn(|k| ideal[k] + offsets_mm[step][k])
-    };
+    });
+    let of_bar = Arc::clone(&reading_mm);
     SimulatedCell {
         program: program.into(),
-        deflection_mm: Box::new(deflection_mm),
+        deflection_mm: Box::new(move |state| if is_bar { [0.0; 3] } else { reading_mm(state) }),
+        bar_mm: Box::new(move |state| if is_bar { of_bar(state)[0] } else { 0.0 }),
         noise_mm: SAMPLE_NOISE_MM,
         seed,
         ..SimulatedCell::along(trajectory)

@@ -15,6 +15,7 @@ mod nc_program;
 mod outside_data;
 mod plan;
 mod program;
+mod record;
 mod schemes;
 mod story;
 mod streams;

@@ -11,7 +11,7 @@ mod terminal;
 use clap::{Parser, Subcommand};
 use commands::{
     add, attribute, check, check_config, compare, compensation, daemon, demo, devices, diagnose, export,
-    identify, import, ladder, nc_program, plan, predict, remove, replay, simulate, volumetric,
+    identify, import, ladder, nc_program, plan, predict, record, remove, replay, simulate, volumetric,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -34,6 +34,7 @@ enum Command {
     Devices(devices::Args),
     Check(check::Args),
     CheckConfig(check_config::Args),
+    Record(record::Args),
     Import(import::Args),
     Export(export::Args),
     Replay(replay::Args),
@@ -63,6 +64,7 @@ fn main() -> ExitCode {
         Command::Devices(args) => devices::run(&args),
         Command::Check(args) => check::run(&args),
         Command::CheckConfig(args) => check_config::run(&args),
+        Command::Record(args) => record::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Replay(args) => replay::run(&args),

@@ -5,7 +5,7 @@ mod status;
 
 pub use crate::error::ServiceError;
 pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, Unfinished, measure_cycle, record_cycle};
-pub use report::analyse_recording;
+pub use report::{analyse_recording, write_report};
 
 use crate::config::Config;
 use crate::live::{Live, Measured, Plan, check};
@@ -112,7 +112,7 @@ async fn finish_and_report(
 }
 
 /// The name of a new run: two cycles may begin within a second.
-fn free_name(folder: &Path, cycle: &str, wall_ns: i64) -> String {
+pub fn free_name(folder: &Path, cycle: &str, wall_ns: i64) -> String {
     let name = format!("{cycle}-{}", file_stamp(wall_ns));
     let is_free = |name: &String| {
         ["mcap", "mcap.active"].iter().all(|ending| !folder.join(format!("{name}.{ending}")).exists())

@@ -47,11 +47,14 @@ pub struct Planned {
     passes: Option<Passes>,
 }
 
+/// Planned angles of one setup at one feed, each with the states of its rounds.
+type Angles = Vec<(f64, Vec<usize>)>;
+
 /// Planned states of a run on the fly by setup and feed: angle and index, in order of the angle.
 struct Passes {
     axis: Joint,
     feeds: Vec<f64>,
-    angles: HashMap<(usize, usize), Vec<(f64, Vec<usize>)>>,
+    angles: HashMap<(usize, usize), Angles>,
     /// Where the last sample belonged: (setup, feed, angle).
     at: Option<(usize, usize, usize)>,
 }
@@ -119,7 +122,7 @@ impl Planned {
 impl Passes {
     fn of(axis: Joint, states: &[State]) -> Self {
         let mut feeds: Vec<f64> = Vec::new();
-        let mut angles: HashMap<(usize, usize), Vec<(f64, Vec<usize>)>> = HashMap::new();
+        let mut angles: HashMap<(usize, usize), Angles> = HashMap::new();
         for (k, state) in states.iter().enumerate() {
             let (feed, angle) = (state.velocity[axis], state.position[axis]);
             let is_same = |known: &f64| (known - feed).abs() <= 1e-9 * feed.abs();
@@ -137,7 +140,7 @@ impl Passes {
         Self { axis, feeds, angles, at: None }
     }
 
-    /// The planned state of a sample; rounds are told apart by leaving an angle and coming back.
+    /// The planned state of a sample; a round ends when its angle is left.
     fn find(&mut self, point: &Point, fates: &[Fate]) -> Option<usize> {
         let (velocity, angle) = (point.state.velocity[self.axis], point.state.position[self.axis]);
         let is_at = |feed: &f64| (velocity - feed).abs() <= FEED_TOLERANCE * feed.abs();

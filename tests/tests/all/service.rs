@@ -1,5 +1,6 @@
 //! The service end to end: virtual devices on real ports, a probe unplugged in the middle of the cycle; delays found on the fly.
 
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -69,7 +70,6 @@ async fn measure(
     let cycle = Cycle::parse("c.toml", cycle_text).expect("the cycle is good");
     let machine = shipped::machine("table-bc").expect("it is shipped");
     let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
-    floor.can = None;
     if let Some((agent, _)) = &mut floor.controller {
         agent.filters_duplicates = false;
         agent.wall_ns_at_origin = clock.wall_ns();
@@ -78,7 +78,10 @@ async fn measure(
     let cell = cell::start(Arc::new(world), floor, begin).await.expect("the floor starts");
     let url = cell.controller.as_ref().and_then(|agent| agent.url()).expect("an agent").to_string();
     let agent = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
-    let text = three_probes(folder, SILENCE_MS, "", &agent);
+    let text = match &cell.can {
+        None => three_probes(folder, SILENCE_MS, "", &agent),
+        Some(_) => bar(folder, &agent),
+    };
     let config = Config::parse(&folder.join("trunnion.toml"), &text).expect("the configuration is good");
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
     let texts = Texts { machine: shipped::FILES[0].1.into(), cycle: cycle_text.into(), config: text };
@@ -94,6 +97,16 @@ async fn measure(
     service.await.expect("no panic").expect("no failure");
     cell.shutdown().await;
     recordings
+}
+
+/// A configuration of a ball bar behind a serial CAN adapter; it has no nest.
+fn bar(ports: &Path, controller: &str) -> String {
+    format!(
+        "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"c.toml\"\nrecordings = \"runs\"\n\
+         [[device]]\nname = \"bus\"\ndriver = \"canopen-slcan\"\nport = '{}/can'\nbitrate = 1000000\n\
+         sync_ms = 5\nnodes = [{{ id = 5, role = \"bar\" }}]\nsilence_ms = {SILENCE_MS}\n{controller}",
+        ports.display()
+    )
 }
 
 fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
@@ -121,7 +134,7 @@ async fn probes_unplugged_for_a_while_or_for_good_leave_gaps_and_the_cycle_goes_
     let last_s = duration_s - 4.0;
     let shop = |folder: &Path| {
         let world = scenario::static_cycle(Arc::clone(&virtual_machine), "c", &stations, pace).unwrap();
-        let mut floor = CellConfig::new(folder, 0);
+        let mut floor = CellConfig { can: None, ..CellConfig::new(folder, 0) };
         floor.probes[1].1.push(ScheduledFault { at_s: 4.0, fault: Fault::Unplug { duration_s: 3.0 } });
         // The third is unplugged towards the end and does not come back.
         floor.probes[2].1.push(ScheduledFault { at_s: last_s, fault: Fault::Unplug { duration_s: 600.0 } });
@@ -163,7 +176,7 @@ async fn a_stop_in_the_program_cuts_nothing_and_a_restart_loses_no_begin() {
     let (stop_s, reset_s) = (4.0, 9.0);
     let shop = |folder: &Path| {
         let world = scenario::static_cycle(Arc::clone(&virtual_machine), "c", &stations, pace).unwrap();
-        let mut floor = CellConfig::new(folder, 0);
+        let mut floor = CellConfig { can: None, ..CellConfig::new(folder, 0) };
         let (agent, _) = floor.controller.as_mut().unwrap();
         agent.shown = vec![
             Shown { from_s: stop_s, to_s: stop_s + 1.0, execution: "PROGRAM_STOPPED" },
@@ -210,7 +223,7 @@ async fn on_the_fly_the_delays_of_probes_and_axes_are_found_and_taken_out() {
         let machine = Arc::clone(&virtual_machine);
         let world =
             scenario::sweep_cycle(machine, "c", *axis, *from_to_rad, feeds_rad_per_s, others).unwrap();
-        let mut floor = CellConfig::new(folder, 0);
+        let mut floor = CellConfig { can: None, ..CellConfig::new(folder, 0) };
         for (k, (probe, _)) in floor.probes.iter_mut().enumerate() {
             probe.latency_s += 0.010 * k as f64;
         }
@@ -237,4 +250,60 @@ async fn on_the_fly_the_delays_of_probes_and_axes_are_found_and_taken_out() {
     assert!((found_s - late_s).abs() < 6.0 * u_s + 0.1 * late_s.abs(), "{found_s} ± {u_s} of {late_s}");
     let reported = trunnion::timing::delay_by_feeds(&experiment).unwrap().expect("two feeds, both ways");
     assert!(reported.contains("rotary axes come later than the linear axes"), "{reported}");
+}
+
+const BAR: &str = r#"
+format = "trunnion-cycle/1"
+name = "bar"
+machine = "table-bc"
+kind = "on-the-fly"
+
+[[setup]]
+name = "low"
+instrument = "ball-bar"
+bar_length_mm = 100
+ball_in_table_mm = [30.0, 0.0, 60.0]
+
+[sweep]
+axis = "C"
+from_deg = 0
+to_deg = 360
+feeds_deg_per_min = [3600, 5400]
+
+[bar]
+direction = [1, 0, 0]
+frame = "machine"
+"#;
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_ball_bar_behind_an_slcan_adapter_gives_a_report_with_the_readings_of_the_truth() {
+    let cycle = Cycle::parse("c.toml", BAR).unwrap();
+    let machine = shipped::machine("table-bc").unwrap();
+    let length_mm = cycle.setups[0].bar_length_mm.unwrap();
+    let ball = cycle.setups[0].ball_in_table_mm;
+    let setups = [SimSetup::new("low", NestOn::Table, ball, Instrument::BallBar { length_mm })];
+    let truth = Truth::draw(&machine, &setups, &[], 30.0, 5).unwrap();
+    let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
+    let Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, others, .. } = &cycle.motion else {
+        panic!("the cycle is on the fly")
+    };
+    let shop = |folder: &Path| {
+        let world = Arc::clone(&virtual_machine);
+        let world = scenario::sweep_cycle(world, "c", *axis, *from_to_rad, feeds_rad_per_s, others).unwrap();
+        (world, CellConfig { probes: Vec::new(), ..CellConfig::new(folder, 0) })
+    };
+    let (_folder, paths) = measured(BAR, 1, shop).await;
+
+    let run = trunnion::recording::read(&paths[0], &|_| Some(machine.clone()), None).unwrap().run;
+    let seconds: f64 = cycle.sweeps().iter().map(|pass| TAU / pass.feed_rad_per_s.abs()).sum();
+    let share = run.points.len() as f64 / (100.0 * seconds);
+    assert!(share > 0.95, "{share} of the samples of the passes");
+    let truth_mm = |state: &trunnion_core::State| virtual_machine.ideal_reading_mm(0, state)[0];
+    let off: Vec<f64> = run.points.iter().map(|p| p.reading_mm[0] - truth_mm(&p.state)).collect();
+    let mean = off.iter().sum::<f64>() / off.len() as f64;
+    let rms = (off.iter().map(|o| (o - mean).powi(2)).sum::<f64>() / off.len() as f64).sqrt();
+    // Noise of the virtual machine: 0.3 µm from pass to pass and sample to sample.
+    assert!(rms < 1.0e-3, "{rms} mm");
+    let check = trunnion::open(&paths[0]).unwrap().check();
+    assert!(check.plausibility.is_empty() && check.complete.missing.is_empty(), "{check:?}");
 }

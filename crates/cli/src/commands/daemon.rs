@@ -39,7 +39,16 @@ pub struct Prepared {
 /// Reads a configuration and the files it names.
 pub fn prepare(path: &Path) -> anyhow::Result<Prepared> {
     let text = load::read(path)?;
-    let config = Config::parse(path, &text)?;
+    with_files(Config::parse(path, &text)?, text)
+}
+
+/// The same with another cycle.
+pub fn prepare_cycle(path: &Path, cycle: &Path) -> anyhow::Result<Prepared> {
+    let text = load::read(path)?;
+    with_files(Config { cycle: cycle.into(), ..Config::parse(path, &text)? }, text)
+}
+
+fn with_files(config: Config, text: String) -> anyhow::Result<Prepared> {
     let cycle_text = load::read(&config.cycle)?;
     let cycle = Cycle::parse(&config.cycle.display().to_string(), &cycle_text)?;
     let machine = load::machine(&cycle.machine)?;

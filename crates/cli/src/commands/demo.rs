@@ -3,14 +3,13 @@
 //! The simulator hides an effect and seals the truth; the program measures through its own drivers, identifies,
 //! doubts, names what is missing, adds it. Only when all is printed the seal is broken.
 
-mod progress_bar;
 mod story;
 
+use super::progress_bar::ProgressBar;
 use crate::commands::daemon::log_to_stderr;
 use crate::outcome::Outcome;
 use crate::{output, terminal};
 use anyhow::{Context, bail};
-use progress_bar::ProgressBar;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;

@@ -17,6 +17,8 @@ pub mod ladder;
 pub mod nc_program;
 pub mod plan;
 pub mod predict;
+mod progress_bar;
+pub mod record;
 pub mod remove;
 pub mod replay;
 pub mod simulate;

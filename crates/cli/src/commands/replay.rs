@@ -5,7 +5,7 @@ use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
-use trunnion::results::to_json;
+use trunnion::results::{Verdict, to_json};
 
 /// Analyse a recording again; writes the same bytes as the live run did
 ///
@@ -27,7 +27,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let model = args.model.model(&experiment)?;
     let analysed = experiment.analyse(&model, "")?;
     let identification = to_json(&analysed.fit().results())?;
-    let diagnosis = to_json(&analysed.first().results())?;
+    let first = analysed.first().results();
+    let outcome = if first.verdict == Verdict::NotJudged { Outcome::Withheld } else { outcome };
+    let diagnosis = to_json(&first)?;
     let Some(folder) = &args.output else {
         terminal::print_verbatim(&identification)?;
         terminal::print_verbatim(&diagnosis)?;

@@ -7,7 +7,7 @@ use serde_json::json;
 use std::path::Path;
 use tracing::info;
 use trunnion::results::to_json;
-use trunnion::{Analysed, Model};
+use trunnion::{Analysed, Compared, Model};
 
 /// Analyses a recording as `replay` would: from the file alone.
 ///
@@ -22,6 +22,26 @@ pub fn analyse_recording(path: &Path, model: &Model, date: &str) -> Result<Analy
     experiment.analyse(model, date).map_err(failed)
 }
 
+/// Analyses what was recorded and writes page and JSON next to it.
+///
+/// # Errors
+/// When the recording cannot be analysed or a file cannot be written.
+pub fn write_report(
+    recorded: &Recorded,
+    model: &Model,
+    date: &str,
+) -> Result<(Analysed, Compared), ServiceError> {
+    let path = &recorded.path;
+    let analysed = analyse_recording(path, model, date)?;
+    let failed = |source| ServiceError::Analysis { path: path.clone(), source: Box::new(source) };
+    let losses = trunnion::page::losses(&recorded.gaps, recorded.lost_samples);
+    let compared = analysed.compare().map_err(failed)?.with_losses(&losses);
+    write(&path.with_extension("html"), &compared.page())?;
+    write(&path.with_extension("identification.json"), &to_json(&analysed.fit().results())?)?;
+    write(&path.with_extension("diagnosis.json"), &to_json(&analysed.first().results())?)?;
+    Ok((analysed, compared))
+}
+
 /// Analyses what was recorded, writes page and JSON next to it, and reports on the board.
 pub(super) async fn report_cycle(
     recorded: Recorded,
@@ -30,20 +50,10 @@ pub(super) async fn report_cycle(
     board: &Board,
 ) -> Result<(), ServiceError> {
     let path = recorded.path.clone();
-    let losses = trunnion::page::losses(&recorded.gaps, recorded.lost_samples);
-    let analysed = tokio::task::spawn_blocking(move || {
-        let analysed = analyse_recording(&path, &model, &date)?;
-        let failed = |source| ServiceError::Analysis { path: path.clone(), source: Box::new(source) };
-        let compared = analysed.compare().map_err(failed)?.with_losses(&losses);
-        write(&path.with_extension("html"), &compared.page())?;
-        write(&path.with_extension("identification.json"), &to_json(&analysed.fit().results())?)?;
-        write(&path.with_extension("diagnosis.json"), &to_json(&analysed.first().results())?)?;
-        Ok::<_, ServiceError>((path, analysed, compared.results().time_quality))
-    })
-    .await
-    .map_err(|_| ServiceError::Broken("analysis"))??;
-    let (path, analysed, timing) = analysed;
-    if let Some(timing) = timing.last() {
+    let (analysed, compared) = tokio::task::spawn_blocking(move || write_report(&recorded, &model, &date))
+        .await
+        .map_err(|_| ServiceError::Broken("analysis"))??;
+    if let Some(timing) = compared.results().time_quality.last() {
         board.set("quality", &serde_json::to_value(timing)?);
     }
     let (first, added) = (analysed.first().results(), analysed.added());

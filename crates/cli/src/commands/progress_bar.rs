@@ -4,17 +4,17 @@ use std::io::{IsTerminal, Write};
 use trunnion_service::live::Progress;
 
 /// One line on standard error: share done and time left.
-pub(super) struct ProgressBar {
+pub struct ProgressBar {
     shown: bool,
     quiet: bool,
 }
 
 impl ProgressBar {
-    pub(super) fn new(quiet: bool) -> Self {
+    pub fn new(quiet: bool) -> Self {
         Self { shown: false, quiet: quiet || !std::io::stderr().is_terminal() }
     }
 
-    pub(super) fn show(&mut self, progress: Progress) {
+    pub fn show(&mut self, progress: Progress) {
         const WIDTH: usize = 40;
         let total = progress.total.max(1);
         if self.quiet || !(progress.done.is_multiple_of(7) || progress.done == total) {
@@ -28,7 +28,7 @@ impl ProgressBar {
         self.shown = written.and_then(|()| out.flush()).is_ok();
     }
 
-    pub(super) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         if self.shown {
             write!(std::io::stderr(), "\r{:80}\r", "").ok();
         }

@@ -1,0 +1,71 @@
+//! `trunnion record`: one cycle, recorded, analysed and reported; then the program ends.
+
+use super::daemon::{Prepared, prepare_cycle};
+use super::progress_bar::ProgressBar;
+use crate::outcome::Outcome;
+use crate::terminal;
+use anyhow::Context;
+use std::path::PathBuf;
+use std::sync::Arc;
+use tokio_util::sync::CancellationToken;
+use trunnion::results::Verdict;
+use trunnion_core::Clock;
+use trunnion_service::clock::SystemClock;
+use trunnion_service::daemon::{self, NewRun, Recorded};
+use trunnion_service::live::{CycleBounds, Live, check};
+
+/// Record one cycle, analyse it, and end
+///
+/// Waits for the cycle as the service does, by `[cycle_start]` of the configuration. Control-C ends the cycle early; what was read is kept.
+/// Exit code 3 when no verdict is given: too little of the cycle was read, or it is not plausible.
+///
+/// Example: trunnion record config/cycles/r-test-static.toml --config config/trunnion.toml
+#[derive(clap::Args)]
+pub struct Args {
+    /// Cycle file, in place of that of the configuration
+    #[arg(value_name = "CYCLE")]
+    cycle: PathBuf,
+    /// Configuration: devices, nest, folder of the recordings
+    #[arg(long, value_name = "FILE")]
+    config: PathBuf,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let prepared = prepare_cycle(&args.config, &args.cycle)?;
+    let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
+    let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
+    let recorded = runtime.block_on(record(&prepared, clock.clone()))?;
+    let (analysed, compared) =
+        daemon::write_report(&recorded, &prepared.model, &daemon::day(clock.wall_ns()))?;
+    terminal::print(&compared.summary())?;
+    terminal::print(&format!("{}\n", recorded.path.with_extension("html").display()))?;
+    Ok(match analysed.first().results().verdict {
+        Verdict::NotJudged => Outcome::Withheld,
+        _ if recorded.lost_samples > 0 || !recorded.gaps.is_empty() => Outcome::DataLoss,
+        _ => Outcome::Done,
+    })
+}
+
+async fn record(prepared: &Prepared, clock: Arc<dyn Clock>) -> anyhow::Result<Recorded> {
+    let Prepared { config, plan, texts, .. } = prepared;
+    check(plan)?;
+    let cancel = CancellationToken::new();
+    let stop = cancel.clone();
+    tokio::spawn(async move {
+        // Without the signal the cycle ends by itself.
+        if tokio::signal::ctrl_c().await.is_ok() {
+            stop.cancel();
+        }
+    });
+    let bounds = CycleBounds::new(config.cycle_start.clone()).with_first_pose(plan.first_pose());
+    let name = daemon::free_name(&config.recordings, &plan.cycle.name, clock.wall_ns());
+    let mut live = Live::start(config.devices.clone(), bounds, clock, cancel);
+    terminal::remark(&format!("waiting for {}", config.cycle_start.about()));
+    let start = live.wait_for_start().await.context("stopped before the cycle began")?;
+    let run = NewRun { plan, texts, folder: &config.recordings, name: &name };
+    let mut bar = ProgressBar::new(false);
+    let recorded = daemon::record_cycle(&run, &mut live, start, &mut |progress| bar.show(progress)).await;
+    bar.clear();
+    live.stop().await;
+    Ok(recorded?)
+}

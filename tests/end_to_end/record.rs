@@ -1,0 +1,88 @@
+//! `trunnion record`: a cycle that the controller resets half-way is kept, counted, and not judged.
+
+use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
+use std::time::Duration;
+use trunnion_core::InstrumentKind;
+use trunnion_cycles::Cycle;
+use trunnion_hil_sim::devices::cell::CellConfig;
+use trunnion_hil_sim::devices::mtconnect::Shown;
+use trunnion_hil_sim::devices::{cell, orthogonal_nest};
+use trunnion_hil_sim::scenario::{Pace, Station, static_cycle};
+use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine};
+use trunnion_machine::shipped;
+
+const CYCLE: &str = include_str!("../../config/cycles/demo-static.toml");
+
+fn config(folder: &Path, url: &str) -> String {
+    let mut text = "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"other.toml\"\nrecordings = \"runs\"\n[nest]\n".to_owned();
+    for (k, direction) in orthogonal_nest().iter().enumerate() {
+        text += &format!("probe_{} = {direction:?}\n", k + 1);
+    }
+    for k in 1..=3 {
+        text += &format!(
+            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n\
+             silence_ms = 3000\n",
+            folder.display()
+        );
+    }
+    text + &format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n")
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_cycle_that_is_reset_is_kept_counted_and_not_judged() {
+    let text = CYCLE.replace("step_deg = 30", "step_deg = 90");
+    let cycle = Cycle::parse("c.toml", &text).unwrap();
+    let machine = shipped::machine("table-bc").unwrap();
+    let poses = cycle.poses(&machine).unwrap();
+    let stations: Vec<Station> =
+        poses.iter().map(|pose| Station { setup: pose.setup, position: pose.position }).collect();
+    let sim = |setup: &trunnion_core::Setup| {
+        assert_eq!(setup.instrument, InstrumentKind::RTest);
+        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::RTest)
+    };
+    let setups: Vec<SimSetup> = cycle.setups.iter().map(sim).collect();
+    let truth = Truth::draw(&machine, &setups, &[], 60.0, 3).unwrap();
+    let world = VirtualMachine::new(machine, truth).unwrap();
+    // Slow enough that a busy computer reads some poses before the reset.
+    let pace = Pace { move_s: 0.3, dwell_s: 0.4 };
+    let world = static_cycle(Arc::new(world), "c", &stations, pace).unwrap();
+
+    let folder = tempfile::tempdir().unwrap();
+    let mut floor = CellConfig { can: None, ..CellConfig::new(folder.path(), 0) };
+    let (agent, _) = floor.controller.as_mut().unwrap();
+    agent.filters_duplicates = false;
+    agent.shown = vec![Shown { from_s: 8.0, to_s: 1e6, execution: "READY" }];
+    let origin = tokio::time::Instant::now() + Duration::from_millis(200);
+    let cell = cell::start(Arc::new(world), floor, origin).await.unwrap();
+    let url = cell.controller.as_ref().and_then(|agent| agent.url()).unwrap();
+    let file = |name: &str| folder.path().join(name);
+    std::fs::write(file("trunnion.toml"), config(folder.path(), url)).unwrap();
+    std::fs::write(file("c.toml"), &text).unwrap();
+    let (cycle_file, config_file) = (file("c.toml"), file("trunnion.toml"));
+    let recorded = tokio::task::spawn_blocking(move || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+        command.arg("record").arg(cycle_file).arg("--config").arg(config_file).env("COLUMNS", "1000");
+        command.output().unwrap()
+    });
+    let output = recorded.await.unwrap();
+    cell.shutdown().await;
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{shown}{}", String::from_utf8_lossy(&output.stderr));
+    let planned = format!("of {} planned points were read", stations.len());
+    for words in ["Not judged: a part of the cycle is missing", &planned, "Repeat the cycle", ".html"] {
+        assert!(shown.contains(words), "{words:?} is not in:\n{shown}");
+    }
+    let read: usize = shown
+        .split(&format!(" {planned}"))
+        .next()
+        .unwrap()
+        .rsplit(' ')
+        .next()
+        .unwrap()
+        .trim()
+        .parse()
+        .unwrap();
+    assert!((1..stations.len() / 2).contains(&read), "{shown}");
+}
