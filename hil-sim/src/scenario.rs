@@ -3,7 +3,6 @@
 use crate::devices::SimulatedCell;
 use crate::motion::{Follow, Program, ProgramError, Step, Trajectory};
 use crate::physics::{Sampler, VirtualMachine};
-use crate::truth::Instrument;
 use std::sync::Arc;
 use trunnion_core::{AxisValues, Joint, State};
 use trunnion_machine::Machine;
@@ -141,8 +140,8 @@ fn at_ball(
 ) -> AxisValues<f64> {
     let placed = &machine.truth().setups[setup].setup;
     let mut at = nominal.follow(axes, &placed.ball_in_table_mm).unwrap_or(*axes);
-    if let Instrument::BallBar { length_mm } = placed.instrument {
-        at[Joint::X] += length_mm;
+    if placed.instrument.kind.keeps_bar_length() {
+        at[Joint::X] += placed.instrument.length_mm;
     }
     at
 }
@@ -170,7 +169,7 @@ fn cell(
         .collect();
     let seed = machine.truth().seed;
     let along = trajectory.clone();
-    let is_bar = matches!(machine.truth().setups[0].setup.instrument, Instrument::BallBar { .. });
+    let is_bar = machine.truth().setups[0].setup.instrument.kind.keeps_bar_length();
     let reading_mm = Arc::new(move |state: &State| -> [f64; 3] {
         let step = along.at(state.time_s.unwrap_or(0.0)).step.min(setup_of_step.len() - 1);
         let ideal = machine.ideal_reading_mm(setup_of_step[step], state);

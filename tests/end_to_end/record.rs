@@ -40,7 +40,7 @@ async fn a_cycle_that_is_reset_is_kept_counted_and_not_judged() {
         poses.iter().map(|pose| Station { setup: pose.setup, position: pose.position }).collect();
     let sim = |setup: &trunnion_core::Setup| {
         assert_eq!(setup.instrument, InstrumentKind::RTest);
-        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::RTest)
+        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::R_TEST)
     };
     let setups: Vec<SimSetup> = cycle.setups.iter().map(sim).collect();
     let truth = Truth::draw(&machine, &setups, &[], 60.0, 3).unwrap();
