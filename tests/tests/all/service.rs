@@ -281,7 +281,7 @@ async fn a_ball_bar_behind_an_slcan_adapter_gives_a_report_with_the_readings_of_
     let machine = shipped::machine("table-bc").unwrap();
     let length_mm = cycle.setups[0].bar_length_mm.unwrap();
     let ball = cycle.setups[0].ball_in_table_mm;
-    let setups = [SimSetup::new("low", NestOn::Table, ball, Instrument::BallBar { length_mm })];
+    let setups = [SimSetup::new("low", NestOn::Table, ball, Instrument::ball_bar(length_mm))];
     let truth = Truth::draw(&machine, &setups, &[], 30.0, 5).unwrap();
     let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
     let Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, others, .. } = &cycle.motion else {
