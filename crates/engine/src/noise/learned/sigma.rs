@@ -22,13 +22,13 @@ impl Sigma {
     pub fn new(kernels: &Kernels, x: &[f64], white: &DVector<f64>) -> Option<Self> {
         let rho_squared: Vec<f64> = x[1..].iter().map(|ln| (2.0 * ln).exp()).collect();
         let mut relative = covariance(kernels, &rho_squared, white);
-        let (log_det, root) = if rho_squared.iter().sum::<f64>() < SINGLE_PRECISION {
-            (dense::factor(&mut relative)?, relative)
+        let (log_det, mut inverse) = if rho_squared.iter().sum::<f64>() < SINGLE_PRECISION {
+            (dense::factor(&mut relative)?, dense::inverse(relative)?)
         } else {
+            // To the end: what the kernels explain nearly all of has a small share in the inverse.
             let mut relative = relative.cast::<f64>();
-            (dense::factor(&mut relative)?, relative.cast::<Real>())
+            (dense::factor(&mut relative)?, dense::inverse(relative)?.cast::<Real>())
         };
-        let mut inverse = dense::inverse(root)?;
         let rows = inverse.nrows() as f64;
         inverse *= (-2.0 * x[0]).exp() as Real;
         Some(Self { x: x.to_vec(), inverse, log_det: log_det + 2.0 * rows * x[0] })
