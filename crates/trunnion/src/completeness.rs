@@ -47,10 +47,17 @@ pub struct Planned {
     passes: Option<Passes>,
 }
 
-/// Planned angles of one setup at one feed, each with the states of its rounds.
-type Angles = Vec<(f64, Vec<usize>)>;
+/// Planned angles of one setup at one feed, in order.
+type Angles = Vec<Place>;
 
-/// Planned states of a run on the fly by setup and feed: angle and index, in order of the angle.
+/// A planned angle: the states of its rounds, and how often the axis came by.
+struct Place {
+    angle: f64,
+    rounds: Vec<usize>,
+    visits: usize,
+}
+
+/// Planned states of a run on the fly by setup and feed.
 struct Passes {
     axis: Joint,
     feeds: Vec<f64>,
@@ -92,11 +99,13 @@ impl Planned {
             Quality::Unsettled => Fate::Unsettled,
         };
         let at = match &mut self.passes {
-            Some(passes) => passes.find(point, &self.fates),
-            None => usize::try_from(index).ok(),
+            Some(passes) => passes.find(point),
+            None => usize::try_from(index).into_iter().collect(),
         };
-        if let Some(slot) = at.and_then(|at| self.fates.get_mut(at)) {
-            *slot = fate;
+        for k in at {
+            if let Some(slot) = self.fates.get_mut(k) {
+                *slot = fate;
+            }
         }
     }
 
@@ -131,32 +140,38 @@ impl Passes {
                 feeds.len() - 1
             });
             let list = angles.entry((state.setup, index)).or_default();
-            match list.iter_mut().find(|(known, _)| (known - angle).abs() < 1e-9) {
-                Some((_, rounds)) => rounds.push(k),
-                None => list.push((angle, vec![k])),
+            match list.iter_mut().find(|place| (place.angle - angle).abs() < 1e-9) {
+                Some(place) => place.rounds.push(k),
+                None => list.push(Place { angle, rounds: vec![k], visits: 0 }),
             }
         }
-        angles.values_mut().for_each(|list| list.sort_by(|a, b| a.0.total_cmp(&b.0)));
+        angles.values_mut().for_each(|list| list.sort_by(|a, b| a.angle.total_cmp(&b.angle)));
         Self { axis, feeds, angles, at: None }
     }
 
-    /// The planned state of a sample; a round ends when its angle is left.
-    fn find(&mut self, point: &Point, fates: &[Fate]) -> Option<usize> {
+    /// The planned states of a sample: the nearest, and its neighbours, because at the ends of a pass the axis still speeds up. A
+    /// round ends when its angle is left.
+    fn find(&mut self, point: &Point) -> Vec<usize> {
         let (velocity, angle) = (point.state.velocity[self.axis], point.state.position[self.axis]);
         let is_at = |feed: &f64| (velocity - feed).abs() <= FEED_TOLERANCE * feed.abs();
-        let feed = self.feeds.iter().position(is_at)?;
-        let list = self.angles.get(&(point.state.setup, feed))?;
-        let above = list.partition_point(|(planned, _)| *planned < angle);
-        let distance = |k: &usize| (list[*k].0 - angle).abs();
-        let nearest = [above.checked_sub(1), Some(above).filter(|k| *k < list.len())]
-            .into_iter()
-            .flatten()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let Some(feed) = self.feeds.iter().position(is_at) else { return Vec::new() };
+        let Some(list) = self.angles.get_mut(&(point.state.setup, feed)) else { return Vec::new() };
+        let above = list.partition_point(|place| place.angle < angle);
+        let distance = |k: &usize| (list[*k].angle - angle).abs();
+        let around = [above.checked_sub(1), Some(above).filter(|k| *k < list.len())];
+        let nearest = around.into_iter().flatten().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let Some(nearest) = nearest else { return Vec::new() };
         let here = (point.state.setup, feed, nearest);
         if self.at.replace(here) == Some(here) {
-            return None;
+            return Vec::new();
         }
-        list[nearest].1.iter().copied().find(|&k| fates[k] == Fate::Missing)
+        let round = list[nearest].visits;
+        list[nearest].visits += 1;
+        let last = (nearest + 1).min(list.len() - 1);
+        list[nearest.saturating_sub(1)..=last]
+            .iter()
+            .filter_map(|place| place.rounds.get(round).copied())
+            .collect()
     }
 }
 

@@ -296,8 +296,10 @@ async fn a_ball_bar_behind_an_slcan_adapter_gives_a_report_with_the_readings_of_
 
     let run = trunnion::recording::read(&paths[0], &|_| Some(machine.clone()), None).unwrap().run;
     let seconds: f64 = cycle.sweeps().iter().map(|pass| TAU / pass.feed_rad_per_s.abs()).sum();
-    let share = run.points.len() as f64 / (100.0 * seconds);
-    assert!(share > 0.95, "{share} of the samples of the passes");
+    // SYNC every 5 ms; a late one is skipped, and samples beyond 5 % of the feed are left out.
+    let share = run.points.iter().map(|point| f64::from(point.samples)).sum::<f64>() / (200.0 * seconds);
+    println!("{share:.3} of the samples of the passes");
+    assert!(share > 0.9, "{share} of the samples of the passes");
     let truth_mm = |state: &trunnion_core::State| virtual_machine.ideal_reading_mm(0, state)[0];
     let off: Vec<f64> = run.points.iter().map(|p| p.reading_mm[0] - truth_mm(&p.state)).collect();
     let mean = off.iter().sum::<f64>() / off.len() as f64;
