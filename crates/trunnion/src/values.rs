@@ -54,11 +54,12 @@ impl Fit {
         }
     }
 
-    /// What differs between the runs, parameter by parameter; `None` where no two runs alone determine one.
+    /// What differs between runs of one kind, parameter by parameter; `None` where no two runs alone determine one. Runs of different
+    /// instruments or setups are parts of one measurement: each sees what the others do not, and none says how the next differs.
     pub fn between_runs(&self) -> &[Option<BetweenRuns>] {
         self.between.get_or_init(|| {
             let runs = self.experiment().runs();
-            if runs.len() < 2 {
+            if runs.len() < 2 || !runs.windows(2).all(|pair| repeats(&pair[0], &pair[1])) {
                 return vec![None; self.identification().parameters.len()];
             }
             let model = with_shapes_held(self.model().entries(), self.identification());
@@ -81,6 +82,14 @@ impl Model {
     pub fn with_values(&self, values: &FittedValues) -> Result<Self, crate::Error> {
         Self::parse(crate::model::EDITED, effects::Model::with_values(self.text(), values)?)
     }
+}
+
+/// True where a run measures what another did: at rest or on the fly alike, with the same setups.
+fn repeats(run: &Run, other: &Run) -> bool {
+    let setups = |run: &Run| -> Vec<_> {
+        run.setups.iter().map(|setup| (setup.name.clone(), setup.instrument, setup.nest)).collect()
+    };
+    run.kind == other.kind && setups(run) == setups(other)
 }
 
 /// True for what mounting and artefact leave unknown: it belongs to a run, not to the machine.

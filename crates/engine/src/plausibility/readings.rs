@@ -104,13 +104,14 @@ fn channel(run: &Run) -> Option<Implausible> {
     nothing_but_scatter(run, names.len())
 }
 
-/// Readings that do not depend on the pose.
+/// Readings that depend neither on the pose nor on those before: backlash differs at one pose, and so does drift, but not from one
+/// reading to the next.
 fn nothing_but_scatter(run: &Run, components: usize) -> Option<Implausible> {
-    let rotary = run.machine.rotary_joints();
+    let joints = run.machine.joints();
     let setup = run.points.iter().map(|point| point.state.setup).collect();
     let positions: Vec<_> = run.points.iter().map(|point| &point.state.position).collect();
     let mut poses: HashMap<usize, Vec<&Point>> = HashMap::new();
-    for (pose, point) in same_pose(setup, &positions, &rotary).into_iter().zip(&run.points) {
+    for (pose, point) in same_pose(setup, &positions, &joints).into_iter().zip(&run.points) {
         poses.entry(pose).or_default().push(point);
     }
     let (mut within, mut freedom, mut all, mut of_all) = (0.0, 0.0, 0.0, 0.0);
@@ -134,7 +135,9 @@ fn nothing_but_scatter(run: &Run, components: usize) -> Option<Implausible> {
         return None;
     }
     let (within_um, all_um) = (um_from_mm((within / freedom).sqrt()), um_from_mm((all / of_all).sqrt()));
-    (within_um > GROSS_UM && within_um > NO_STRUCTURE * all_um).then(|| Implausible {
+    let is_nothing_else = |scatter_um: f64| scatter_um > GROSS_UM && scatter_um > NO_STRUCTURE * all_um;
+    let is_scatter = is_nothing_else(within_um) && is_nothing_else(from_next_um(run, components));
+    is_scatter.then(|| Implausible {
         finding: format!(
             "{}: readings of one pose scatter by {within_um:.1} µm, nothing but noise next to the {all_um:.1} µm of all poses.",
             run.name
@@ -233,4 +236,14 @@ impl Fitted {
         let left = readings_mm - &self.basis * self.basis.tr_mul(readings_mm);
         (left.norm_squared() / readings_mm.len().max(1) as f64).sqrt()
     }
+}
+
+/// Scatter from one reading to the next of a setup, root mean square of the differences / √2 [von Neumann 1941], µm.
+fn from_next_um(run: &Run, components: usize) -> f64 {
+    let pairs = run.points.windows(2).filter(|pair| pair[0].state.setup == pair[1].state.setup);
+    let (sum, count) = pairs.fold((0.0, 0.0), |(sum, count), pair| {
+        let square = |k: usize| (pair[1].reading_mm[k] - pair[0].reading_mm[k]).powi(2);
+        (sum + (0..components).map(square).sum::<f64>(), count + components as f64)
+    });
+    if count > 0.0 { um_from_mm((0.5 * sum / count).sqrt()) } else { 0.0 }
 }

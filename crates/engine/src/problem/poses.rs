@@ -1,8 +1,9 @@
 //! Which points stand at the same pose.
 //!
-//! Recorded positions scatter: an axis stops a little elsewhere each time and its encoder flickers. Two positions of a joint are one
-//! when no step between them is longer than [`same_position`]. Positions that go on like this for longer than a stand are those of a
-//! joint in motion, or of a finer grid: there only equal positions are one.
+//! Recorded positions scatter: an axis stops a little elsewhere each time and its encoder flickers. Two positions of a joint are one stand
+//! when no step between them is longer than [`same_position`] and the steps from one stand to the next are much longer than those within.
+//! Else they are those of a joint in motion, or of a finer grid: there only equal positions are one. Rotary joints are asked first, and
+//! linear ones among points at one pose of these: where they only follow the ball, they come as close to each other as they please.
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -11,6 +12,8 @@ use trunnion_effects::same_position;
 
 /// Positions that go on without a step for longer than this many times [`same_position`] are no stand.
 const LONGEST_STAND: f64 = 4.0;
+/// The shortest step between stands is at least this many times the longest within one: positions of an uneven grid have steps of any size.
+const APART: f64 = 4.0;
 /// Equal positions, as steps per mm and rad: nm and nrad.
 const EQUAL: f64 = 1e6;
 
@@ -27,42 +30,47 @@ pub(crate) fn stood(positions: &[&AxisValues<f64>], joint: Joint) -> Vec<f64> {
 
 /// Numbers groups of positions within the groups given, in order of appearance.
 pub(crate) fn same_pose(groups: Vec<usize>, positions: &[&AxisValues<f64>], joints: &[Joint]) -> Vec<usize> {
-    let near = |groups: Vec<usize>, joint: &Joint| {
-        let steps = steps(positions, *joint);
-        number(groups.into_iter().zip(steps))
-    };
-    let apart = |groups: Vec<usize>, joint: &Joint| {
-        let wide = wide(&groups, positions, *joint);
-        let equal = |(i, group): (usize, usize)| {
-            (group, wide[group].then(|| (positions[i][*joint] * EQUAL).round() as i64))
-        };
-        number(groups.into_iter().enumerate().map(equal))
-    };
-    let groups = joints.iter().fold(number(groups), near);
-    joints.iter().fold(groups, apart)
+    let (rotary, linear): (Vec<Joint>, Vec<Joint>) =
+        joints.iter().copied().partition(|joint| joint.is_rotary());
+    rotary.iter().chain(&linear).fold(number(groups), |groups, &joint| {
+        let within = stands_within(&groups, positions, joint);
+        number(groups.into_iter().zip(within))
+    })
 }
 
-/// Number of the stretch without a step in which each position lies.
-fn steps(positions: &[&AxisValues<f64>], joint: Joint) -> Vec<usize> {
+/// Which stand of its group each position of a joint belongs to.
+fn stands_within(groups: &[usize], positions: &[&AxisValues<f64>], joint: Joint) -> Vec<i64> {
     let at = |i: usize| positions[i][joint];
     let mut order: Vec<usize> = (0..positions.len()).collect();
-    order.sort_by(|&i, &j| at(i).total_cmp(&at(j)));
-    let (mut stretch, mut number) = (vec![0; order.len()], 0);
-    for pair in order.windows(2) {
-        number += usize::from(at(pair[1]) - at(pair[0]) > same_position(joint.slot()));
-        stretch[pair[1]] = number;
+    order.sort_by(|&i, &j| groups[i].cmp(&groups[j]).then(at(i).total_cmp(&at(j))));
+    let mut stand = vec![0; order.len()];
+    for group in order.chunk_by(|&i, &j| groups[i] == groups[j]) {
+        let sorted: Vec<f64> = group.iter().map(|&i| at(i)).collect();
+        let numbers = stands_of(&sorted, same_position(joint.slot()));
+        group.iter().zip(numbers).for_each(|(&i, number)| stand[i] = number);
     }
-    stretch
+    stand
 }
 
-/// Whether the positions of a joint in each group go on for longer than a stand.
-fn wide(groups: &[usize], positions: &[&AxisValues<f64>], joint: Joint) -> Vec<bool> {
-    let mut range = vec![(f64::INFINITY, f64::NEG_INFINITY); count(groups)];
-    for (position, &group) in positions.iter().zip(groups) {
-        let (low, high) = range[group];
-        range[group] = (low.min(position[joint]), high.max(position[joint]));
+/// The stand of each of the positions of a joint, in ascending order.
+fn stands_of(sorted: &[f64], same: f64) -> Vec<i64> {
+    let (mut longest_within, mut shortest_between, mut first) = (0.0_f64, f64::INFINITY, sorted[0]);
+    let (mut numbers, mut goes_on) = (vec![0], false);
+    for pair in sorted.windows(2) {
+        let step = pair[1] - pair[0];
+        let is_next = step > same;
+        if is_next {
+            (shortest_between, first) = (shortest_between.min(step), pair[1]);
+        } else {
+            longest_within = longest_within.max(step);
+            goes_on |= pair[1] - first > LONGEST_STAND * same;
+        }
+        numbers.push(numbers[numbers.len() - 1] + i64::from(is_next));
     }
-    range.into_iter().map(|(low, high)| high - low > LONGEST_STAND * same_position(joint.slot())).collect()
+    if goes_on || shortest_between < APART * longest_within {
+        return sorted.iter().map(|position| (position * EQUAL).round() as i64).collect();
+    }
+    numbers
 }
 
 /// Numbers keys in order of appearance.
@@ -101,6 +109,13 @@ mod tests {
         let x_mm = [0.0, 10.0, 10.02, 0.0003, 10.0002, 10.0199];
         let c_rad = [0.0, 0.1, 0.2, 1e-5, 0.1 - 1e-5, 0.2 + 1e-5];
         assert_eq!(numbered(&x_mm, &c_rad), [0, 1, 2, 0, 1, 2]);
+    }
+
+    #[test]
+    fn positions_of_an_uneven_grid_are_poses_of_their_own() {
+        let x_mm: Vec<f64> =
+            (0..12).map(|i| 0.06 * f64::from(i) + 0.02 * (f64::from(i) * 2.4).sin()).collect();
+        assert_eq!(numbered(&x_mm, &[0.5; 12]), (0..12).collect::<Vec<_>>());
     }
 
     #[test]

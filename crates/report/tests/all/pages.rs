@@ -168,7 +168,7 @@ fn poses_of_turning_round_make_no_maps_of_their_own() {
 fn the_ladder_shows_fit_held_out_noise_and_what_moved() {
     let text = ladder_text(&Ladder::from(&model()), None);
     let rung = text.lines().find(|line| line.starts_with("+ backlash:B")).unwrap();
-    assert!(rung.contains("######|#####") && rung.contains('o') && rung.contains("0.50 µm"), "{rung}");
+    assert!(rung.contains("#####|####") && rung.contains('o') && rung.contains("0.50 µm"), "{rung}");
     assert!(rung.ends_with("EX0C −3.20 → −1.10 µm, 8 u"), "{rung}");
     let page = ladder_html("mill", &Ladder::from(&model()));
     assert!(page.contains("EX0C −3.20 → −1.10 µm, 8 u"));
