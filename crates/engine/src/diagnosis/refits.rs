@@ -65,11 +65,13 @@ impl Refit {
     /// Why what was added cannot be the cause: the first parameter of `instance` that is larger than its cause allows by more than
     /// twice its uncertainty.
     pub fn beyond_physical(&self, instance: &Instance, scene: &Scene) -> Option<String> {
-        let fitted = self.parameters();
+        let id = instance.id();
+        let fitted: Vec<_> =
+            self.fit.parameters.iter().filter(|p| p.effect == id && p.stands_alone()).collect();
         instance.parameters(scene).into_iter().find_map(|parameter| {
             let limit = parameter.limit?;
             let found = fitted.iter().find(|fitted| fitted.name == parameter.name)?;
-            let (value, u) = (found.value?, found.u?);
+            let (value, u) = (found.screen_value()?, found.screen_u()?);
             limit.is_exceeded(value, u).then(|| {
                 format!(
                     "{} fits best, but with {} = {value:.0} {unit}, where {:.0} {unit} is the most that is physical: {}.",

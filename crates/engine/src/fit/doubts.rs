@@ -102,7 +102,7 @@ fn beyond_physical(
     let parameters = instance.map_or_else(Vec::new, |instance| instance.parameters(&experiment.scene));
     let doubt = |parameter: Parameter| {
         let limit = parameter.limit?;
-        let fitted = fitted.iter().find(|fitted| fitted.name == parameter.name)?;
+        let fitted = fitted.iter().find(|fitted| fitted.name == parameter.name && fitted.stands_alone())?;
         let (value, u) = (fitted.screen_value()?, fitted.screen_u()?);
         let reason = DoubtReason::BeyondPhysical { limit, unit: parameter.unit };
         let names = vec![parameter.name];

@@ -167,6 +167,11 @@ impl FittedParameter {
         self.value.map(|value| value * self.unit.per_inside)
     }
 
+    /// True when its number is that of the parameter alone, not what it shares with others that are zero by convention.
+    pub fn stands_alone(&self) -> bool {
+        self.note.is_empty()
+    }
+
     /// Standard uncertainty in `unit`.
     pub fn screen_u(&self) -> Option<f64> {
         self.u.map(|u| u * self.unit.per_inside)
