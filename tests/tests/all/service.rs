@@ -299,7 +299,8 @@ async fn a_ball_bar_behind_an_slcan_adapter_gives_a_report_with_the_readings_of_
     // SYNC every 5 ms; a late one is skipped, and samples beyond 5 % of the feed are left out.
     let share = run.points.iter().map(|point| f64::from(point.samples)).sum::<f64>() / (200.0 * seconds);
     println!("{share:.3} of the samples of the passes");
-    assert!(share > 0.9, "{share} of the samples of the passes");
+    // 93 % on a quiet computer; one that does other work skips more. A forming rule that drops a pass leaves half.
+    assert!(share > 0.75, "{share} of the samples of the passes");
     let truth_mm = |state: &trunnion_core::State| virtual_machine.ideal_reading_mm(0, state)[0];
     let off: Vec<f64> = run.points.iter().map(|p| p.reading_mm[0] - truth_mm(&p.state)).collect();
     let mean = off.iter().sum::<f64>() / off.len() as f64;
