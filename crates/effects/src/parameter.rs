@@ -39,13 +39,11 @@ pub struct Limit {
     pub beyond: &'static str,
 }
 
-/// Uncertainties at 95 % [GUM 6.3.3].
-const WIDENING: f64 = 2.0;
-
 impl Limit {
-    /// Whether a value with its standard uncertainty lies beyond, in the unit of screens.
-    pub fn is_exceeded(&self, value: f64, u: f64) -> bool {
-        value.abs() - WIDENING * u > self.largest
+    /// Whether a value lies beyond, in the unit of screens. Its u is not asked: what speaks for an effect speaks for the value that
+    /// fits best.
+    pub fn is_exceeded(&self, value: f64) -> bool {
+        value.abs() > self.largest
     }
 }
 

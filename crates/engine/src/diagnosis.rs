@@ -54,11 +54,18 @@ pub fn diagnose(
 /// Too few readings.
 pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diagnosis, DiagnoseError> {
     let mut options = options.clone();
-    let mut doubts = Vec::new();
+    let (mut doubts, mut real): (Vec<String>, Option<Vec<String>>) = (Vec::new(), None);
     loop {
         match answer::answer(problem, &scan::Scan::new(problem, &options.without)?, &options)? {
-            Answer::Diagnosis(diagnosis) => return Ok(diagnosis.doubted(&doubts)),
-            Answer::Without { effect, why } => {
+            Answer::Diagnosis(diagnosis) => {
+                return Ok(match real {
+                    None => *diagnosis,
+                    Some(real) => diagnosis.doubted(&doubts, &real),
+                });
+            }
+            Answer::Without { effect, why, beside } => {
+                let is_real = |id: &String| real.as_ref().is_none_or(|real| real.contains(id));
+                real = Some(beside.into_iter().filter(is_real).collect());
                 options.without.push(effect);
                 doubts.push(why);
             }

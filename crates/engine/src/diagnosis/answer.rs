@@ -41,7 +41,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let refits = context.refits(&listed);
     let explained = refits.explained(problem);
     if let Some((effect, why)) = context.beyond_physical(&listed, &refits.candidates) {
-        return Ok(Answer::Without { effect, why });
+        return Ok(Answer::Without { beside: context.found_beside(&effect), effect, why });
     }
     let candidates = context.candidates(&listed, &refits.candidates, &explained);
     let formula = context.formula(refits.formula.as_ref(), &explained);
@@ -93,6 +93,8 @@ pub enum Answer {
     Without {
         effect: String,
         why: String,
+        /// What was found together with it: only this is not what it leaves behind.
+        beside: Vec<String>,
     },
 }
 
@@ -203,6 +205,11 @@ impl Context<'_> {
             let instance = &self.scan.named[*group].instance;
             Some((instance.id(), refit.as_ref()?.beyond_physical(instance, scene)?))
         })
+    }
+
+    /// Ids of what was found with an effect in the model.
+    fn found_beside(&self, effect: &str) -> Vec<String> {
+        self.set().into_iter().map(|entry| entry.id).filter(|id| id != effect).collect()
     }
 
     /// Model entries of what the search kept.

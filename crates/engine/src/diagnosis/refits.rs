@@ -62,8 +62,7 @@ impl Refit {
         self.fit.effects.iter().find(|effect| effect.id == first.id).map(|effect| effect.shape.as_slice())
     }
 
-    /// Why what was added cannot be the cause: the first parameter of `instance` that is larger than its cause allows by more than
-    /// twice its uncertainty.
+    /// Why what was added cannot be the cause: the first parameter of `instance` that is larger than its cause allows.
     pub fn beyond_physical(&self, instance: &Instance, scene: &Scene) -> Option<String> {
         let id = instance.id();
         let fitted: Vec<_> =
@@ -71,8 +70,8 @@ impl Refit {
         instance.parameters(scene).into_iter().find_map(|parameter| {
             let limit = parameter.limit?;
             let found = fitted.iter().find(|fitted| fitted.name == parameter.name)?;
-            let (value, u) = (found.screen_value()?, found.screen_u()?);
-            limit.is_exceeded(value, u).then(|| {
+            let value = found.screen_value()?;
+            limit.is_exceeded(value).then(|| {
                 format!(
                     "{} fits best, but with {} = {value:.0} {unit}, where {:.0} {unit} is the most that is physical: {}.",
                     instance.id(),

@@ -83,18 +83,19 @@ impl Diagnosis {
 }
 
 impl Diagnosis {
-    /// With the reasons why effects that would fit better cannot be the cause: no all-clear, and a remark on what is claimed.
-    pub(crate) fn doubted(mut self, doubts: &[String]) -> Self {
-        if doubts.is_empty() {
-            return self;
-        }
+    /// With the reasons why effects that would fit better cannot be the cause. A claim holds only for what is `real`, found next to
+    /// them too: another name may describe what they leave behind. There is no all-clear.
+    pub(crate) fn doubted(mut self, doubts: &[String], real: &[String]) -> Self {
         let doubts = doubts.join(" ");
-        match self.candidates.first_mut() {
-            Some(first) => first.why = format!("{} {doubts}", first.why),
-            None => self.why = format!("{doubts} {}", self.why).trim_end().into(),
-        }
-        if self.verdict == Verdict::NoiseFloor {
-            self.verdict = Verdict::Undecided;
+        match self.candidates.first_mut().filter(|first| real.contains(&first.effect)) {
+            Some(first) if self.verdict == Verdict::MissingEffect => {
+                first.why = format!("{} {doubts}", first.why)
+            }
+            _ => {
+                (self.candidates, self.set, self.formula, self.next_cycle) = Default::default();
+                self.why = format!("{doubts} {}", self.why).trim_end().into();
+                self.verdict = Verdict::Undecided;
+            }
         }
         self
     }

@@ -103,10 +103,10 @@ fn beyond_physical(
     let doubt = |parameter: Parameter| {
         let limit = parameter.limit?;
         let fitted = fitted.iter().find(|fitted| fitted.name == parameter.name && fitted.stands_alone())?;
-        let (value, u) = (fitted.screen_value()?, fitted.screen_u()?);
+        let value = fitted.screen_value()?;
         let reason = DoubtReason::BeyondPhysical { limit, unit: parameter.unit };
         let names = vec![parameter.name];
-        limit.is_exceeded(value, u).then(|| Doubt { effect: effect.id.clone(), names, reason })
+        limit.is_exceeded(value).then(|| Doubt { effect: effect.id.clone(), names, reason })
     };
     parameters.into_iter().filter_map(doubt).collect()
 }
