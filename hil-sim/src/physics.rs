@@ -1,6 +1,6 @@
 //! The virtual machine: poses with errors, and what an instrument between tool and table reads.
 //!
-//! All exact, the poses from `chain`, the readings from [`crate::instruments`].
+//! All exact, the poses from `chain`, the readings from `crate::instruments`.
 
 pub(crate) mod chain;
 pub mod disturbance;
