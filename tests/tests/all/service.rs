@@ -116,8 +116,17 @@ fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
     cycle.setups.iter().map(of).collect()
 }
 
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn probes_unplugged_for_a_while_or_for_good_leave_gaps_and_the_cycle_goes_on_to_its_report() {
+/// The small cycle with every second pose, and a machine to measure in it.
+struct Staged {
+    cycle_text: String,
+    machine: trunnion_machine::Machine,
+    stations: Vec<Station>,
+    pace: Pace,
+    duration_s: f64,
+    virtual_machine: Arc<VirtualMachine>,
+}
+
+fn staged() -> Staged {
     let cycle_text = CYCLE.replace("step_deg = 30", "step_deg = 60");
     let cycle = Cycle::parse("c.toml", &cycle_text).unwrap();
     let machine = shipped::machine("table-bc").unwrap();
@@ -131,6 +140,12 @@ async fn probes_unplugged_for_a_while_or_for_good_leave_gaps_and_the_cycle_goes_
     let duration_s = scenario::duration_s(stations.len(), pace);
     let truth = Truth::draw(&machine, &sim_setups(&cycle), &[], duration_s, 3).unwrap();
     let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
+    Staged { cycle_text, machine, stations, pace, duration_s, virtual_machine }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn probes_unplugged_for_a_while_or_for_good_leave_gaps_and_the_cycle_goes_on_to_its_report() {
+    let Staged { cycle_text, machine, stations, pace, duration_s, virtual_machine } = staged();
     let last_s = duration_s - 4.0;
     let shop = |folder: &Path| {
         let world = scenario::static_cycle(Arc::clone(&virtual_machine), "c", &stations, pace).unwrap();
@@ -159,19 +174,7 @@ async fn probes_unplugged_for_a_while_or_for_good_leave_gaps_and_the_cycle_goes_
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_in_the_program_cuts_nothing_and_a_restart_loses_no_begin() {
-    let cycle_text = CYCLE.replace("step_deg = 30", "step_deg = 60");
-    let cycle = Cycle::parse("c.toml", &cycle_text).unwrap();
-    let machine = shipped::machine("table-bc").unwrap();
-    let stations: Vec<Station> = cycle
-        .poses(&machine)
-        .unwrap()
-        .iter()
-        .map(|pose| Station { setup: pose.setup, position: pose.position })
-        .collect();
-    let pace = Pace { move_s: 0.06, dwell_s: 0.1 };
-    let duration_s = scenario::duration_s(stations.len(), pace);
-    let truth = Truth::draw(&machine, &sim_setups(&cycle), &[], duration_s, 3).unwrap();
-    let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
+    let Staged { cycle_text, machine, stations, pace, duration_s, virtual_machine } = staged();
     // M0 for a second, then a reset, and a start 0.4 s later; the machine goes on meanwhile.
     let (stop_s, reset_s) = (4.0, 9.0);
     let shop = |folder: &Path| {
