@@ -27,6 +27,8 @@ use trunnion_effects::{Formula, ModelEffect};
 const CONFUSED_LN: f64 = 3.0;
 /// A named effect that explains at least this share leads, although a part remains.
 const MOSTLY: f64 = 0.8;
+/// An expression beside a named effect is proposed when it explains a share that is not printed as 0 %.
+const SHOWN: f64 = 0.005;
 
 /// Answers for the model of `problem`, unless a named effect that was found cannot be the cause.
 pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Result<Answer, DiagnoseError> {
@@ -44,9 +46,12 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         return Ok(Answer::Without { beside: context.found_beside(&effect), effect, why });
     }
     let candidates = context.candidates(&listed, &refits.candidates, &explained);
-    let formula = context.formula(refits.formula.as_ref(), &explained);
+    let formula_leads = context.formula_leads(&listed);
+    let formula = context
+        .formula(refits.formula.as_ref(), &explained)
+        .filter(|formula| formula_leads || formula.explains_fraction >= SHOWN);
     let fit = problem.fit();
-    let (verdict, why, next) = match (candidates.is_empty(), context.formula_leads(&listed)) {
+    let (verdict, why, next) = match (candidates.is_empty(), formula_leads) {
         (_, true) => (Verdict::UnnamedStructure, String::new(), String::new()),
         (false, false) => (Verdict::MissingEffect, String::new(), String::new()),
         (true, false) if listed.is_empty() => nothing_claimed(scan, fit, &found),
