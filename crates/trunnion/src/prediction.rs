@@ -16,7 +16,7 @@ use trunnion_core::convert::{mm_from_um, um_from_mm};
 use trunnion_cycles::Run;
 use trunnion_effects::{self as effects, FittedValue, FittedValues, Instance, ModelEffect};
 use trunnion_engine::fit::Options;
-use trunnion_engine::{HeldOut, Identification, IdentifyError};
+use trunnion_engine::{HeldOut, Identification, IdentifyError, Status};
 use trunnion_results as results;
 
 /// Two-sided 95 % of a normal distribution, in standard uncertainties [GUM, table G.1].
@@ -157,6 +157,8 @@ fn quick() -> Options {
 /// A model with its values held, in another run.
 struct Frozen<'v> {
     model: effects::Model,
+    /// What the held parameters are known by.
+    values: &'v FittedValues,
     /// Columns of the held parameters that have a standard uncertainty, with their values.
     held: (DMatrix<f64>, Vec<Known<'v>>),
     /// Columns of the settings of the new run.
@@ -208,12 +210,21 @@ impl<'v> Frozen<'v> {
             [] => DMatrix::zeros(experiment.rows(), 0),
             columns => DMatrix::from_columns(columns),
         };
-        Ok(Self { model: frozen, held: (matrix(&held), known), settings: matrix(&settings) })
+        Ok(Self { model: frozen, values, held: (matrix(&held), known), settings: matrix(&settings) })
     }
 
-    /// The fit of the settings.
+    /// The fit of the settings, the held parameters with what the fitted runs know of them.
     fn settled(&self, experiment: &trunnion_engine::Experiment) -> Result<Identification, Error> {
-        Ok(trunnion_engine::identify(experiment, &self.model, &quick())?)
+        let mut fit = trunnion_engine::identify(experiment, &self.model, &quick())?;
+        for parameter in fit.parameters.iter_mut().filter(|parameter| parameter.status == Status::Held) {
+            let Some((_, kept)) = find(self.values, &parameter.effect, &parameter.name) else { continue };
+            parameter.u = kept.u.map(|u| u / parameter.unit.per_inside);
+            if parameter.u.is_none() {
+                (parameter.value, parameter.status) = (None, Status::Unobservable);
+                parameter.note = "not determined by the fitted runs, taken as 0".into();
+            }
+        }
+        Ok(fit)
     }
 
     /// Half width of the 95 % band of every reading, mm.

@@ -30,7 +30,13 @@ fn a_model_file_predicts_like_the_fit_that_left_its_values() {
 
     let compared = kept.compare_frozen(&run).unwrap();
     assert!((compared.identification.rms_um / prediction.runs[0].rms_um - 1.0).abs() < 0.01);
-    assert!(compared.identification.parameters.iter().all(|p| p.u.is_none() || p.effect == "ball-setting"));
+    let fitted = step.fit().results();
+    for frozen in compared.identification.parameters.iter().filter(|p| p.effect != "ball-setting") {
+        let of_fit = fitted.parameters.iter().find(|p| p.name == frozen.name).unwrap();
+        assert_eq!(frozen.value.is_none(), prediction.not_determined.contains(&frozen.name), "{frozen:?}");
+        let near = |a: Option<f64>, b: Option<f64>| (a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs() < 1e-3;
+        assert!(near(frozen.value, of_fit.value) && near(frozen.u, of_fit.u), "{frozen:?} {of_fit:?}");
+    }
     let text = trunnion::report::compare_text(&compared);
     assert!(
         text.starts_with("The kept values predict these runs") && text.contains("no prediction"),
