@@ -9,6 +9,7 @@
 //! range_mm = 10
 //! rate_khz = 1
 //! silence_ms = 200               # no reading for so long ends the connection
+//! travel_mm = [-1, 1]            # measuring range, of drivers that do not know it
 //! ```
 //! Further keys belong to the driver and are described in its file.
 
@@ -28,6 +29,8 @@ pub struct DeviceConfig {
     pub driver: &'static str,
     /// No reading for so long ends the connection.
     pub silence: Duration,
+    /// Measuring range of its displacement channels, mm, where somebody says it.
+    pub range_mm: Option<[f64; 2]>,
     /// The driver's own settings, ready to connect.
     pub device: Arc<dyn Device>,
 }
@@ -98,15 +101,30 @@ fn read_device(table: &Table<'_>) -> Option<DeviceConfig> {
     let names: Vec<&str> = DRIVERS.iter().map(|driver| driver.name).collect();
     let chosen = table.one_of("driver", &names);
     let silence_ms = table.optional_number("silence_ms", 20.0..=10_000.0);
+    let travel_mm = read_travel(table);
     let driver = DRIVERS.iter().find(|driver| Some(driver.name) == chosen.as_deref())?;
     let device = (driver.read)(table);
     table.no_other_keys();
+    let of_driver = device.as_ref().and_then(|device| device.range_mm());
     Some(DeviceConfig {
+        range_mm: travel_mm.or(of_driver),
         name: name?,
         driver: driver.name,
         silence: Duration::from_secs_f64(silence_ms.unwrap_or(driver.default_silence_ms) / 1e3),
         device: device?,
     })
+}
+
+/// The key `travel_mm`: for gauges whose driver is not told their range.
+fn read_travel(table: &Table<'_>) -> Option<[f64; 2]> {
+    let numbers = table.optional_numbers("travel_mm")?;
+    match numbers[..] {
+        [from_mm, to_mm] if from_mm < to_mm => Some([from_mm, to_mm]),
+        _ => {
+            table.problem("travel_mm", format!("= {numbers:?}"), "both ends, e.g. [-1, 1]", "");
+            None
+        }
+    }
 }
 
 #[cfg(test)]
@@ -145,6 +163,15 @@ url = "http://10.0.0.5:5000"
         assert_eq!(names, [(0, "probe-x"), (1, "bus.node-2"), (1, "bus.node-3")]);
         assert_eq!(instrument_channels(&channels, false), Some(vec![0, 1, 2]));
         assert_eq!(instrument_channels(&channels, true), None);
+    }
+
+    #[test]
+    fn the_range_is_that_of_the_driver_or_of_travel_mm() {
+        let text = GOOD.replace("bitrate = 1000000", "bitrate = 1000000\ntravel_mm = [-1, 1.5]");
+        let ranges: Vec<_> = parse_devices("t.toml", &text).unwrap().iter().map(|d| d.range_mm).collect();
+        assert_eq!(ranges, [Some([0.0, 10.0]), Some([-1.0, 1.5]), None]);
+        let shown = parse_devices("t.toml", &text.replace("[-1, 1.5]", "[1, -1]")).unwrap_err().to_string();
+        assert!(shown.contains("travel_mm = [1.0, -1.0]") && shown.contains("both ends"), "{shown}");
     }
 
     #[test]

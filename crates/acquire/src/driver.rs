@@ -21,6 +21,10 @@ pub type Session<'a> = Pin<Box<dyn Future<Output = Result<Infallible, SessionEnd
 pub trait Device: Debug + Send + Sync {
     /// Channels of the device: name suffix (empty when there is one) and role.
     fn channels(&self) -> Vec<(String, Role)>;
+    /// Measuring range of the displacement channels, mm, where the configuration says it.
+    fn range_mm(&self) -> Option<[f64; 2]> {
+        None
+    }
     /// Port or address, for messages and to find two devices on one port.
     fn address(&self) -> &str;
     /// One connection, from opening to its end.

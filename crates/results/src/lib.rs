@@ -16,6 +16,7 @@ mod identification;
 mod json;
 mod ladder;
 mod left_out;
+mod live;
 mod location;
 mod nc_program;
 pub mod number;
@@ -55,6 +56,9 @@ pub use identification::{
 pub use json::to_json;
 pub use ladder::{Added, Ladder, LadderEntry, LadderFormat, LadderRow, Moved, Removed};
 pub use left_out::LeftOutEffect;
+pub use live::{
+    BallOffset, Live, LiveAxis, LiveCycle, LiveDevice, LiveFormat, LiveProbe, LiveTemperature, Zone,
+};
 pub use location::{LocationError, LocationErrors};
 pub use nc_program::{NcProgram, NcProgramFormat};
 pub use plan::{Considered, Goal, LeftOpen, NextPlanned, Plan, PlanFormat};

@@ -2,8 +2,8 @@
 
 use crate::{
     Added, AxisErrors, Check, Comparison, CompensationSummary, Demo, DevicesChecked, DevicesFound, Diagnosis,
-    ErrorMap, Findings, Identification, Imported, Ladder, NcProgram, Plan, Prediction, Preview, Removed,
-    Simulation, TimeQuality, Trial, Volumetric, to_json,
+    ErrorMap, Findings, Identification, Imported, Ladder, Live, NcProgram, Plan, Prediction, Preview,
+    Removed, Simulation, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -33,6 +33,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("demo", schema_for!(Demo)),
         ("devices-found", schema_for!(DevicesFound)),
         ("devices-checked", schema_for!(DevicesChecked)),
+        ("live", schema_for!(Live)),
     ]
 }
 

@@ -8,18 +8,20 @@ pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, Unfinished, measure_
 pub use report::{analyse_recording, write_report};
 
 use crate::config::Config;
+use crate::latest::Mounted;
 use crate::live::{Live, Measured, Plan, check};
 use crate::mqtt;
 use crate::mqtt::Board;
 use report::report_cycle;
 use serde_json::json;
-use status::{publish_status, report_systemd};
+use status::{publish_live, publish_status, report_systemd};
 use std::path::Path;
 use std::sync::Arc;
 use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
 use trunnion::Model;
+use trunnion::results::LiveCycle;
 use trunnion_core::Clock;
 use trunnion_protocol::mtconnect::timestamp;
 use trunnion_sync::{CycleBounds, Progress};
@@ -44,6 +46,9 @@ pub async fn serve(
     let mut live = Live::start(config.devices.clone(), bounds, clock.clone(), cancel.clone());
     let names: Vec<String> = config.devices.iter().map(|device| device.name.clone()).collect();
     let status = tokio::spawn(publish_status(names, live.states(), board.clone(), cancel.clone()));
+    live.latest().set_mounted(Mounted::of(&plan));
+    let latest = live.latest().clone();
+    let shown = tokio::spawn(publish_live(latest.clone(), board.clone(), cancel.clone()));
     report_systemd(&[sd_notify::NotifyState::Ready]);
     // Cycles are analysed while the next one is waited for and measured.
     let mut reports = JoinSet::new();
@@ -51,7 +56,14 @@ pub async fn serve(
     while let Some(start) = live.wait_for_start().await {
         let name = free_name(&config.recordings, &plan.cycle.name, clock.wall_ns());
         board.set("cycle", &json!({ "state": "measuring", "run": name, "why": start.why }));
+        let cycle = |now: Progress| LiveCycle {
+            name: plan.cycle.name.clone(),
+            state: "measuring".into(),
+            done: now.done,
+            planned: now.total,
+        };
         let mut progress = |now: Progress| {
+            latest.set_cycle(Some(cycle(now)));
             board.set(
                 "cycle",
                 &json!({ "state": "measuring", "run": name, "done": now.done, "total": now.total,
@@ -59,7 +71,9 @@ pub async fn serve(
             );
         };
         let run = NewRun { plan: &plan, texts: &texts, folder: &config.recordings, name: &name };
-        match measure_cycle(&run, &mut live, start, &mut progress).await {
+        let measured = measure_cycle(&run, &mut live, start, &mut progress).await;
+        latest.set_cycle(None);
+        match measured {
             Ok(unfinished) => {
                 let Measured { points, reason, gaps, .. } = &unfinished.measured;
                 board.set(
@@ -94,7 +108,8 @@ pub async fn serve(
     }
     live.stop().await;
     report_systemd(&[sd_notify::NotifyState::Stopping]);
-    for (task, what) in [(Some(status), "status"), (broker, "MQTT connection")] {
+    for (task, what) in [(Some(status), "status"), (Some(shown), "live values"), (broker, "MQTT connection")]
+    {
         if let Some(task) = task {
             task.await.map_err(|_| ServiceError::Broken(what))?;
         }

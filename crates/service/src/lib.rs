@@ -4,6 +4,7 @@ pub mod clock;
 pub mod config;
 pub mod daemon;
 mod error;
+pub mod latest;
 pub mod live;
 pub mod mqtt;
 mod recording;

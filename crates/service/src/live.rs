@@ -2,6 +2,7 @@
 //!
 //! Everything is recorded before it is interpreted. The points that come out are recorded too.
 
+use crate::latest::Latest;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
@@ -78,6 +79,7 @@ pub struct Live {
     acquisition: Acquisition,
     timebase: TimeBase,
     bounds: CycleBounds,
+    latest: Latest,
     /// Temperature channels that have reported a value.
     temperature_channels: Vec<String>,
     /// A cycle that began while the one before it was being measured.
@@ -94,14 +96,21 @@ impl Live {
         clock: Arc<dyn Clock>,
         cancel: CancellationToken,
     ) -> Self {
+        let configured = devices.clone();
         let acquisition = trunnion_acquire::start(devices, clock.clone(), cancel.clone(), QUEUE_LENGTH);
-        let timebase = TimeBase::new(clock.now());
-        Self { acquisition, timebase, bounds, temperature_channels: Vec::new(), next: None, clock, cancel }
+        let latest = Latest::new(&configured, acquisition.states.clone(), clock.clone());
+        let (timebase, temperature_channels) = (TimeBase::new(clock.now()), Vec::new());
+        Self { acquisition, timebase, bounds, latest, temperature_channels, next: None, clock, cancel }
     }
 
     /// Status of each device, in the order of the configuration.
     pub fn states(&self) -> Vec<watch::Receiver<DeviceStatus>> {
         self.acquisition.states.clone()
+    }
+
+    /// The latest values, to be shown while this measures or waits.
+    pub fn latest(&self) -> &Latest {
+        &self.latest
     }
 
     /// The clocks of the host.
@@ -126,6 +135,7 @@ impl Live {
                 () = self.cancel.cancelled() => return None,
                 message = self.acquisition.messages.recv() => message?,
             };
+            self.latest.take(&message);
             let timed = self.timebase.translate(&message);
             self.note_channel(timed.as_ref());
             if let Some(Bound::Begins { at, why }) = self.bounds.take(&message.reading) {
@@ -161,7 +171,7 @@ impl Live {
         let mut measurement = Measurement::new(plan, &start.temperature_channels, recorder)?;
         let begun = Event { time_s: 0.0, kind: "cycle-start".into(), text: start.why.clone() };
         measurement.record(Item::Event(begun), self.clock.now());
-        let mut last_progress = 0;
+        let mut shown = None;
         while measurement.forming.ended().is_none() {
             let messages = &mut self.acquisition.messages;
             let message = tokio::select! {
@@ -180,6 +190,7 @@ impl Live {
                 measurement.finish(EndReason::Stopped, self.clock.now());
                 break;
             };
+            self.latest.take(&message);
             match self.bounds.take(&message.reading) {
                 Some(Bound::Ends { at, why }) => {
                     measurement.end_seen(self.timebase.seconds(at), why, self.clock.now());
@@ -197,8 +208,7 @@ impl Live {
             self.note_channel(timed.as_ref());
             measurement.take(timed, &mut self.timebase, self.clock.now());
             let now = measurement.forming.progress();
-            if now.done != last_progress {
-                last_progress = now.done;
+            if shown.replace(now.done) != Some(now.done) {
                 progress(now);
             }
         }

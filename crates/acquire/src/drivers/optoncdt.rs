@@ -73,6 +73,10 @@ impl Device for Optoncdt {
         vec![(String::new(), self.role)]
     }
 
+    fn range_mm(&self) -> Option<[f64; 2]> {
+        Some([0.0, self.range_mm])
+    }
+
     fn address(&self) -> &str {
         &self.port
     }

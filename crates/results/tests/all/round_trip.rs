@@ -13,8 +13,8 @@ use trunnion_methods::recipes::{MethodOptions, REGISTRY};
 use trunnion_methods::volumetric as methods;
 use trunnion_results::{
     AxisErrors, CheckedDevice, Comparison, Demo, DemoStep, DevicePlace, DevicesChecked, DevicesFound,
-    Diagnosis, ErrorMap, Findings, Identification, Imported, Ladder, LadderRow, LocationErrors, NcProgram,
-    Plan, Preview, Simulation, Verdict, Volumetric, to_json,
+    Diagnosis, ErrorMap, Findings, Identification, Imported, Ladder, LadderRow, Live, LiveProbe,
+    LocationErrors, NcProgram, Plan, Preview, Simulation, Verdict, Volumetric, to_json,
 };
 
 fn run(folder: &str) -> Run {
@@ -145,6 +145,13 @@ fn the_answers_of_commands_that_write_files_or_ask_devices_return() {
     let device = CheckedDevice { readings, ..CheckedDevice::default() };
     let json = returns(&DevicesChecked { devices: vec![device], ..DevicesChecked::default() });
     assert_eq!(json["devices"][0]["readings"]["probe-1"], "0.1234 mm");
+    let probe = LiveProbe { value_mm: Some(1.25), range_mm: Some([0.0, 2.0]), ..LiveProbe::default() };
+    let json = returns(&Live { probes: vec![probe], ..Live::default() });
+    assert_eq!(
+        (&json["format"], &json["probes"][0]["zone"]),
+        (&"trunnion-live/1".into(), &"no-value".into())
+    );
+    assert!(json["ball_offset_mm"].is_null() && json["probes"][0]["range_mm"][1] == 2.0, "{json}");
 }
 
 #[test]

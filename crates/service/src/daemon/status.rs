@@ -1,5 +1,6 @@
 //! What the service reports of itself: the board's `status` and systemd.
 
+use crate::latest::Latest;
 use crate::mqtt::Board;
 use serde_json::json;
 use std::time::Duration;
@@ -41,6 +42,21 @@ pub(super) async fn publish_status(
         if now != last {
             board.set("status", &now);
             last = now;
+        }
+    }
+}
+
+/// Publishes the latest values once a second; the board keeps the newest alone, however slow the broker is.
+pub(super) async fn publish_live(latest: Latest, board: Board, cancel: CancellationToken) {
+    let mut period = tokio::time::interval(STATUS_PERIOD);
+    loop {
+        tokio::select! {
+            () = cancel.cancelled() => return,
+            _ = period.tick() => {}
+        }
+        match serde_json::to_value(latest.snapshot()) {
+            Ok(live) => board.set("live", &live),
+            Err(failure) => tracing::debug!(%failure, "the latest values are no JSON"),
         }
     }
 }

@@ -1,0 +1,249 @@
+//! The latest value of everything that is read: the one snapshot that the screen, the page and MQTT show.
+//!
+//! Values are taken from the same messages as a recording's; taking one costs a lookup. What the snapshot says of them is worked
+//! out when somebody asks for it.
+
+mod channel;
+mod say;
+
+use channel::ChannelValues;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tokio::sync::watch;
+use trunnion::Machine;
+use trunnion::results::{
+    BallOffset, Live, LiveAxis, LiveCycle, LiveDevice, LiveFormat, LiveProbe, LiveTemperature, Zone,
+};
+use trunnion_acquire::config::channels;
+use trunnion_acquire::{DeviceConfig, DeviceState, DeviceStatus};
+use trunnion_core::channel::instrument_channels;
+use trunnion_core::reading::{AxisReading, Message, Reading};
+use trunnion_core::{Channel, Clock, HostTime, Joint, NestSide, Role, convert};
+use trunnion_protocol::mtconnect::timestamp;
+use trunnion_sync::NestCalibration;
+use trunnion_sync::plan::Plan;
+
+/// A value older than this is none, s; the slowest indicators speak every second.
+const OLD_S: f64 = 2.5;
+
+/// How the probes stand in the machine.
+#[derive(Clone, Debug)]
+pub struct Mounted {
+    /// Probe directions.
+    pub nest: NestCalibration,
+    /// What the nest rides on.
+    pub side: NestSide,
+    /// The machine that moves it.
+    pub machine: Machine,
+}
+
+impl Mounted {
+    /// As the first setup of a cycle has it.
+    pub fn of(plan: &Plan) -> Self {
+        Self { nest: plan.nest, side: plan.cycle.setups[0].nest, machine: plan.machine.clone() }
+    }
+}
+
+/// The latest values, shared by who takes them and who shows them.
+#[derive(Clone)]
+pub struct Latest {
+    values: Arc<Mutex<Values>>,
+    devices: Arc<[Named]>,
+    channels: Arc<[Channel]>,
+    states: Vec<watch::Receiver<DeviceStatus>>,
+    clock: Arc<dyn Clock>,
+}
+
+/// What the configuration says of a device.
+struct Named {
+    name: String,
+    driver: &'static str,
+    range_mm: Option<[f64; 2]>,
+}
+
+#[derive(Default)]
+struct Values {
+    channels: Vec<ChannelValues>,
+    axes: Option<AxisReading>,
+    temperatures: BTreeMap<String, (f64, HostTime)>,
+    /// Last warning of each device, by its index.
+    warnings: BTreeMap<u16, String>,
+    mounted: Option<Mounted>,
+    cycle: Option<LiveCycle>,
+}
+
+impl Latest {
+    /// Of devices with these states, in the same order; no value yet.
+    pub fn new(
+        devices: &[DeviceConfig],
+        states: Vec<watch::Receiver<DeviceStatus>>,
+        clock: Arc<dyn Clock>,
+    ) -> Self {
+        let channels = channels(devices);
+        let none = channels.iter().map(|_| ChannelValues::default()).collect();
+        let named = |d: &DeviceConfig| Named { name: d.name.clone(), driver: d.driver, range_mm: d.range_mm };
+        Self {
+            values: Arc::new(Mutex::new(Values { channels: none, ..Values::default() })),
+            devices: devices.iter().map(named).collect(),
+            channels: channels.into(),
+            states,
+            clock,
+        }
+    }
+
+    /// From now on the place of the ball is known from the probes.
+    pub fn set_mounted(&self, mounted: Mounted) {
+        self.lock().mounted = Some(mounted);
+    }
+
+    /// Sets what becomes of the cycle.
+    pub fn set_cycle(&self, cycle: Option<LiveCycle>) {
+        self.lock().cycle = cycle;
+    }
+
+    /// Takes a message of a device.
+    pub fn take(&self, message: &Message) {
+        let mut values = self.lock();
+        match &message.reading {
+            Reading::Probe(reading) => {
+                if let Some(channel) = values.channels.get_mut(usize::from(reading.channel)) {
+                    channel.take(reading);
+                }
+            }
+            Reading::Axes(reading) => values.axes = Some(*reading),
+            Reading::Temperature(reading) => {
+                values.temperatures.insert(reading.name.clone(), (reading.degc, reading.arrival));
+            }
+            Reading::Log(line) if line.warning => {
+                values.warnings.insert(message.device, line.text.clone());
+            }
+            Reading::Log(_) | Reading::Controller(_) | Reading::Counters(_) | Reading::Gap(_) => {}
+        }
+    }
+
+    /// Everything as it is now.
+    pub fn snapshot(&self) -> Live {
+        let (values, now) = (self.lock(), self.clock.now());
+        let probes = self.probes(&values, now);
+        let (ball, ball_said) = self.ball(&values, &probes, now);
+        let devices = self.devices();
+        let say = say::sentences(&devices, &probes, ball_said);
+        let fresh = |at: HostTime| now.seconds_since(at) <= OLD_S;
+        let temperature = |(name, (degc, at)): (&String, &(f64, HostTime))| LiveTemperature {
+            name: name.clone(),
+            value_degc: Some(*degc).filter(|degc| degc.is_finite() && fresh(*at)),
+        };
+        Live {
+            format: LiveFormat::V1,
+            at: timestamp(self.clock.wall_ns()).to_string(),
+            ball_offset_mm: ball,
+            say,
+            axes: values.axes.iter().filter(|axes| fresh(axes.arrival)).flat_map(live_axes).collect(),
+            devices,
+            temperatures: values.temperatures.iter().map(temperature).collect(),
+            cycle: values.cycle.clone(),
+            probes,
+        }
+    }
+
+    fn probes(&self, values: &Values, now: HostTime) -> Vec<LiveProbe> {
+        let measuring = |(index, channel): (usize, &Channel)| {
+            (channel.role != Role::Temperature).then(|| self.probe(values, now, index, channel))
+        };
+        self.channels.iter().enumerate().filter_map(measuring).collect()
+    }
+
+    fn probe(&self, values: &Values, now: HostTime, index: usize, channel: &Channel) -> LiveProbe {
+        let device = &self.devices[usize::from(channel.device)];
+        let value_mm = values.channels[index].value_mm(now, OLD_S);
+        let stuck = value_mm.and_then(|_| self.stuck(values, now, index));
+        let zone = match stuck {
+            Some(_) => Zone::Stuck,
+            None => Zone::of(value_mm, device.range_mm),
+        };
+        let centre_mm = device.range_mm.map(|[from_mm, to_mm]| (from_mm + to_mm) / 2.0);
+        let warning = values.warnings.get(&channel.device).filter(|text| text.starts_with(&channel.name));
+        let say = say::probe(zone, value_mm.zip(centre_mm), stuck, warning.map(String::as_str));
+        let (name, role) = (channel.name.clone(), channel.role.name().into());
+        LiveProbe { name, role, value_mm, range_mm: device.range_mm, centre_mm, zone, say }
+    }
+
+    /// For how long a channel has kept one number, s, while another of the same kind, which is named, trembled.
+    fn stuck(&self, values: &Values, now: HostTime, index: usize) -> Option<(f64, &str)> {
+        let kept_s = values.channels[index].kept_s(now)?;
+        let driver = |k: usize| self.devices[usize::from(self.channels[k].device)].driver;
+        let other = (0..self.channels.len())
+            .find(|&k| k != index && driver(k) == driver(index) && values.channels[k].trembles())?;
+        Some((kept_s, &self.channels[other].name))
+    }
+
+    /// The ball from the centre in directions of the machine, and what to say of it.
+    fn ball(
+        &self,
+        values: &Values,
+        probes: &[LiveProbe],
+        now: HostTime,
+    ) -> (Option<BallOffset>, Option<String>) {
+        let Some(three) = instrument_channels(&self.channels, false) else { return (None, None) };
+        let Some(mounted) = &values.mounted else { return (None, Some(say::NO_NEST.into())) };
+        let of = |channel: &u16| {
+            let name = &self.channels[usize::from(*channel)].name;
+            probes.iter().find(|probe| probe.name == *name)
+        };
+        let three: Vec<&LiveProbe> = three.iter().filter_map(of).collect();
+        if three.iter().any(|probe| probe.centre_mm.is_none()) {
+            return (None, Some(say::NO_RANGE.into()));
+        }
+        let off: Option<Vec<f64>> =
+            three.iter().map(|probe| Some(probe.value_mm? - probe.centre_mm?)).collect();
+        let Some(off_mm) = off.and_then(|off| <[f64; 3]>::try_from(off).ok()) else { return (None, None) };
+        let ball_in_nest_mm = mounted.nest.reading_mm(off_mm);
+        let position = values.axes.filter(|axes| now.seconds_since(axes.arrival) <= OLD_S);
+        let (machine, errors) = (&mounted.machine, Default::default());
+        let (ball_mm, known) = match position.map(|axes| axes.position) {
+            Some(position) => {
+                let machine_from_nest = match mounted.side {
+                    NestSide::Table => machine.machine_from_table(&position, &errors).rotation,
+                    NestSide::Spindle => machine.machine_from_tool(&position, &errors).rotation,
+                };
+                (machine_from_nest * ball_in_nest_mm, true)
+            }
+            None => (ball_in_nest_mm, false),
+        };
+        let ball = BallOffset { x: ball_mm.x, y: ball_mm.y, z: ball_mm.z };
+        (Some(ball), Some(say::ball(&ball, known)))
+    }
+
+    fn devices(&self) -> Vec<LiveDevice> {
+        let device = |(named, state): (&Named, &watch::Receiver<DeviceStatus>)| {
+            let status = state.borrow();
+            let remedy = match (status.state, &status.last_end) {
+                (DeviceState::Streaming, _) => None,
+                (DeviceState::Stuck, _) => Some(say::STUCK.into()),
+                (_, Some(end)) => Some(end.to_string()),
+                (_, None) => Some("it is being asked".into()),
+            };
+            LiveDevice { name: named.name.clone(), state: format!("{:?}", status.state), remedy }
+        };
+        self.devices.iter().zip(&self.states).map(device).collect()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Values> {
+        self.values.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn live_axes(axes: &AxisReading) -> Vec<LiveAxis> {
+    let axis = |joint: Joint| {
+        let position = axes.position[joint];
+        let (value, unit) = match joint.is_rotary() {
+            true => (convert::deg_from_rad(position), "deg"),
+            false => (position, "mm"),
+        };
+        LiveAxis { name: joint.to_string(), value, unit: unit.into() }
+    };
+    Joint::ISO.into_iter().filter(|&joint| axes.present[joint]).map(axis).collect()
+}
+
+#[cfg(test)]
+mod tests;
