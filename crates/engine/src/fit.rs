@@ -30,7 +30,7 @@ use crate::problem::passes::passes;
 use crate::problem::side_by_side::SideBySide;
 use crate::solve::combinations::seen_together;
 use crate::solve::direction::{Named, Status};
-use crate::solve::null_space::describe;
+use crate::solve::null_space::{Direction, Share, describe};
 use crate::{Experiment, HeldOut, IdentifyError, Outliers, Uncertainties};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::convert;
@@ -169,15 +169,20 @@ fn names(joint: &SideBySide) -> Vec<Named> {
 fn parameter(joint: &SideBySide, fit: &Converged, covariance: &DMatrix<f64>, j: usize) -> FittedParameter {
     let status = fit.datum.status[j];
     let name = |k: usize| joint.parameters[k].name.as_str();
-    let stands_for: Vec<&str> = fit
-        .datum
-        .directions
-        .iter()
-        .filter(|direction| direction.conventional && !direction.standing)
-        .filter(|direction| direction.terms[1..].iter().any(|(k, _)| *k == j))
-        .map(|direction| name(direction.terms[0].0))
-        .collect();
-    let of_standing = fit.datum.directions.iter().any(|d| d.standing && d.terms[0].0 == j);
+    let part_of = |share: Share| {
+        let holds = move |direction: &&Direction| {
+            direction.share == share && direction.terms[1..].iter().any(|(k, _)| *k == j)
+        };
+        fit.datum.directions.iter().filter(holds).map(|direction| direction.terms[0].0)
+    };
+    let effect_of = |k: usize| joint.effects[joint.effect_of[k]].id.as_str();
+    let mut stands_for: Vec<&str> = part_of(Share::Others).map(name).collect();
+    if status == Status::Identified {
+        stands_for.extend(part_of(Share::Base).map(effect_of));
+        stands_for.dedup();
+    }
+    let is_pivot = |d: &Direction| d.share == Share::Mounting && d.terms[0].0 == j;
+    let of_standing = fit.datum.directions.iter().any(is_pivot);
     let note = match status {
         Status::Held => "held by the model".into(),
         Status::ZeroByConvention if of_standing => "its axis is at rest in these runs".into(),

@@ -150,7 +150,7 @@ fn named_datum(design: &Design<'_>, reduced: &Reduced, limits: &Limits<'_>) -> D
         });
     let minimum = conventional_zeros(&scene.machine).into_iter().map(|name| Zero { name, standing: false });
     let zeros: Vec<Zero> = standing.chain(minimum).collect();
-    datum(reduced, &design.joint.free(), &design.joint.parameters, &zeros, limits)
+    datum(reduced, &design.joint.free_by_role(), &design.joint.parameters, &zeros, limits)
 }
 
 /// From `start` until no prediction moves by more than [`CONVERGED_MM`], or this part of the noise.

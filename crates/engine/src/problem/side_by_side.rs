@@ -1,11 +1,12 @@
 //! The effects of a model placed side by side: names, columns, exact prediction.
 
+use crate::solve::null_space::Free;
 use crate::{Experiment, IdentifyError};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::ops::Range;
 use trunnion_core::State;
-use trunnion_effects::{Instance, Model, ModelEffect, Parameter, Shapes};
+use trunnion_effects::{Instance, Model, ModelEffect, Parameter, Role, Shapes};
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
 
@@ -75,6 +76,15 @@ impl SideBySide {
     /// Columns that the data may determine.
     pub fn free(&self) -> Vec<usize> {
         (0..self.width()).filter(|&j| self.held[j].is_none()).collect()
+    }
+
+    /// The same, location errors and settings apart from what was added to them.
+    pub fn free_by_role(&self) -> Free {
+        let of_base = |&j: &usize| {
+            matches!(self.effects[self.effect_of[j]].instance.role(), Role::Location | Role::Setting)
+        };
+        let (base, added) = self.free().into_iter().partition(of_base);
+        Free { base, added }
     }
 
     /// All columns in the rows of `points`, mm per unit.

@@ -2,10 +2,17 @@
 //!
 //! Null vectors are the right singular vectors with σ ≤ tolerance·σ₁, those that show no more than positions a little off the
 //! commanded ones would show by themselves (`problem::off_nominal`), and those along which the fit
-//! would wander by more than `MEANINGLESS_MM` of reading. They are brought to reduced row echelon form. Pivots are first the
-//! parameters that the minimum set of location errors defines as zero (S2 tables 2–5), weakest first, then the most
-//! involved ones. Every pivot is held at zero, which leaves independent columns. A conventional pivot lets the
-//! others of its direction stand for it; any other pivot leaves its whole direction without numbers.
+//! would wander by more than `MEANINGLESS_MM` of reading. They are brought to reduced row echelon form. Every pivot is held at
+//! zero, which leaves independent columns. This is done in two stages, for the role of an effect decides who keeps a number
+//! (docs/decisions/0004-datum-convention.md).
+//!
+//! 1. Location errors and settings alone. Pivots are first the parameters that the minimum set of location errors defines as zero
+//!    (S2 tables 2–5), weakest first, then the most involved ones. A conventional pivot lets the others of its direction stand
+//!    for it; any other pivot leaves its whole direction without numbers.
+//! 2. What stage 1 determines next to the parameters of causes, error motions and descriptions. The most involved of these are
+//!    pivots: no parameter of them in the direction gets a number, the location errors and settings in it keep theirs.
+//!
+//! So an effect that is added to a model takes no number from the location errors and settings.
 
 use crate::solve::direction::{Named, Status, Unobservable};
 use crate::solve::linear::Reduced;
@@ -39,12 +46,30 @@ pub(crate) struct Datum {
 pub(crate) struct Direction {
     /// Parameter index and coefficient, inside units, the pivot first with coefficient 1.
     pub terms: Vec<(usize, f64)>,
-    /// True when the pivot is zero by convention.
-    pub conventional: bool,
-    /// True when that is because its axis stands still in these runs.
-    pub standing: bool,
+    pub share: Share,
     /// True when the direction is not exactly null, only too weak.
     pub weak: bool,
+}
+
+/// Who keeps the share of a null direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Share {
+    /// The others: the pivot is zero by convention.
+    Others,
+    /// The mounting: the axis of the pivot stands still in these runs.
+    Mounting,
+    /// Location errors and settings of the direction; what was added to them gets no number.
+    Base,
+    /// Nobody.
+    Nobody,
+}
+
+/// Parameters that the data may determine.
+pub(crate) struct Free {
+    /// Of location errors and settings.
+    pub base: Vec<usize>,
+    /// Of all other effects.
+    pub added: Vec<usize>,
 }
 
 /// What decides that a direction is not seen.
@@ -96,30 +121,119 @@ pub(crate) struct Zero {
 
 pub(crate) fn datum(
     reduced: &Reduced,
-    free: &[usize],
+    free: &Free,
     parameters: &[Parameter],
     zeros: &[Zero],
     limits: &Limits<'_>,
 ) -> Datum {
-    let mut status = vec![Status::Held; parameters.len()];
-    let mut directions = Vec::new();
-    let (without_effect, free): (Vec<usize>, Vec<usize>) =
-        free.iter().partition(|&&j| limits.faint(reduced, parameters, j));
-    for j in without_effect {
-        status[j] = Status::Unobservable;
-        let terms = vec![(j, 1.0)];
-        directions.push(Direction { terms, conventional: false, standing: false, weak: false });
+    let fixed = Datum {
+        determined: Vec::new(),
+        status: vec![Status::Held; parameters.len()],
+        directions: Vec::new(),
+        rank: 0,
+    };
+    let mut work = Work { reduced, parameters, limits, datum: fixed };
+    let base = work.those_with_effect(&free.base);
+    work.fix(base, Pivots::Zeros(zeros));
+    let added = work.those_with_effect(&free.added);
+    if !added.is_empty() {
+        let of = work.datum.determined.iter().chain(&added).copied().collect();
+        work.fix(of, Pivots::Added(&added));
     }
-    for &j in &free {
-        status[j] = Status::Identified;
+    work.datum
+}
+
+/// Which parameters of a null direction are held at zero first.
+enum Pivots<'a> {
+    Zeros(&'a [Zero]),
+    Added(&'a [usize]),
+}
+
+struct Work<'a> {
+    reduced: &'a Reduced,
+    parameters: &'a [Parameter],
+    limits: &'a Limits<'a>,
+    datum: Datum,
+}
+
+impl Work<'_> {
+    /// Those that move the readings; the others get no number.
+    fn those_with_effect(&mut self, free: &[usize]) -> Vec<usize> {
+        let (without, with): (Vec<usize>, Vec<usize>) =
+            free.iter().partition(|&&j| self.limits.faint(self.reduced, self.parameters, j));
+        for j in without {
+            self.datum.status[j] = Status::Unobservable;
+            let direction = Direction { terms: vec![(j, 1.0)], share: Share::Nobody, weak: false };
+            self.datum.directions.push(direction);
+        }
+        for &j in &with {
+            self.datum.status[j] = Status::Identified;
+        }
+        with
     }
-    if free.is_empty() {
-        return Datum { determined: vec![], status, directions, rank: 0 };
+
+    /// Holds a pivot of each null direction of the columns `of` at zero; the rest is determined.
+    fn fix(&mut self, of: Vec<usize>, pivots: Pivots<'_>) {
+        if of.is_empty() {
+            return;
+        }
+        let Null { vectors, weak, takes_part } = null(self.reduced, &of, self.limits);
+        let place = |j: usize| of.iter().position(|&k| k == j);
+        let named = |zero: &Zero| of.iter().position(|&j| self.parameters[j].name == zero.name);
+        let (mut preferred, mut standing, mut first) = (Vec::new(), Vec::new(), Vec::new());
+        match pivots {
+            Pivots::Zeros(zeros) => {
+                (preferred, standing) =
+                    zeros.iter().filter_map(|zero| Some((named(zero)?, zero.standing))).unzip();
+            }
+            Pivots::Added(added) => first = added.iter().filter_map(|&j| place(j)).collect(),
+        }
+        self.datum.rank = of.len() - vectors.ncols();
+        let rows = echelon(vectors.transpose(), &preferred, &first, takes_part);
+        let held: Vec<usize> = rows.iter().map(|(pivot, _)| of[*pivot]).collect();
+        for (pivot, row) in rows {
+            let others: Vec<usize> =
+                (0..row.len()).filter(|&k| k != pivot && row[k].abs() > takes_part).collect();
+            let of_base = others.iter().any(|k| !first.contains(k));
+            let share = match preferred.iter().position(|&zero| zero == pivot) {
+                Some(k) if standing[k] => Share::Mounting,
+                Some(_) => Share::Others,
+                None if first.contains(&pivot) && of_base => Share::Base,
+                None => Share::Nobody,
+            };
+            let conventional = matches!(share, Share::Others | Share::Mounting);
+            let status = &mut self.datum.status;
+            status[of[pivot]] = if conventional { Status::ZeroByConvention } else { Status::Unobservable };
+            let without_number = others.iter().filter(|k| match share {
+                Share::Others | Share::Mounting => false,
+                Share::Base => first.contains(k),
+                Share::Nobody => true,
+            });
+            without_number.for_each(|&k| status[of[k]] = Status::Unobservable);
+            let scale = |k: usize| self.reduced.scale[of[k]];
+            let term = |k: usize| (of[k], row[k] * scale(k) / scale(pivot));
+            let terms = std::iter::once(pivot).chain(others).map(term).collect();
+            self.datum.directions.push(Direction { terms, share, weak });
+        }
+        self.datum.determined = of.into_iter().filter(|j| !held.contains(j)).collect();
     }
-    let (sigma, v) = reduced.singular(&free);
+}
+
+/// What some columns do not show.
+struct Null {
+    /// Null vectors (columns) of the scaled columns.
+    vectors: DMatrix<f64>,
+    /// True when some are not exactly null, only too weak.
+    weak: bool,
+    /// Share of a vector from which a parameter takes part in it.
+    takes_part: f64,
+}
+
+fn null(reduced: &Reduced, of: &[usize], limits: &Limits<'_>) -> Null {
+    let (sigma, v) = reduced.singular(of);
     let null_below = limits.tolerance.max(reduced.floor) * sigma[0];
     let off: Vec<f64> =
-        (0..sigma.len()).map(|i| limits.off_nominal(reduced, &free, &v.column(i).as_view())).collect();
+        (0..sigma.len()).map(|i| limits.off_nominal(reduced, of, &v.column(i).as_view())).collect();
     let (unseen, seen): (Vec<usize>, Vec<usize>) =
         (0..sigma.len()).partition(|&i| sigma[i] <= null_below.max(off[i]));
     let (faint, seen): (Vec<usize>, Vec<usize>) = seen.into_iter().partition(|&i| sigma[i] < limits.weakest);
@@ -132,37 +246,15 @@ pub(crate) fn datum(
     };
     let rounding = if weak { TAKES_PART_WEAKLY } else { TAKES_PART };
     let takes_part = turned.clamp(rounding, TAKES_PART_CLEARLY);
-    let (preferred, standing): (Vec<usize>, Vec<bool>) = zeros
-        .iter()
-        .filter_map(|zero| Some((free.iter().position(|&j| parameters[j].name == zero.name)?, zero.standing)))
-        .unzip();
-    let rows = echelon(v.select_columns(&null).transpose(), &preferred, takes_part);
-    for (pivot, row) in rows {
-        let convention = preferred.iter().position(|&zero| zero == pivot);
-        let conventional = convention.is_some();
-        status[free[pivot]] = if conventional { Status::ZeroByConvention } else { Status::Unobservable };
-        let mut others: Vec<usize> =
-            (0..row.len()).filter(|&k| k != pivot && row[k].abs() > takes_part).collect();
-        if !conventional {
-            for &k in &others {
-                status[free[k]] = Status::Unobservable;
-            }
-        }
-        others.insert(0, pivot);
-        let scale = |k: usize| reduced.scale[free[k]];
-        let terms = others.iter().map(|&k| (free[k], row[k] * scale(k) / scale(pivot))).collect();
-        let standing = convention.is_some_and(|k| standing[k]);
-        directions.push(Direction { terms, conventional, standing, weak });
-    }
-    let pivots: Vec<usize> = directions.iter().map(|direction| direction.terms[0].0).collect();
-    let determined = free.iter().copied().filter(|j| !pivots.contains(j)).collect();
-    Datum { determined, status, directions, rank: free.len() - null.len() }
+    Null { vectors: v.select_columns(&null), weak, takes_part }
 }
 
-/// Reduced row echelon form; pivots from `preferred` while they take part, then the largest entries.
+/// Reduced row echelon form; pivots from `preferred` in this order while they take part, then the largest entries of the columns
+/// `first` while they take part, then the largest of all.
 pub(crate) fn echelon(
     mut rows: DMatrix<f64>,
     preferred: &[usize],
+    first: &[usize],
     takes_part: f64,
 ) -> Vec<(usize, Vec<f64>)> {
     let mut pivots = Vec::new();
@@ -175,7 +267,12 @@ pub(crate) fn echelon(
         let chosen = preferred.by_ref().find_map(|&column| {
             largest_in(column, &rows).filter(|(_, size)| *size > takes_part).map(|(i, _)| (i, column))
         });
-        let (row, column) = chosen.unwrap_or_else(|| {
+        let among_first = || {
+            let largest = first.iter().filter_map(|&column| Some((largest_in(column, &rows)?, column)));
+            let ((row, size), column) = largest.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
+            (size > takes_part).then_some((row, column))
+        };
+        let (row, column) = chosen.or_else(among_first).unwrap_or_else(|| {
             let rest = rows.rows(below, rows.nrows() - below);
             let (i, column) = rest.icamax_full();
             (below + i, column)
@@ -218,14 +315,23 @@ pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]
             format!("move{s} no reading")
         }
     };
-    if direction.standing {
+    if direction.share == Share::Mounting {
         let axis = pivot.chars().last().unwrap_or_default();
         let why = format!("not observable: axis {axis} is at rest in these runs; taken as 0");
         return Unobservable { direction: pivot, terms, inside, why };
     }
     let why = if others.is_empty() {
         format!("not observable: {pivot} {} of these runs", how("s"))
-    } else if !direction.conventional {
+    } else if direction.share == Share::Base {
+        let (without, keep): (Vec<_>, Vec<_>) =
+            direction.terms.iter().partition(|(j, _)| status[*j] == Status::Unobservable);
+        let listed = |terms: Vec<&(usize, f64)>| {
+            terms.into_iter().map(|(j, _)| names[*j].name.as_str()).collect::<Vec<_>>().join(", ")
+        };
+        let verb = if without.len() == 1 { "is" } else { "are" };
+        let (without, keep) = (listed(without), listed(keep));
+        format!("not observable: {without} {verb} confounded with {keep} in these runs, which keep the share")
+    } else if direction.share == Share::Nobody {
         let others = others.join(", ");
         let how = how("");
         format!(

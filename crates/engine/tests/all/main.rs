@@ -12,5 +12,6 @@ mod null;
 mod outside_data;
 mod robot;
 mod scatter;
+mod shares;
 mod single_error_tables;
 mod spectrum;
