@@ -16,6 +16,10 @@ fn the_demo_finds_the_hidden_sag_and_replay_repeats_its_bytes() {
     // A busy machine may lose samples: that is reported (exit 3) and is no failure of the diagnosis.
     assert!(matches!(code, Some(0 | 3)), "{stderr}");
     let reported: Value = serde_json::from_str(&stdout).unwrap();
+    let losses: Vec<&str> = reported["losses"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert_eq!(code == Some(0), losses.is_empty(), "{losses:?}");
+    // While the ball is mounted again the probes are out of range, and before the program starts nothing is asked.
+    assert!(losses.iter().all(|loss| !loss.contains("range") && !loss.contains("from -")), "{losses:?}");
     assert_eq!(reported["diagnosis"]["candidates"][0]["effect"], "gravity-sag:B", "{reported}");
     let step = &reported["ladder"][0];
     let number = |key: &str| step[key].as_f64().unwrap();

@@ -2,7 +2,10 @@
 //!
 //! Everything is recorded before it is interpreted. The points that come out are recorded too.
 
+mod remounts;
+
 use crate::latest::Latest;
+use remounts::Remounts;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
@@ -24,7 +27,7 @@ pub struct Measured {
     pub points: Counted,
     /// Why it ended.
     pub reason: EndReason,
-    /// Holes in the data.
+    /// Holes in what was asked; the recording holds all, those while the ball was mounted again too.
     pub gaps: Vec<Gap>,
     /// Most messages that waited to be taken.
     pub most_waiting: usize,
@@ -229,6 +232,7 @@ struct Measurement<'m> {
     channels: &'m [Channel],
     points: Counted,
     gaps: Vec<Gap>,
+    remounts: Remounts,
     temperature_channels: Vec<String>,
     controller_ended_s: Option<f64>,
     /// Newest sample of every channel, then of the axes, s.
@@ -249,6 +253,7 @@ impl<'m> Measurement<'m> {
             channels: &plan.channels,
             points: Counted::default(),
             gaps: Vec::new(),
+            remounts: Remounts::default(),
             temperature_channels: temperature_channels.to_vec(),
             controller_ended_s: None,
             newest_s: vec![0.0; plan.channels.len() + 1],
@@ -325,6 +330,9 @@ impl<'m> Measurement<'m> {
     fn keep(&mut self, now: HostTime) {
         let mut formed = std::mem::take(&mut self.formed);
         for event in formed.drain(..) {
+            if let CycleEvent::Point { point, time_s, .. } = &event {
+                self.remounts.take(point, *time_s);
+            }
             match event.into_point() {
                 Ok(point) => {
                     self.points.count(point.quality);
@@ -353,6 +361,7 @@ impl<'m> Measurement<'m> {
 
     fn into_measured(self) -> Measured {
         let reason = self.forming.ended().unwrap_or(EndReason::Stopped);
-        Measured { points: self.points, reason, gaps: self.gaps, most_waiting: self.most_waiting }
+        let gaps = self.gaps.into_iter().filter(|gap| !self.remounts.hold(gap)).collect();
+        Measured { points: self.points, reason, gaps, most_waiting: self.most_waiting }
     }
 }

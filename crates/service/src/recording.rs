@@ -31,7 +31,7 @@ pub struct Recorded {
     pub path: PathBuf,
     /// Why the cycle ended, for a person.
     pub ended: String,
-    /// Holes in the data.
+    /// Holes in what was asked.
     pub gaps: Vec<Gap>,
     /// Samples that the recorder lost.
     pub lost_samples: u64,

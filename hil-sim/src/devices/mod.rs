@@ -27,4 +27,4 @@ mod world;
 pub use clock::{DeviceClock, TimeOrigin};
 pub use faults::{Fault, ScheduledFault};
 pub use handle::{Address, DeviceError, Handle, InjectError};
-pub use world::{CycleState, SimulatedCell, World, orthogonal_nest};
+pub use world::{CycleState, Later, SimulatedCell, World, orthogonal_nest};

@@ -125,6 +125,36 @@ impl World for SimulatedCell {
     }
 }
 
+/// A world whose program starts later: the devices are on before, as on a real floor.
+pub struct Later<W> {
+    /// What happens then.
+    pub world: W,
+    /// By how much later, s.
+    pub by_s: f64,
+}
+
+impl<W: World> World for Later<W> {
+    fn axes(&self, t_s: f64) -> AxisValues<f64> {
+        self.world.axes(t_s - self.by_s)
+    }
+
+    fn probe_readings_mm(&self, t_s: f64) -> [f64; 3] {
+        self.world.probe_readings_mm(t_s - self.by_s)
+    }
+
+    fn bar_reading_mm(&self, t_s: f64) -> f64 {
+        self.world.bar_reading_mm(t_s - self.by_s)
+    }
+
+    fn temperature_degc(&self, t_s: f64) -> f64 {
+        self.world.temperature_degc(t_s - self.by_s)
+    }
+
+    fn cycle(&self, t_s: f64) -> CycleState {
+        self.world.cycle(t_s - self.by_s)
+    }
+}
+
 /// Standard normal number that belongs to a seed, a sample and a channel; samples closer than 1 µs share theirs.
 /// Box–Muller on two hashes.
 fn white(seed: u64, t_s: f64, channel: u64) -> f64 {
