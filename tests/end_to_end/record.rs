@@ -58,7 +58,7 @@ async fn a_cycle_that_is_reset_is_kept_counted_and_not_judged() {
     let cell = cell::start(Arc::new(world), floor, origin).await.unwrap();
     let url = cell.controller.as_ref().and_then(|agent| agent.url()).unwrap();
     let file = |name: &str| folder.path().join(name);
-    std::fs::write(file("trunnion.toml"), config(folder.path(), url)).unwrap();
+    std::fs::write(file("trunnion.toml"), config(folder.path(), url) + WITH_SECRETS).unwrap();
     std::fs::write(file("c.toml"), &text).unwrap();
     let (cycle_file, config_file) = (file("c.toml"), file("trunnion.toml"));
     let recorded = tokio::task::spawn_blocking(move || {
@@ -85,4 +85,30 @@ async fn a_cycle_that_is_reset_is_kept_counted_and_not_judged() {
         .parse()
         .unwrap();
     assert!((1..stations.len() / 2).contains(&read), "{shown}");
+
+    let told = shown + &String::from_utf8_lossy(&output.stderr);
+    assert!(!told.contains(SECRET), "{told}");
+    let written: Vec<_> = walk(&folder.path().join("runs"));
+    for path in &written {
+        let bytes = std::fs::read(path).unwrap();
+        assert!(!bytes.windows(SECRET.len()).any(|bytes| bytes == SECRET.as_bytes()), "{}", path.display());
+    }
+    let recording =
+        written.iter().find(|path| path.extension().is_some_and(|ending| ending == "mcap")).unwrap();
+    let config = trunnion_record::read_header(recording).unwrap().config_text;
+    assert!(config.contains("user = \"cell\"") && !config.contains(SECRET), "{config}");
+}
+
+const SECRET: &str = "hunter2";
+const WITH_SECRETS: &str = "# hunter2 is the password of the cell
+[mqtt]
+host = \"127.0.0.1\"
+port = 9
+user = \"cell\"
+password = \"hunter2\"
+";
+
+fn walk(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.flat_map(|path| if path.is_dir() { walk(&path) } else { vec![path] }).collect()
 }

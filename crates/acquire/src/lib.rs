@@ -6,6 +6,7 @@
 
 mod axis_name;
 pub mod config;
+pub mod credentials;
 pub mod discovery;
 pub mod driver;
 pub mod drivers;

@@ -11,7 +11,7 @@ mod terminal;
 use clap::{Parser, Subcommand};
 use commands::{
     add, attribute, check, check_config, compare, compensation, daemon, demo, devices, diagnose, export,
-    identify, import, ladder, nc_program, plan, predict, record, remove, replay, simulate, volumetric,
+    identify, import, ladder, nc_program, plan, predict, record, remove, replay, scrub, simulate, volumetric,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -49,6 +49,7 @@ enum Command {
     Predict(predict::Args),
     NcProgram(nc_program::Args),
     Compensation(compensation::Args),
+    Scrub(scrub::Args),
     Simulate(simulate::Args),
     Volumetric(volumetric::Args),
 }
@@ -79,6 +80,7 @@ fn main() -> ExitCode {
         Command::Predict(args) => predict::run(&args),
         Command::NcProgram(args) => nc_program::run(&args),
         Command::Compensation(args) => compensation::run(&args),
+        Command::Scrub(args) => scrub::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Volumetric(args) => volumetric::run(&args),
     };

@@ -10,6 +10,7 @@ use nalgebra::Vector3;
 use std::cell::RefCell;
 use std::fmt::Display;
 use std::ops::{Range, RangeInclusive};
+use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -93,6 +94,11 @@ pub struct Table<'d> {
 }
 
 impl<'d> Table<'d> {
+    /// Folder of the file.
+    pub fn folder(&self) -> PathBuf {
+        Path::new(self.document.file).parent().map(Path::to_owned).unwrap_or_default()
+    }
+
     /// Notes a problem with `key` (or with the table, when the key is absent).
     pub fn problem(&self, key: &str, found: impl Display, allowed: impl Display, advice: &str) {
         let span = self.table.get(key).map_or(self.span.clone(), Spanned::span);

@@ -24,7 +24,7 @@ use trunnion_core::Event;
 /// A journal cut short by a crash ends with at most one unfinished message.
 const LONGEST_TAIL: u64 = 64 * 1024;
 /// Ending while the finished file is being written.
-const PARTIAL_ENDING: &str = ".partial";
+pub const PARTIAL_ENDING: &str = ".partial";
 
 /// A finished recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -189,9 +189,9 @@ fn index(journal: &Path) -> Result<(RunHeader, Contents), RecordError> {
 
 /// What was written, to be found again.
 #[derive(PartialEq)]
-struct Written {
-    messages: u64,
-    digest: u64,
+pub struct Written {
+    pub messages: u64,
+    pub digest: u64,
 }
 
 fn rewrite(
@@ -276,7 +276,7 @@ fn declare(writer: &mut Writer<BufWriter<File>>, contents: &Contents) -> mcap::M
     Ok(channels)
 }
 
-fn verify(path: &Path, written: &Written) -> Result<(), RecordError> {
+pub fn verify(path: &Path, written: &Written) -> Result<(), RecordError> {
     let file = File::open(path).map_err(RecordError::io("open", path))?;
     let bytes = file.metadata().map_err(RecordError::io("look at", path))?.len();
     let (mut messages, mut digest) = (0, DefaultHasher::new());
@@ -310,7 +310,7 @@ fn free_path(finished: &Path, may_rename: bool) -> Result<PathBuf, RecordError> 
     Err(RecordError::Exists { path: finished.into() })
 }
 
-fn sync_folder(path: &Path) -> Result<(), RecordError> {
+pub fn sync_folder(path: &Path) -> Result<(), RecordError> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

@@ -14,6 +14,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
+use trunnion_core::secret::redacted;
 
 /// Ending of a journal, after the name of the finished file.
 pub const JOURNAL_ENDING: &str = ".active";
@@ -89,9 +90,9 @@ impl Journal {
         let writer = self.open()?;
         writer.write_metadata(&mcap::records::Metadata { name: RUN_METADATA.into(), metadata })?;
         for (name, text) in [
-            (MACHINE_TEXT, &header.machine_text),
-            (CYCLE_TEXT, &header.cycle_text),
-            (CONFIG_TEXT, &header.config_text),
+            (MACHINE_TEXT, header.machine_text.as_str()),
+            (CYCLE_TEXT, header.cycle_text.as_str()),
+            (CONFIG_TEXT, &redacted(&header.config_text)),
         ] {
             if !text.is_empty() {
                 writer.attach(&Attachment {

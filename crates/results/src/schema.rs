@@ -3,7 +3,7 @@
 use crate::{
     Added, AxisErrors, Check, Comparison, CompensationSummary, Demo, DevicesChecked, DevicesFound, Diagnosis,
     ErrorMap, Findings, Identification, Imported, Ladder, Live, NcProgram, Plan, Prediction, Preview,
-    Removed, Simulation, TimeQuality, Trial, Volumetric, to_json,
+    Removed, Scrubbed, Simulation, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -30,6 +30,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("nc-program", schema_for!(NcProgram)),
         ("simulation", schema_for!(Simulation)),
         ("imported", schema_for!(Imported)),
+        ("scrubbed", schema_for!(Scrubbed)),
         ("demo", schema_for!(Demo)),
         ("devices-found", schema_for!(DevicesFound)),
         ("devices-checked", schema_for!(DevicesChecked)),

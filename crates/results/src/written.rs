@@ -37,3 +37,32 @@ pub enum SimulationFormat {
     #[serde(rename = "trunnion-simulation/1")]
     V1,
 }
+
+/// `trunnion-scrubbed/1`: secrets left out of recordings that older versions made.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Scrubbed {
+    /// Format and version.
+    pub format: ScrubbedFormat,
+    /// Each recording asked for.
+    pub recordings: Vec<ScrubbedRecording>,
+}
+
+/// What became of one recording.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ScrubbedRecording {
+    /// Path of the recording.
+    pub run: String,
+    /// True when it held secrets and was written again without them.
+    pub changed: bool,
+    /// What of it could not be read, and is not in the new file.
+    pub damage: Option<String>,
+}
+
+/// Format and version of a list of scrubbed recordings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum ScrubbedFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-scrubbed/1")]
+    V1,
+}

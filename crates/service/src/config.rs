@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use trunnion_acquire::config::channels;
 use trunnion_acquire::{DeviceConfig, read_devices};
 use trunnion_core::input::{Document, Table};
-use trunnion_core::{Problems, Role};
+use trunnion_core::{Problems, Role, Secret};
 use trunnion_sync::{NestCalibration, StartRule};
 
 /// What the service needs to know.
@@ -92,8 +92,11 @@ fn read_mqtt(table: &Table<'_>, machine: &str) -> Option<MqttConfig> {
     let host = table.string("host");
     let port = table.number("port", 1.0..=65_535.0);
     let user = table.optional_string("user");
-    let password = table.optional_string("password");
+    let password = Secret::read(table);
     table.no_other_keys();
-    let login = user.map(|user| (user, password.unwrap_or_default()));
+    if user.is_none() && password.is_some() {
+        table.problem("password", "has no user", "user and password_file, or neither", "");
+    }
+    let login = user.map(|user| (user, password));
     Some(MqttConfig { host: host?, port: port? as u16, machine: machine.into(), login })
 }

@@ -4,13 +4,17 @@
 //! latest value is sent again after each CONNACK, because a broker that forgot the session drops what
 //! was pending. History lives in the recording, not here.
 
-use rumqttc::{AsyncClient, Event, EventLoop, LastWill, MqttOptions, Packet, QoS};
+use rumqttc::{
+    AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet, QoS,
+};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tokio::sync::Notify;
 use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
+use trunnion_acquire::credentials;
+use trunnion_core::Secret;
 
 /// How to reach the broker.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,8 +25,8 @@ pub struct MqttConfig {
     pub port: u16,
     /// Machine name in the topics.
     pub machine: String,
-    /// User and password.
-    pub login: Option<(String, String)>,
+    /// User, and password if the broker asks for one.
+    pub login: Option<(String, Option<Secret>)>,
 }
 
 /// First and longest wait before connecting again.
@@ -69,8 +73,18 @@ impl Board {
 
 /// Runs until `cancel`; connects, keeps the retained topics current, reconnects with back-off.
 pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
-    let (client, mut events) = connect(&config);
+    let mut failures = Failures::default();
     let mut wait = BACK_OFF.0;
+    let (client, mut events) = loop {
+        match connect(&config) {
+            Ok(connection) => break connection,
+            Err(why) => failures.tell(&config, false, &why),
+        }
+        tokio::select! {
+            () = cancel.cancelled() => return,
+            () = tokio::time::sleep(wait) => wait = (wait * 2).min(BACK_OFF.1),
+        }
+    };
     let mut connected = false;
     loop {
         tokio::select! {
@@ -79,7 +93,7 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
             event = events.poll() => match event {
                 Ok(Event::Incoming(Packet::ConnAck(_))) => {
                     info!(host = config.host, port = config.port, "connected to the MQTT broker");
-                    (connected, wait) = (true, BACK_OFF.0);
+                    (connected, wait, failures) = (true, BACK_OFF.0, Failures::default());
                     board.forget_what_was_sent();
                     publish_news(&client, &config, &board);
                 }
@@ -87,9 +101,9 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
                 Ok(Event::Incoming(Packet::PubAck(_))) => publish_news(&client, &config, &board),
                 Ok(_) => {}
                 Err(error) => {
-                    if connected {
-                        warn!(%error, "lost the MQTT broker; measuring goes on, status is sent again when it returns");
-                    }
+                    // The file of the password may have been mended.
+                    let why = log_in(&config, &mut events.mqtt_options).err().unwrap_or_else(|| cause(&error));
+                    failures.tell(&config, connected, &why);
                     connected = false;
                     tokio::select! {
                         () = cancel.cancelled() => break,
@@ -105,7 +119,36 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
     }
 }
 
-fn connect(config: &MqttConfig) -> (AsyncClient, EventLoop) {
+/// What was logged of a broker that cannot be reached: each cause once.
+#[derive(Default)]
+struct Failures {
+    last: Option<String>,
+}
+
+impl Failures {
+    fn tell(&mut self, config: &MqttConfig, was_connected: bool, why: &str) {
+        if self.last.as_deref() == Some(why) {
+            return;
+        }
+        let (host, port) = (&config.host, config.port);
+        let what = if was_connected { "lost the MQTT broker" } else { "cannot reach the MQTT broker" };
+        warn!(host, port, "{what}: {why}; measuring goes on, status is sent when it is there");
+        self.last = Some(why.into());
+    }
+}
+
+/// The failure in words, with what to do where a person can do something.
+fn cause(error: &ConnectionError) -> String {
+    match error {
+        ConnectionError::ConnectionRefused(
+            ConnectReturnCode::BadUserNamePassword | ConnectReturnCode::NotAuthorized,
+        ) => "it does not let this user in; check `user` and `password_file` of [mqtt], and the rights of the user".into(),
+        ConnectionError::Io(error) => error.to_string(),
+        other => other.to_string(),
+    }
+}
+
+fn connect(config: &MqttConfig) -> Result<(AsyncClient, EventLoop), String> {
     let mut options = MqttOptions::new(
         format!("trunnion-{}-{}", config.machine, std::process::id()),
         &config.host,
@@ -113,10 +156,15 @@ fn connect(config: &MqttConfig) -> (AsyncClient, EventLoop) {
     );
     options.set_keep_alive(Duration::from_secs(10));
     options.set_last_will(LastWill::new(status_topic(config), offline("lost"), QoS::AtLeastOnce, true));
+    log_in(config, &mut options)?;
+    Ok(AsyncClient::new(options, QUEUE))
+}
+
+fn log_in(config: &MqttConfig, options: &mut MqttOptions) -> Result<(), String> {
     if let Some((user, password)) = &config.login {
-        options.set_credentials(user, password);
+        options.set_credentials(user, password.as_ref().map_or(Ok(String::new()), credentials::value)?);
     }
-    AsyncClient::new(options, QUEUE)
+    Ok(())
 }
 
 /// Queues every value the broker does not have; what does not fit waits for the next change or connection.

@@ -7,6 +7,7 @@ use trunnion_core::setup::parse_setup_file;
 use trunnion_core::{AxisSample, Point};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_record::{Item, RunHeader, RunWriter, points_csv};
+use trunnion_results as results;
 
 /// Reads a points file with its setup file and writes the recording `output`, which gives the run its name; gives the run
 /// without its points, and their number. The recording is begun with the first row, and thrown away when a later one is wrong.
@@ -49,6 +50,17 @@ pub fn import(kind: RunKind, points: &Path, setup: &Path, output: &Path) -> Resu
             Err(problems.into())
         }
     }
+}
+
+/// Leaves passwords out of a recording that an older version made; see [`trunnion_record::scrub`].
+///
+/// # Errors
+/// A file that is no finished recording, or a copy that cannot be written; the recording is then as it was.
+pub fn scrub(path: &Path) -> Result<results::ScrubbedRecording, Error> {
+    let scrubbed = trunnion_record::scrub(path)
+        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
+    let damage = scrubbed.damage.map(|damage| damage.to_string());
+    Ok(results::ScrubbedRecording { run: path.display().to_string(), changed: scrubbed.changed, damage })
 }
 
 /// The points of a recording as a table, on the fly with what the encoders read; and what is wrong with the file.

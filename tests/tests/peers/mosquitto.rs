@@ -3,8 +3,10 @@
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet, QoS};
 use std::collections::BTreeMap;
 use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
+use trunnion_core::Secret;
 use trunnion_service::mqtt::{Board, MqttConfig, run};
 
 fn free_port() -> u16 {
@@ -91,6 +93,88 @@ async fn a_service_that_dies_leaves_its_last_will() {
     wait_for(port, "alive", |t| t.get("trunnion/m2/status").is_some_and(|v| v["state"] == "online")).await;
     service.abort();
     wait_for(port, "dead", |t| t.get("trunnion/m2/status").is_some_and(|v| v["reason"] == "lost")).await;
+    broker.kill().expect("running");
+    broker.wait().expect("ended");
+}
+
+/// What was logged, shared with the test.
+#[derive(Clone, Default)]
+struct Log(Arc<Mutex<Vec<u8>>>);
+
+impl std::io::Write for Log {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().expect("not poisoned").write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Log {
+    fn text(&self) -> String {
+        String::from_utf8_lossy(&self.0.lock().expect("not poisoned")).into_owned()
+    }
+}
+
+#[tokio::test]
+#[ignore = "a peer test: tests/peers/run"]
+async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file() {
+    let (port, folder) = (free_port(), tempfile::tempdir().expect("a folder"));
+    let file = |name: &str| folder.path().join(name);
+    let made = Command::new("mosquitto_passwd")
+        .args(["-b", "-c"])
+        .arg(file("users"))
+        .args(["cell", "hunter2"])
+        .status();
+    assert!(made.expect("mosquitto_passwd runs").success());
+    // The broker gives up root before it reads the file.
+    std::fs::set_permissions(file("users"), std::os::unix::fs::PermissionsExt::from_mode(0o644))
+        .expect("ours");
+    std::fs::set_permissions(folder.path(), std::os::unix::fs::PermissionsExt::from_mode(0o755))
+        .expect("ours");
+    let settings = format!(
+        "listener {port} 127.0.0.1\nallow_anonymous false\npassword_file {}\n",
+        file("users").display()
+    );
+    std::fs::write(file("mosquitto.conf"), settings).expect("written");
+    let mut broker = Command::new("/usr/sbin/mosquitto")
+        .arg("-c")
+        .arg(file("mosquitto.conf"))
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("mosquitto starts");
+
+    let log = Log::default();
+    let writer = log.clone();
+    let subscriber = tracing_subscriber::fmt().with_writer(move || writer.clone()).with_ansi(false).finish();
+    let _logging = tracing::subscriber::set_default(subscriber);
+    let secret = Secret::File { name: "password".into(), folder: folder.path().into() };
+    let login = Some(("cell".to_owned(), Some(secret)));
+    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m3".into(), login };
+    let logged = async |words: &str| {
+        let waited = async {
+            while !log.text().contains(words) {
+                tokio::time::sleep(Duration::from_millis(50)).await;
+            }
+        };
+        let found = tokio::time::timeout(Duration::from_secs(30), waited).await;
+        assert!(found.is_ok(), "{words:?} is not in the log:\n{}", log.text());
+    };
+
+    let cancel = CancellationToken::new();
+    let service = tokio::spawn(run(config, Board::default(), cancel.clone()));
+    logged("the password file").await;
+    std::fs::write(file("password"), "wrong\n").expect("written");
+    logged("it does not let this user in; check `user` and `password_file`").await;
+    tokio::time::sleep(Duration::from_secs(3)).await;
+    assert_eq!(log.text().matches("does not let this user in").count(), 1, "{}", log.text());
+
+    std::fs::write(file("password"), "hunter2\n").expect("written");
+    logged("connected to the MQTT broker").await;
+    assert!(!log.text().contains("hunter2"), "{}", log.text());
+    cancel.cancel();
+    service.await.expect("the service ends");
     broker.kill().expect("running");
     broker.wait().expect("ended");
 }

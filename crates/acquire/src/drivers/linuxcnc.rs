@@ -1,6 +1,6 @@
 //! LinuxCNC through linuxcncrsh (TCP). Keys: `host`, `port` (5007), `joints` (axis letters in the order of the joints, as
 //! in `COORDINATES` of the INI file: `joints = "XYZBC"`), `rate_hz` (250: how often positions are asked for), `password`
-//! (`EMC`; option -w of linuxcncrsh), `server` (its name, option -n, where it must not be another).
+//! or `password_file` (`EMC`; option -w of linuxcncrsh), `server` (its name, option -n, where it must not be another).
 //!
 //! Only values are asked for; the connection is never enabled and cannot move the machine. linuxcncrsh has no clock of
 //! its own: the stamp of a position is the middle between request and answer on the host's clock. It shows a new position
@@ -11,6 +11,7 @@
 mod exchange;
 mod probe;
 
+use crate::credentials;
 use crate::driver::{Device, Driver, Session};
 use crate::execution::LINUXCNC;
 use crate::link::Link;
@@ -22,7 +23,7 @@ use std::time::Duration;
 use tokio::time::MissedTickBehavior;
 use trunnion_core::input::Table;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading};
-use trunnion_core::{AxisValues, HostTime, Joint, Role};
+use trunnion_core::{AxisValues, HostTime, Joint, Role, Secret};
 use trunnion_protocol::linuxcncrsh::{Item, JointUnit, Reply};
 
 /// Registry entry.
@@ -48,7 +49,7 @@ struct LinuxCnc {
     address: String,
     joints: Vec<Joint>,
     period: Duration,
-    password: String,
+    password: Option<Secret>,
     server: Option<String>,
 }
 
@@ -67,7 +68,7 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
         axes
     });
     let rate_hz = table.optional_number("rate_hz", 10.0..=1000.0).unwrap_or(250.0);
-    let password = table.optional_string("password").unwrap_or_else(|| PASSWORD.into());
+    let password = Secret::read(table);
     let server = table.optional_string("server");
     let host = host?;
     let address = format!("{host}:{port}");
@@ -92,7 +93,9 @@ impl Device for LinuxCnc {
 impl LinuxCnc {
     async fn run(&self, link: &mut Link) -> Result<Infallible, SessionEnd> {
         let mut exchange = Exchange::open(&self.host, self.port, &self.address, link.silence).await?;
-        let (server, version) = exchange.hello(&self.password, link).await?;
+        let password = self.password.as_ref().map_or(Ok(PASSWORD.into()), credentials::value);
+        let refused = |why| SessionEnd::Refused { address: self.address.clone(), why };
+        let (server, version) = exchange.hello(&password.map_err(refused)?, link).await?;
         if let Some(expected) = self.server.as_ref().filter(|expected| **expected != server) {
             let (found, expected) = (format!("LinuxCNC server {server}"), expected.clone());
             return Err(SessionEnd::WrongDevice { found, expected });

@@ -21,5 +21,6 @@ mod progress_bar;
 pub mod record;
 pub mod remove;
 pub mod replay;
+pub mod scrub;
 pub mod simulate;
 pub mod volumetric;

@@ -1,13 +1,14 @@
 //! From a URL to a session: endpoint, security, user, and the words for what goes wrong.
 
-use super::settings::{OpcUa, PORT, Password};
+use super::settings::{OpcUa, PORT};
+use crate::credentials;
 use crate::link::Link;
 use crate::session_end::SessionEnd;
 use crate::transport::tcp;
 use opcua::client::{Client, ClientBuilder, IdentityToken, Session};
 use opcua::crypto::{SecurityPolicy, X509};
 use opcua::types::{ByteString, EndpointDescription, Error, MessageSecurityMode, StatusCode};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::task::JoinHandle;
@@ -73,26 +74,9 @@ pub(super) async fn endpoints(device: &OpcUa) -> Result<(Client, Vec<EndpointDes
 
 fn identity(device: &OpcUa) -> Result<IdentityToken, SessionEnd> {
     let Some((user, password)) = &device.user else { return Ok(IdentityToken::Anonymous) };
-    let password = match password {
-        Password::Given(password) => password.clone(),
-        Password::File(path) => {
-            let path = credential(path);
-            let text = std::fs::read_to_string(&path).map_err(|error| SessionEnd::Refused {
-                address: device.url.clone(),
-                why: format!("the password file {} cannot be read: {error}", path.display()),
-            })?;
-            text.trim_end_matches(['\r', '\n']).to_owned()
-        }
-    };
+    let refused = |why| SessionEnd::Refused { address: device.url.clone(), why };
+    let password = credentials::value(password).map_err(refused)?;
     Ok(IdentityToken::new_user_name(user.clone(), password))
-}
-
-/// A relative path names one of systemd's credentials, where there are any.
-fn credential(path: &Path) -> PathBuf {
-    match std::env::var_os("CREDENTIALS_DIRECTORY") {
-        Some(folder) if path.is_relative() => Path::new(&folder).join(path),
-        _ => path.to_owned(),
-    }
 }
 
 /// Making the first certificate takes a while.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 use trunnion_core::input::Table;
-use trunnion_core::{AxisValues, Joint};
+use trunnion_core::{AxisValues, Joint, Secret};
 
 /// Where such servers listen unless the user says otherwise.
 pub(super) const PORT: u16 = 4840;
@@ -18,19 +18,6 @@ pub(super) enum Layout {
     Opc40502 { axes: Option<Vec<Joint>>, position: String },
     /// Named nodes.
     Nodes(AxisValues<Option<String>>),
-}
-
-/// Where the password is.
-#[derive(Clone)]
-pub(super) enum Password {
-    Given(String),
-    File(PathBuf),
-}
-
-impl std::fmt::Debug for Password {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Password")
-    }
 }
 
 /// Nodes of the program, where the configuration names them.
@@ -55,7 +42,7 @@ pub(super) struct OpcUa {
     /// Folder of the certificates where the connection is to be encrypted.
     pub(super) certificates: Option<PathBuf>,
     pub(super) server_certificate: Option<PathBuf>,
-    pub(super) user: Option<(String, Password)>,
+    pub(super) user: Option<(String, Secret)>,
 }
 
 /// Reads the keys of the driver, noting problems.
@@ -85,14 +72,11 @@ pub(super) fn read(table: &Table<'_>) -> Option<OpcUa> {
     }
     let server_certificate = table.optional_string("server_certificate").map(PathBuf::from);
     let user = table.optional_string("user");
-    let password = table.optional_string("password").map(Password::Given);
-    let file = table.optional_string("password_file").map(|path| Password::File(path.into()));
-    let user = match (user, password, file) {
-        (Some(user), Some(password), None) | (Some(user), None, Some(password)) => Some((user, password)),
-        (None, None, None) => None,
+    let user = match (user, Secret::read(table)) {
+        (Some(user), Some(password)) => Some((user, password)),
+        (None, None) => None,
         _ => {
-            let allowed = "user with either password or password_file";
-            table.problem("user", "is not complete", allowed, "");
+            table.problem("user", "is not complete", "user with either password or password_file", "");
             None
         }
     };

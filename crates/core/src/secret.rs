@@ -1,0 +1,158 @@
+//! Passwords in hand-written files, and what remains of such a file when it leaves the computer.
+//!
+//! A password is given as `password = "…"` or, better, as `password_file = "NAME"`: a credential of systemd, or a file next to the
+//! configuration. Nothing that is recorded, logged, shown or published holds one.
+
+use crate::input::Table;
+use crate::spans::spans;
+use std::fmt;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// A password, or where it is. Its value is in no text of this program.
+#[derive(Clone, PartialEq, Eq)]
+pub enum Secret {
+    /// As written in the configuration.
+    Given(String),
+    /// In a file.
+    File {
+        /// Name as written: of a credential, or a path.
+        name: PathBuf,
+        /// Folder of the configuration, to which a relative path is relative.
+        folder: PathBuf,
+    },
+}
+
+impl fmt::Debug for Secret {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Secret")
+    }
+}
+
+impl Secret {
+    /// Reads `password` or `password_file` of a table; both together are a problem.
+    pub fn read(table: &Table<'_>) -> Option<Self> {
+        let given = table.optional_string("password").map(Self::Given);
+        let file = table.optional_string("password_file");
+        let file = file.map(|name| Self::File { name: name.into(), folder: table.folder() });
+        if given.is_some() && file.is_some() {
+            table.problem("password", "is given twice", "password or password_file", "Keep password_file.");
+        }
+        file.or(given)
+    }
+}
+
+/// Stands where a secret was; also a value that configurations accept.
+const LEFT_OUT: &str = "left out";
+/// Words of keys whose value is a secret, and of comments that may hold one.
+const WORDS: [&str; 5] = ["password", "passphrase", "secret", "token", "credential"];
+
+/// A hand-written file without its secrets: values of keys that end in the word for one, users and passwords in addresses, and
+/// comments that speak of either. A text that is no TOML is left out whole.
+pub fn redacted(text: &str) -> String {
+    let Some(spans) = spans(text) else { return format!("# {LEFT_OUT}: not readable as TOML\n") };
+    let mut cuts: Vec<(Range<usize>, String)> = Vec::new();
+    for (key, value) in &spans.values {
+        let written = &text[value.clone()];
+        if is_secret(key) {
+            cuts.push((value.clone(), format!("\"{LEFT_OUT}\"")));
+        } else if let Some(login) = login(written) {
+            cuts.push((value.start + login.start..value.start + login.end, LEFT_OUT.replace(' ', "-")));
+        }
+    }
+    for comment in comments(text, &spans.all()) {
+        let written = text[comment.clone()].to_lowercase();
+        if WORDS.iter().any(|word| written.contains(word)) || login(&written).is_some() {
+            cuts.push((comment, format!("# {LEFT_OUT}")));
+        }
+    }
+    cuts.sort_by_key(|(at, _)| at.start);
+    let (mut out, mut from) = (String::with_capacity(text.len()), 0);
+    for (at, instead) in cuts {
+        out += &text[from..at.start];
+        out += &instead;
+        from = at.end;
+    }
+    out + &text[from..]
+}
+
+/// `password`, `mqtt_password`, `token`; not `password_file`, which says where it is.
+fn is_secret(key: &str) -> bool {
+    let key = key.to_lowercase();
+    WORDS.iter().any(|word| key.ends_with(word))
+}
+
+/// `user:password` of an address `scheme://user:password@host`.
+fn login(text: &str) -> Option<Range<usize>> {
+    let start = text.find("://")? + "://".len();
+    let length = text[start..].find(['/', '"', '\'', ' ', '?']).unwrap_or(text.len() - start);
+    let end = text[start..start + length].rfind('@')?;
+    Some(start..start + end)
+}
+
+/// Everything from a `#` outside of keys and values to the end of its line.
+fn comments(text: &str, taken: &[Range<usize>]) -> Vec<Range<usize>> {
+    let mut comments: Vec<Range<usize>> = Vec::new();
+    for (at, _) in text.match_indices('#') {
+        let inside = |span: &Range<usize>| span.contains(&at);
+        if taken.iter().any(inside) || comments.last().is_some_and(inside) {
+            continue;
+        }
+        let end = text[at..].find(['\n', '\r']).map_or(text.len(), |length| at + length);
+        comments.push(at..end);
+    }
+    comments
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::Document;
+
+    const FILE: &str = r##"format = "x/1"  # the password is 'hunter2'
+name = "a # b"
+# password = "hunter2"
+[mqtt]
+host = "broker"     # in the office
+user = "cell"
+password = "hunter2"
+[[device]]
+address = "http://cell:hunter2@cnc:5000/sample?a=b@c"
+nested = { connection_password = 'hunter2', rate = 1 }
+password_file = "cnc"
+text = """
+# not a comment, hunter-free
+"""
+"##;
+
+    #[test]
+    fn no_secret_remains_and_everything_else_does() {
+        let out = redacted(FILE);
+        assert!(!out.contains("hunter2"), "{out}");
+        for kept in [
+            "name = \"a # b\"",
+            "# in the office",
+            "user = \"cell\"",
+            "password = \"left out\"",
+            "http://left-out@cnc:5000/sample?a=b@c",
+            "rate = 1",
+            "password_file = \"cnc\"",
+            "# not a comment, hunter-free",
+        ] {
+            assert!(out.contains(kept), "{kept} in {out}");
+        }
+        assert!(Document::parse("again", &out).is_ok(), "{out}");
+        assert_eq!(redacted(&out), out, "nothing is left to take out");
+        assert!(!redacted("password = \"hunter2").contains("hunter2"));
+    }
+
+    #[test]
+    fn a_secret_shows_nothing_when_it_is_printed() {
+        let document = Document::parse("/etc/trunnion/trunnion.toml", FILE).unwrap();
+        let given = Secret::read(&document.root().table("mqtt").unwrap()).unwrap();
+        assert_eq!(given, Secret::Given("hunter2".into()));
+        assert_eq!(format!("{given:?}"), "Secret");
+        let file = Secret::read(&document.root().tables("device")[0]).unwrap();
+        assert_eq!(file, Secret::File { name: "cnc".into(), folder: "/etc/trunnion".into() });
+    }
+}
