@@ -1,5 +1,6 @@
 //! What a cycle gives: points, and what else a reader of the recording should know.
 
+use crate::sweep_cycle::SampleCounts;
 use trunnion_core::{AxisValues, Event, Point};
 
 /// What happened.
@@ -22,14 +23,12 @@ pub enum CycleEvent {
         /// Where.
         position: AxisValues<f64>,
     },
-    /// Samples of steady turning that became no point.
-    LeftOut {
+    /// What became of the samples of a cycle on the fly.
+    Samples {
         /// When the cycle ended, s.
         time_s: f64,
-        /// Those that lack a channel.
-        incomplete: u64,
-        /// Those that belong to no pass of the cycle.
-        unplanned: u64,
+        /// Used and excluded ones.
+        counts: SampleCounts,
     },
     /// The cycle is over; nothing comes after it.
     Ended {
@@ -76,11 +75,9 @@ impl CycleEvent {
                 let text = format!("dwell at none of the poses to come: {:?}", position.0);
                 Err(Event { time_s, kind: "unknown-dwell".into(), text })
             }
-            Self::LeftOut { time_s, incomplete, unplanned } => {
-                let text = format!(
-                    "{incomplete} samples lack a channel, {unplanned} belong to no pass of the cycle"
-                );
-                Err(Event { time_s, kind: "samples-left-out".into(), text })
+            Self::Samples { time_s, counts } => {
+                let text = counts.summary().unwrap_or_else(|| "no sample in any pass of the cycle".into());
+                Err(Event { time_s, kind: "samples".into(), text })
             }
             Self::Ended { reason, time_s } => {
                 Err(Event { time_s, kind: "cycle-end".into(), text: format!("{reason:?}") })

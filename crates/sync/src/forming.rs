@@ -4,8 +4,8 @@
 
 use crate::plan::{Plan, PlanError, check};
 use crate::{
-    AlignLimits, Aligned, Aligner, CycleEvent, EndReason, Progress, StaticCycle, StaticRules, SweepCycle,
-    SweepRules,
+    AlignLimits, Aligned, Aligner, Course, CycleEvent, EndReason, Progress, SampleCounts, StaticCycle,
+    StaticRules, SweepCycle, SweepRules,
 };
 use nalgebra::Vector3;
 use trunnion_core::{AxisSample, Joint, Point, ProbeSample, Quality};
@@ -26,22 +26,27 @@ pub struct Forming {
 
 enum Reader {
     Static(Box<StaticCycle>),
-    Sweep(Box<SweepCycle>),
+    /// With the points that it gave, until they are read.
+    Sweep(Box<SweepCycle>, Vec<Point>),
 }
 
 impl Reader {
     fn push(&mut self, step: &Aligned, out: &mut Vec<CycleEvent>) {
         match self {
             Self::Static(cycle) => cycle.push(step, out),
-            Self::Sweep(cycle) => out.extend(cycle.push(step).map(sweep_event)),
+            Self::Sweep(cycle, points) => {
+                cycle.push(step, points);
+                out.extend(points.drain(..).map(sweep_event));
+            }
         }
     }
 
     fn finish(&mut self, reason: EndReason, time_s: f64, out: &mut Vec<CycleEvent>) {
         match self {
             Self::Static(cycle) => cycle.finish(reason, time_s, out),
-            Self::Sweep(cycle) => {
-                out.extend(cycle.finish().map(sweep_event));
+            Self::Sweep(cycle, points) => {
+                cycle.finish(points);
+                out.extend(points.drain(..).map(sweep_event));
                 out.push(CycleEvent::Ended { reason, time_s });
             }
         }
@@ -50,21 +55,22 @@ impl Reader {
     fn set_temperature(&mut self, channel: usize, degc: f64) {
         match self {
             Self::Static(cycle) => cycle.set_temperature(channel, degc),
-            Self::Sweep(cycle) => cycle.set_temperature(channel, degc),
+            Self::Sweep(cycle, _) => cycle.set_temperature(channel, degc),
         }
     }
 
-    /// Samples of steady turning that became no point; `None` when there were none.
-    fn left_out(&self, time_s: f64) -> Option<CycleEvent> {
-        let Self::Sweep(cycle) = self else { return None };
-        let (incomplete, unplanned) = (cycle.incomplete(), cycle.unplanned());
-        (incomplete + unplanned > 0).then_some(CycleEvent::LeftOut { time_s, incomplete, unplanned })
+    /// What became of the samples of a cycle on the fly.
+    fn counts(&self) -> Option<SampleCounts> {
+        match self {
+            Self::Static(_) => None,
+            Self::Sweep(cycle, _) => Some(*cycle.counts()),
+        }
     }
 
     fn progress(&self) -> Progress {
         match self {
             Self::Static(cycle) => cycle.progress(),
-            Self::Sweep(cycle) => cycle.progress(),
+            Self::Sweep(cycle, _) => cycle.progress(),
         }
     }
 }
@@ -96,13 +102,15 @@ impl Forming {
                     temperature_channels,
                 )))
             }
-            Motion::Path { .. } => {
-                let cycle = plan.cycle.name.clone();
-                return Err(PlanError::NotLive { cycle, what: "a curve of several axes".into() });
-            }
-            Motion::OnTheFly { axis, from_to_rad, .. } => {
-                let rules = SweepRules::new(*axis, *from_to_rad, plan.cycle.sweeps());
-                Reader::Sweep(Box::new(SweepCycle::new(rules, plan.calibration(), temperature_channels)))
+            Motion::OnTheFly { .. } | Motion::Path { .. } => {
+                let not_live = || PlanError::NotLive {
+                    cycle: plan.cycle.name.clone(),
+                    what: "a motion that is not on the fly".into(),
+                };
+                let course = Course::of(&plan.machine, &plan.cycle).ok_or_else(not_live)?;
+                let rules = SweepRules::of(&plan.cycle).ok_or_else(not_live)?;
+                let cycle = SweepCycle::new(rules, course, plan.calibration(), temperature_channels);
+                Reader::Sweep(Box::new(cycle), Vec::new())
             }
         };
         Ok(Self {
@@ -167,7 +175,8 @@ impl Forming {
         let from = out.len();
         self.reader.finish(reason, self.newest_s, out);
         self.note(&mut out[from..]);
-        out.extend(self.reader.left_out(self.newest_s));
+        let time_s = self.newest_s;
+        out.extend(self.reader.counts().map(|counts| CycleEvent::Samples { time_s, counts }));
         self.ended.get_or_insert(reason);
     }
 
@@ -186,7 +195,7 @@ impl Forming {
             match event {
                 CycleEvent::Point { point, .. } => self.zero(point),
                 CycleEvent::Ended { reason, .. } => self.ended = Some(*reason),
-                CycleEvent::UnknownDwell { .. } | CycleEvent::LeftOut { .. } => {}
+                CycleEvent::UnknownDwell { .. } | CycleEvent::Samples { .. } => {}
             }
         }
     }

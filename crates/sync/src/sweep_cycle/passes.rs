@@ -21,13 +21,12 @@ pub(super) struct Passes {
     at: Option<usize>,
     /// How far each pass came, rad from where it begins; `None` for one not seen yet.
     reached_rad: Vec<Option<f64>>,
-    unplanned: u64,
 }
 
 impl Passes {
     pub(super) fn new(plan: Vec<Sweep>, from_to_rad: (f64, f64)) -> Self {
         let reached_rad = vec![None; plan.len()];
-        Self { plan, from_to_rad, at: None, reached_rad, unplanned: 0 }
+        Self { plan, from_to_rad, at: None, reached_rad }
     }
 
     /// The pass of a sample taken at a feed of the cycle (rad/s, signed) and an angle in its span (rad); `None` when
@@ -36,7 +35,6 @@ impl Passes {
         let (low, high) = self.ends();
         let travelled = if feed_rad_per_s > 0.0 { angle_rad - low } else { high - angle_rad };
         let Some(at) = self.find(feed_rad_per_s, travelled) else {
-            self.unplanned += 1;
             if self.at.is_some_and(|at| self.is_at_feed(at, feed_rad_per_s)) {
                 // The last pass once more: its end is not the end of the pass before.
                 self.at = Some(self.plan.len());
@@ -67,10 +65,6 @@ impl Passes {
 
     fn is_at_feed(&self, pass: usize, feed_rad_per_s: f64) -> bool {
         self.plan.get(pass).is_some_and(|pass| pass.feed_rad_per_s == feed_rad_per_s)
-    }
-
-    pub(super) fn unplanned(&self) -> u64 {
-        self.unplanned
     }
 
     pub(super) fn progress(&self) -> Progress {
@@ -123,7 +117,6 @@ mod tests {
         assert_eq!((passes.progress().done, passes.progress().total), (8, 8));
         assert_eq!(run(&mut passes, -1.0, 2.0, 0.0), [None], "no pass is left");
         assert_eq!(run(&mut passes, 1.0, 0.0, 2.0), [None], "no pass is left");
-        assert_eq!(passes.unplanned(), 202);
     }
 
     #[test]

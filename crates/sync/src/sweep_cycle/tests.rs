@@ -1,0 +1,130 @@
+//! The cycle on the fly, from samples made by hand: C of a shipped machine turns about a ball far out.
+
+use super::*;
+use crate::align::{AlignLimits, Aligner};
+use trunnion_core::{AxisSample, ProbeSample};
+use trunnion_cycles::Cycle;
+use trunnion_machine::{Machine, shipped};
+
+const FROM_TO_DEG: (f64, f64) = (0.0, 120.0);
+
+fn machine() -> Machine {
+    shipped::machine("table-bc").unwrap()
+}
+
+fn cycle(feeds_deg_per_min: &[f64]) -> Cycle {
+    let text = format!(
+        "format = \"trunnion-cycle/1\"\nname = \"c\"\nmachine = \"table-bc\"\nkind = \"on-the-fly\"\n\
+         [[setup]]\nname = \"low\"\ninstrument = \"r-test\"\nball_in_table_mm = [300.0, 0.0, 60.0]\n\
+         [sweep]\naxis = \"C\"\nfrom_deg = {}\nto_deg = {}\nfeeds_deg_per_min = {feeds_deg_per_min:?}\nb_deg = 0\n",
+        FROM_TO_DEG.0, FROM_TO_DEG.1
+    );
+    Cycle::parse("c.toml", &text).unwrap()
+}
+
+/// Where C is and how fast: forward and back at each feed, with a run-in of 10° and ramps of 0.1 s; every ms.
+fn motion(cycle: &Cycle) -> Vec<f64> {
+    let (mut angles, mut angle) = (Vec::new(), -10f64.to_radians());
+    for pass in cycle.sweeps() {
+        let (feed, mut speed) = (pass.feed_rad_per_s, 0.0f64);
+        let stop = |angle: f64| {
+            if feed > 0.0 { angle > 130f64.to_radians() } else { angle < -10f64.to_radians() }
+        };
+        while !stop(angle) {
+            speed = (speed + feed / 100.0).clamp(-feed.abs(), feed.abs());
+            angle += speed * 1e-3;
+            angles.push(angle);
+        }
+    }
+    angles
+}
+
+/// What the alignment gives: probes every ms, axes every 8 ms with stamps that jitter (rms). The probes read 1 + angle/1000, 0, 1.
+fn aligned(cycle: &Cycle, jitter_s: f64, spoil: impl Fn(usize, &mut f64)) -> Vec<Aligned> {
+    let mut aligner = Aligner::new(&[0, 1, 2], AlignLimits::default());
+    let (machine, mut steps) = (machine(), Vec::new());
+    // A sequence without runs, evenly from −√3 to √3.
+    let mut unit = 0.5_f64;
+    for (k, angle) in motion(cycle).into_iter().enumerate() {
+        let time_s = k as f64 * 1e-3;
+        if k % 8 == 0 {
+            unit = (unit + 0.618_033_988_749_895).fract();
+            let mut rotary = AxisValues::default();
+            rotary[Joint::C] = angle;
+            let position = cycle.position(&machine, 0, &rotary).unwrap();
+            let time_s = time_s + jitter_s * 12f64.sqrt() * (unit - 0.5);
+            aligner.push_axes(&AxisSample { time_s, position, ..AxisSample::default() }, &mut steps);
+        }
+        for (channel, mut value_mm) in [(0, angle), (1, 0.0), (2, 1.0)] {
+            if channel == 2 {
+                spoil(k, &mut value_mm);
+            }
+            let sample = ProbeSample { channel, time_s, value_mm, ..ProbeSample::default() };
+            aligner.push_probe(&sample, &mut steps);
+        }
+    }
+    aligner.finish(&mut steps);
+    steps
+}
+
+fn swept(cycle: &Cycle, steps: &[Aligned]) -> (SweepCycle, Vec<Point>) {
+    let course = Course::of(&machine(), cycle).unwrap();
+    let rules = SweepRules::of(cycle).unwrap();
+    let mut sweep = SweepCycle::new(rules, course, NestCalibration::orthogonal(), 0);
+    let mut points = Vec::new();
+    steps.iter().for_each(|step| sweep.push(step, &mut points));
+    sweep.finish(&mut points);
+    (sweep, points)
+}
+
+#[test]
+fn every_pass_gives_points_at_the_target_rate_with_angle_and_reading_of_one_instant() {
+    let cycle = cycle(&[1800.0, 2400.0]);
+    let (sweep, points) = swept(&cycle, &aligned(&cycle, 0.0, |_, _| {}));
+    // 120° at 30 and 40°/s, both ways, 100 points a second
+    assert!((1390..1410).contains(&points.len()), "{}", points.len());
+    for point in &points {
+        let angle = point.state.position[Joint::C];
+        assert!((0.0..=120.0).contains(&angle.to_degrees()));
+        assert!((point.reading_mm[0] - angle).abs() < 1e-6 && point.samples <= 11);
+        let velocity = point.state.velocity[Joint::C];
+        assert_eq!(velocity.signum(), point.state.direction[Joint::C]);
+    }
+    assert_eq!((sweep.progress().done, sweep.progress().total), (4, 4));
+    assert!(sweep.progress().seconds_left.unwrap() < 0.2);
+    assert!(sweep.counts().share_used().unwrap() > 0.999, "{:?}", sweep.counts());
+}
+
+#[test]
+fn a_fast_turn_far_out_stays_on_its_circle_however_the_stamps_jitter() {
+    let cycle = cycle(&[7200.0]);
+    for jitter_s in [0.0, 0.6e-3] {
+        let (sweep, points) = swept(&cycle, &aligned(&cycle, jitter_s, |_, _| {}));
+        for point in &points {
+            let on_course = cycle.position(&machine(), 0, &point.state.position).unwrap();
+            let off = Joint::LINEAR.map(|axis| (point.state.position[axis] - on_course[axis]).abs());
+            // The mean of 1.2° of a circle of 300 mm lies 5.5 µm inside it.
+            assert!(off.iter().all(|off_mm| *off_mm < 1e-7), "{off:?}");
+        }
+        let share = sweep.counts().share_used().unwrap();
+        assert!(share > 0.95, "{share} at {jitter_s} s: {:?}", sweep.counts());
+        let measured_s = sweep.counts().jitter_s().unwrap();
+        assert!((measured_s - jitter_s).abs() < 0.1e-3, "{measured_s} s for {jitter_s} s");
+    }
+}
+
+#[test]
+fn a_missing_value_breaks_the_average_and_is_counted_with_its_share() {
+    let cycle = cycle(&[1800.0]);
+    let steps = aligned(&cycle, 0.0, |k, value_mm| {
+        if k == 3000 {
+            *value_mm = f64::NAN;
+        }
+    });
+    let (sweep, points) = swept(&cycle, &steps);
+    assert_eq!(sweep.counts().incomplete, 1);
+    assert!(points.iter().all(|point| point.reading_mm[2] == 1.0));
+    let summary = sweep.counts().summary().unwrap();
+    assert!(summary.contains("1 excluded (0.0 %): a channel had no value"), "{summary}");
+    assert_eq!(sweep.counts().used, points.iter().map(|point| u64::from(point.samples)).sum::<u64>());
+}
