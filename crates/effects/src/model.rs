@@ -223,6 +223,7 @@ fn read_ladder(table: &Table<'_>) -> Option<LadderRow> {
     let error = 0.0..=f64::MAX;
     let row = LadderRow {
         date: table.string("date").unwrap_or_default(),
+        by: table.optional_string("by"),
         run: table.string("run").unwrap_or_default(),
         error_before_um: table.number("error_before_um", error.clone()).unwrap_or_default(),
         error_after_um: table.number("error_after_um", error.clone()).unwrap_or_default(),
@@ -281,6 +282,9 @@ fn written(entry: &ModelEffect) -> Written {
 fn written_ladder(row: &LadderRow) -> Written {
     let mut table = Written::new();
     table["date"] = value(&row.date);
+    if let Some(by) = &row.by {
+        table["by"] = value(by);
+    }
     table["run"] = value(&row.run);
     let numbers = [
         ("error_before_um", Some(row.error_before_um)),

@@ -43,6 +43,9 @@ pub struct Prior {
 pub struct LadderRow {
     /// Day, `YYYY-MM-DD`; may be empty.
     pub date: String,
+    /// Who added it; left out where nobody gave a name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by: Option<String>,
     /// Runs it was fitted to; may be empty.
     pub run: String,
     /// Residual of the fit before, µm rms.

@@ -21,26 +21,36 @@ use crate::number::um;
 use trunnion_results::sentences::complete;
 use trunnion_results::{Comparison, ErrorMap, Findings, Ladder, Trial, Volumetric};
 
-const STYLE: &str = include_str!("html/style.css");
+/// The style of every page.
+pub const STYLE: &str = include_str!("html/style.css");
 
 /// One page with everything: no outside asset, readable on a phone, on paper, in the dark. UTF-8, well-formed as XML.
 pub fn compare_html(input: &Comparison, label: &str) -> String {
-    let sections = [
-        summary::section(input, label),
-        places::section(input),
-        spectrum::section(&input.spectra),
-        candidates::section(input),
-        sure::section(input),
-        ladder::section(&input.ladder),
-        maps::section(&input.residuals),
-        sweeps::section(&input.residuals),
-        polars::section(&input.residuals),
-        positions::section(&input.residuals),
-        parameters::section(input),
-        losses(input),
-        timing::section(&input.time_quality),
-    ];
-    page(&format!("Trunnion report: {}", input.identification.machine), &sections.concat())
+    let mut body = summary::section(input, label);
+    for (name, section) in compare_sections(input) {
+        body += &section;
+        if name == "candidates" {
+            body += &sure::section(input);
+        }
+    }
+    page(&format!("Trunnion report: {}", input.identification.machine), &body)
+}
+
+/// The charts and tables of the compare report, each with its name, in order; empty where there is nothing to show.
+pub(crate) fn compare_sections(input: &Comparison) -> Vec<(&'static str, String)> {
+    vec![
+        ("places", places::section(input)),
+        ("spectrum", spectrum::section(&input.spectra)),
+        ("candidates", candidates::section(input)),
+        ("ladder", ladder::section(&input.ladder)),
+        ("maps", maps::section(&input.residuals)),
+        ("sweeps", sweeps::section(&input.residuals)),
+        ("polars", polars::section(&input.residuals)),
+        ("positions", positions::section(&input.residuals)),
+        ("parameters", parameters::section(input)),
+        ("missing", losses(input)),
+        ("timing", timing::section(&input.time_quality)),
+    ]
 }
 
 /// One page on what one effect would do: the residual before and after, on one colour scale.

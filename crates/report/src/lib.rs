@@ -10,6 +10,7 @@ mod findings;
 mod html;
 mod markup;
 
+mod story;
 mod svg;
 mod text;
 mod time_quality;
@@ -19,7 +20,8 @@ mod words;
 
 use trunnion_results::number;
 
-pub use html::{compare_html, findings_html, ladder_html, trial_html, volumetric_html};
+pub use html::{STYLE, compare_html, findings_html, ladder_html, trial_html, volumetric_html};
+pub use story::story;
 pub use text::{
     axis_errors_text, check_text, compare_text, diagnosis_text, findings_text, identification_text,
     ladder_text, location_text, plan_text, prediction_text, preview_text, timing_text, trial_text,

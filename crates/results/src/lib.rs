@@ -16,10 +16,12 @@ mod identification;
 mod json;
 mod ladder;
 mod left_out;
+mod linear;
 mod live;
 mod location;
 mod nc_program;
 pub mod number;
+mod page_status;
 mod plan;
 mod plausibility;
 mod prediction;
@@ -28,6 +30,7 @@ mod residuals;
 mod schema;
 pub mod sentences;
 mod spectrum;
+mod story;
 mod time_quality;
 mod volumetric;
 mod written;
@@ -56,11 +59,15 @@ pub use identification::{
 pub use json::to_json;
 pub use ladder::{Added, Ladder, LadderEntry, LadderFormat, LadderRow, Moved, Removed};
 pub use left_out::LeftOutEffect;
+pub use linear::{
+    FormulaChecked, FormulaFormat, Linear, LinearColumn, LinearFormat, LinearPoint, LinearSolution,
+};
 pub use live::{
     BallOffset, Live, LiveAxis, LiveCycle, LiveDevice, LiveFormat, LiveProbe, LiveTemperature, Zone,
 };
 pub use location::{LocationError, LocationErrors};
 pub use nc_program::{NcProgram, NcProgramFormat};
+pub use page_status::{CycleGrid, GridPose, PageFormat, PageStatus, Serves};
 pub use plan::{Considered, Goal, LeftOpen, NextPlanned, Plan, PlanFormat};
 pub use plausibility::{Check, CheckFormat, Plausibility, Question};
 pub use prediction::{Prediction, PredictionFormat, RunPrediction};
@@ -68,6 +75,9 @@ pub use preview::{Alias, OutOfReach, Preview, PreviewFormat, SeenBy, SeparatedBy
 pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, ShiftedPlace};
 pub use schema::{schema_text, schemas};
 pub use spectrum::{AxisSpectrum, Period, SpectrumWave};
+pub use story::{
+    Fact, RunFound, RunLine, RunList, RunListFormat, Story, StoryCandidate, StoryFormat, StorySection,
+};
 pub use time_quality::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
 pub use volumetric::{
     Datum, ErrorAt, ErrorMap, ErrorMapFormat, Unseen, Volumetric, VolumetricFormat, VolumetricValue,

@@ -2,8 +2,9 @@
 
 use crate::{
     Added, AxisErrors, Check, Comparison, CompensationSummary, Demo, DevicesChecked, DevicesFound, Diagnosis,
-    ErrorMap, Findings, Identification, Imported, Ladder, Live, NcProgram, Plan, Prediction, Preview,
-    Removed, Scrubbed, Simulation, TimeQuality, Trial, Volumetric, to_json,
+    ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live, NcProgram,
+    PageStatus, Plan, Prediction, Preview, Removed, RunList, Scrubbed, Simulation, Story, TimeQuality, Trial,
+    Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -35,6 +36,11 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("devices-found", schema_for!(DevicesFound)),
         ("devices-checked", schema_for!(DevicesChecked)),
         ("live", schema_for!(Live)),
+        ("page", schema_for!(PageStatus)),
+        ("story", schema_for!(Story)),
+        ("runs", schema_for!(RunList)),
+        ("linear", schema_for!(Linear)),
+        ("formula", schema_for!(FormulaChecked)),
     ]
 }
 

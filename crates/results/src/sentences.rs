@@ -189,6 +189,11 @@ pub fn formula_site(formula: &FormulaProposal) -> String {
     format!("{} at {}", formula.components.join(", "), formula.site)
 }
 
+/// The id under which a formula is added.
+pub fn formula_id(formula: &FormulaProposal) -> String {
+    trunnion_effects::Formula::id_of(&formula.name)
+}
+
 /// The shape numbers of a formula: `at = 32.0°, width = 12.4°`; empty when it has none.
 pub fn formula_shape(formula: &FormulaProposal) -> String {
     let number = |n: &ShapeNumber| match n.unit.as_str() {

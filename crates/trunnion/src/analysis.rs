@@ -129,7 +129,8 @@ fn measure_ladder(
     for entry in &mut model.effects[first..] {
         let after = before.with(std::slice::from_ref(entry))?;
         if !BASE.contains(&entry.id.as_str()) {
-            entry.ladder = Some(ladder_row(experiment, before.fit(), after.fit(), date));
+            let by = entry.ladder.take().and_then(|row| row.by);
+            entry.ladder = Some(LadderRow { by, ..ladder_row(experiment, before.fit(), after.fit(), date) });
         }
         before = after;
     }
@@ -145,6 +146,7 @@ fn ladder_row(
     let holdout_um = |fit: &Identification| fit.holdout_rms_mm().map(convert::um_from_mm);
     LadderRow {
         date: date.into(),
+        by: None,
         run: experiment.runs.join(", "),
         error_before_um: convert::um_from_mm(before.rms_mm),
         error_after_um: convert::um_from_mm(after.rms_mm),

@@ -86,6 +86,16 @@ impl Compared {
         trunnion_report::compare_text(&self.answer)
     }
 
+    /// The answer in the order of a page: `trunnion-story/1`.
+    pub fn story(&self) -> results::Story {
+        trunnion_report::story(&self.answer)
+    }
+
+    /// The diagnosis behind it.
+    pub fn diagnosed(&self) -> &Diagnosed {
+        &self.diagnosed
+    }
+
     /// The answer as a page of its own.
     pub fn page(&self) -> String {
         trunnion_report::compare_html(&self.answer, &page::label())

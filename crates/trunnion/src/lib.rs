@@ -27,6 +27,7 @@ mod error;
 mod experiment;
 pub mod files;
 mod fit;
+mod linear;
 mod methods;
 mod model;
 pub mod page;

@@ -136,6 +136,23 @@ impl Step {
         Ok(self)
     }
 
+    /// The same with the name of who added it in its ladder rows.
+    ///
+    /// # Errors
+    /// None that a model written by this program can have.
+    pub fn by(mut self, name: &str) -> Result<Self, Error> {
+        self.row.by = Some(name.into());
+        let mut model = self.after.model().clone();
+        for entry in &mut self.entries {
+            if let Some(row) = &mut entry.ladder {
+                row.by = Some(name.into());
+                model = model.with_ladder_row(&entry.id, row)?;
+            }
+        }
+        self.after = self.after.with_model(model);
+        Ok(self)
+    }
+
     /// The effect.
     pub fn effect(&self) -> &str {
         &self.effect

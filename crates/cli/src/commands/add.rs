@@ -26,6 +26,9 @@ pub struct Args {
     model: PathBuf,
     #[command(flatten)]
     formula: FormulaArgs,
+    /// Who adds it; kept in the ladder
+    #[arg(long, value_name = "NAME")]
+    by: Option<String>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -72,7 +75,10 @@ fn grid(text: &str) -> Result<(String, Vec<f64>), String> {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let Loaded { experiment, outcome } = load::trusted_runs(&args.runs)?;
     let model = Model::load_or_base(&args.model, &experiment.machine().name)?;
-    let step = experiment.fit(&model)?.add_as(&args.effect, &args.formula.text())?.dated(&today()?)?;
+    let mut step = experiment.fit(&model)?.add_as(&args.effect, &args.formula.text())?.dated(&today()?)?;
+    if let Some(name) = &args.by {
+        step = step.by(name)?;
+    }
     step.model().save(&args.model)?;
     if args.json {
         terminal::print_json(&step.results(&args.model.display().to_string()))?;

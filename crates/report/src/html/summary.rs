@@ -1,9 +1,9 @@
 //! The top of the page: what is wrong with the machine, in one paragraph, and the figures.
 
 use crate::markup::escape;
-use crate::number::{percent, um, um_or_dash};
-use crate::words::{headline, left_out, noise_origin, verdict};
-use trunnion_results::Comparison;
+use crate::story;
+use crate::words::{headline, verdict};
+use trunnion_results::{Comparison, Fact};
 
 pub fn section(input: &Comparison, label: &str) -> String {
     let fit = &input.identification;
@@ -25,30 +25,15 @@ pub fn section(input: &Comparison, label: &str) -> String {
 }
 
 fn facts(input: &Comparison) -> String {
-    let fit = &input.identification;
-    let mut facts = vec![
-        fact("Residual", &um(fit.rms_um), "rms"),
-        fact("Repeatability", &um_or_dash(fit.noise_um), &noise_origin(fit)),
-        fact("Held-out error", &um_or_dash(fit.holdout_rms_um), &left_out(fit.holdout_unit)),
-    ];
-    if let Some(fraction) = input.diagnosis.as_ref().and_then(|d| d.residual.unexplained_fraction) {
-        let remark = "of the mean square of the residual";
-        facts.push(fact("Explained by what was found", &percent(fraction), remark));
-    }
-    let drawn = if input.residuals.every > 1 {
-        format!(", every {}th drawn", input.residuals.every)
-    } else {
-        String::new()
-    };
-    facts.push(fact("Points", &fit.points.to_string(), &format!("{} excluded{drawn}", fit.outliers)));
-    format!("<dl class=\"facts\">{}</dl>\n", facts.concat())
+    let shown: String = story::facts(input).iter().map(fact).collect();
+    format!("<dl class=\"facts\">{shown}</dl>\n")
 }
 
-fn fact(name: &str, value: &str, remark: &str) -> String {
+fn fact(fact: &Fact) -> String {
     format!(
         "<div><dt>{}</dt><dd>{}<small>{}</small></dd></div>\n",
-        escape(name),
-        escape(value),
-        escape(remark)
+        escape(&fact.name),
+        escape(&fact.value),
+        escape(&fact.remark)
     )
 }

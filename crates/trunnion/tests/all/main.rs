@@ -4,6 +4,7 @@
 
 mod examples;
 mod library;
+mod linear;
 mod one_answer;
 mod plausible;
 mod values;

@@ -1,0 +1,216 @@
+//! One run in the order in which a person asks: sentences, figures, and the charts of the report.
+
+use crate::html;
+use crate::number::{percent, um, um_or_dash, value_and_u};
+use crate::words::{
+    about, beyond_figures, effect_name, evidence_words, explanation, formula_leads, formula_shape,
+    formula_site, headline, left_out, noise_origin, planned_words, repeatability, verdict,
+};
+use trunnion_results::sentences::complete;
+use trunnion_results::{
+    Candidate, Comparison, Diagnosis, Fact, FormulaProposal, Parameter, Story, StoryCandidate, StorySection,
+    Verdict,
+};
+
+/// A comparison as the story of a page.
+pub fn story(input: &Comparison) -> Story {
+    let fit = &input.identification;
+    let diagnosis = input.diagnosis.as_ref();
+    let implausible = !fit.plausibility.is_empty();
+    Story {
+        runs: fit.runs.clone(),
+        machine: fit.machine.clone(),
+        model: fit.effects.clone(),
+        verdict: diagnosis.map(|diagnosis| diagnosis.verdict),
+        headline: headline(input),
+        wrong: verdict(input),
+        facts: facts(input),
+        sure: sure(input),
+        to_do: to_do(input),
+        candidates: diagnosis.map_or_else(Vec::new, candidates),
+        ladder: input.ladder.clone(),
+        removable: input.ladder.added().map(|(id, _)| id.to_string()).collect(),
+        not_observable: fit
+            .unobservable
+            .iter()
+            .map(|row| format!("{}: {}", row.direction, row.why))
+            .collect(),
+        not_visible: diagnosis
+            .map_or_else(Vec::new, |d| d.not_visible.iter().map(|id| effect_name(id)).collect()),
+        out_of_reach: diagnosis
+            .map_or_else(Vec::new, |d| d.out_of_reach.iter().map(|id| effect_name(id)).collect()),
+        complete: complete(&fit.complete),
+        withheld: if implausible {
+            "Nothing can be added, because the runs are not plausible or not whole.".into()
+        } else {
+            String::new()
+        },
+        sections: html::compare_sections(input)
+            .into_iter()
+            .filter(|(_, markup)| !markup.is_empty())
+            .map(|(id, html)| StorySection { id: id.into(), html })
+            .collect(),
+        ..Story::default()
+    }
+}
+
+/// The figures at the top.
+pub(crate) fn facts(input: &Comparison) -> Vec<Fact> {
+    let fit = &input.identification;
+    let mut facts = vec![
+        fact("Residual", um(fit.rms_um), "rms".into()),
+        fact("Repeatability", um_or_dash(fit.noise_um), noise_origin(fit)),
+        fact("Held-out error", um_or_dash(fit.holdout_rms_um), left_out(fit.holdout_unit)),
+    ];
+    if let Some(fraction) = input.diagnosis.as_ref().and_then(|d| d.residual.unexplained_fraction) {
+        let remark = "of the mean square of the residual".into();
+        facts.push(fact("Explained by what was found", percent(fraction), remark));
+    }
+    let drawn = match input.residuals.every {
+        0 | 1 => String::new(),
+        every => format!(", every {every}th drawn"),
+    };
+    facts.push(fact("Points", fit.points.to_string(), format!("{} excluded{drawn}", fit.outliers)));
+    facts
+}
+
+fn fact(name: &str, value: String, remark: String) -> Fact {
+    Fact { name: name.into(), value, remark }
+}
+
+/// How sure the answer is; empty where nothing was asked.
+pub(crate) fn sure(input: &Comparison) -> Vec<String> {
+    let Some(diagnosis) = &input.diagnosis else { return Vec::new() };
+    let mut items = vec![noise(diagnosis)];
+    if let Some(formula) = diagnosis.formula.as_ref().filter(|_| formula_leads(diagnosis)) {
+        items.push(format!("{}.", evidence_words(formula.evidence)));
+        items.push(match diagnosis.candidates.first() {
+            Some(best) => format!(
+                "No named effect explains it: the best, {}, leaves {} rms with structure in it.",
+                effect_name(&best.effect),
+                um(best.rms_um_after)
+            ),
+            None => "No named effect explains any of it.".into(),
+        });
+    } else if let Some(best) = diagnosis.candidates.first() {
+        items.push(format!("{}.", evidence_words(best.evidence)));
+        items.extend(held_out(diagnosis, best));
+        items.push(beyond_figures(best));
+        items.extend(rivals(best));
+    }
+    items.retain(|item| !item.is_empty());
+    items
+}
+
+fn noise(diagnosis: &Diagnosis) -> String {
+    let known = repeatability(diagnosis.residual.noise_um);
+    match diagnosis.residual.unexplained_fraction.map(percent) {
+        Some(share) => {
+            format!("What was found explains {share} of the mean square of the residual; {known}.")
+        }
+        None => format!("Nothing was weighed; {known}."),
+    }
+}
+
+fn held_out(diagnosis: &Diagnosis, best: &Candidate) -> Option<String> {
+    let residual = &diagnosis.residual;
+    let (before, after) = (residual.holdout_rms_um?, best.holdout_rms_um_after?);
+    let units = residual.holdout_unit?.plural();
+    let (was, is) = (um(before), um(after));
+    Some(if after < 0.97 * before {
+        format!(
+            "It also predicts what it has not seen: on {units} left out of the fit the error falls from {was} to {is}."
+        )
+    } else {
+        format!(
+            "On {units} left out of the fit the error does not fall ({was} before, {is} after): take it with care."
+        )
+    })
+}
+
+fn rivals(best: &Candidate) -> Option<String> {
+    let names: Vec<_> = best.confused_with.iter().map(|id| effect_name(id)).collect();
+    (!names.is_empty())
+        .then(|| format!("In these data {} is confounded with {}.", best.effect, names.join("; ")))
+}
+
+/// What to measure next; empty when nothing is asked for.
+pub(crate) fn measure_next(diagnosis: &Diagnosis) -> &str {
+    let separates = diagnosis.candidates.first().map_or("", |best| best.separate_by.as_str());
+    diagnosis.next_cycle.as_ref().map_or(separates, |next| next.suggestion.as_str())
+}
+
+fn to_do(input: &Comparison) -> Vec<String> {
+    let Some(diagnosis) = &input.diagnosis else {
+        return vec!["Ask which effect is missing: trunnion diagnose with the same runs and model.".into()];
+    };
+    let mut to_do = Vec::new();
+    if let Some(id) = diagnosis.best() {
+        if let Some(about) = about(&id) {
+            to_do.push(format!("Look at the machine first. Likely cause: {}", about.cause));
+        }
+        to_do.push(format!("Add {} to the model, and see whether the error falls.", effect_name(&id)));
+    }
+    let next = measure_next(diagnosis);
+    if !next.is_empty() {
+        to_do.push(next.into());
+    }
+    if let Some(cycle) = diagnosis.next_cycle.as_ref().and_then(|next| next.cycle.as_ref()) {
+        to_do.push(planned_words(cycle));
+    }
+    if diagnosis.verdict == Verdict::NoiseFloor {
+        to_do.push(
+            "Enter the errors of the axes into the control (trunnion compensation), then measure again."
+                .into(),
+        );
+    }
+    to_do
+}
+
+fn candidates(diagnosis: &Diagnosis) -> Vec<StoryCandidate> {
+    let formula = diagnosis.formula.as_ref();
+    let leads = formula.filter(|_| formula_leads(diagnosis)).map(|f| expression(diagnosis, f));
+    let follows = formula.filter(|_| !formula_leads(diagnosis)).map(|f| expression(diagnosis, f));
+    leads.into_iter().chain(diagnosis.candidates.iter().map(|c| named(diagnosis, c))).chain(follows).collect()
+}
+
+fn named(diagnosis: &Diagnosis, candidate: &Candidate) -> StoryCandidate {
+    let size = |p: &Parameter| {
+        let (value, u) = value_and_u(p.value, p.u, &p.unit);
+        [p.name.clone(), value, u]
+    };
+    let speaks = beyond_figures(candidate);
+    let mut about = Vec::new();
+    if !speaks.is_empty() {
+        about.push(["What speaks for it".into(), speaks]);
+    }
+    about.extend(explanation(&candidate.effect).into_iter().map(|(label, text)| [label.into(), text]));
+    StoryCandidate {
+        effect: candidate.effect.clone(),
+        title: effect_name(&candidate.effect),
+        falls: [um(diagnosis.residual.rms_um), um(candidate.rms_um_after)],
+        evidence: format!("{}.", evidence_words(candidate.evidence)),
+        about,
+        rivals: candidate.confused_with.iter().map(|id| effect_name(id)).collect(),
+        separate_by: candidate.separate_by.clone(),
+        sizes: candidate.parameters.iter().map(size).collect(),
+    }
+}
+
+fn expression(diagnosis: &Diagnosis, formula: &FormulaProposal) -> StoryCandidate {
+    let shape = formula_shape(formula);
+    let with = if shape.is_empty() { String::new() } else { format!(", {shape}") };
+    let effect = trunnion_results::sentences::formula_id(formula);
+    StoryCandidate {
+        title: format!("An expression that the catalogue has no name for ({effect})"),
+        effect,
+        falls: [um(diagnosis.residual.rms_um), um(formula.rms_um_after)],
+        evidence: format!("{}.", evidence_words(formula.evidence)),
+        about: vec![
+            ["Expression".into(), format!("{}: {}{with}", formula_site(formula), formula.expression)],
+            ["What it does, and where".into(), formula.location.clone()],
+        ],
+        rivals: formula.resembles.iter().map(|id| effect_name(id)).collect(),
+        ..StoryCandidate::default()
+    }
+}
