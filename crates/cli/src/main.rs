@@ -11,7 +11,8 @@ mod terminal;
 use clap::{Parser, Subcommand};
 use commands::{
     add, attribute, check, check_config, compare, compensation, daemon, demo, devices, diagnose, export,
-    identify, import, ladder, nc_program, plan, predict, record, remove, replay, scrub, simulate, volumetric,
+    identify, import, ladder, nc_program, open, plan, predict, record, remove, replay, scrub, simulate,
+    volumetric,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -32,6 +33,7 @@ enum Command {
     Demo(demo::Args),
     Daemon(daemon::Args),
     Devices(devices::Args),
+    Open(open::Args),
     Check(check::Args),
     CheckConfig(check_config::Args),
     Record(record::Args),
@@ -63,6 +65,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Daemon(args) => daemon::run(&args),
         Command::Devices(args) => devices::run(&args),
+        Command::Open(args) => open::run(&args),
         Command::Check(args) => check::run(&args),
         Command::CheckConfig(args) => check_config::run(&args),
         Command::Record(args) => record::run(&args),

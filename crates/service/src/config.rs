@@ -1,6 +1,8 @@
 //! The service's configuration, `config/trunnion.toml`.
 
 use crate::mqtt::MqttConfig;
+use crate::page;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use trunnion_acquire::config::channels;
 use trunnion_acquire::{DeviceConfig, read_devices};
@@ -27,6 +29,8 @@ pub struct Config {
     pub devices: Vec<DeviceConfig>,
     /// Broker, if any.
     pub mqtt: Option<MqttConfig>,
+    /// Where the page listens; there is none without it.
+    pub page: Option<SocketAddr>,
     /// The file as read, for the recording.
     pub text: String,
 }
@@ -65,11 +69,16 @@ fn read(document: &Document<'_>, folder: &Path, text: &str) -> Option<Config> {
     };
     let mqtt =
         root.optional_table("mqtt").map(|table| read_mqtt(&table, name.as_deref().unwrap_or("machine")));
+    let page = root.optional_table("page").map(|table| read_page(&table));
     root.no_other_keys();
     format?;
     let mqtt = match mqtt {
         None => None,
         Some(broker) => Some(broker?),
+    };
+    let page = match page {
+        None => None,
+        Some(address) => Some(address?),
     };
     Some(Config {
         name: name?,
@@ -80,6 +89,7 @@ fn read(document: &Document<'_>, folder: &Path, text: &str) -> Option<Config> {
         cycle_start: cycle_start?,
         devices: devices?,
         mqtt,
+        page,
         text: text.into(),
     })
 }
@@ -99,4 +109,21 @@ fn read_mqtt(table: &Table<'_>, machine: &str) -> Option<MqttConfig> {
     }
     let login = user.map(|user| (user, password));
     Some(MqttConfig { host: host?, port: port? as u16, machine: machine.into(), login })
+}
+
+fn read_page(table: &Table<'_>) -> Option<SocketAddr> {
+    let listen = table.optional_string("listen").unwrap_or_else(|| page::USUAL_ADDRESS.into());
+    table.no_other_keys();
+    match page::address(&listen) {
+        Ok(address) => Some(address),
+        Err(refused) => {
+            table.problem(
+                "listen",
+                &refused.to_string(),
+                "an address of this computer, such as 127.0.0.1:8460",
+                "",
+            );
+            None
+        }
+    }
 }

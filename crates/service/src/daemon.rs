@@ -6,22 +6,26 @@ mod status;
 pub use crate::error::ServiceError;
 pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, Unfinished, measure_cycle, record_cycle};
 pub use report::{analyse_recording, write_report};
+pub use status::publish_status;
 
 use crate::config::Config;
+use crate::error::chain;
 use crate::latest::Mounted;
 use crate::live::{Live, Measured, Plan, check};
 use crate::mqtt;
 use crate::mqtt::Board;
+use crate::page;
 use report::report_cycle;
 use serde_json::json;
-use status::{publish_live, publish_status, report_systemd};
+use status::{publish_live, report_systemd};
+use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
-use tokio::task::JoinSet;
+use tokio::task::{JoinHandle, JoinSet};
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
 use trunnion::Model;
-use trunnion::results::LiveCycle;
+use trunnion::results::{LiveCycle, Serves};
 use trunnion_core::Clock;
 use trunnion_protocol::mtconnect::timestamp;
 use trunnion_sync::{CycleBounds, Progress};
@@ -49,6 +53,10 @@ pub async fn serve(
     live.latest().set_mounted(Mounted::of(&plan));
     let latest = live.latest().clone();
     let shown = tokio::spawn(publish_live(latest.clone(), board.clone(), cancel.clone()));
+    let page = match config.page {
+        Some(address) => page(address, &config, &plan, &board, &clock, &cancel).await,
+        None => None,
+    };
     report_systemd(&[sd_notify::NotifyState::Ready]);
     // Cycles are analysed while the next one is waited for and measured.
     let mut reports = JoinSet::new();
@@ -64,11 +72,7 @@ pub async fn serve(
         };
         let mut progress = |now: Progress| {
             latest.set_cycle(Some(cycle(now)));
-            board.set(
-                "cycle",
-                &json!({ "state": "measuring", "run": name, "done": now.done, "total": now.total,
-                "seconds_left": now.seconds_left }),
-            );
+            board.set("cycle", &cycle_under_way(&name, now));
         };
         let run = NewRun { plan: &plan, texts: &texts, folder: &config.recordings, name: &name };
         let measured = measure_cycle(&run, &mut live, start, &mut progress).await;
@@ -108,13 +112,53 @@ pub async fn serve(
     }
     live.stop().await;
     report_systemd(&[sd_notify::NotifyState::Stopping]);
-    for (task, what) in [(Some(status), "status"), (Some(shown), "live values"), (broker, "MQTT connection")]
+    let shown = Some(shown);
+    for (task, what) in
+        [(Some(status), "status"), (shown, "live values"), (page, "page"), (broker, "MQTT connection")]
     {
         if let Some(task) = task {
             task.await.map_err(|_| ServiceError::Broken(what))?;
         }
     }
     Ok(())
+}
+
+/// What the topic `cycle` says while one is measured.
+pub fn cycle_under_way(run: &str, now: Progress) -> serde_json::Value {
+    json!({ "state": "measuring", "run": run, "done": now.done, "total": now.total, "seconds_left": now.seconds_left })
+}
+
+/// Starts the page; measuring goes on without it where it cannot listen.
+async fn page(
+    address: SocketAddr,
+    config: &Config,
+    plan: &Plan,
+    board: &Board,
+    clock: &Arc<dyn Clock>,
+    cancel: &CancellationToken,
+) -> Option<JoinHandle<()>> {
+    let listener = match tokio::net::TcpListener::bind(address).await {
+        Ok(listener) => listener,
+        Err(error) => {
+            warn!(%error, %address, "there is no page: the address cannot be listened on");
+            return None;
+        }
+    };
+    let shared = page::Shared {
+        serves: Serves::Service,
+        name: config.name.clone(),
+        runs: Arc::new(page::Runs::of_folder(&config.recordings, config.model.clone())),
+        board: board.clone(),
+        cycle: page::grid_of(&plan.machine, &plan.cycle),
+        clock: clock.clone(),
+    };
+    info!("the page is at http://{address}");
+    let cancel = cancel.clone();
+    Some(tokio::spawn(async move {
+        if let Err(error) = page::serve(listener, Arc::new(shared), cancel).await {
+            warn!(%error, "the page ended");
+        }
+    }))
 }
 
 async fn finish_and_report(
@@ -155,18 +199,6 @@ fn recover(folder: &Path) {
             warn!(error = &failure as &dyn std::error::Error, "cannot look for unfinished recordings")
         }
     }
-}
-
-/// Every cause of an error in one line.
-fn chain(failure: &dyn std::error::Error) -> String {
-    let mut text = failure.to_string();
-    let mut cause = failure.source();
-    while let Some(next) = cause {
-        text.push_str(": ");
-        text.push_str(&next.to_string());
-        cause = next.source();
-    }
-    text
 }
 
 /// `YYYYMMDDThhmmssZ`.

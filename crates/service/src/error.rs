@@ -39,3 +39,15 @@ pub enum ServiceError {
     #[error("the {0} ended badly; this is a defect of the program")]
     Broken(&'static str),
 }
+
+/// Every cause of an error in one line.
+pub(crate) fn chain(failure: &dyn std::error::Error) -> String {
+    let mut text = failure.to_string();
+    let mut cause = failure.source();
+    while let Some(next) = cause {
+        text.push_str(": ");
+        text.push_str(&next.to_string());
+        cause = next.source();
+    }
+    text
+}

@@ -7,4 +7,5 @@ mod error;
 pub mod latest;
 pub mod live;
 pub mod mqtt;
+pub mod page;
 mod recording;

@@ -10,7 +10,7 @@ use rumqttc::{
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use tokio::sync::Notify;
+use tokio::sync::{Notify, watch};
 use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 use trunnion_acquire::credentials;
@@ -45,7 +45,10 @@ pub struct Board {
 #[derive(Default)]
 struct Shared {
     topics: Mutex<BTreeMap<String, Topic>>,
+    /// For the connection to the broker.
     changed: Notify,
+    /// Counts the changes, for everybody else.
+    changes: watch::Sender<u64>,
 }
 
 #[derive(Clone)]
@@ -60,6 +63,17 @@ impl Board {
         let topic_value = Topic { payload: value.to_string(), sent: false };
         self.lock().insert(topic.into(), topic_value);
         self.shared.changed.notify_one();
+        self.shared.changes.send_modify(|changes| *changes += 1);
+    }
+
+    /// The present value of every topic, as text.
+    pub fn now(&self) -> BTreeMap<String, String> {
+        self.lock().iter().map(|(name, topic)| (name.clone(), topic.payload.clone())).collect()
+    }
+
+    /// Changes when a topic changes; several changes at once may be seen as one.
+    pub fn changes(&self) -> watch::Receiver<u64> {
+        self.shared.changes.subscribe()
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, Topic>> {

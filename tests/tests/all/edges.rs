@@ -27,7 +27,8 @@ const ALLOWED: [(&str, &[&str]); 18] = [
 ];
 
 /// Outside crates that only one of ours may use.
-const SOLE_USERS: [(&str, &str); 3] = [("mcap", "record"), ("rumqttc", "service"), ("socketcan", "acquire")];
+const SOLE_USERS: [(&str, &str); 4] =
+    [("axum", "service"), ("mcap", "record"), ("rumqttc", "service"), ("socketcan", "acquire")];
 
 /// Crates that touch no socket, file or runtime.
 const PURE: [&str; 11] = [

@@ -3,6 +3,7 @@
 //! The simulator hides an effect and seals the truth; the program measures through its own drivers, identifies,
 //! doubts, names what is missing, adds it. Only when all is printed the seal is broken.
 
+mod page;
 mod story;
 
 use super::progress_bar::ProgressBar;
@@ -10,6 +11,7 @@ use crate::commands::daemon::log_to_stderr;
 use crate::outcome::Outcome;
 use crate::{output, terminal};
 use anyhow::{Context, bail};
+use page::DemoPage;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,7 +21,7 @@ use trunnion::cycles::{Cycle, Motion};
 use trunnion::results::number::um;
 use trunnion::results::sentences::repeatability;
 use trunnion::results::{Demo, DemoFormat, DemoStep, TimeQuality};
-use trunnion::{Model, page};
+use trunnion::{Model, page as pages};
 use trunnion_acquire::config::channels;
 use trunnion_core::Clock;
 use trunnion_hil_sim::devices::{Later, SimulatedCell, World, cell};
@@ -30,7 +32,8 @@ use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::daemon;
 use trunnion_service::daemon::{NewRun, Recorded, Texts};
-use trunnion_service::live::{CycleBounds, Live, Plan};
+use trunnion_service::live::{CycleBounds, Live, Plan, Progress};
+use trunnion_service::mqtt::Board;
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
 ///
@@ -52,6 +55,9 @@ pub struct Args {
     /// Leave out the on-the-fly cycle
     #[arg(long)]
     static_only: bool,
+    /// Show it on a page for the browser of this computer too; the page stays until Ctrl-C
+    #[arg(long)]
+    page: bool,
     /// Print JSON instead of the story
     #[arg(long)]
     json: bool,
@@ -96,9 +102,18 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         machine.name,
         if args.hidden == "none" { "" } else { " and something hidden" },
     ))?;
+    let board = Board::default();
+    let served = match args.page {
+        true => {
+            let served = DemoPage::start(&args.output, &machine, &static_cycle, &board).await?;
+            show(&format!("Watch it at {}\n\n", served.address()))?;
+            Some(served)
+        }
+        false => None,
+    };
     show(&format!("Static cycle: {} poses, two heights, both directions.\n", stations.len()))?;
     let world = scenario::static_cycle(virtual_machine.clone(), &static_cycle.name, &stations, PACE)?;
-    let recorded = measure(args, &static_cycle, STATIC_CYCLE, world, "static").await?;
+    let recorded = measure(args, &board, &static_cycle, STATIC_CYCLE, world, "static").await?;
     show(&format!("Recorded {}\n\n", recorded.path.display()))?;
 
     let date = daemon::day(SystemClock::start().wall_ns());
@@ -106,8 +121,12 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     let analysed =
         tokio::task::spawn_blocking(move || daemon::analyse_recording(&path, &base, &date)).await??;
     show(&story(&analysed))?;
+    board.set(
+        "result",
+        &serde_json::json!({ "run": recorded.path.file_name().map(|name| name.to_string_lossy()) }),
+    );
 
-    let mut losses = page::losses(&recorded.gaps, recorded.lost_samples);
+    let mut losses = pages::losses(&recorded.gaps, recorded.lost_samples);
     let mut timing: Vec<TimeQuality> = Vec::new();
     let on_the_fly = if args.static_only {
         None
@@ -115,8 +134,8 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         let sweep_cycle = Cycle::parse("demo-sweep-c.toml", SWEEP_CYCLE)?;
         show("\nOn-the-fly cycle: C turns both ways at two feeds.\n")?;
         let world = sweep_world(virtual_machine.clone(), &sweep_cycle)?;
-        let swept = measure(args, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c").await?;
-        losses.extend(page::losses(&swept.gaps, swept.lost_samples));
+        let swept = measure(args, &board, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c").await?;
+        losses.extend(pages::losses(&swept.gaps, swept.lost_samples));
         let swept_runs = trunnion::open(&swept.path)?;
         // What a turning C cannot show is left out, not guessed.
         let fit = swept_runs.fit_within_reach(analysed.fit().model())?.results();
@@ -157,6 +176,9 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
             report: report.display().to_string(),
             losses: losses.clone(),
         })?;
+    }
+    if let Some(served) = served {
+        served.until_interrupted().await?;
     }
     Ok(if losses.is_empty() { Outcome::Done } else { Outcome::DataLoss })
 }
@@ -200,6 +222,7 @@ fn sweep_world(machine: Arc<VirtualMachine>, cycle: &Cycle) -> anyhow::Result<Si
 /// Switches a shop floor on, connects the real drivers to its ports, records one cycle.
 async fn measure(
     args: &Args,
+    board: &Board,
     cycle: &Cycle,
     cycle_text: &str,
     world: SimulatedCell,
@@ -226,7 +249,9 @@ async fn measure(
     let texts = Texts { machine: machine_text, cycle: cycle_text.into(), config: config_text };
 
     let cancel = CancellationToken::new();
+    let names = config.devices.iter().map(|device| device.name.clone()).collect();
     let mut live = Live::start(config.devices, CycleBounds::default(), clock, cancel.clone());
+    let status = tokio::spawn(daemon::publish_status(names, live.states(), board.clone(), cancel.clone()));
     let start = live.wait_for_start();
     let start = tokio::time::timeout(Duration::from_secs(20), start)
         .await
@@ -235,10 +260,18 @@ async fn measure(
     let run_name = free_name(&args.output, name);
     let mut bar = ProgressBar::new(args.json);
     let run = NewRun { plan: &plan, texts: &texts, folder: &args.output, name: &run_name };
-    let recorded = daemon::record_cycle(&run, &mut live, start, &mut |progress| bar.show(progress)).await;
+    let mut progress = |now: Progress| {
+        bar.show(now);
+        board.set("cycle", &daemon::cycle_under_way(&run_name, now));
+    };
+    let recorded = daemon::record_cycle(&run, &mut live, start, &mut progress).await;
     bar.clear();
+    if let Ok(recorded) = &recorded {
+        board.set("cycle", &serde_json::json!({ "state": "done", "run": run_name, "ended": recorded.ended }));
+    }
     cancel.cancel();
     live.stop().await;
+    status.await.context("the status ended badly")?;
     cell.shutdown().await;
     std::fs::remove_dir_all(&ports).with_context(|| format!("cannot remove {}", ports.display()))?;
     Ok(recorded?)

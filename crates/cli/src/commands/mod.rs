@@ -15,6 +15,7 @@ pub mod identify;
 pub mod import;
 pub mod ladder;
 pub mod nc_program;
+pub mod open;
 pub mod plan;
 pub mod predict;
 mod progress_bar;

@@ -12,7 +12,7 @@ use trunnion_acquire::DeviceStatus;
 const STATUS_PERIOD: Duration = Duration::from_secs(1);
 
 /// Publishes the states of the devices when they change, and reports to systemd that the service is alive.
-pub(super) async fn publish_status(
+pub async fn publish_status(
     names: Vec<String>,
     states: Vec<watch::Receiver<DeviceStatus>>,
     board: Board,

@@ -1,0 +1,60 @@
+//! The demo for a browser: what is measured while it is measured, then the recordings.
+
+use crate::commands::open::listen;
+use crate::terminal;
+use anyhow::Context;
+use std::net::SocketAddr;
+use std::path::Path;
+use std::sync::Arc;
+use tokio::task::JoinHandle;
+use tokio_util::sync::CancellationToken;
+use trunnion::Machine;
+use trunnion::cycles::Cycle;
+use trunnion::results::Serves;
+use trunnion_service::clock::SystemClock;
+use trunnion_service::mqtt::Board;
+use trunnion_service::page;
+
+/// A page that is served next to the demo.
+pub struct DemoPage {
+    address: SocketAddr,
+    cancel: CancellationToken,
+    serving: JoinHandle<std::io::Result<()>>,
+}
+
+impl DemoPage {
+    /// Serves what `board` gets and the recordings of `folder`.
+    pub async fn start(
+        folder: &Path,
+        machine: &Machine,
+        cycle: &Cycle,
+        board: &Board,
+    ) -> anyhow::Result<Self> {
+        let listener = listen(page::USUAL_ADDRESS).await?;
+        let address = listener.local_addr()?;
+        let shared = page::Shared {
+            serves: Serves::Demo,
+            name: "demo".into(),
+            runs: Arc::new(page::Runs::of_folder(folder, None)),
+            board: board.clone(),
+            cycle: page::grid_of(machine, cycle),
+            clock: Arc::new(SystemClock::start()),
+        };
+        let cancel = CancellationToken::new();
+        let serving = tokio::spawn(page::serve(listener, Arc::new(shared), cancel.clone()));
+        Ok(Self { address, cancel, serving })
+    }
+
+    /// Where it is.
+    pub fn address(&self) -> String {
+        format!("http://{}", self.address)
+    }
+
+    /// Goes on until Ctrl-C.
+    pub async fn until_interrupted(self) -> anyhow::Result<()> {
+        terminal::print(&format!("\nThe page stays at {}   (Ctrl-C ends it)\n", self.address()))?;
+        tokio::signal::ctrl_c().await.context("cannot listen for Ctrl-C")?;
+        self.cancel.cancel();
+        self.serving.await.context("the page ended badly")?.context("the page ended")
+    }
+}

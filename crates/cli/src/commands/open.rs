@@ -1,0 +1,80 @@
+//! `trunnion open`: recordings on the page, without a service.
+
+use crate::outcome::Outcome;
+use crate::terminal;
+use anyhow::{Context, bail};
+use std::path::PathBuf;
+use std::sync::Arc;
+use tokio::net::TcpListener;
+use tokio_util::sync::CancellationToken;
+use trunnion::results::Serves;
+use trunnion_core::Clock;
+use trunnion_service::clock::SystemClock;
+use trunnion_service::mqtt::Board;
+use trunnion_service::page;
+
+/// Show recordings on a page for the browser of this computer
+///
+/// Example: trunnion open run.mcap
+///
+/// The address is printed; open it in a browser. Effects are added to NAME.model.toml next to the recording. Ctrl-C ends it.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Recordings (.mcap), points (.csv), or one folder of recordings
+    #[arg(required = true, value_name = "RUN")]
+    runs: Vec<PathBuf>,
+    /// Model file of runs that have none of their own; the base model without it
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Address of this computer and port; port 0 takes a free one
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = page::USUAL_ADDRESS)]
+    listen: String,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let missing = args.runs.iter().find(|run| !run.exists());
+    if let Some(run) = missing {
+        bail!("there is no {}", run.display());
+    }
+    let runs = match args.runs.as_slice() {
+        [folder] if folder.is_dir() => page::Runs::of_folder(folder, args.model.clone()),
+        files => page::Runs::of_files(files.to_vec(), args.model.clone()),
+    };
+    let name = args.runs.iter().map(|run| run.display().to_string()).collect::<Vec<_>>().join(", ");
+    let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
+    runtime.block_on(async {
+        let shared = page::Shared {
+            serves: Serves::Recordings,
+            name,
+            runs: Arc::new(runs),
+            board: Board::default(),
+            cycle: None,
+            clock: Arc::new(SystemClock::start()) as Arc<dyn Clock>,
+        };
+        serve_until_interrupted(listen(&args.listen).await?, shared).await?;
+        Ok(Outcome::Done)
+    })
+}
+
+/// Listens on an address of this computer; where the usual one is taken, a free port is.
+pub async fn listen(text: &str) -> anyhow::Result<TcpListener> {
+    let mut address = page::address(text)?;
+    match TcpListener::bind(address).await {
+        Ok(listener) => Ok(listener),
+        Err(error) if error.kind() == std::io::ErrorKind::AddrInUse && text == page::USUAL_ADDRESS => {
+            address.set_port(0);
+            TcpListener::bind(address).await.with_context(|| format!("cannot listen on {address}"))
+        }
+        Err(error) => Err(error).with_context(|| format!("cannot listen on {address}")),
+    }
+}
+
+/// Prints the address and serves until Ctrl-C.
+pub async fn serve_until_interrupted(listener: TcpListener, shared: page::Shared) -> anyhow::Result<()> {
+    terminal::print(&format!("The page is at http://{}   (Ctrl-C ends it)\n", listener.local_addr()?))?;
+    let cancel = CancellationToken::new();
+    let serving = tokio::spawn(page::serve(listener, Arc::new(shared), cancel.clone()));
+    tokio::signal::ctrl_c().await.context("cannot listen for Ctrl-C")?;
+    cancel.cancel();
+    serving.await.context("the page ended badly")?.context("the page ended")
+}

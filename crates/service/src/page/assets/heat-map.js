@@ -1,0 +1,106 @@
+// A map over two rotary axes: orange where the value is positive, blue where it is negative, hatched where nothing was read.
+
+import { colour, el } from "./dom.js";
+
+const CELL = 28;
+const EDGE = { left: 52, top: 8, right: 8, bottom: 40 };
+
+export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "µm" }) {
+  const width = EDGE.left + columns.length * CELL + EDGE.right;
+  const height = EDGE.top + rows.length * CELL + EDGE.bottom;
+  const scale = window.devicePixelRatio || 1;
+  const canvas = el("canvas", { width: width * scale, height: height * scale, role: "img" });
+  canvas.style.maxWidth = `${width * 1.6}px`;
+  const under = el("p", { class: "soft" }, "Point at a cell to read its value.");
+  const figure = el("figure", { class: "map" }, el("figcaption", {}, title), canvas, under);
+  let values = [];
+  let limit = 1;
+
+  function draw() {
+    const ctx = canvas.getContext("2d");
+    ctx.setTransform(scale, 0, 0, scale, 0, 0);
+    ctx.clearRect(0, 0, width, height);
+    ctx.font = "11px system-ui, sans-serif";
+    ctx.textBaseline = "middle";
+    rows.forEach((row, i) => {
+      const y = EDGE.top + (rows.length - 1 - i) * CELL;
+      ctx.fillStyle = colour("--ink");
+      ctx.textAlign = "right";
+      if (rows.length < 20 || i % 3 === 0) ctx.fillText(`${row}°`, EDGE.left - 6, y + CELL / 2);
+      columns.forEach((_, j) => cell(ctx, EDGE.left + j * CELL, y, values[i]?.[j]));
+    });
+    ctx.fillStyle = colour("--ink");
+    ctx.textAlign = "center";
+    const every = Math.ceil(columns.length / 12);
+    columns.forEach((column, j) => {
+      if (j % every === 0) ctx.fillText(`${column}°`, EDGE.left + (j + 0.5) * CELL, height - EDGE.bottom + 12);
+    });
+    ctx.fillText(columnsName, EDGE.left + (columns.length * CELL) / 2, height - 10);
+    ctx.textAlign = "left";
+    ctx.fillText(rowsName, 2, EDGE.top + 8);
+  }
+
+  function cell(ctx, x, y, value) {
+    ctx.strokeStyle = colour("--line");
+    ctx.lineWidth = 1;
+    if (Number.isFinite(value)) {
+      const share = Math.max(-1, Math.min(1, value / limit));
+      ctx.globalAlpha = 1;
+      ctx.fillStyle = colour("--paper");
+      ctx.fillRect(x, y, CELL, CELL);
+      ctx.globalAlpha = Math.abs(share);
+      ctx.fillStyle = share > 0 ? colour("--orange") : colour("--blue");
+      ctx.fillRect(x, y, CELL, CELL);
+      ctx.globalAlpha = 1;
+    } else {
+      ctx.beginPath();
+      ctx.moveTo(x, y + CELL);
+      ctx.lineTo(x + CELL, y);
+      ctx.stroke();
+    }
+    ctx.strokeRect(x + 0.5, y + 0.5, CELL - 1, CELL - 1);
+  }
+
+  canvas.addEventListener("pointermove", (event) => {
+    const box = canvas.getBoundingClientRect();
+    const j = Math.floor(((event.clientX - box.left) * (width / box.width) - EDGE.left) / CELL);
+    const i = rows.length - 1 - Math.floor(((event.clientY - box.top) * (height / box.height) - EDGE.top) / CELL);
+    const value = values[i]?.[j];
+    if (rows[i] === undefined || columns[j] === undefined) return;
+    const figures = Number.isFinite(value) ? `${signed(value)} ${unit}` : "nothing was read";
+    under.textContent = `${rowsName} ${rows[i]}°, ${columnsName} ${columns[j]}°: ${figures}`;
+  });
+
+  return {
+    figure,
+    show(now, limitNow) {
+      [values, limit] = [now, limitNow || 1];
+      canvas.setAttribute("aria-label", `${title}: ${summary(rows, columns, values, rowsName, columnsName, unit)}`);
+      draw();
+    },
+  };
+}
+
+function summary(rows, columns, values, rowsName, columnsName, unit) {
+  let largest = null;
+  values.forEach((row, i) => row.forEach((value, j) => {
+    if (Number.isFinite(value) && (!largest || Math.abs(value) > Math.abs(largest.value))) largest = { value, i, j };
+  }));
+  if (!largest) return "nothing was read";
+  return `largest ${signed(largest.value)} ${unit} at ${rowsName} ${rows[largest.i]}°, ${columnsName} ${columns[largest.j]}°`;
+}
+
+export const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value).toPrecision(3)}`;
+
+// Positions at which an axis was read; sectors of 10° where it was read while turning, as in the report.
+export function stations(values) {
+  const distinct = (grid) => [...new Set(values.map((value) => Math.round(value / grid)))].sort((a, b) => a - b).map((n) => Number((n * grid).toFixed(2)));
+  const fine = distinct(0.01);
+  return fine.length > 36 ? distinct(10) : fine;
+}
+
+export function nearest(sorted, value) {
+  let best = 0;
+  for (let i = 1; i < sorted.length; i++) if (Math.abs(sorted[i] - value) < Math.abs(sorted[best] - value)) best = i;
+  return best;
+}

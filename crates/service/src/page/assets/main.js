@@ -1,0 +1,100 @@
+// Which view is shown, of which run; what the service publishes goes to the view that wants it.
+
+import * as calls from "./calls.js";
+import { el, notice } from "./dom.js";
+import * as result from "./result.js";
+import * as measure from "./measure.js";
+import * as whatIf from "./what-if.js";
+import * as history from "./history.js";
+
+const views = { result, measure, "what-if": whatIf, history };
+const page = { status: null, runs: [], run: null, topics: {}, show, choose, reload };
+const place = document.getElementById("view");
+const select = document.getElementById("run");
+let shown = 0;
+
+async function reload() {
+  page.runs = (await calls.runs()).runs;
+  if (!page.runs.some((line) => line.name === page.run)) page.run = analysed() ?? page.runs.at(-1)?.name ?? null;
+  const options = page.runs.map((line) => el("option", { value: line.name, selected: line.name === page.run }, line.name));
+  select.replaceChildren(...options);
+  select.disabled = page.runs.length < 2;
+}
+
+// The run that the service analysed last.
+function analysed() {
+  const name = page.topics.result?.run?.replace(/\.mcap$/, "");
+  return page.runs.some((line) => line.name === name) ? name : null;
+}
+
+function choose(name) {
+  page.run = name;
+  select.value = name;
+  show();
+}
+
+async function show() {
+  const wanted = location.hash.slice(1);
+  const name = wanted in views ? wanted : page.runs.length ? "result" : "measure";
+  document.querySelectorAll("nav a").forEach((link) => {
+    if (link.dataset.view === name) link.setAttribute("aria-current", "page");
+    else link.removeAttribute("aria-current");
+  });
+  const number = ++shown;
+  place.setAttribute("aria-busy", "true");
+  try {
+    const parts = await views[name].make(page);
+    if (number !== shown) return;
+    place.replaceChildren(...parts);
+    views[name].shown?.(page);
+  } catch (failure) {
+    if (number === shown) place.replaceChildren(el("h1", {}, "This cannot be shown"), el("p", {}, failure.message));
+  }
+  if (number === shown) place.setAttribute("aria-busy", "false");
+}
+
+function listen() {
+  const events = new EventSource("/api/live");
+  for (const topic of ["status", "cycle", "quality", "result", "live", "model"]) {
+    events.addEventListener(topic, (event) => take(topic, JSON.parse(event.data)));
+  }
+  events.onerror = () => notice("The program does not answer; the page tries again.", true);
+  events.onopen = () => notice("");
+}
+
+async function take(topic, value) {
+  const before = page.topics[topic];
+  page.topics[topic] = value;
+  const view = document.querySelector("nav a[aria-current]")?.dataset.view;
+  views[view]?.changed?.(page, topic);
+  // The first value of a topic is no news: the page was made with it.
+  const news = before !== undefined && JSON.stringify(before) !== JSON.stringify(value);
+  if (topic === "result" && news) {
+    await reload();
+    page.run = analysed() ?? page.run;
+    select.value = page.run;
+    show();
+  }
+  if (topic === "model" && value.effect === page.changing) {
+    page.changing = null;
+  } else if (topic === "model" && news && value.run === page.run) {
+    notice(`${value.effect} was ${value.state} in another window.`);
+    if (view !== "measure") show();
+  }
+}
+
+select.addEventListener("change", () => choose(select.value));
+window.addEventListener("hashchange", async () => {
+  await show();
+  place.focus({ preventScroll: true });
+  window.scrollTo(0, 0);
+});
+
+page.status = await calls.status();
+page.topics = page.status.topics;
+document.getElementById("name").textContent = page.status.name;
+document.getElementById("program").textContent = page.status.program;
+document.title = `Trunnion: ${page.status.name}`;
+await reload();
+await show();
+listen();

@@ -1,0 +1,155 @@
+// One run as one story: what is wrong, how large, how sure, what to do; where; which effect; what was added.
+
+import * as calls from "./calls.js";
+import { el, fold, list, markup, notice, paragraphs } from "./dom.js";
+
+// Parts of the report under their questions.
+const WHERE = ["places", "spectrum"];
+const DETAILS = [
+  ["maps", "Residual over the rotary axes"],
+  ["sweeps", "Residual over single axes"],
+  ["polars", "Residual around the turning axis"],
+  ["positions", "Measured and predicted places"],
+  ["parameters", "Location errors and other parameters"],
+  ["timing", "Time quality"],
+];
+
+export async function make(page) {
+  if (!page.run) {
+    return [el("h1", {}, "No recording yet"), el("p", {}, "A recording appears here when its cycle ends."), measureLink()];
+  }
+  notice(page.known === page.run ? "" : `Analysing ${page.run} …`);
+  const story = await calls.story(page.run);
+  page.known = page.run;
+  notice("");
+  return parts(page, story);
+}
+
+const measureLink = () => el("p", {}, el("a", { href: "#measure", class: "button" }, "What is measured now"));
+
+function parts(page, story) {
+  const section = (id) => story.sections.find((part) => part.id === id)?.html;
+  const detail = ([id, title]) => section(id) && fold(title, () => markup(section(id)));
+  return [
+    el("h1", {}, story.headline),
+    el("div", { class: "lead" }, paragraphs(story.wrong)),
+    el("dl", { class: "facts" }, story.facts.map(fact)),
+    el("div", { class: "two" },
+      el("section", {}, el("h2", {}, "How sure this is"), list(story.sure)),
+      el("section", {}, el("h2", {}, "What to do"), el("ol", { class: "todo" }, story.to_do.map((text) => el("li", {}, text))))),
+    el("section", {}, el("h2", {}, "Which effect, and why"), candidates(page, story)),
+    el("section", {}, el("h2", {}, "The model: what was added"), ladder(page, story), ...chart(section("ladder"))),
+    ...WHERE.map(section).filter(Boolean).map(markup),
+    el("section", {}, el("h2", {}, "Complete?"), list(story.complete.length ? story.complete : ["Nothing was planned that could be missing."])),
+    unseen(story),
+    ...DETAILS.map(detail).filter(Boolean),
+    el("p", {}, el("a", { class: "button", href: calls.reportAddress(page.run), target: "_blank" }, "The report on one page, to be printed")),
+  ];
+}
+
+const fact = ({ name, value, remark }) => el("div", {}, el("dt", {}, name), el("dd", {}, value, el("small", {}, remark)));
+
+function candidates(page, story) {
+  if (story.withheld) return el("p", { class: "warn" }, story.withheld);
+  if (!story.candidates.length) return el("p", {}, "No effect is proposed: the answer above says why.");
+  const who = el("input", { id: "who", autocomplete: "name", maxlength: "60", value: remembered() });
+  const cards = story.candidates.map((candidate, index) => card(page, candidate, who, index === 0));
+  return [el("p", { class: "row" }, el("label", {}, "Your name, kept with what you add", who)), ...cards];
+}
+
+function card(page, candidate, who, first) {
+  const { effect, title, falls, evidence, about, rivals, separate_by: separates, sizes } = candidate;
+  const add = el("button", { class: first ? "main" : "", type: "button", "data-add": effect }, `Add ${effect}`);
+  add.addEventListener("click", () => change(page, add, who, () => calls.add(page.run, effect, who.value.trim()), effect, "added"));
+  const size = ([name, value, u]) => el("tr", {}, el("td", {}, name), el("td", { class: "n" }, value), el("td", { class: "n" }, u));
+  const more = [
+    ...about.map(([label, text]) => el("p", {}, el("b", {}, `${label}: `), text)),
+    sizes.length
+      ? el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Size of ${effect}` },
+          el("table", {}, el("thead", {}, el("tr", {}, ["parameter", "value", "standard uncertainty u"].map((head) => el("th", { scope: "col" }, head)))),
+            el("tbody", {}, sizes.map(size))))
+      : null,
+  ];
+  return el("article", { class: "card" },
+    el("h3", {}, title),
+    el("p", { class: "falls" }, `${falls[0]} → ${falls[1]} `, el("small", { class: "soft" }, "residual, rms")),
+    el("p", {}, evidence),
+    rivals.length ? el("p", {}, el("b", {}, "Confounded with: "), rivals.join("; ")) : null,
+    separates ? el("p", {}, el("b", {}, "What separates them: "), separates) : null,
+    el("p", { class: "row" }, add, el("a", { class: "button", href: calls.trialAddress(page.run, effect), target: "_blank" }, "Before and after, on maps")),
+    el("details", { open: first }, el("summary", {}, "Why, and how large"), ...more.filter(Boolean)));
+}
+
+function ladder(page, story) {
+  const rows = story.ladder.rows.filter((row) => row.ladder);
+  if (!rows.length) return el("p", {}, "Nothing yet: the model has location errors and ball setting alone.");
+  const step = ({ effect, ladder: row }) => {
+    const remove = el("button", { type: "button", "data-remove": effect }, `Remove ${effect}`);
+    remove.addEventListener("click", () => change(page, remove, null, () => calls.remove(page.run, effect), effect, "removed"));
+    const who = [row.by, row.date].filter(Boolean).join(", ");
+    return el("li", {}, el("span", { class: "name" }, el("b", {}, effect), who ? ` added by ${who}` : ""),
+      story.removable.includes(effect) ? remove : null);
+  };
+  return el("ul", { class: "steps" }, rows.map(step));
+}
+
+// The chart of the report under our heading.
+function chart(html) {
+  if (!html) return [];
+  const part = markup(html);
+  part.querySelector("h2")?.remove();
+  return [part];
+}
+
+function unseen(story) {
+  const parts = [
+    ["These readings leave confounded", story.not_observable],
+    ["This cycle cannot show", story.not_visible],
+    ["Out of reach of these runs", story.out_of_reach],
+  ].filter(([, texts]) => texts.length);
+  if (!parts.length) return el("p", {}, "Every parameter of the model is observable.");
+  return fold("What is not observable",
+    () => parts.flatMap(([title, texts]) => [el("h3", {}, title), list(texts, { class: texts.length > 6 ? "long" : "" })]));
+}
+
+async function change(page, button, who, call, effect, done) {
+  if (who && !who.value.trim()) {
+    notice("Who adds it? Write your name first.", true);
+    who.focus();
+    return;
+  }
+  if (who) remember(who.value.trim());
+  document.querySelectorAll("#view button").forEach((other) => (other.disabled = true));
+  notice(`${button.textContent}: fitting again …`);
+  page.changing = effect;
+  try {
+    const story = await call();
+    const place = document.getElementById("view");
+    place.replaceChildren(...parts(page, story));
+    const rms = story.facts[0];
+    notice(`${effect} is ${done}. ${rms.name} ${rms.value} ${rms.remark}.`);
+    // Whoever works by keyboard goes on where the model changed.
+    (place.querySelector(`[data-remove="${CSS.escape(effect)}"]`) ?? place.querySelector("h1")).focus();
+    window.scrollTo(0, 0);
+  } catch (failure) {
+    page.changing = null;
+    notice(failure.message, true);
+    document.querySelectorAll("#view button").forEach((other) => (other.disabled = false));
+  }
+}
+
+function remembered() {
+  try {
+    return localStorage.getItem("name") ?? "";
+  } catch {
+    return "";
+  }
+}
+
+function remember(name) {
+  try {
+    localStorage.setItem("name", name);
+  } catch {
+    // A private window forgets.
+  }
+}

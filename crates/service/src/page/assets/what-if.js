@@ -1,0 +1,179 @@
+// Effects on and off: the residual is the measured one less columns · (values chosen − values of the model).
+
+import * as calls from "./calls.js";
+import { el, fold, notice } from "./dom.js";
+import { heatMap, nearest, signed, stations } from "./heat-map.js";
+
+export async function make(page) {
+  if (!page.run) return [el("h1", {}, "What if"), el("p", {}, "There is no recording yet.")];
+  notice(`Fitting ${page.run} with and without each effect …`);
+  const linear = await calls.linear(page.run);
+  notice("");
+  const state = prepare(linear);
+  const figure = el("p", { class: "big", role: "status", id: "rms" });
+  const remark = el("p", { class: "soft" });
+  const maps = mapsOf(state);
+  const table = el("tbody");
+  const update = () => compute(state, { figure, remark, maps, table });
+  const parts = [
+    el("h1", {}, "What if"),
+    el("p", {}, "Switch effects on and off: residual and maps follow at once. Nothing is changed in the model."),
+    choices("Effects", linear.solutions.slice(1).map((solution, i) => ({
+      text: solution.title, checked: solution.without, value: solution.changed,
+      set: (on) => (state.on[i] = on !== solution.without),
+    })), update),
+    el("div", { class: "two" },
+      choices("Setups", linear.setups.map((setup, i) => ({ text: setup.name, checked: true, value: setup.name, set: (on) => (state.setups[i] = on) })), update),
+      choices("Directions", state.directions.map((name, i) => ({ text: name, checked: true, value: name, set: (on) => (state.ways[i] = on) })), update)),
+    el("h2", {}, "Residual, rms"), figure, remark,
+    el("div", { class: "maps" }, maps ? maps.drawn.map((map) => map.figure) : el("p", {}, "No map: fewer than two rotary axes moved.")),
+    fold("The largest residuals, pose by pose", () => el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Residual of poses" },
+      el("table", {}, el("thead", {}, el("tr", {}, ["pose", "setup", "residual, µm", "time, s"].map((head) => el("th", { scope: "col" }, head)))), table))),
+    fold("Try an expression", () => editor(page)),
+  ];
+  update();
+  return parts;
+}
+
+function choices(title, items, update) {
+  if (!items.length) return el("fieldset", { class: "choices" }, el("legend", {}, title), el("p", {}, "There is none to switch."));
+  const choice = ({ text, checked, value, set }) => {
+    const box = el("input", { type: "checkbox", checked, value });
+    box.addEventListener("change", () => {
+      set(box.checked);
+      update();
+    });
+    return el("label", { class: "choice" }, box, text);
+  };
+  return el("fieldset", { class: "choices" }, el("legend", {}, title), items.map(choice));
+}
+
+function prepare(linear) {
+  const [model, ...changes] = linear.solutions;
+  // One matrix product for each change; switching is then a sum.
+  const deltas = changes.map(({ values }) => {
+    const delta = new Float64Array(linear.residual_um.length);
+    linear.columns.forEach((column, k) => {
+      const change = values[k] - model.values[k];
+      if (change) for (let row = 0; row < delta.length; row++) delta[row] += column.values[row] * change;
+    });
+    return delta;
+  });
+  const rotary = linear.axes.map((axis, i) => ({ ...axis, i })).filter((axis) => axis.rotary);
+  const way = (point) => rotary.map(({ name, i }) => (point.direction[i] > 0 ? `${name} forward` : point.direction[i] < 0 ? `${name} back` : null)).filter(Boolean).join(", ") || "no direction";
+  const directions = [...new Set(linear.points.map(way))];
+  const firstRow = [0];
+  linear.points.forEach((point, i) => firstRow.push(firstRow[i] + linear.setups[point.setup].components.length));
+  return {
+    linear, model, changes, deltas, firstRow, directions, rotary,
+    way: linear.points.map((point) => directions.indexOf(way(point))),
+    on: changes.map(() => false),
+    setups: linear.setups.map(() => true),
+    ways: directions.map(() => true),
+    residual: new Float64Array(linear.residual_um.length),
+  };
+}
+
+function mapsOf({ linear, rotary }) {
+  const moved = rotary.map((axis) => ({ ...axis, at: stations(linear.points.map((point) => point.position[axis.i])) })).filter((axis) => axis.at.length > 1);
+  if (moved.length < 2) return null;
+  moved.sort((a, b) => a.at.length - b.at.length);
+  const [tilting, turning] = moved;
+  const names = [...new Set(linear.setups.flatMap((setup) => setup.components))];
+  const where = linear.points.map((point) => [nearest(tilting.at, point.position[tilting.i]), nearest(turning.at, point.position[turning.i])]);
+  const drawn = names.map((name) => heatMap({
+    title: `Residual of component ${name}, measured − predicted, mean over setups and directions`,
+    rows: tilting.at, columns: turning.at, rowsName: tilting.name, columnsName: turning.name,
+  }));
+  return { names, drawn, where, rows: tilting.at.length, columns: turning.at.length, limit: 0 };
+}
+
+function compute(state, shown) {
+  const { linear, model, changes, deltas, firstRow, residual } = state;
+  residual.set(linear.residual_um);
+  const chosen = changes.map((_, i) => i).filter((i) => state.on[i]);
+  for (const i of chosen) for (let row = 0; row < residual.length; row++) residual[row] -= deltas[i][row];
+  const exact = chosen.length === 0 ? model : chosen.length === 1 ? changes[chosen[0]] : null;
+  const excluded = new Set((exact ?? model).excluded);
+  const takes = linear.points.map((point, i) => state.setups[point.setup] && state.ways[state.way[i]]);
+  let [sum, count] = [0, 0];
+  linear.points.forEach((_, i) => {
+    if (!takes[i] || excluded.has(i)) return;
+    for (let row = firstRow[i]; row < firstRow[i + 1]; row++) {
+      sum += residual[row] ** 2;
+      count += 1;
+    }
+  });
+  const rms = Math.sqrt(sum / count);
+  shown.figure.textContent = count ? `${rms.toPrecision(3)} µm` : "—";
+  shown.figure.dataset.um = rms;
+  const whole = takes.every(Boolean);
+  shown.remark.textContent = !whole ? "Of the chosen setups and directions."
+    : exact ? `The fit of this set of effects gives ${exact.rms}.`
+    : "Several effects at once: each was fitted with the others as they are, so a fit of all of them may give somewhat less.";
+  if (shown.maps) drawMaps(state, takes, excluded, shown.maps);
+  fillTable(state, takes, shown.table);
+}
+
+function drawMaps({ linear, firstRow, residual }, takes, excluded, maps) {
+  const all = maps.names.map((name) => {
+    const sums = Array.from({ length: maps.rows }, () => new Float64Array(maps.columns));
+    const counts = Array.from({ length: maps.rows }, () => new Float64Array(maps.columns));
+    linear.points.forEach((point, i) => {
+      const k = linear.setups[point.setup].components.indexOf(name);
+      if (!takes[i] || excluded.has(i) || k < 0) return;
+      const [row, column] = maps.where[i];
+      sums[row][column] += residual[firstRow[i] + k];
+      counts[row][column] += 1;
+    });
+    return sums.map((row, i) => Array.from(row, (value, j) => (counts[i][j] ? value / counts[i][j] : NaN)));
+  });
+  const largest = Math.max(...all.flat(2).filter(Number.isFinite).map(Math.abs), 0);
+  // The scale grows and stays: what is switched off and on can be compared.
+  maps.limit = Math.max(maps.limit, largest);
+  maps.drawn.forEach((map, k) => map.show(all[k], maps.limit));
+}
+
+const LISTED = 50;
+
+function fillTable({ linear, firstRow, residual }, takes, body) {
+  const size = (i) => Math.hypot(...residual.subarray(firstRow[i], firstRow[i + 1]));
+  const worst = linear.points.map((_, i) => i).filter((i) => takes[i]).map((i) => [size(i), i]).sort((a, b) => b[0] - a[0]).slice(0, LISTED);
+  body.replaceChildren(...worst.map(([, i]) => {
+    const point = linear.points[i];
+    const pose = linear.axes.map((axis, k) => (axis.rotary ? `${axis.name} ${Number(point.position[k].toFixed(3))}°` : null)).filter(Boolean).join(" ");
+    const setup = linear.setups[point.setup];
+    const values = setup.components.map((name, k) => `${name} ${signed(residual[firstRow[i] + k])}`).join("  ");
+    return el("tr", {}, el("td", {}, pose), el("td", {}, setup.name), el("td", {}, values), el("td", { class: "n" }, point.time_s == null ? "—" : point.time_s.toFixed(1)));
+  }));
+}
+
+function editor(page) {
+  const site = el("input", { value: "axis:B", id: "site" });
+  const component = el("select", { id: "component" }, ["dx", "dy", "dz", "ea", "eb", "ec"].map((name) => el("option", {}, name)));
+  const expression = el("input", { value: "k*sin(2*B)", id: "expression", size: "40", spellcheck: "false" });
+  const answer = el("p", { role: "status" });
+  const command = el("p", { class: "formula" });
+  let asked = 0;
+  const check = async () => {
+    const number = ++asked;
+    await new Promise((later) => setTimeout(later, 250));
+    if (number !== asked) return;
+    try {
+      const typed = { run: page.run, site: site.value, component: component.value, expression: expression.value };
+      const checked = await calls.formula(typed);
+      if (number !== asked) return;
+      answer.textContent = checked.valid ? `It can be fitted. Parameters: ${[...checked.parameters, ...checked.shapes].join(", ")}.` : checked.problem;
+      command.textContent = checked.valid ? `trunnion compare ${page.run}.mcap --try formula:mine --site ${typed.site} --component ${typed.component} --expression "${typed.expression}"` : "";
+    } catch (failure) {
+      answer.textContent = failure.message;
+    }
+  };
+  [site, component, expression].forEach((input) => input.addEventListener("input", check));
+  check();
+  return [
+    el("p", {}, "Over A B C in rad, X Y Z in mm, t in s, vB, dirB, T_NAME; every other name is a parameter."),
+    el("p", { class: "row" }, el("label", {}, "Where it acts", site), el("label", {}, "Component", component), el("label", {}, "Expression", expression)),
+    answer, command,
+  ];
+}

@@ -1,0 +1,189 @@
+//! The calls (docs/use/page.md), each with the command that does the same.
+
+use super::answer::{Refusal, json_of, report};
+use super::{Shared, assets, live};
+use crate::daemon::day;
+use axum::extract::rejection::JsonRejection;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use axum::response::Response;
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use serde::Deserialize;
+use serde_json::json;
+use std::sync::Arc;
+use tokio::sync::Semaphore;
+use tokio_util::sync::CancellationToken;
+use trunnion::results::{PageFormat, PageStatus};
+use trunnion::{FormulaText, page::label};
+
+/// What the calls share.
+#[derive(Clone)]
+struct Page {
+    shared: Arc<Shared>,
+    runs: Arc<super::Runs>,
+    watchers: Arc<Semaphore>,
+    cancel: CancellationToken,
+}
+
+type Answer = Result<Response, Refusal>;
+
+/// Every call.
+pub fn routes(shared: Arc<Shared>, cancel: CancellationToken) -> Router {
+    let page = Page { runs: shared.runs.clone(), shared, watchers: live::places(), cancel };
+    Router::new()
+        .route("/", get(|| async { assets::index() }))
+        .route("/assets/{name}", get(asset))
+        .route("/api/status", get(status))
+        .route("/api/live", get(watch))
+        .route("/api/runs", get(runs))
+        .route("/api/runs/{name}", get(story))
+        .route("/api/runs/{name}/identification", get(identification))
+        .route("/api/runs/{name}/diagnosis", get(diagnosis))
+        .route("/api/runs/{name}/comparison", get(comparison))
+        .route("/api/runs/{name}/ladder", get(ladder))
+        .route("/api/runs/{name}/report", get(compare_page))
+        .route("/api/runs/{name}/trial/{effect}", get(trial_page))
+        .route("/api/runs/{name}/linear", get(linear))
+        .route("/api/runs/{name}/model/{effect}", post(add).delete(remove))
+        .route("/api/formula", post(formula))
+        .fallback(|| async { Refusal::Wrong("there is no such call; docs/use/page.md lists them".into()) })
+        .with_state(page)
+}
+
+async fn asset(Path(name): Path<String>) -> Answer {
+    assets::asset(&name).ok_or(Refusal::Unknown { what: "file", name })
+}
+
+async fn status(State(page): State<Page>) -> Answer {
+    let shared = &page.shared;
+    let value = |text: String| serde_json::from_str(&text).unwrap_or_default();
+    json_of(&PageStatus {
+        format: PageFormat::V1,
+        program: label(),
+        serves: shared.serves,
+        name: shared.name.clone(),
+        cycle: shared.cycle.clone(),
+        topics: shared.board.now().into_iter().map(|(topic, text)| (topic, value(text))).collect(),
+    })
+}
+
+async fn watch(State(page): State<Page>) -> Answer {
+    let place = page.watchers.clone().try_acquire_owned().map_err(|_| Refusal::Busy)?;
+    Ok(live::events(&page.shared.board, page.cancel.clone(), place))
+}
+
+async fn runs(State(page): State<Page>) -> Answer {
+    let runs = page.runs.clone();
+    let list = tokio::task::spawn_blocking(move || runs.list()).await;
+    json_of(&list.map_err(|_| Refusal::Broken("list of the recordings"))?)
+}
+
+async fn story(State(page): State<Page>, Path(name): Path<String>) -> Answer {
+    json_of(&page.runs.open(&name).await?.compared.story())
+}
+
+async fn identification(State(page): State<Page>, Path(name): Path<String>) -> Answer {
+    json_of(&page.runs.open(&name).await?.compared.diagnosed().fit().results())
+}
+
+async fn diagnosis(State(page): State<Page>, Path(name): Path<String>) -> Answer {
+    json_of(&page.runs.open(&name).await?.compared.diagnosed().results())
+}
+
+async fn comparison(State(page): State<Page>, Path(name): Path<String>) -> Answer {
+    json_of(&page.runs.open(&name).await?.compared.results())
+}
+
+async fn ladder(State(page): State<Page>, Path(name): Path<String>) -> Answer {
+    json_of(&page.runs.open(&name).await?.compared.results().ladder)
+}
+
+async fn compare_page(State(page): State<Page>, Path(name): Path<String>) -> Answer {
+    Ok(report(page.runs.open(&name).await?.compared.page()))
+}
+
+async fn trial_page(State(page): State<Page>, Path((name, effect)): Path<(String, String)>) -> Answer {
+    let open = page.runs.open(&name).await?;
+    let tried = page
+        .runs
+        .alone(move |_| {
+            Ok(open.compared.diagnosed().fit().try_effect(&effect, &FormulaText::default())?.page())
+        })
+        .await?;
+    Ok(report(tried))
+}
+
+async fn linear(State(page): State<Page>, Path(name): Path<String>) -> Answer {
+    let open = page.runs.open(&name).await?;
+    let linear = page.runs.alone(move |_| Ok(open.compared.diagnosed().linear()?)).await?;
+    json_of(&linear)
+}
+
+/// Who adds.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Who {
+    by: String,
+}
+
+/// Longest name in a ladder.
+const LONGEST_NAME: usize = 60;
+
+async fn add(
+    State(page): State<Page>,
+    Path((name, effect)): Path<(String, String)>,
+    body: Result<Json<Who>, JsonRejection>,
+) -> Answer {
+    let by = body.map_err(wrong)?.0.by.trim().to_string();
+    let fits = !by.is_empty() && by.chars().count() <= LONGEST_NAME && !by.chars().any(char::is_control);
+    if !fits {
+        return Err(Refusal::Wrong(format!("who adds it? a name of at most {LONGEST_NAME} characters")));
+    }
+    let date = day(page.shared.clock.wall_ns());
+    let open = page.runs.add(&name, effect.clone(), by, date).await?;
+    changed(&page, &name, &effect, "added");
+    json_of(&open.compared.story())
+}
+
+async fn remove(State(page): State<Page>, Path((name, effect)): Path<(String, String)>) -> Answer {
+    let date = day(page.shared.clock.wall_ns());
+    let open = page.runs.remove(&name, effect.clone(), date).await?;
+    changed(&page, &name, &effect, "removed");
+    json_of(&open.compared.story())
+}
+
+/// Other browsers show it at once.
+fn changed(page: &Page, run: &str, effect: &str, how: &str) {
+    let at_ns = page.shared.clock.now().0;
+    page.shared.board.set("model", &json!({ "run": run, "effect": effect, "state": how, "at_ns": at_ns }));
+}
+
+/// An expression as far as it is typed.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Typed {
+    run: String,
+    site: String,
+    component: String,
+    expression: String,
+}
+
+async fn formula(State(page): State<Page>, body: Result<Json<Typed>, JsonRejection>) -> Answer {
+    let Typed { run, site, component, expression } = body.map_err(wrong)?.0;
+    let open = page.runs.open(&run).await?;
+    let text = FormulaText {
+        site: Some(site),
+        component: Some(component),
+        expression: Some(expression),
+        grid: Vec::new(),
+    };
+    json_of(&open.compared.diagnosed().fit().experiment().check_formula(&text))
+}
+
+fn wrong(rejection: JsonRejection) -> Refusal {
+    match rejection.status() {
+        StatusCode::PAYLOAD_TOO_LARGE => Refusal::Wrong("the body is larger than any call needs".into()),
+        _ => Refusal::Wrong(rejection.body_text()),
+    }
+}

@@ -1,0 +1,127 @@
+//! Who may call: this page, in a browser on this computer, and programs that name this computer.
+//!
+//! - *Host* must be an address of this computer with our port: a name of an attacker's that resolves to it (DNS rebinding) is refused.
+//! - *Origin* and *Sec-Fetch-Site*, where a browser sends them, must be ours: no other page reads or writes.
+//! - What changes something needs the header `x-trunnion`: a form of another page cannot send it, and a script of one is asked first
+//!   (CORS), which nothing here answers.
+//! - Scripts and styles come from our own files alone.
+
+use super::answer::refused;
+use axum::extract::{Request, State};
+use axum::http::header::{CONTENT_SECURITY_POLICY, HOST, ORIGIN, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode};
+use axum::middleware::Next;
+use axum::response::Response;
+use std::net::SocketAddr;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+use tokio::time::Instant;
+
+/// The header that what changes something must carry; any value.
+pub const OWN_HEADER: &str = "x-trunnion";
+/// Longest wait for an answer; the analysis of a large run goes on and is there when it is asked for again.
+const LONGEST: Duration = Duration::from_secs(120);
+/// Calls a second, and at once: a page makes about ten when it is opened, and a person clicks once a second.
+const CALLS_PER_S: f64 = 40.0;
+const CALLS_AT_ONCE: f64 = 200.0;
+
+const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
+                              base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// What a call is judged by.
+pub struct Guard {
+    /// `localhost:8460`, `127.0.0.1:8460` and the like.
+    hosts: Vec<String>,
+    calls: Mutex<Calls>,
+}
+
+/// Calls that may come at once, and when that was last known.
+struct Calls {
+    left: f64,
+    at: Instant,
+}
+
+impl Guard {
+    /// For a page on this address.
+    pub fn new(address: SocketAddr) -> Self {
+        let port = address.port();
+        let names = ["localhost".into(), "127.0.0.1".into(), "[::1]".into(), shown_ip(address)];
+        Self {
+            hosts: names.iter().map(|name: &String| format!("{name}:{port}")).collect(),
+            calls: Mutex::new(Calls { left: CALLS_AT_ONCE, at: Instant::now() }),
+        }
+    }
+
+    /// One call more; false when there are too many.
+    fn counts(&self) -> bool {
+        let mut calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = Instant::now();
+        let since_s = now.duration_since(calls.at).as_secs_f64();
+        *calls = Calls { left: (calls.left + since_s * CALLS_PER_S).min(CALLS_AT_ONCE), at: now };
+        let allowed = calls.left >= 1.0;
+        if allowed {
+            calls.left -= 1.0;
+        }
+        allowed
+    }
+
+    /// Why the call is refused; `None` when it is not.
+    fn refusal(
+        &self,
+        method: &Method,
+        path: &str,
+        headers: &HeaderMap,
+    ) -> Option<(StatusCode, &'static str)> {
+        let text = |name: &HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or_default());
+        if !text(&HOST).is_some_and(|host| self.hosts.iter().any(|known| known == host)) {
+            return Some((StatusCode::MISDIRECTED_REQUEST, "Host is no address of this page"));
+        }
+        let ours = |origin: &str| {
+            origin.strip_prefix("http://").is_some_and(|host| self.hosts.iter().any(|known| known == host))
+        };
+        if text(&ORIGIN).is_some_and(|origin| !ours(origin)) {
+            return Some((StatusCode::FORBIDDEN, "Origin is another page"));
+        }
+        // A link of another page may open this one; it may not call.
+        let site = text(&HeaderName::from_static("sec-fetch-site")).unwrap_or("none");
+        if !matches!(site, "same-origin" | "none") && path != "/" {
+            return Some((StatusCode::FORBIDDEN, "Sec-Fetch-Site is another page"));
+        }
+        let reads = matches!(*method, Method::GET | Method::HEAD);
+        if !reads && !headers.contains_key(OWN_HEADER) {
+            return Some((StatusCode::FORBIDDEN, "what changes something needs the header x-trunnion"));
+        }
+        None
+    }
+}
+
+fn shown_ip(address: SocketAddr) -> String {
+    match address {
+        SocketAddr::V4(address) => address.ip().to_string(),
+        SocketAddr::V6(address) => format!("[{}]", address.ip()),
+    }
+}
+
+/// Refuses, or answers in time and with the headers that browsers need.
+pub async fn guarded(State(guard): State<std::sync::Arc<Guard>>, request: Request, next: Next) -> Response {
+    let mut response = if !guard.counts() {
+        refused(StatusCode::TOO_MANY_REQUESTS, "too many calls; wait a second")
+    } else if let Some((status, why)) =
+        guard.refusal(request.method(), request.uri().path(), request.headers())
+    {
+        refused(status, why)
+    } else {
+        match tokio::time::timeout(LONGEST, next.run(request)).await {
+            Ok(response) => response,
+            Err(_) => refused(StatusCode::GATEWAY_TIMEOUT, "this takes long; ask again in a minute"),
+        }
+    };
+    let headers = response.headers_mut();
+    headers.entry(CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(CONTENT_POLICY));
+    headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+    let same = HeaderValue::from_static("same-origin");
+    headers.insert(HeaderName::from_static("cross-origin-resource-policy"), same.clone());
+    headers.insert(HeaderName::from_static("cross-origin-opener-policy"), same);
+    response
+}

@@ -1,0 +1,86 @@
+//! What a list says of a recording: from its header, and from the answers that the service wrote next to it.
+
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+use trunnion::results::{
+    Comparison, Diagnosis, Identification, Parameter, RunFound, RunLine, sentences::is_location,
+};
+use trunnion_protocol::mtconnect::timestamp;
+
+/// Newest recordings of a folder that are listed.
+const MOST_RUNS: usize = 1000;
+
+/// Name and path of each recording of a folder; the newest where there are too many.
+pub fn recordings(folder: &Path) -> Vec<(String, PathBuf)> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let plain = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
+    let mut runs: Vec<PathBuf> = plain
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "mcap"))
+        .collect();
+    if runs.len() > MOST_RUNS {
+        runs.sort_by_key(|path| path.metadata().and_then(|about| about.modified()).ok());
+        runs.drain(..runs.len() - MOST_RUNS);
+    }
+    runs.sort();
+    runs.into_iter().map(|path| (name_of(&path), path)).collect()
+}
+
+/// How calls name a recording.
+pub fn name_of(path: &Path) -> String {
+    let text = |part: Option<&std::ffi::OsStr>| part.map(|text| text.to_string_lossy().into_owned());
+    let stem = text(path.file_stem()).unwrap_or_default();
+    // `points.csv` is called after its folder.
+    let folder = text(path.parent().and_then(Path::file_name)).filter(|_| stem == "points");
+    folder.unwrap_or(stem)
+}
+
+/// The line of a recording.
+pub fn read(name: String, path: &Path) -> RunLine {
+    if path.extension().is_none_or(|ending| ending != "mcap") {
+        return RunLine { name, ..RunLine::default() };
+    }
+    match trunnion_record::read_header(path) {
+        Ok(header) => {
+            // Imports and simulations have no moment.
+            let began_ns = Some(header.wall_start_ns).filter(|ns| *ns > 0);
+            RunLine {
+                name,
+                machine: header.machine_name,
+                began_s: began_ns.map(|ns| ns / 1_000_000_000),
+                began: began_ns
+                    .map_or_else(String::new, |ns| timestamp(ns).strftime("%Y-%m-%d %H:%M UTC").to_string()),
+                ..RunLine::default()
+            }
+        }
+        Err(failure) => RunLine { name, trouble: crate::error::chain(&failure), ..RunLine::default() },
+    }
+}
+
+/// What the service found when it was recorded.
+pub fn written(path: &Path) -> Option<RunFound> {
+    let fit: Identification = answer(&path.with_extension("identification.json"))?;
+    let diagnosis: Diagnosis = answer(&path.with_extension("diagnosis.json"))?;
+    Some(in_short(&fit, &diagnosis))
+}
+
+/// An analysis in short.
+pub fn found(compared: &Comparison) -> RunFound {
+    let nothing = Diagnosis::default();
+    in_short(&compared.identification, compared.diagnosis.as_ref().unwrap_or(&nothing))
+}
+
+fn in_short(fit: &Identification, diagnosis: &Diagnosis) -> RunFound {
+    let location = |p: &&Parameter| is_location(&p.name) && p.value.is_some();
+    RunFound {
+        verdict: diagnosis.verdict,
+        candidate: diagnosis.best(),
+        rms_um: fit.rms_um,
+        effects: fit.effects.clone(),
+        location_errors: fit.parameters.iter().filter(location).cloned().collect(),
+    }
+}
+
+fn answer<T: DeserializeOwned>(path: &Path) -> Option<T> {
+    serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
+}

@@ -1,0 +1,229 @@
+//! The page over a real socket: what a browser gets, and what an attacker gets.
+
+use serde_json::Value;
+use std::net::SocketAddr;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::{TcpListener, TcpStream};
+use tokio_util::sync::CancellationToken;
+use trunnion::results::Serves;
+use trunnion_service::clock::SystemClock;
+use trunnion_service::mqtt::Board;
+use trunnion_service::page::{AddressError, Runs, Shared, address, serve};
+
+/// Longest wait for an answer of unoptimised code on a busy computer.
+const LIMIT: Duration = Duration::from_secs(300);
+
+struct Page {
+    at: SocketAddr,
+    board: Board,
+    folder: tempfile::TempDir,
+    cancel: CancellationToken,
+}
+
+impl Page {
+    /// A page with one run, `points-gravity`, whose files are copies.
+    async fn open() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let run = folder.path().join("points-gravity");
+        std::fs::create_dir(&run).unwrap();
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/points-gravity");
+        for file in ["points.csv", "setup.toml"] {
+            std::fs::copy(data.join(file), run.join(file)).unwrap();
+        }
+        std::fs::write(folder.path().join("secret.mcap"), "secret").unwrap();
+        let (listener, board) = (TcpListener::bind("127.0.0.1:0").await.unwrap(), Board::default());
+        let at = listener.local_addr().unwrap();
+        let shared = Shared {
+            serves: Serves::Recordings,
+            name: "test".into(),
+            runs: Arc::new(Runs::of_files(vec![run.join("points.csv")], None)),
+            board: board.clone(),
+            cycle: None,
+            clock: Arc::new(SystemClock::start()),
+        };
+        let cancel = CancellationToken::new();
+        tokio::spawn(serve(listener, Arc::new(shared), cancel.clone()));
+        Self { at, board, folder, cancel }
+    }
+
+    /// Status and answer of a request; `Host` is ours unless `headers` has one.
+    async fn ask(&self, line: &str, headers: &str, body: &str) -> (u16, String) {
+        let host = if headers.contains("Host:") { String::new() } else { format!("Host: {}\r\n", self.at) };
+        let text = format!(
+            "{line} HTTP/1.1\r\n{host}{headers}Connection: close\r\nContent-Length: {}\r\n\r\n{body}",
+            body.len()
+        );
+        let mut stream = TcpStream::connect(self.at).await.unwrap();
+        // A refusal may come, and the connection end, before all of a large body is taken.
+        stream.write_all(text.as_bytes()).await.ok();
+        let mut answer = Vec::new();
+        tokio::time::timeout(LIMIT, stream.read_to_end(&mut answer)).await.unwrap().ok();
+        let answer = String::from_utf8_lossy(&answer).into_owned();
+        let status = answer.split(' ').nth(1).and_then(|status| status.parse().ok()).unwrap_or(0);
+        (status, answer)
+    }
+
+    async fn json(&self, line: &str, headers: &str, body: &str) -> Value {
+        let (status, answer) = self.ask(line, headers, body).await;
+        assert_eq!(status, 200, "{line}: {answer}");
+        serde_json::from_str(answer.split_once("\r\n\r\n").unwrap().1).unwrap()
+    }
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        self.cancel.cancel();
+    }
+}
+
+const OWN: &str = "x-trunnion: page\r\nContent-Type: application/json\r\n";
+const ADD: &str = "POST /api/runs/points-gravity/model/gravity-sag:B";
+
+#[tokio::test]
+async fn every_attempt_is_refused_and_the_model_stays_as_it_is() {
+    let page = Page::open().await;
+    let by = r#"{"by":"Mallory"}"#;
+    let large = format!(r#"{{"by":"{}"}}"#, "x".repeat(100_000));
+    let long = format!(r#"{{"by":"{}"}}"#, "x".repeat(100));
+    let port = page.at.port();
+    let foreign = format!("Host: attacker.example:{port}\r\n");
+    let other_port = "Host: 127.0.0.1:1\r\n";
+    let with = |more: &str| format!("{OWN}{more}");
+    let attempts: &[(&str, &str, &str, &str, u16)] = &[
+        ("DNS rebinding: a foreign name", "GET /api/runs", &foreign, "", 421),
+        ("another port of this computer", "GET /api/runs", other_port, "", 421),
+        ("a script of another page reads", "GET /api/runs", "Origin: http://attacker.example\r\n", "", 403),
+        ("an image of another page", "GET /api/runs", "Sec-Fetch-Site: cross-site\r\n", "", 403),
+        ("a page in a sandbox", "GET /api/runs", "Origin: null\r\n", "", 403),
+        ("CSRF: a form", ADD, "Content-Type: text/plain\r\n", by, 403),
+        ("CSRF: a script", ADD, &with("Origin: http://attacker.example\r\n"), by, 403),
+        ("CSRF: another port", ADD, &with("Origin: http://127.0.0.1:1\r\n"), by, 403),
+        ("CORS is asked", "OPTIONS /api/runs", "Origin: http://attacker.example\r\n", "", 403),
+        ("removing by a form", "DELETE /api/runs/points-gravity/model/gravity-sag:B", "", "", 403),
+        ("a path upwards", "GET /api/runs/..%2fsecret", "", "", 404),
+        ("an absolute path", "GET /api/runs/%2fetc%2fpasswd", "", "", 404),
+        ("a file next to the runs", "GET /api/runs/secret", "", "", 404),
+        ("a zero byte", "GET /api/runs/points-gravity%00", "", "", 404),
+        ("an asset upwards", "GET /assets/..%2f..%2fCargo.toml", "", "", 404),
+        ("a path upwards, plain", "GET /assets/../../../../etc/passwd", "", "", 400),
+        ("a large body", ADD, OWN, &large, 400),
+        ("no name", ADD, OWN, r#"{"by":" "}"#, 400),
+        ("a long name", ADD, OWN, &long, 400),
+        ("a name with a line feed", ADD, OWN, r#"{"by":"a\nb"}"#, 400),
+        ("another key", ADD, OWN, r#"{"by":"a","path":"/etc/passwd"}"#, 400),
+        ("no JSON", ADD, OWN, "by=a", 400),
+        ("an effect that is none", "POST /api/runs/points-gravity/model/..%2fx", OWN, by, 422),
+        ("no such call", "POST /api/run-command", OWN, by, 400),
+    ];
+    for (name, line, headers, body, expected) in attempts {
+        let (status, answer) = page.ask(line, headers, body).await;
+        let got = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
+        println!("{name}: {status} {got}");
+        assert_eq!(status, *expected, "{name}: {answer}");
+        assert!(!got.contains("root:") && !got.contains("[package]"), "{name}: {got}");
+        assert!(!answer.to_lowercase().contains("access-control-allow"), "{name}: {answer}");
+    }
+    let left: Vec<_> = std::fs::read_dir(page.folder.path().join("points-gravity"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    assert_eq!(left.len(), 2, "nothing was written: {left:?}");
+}
+
+#[tokio::test]
+async fn every_answer_has_the_headers_that_keep_scripts_of_others_out() {
+    let page = Page::open().await;
+    for line in ["GET /", "GET /assets/main.js", "GET /api/status", "GET /nothing"] {
+        let (_, answer) = page.ask(line, "", "").await;
+        let head = answer.split_once("\r\n\r\n").unwrap().0.to_lowercase();
+        for header in ["script-src 'self'", "frame-ancestors 'none'", "nosniff", "no-referrer", "same-origin"]
+        {
+            assert!(head.contains(header), "{line}: no {header} in {head}");
+        }
+        assert!(!head.contains("unsafe"), "{line}: {head}");
+    }
+    let (status, index) = page.ask("GET /", "", "").await;
+    assert_eq!(status, 200);
+    assert!(!index.contains("http://") && !index.contains("https://"), "nothing comes from elsewhere");
+    assert!(!index.contains("<style") && !index.contains(" style="), "{index}");
+    for asset in index.split("/assets/").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+        assert_eq!(page.ask(&format!("GET /assets/{asset}"), "", "").await.0, 200, "{asset}");
+    }
+}
+
+#[tokio::test]
+async fn floods_and_silence_leave_room_for_others() {
+    let page = Page::open().await;
+    // More connections than are served at once say nothing; the calls after them wait in the queue until those are let go.
+    let mut silent = Vec::new();
+    for _ in 0..80 {
+        silent.push(TcpStream::connect(page.at).await.unwrap());
+    }
+    assert_eq!(page.ask("GET /api/status", "", "").await.0, 200);
+    drop(silent);
+    let mut counts = std::collections::BTreeMap::new();
+    for _ in 0..400 {
+        *counts.entry(page.ask("GET /api/status", "", "").await.0).or_insert(0) += 1;
+    }
+    println!("400 calls as fast as they go: {counts:?}");
+    assert!(counts.keys().all(|status| [200, 429].contains(status)), "{counts:?}");
+    assert!(counts[&200] >= 200, "{counts:?}");
+}
+
+#[tokio::test]
+async fn an_effect_is_added_and_removed_and_both_browsers_see_it() {
+    let page = Page::open().await;
+    let mut watcher = TcpStream::connect(page.at).await.unwrap();
+    let watch = format!("GET /api/live HTTP/1.1\r\nHost: {}\r\n\r\n", page.at);
+    watcher.write_all(watch.as_bytes()).await.unwrap();
+    page.board.set("status", &serde_json::json!({ "state": "online" }));
+
+    let list = page.json("GET /api/runs", "", "").await;
+    assert_eq!(list["runs"][0]["name"], "points-gravity");
+    assert!(list["runs"][0]["found"].is_null());
+    let story = page.json("GET /api/runs/points-gravity", "", "").await;
+    assert_eq!(story["candidates"][0]["effect"], "gravity-sag:B", "{story}");
+    let list = page.json("GET /api/runs", "", "").await;
+    assert_eq!(list["runs"][0]["found"]["verdict"], story["verdict"]);
+
+    let added = page.json(ADD, OWN, r#"{"by":"Ada"}"#).await;
+    let model = page.folder.path().join("points-gravity/points.model.toml");
+    let text = std::fs::read_to_string(&model).unwrap();
+    assert!(text.contains("gravity-sag:B") && text.contains("by = \"Ada\""), "{text}");
+    let step = added["ladder"]["rows"].as_array().unwrap().last().unwrap();
+    assert_eq!(step["ladder"]["by"], "Ada");
+    let um = |value: &Value| value.as_f64().unwrap();
+    assert!(um(&step["ladder"]["error_after_um"]) < um(&step["ladder"]["error_before_um"]), "{step}");
+    let (status, twice) = page.ask(ADD, OWN, r#"{"by":"Ada"}"#).await;
+    assert_eq!(status, 422, "{twice}");
+    // What the page says is what the library says.
+    let run = trunnion::open(model.with_file_name("points.csv")).unwrap();
+    let fit = run.fit(&trunnion::Model::load(&model).unwrap()).unwrap();
+    let identification = page.json("GET /api/runs/points-gravity/identification", "", "").await;
+    assert_eq!(identification, serde_json::to_value(fit.results()).unwrap());
+
+    let removed =
+        page.json("DELETE /api/runs/points-gravity/model/gravity-sag:B", "x-trunnion: page\r\n", "").await;
+    assert_eq!(removed["headline"], story["headline"]);
+    assert!(!std::fs::read_to_string(&model).unwrap().contains("gravity-sag:B"));
+
+    let mut seen = String::new();
+    let mut buffer = [0; 4096];
+    while !(seen.contains("\"added\"") && seen.contains("\"removed\"") && seen.contains("online")) {
+        let read = tokio::time::timeout(LIMIT, watcher.read(&mut buffer)).await.unwrap().unwrap();
+        assert!(read > 0, "the events ended: {seen}");
+        seen += &String::from_utf8_lossy(&buffer[..read]);
+    }
+}
+
+#[test]
+fn only_addresses_of_this_computer_are_listened_on() {
+    assert!(address("127.0.0.1:8460").is_ok() && address("[::1]:0").is_ok());
+    for (text, refused) in [("0.0.0.0:8460", false), ("192.168.1.20:8460", false), ("localhost", true)] {
+        let expected = |error: &AddressError| matches!(error, AddressError::NoAddress(_)) == refused;
+        assert!(address(text).is_err_and(|error| expected(&error)), "{text}");
+    }
+}
