@@ -1,6 +1,7 @@
 //! What end-to-end tests share: paths, the log, waiting for a report.
 
 pub mod alignment;
+pub mod baselines;
 pub mod convergence;
 pub mod pauses;
 pub mod peer;

@@ -4,14 +4,13 @@
 //! model projected out; points that the base model excludes as outliers read what it predicts), `trial.json` (effect of each
 //! column, the truth, our answer).
 
+use crate::library::{library, readings};
 use crate::stage::Stage;
 use crate::trial::{Staged, Trial, surviving_rms_mm};
 use anyhow::Context;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use std::path::Path;
-use trunnion_effects::{Instance, Model, catalogue};
-use trunnion_engine::fit::Options;
-use trunnion_engine::identify;
+use trunnion_tests::baselines::Library;
 
 const UM_PER_MM: f64 = 1e3;
 
@@ -20,7 +19,8 @@ pub fn write(folder: &Path, stage: &Stage, staged: &Staged, trial: &Trial) -> an
     let name = format!("{} {}", trial.case.label(), trial.case.seed).replace([' ', ':', '+'], "-");
     let folder = folder.join(name);
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let (columns, effects) = columns(stage, staged);
+    let Library { columns, effect_of, .. } = library(stage, staged);
+    let columns = columns * UM_PER_MM;
     let readings = readings(stage, staged)? * UM_PER_MM;
     let json = serde_json::json!({
         "format": "trunnion-blind-trial/1",
@@ -29,7 +29,7 @@ pub fn write(folder: &Path, stage: &Stage, staged: &Staged, trial: &Trial) -> an
         "size": trial.case.size,
         "hidden": trial.wanted,
         "surviving_rms_um": surviving_rms_mm(stage, staged) * UM_PER_MM,
-        "effect_of_column": effects,
+        "effect_of_column": effect_of,
         "found": trial.found,
         "outcome": trial.outcome.name(),
     });
@@ -40,44 +40,6 @@ pub fn write(folder: &Path, stage: &Stage, staged: &Staged, trial: &Trial) -> an
     write("columns.npy", &npy(&columns))?;
     write("readings.npy", &npy(&DMatrix::from_column_slice(readings.len(), 1, readings.as_slice())))?;
     write("trial.json", json.to_string().as_bytes())
-}
-
-/// Readings without outliers and without what the base model says of them, mm.
-fn readings(stage: &Stage, staged: &Staged) -> anyhow::Result<DVector<f64>> {
-    let base = Model::base(&stage.machine.name);
-    let fit = identify(&staged.experiment, &base, &Options::default())?;
-    let mut readings = fit.residual_mm;
-    for i in (0..fit.used.len()).filter(|&i| !fit.used[i]) {
-        staged.experiment.rows_of(i).for_each(|row| readings[row] = 0.0);
-    }
-    Ok(stage.trial.surviving(&readings))
-}
-
-/// Columns of which the base model leaves less than this share of the norm are not visible on this grid.
-const VISIBLE: f64 = 0.03;
-
-/// Columns of every effect of the catalogue at every shape of its grid that the grid can see, and the effect of each.
-fn columns(stage: &Stage, staged: &Staged) -> (DMatrix<f64>, Vec<String>) {
-    let experiment = &staged.experiment;
-    let (mut blocks, mut effects) = (Vec::new(), Vec::new());
-    for instance in Instance::all(&stage.machine) {
-        let id = instance.id();
-        if catalogue::BASE.contains(&id.as_str()) || instance.parameters(&experiment.scene).is_empty() {
-            continue;
-        }
-        for shape in instance.shapes(&experiment.scene).grid {
-            let block = experiment.columns(&instance, &shape);
-            effects.extend(std::iter::repeat_n(id.clone(), block.ncols()));
-            blocks.push(block);
-        }
-    }
-    let all: Vec<_> = blocks.iter().flat_map(|block| block.column_iter()).collect();
-    let all = DMatrix::from_columns(&all);
-    let surviving = stage.trial.surviving_columns(&all);
-    let seen: Vec<usize> =
-        (0..all.ncols()).filter(|&j| surviving.column(j).norm() > VISIBLE * all.column(j).norm()).collect();
-    let effects = seen.iter().map(|&j| effects[j].clone()).collect();
-    (surviving.select_columns(&seen) * UM_PER_MM, effects)
 }
 
 /// A matrix in NumPy's file format 1.0, float32, column-major.

@@ -1,11 +1,13 @@
 //! The blind trial: physics is hidden in the simulator, the program gets the recording alone, and its answers are counted.
 //!
 //! `stage` has the machine and the grids, `cases` says what is hidden, `noise` what disturbs, `trial` asks, `score` judges,
-//! `table` writes `docs/measured/blind-trial.md`.
+//! `library` asks methods that choose columns, `table` writes `docs/measured/blind-trial.md`.
 
+mod baseline_table;
 mod cases;
 mod coverage;
 mod export;
+mod library;
 mod noise;
 mod score;
 mod stage;

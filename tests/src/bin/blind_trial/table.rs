@@ -1,6 +1,7 @@
 //! The tables of `docs/measured/blind-trial.md`.
 
 use crate::Args;
+use crate::baseline_table;
 use crate::cases::{Group, SIZES, Visible};
 use crate::coverage::Covered;
 use crate::noise::Kind as NoiseKind;
@@ -94,6 +95,7 @@ pub fn document(args: &Args, visible: &Visible, trials: &[Trial], coverage: &[Co
             text += &format!("\n{}", effect_table(group, &of_group));
         }
     }
+    text.push_str(&baseline_table::section(trials));
     if !coverage.is_empty() {
         text.push_str(&coverage_table(coverage));
     }
@@ -327,7 +329,7 @@ pub fn failures(trials: &[Trial]) -> String {
     text
 }
 
-fn counted(count: usize, of: usize) -> String {
+pub fn counted(count: usize, of: usize) -> String {
     format!("{count} ({:.1} %)", 100.0 * count as f64 / of.max(1) as f64)
 }
 
@@ -336,7 +338,7 @@ fn median(sorted: &[f64]) -> f64 {
     sorted[sorted.len() / 2]
 }
 
-fn markdown(heading: &[String], rows: &[Vec<String>]) -> String {
+pub fn markdown(heading: &[String], rows: &[Vec<String>]) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
     let rule: Vec<String> = heading.iter().map(|_| "---".into()).collect();
     [line(heading), line(&rule)].into_iter().chain(rows.iter().map(|row| line(row))).collect()

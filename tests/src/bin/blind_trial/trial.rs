@@ -3,14 +3,16 @@
 use crate::cases::{Case, Group};
 use crate::score::Outcome;
 use crate::stage::{RUN_S, Stage, experiment, rms, stacked};
-use crate::{cases, noise, score};
+use crate::{cases, library, noise, score};
 use nalgebra::DVector;
+use std::collections::BTreeSet;
 use std::time::Instant;
 use trunnion_effects::Model;
 use trunnion_engine as diagnose;
 use trunnion_engine::fit::Options;
 use trunnion_engine::{Diagnosis, Experiment, Outliers, Verdict, identify};
 use trunnion_hil_sim::Truth;
+use trunnion_tests::baselines;
 
 /// A machine with its secret, and what was read on it.
 pub struct Staged {
@@ -43,6 +45,10 @@ pub struct Trial {
     pub trouble: Option<String>,
     /// Time of the diagnosis alone, s.
     pub seconds: f64,
+    /// What each of the [`BASELINES`] names, in their order; empty where nobody asks them.
+    ///
+    /// [`BASELINES`]: trunnion_tests::baselines::BASELINES
+    pub baselines: Vec<BTreeSet<String>>,
 }
 
 /// Draws the machine of a case and measures it.
@@ -95,8 +101,13 @@ pub fn run(stage: &Stage, case: &Case) -> (Staged, Trial) {
         ladder_end: None,
         trouble: None,
         seconds,
+        baselines: Vec::new(),
         wanted,
     };
+    if matches!(case.group, Group::Null | Group::Single | Group::Pair) {
+        let readings = library::readings(stage, &staged).expect("the diagnosis fitted the base model");
+        trial.baselines = baselines::named(&library::library(stage, &staged), &readings);
+    }
     judge_found(stage, &staged, &diagnosis, &mut trial);
     (staged, trial)
 }
