@@ -4,7 +4,7 @@
 //! configuration. Nothing that is recorded, logged, shown or published holds one.
 
 use crate::input::Table;
-use crate::spans::spans;
+use crate::spans::{Spans, spans};
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -51,17 +51,9 @@ const WORDS: [&str; 5] = ["password", "passphrase", "secret", "token", "credenti
 /// comments that speak of either. A text that is no TOML is left out whole.
 pub fn redacted(text: &str) -> String {
     let Some(spans) = spans(text) else { return format!("# {LEFT_OUT}: not readable as TOML\n") };
-    let mut cuts: Vec<(Range<usize>, String)> = Vec::new();
-    for (key, value) in &spans.values {
-        let written = &text[value.clone()];
-        if is_secret(key) {
-            cuts.push((value.clone(), format!("\"{LEFT_OUT}\"")));
-        } else if let Some(login) = login(written) {
-            cuts.push((value.start + login.start..value.start + login.end, LEFT_OUT.replace(' ', "-")));
-        }
-    }
+    let mut cuts = of_values(text, &spans);
     for comment in comments(text, &spans.all()) {
-        let written = text[comment.clone()].to_lowercase();
+        let written = text[comment.clone()].to_lowercase().replace("password_file", "");
         if WORDS.iter().any(|word| written.contains(word)) || login(&written).is_some() {
             cuts.push((comment, format!("# {LEFT_OUT}")));
         }
@@ -74,6 +66,21 @@ pub fn redacted(text: &str) -> String {
         from = at.end;
     }
     out + &text[from..]
+}
+
+/// True when a value of the text is a secret.
+pub fn holds_secret(text: &str) -> bool {
+    spans(text).is_some_and(|spans| !of_values(text, &spans).is_empty())
+}
+
+/// Places of the values that are secrets, with what stands there instead.
+fn of_values(text: &str, spans: &Spans) -> Vec<(Range<usize>, String)> {
+    let cut = |(key, value): &(String, Range<usize>)| match login(&text[value.clone()]) {
+        _ if is_secret(key) => Some((value.clone(), format!("\"{LEFT_OUT}\""))),
+        Some(login) => Some((value.start + login.start..value.start + login.end, LEFT_OUT.replace(' ', "-"))),
+        None => None,
+    };
+    spans.values.iter().filter_map(cut).collect()
 }
 
 /// `password`, `mqtt_password`, `token`; not `password_file`, which says where it is.
@@ -143,6 +150,9 @@ text = """
         }
         assert!(Document::parse("again", &out).is_ok(), "{out}");
         assert_eq!(redacted(&out), out, "nothing is left to take out");
+        let where_it_is = "# password_file = \"cnc\" is better\nport = 1\n";
+        assert_eq!(redacted(where_it_is), where_it_is);
+        assert!(holds_secret(FILE) && !holds_secret(where_it_is));
         assert!(!redacted("password = \"hunter2").contains("hunter2"));
     }
 

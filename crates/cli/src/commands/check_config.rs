@@ -3,7 +3,9 @@
 use crate::commands::daemon::prepare;
 use crate::outcome::Outcome;
 use crate::terminal;
-use std::path::PathBuf;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use trunnion_core::secret::holds_secret;
 
 /// Check a configuration and the files it names
 ///
@@ -20,9 +22,24 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     trunnion_service::live::check(&prepared.plan)?;
     let (machine, cycle) = (&prepared.plan.machine.name, &prepared.plan.cycle.name);
     let devices = prepared.config.devices.len();
+    if let Some(remark) = open_to_others(&args.config, &prepared.config.text)? {
+        terminal::remark(&remark);
+    }
     terminal::print(&format!(
         "{}: good; machine {machine}, cycle {cycle}, {devices} devices\n",
         args.config.display()
     ))?;
     Ok(Outcome::Done)
+}
+
+/// What to say of a file with a password in it that other users of the computer can read.
+fn open_to_others(file: &Path, text: &str) -> anyhow::Result<Option<String>> {
+    let mode = std::fs::metadata(file)?.permissions().mode();
+    let others_read = mode & 0o004 != 0;
+    Ok((others_read && holds_secret(text)).then(|| {
+        format!(
+            "{0}: holds a password that every user of this computer can read; chmod 640 {0}, or move it to a password_file",
+            file.display()
+        )
+    }))
 }
