@@ -146,8 +146,8 @@ fn to_do(input: &Comparison) -> Vec<String> {
     };
     let mut to_do = Vec::new();
     if let Some(id) = diagnosis.best() {
-        if let Some(about) = about(&id) {
-            to_do.push(format!("Look at the machine first. Likely cause: {}", about.cause));
+        if about(&id).is_some() {
+            to_do.push("Look for the likely cause at the machine.".into());
         }
         to_do.push(format!("Add {} to the model, and see whether the error falls.", effect_name(&id)));
     }
@@ -201,16 +201,19 @@ fn expression(diagnosis: &Diagnosis, formula: &FormulaProposal) -> StoryCandidat
     let shape = formula_shape(formula);
     let with = if shape.is_empty() { String::new() } else { format!(", {shape}") };
     let effect = trunnion_results::sentences::formula_id(formula);
+    let mut about = vec![
+        ["Expression".to_string(), format!("{}: {}{with}", formula_site(formula), formula.expression)],
+        ["What it does, and where".into(), formula.location.clone()],
+    ];
+    if let Some(id) = &formula.resembles {
+        about.push(["Closest named effect, which does not fit fully".into(), effect_name(id)]);
+    }
     StoryCandidate {
         title: format!("An expression that the catalogue has no name for ({effect})"),
         effect,
         falls: [um(diagnosis.residual.rms_um), um(formula.rms_um_after)],
         evidence: format!("{}.", evidence_words(formula.evidence)),
-        about: vec![
-            ["Expression".into(), format!("{}: {}{with}", formula_site(formula), formula.expression)],
-            ["What it does, and where".into(), formula.location.clone()],
-        ],
-        rivals: formula.resembles.iter().map(|id| effect_name(id)).collect(),
+        about,
         ..StoryCandidate::default()
     }
 }

@@ -272,6 +272,7 @@ async fn measure(
     cancel.cancel();
     live.stop().await;
     status.await.context("the status ended badly")?;
+    board.set("status", &serde_json::json!({ "state": "offline", "devices": {} }));
     cell.shutdown().await;
     std::fs::remove_dir_all(&ports).with_context(|| format!("cannot remove {}", ports.display()))?;
     Ok(recorded?)

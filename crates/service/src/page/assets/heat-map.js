@@ -12,7 +12,8 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "�
   const canvas = el("canvas", { width: width * scale, height: height * scale, role: "img" });
   canvas.style.maxWidth = `${width * 1.6}px`;
   const under = el("p", { class: "soft" }, "Point at a cell to read its value.");
-  const figure = el("figure", { class: "map" }, el("figcaption", {}, title), canvas, under);
+  const scaleLine = el("span", {});
+  const figure = el("figure", { class: "map" }, el("figcaption", {}, title, ". ", scaleLine), canvas, under);
   let values = [];
   let limit = 1;
 
@@ -23,21 +24,21 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "�
     ctx.font = "11px system-ui, sans-serif";
     ctx.textBaseline = "middle";
     rows.forEach((row, i) => {
-      const y = EDGE.top + (rows.length - 1 - i) * CELL;
+      const y = EDGE.top + i * CELL;
       ctx.fillStyle = colour("--ink");
       ctx.textAlign = "right";
-      if (rows.length < 20 || i % 3 === 0) ctx.fillText(`${row}°`, EDGE.left - 6, y + CELL / 2);
+      if (rows.length < 20 || i % 3 === 0) ctx.fillText(degrees(row), EDGE.left - 6, y + CELL / 2);
       columns.forEach((_, j) => cell(ctx, EDGE.left + j * CELL, y, values[i]?.[j]));
     });
     ctx.fillStyle = colour("--ink");
     ctx.textAlign = "center";
     const every = Math.ceil(columns.length / 12);
     columns.forEach((column, j) => {
-      if (j % every === 0) ctx.fillText(`${column}°`, EDGE.left + (j + 0.5) * CELL, height - EDGE.bottom + 12);
+      if (j % every === 0) ctx.fillText(degrees(column), EDGE.left + (j + 0.5) * CELL, height - EDGE.bottom + 12);
     });
     ctx.fillText(columnsName, EDGE.left + (columns.length * CELL) / 2, height - 10);
     ctx.textAlign = "left";
-    ctx.fillText(rowsName, 2, EDGE.top + 8);
+    ctx.fillText(rowsName, 2, height - EDGE.bottom + 12);
   }
 
   function cell(ctx, x, y, value) {
@@ -64,11 +65,11 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "�
   canvas.addEventListener("pointermove", (event) => {
     const box = canvas.getBoundingClientRect();
     const j = Math.floor(((event.clientX - box.left) * (width / box.width) - EDGE.left) / CELL);
-    const i = rows.length - 1 - Math.floor(((event.clientY - box.top) * (height / box.height) - EDGE.top) / CELL);
+    const i = Math.floor(((event.clientY - box.top) * (height / box.height) - EDGE.top) / CELL);
     const value = values[i]?.[j];
     if (rows[i] === undefined || columns[j] === undefined) return;
     const figures = Number.isFinite(value) ? `${signed(value)} ${unit}` : "nothing was read";
-    under.textContent = `${rowsName} ${rows[i]}°, ${columnsName} ${columns[j]}°: ${figures}`;
+    under.textContent = `${rowsName} ${degrees(rows[i])}, ${columnsName} ${degrees(columns[j])}: ${figures}`;
   });
 
   return {
@@ -76,6 +77,7 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "�
     show(now, limitNow) {
       [values, limit] = [now, limitNow || 1];
       canvas.setAttribute("aria-label", `${title}: ${summary(rows, columns, values, rowsName, columnsName, unit)}`);
+      scaleLine.textContent = `Full colour: ${limit.toPrecision(2)} ${unit}; orange positive, blue negative.`;
       draw();
     },
   };
@@ -87,8 +89,10 @@ function summary(rows, columns, values, rowsName, columnsName, unit) {
     if (Number.isFinite(value) && (!largest || Math.abs(value) > Math.abs(largest.value))) largest = { value, i, j };
   }));
   if (!largest) return "nothing was read";
-  return `largest ${signed(largest.value)} ${unit} at ${rowsName} ${rows[largest.i]}°, ${columnsName} ${columns[largest.j]}°`;
+  return `largest ${signed(largest.value)} ${unit} at ${rowsName} ${degrees(rows[largest.i])}, ${columnsName} ${degrees(columns[largest.j])}`;
 }
+
+export const degrees = (value) => `${String(value).replace("-", "−")}°`;
 
 export const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value).toPrecision(3)}`;
 

@@ -78,11 +78,12 @@ function draw(runs, parameter) {
 
 function chart(title, x, dated, series) {
   const place = el("div", { class: "chart", role: "img", "aria-label": `${title}: ${series[0].values.map((value) => (value == null ? "—" : value.toPrecision(3))).join(", ")}` });
+  const numbers = dated ? {} : { incrs: [1, 2, 5, 10, 20, 50, 100, 200] };
   const axis = { stroke: colour("--ink"), grid: { stroke: colour("--line"), width: 1 } };
   requestAnimationFrame(() => {
     const width = Math.max(240, Math.min(900, place.clientWidth || 600));
     const one = ({ label, stroke }) => ({ label, stroke: colour(stroke), width: 2, points: { show: true, size: 7 }, spanGaps: true });
-    new uPlot({ width, height: 240, scales: { x: { time: dated } }, axes: [axis, axis], series: [{ label: dated ? "began" : "run" }, ...series.map(one)] },
+    new uPlot({ width, height: 240, scales: { x: { time: dated } }, axes: [{ ...axis, ...numbers }, axis], legend: { live: false }, series: [{ label: dated ? "began" : "run" }, ...series.map(one)] },
       [x, ...series.map(({ values }) => values)], place);
   });
   return el("section", {}, el("h2", {}, title), place);

@@ -67,8 +67,8 @@ async function take(topic, value) {
   page.topics[topic] = value;
   const view = document.querySelector("nav a[aria-current]")?.dataset.view;
   views[view]?.changed?.(page, topic);
-  // The first value of a topic is no news: the page was made with it.
-  const news = before !== undefined && JSON.stringify(before) !== JSON.stringify(value);
+  // What is sent on connecting is what the page was made with.
+  const news = JSON.stringify(before) !== JSON.stringify(value);
   if (topic === "result" && news) {
     await reload();
     page.run = analysed() ?? page.run;

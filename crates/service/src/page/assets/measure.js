@@ -1,7 +1,7 @@
 // What is measured now: probes in their range, devices with their remedy, the poses of the cycle filling a map.
 
 import { colour, el } from "./dom.js";
-import { stations, nearest } from "./heat-map.js";
+import { degrees, nearest, stations } from "./heat-map.js";
 
 let parts = null;
 
@@ -24,13 +24,13 @@ export async function make(page) {
     axes: el("p", {}),
     map: status.cycle ? poseMap(status.cycle) : null,
   };
+  parts.values = el("section", {}, el("h2", {}, "Probes"), parts.probes, el("h2", {}, "Axes"), parts.axes);
   changed(page, "all");
   return [
     parts.headline, parts.say, parts.progress, parts.left,
     status.cycle ? el("h2", {}, `Poses of ${status.cycle.name}`) : null,
     parts.map?.figure,
-    el("h2", {}, "Probes"), parts.probes,
-    el("h2", {}, "Axes"), parts.axes,
+    parts.values,
     el("h2", {}, "Devices"), parts.devices,
   ].filter(Boolean);
 }
@@ -50,23 +50,27 @@ function showCycle(cycle) {
   const words = { measuring: "Measuring", done: "The cycle is done", failed: "The cycle failed" };
   parts.headline.textContent = words[state] ?? "Waiting for the cycle";
   const total = cycle?.total ?? 0;
-  const done = state === "measuring" ? (cycle.done ?? 0) : state === "done" ? (cycle.read ?? 0) : 0;
-  if (total) {
-    parts.progress.max = total;
-    parts.total = total;
-  }
-  parts.progress.value = state === "done" ? parts.progress.max : done;
-  parts.map?.fill(state === "done" ? Infinity : done);
+  const done = state === "measuring" ? (cycle.done ?? 0) : 0;
+  const whole = state === "done" && cycle.missing === 0 && cycle.unsettled === 0;
+  if (total) parts.progress.max = total;
+  if (state === "done") parts.progress.value = parts.progress.max;
+  else parts.progress.value = done;
+  // The map is of one cycle; what is done stays on it.
+  if (whole) parts.map?.fill(Infinity);
+  else if (state !== "done" && (!total || total === parts.map?.poses)) parts.map?.fill(done);
+  else if (!parts.map?.filled) parts.map?.fill(0);
   const left = cycle?.seconds_left;
   const texts = [];
   if (state === "measuring" && total) texts.push(`${done} of ${total} poses`);
   if (state === "measuring" && left != null) texts.push(`about ${Math.ceil(left)} s left`);
-  if (state === "done") texts.push(`${cycle.read} read, ${cycle.unsettled} unsettled, ${cycle.missing} missing, ${cycle.gaps} gaps. ${cycle.run}`);
+  if (state === "done") texts.push(cycle.run, cycle.ended);
+  if (state === "done" && cycle.read != null) texts.push(`${cycle.read} read, ${cycle.unsettled} unsettled, ${cycle.missing} missing, ${cycle.gaps} gaps`);
   if (cycle?.why) texts.push(cycle.why);
-  parts.left.textContent = texts.join("; ");
+  parts.left.textContent = texts.filter(Boolean).join("; ");
 }
 
 function showProbes(live) {
+  parts.values.hidden = !live;
   parts.say.textContent = live?.say ?? "";
   const probes = live?.probes ?? [];
   if (!probes.length) {
@@ -119,7 +123,7 @@ function poseMap({ axes, setups, poses }) {
     return { canvas, width, height };
   });
   const figure = el("div", { class: "maps" }, setups.map((name, k) =>
-    el("figure", { class: "map" }, el("figcaption", {}, `Setup ${name}: ${axes[0]} up, ${axes[1]} to the right`), canvases[k].canvas)));
+    el("figure", { class: "map" }, el("figcaption", {}, `Setup ${name}: ${axes[0]} down, ${axes[1]} across`), canvases[k].canvas)));
   function fill(done) {
     setups.forEach((name, k) => {
       const { canvas, width, height } = canvases[k];
@@ -129,9 +133,9 @@ function poseMap({ axes, setups, poses }) {
       ctx.font = "10px system-ui, sans-serif";
       let [read, all] = [0, 0];
       rows.forEach((row, i) => {
-        const y = (rows.length - 1 - i) * CELL;
+        const y = i * CELL;
         ctx.fillStyle = colour("--ink");
-        ctx.fillText(`${row}°`, 2, y + CELL / 2 + 3);
+        ctx.fillText(degrees(row), 2, y + CELL / 2 + 3);
         columns.forEach((column, j) => {
           const here = cells[k][i][j];
           const taken = here.filter((index) => index < done).length;
@@ -147,9 +151,14 @@ function poseMap({ axes, setups, poses }) {
       });
       ctx.fillStyle = colour("--ink");
       const every = Math.ceil(columns.length / 8);
-      columns.forEach((column, j) => j % every === 0 && ctx.fillText(`${column}°`, 46 + j * CELL, height - 8));
+      columns.forEach((column, j) => j % every === 0 && ctx.fillText(degrees(column), 46 + j * CELL, height - 8));
       canvas.setAttribute("aria-label", `Setup ${name}: ${read} of ${all} poses read`);
     });
   }
-  return { figure, fill };
+  const map = { figure, poses: poses.length, filled: false };
+  map.fill = (done) => {
+    map.filled = true;
+    fill(done);
+  };
+  return map;
 }

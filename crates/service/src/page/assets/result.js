@@ -54,7 +54,11 @@ function candidates(page, story) {
   if (!story.candidates.length) return el("p", {}, "No effect is proposed: the answer above says why.");
   const who = el("input", { id: "who", autocomplete: "name", maxlength: "60", value: remembered() });
   const cards = story.candidates.map((candidate, index) => card(page, candidate, who, index === 0));
-  return [el("p", { class: "row" }, el("label", {}, "Your name, kept with what you add", who)), ...cards];
+  const [best, ...others] = cards;
+  return [
+    el("p", { class: "row" }, el("label", {}, "Your name, kept with what you add", who)), best,
+    others.length ? el("details", {}, el("summary", {}, el("h3", {}, `Other candidates (${others.length})`)), ...others) : null,
+  ].filter(Boolean);
 }
 
 function card(page, candidate, who, first) {
