@@ -28,6 +28,8 @@ pub struct Parameter {
     pub unit: Unit,
     /// Beyond what the parameter is not physical.
     pub limit: Option<Limit>,
+    /// True for a change at one moment. A display shows any slow change as sudden ones, each of one step.
+    pub sudden: bool,
 }
 
 /// The largest size of a parameter that its cause can have.
@@ -164,12 +166,18 @@ impl Shapes {
 impl Parameter {
     /// A parameter.
     pub fn new(name: impl Into<String>, unit: Unit) -> Self {
-        Self { name: name.into(), unit, limit: None }
+        Self { name: name.into(), unit, limit: None, sudden: false }
     }
 
     /// The same where a larger size is not physical.
     #[must_use]
     pub fn at_most(self, limit: Limit) -> Self {
         Self { limit: Some(limit), ..self }
+    }
+
+    /// The same where it changes the readings at one moment.
+    #[must_use]
+    pub fn sudden(self) -> Self {
+        Self { sudden: true, ..self }
     }
 }

@@ -29,7 +29,7 @@ pub(crate) static EFFECT: Effect = Effect {
     subjects: |_| vec![Subject::Whole],
     parameters: |scene, _| {
         if scene.has_time() {
-            ["x", "y", "z"].map(|name| Parameter::new(name, Unit::UM)).into()
+            ["x", "y", "z"].map(|name| Parameter::new(name, Unit::UM).sudden()).into()
         } else {
             Vec::new()
         }

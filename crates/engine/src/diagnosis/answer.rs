@@ -42,7 +42,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let listed = context.listed();
     let refits = context.refits(&listed);
     let explained = refits.explained(problem);
-    if let Some((effect, why)) = context.beyond_physical(&listed, &refits.candidates) {
+    if let Some((effect, why)) = context.not_the_cause(&listed, &refits.candidates) {
         return Ok(Answer::Without { beside: context.found_beside(&effect), effect, why });
     }
     let candidates = context.candidates(&listed, &refits.candidates, &explained);
@@ -198,17 +198,17 @@ impl Context<'_> {
     }
 
     /// The first that was found and cannot be the cause, and why.
-    fn beyond_physical(
-        &self,
-        listed: &[(usize, Item)],
-        refits: &[Option<Refit>],
-    ) -> Option<(String, String)> {
+    fn not_the_cause(&self, listed: &[(usize, Item)], refits: &[Option<Refit>]) -> Option<(String, String)> {
         let scene = &self.problem.experiment().scene;
         let is_found = |item: &Item| self.found.items.iter().any(|other| other.what == item.what);
         let mut found = listed.iter().zip(refits).filter(|((_, item), _)| is_found(item));
         found.find_map(|((group, _), refit)| {
             let instance = &self.scan.named[*group].instance;
-            Some((instance.id(), refit.as_ref()?.beyond_physical(instance, scene)?))
+            let refit = refit.as_ref()?;
+            let display = self.scan.coarse_display.as_ref();
+            let within_display = || refit.within_step(instance, scene, display?.step_mm);
+            let why = refit.beyond_physical(instance, scene).or_else(within_display)?;
+            Some((instance.id(), why))
         })
     }
 

@@ -84,6 +84,25 @@ impl Refit {
         })
     }
 
+    /// Why these readings cannot show what was added: a sudden change no larger than a step of the display is what the display makes of a
+    /// slow one, which noise as small does not spread over several values.
+    pub fn within_step(&self, instance: &Instance, scene: &Scene, step_mm: f64) -> Option<String> {
+        let sudden: Vec<String> =
+            instance.parameters(scene).into_iter().filter(|p| p.sudden).map(|p| p.name).collect();
+        let id = instance.id();
+        let of_change = self.fit.parameters.iter().filter(|p| p.effect == id && sudden.contains(&p.name));
+        let squares: Vec<f64> = of_change.filter_map(|p| p.value).map(|mm| mm * mm).collect();
+        let change_mm = squares.iter().sum::<f64>().sqrt();
+        (!squares.is_empty() && change_mm <= step_mm).then(|| {
+            format!(
+                "{id} fits best, but with {:.2} µm, where the display has steps of {:.2} µm: it shows a slow change of that size as \
+                 a sudden one. Repeat with a finer display.",
+                um_from_mm(change_mm),
+                um_from_mm(step_mm),
+            )
+        })
+    }
+
     /// Parameters of what was added, shape numbers last.
     pub fn parameters(&self) -> Vec<CandidateParameter> {
         let is_new = |id: &str| self.added.iter().any(|entry| entry.id == id);

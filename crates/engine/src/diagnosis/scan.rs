@@ -48,6 +48,8 @@ pub struct Scan<'a> {
     /// What the fit of the problem leaves, weighted, in units of `unit_mm`: exact, so that nothing of second order is taken for an effect.
     pub y: DVector<Real>,
     pub unit_mm: f64,
+    /// The display of the readings where its step is coarser than the residual.
+    pub coarse_display: Option<Display>,
     pub kernels: Kernels,
     white: DVector<f64>,
     least_ln: f64,
@@ -88,9 +90,10 @@ impl<'a> Scan<'a> {
         let sizes: Vec<f64> = residual.iter().map(|r| r.abs()).collect();
         let unit_mm = (median(&sizes) / MEDIAN_LENGTH).max(FINEST_MM);
         let display = Display::of(experiment);
-        let least_mm = display.map_or(0.0, |display| display.hidden_mm()).max(FINEST_MM);
+        let least_mm = display.as_ref().map_or(0.0, |display| display.hidden_mm()).max(FINEST_MM);
         let least_ln = (least_mm / unit_mm).ln();
-        if let Some(display) = display.filter(|display| display.step_mm > unit_mm) {
+        let coarse_display = display.filter(|display| display.step_mm > unit_mm);
+        if let Some(display) = &coarse_display {
             base = beside(&base, &weighted(of_rows(display.saw(experiment, &fit.predicted_mm)), &root));
         }
         let left = Left::of(problem)?;
@@ -119,6 +122,7 @@ impl<'a> Scan<'a> {
             base,
             y,
             unit_mm,
+            coarse_display,
             kernels,
             white,
             least_ln,

@@ -68,6 +68,31 @@ fn drift_on_a_coarse_display_is_no_slip() {
 }
 
 #[test]
+fn a_sudden_change_of_one_step_of_the_display_is_no_slip_and_one_of_several_is() {
+    let (mut slow, mut slips) = (0, 0);
+    for seed in 0..4 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut white_um = || -> f64 { StandardNormal.sample(&mut random) };
+        let step_um = 0.74;
+        let mut named = |slip_um: f64| -> bool {
+            // Little noise: where the display goes from one value to the next, it does so within a few readings.
+            let shown = |share: f64| {
+                let slipped = if share < 0.4 { 0.0 } else { slip_um };
+                ((slipped + 0.3 * share + 0.2 + 0.08 * white_um()) / step_um).round() * step_um
+            };
+            let experiment = line(&one_way(), shown);
+            let model = Model::base(&experiment.machine().name);
+            let diagnosis = diagnose(&experiment, &model, &Options::default()).unwrap();
+            println!("{seed} {slip_um}: {:?} {}", diagnosis.verdict, diagnosis.why);
+            diagnosis.candidates.iter().any(|candidate| candidate.effect == "setup-slip")
+        };
+        slow += usize::from(named(0.0));
+        slips += usize::from(named(5.0 * step_um));
+    }
+    assert_eq!((slow, slips), (0, 4));
+}
+
+#[test]
 fn equal_readings_of_a_coarse_display_repeat_no_better_than_its_step() {
     let there = one_way();
     let positions: Vec<f64> = there.iter().chain(there.iter().rev()).copied().collect();
