@@ -29,6 +29,7 @@ mod preview;
 mod residuals;
 mod schema;
 pub mod sentences;
+mod setting_up;
 mod spectrum;
 mod story;
 mod time_quality;
@@ -56,7 +57,7 @@ pub use identification::{
     Combination, Identification, IdentificationFormat, LeftOut, NoiseOfRun, NoiseOrigin, NoisePart, Outlier,
     Parameter, Shape, Term, UncertaintyOrigin, Unobservable,
 };
-pub use json::to_json;
+pub use json::{to_json, to_json_line};
 pub use ladder::{Added, Ladder, LadderEntry, LadderFormat, LadderRow, Moved, Removed};
 pub use left_out::LeftOutEffect;
 pub use linear::{
@@ -74,6 +75,9 @@ pub use prediction::{Prediction, PredictionFormat, RunPrediction};
 pub use preview::{Alias, OutOfReach, Preview, PreviewFormat, SeenBy, SeparatedBy};
 pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, ShiftedPlace};
 pub use schema::{schema_text, schemas};
+pub use setting_up::{
+    CalibratedProbe, Jog, NestCalibrated, NestFormat, SignFinding, SignTest, SignTestFormat,
+};
 pub use spectrum::{AxisSpectrum, Period, SpectrumWave};
 pub use story::{
     Fact, RunFound, RunLine, RunList, RunListFormat, Story, StoryCandidate, StoryFormat, StorySection,

@@ -3,8 +3,8 @@
 use crate::{
     Added, AxisErrors, Check, Comparison, CompensationSummary, Demo, DevicesChecked, DevicesFound, Diagnosis,
     ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live, NcProgram,
-    PageStatus, Plan, Prediction, Preview, Removed, RunList, Scrubbed, Simulation, Story, TimeQuality, Trial,
-    Volumetric, to_json,
+    NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, RunList, Scrubbed, SignTest, Simulation,
+    Story, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -41,6 +41,8 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("runs", schema_for!(RunList)),
         ("linear", schema_for!(Linear)),
         ("formula", schema_for!(FormulaChecked)),
+        ("nest", schema_for!(NestCalibrated)),
+        ("sign-test", schema_for!(SignTest)),
     ]
 }
 

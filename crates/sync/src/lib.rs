@@ -2,7 +2,7 @@
 //!
 //! Shared by live runs and replay. Nothing here asks a clock, so a recording gives the same points as the live run.
 //! [`timebase`] brings device clocks to run time, [`align`] brings probes and axes to common instants, [`static_cycle`]
-//! and [`sweep_cycle`] form points, [`nest`] calibrates probes, [`cycle_bounds`] finds when a cycle begins and ends.
+//! and [`sweep_cycle`] form points, [`nest`] calibrates probes, [`jog`] checks them, [`cycle_bounds`] finds when a cycle begins and ends.
 
 pub mod align;
 pub mod blocks;
@@ -10,6 +10,7 @@ pub mod clock;
 pub mod cycle_bounds;
 mod cycle_event;
 pub mod forming;
+pub mod jog;
 pub mod nest;
 pub mod plan;
 pub mod retime;
@@ -26,7 +27,7 @@ pub use cycle_bounds::{Bound, CycleBounds, StartRule};
 pub use cycle_event::{CycleEvent, EndReason, Progress};
 pub use nest::NestCalibration;
 pub use retime::{Retiming, Stream, Survey};
-pub use static_cycle::{StandsAt, StaticCycle, StaticRules};
+pub use static_cycle::{DwellReader, DwellReading, StandsAt, StaticCycle, StaticRules};
 pub use sweep_cycle::{Course, SampleCounts, SweepCycle, SweepRules};
 pub use sync_move::{MeanDelay, SyncMoveFinder, mean_delays};
 pub use timebase::{TimeBase, Timed};

@@ -3,6 +3,7 @@
 //! p_k reading of probe k, mm; s displacement of the ball in nest axes, mm; d_k unit direction, g_k gain, c_k reading
 //! at s = 0. Known steps of the linear axes give g_k·d_k by least squares, for each probe alone. Valid while the
 //! positioning error of the linear axes over the steps is small against what shall be measured.
+//! u² of a direction: σ²·½·tr(P (XᵀX)⁻¹ P)/g², P across the direction; of a gain σ²·dᵀ(XᵀX)⁻¹d; σ² = |r|²/(n − 4)  [GUM 5.1.2]
 //! Ball off the spindle line: s(θ) = s₀ + R_z(θ)·e, a circle over spindle angles θ       [S1 §3.2]
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
@@ -53,6 +54,9 @@ impl NestCalibration {
     }
 }
 
+/// A ball commanded so far from the nest is a calibration step, mm; further out no probe reaches.
+pub const STEP_MM: std::ops::RangeInclusive<f64> = 0.02..=5.0;
+
 /// A known step and what the probes read there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NestStep {
@@ -73,6 +77,10 @@ pub struct NestFit {
     pub gains: [f64; 3],
     /// Root mean square of the residual of each probe, mm.
     pub residual_rms_mm: [f64; 3],
+    /// Standard uncertainty of each direction, rad about an axis across it; NaN without a step more than is needed.
+    pub u_direction_rad: [f64; 3],
+    /// Standard uncertainty of each gain.
+    pub u_gain: [f64; 3],
     /// How much an error of the probes grows in nest axes: the condition of the three directions.
     pub condition: f64,
 }
@@ -93,8 +101,44 @@ pub enum NestError {
         "the probes look along nearly one plane (condition {0:.0}, allowed up to 50); check their mounting"
     )]
     Degenerate(f64),
+    /// The readings changed with time.
+    #[error(
+        "probe {probe} drifted by {drift_um:.1} µm over the steps (u of its direction {u_mrad:.1} mrad, allowed {:.0}); let machine \
+         and probes warm up, then repeat the steps",
+        1e3 * LARGEST_U_RAD
+    )]
+    Drift {
+        /// Number of the probe, from 1.
+        probe: usize,
+        /// How far, µm.
+        drift_um: f64,
+        /// Uncertainty of its direction, mrad.
+        u_mrad: f64,
+    },
+    /// The readings scatter too much for steps of this size.
+    #[error(
+        "u of the direction of probe {probe} is {u_mrad:.1} mrad (allowed {:.0}): its readings scatter by {rms_um:.1} µm about \
+         steps of {step_mm:.3} mm; take larger or more steps, and check that ball and probes are clamped",
+        1e3 * LARGEST_U_RAD
+    )]
+    Uncertain {
+        /// Number of the probe, from 1.
+        probe: usize,
+        /// Uncertainty of its direction, mrad.
+        u_mrad: f64,
+        /// Residual of the probe, µm rms.
+        rms_um: f64,
+        /// Root mean square of the steps in the direction with the smallest, mm.
+        step_mm: f64,
+    },
 }
 
+/// Direction and gain of a probe, and its reading at zero.
+const UNKNOWNS: usize = 4;
+/// A ball 0.1 mm off, as far as it is set by hand, is then read 0.5 µm wrong across: about the resolution of an R-test.
+const LARGEST_U_RAD: f64 = 5e-3;
+/// The steps drifted when a straight line over time takes so much of the mean square of the residual that this share is left: half of it.
+const BY_DRIFT: f64 = 0.5;
 /// Largest condition of a usable nest.
 const MAX_CONDITION: f64 = 50.0;
 
@@ -116,12 +160,23 @@ pub fn calibrate(steps: &[NestStep]) -> Result<NestFit, NestError> {
     }
     let mut probes_from_nest = Matrix3::zeros();
     let (mut offsets, mut residual_rms_mm) = (Vector3::zeros(), [0.0; 3]);
+    let (mut u_direction_rad, mut u_gain) = ([f64::NAN; 3], [f64::NAN; 3]);
+    let cofactor = (design.transpose() * &design).try_inverse().ok_or(NestError::Flat)?;
+    let cofactor = Matrix3::from_fn(|i, j| cofactor[(i, j)]);
     for k in 0..3 {
         let mean_reading = steps.iter().map(|step| step.probes_mm[k]).sum::<f64>() / n as f64;
         let readings = DVector::from_fn(n, |row, _| steps[row].probes_mm[k] - mean_reading);
         let gain_direction = svd.solve(&readings, 0.0).expect("both factors of the SVD were asked for");
         let residual = &readings - &design * &gain_direction;
         residual_rms_mm[k] = residual.norm() / (n as f64).sqrt();
+        if n > UNKNOWNS {
+            let sigma = residual.norm() / ((n - UNKNOWNS) as f64).sqrt();
+            let g = gain_direction.norm();
+            let d = Vector3::new(gain_direction[0], gain_direction[1], gain_direction[2]) / g;
+            let across = Matrix3::identity() - d * d.transpose();
+            u_direction_rad[k] = sigma * (0.5 * (across * cofactor * across).trace()).sqrt() / g;
+            u_gain[k] = sigma * (d.transpose() * cofactor * d)[0].sqrt();
+        }
         probes_from_nest.set_row(k, &gain_direction.transpose());
         offsets[k] = mean_reading - (gain_direction.transpose() * mean_step)[0];
     }
@@ -135,8 +190,48 @@ pub fn calibrate(steps: &[NestStep]) -> Result<NestFit, NestError> {
         directions: [0, 1, 2].map(|k| row(k).normalize()),
         gains: [0, 1, 2].map(|k| row(k).norm()),
         residual_rms_mm,
+        u_direction_rad,
+        u_gain,
         condition,
     })
+}
+
+/// The same from steps with their times, s, for measuring: refused with the reason where the directions are too uncertain.
+///
+/// # Errors
+/// As [`calibrate`]; readings that drift or scatter.
+pub fn calibrate_well(steps: &[NestStep], times_s: &[f64]) -> Result<NestFit, NestError> {
+    let has_reading = |(step, _): &(&NestStep, &f64)| step.probes_mm.iter().all(|p| p.is_finite());
+    let (steps, times_s): (Vec<NestStep>, Vec<f64>) = steps.iter().zip(times_s).filter(has_reading).unzip();
+    if steps.len() <= UNKNOWNS {
+        return Err(NestError::TooFew(steps.len()));
+    }
+    let fit = calibrate(&steps)?;
+    let worst = |a: &usize, b: &usize| fit.u_direction_rad[*a].total_cmp(&fit.u_direction_rad[*b]);
+    let k = (0..3).max_by(worst).expect("there are three probes");
+    if fit.u_direction_rad[k] <= LARGEST_U_RAD {
+        return Ok(fit);
+    }
+    let (probe, u_mrad) = (k + 1, 1e3 * fit.u_direction_rad[k]);
+    let n = steps.len() as f64;
+    let mean = steps.iter().map(|step| step.ball_in_nest_mm).sum::<Vector3<f64>>() / n;
+    let mean_s = times_s.iter().sum::<f64>() / n;
+    let span_s = times_s.iter().fold(0.0, |span: f64, time_s| span.max((time_s - mean_s).abs()));
+    let design = DMatrix::from_fn(steps.len(), 5, |row, column| match column {
+        0 => 1.0,
+        4 => (times_s[row] - mean_s) / span_s.max(f64::MIN_POSITIVE),
+        axis => (steps[row].ball_in_nest_mm - mean)[axis - 1],
+    });
+    let readings = DVector::from_fn(steps.len(), |row, _| steps[row].probes_mm[k]);
+    let with_time = design.clone().svd(true, true).solve(&readings, 1e-12).ok();
+    if let Some(with_time) = with_time {
+        let left = (&readings - &design * &with_time).norm_squared() / n;
+        if left < BY_DRIFT * fit.residual_rms_mm[k].powi(2) {
+            return Err(NestError::Drift { probe, drift_um: 2e3 * with_time[4].abs(), u_mrad });
+        }
+    }
+    let smallest = design.columns(1, 3).svd(false, false).singular_values[2] / n.sqrt();
+    Err(NestError::Uncertain { probe, u_mrad, rms_um: 1e3 * fit.residual_rms_mm[k], step_mm: smallest })
 }
 
 /// Result of [`ball_offset`].
@@ -235,6 +330,50 @@ mod tests {
         }
         let ball = Vector3::new(0.05, 0.05, -0.05);
         assert!((fit.calibration.reading_mm(probes(ball)) - ball).norm() < 1.0e-3);
+    }
+
+    #[test]
+    fn the_stated_u_is_the_scatter_of_many_calibrations() {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let (directions, ..) = nest();
+        let (mut squares, mut stated, trials) = (0.0, 0.0, 400);
+        for _ in 0..trials {
+            let mut noisy = steps(0.0);
+            let mut noise = || 1e-3 * (0..12).map(|_| rng.random::<f64>() - 0.5).sum::<f64>();
+            noisy.iter_mut().for_each(|step| step.probes_mm = step.probes_mm.map(|p| p + noise()));
+            let fit = calibrate(&noisy).unwrap();
+            // Both angles across the direction.
+            squares += 0.5 * (fit.directions[0] - directions[0]).norm_squared();
+            stated += fit.u_direction_rad[0].powi(2);
+        }
+        let ratio = (squares / stated).sqrt();
+        // Three standard deviations of 800 squares.
+        assert!((ratio - 1.0).abs() < 0.08, "{ratio}");
+    }
+
+    #[test]
+    fn steps_that_drift_or_are_too_small_are_refused_with_the_reason() {
+        let times_s: Vec<f64> = (0..12).map(f64::from).collect();
+        assert!(calibrate_well(&steps(0.5e-3), &times_s).is_ok());
+        let mut drifting = steps(0.1e-3);
+        for (step, time_s) in drifting.iter_mut().zip(&times_s) {
+            step.probes_mm[1] += 1e-3 * time_s;
+        }
+        let refused = calibrate_well(&drifting, &times_s).unwrap_err();
+        let NestError::Drift { probe: 2, drift_um, .. } = refused else { panic!("{refused}") };
+        assert!((drift_um - 11.0).abs() < 1.0, "{refused}");
+        let small: Vec<NestStep> = steps(0.5e-3)
+            .into_iter()
+            .map(|step| {
+                let ball_in_nest_mm = step.ball_in_nest_mm * 0.05;
+                let scatter = Vector3::from(step.probes_mm) - Vector3::from(probes(step.ball_in_nest_mm));
+                let probes_mm = (Vector3::from(probes(ball_in_nest_mm)) + scatter).into();
+                NestStep { ball_in_nest_mm, probes_mm }
+            })
+            .collect();
+        let refused = calibrate_well(&small, &times_s).unwrap_err();
+        assert!(matches!(refused, NestError::Uncertain { .. }), "{refused}");
+        assert!(refused.to_string().contains("take larger or more steps"), "{refused}");
     }
 
     #[test]

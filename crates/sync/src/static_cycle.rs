@@ -10,8 +10,10 @@
 //! of its own behind the first. Should the machine leave and come back to it, the later reading counts.
 
 mod dwell;
+mod dwells;
 mod rules;
 
+pub use dwells::{DwellReader, DwellReading};
 pub use rules::{StandsAt, StaticRules};
 
 use crate::align::{Aligned, AxisState};

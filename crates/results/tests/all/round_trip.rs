@@ -145,6 +145,9 @@ fn the_answers_of_commands_that_write_files_or_ask_devices_return() {
     let device = CheckedDevice { readings, ..CheckedDevice::default() };
     let json = returns(&DevicesChecked { devices: vec![device], ..DevicesChecked::default() });
     assert_eq!(json["devices"][0]["readings"]["probe-1"], "0.1234 mm");
+    let json = returns(&NestCalibrated { steps: 12, ..NestCalibrated::default() });
+    assert_eq!((&json["format"], &json["steps"]), (&"trunnion-nest/1".into(), &12.into()));
+    assert_eq!(returns(&SignTest::default())["finding"], "open");
     let probe = LiveProbe { value_mm: Some(1.25), range_mm: Some([0.0, 2.0]), ..LiveProbe::default() };
     let json = returns(&Live { probes: vec![probe], ..Live::default() });
     assert_eq!(

@@ -12,10 +12,7 @@ use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
-use trunnion_sync::nest::{NestFit, NestStep, calibrate};
-
-/// A ball commanded so far from the nest is a calibration step, mm; further out no probe reaches.
-const STEP_MM: std::ops::RangeInclusive<f64> = 0.02..=5.0;
+use trunnion_sync::nest::{NestFit, NestStep, STEP_MM, calibrate};
 
 /// What calibrating found.
 pub(super) struct Calibration {
