@@ -17,6 +17,7 @@ mod plan;
 mod program;
 mod record;
 mod schemes;
+mod setting_up;
 mod story;
 mod streams;
 mod volumetric;

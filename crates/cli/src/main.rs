@@ -10,9 +10,9 @@ mod terminal;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, attribute, check, check_config, compare, compensation, daemon, demo, devices, diagnose, export,
-    identify, import, ladder, nc_program, open, plan, predict, record, remove, replay, scrub, simulate,
-    volumetric,
+    add, attribute, calibrate_nest, check, check_config, compare, compensation, daemon, demo, devices,
+    diagnose, export, identify, import, ladder, nc_program, open, plan, predict, record, remove, replay,
+    scrub, simulate, volumetric, watch,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -34,6 +34,8 @@ enum Command {
     Daemon(daemon::Args),
     Devices(devices::Args),
     Open(open::Args),
+    Watch(watch::Args),
+    CalibrateNest(calibrate_nest::Args),
     Check(check::Args),
     CheckConfig(check_config::Args),
     Record(record::Args),
@@ -66,6 +68,8 @@ fn main() -> ExitCode {
         Command::Daemon(args) => daemon::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Open(args) => open::run(&args),
+        Command::Watch(args) => watch::run(&args),
+        Command::CalibrateNest(args) => calibrate_nest::run(&args),
         Command::Check(args) => check::run(&args),
         Command::CheckConfig(args) => check_config::run(&args),
         Command::Record(args) => record::run(&args),

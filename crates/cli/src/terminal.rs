@@ -63,6 +63,21 @@ pub fn print_verbatim(text: &str) -> anyhow::Result<()> {
     gone_is_fine(out.write_all(text.as_bytes()).and_then(|()| out.flush())).context("writing the result")
 }
 
+/// Draws a screen over the one before it where there is a terminal; prints `line` where there is none.
+pub fn redraw(screen: &str, line: &str) -> anyhow::Result<()> {
+    if !std::io::stdout().is_terminal() {
+        return print_verbatim(line);
+    }
+    // ECMA-48: cursor home; erase to the end of each line, and below the last one.
+    let lines = Screen::now(true).shown(screen).replace('\n', "\x1b[K\n");
+    print_verbatim(&format!("\x1b[H{lines}\x1b[J"))
+}
+
+/// Prints an answer of many as JSON on one line.
+pub fn print_json_line(answer: &impl serde::Serialize) -> anyhow::Result<()> {
+    print_verbatim(&trunnion::results::to_json_line(answer).context("writing the result as JSON")?)
+}
+
 /// Prints JSON, indented, with a final newline; neither wrapped nor folded.
 pub fn print_json(answer: &impl serde::Serialize) -> anyhow::Result<()> {
     print_verbatim(&trunnion::results::to_json(answer).context("writing the result as JSON")?)

@@ -24,8 +24,8 @@ pub use html::{STYLE, compare_html, findings_html, ladder_html, trial_html, volu
 pub use story::story;
 pub use text::{
     axis_errors_text, check_text, compare_text, diagnosis_text, findings_text, identification_text,
-    ladder_text, location_text, plan_text, prediction_text, preview_text, timing_text, trial_text,
-    volumetric_text,
+    ladder_text, live_line, live_screen, location_text, nest_text, plan_text, prediction_text, preview_text,
+    sign_test_text, timing_text, trial_text, volumetric_text,
 };
 pub use time_quality::duration;
 pub use volumetric::error_map_csv;

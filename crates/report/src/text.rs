@@ -3,6 +3,7 @@
 mod axis_errors;
 mod findings;
 mod ladder;
+mod live;
 mod plan;
 mod prediction;
 mod table;
@@ -12,6 +13,7 @@ mod volumetric;
 pub use axis_errors::axis_errors_text;
 pub use findings::findings_text;
 pub use ladder::ladder_text;
+pub use live::{live_line, live_screen, nest_text, sign_test_text};
 pub use plan::{plan_text, preview_text};
 pub use prediction::prediction_text;
 pub use timing::timing_text;

@@ -23,6 +23,8 @@ pub struct Config {
     pub recordings: PathBuf,
     /// Probe directions of the R-test; of no meaning without probes.
     pub nest: NestCalibration,
+    /// Whether the file says these directions.
+    pub has_nest: bool,
     /// What begins a cycle.
     pub cycle_start: StartRule,
     /// Devices.
@@ -41,14 +43,58 @@ impl Config {
     /// # Errors
     /// Every problem of the file with its line.
     pub fn parse(file: &Path, text: &str) -> Result<Self, Problems> {
-        let name = file.display().to_string();
-        let document = Document::parse(&name, text)?;
-        let config = read(&document, file.parent().unwrap_or(Path::new("")), text);
-        document.finish(config)
+        parse_with(file, text, needed_nest)
+    }
+
+    /// The same before the nest is calibrated: `[nest]` may be missing.
+    ///
+    /// # Errors
+    /// Every problem of the file with its line.
+    pub fn parse_uncalibrated(file: &Path, text: &str) -> Result<Self, Problems> {
+        parse_with(file, text, stated_nest)
     }
 }
 
-fn read(document: &Document<'_>, folder: &Path, text: &str) -> Option<Config> {
+/// A configuration with these directions of its probes; whatever else a person wrote in it stays.
+///
+/// # Errors
+/// A text that is no TOML.
+pub fn with_nest(text: &str, directions: [[f64; 3]; 3]) -> Result<String, toml_edit::TomlError> {
+    let mut document: toml_edit::DocumentMut = text.parse()?;
+    let nest = document.entry("nest").or_insert(toml_edit::Item::Table(toml_edit::Table::new()));
+    for (k, direction) in directions.into_iter().enumerate() {
+        let rounded = direction.map(|part| (part * 1e7).round() / 1e7);
+        nest[&format!("probe_{}", k + 1)] = toml_edit::value(toml_edit::Array::from_iter(rounded));
+    }
+    Ok(document.to_string())
+}
+
+/// Reads the table `[nest]`, given the root and whether there are probes.
+type ReadNest = fn(&Table<'_>, bool) -> Option<NestCalibration>;
+
+/// A ball bar alone has no nest.
+fn needed_nest(root: &Table<'_>, probes: bool) -> Option<NestCalibration> {
+    match probes {
+        true => root.table("nest").and_then(|table| NestCalibration::read(&table)),
+        false => stated_nest(root, probes),
+    }
+}
+
+fn stated_nest(root: &Table<'_>, _probes: bool) -> Option<NestCalibration> {
+    match root.optional_table("nest") {
+        Some(table) => NestCalibration::read(&table),
+        None => Some(NestCalibration::orthogonal()),
+    }
+}
+
+fn parse_with(file: &Path, text: &str, nest: ReadNest) -> Result<Config, Problems> {
+    let name = file.display().to_string();
+    let document = Document::parse(&name, text)?;
+    let config = read(&document, file.parent().unwrap_or(Path::new("")), text, nest);
+    document.finish(config)
+}
+
+fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> Option<Config> {
     let root = document.root();
     let format = root.format("trunnion-config/1");
     let name = root.string("name");
@@ -61,12 +107,7 @@ fn read(document: &Document<'_>, folder: &Path, text: &str) -> Option<Config> {
     let cycle_start = StartRule::read(&root);
     let devices = read_devices(&root);
     let probes = devices.as_deref().is_some_and(has_probes);
-    // A ball bar alone has no nest.
-    let nest = if probes || root.has("nest") {
-        root.table("nest").and_then(|table| NestCalibration::read(&table))
-    } else {
-        Some(NestCalibration::orthogonal())
-    };
+    let (nest, has_nest) = (nest(&root, probes), root.has("nest"));
     let mqtt =
         root.optional_table("mqtt").map(|table| read_mqtt(&table, name.as_deref().unwrap_or("machine")));
     let page = root.optional_table("page").map(|table| read_page(&table));
@@ -86,6 +127,7 @@ fn read(document: &Document<'_>, folder: &Path, text: &str) -> Option<Config> {
         model,
         recordings: recordings?,
         nest: nest?,
+        has_nest,
         cycle_start: cycle_start?,
         devices: devices?,
         mqtt,
@@ -125,5 +167,25 @@ fn read_page(table: &Table<'_>) -> Option<SocketAddr> {
             );
             None
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "# of machine 1\nname = \"m\"\n\n# measured in May\n[nest]\nprobe_1 = [1, 0, 0] # front\nprobe_2 = [0, 1, 0]\n\
+                        probe_3 = [0, 0, 1]\n\n[cycle_start]\nby = \"execution\"\n";
+
+    #[test]
+    fn the_nest_is_written_and_what_a_person_wrote_stays() {
+        let up = 1.0 / 3.0_f64.sqrt();
+        let text = with_nest(TEXT, [[up, up, up], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).expect("it is TOML");
+        assert!(text.contains("probe_1 = [0.5773503, 0.5773503, 0.5773503]"), "{text}");
+        for kept in ["# of machine 1", "# measured in May", "[cycle_start]"] {
+            assert!(text.contains(kept), "{text}");
+        }
+        let without = with_nest("name = \"m\"\n", [[1.0, 0.0, 0.0]; 3]).expect("it is TOML");
+        assert!(without.contains("[nest]\nprobe_1 = [1.0, 0.0, 0.0]"), "{without}");
     }
 }

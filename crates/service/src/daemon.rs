@@ -25,7 +25,7 @@ use tokio::task::{JoinHandle, JoinSet};
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
 use trunnion::Model;
-use trunnion::results::{LiveCycle, Serves};
+use trunnion::results::Serves;
 use trunnion_core::Clock;
 use trunnion_protocol::mtconnect::timestamp;
 use trunnion_sync::{CycleBounds, Progress};
@@ -42,7 +42,7 @@ pub async fn serve(
     clock: Arc<dyn Clock>,
     cancel: CancellationToken,
 ) -> Result<(), ServiceError> {
-    check(&plan)?;
+    let needed = check(&plan)?;
     recover(&config.recordings);
     let board = Board::default();
     let broker = config.mqtt.clone().map(|mqtt| tokio::spawn(mqtt::run(mqtt, board.clone(), cancel.clone())));
@@ -52,7 +52,7 @@ pub async fn serve(
     let status = tokio::spawn(publish_status(names, live.states(), board.clone(), cancel.clone()));
     live.latest().set_mounted(Mounted::of(&plan));
     let latest = live.latest().clone();
-    let shown = tokio::spawn(publish_live(latest.clone(), board.clone(), cancel.clone()));
+    let shown = tokio::spawn(publish_live(latest, needed, board.clone(), cancel.clone()));
     let page = match config.page {
         Some(address) => page(address, &config, &plan, &board, &clock, &cancel).await,
         None => None,
@@ -64,20 +64,11 @@ pub async fn serve(
     while let Some(start) = live.wait_for_start().await {
         let name = free_name(&config.recordings, &plan.cycle.name, clock.wall_ns());
         board.set("cycle", &json!({ "state": "measuring", "run": name, "why": start.why }));
-        let cycle = |now: Progress| LiveCycle {
-            name: plan.cycle.name.clone(),
-            state: "measuring".into(),
-            done: now.done,
-            planned: now.total,
-        };
         let mut progress = |now: Progress| {
-            latest.set_cycle(Some(cycle(now)));
             board.set("cycle", &cycle_under_way(&name, now));
         };
         let run = NewRun { plan: &plan, texts: &texts, folder: &config.recordings, name: &name };
-        let measured = measure_cycle(&run, &mut live, start, &mut progress).await;
-        latest.set_cycle(None);
-        match measured {
+        match measure_cycle(&run, &mut live, start, &mut progress).await {
             Ok(unfinished) => {
                 let Measured { points, reason, gaps, .. } = &unfinished.measured;
                 board.set(

@@ -4,7 +4,10 @@
 //! out when somebody asks for it.
 
 mod channel;
+mod readiness;
 mod say;
+
+pub use readiness::{NotReady, Readiness};
 
 use channel::ChannelValues;
 use std::collections::BTreeMap;
@@ -20,8 +23,8 @@ use trunnion_core::channel::instrument_channels;
 use trunnion_core::reading::{AxisReading, Message, Reading};
 use trunnion_core::{Channel, Clock, HostTime, Joint, NestSide, Role, convert};
 use trunnion_protocol::mtconnect::timestamp;
-use trunnion_sync::NestCalibration;
 use trunnion_sync::plan::Plan;
+use trunnion_sync::{NestCalibration, Progress};
 
 /// A value older than this is none, s; the slowest indicators speak every second.
 const OLD_S: f64 = 2.5;
@@ -64,7 +67,8 @@ struct Named {
 #[derive(Default)]
 struct Values {
     channels: Vec<ChannelValues>,
-    axes: Option<AxisReading>,
+    /// Axis positions, and the device that reports them.
+    axes: Option<(u16, AxisReading)>,
     temperatures: BTreeMap<String, (f64, HostTime)>,
     /// Last warning of each device, by its index.
     warnings: BTreeMap<u16, String>,
@@ -96,9 +100,43 @@ impl Latest {
         self.lock().mounted = Some(mounted);
     }
 
-    /// Sets what becomes of the cycle.
-    pub fn set_cycle(&self, cycle: Option<LiveCycle>) {
-        self.lock().cycle = cycle;
+    /// A cycle of this name is being measured, and how far it is; or none is.
+    pub fn set_cycle(&self, cycle: Option<(&str, Progress)>) {
+        self.lock().cycle = cycle.map(|(name, now)| LiveCycle {
+            name: name.into(),
+            state: "measuring".into(),
+            done: now.done,
+            planned: now.total,
+        });
+    }
+
+    /// True while a cycle is being measured.
+    fn is_measuring(&self) -> bool {
+        self.lock().cycle.is_some()
+    }
+
+    /// Why a cycle that is measured with these channels should not begin: a channel without value, stuck, or out of its centre
+    /// zone; a device that does not read. Empty when all is well.
+    pub fn not_ready(&self, needed: &[u16]) -> Vec<NotReady> {
+        let live = self.snapshot();
+        let remedy = |device: u16| live.devices[usize::from(device)].remedy.clone();
+        let of_channel = |&index: &u16| {
+            let channel = &self.channels[usize::from(index)];
+            let probe = live.probes.iter().find(|probe| probe.name == channel.name)?;
+            let of_device = remedy(channel.device).filter(|_| probe.zone == Zone::NoValue);
+            let why = of_device.unwrap_or_else(|| probe.say.clone());
+            (!probe.zone.is_good()).then(|| NotReady { source: probe.name.clone(), zone: probe.zone, why })
+        };
+        let measures = |device: usize| {
+            self.channels.iter().any(|c| usize::from(c.device) == device && c.role != Role::Temperature)
+        };
+        // A device that measures is named by its channels.
+        let others = live.devices.iter().enumerate().filter(|(index, _)| !measures(*index));
+        let of_device = |(_, device): (usize, &LiveDevice)| {
+            let (source, zone) = (device.name.clone(), Zone::NoValue);
+            device.remedy.clone().map(|why| NotReady { source, zone, why })
+        };
+        needed.iter().filter_map(of_channel).chain(others.filter_map(of_device)).collect()
     }
 
     /// Takes a message of a device.
@@ -110,7 +148,7 @@ impl Latest {
                     channel.take(reading);
                 }
             }
-            Reading::Axes(reading) => values.axes = Some(*reading),
+            Reading::Axes(reading) => values.axes = Some((message.device, *reading)),
             Reading::Temperature(reading) => {
                 values.temperatures.insert(reading.name.clone(), (reading.degc, reading.arrival));
             }
@@ -125,7 +163,7 @@ impl Latest {
     pub fn snapshot(&self) -> Live {
         let (values, now) = (self.lock(), self.clock.now());
         let probes = self.probes(&values, now);
-        let (ball, ball_said) = self.ball(&values, &probes, now);
+        let (ball, ball_said) = self.ball(&values, &probes);
         let devices = self.devices();
         let say = say::sentences(&devices, &probes, ball_said);
         let fresh = |at: HostTime| now.seconds_since(at) <= OLD_S;
@@ -138,12 +176,19 @@ impl Latest {
             at: timestamp(self.clock.wall_ns()).to_string(),
             ball_offset_mm: ball,
             say,
-            axes: values.axes.iter().filter(|axes| fresh(axes.arrival)).flat_map(live_axes).collect(),
+            axes: self.axes(&values).iter().flat_map(live_axes).collect(),
             devices,
             temperatures: values.temperatures.iter().map(temperature).collect(),
             cycle: values.cycle.clone(),
             probes,
         }
+    }
+
+    /// Axes that stand may be silent for long: their last positions hold while the controller is connected.
+    fn axes(&self, values: &Values) -> Option<AxisReading> {
+        let (device, axes) = values.axes?;
+        let state = self.states.get(usize::from(device))?.borrow().state;
+        matches!(state, DeviceState::Streaming | DeviceState::Stuck).then_some(axes)
     }
 
     fn probes(&self, values: &Values, now: HostTime) -> Vec<LiveProbe> {
@@ -178,12 +223,7 @@ impl Latest {
     }
 
     /// The ball from the centre in directions of the machine, and what to say of it.
-    fn ball(
-        &self,
-        values: &Values,
-        probes: &[LiveProbe],
-        now: HostTime,
-    ) -> (Option<BallOffset>, Option<String>) {
+    fn ball(&self, values: &Values, probes: &[LiveProbe]) -> (Option<BallOffset>, Option<String>) {
         let Some(three) = instrument_channels(&self.channels, false) else { return (None, None) };
         let Some(mounted) = &values.mounted else { return (None, Some(say::NO_NEST.into())) };
         let of = |channel: &u16| {
@@ -198,9 +238,9 @@ impl Latest {
             three.iter().map(|probe| Some(probe.value_mm? - probe.centre_mm?)).collect();
         let Some(off_mm) = off.and_then(|off| <[f64; 3]>::try_from(off).ok()) else { return (None, None) };
         let ball_in_nest_mm = mounted.nest.reading_mm(off_mm);
-        let position = values.axes.filter(|axes| now.seconds_since(axes.arrival) <= OLD_S);
+        let position = self.axes(values).map(|axes| axes.position);
         let (machine, errors) = (&mounted.machine, Default::default());
-        let (ball_mm, known) = match position.map(|axes| axes.position) {
+        let (ball_mm, known) = match position {
             Some(position) => {
                 let machine_from_nest = match mounted.side {
                     NestSide::Table => machine.machine_from_table(&position, &errors).rotation,

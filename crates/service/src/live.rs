@@ -15,10 +15,10 @@ use trunnion_acquire::{Acquisition, DeviceConfig, DeviceStatus};
 use trunnion_core::{Channel, Clock, Event, Gap, HostTime, Quality, Role};
 use trunnion_record::{Item, RecordSender, Temperature};
 use trunnion_sync::forming::Forming;
-use trunnion_sync::{Bound, CycleEvent, EndReason, TimeBase, Timed};
+use trunnion_sync::{Bound, CycleEvent, EndReason};
 
 pub use trunnion_sync::plan::{Plan, PlanError, check};
-pub use trunnion_sync::{CycleBounds, Progress};
+pub use trunnion_sync::{CycleBounds, Progress, TimeBase, Timed};
 
 /// How a measured cycle ended.
 #[derive(Clone, Debug)]
@@ -172,6 +172,10 @@ impl Live {
     ) -> Result<Measured, PlanError> {
         self.timebase.begin_run(start.at);
         let mut measurement = Measurement::new(plan, &start.temperature_channels, recorder)?;
+        for doubt in self.latest.not_ready(&check(plan)?) {
+            let doubt = Event { time_s: 0.0, kind: "warning".into(), text: doubt.to_string() };
+            measurement.record(Item::Event(doubt), self.clock.now());
+        }
         let begun = Event { time_s: 0.0, kind: "cycle-start".into(), text: start.why.clone() };
         measurement.record(Item::Event(begun), self.clock.now());
         let mut shown = None;
@@ -212,9 +216,11 @@ impl Live {
             measurement.take(timed, &mut self.timebase, self.clock.now());
             let now = measurement.forming.progress();
             if shown.replace(now.done) != Some(now.done) {
+                self.latest.set_cycle(Some((plan.cycle.name.as_str(), now)));
                 progress(now);
             }
         }
+        self.latest.set_cycle(None);
         if self.next.is_none() {
             self.bounds.ended_otherwise();
         }

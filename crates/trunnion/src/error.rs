@@ -93,6 +93,9 @@ pub enum Error {
         /// The cause.
         source: Box<RecordError>,
     },
+    /// Steps or readings that calibrate no nest.
+    #[error("the nest cannot be calibrated")]
+    Nest(#[source] Box<trunnion_sync::nest::NestError>),
     /// A named method cannot be applied.
     #[error(transparent)]
     Method(Box<trunnion_methods::recipes::MethodError>),

@@ -30,6 +30,7 @@ mod fit;
 mod linear;
 mod methods;
 mod model;
+pub mod nest;
 pub mod page;
 mod prediction;
 pub mod recorded;

@@ -48,7 +48,8 @@ pub fn prepare_cycle(path: &Path, cycle: &Path) -> anyhow::Result<Prepared> {
     with_files(Config { cycle: cycle.into(), ..Config::parse(path, &text)? }, text)
 }
 
-fn with_files(config: Config, text: String) -> anyhow::Result<Prepared> {
+/// A configuration with the files that it names.
+pub fn with_files(config: Config, text: String) -> anyhow::Result<Prepared> {
     let cycle_text = load::read(&config.cycle)?;
     let cycle = Cycle::parse(&config.cycle.display().to_string(), &cycle_text)?;
     let machine = load::machine(&cycle.machine)?;

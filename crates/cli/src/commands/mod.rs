@@ -2,6 +2,7 @@
 
 pub mod add;
 pub mod attribute;
+pub mod calibrate_nest;
 pub mod check;
 pub mod check_config;
 pub mod compare;
@@ -23,5 +24,7 @@ pub mod record;
 pub mod remove;
 pub mod replay;
 pub mod scrub;
+mod setting_up;
 pub mod simulate;
 pub mod volumetric;
+pub mod watch;

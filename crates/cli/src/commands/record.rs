@@ -7,11 +7,13 @@ use crate::terminal;
 use anyhow::Context;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use trunnion::results::Verdict;
 use trunnion_core::Clock;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::daemon::{self, NewRun, Recorded};
+use trunnion_service::latest::{Latest, Mounted, Readiness};
 use trunnion_service::live::{CycleBounds, Live, check};
 
 /// Record one cycle, analyse it, and end
@@ -48,7 +50,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 async fn record(prepared: &Prepared, clock: Arc<dyn Clock>) -> anyhow::Result<Recorded> {
     let Prepared { config, plan, texts, .. } = prepared;
-    check(plan)?;
+    let needed = check(plan)?;
     let cancel = CancellationToken::new();
     let stop = cancel.clone();
     tokio::spawn(async move {
@@ -60,12 +62,30 @@ async fn record(prepared: &Prepared, clock: Arc<dyn Clock>) -> anyhow::Result<Re
     let bounds = CycleBounds::new(config.cycle_start.clone()).with_first_pose(plan.first_pose());
     let name = daemon::free_name(&config.recordings, &plan.cycle.name, clock.wall_ns());
     let mut live = Live::start(config.devices.clone(), bounds, clock, cancel);
+    live.latest().set_mounted(Mounted::of(plan));
     terminal::remark(&format!("waiting for {}", config.cycle_start.about()));
-    let start = live.wait_for_start().await.context("stopped before the cycle began")?;
+    let ready = tokio::spawn(say_readiness(live.latest().clone(), needed));
+    let start = live.wait_for_start().await.context("stopped before the cycle began");
+    ready.abort();
+    let start = start?;
     let run = NewRun { plan, texts, folder: &config.recordings, name: &name };
     let mut bar = ProgressBar::new(false);
     let recorded = daemon::record_cycle(&run, &mut live, start, &mut |progress| bar.show(progress)).await;
     bar.clear();
     live.stop().await;
     Ok(recorded?)
+}
+
+/// Says on standard error what stands against the cycle, before its first pose.
+async fn say_readiness(latest: Latest, needed: Vec<u16>) {
+    let mut readiness = Readiness::default();
+    let mut second = tokio::time::interval(Duration::from_secs(1));
+    loop {
+        second.tick().await;
+        match readiness.changed(&latest, &needed) {
+            None => {}
+            Some(why) if why.is_empty() => terminal::remark("every channel reads and is at its centre"),
+            Some(why) => why.iter().for_each(|why| terminal::remark(&format!("not ready: {why}"))),
+        }
+    }
 }

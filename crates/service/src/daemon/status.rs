@@ -1,6 +1,6 @@
 //! What the service reports of itself: the board's `status` and systemd.
 
-use crate::latest::Latest;
+use crate::latest::{Latest, Readiness};
 use crate::mqtt::Board;
 use serde_json::json;
 use std::time::Duration;
@@ -46,13 +46,23 @@ pub async fn publish_status(
     }
 }
 
-/// Publishes the latest values once a second; the board keeps the newest alone, however slow the broker is.
-pub(super) async fn publish_live(latest: Latest, board: Board, cancel: CancellationToken) {
+/// Publishes the latest values once a second, and whether a cycle may begin when that changes; the board keeps the newest alone,
+/// however slow the broker is.
+pub(super) async fn publish_live(latest: Latest, needed: Vec<u16>, board: Board, cancel: CancellationToken) {
+    let mut readiness = Readiness::default();
     let mut period = tokio::time::interval(STATUS_PERIOD);
     loop {
         tokio::select! {
             () = cancel.cancelled() => return,
             _ = period.tick() => {}
+        }
+        if let Some(why) = readiness.changed(&latest, &needed) {
+            match why.is_empty() {
+                true => tracing::info!("every channel of the cycle reads and is at its centre"),
+                false => why.iter().for_each(|why| tracing::warn!("not ready for a cycle: {why}")),
+            }
+            let words: Vec<String> = why.iter().map(ToString::to_string).collect();
+            board.set("ready", &json!({ "ready": words.is_empty(), "why": words }));
         }
         match serde_json::to_value(latest.snapshot()) {
             Ok(live) => board.set("live", &live),

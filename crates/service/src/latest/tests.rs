@@ -78,7 +78,7 @@ impl Bench {
             held: false,
             skew_ns: 0,
         };
-        self.latest.take(&Message { device: 3, epoch: 1, reading: Reading::Axes(reading) });
+        self.latest.take(&Message { device: 2, epoch: 1, reading: Reading::Axes(reading) });
     }
 
     fn mounted(&self) {
@@ -133,4 +133,23 @@ fn a_probe_that_keeps_one_number_while_others_tremble_is_stuck_and_coarse_ones_a
     let zones: Vec<Zone> = live.probes.iter().map(|probe| probe.zone).collect();
     assert_eq!(zones, [Zone::Centre, Zone::Stuck, Zone::Centre]);
     assert!(live.say.contains("p2: its number has not changed for 6 s while that of p1 did"), "{live:?}");
+}
+
+#[test]
+fn what_stands_against_a_cycle_is_said_once_and_again_when_it_changes() {
+    let bench = Bench::new();
+    let mut readiness = Readiness::default();
+    let needed = [0, 1, 2];
+    let mut asked = |value_mm: f64| {
+        bench.read(1, |channel, k| if channel == 1 { value_mm } else { 1.0 + 1e-4 * f64::from(k) });
+        let changed = readiness.changed(&bench.latest, &needed);
+        changed.map(|why| why.iter().map(|why| (why.source.clone(), why.zone)).collect::<Vec<_>>())
+    };
+    assert_eq!(asked(1.99), None, "devices may still be connecting");
+    (0..2).for_each(|_| assert_eq!(asked(1.99), None));
+    assert_eq!(asked(1.99), Some(vec![("p2".into(), Zone::NearEnd)]));
+    assert_eq!(asked(1.98), None, "the same, with another number");
+    assert_eq!(asked(1.0), Some(vec![]));
+    bench.latest.set_cycle(Some(("c", Progress { done: 0, total: 3, seconds_left: None })));
+    assert_eq!(asked(1.99), None, "a cycle moves the probes");
 }
