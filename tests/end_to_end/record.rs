@@ -93,10 +93,11 @@ async fn a_cycle_that_is_reset_is_kept_counted_and_not_judged() {
         let bytes = std::fs::read(path).unwrap();
         assert!(!bytes.windows(SECRET.len()).any(|bytes| bytes == SECRET.as_bytes()), "{}", path.display());
     }
-    let recording =
-        written.iter().find(|path| path.extension().is_some_and(|ending| ending == "mcap")).unwrap();
-    let config = trunnion_record::read_header(recording).unwrap().config_text;
+    let run = written.iter().find(|path| path.extension().is_some_and(|ending| ending == "mcap")).unwrap();
+    let config = trunnion_record::read_header(run).unwrap().config_text;
     assert!(config.contains("user = \"cell\"") && !config.contains(SECRET), "{config}");
+    exports(run, stations.len(), read);
+    forms_again(run, read);
 }
 
 const SECRET: &str = "hunter2";
@@ -111,4 +112,57 @@ password = \"hunter2\"
 fn walk(folder: &Path) -> Vec<std::path::PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     entries.flat_map(|path| if path.is_dir() { walk(&path) } else { vec![path] }).collect()
+}
+
+fn trunnion(args: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let output = command.args(args).env("COLUMNS", "1000").output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+/// Every part of the recording is a table.
+fn exports(run: &Path, planned: usize, read: usize) {
+    let part = |what: &str| {
+        let (code, table, said) = trunnion(&["export", "csv", run.to_str().unwrap(), "--what", what]);
+        assert!(matches!(code, Some(0 | 3)), "{what}: {said}");
+        table
+    };
+    let rows = |table: &str| table.lines().count() - 1;
+    let every = part("every-point");
+    assert_eq!(rows(&every), planned);
+    assert_eq!(every.lines().filter(|line| line.ends_with(",good")).count(), read, "{every}");
+    assert!(every.lines().next().unwrap().ends_with(",quality") && every.contains(",no-reading"));
+    assert!(!every.contains("NaN"));
+    assert_eq!(rows(&part("points")), read);
+    let samples = part("samples");
+    assert!(samples.starts_with("time_s,probe,device_ticks,raw,value_um\n") && samples.contains(",probe-3,"));
+    assert!(rows(&samples) > 1000, "{} samples in seconds at 1 kHz", rows(&samples));
+    let axes = part("axes");
+    assert!(axes.starts_with("time_s,x_mm,y_mm,z_mm,b_deg,c_deg\n") && rows(&axes) > 100);
+    let residuals = part("residuals");
+    assert!(residuals.starts_with("setup,time_s,x_mm,y_mm,z_mm,b_deg,c_deg,measured_1_um"), "{residuals}");
+    assert_eq!(rows(&residuals), read);
+    for line in residuals.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').skip(7).map(|cell| cell.parse().unwrap()).collect();
+        for k in 0..3 {
+            assert!((cells[k] - cells[3 + k] - cells[6 + k]).abs() < 2e-4, "{line}");
+        }
+    }
+}
+
+/// The points of the samples under other settings.
+fn forms_again(run: &Path, read: usize) {
+    let replay = |form: &str| trunnion(&["replay", run.to_str().unwrap(), "--form", form]);
+    let (_, identification, said) = replay("settle.window_s=0.05");
+    let again = identification.split("\"complete\"").nth(1).unwrap_or_else(|| panic!("{said}"));
+    let again = again.split("\"read\": ").nth(1).unwrap().split(',').next().unwrap();
+    let again: usize = again.parse().unwrap();
+    assert!(again + 2 >= read, "a shorter window settles as often: {again} of {read}");
+    let (code, _, said) = replay("settle.noise_um=0.01");
+    assert_eq!(code, Some(1), "nothing is as quiet as that: {said}");
+    let (code, _, said) = replay("settle.windw_s=0.05");
+    assert!(code == Some(1) && said.contains("windw_s"), "{said}");
+    let (code, _, said) = replay("settle");
+    assert!(code == Some(1) && said.contains("KEY=VALUE"), "{said}");
 }

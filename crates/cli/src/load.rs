@@ -5,7 +5,7 @@ use crate::terminal;
 use anyhow::bail;
 use std::path::{Path, PathBuf};
 use trunnion::results::Plausibility;
-use trunnion::{Experiment, Limits, Model};
+use trunnion::{Experiment, Form, Limits, Model};
 
 pub use trunnion::files::{machine, machine_text, read};
 
@@ -115,10 +115,20 @@ pub fn runs_for_method(args: &RunArgs) -> anyhow::Result<Loaded> {
 fn reduced_runs(args: &RunArgs, usual_blocks: usize) -> anyhow::Result<Loaded> {
     let limits = Limits { most_blocks: args.blocks.unwrap_or(usual_blocks), ..Limits::default() };
     args.runs.iter().try_for_each(|path| no_points_file(path))?;
-    let experiment = trunnion::open_with(&args.runs, limits)?;
+    Ok(stated(trunnion::open_with(&args.runs, limits)?))
+}
+
+/// Opens a recording with its points formed again from its samples.
+pub fn formed(run: &Path, form: &Form) -> anyhow::Result<Loaded> {
+    no_points_file(run)?;
+    Ok(stated(trunnion::open_formed(run, Limits::default(), form)?))
+}
+
+/// What was opened, with its reductions and damage on standard error.
+fn stated(experiment: Experiment) -> Loaded {
     experiment.reductions().iter().chain(experiment.damage()).for_each(|text| terminal::remark(text));
     let outcome = if experiment.damage().is_empty() { Outcome::Done } else { Outcome::DataLoss };
-    Ok(Loaded { experiment, outcome })
+    Loaded { experiment, outcome }
 }
 
 /// Reports damage of a file.

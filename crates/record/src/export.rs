@@ -25,6 +25,25 @@ pub fn points_csv_with_axes(run: &Run, axes: &[AxisSample]) -> String {
     table.text()
 }
 
+/// Every point of a run, the unsettled and those without a reading too: the columns of [`points_csv`] and `quality`, which is `good`,
+/// `unsettled` or `no-reading`. A reading that is none is empty.
+pub fn every_point_csv(run: &Run) -> String {
+    let columns = columns(run, &[]);
+    let names = columns.iter().map(Column::name).chain(["quality".into()]);
+    let mut table = Table::with_header(&names.collect::<Vec<_>>());
+    for point in &run.points {
+        let cells = columns.iter().map(|column| cell(run, column, point, None));
+        let known = cells.map(|cell| if cell == "NaN" { String::new() } else { cell });
+        let quality = match point.quality {
+            Quality::Good => "good",
+            Quality::Unsettled => "unsettled",
+            Quality::NoReading => "no-reading",
+        };
+        table.row(known.chain([quality.into()]));
+    }
+    table.text()
+}
+
 fn columns(run: &Run, axes: &[AxisSample]) -> Vec<Column> {
     let (joints, moves) = (run.machine.joints(), run.kind == RunKind::OnTheFly);
     let kinds = run.setups.iter().map(|setup| setup.instrument);

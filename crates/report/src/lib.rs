@@ -10,6 +10,7 @@ mod findings;
 mod html;
 mod markup;
 
+mod residuals;
 mod story;
 mod svg;
 mod text;
@@ -21,6 +22,7 @@ mod words;
 use trunnion_results::number;
 
 pub use html::{STYLE, compare_html, findings_html, ladder_html, trial_html, volumetric_html};
+pub use residuals::residuals_csv;
 pub use story::story;
 pub use text::{
     axis_errors_text, check_text, compare_text, diagnosis_text, findings_text, identification_text,

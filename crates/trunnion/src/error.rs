@@ -96,6 +96,20 @@ pub enum Error {
     /// Steps or readings that calibrate no nest.
     #[error("the nest cannot be calibrated")]
     Nest(#[source] Box<trunnion_sync::nest::NestError>),
+    /// A setting for forming points that nothing takes.
+    #[error(
+        "cannot form points with {option}; allowed: KEY=VALUE of the cycle, e.g. settle.window_s=0.3, or nest.probe_1=[1, 0, 0]"
+    )]
+    FormOption {
+        /// As asked.
+        option: String,
+    },
+    /// A recording whose points cannot be formed again.
+    #[error("{} holds no samples with the cycle that they were taken in; its points are all there is", path.display())]
+    NoSamples {
+        /// The file.
+        path: PathBuf,
+    },
     /// A named method cannot be applied.
     #[error(transparent)]
     Method(Box<trunnion_methods::recipes::MethodError>),

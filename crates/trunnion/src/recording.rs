@@ -56,6 +56,36 @@ pub fn read(
     let forming = plan
         .filter(|plan| plan.cycle.run_kind() == RunKind::OnTheFly)
         .and_then(|plan| Forming::new(&plan, header.temperature_channels.len()).ok());
+    gather(path, header, machine, limits, (forming, timing))
+}
+
+/// The same with the points formed again whatever the cycle, by what the header says now; `None` where it holds no cycle or
+/// the recording no stamped samples.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_again(
+    path: &Path,
+    header: RunHeader,
+    machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
+    limits: Option<Limits>,
+) -> Result<Option<Recording>, RecordError> {
+    let Some(plan) = crate::recorded::plan_of(&header) else { return Ok(None) };
+    let Some(timing) = timing::survey(path, Some(&plan))? else { return Ok(None) };
+    let Ok(mut forming) = Forming::new(&plan, header.temperature_channels.len()) else { return Ok(None) };
+    // Standing still is not the end: what ended the run is over, and a program that waited went on.
+    forming.set_held(true);
+    gather(path, header, machine, limits, (Some(forming), Some(timing))).map(Some)
+}
+
+/// Points of one thread that unpacks become those of a recording.
+fn gather(
+    path: &Path,
+    header: RunHeader,
+    machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
+    limits: Option<Limits>,
+    (forming, timing): (Option<Forming>, Option<Timing>),
+) -> Result<Recording, RecordError> {
     let (send, batches) = mpsc::sync_channel::<Batch>(QUEUE);
     let of_header = header.machine().and_then(Result::ok).or_else(|| machine(&header.machine_name));
     let planned = of_header.and_then(|machine| Planned::of(&header, &machine));

@@ -83,6 +83,68 @@ pub fn export_csv(path: &Path) -> Result<(String, Option<String>), Error> {
     Ok((trunnion_record::export::points_csv_with_axes(&recording.run, &axes), damage))
 }
 
+/// What of a recording is exported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exported {
+    /// Good points, as they are imported.
+    Points,
+    /// Points of every quality.
+    EveryPoint,
+    /// Samples of the probes as the devices sent them.
+    Samples,
+    /// Positions of the axes.
+    Axes,
+}
+
+impl Exported {
+    /// Every kind with its name.
+    pub const NAMES: [(&'static str, Self); 4] = [
+        ("points", Self::Points),
+        ("every-point", Self::EveryPoint),
+        ("samples", Self::Samples),
+        ("axes", Self::Axes),
+    ];
+}
+
+/// A part of a recording as a table; and what is wrong with the file.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn export(path: &Path, what: Exported) -> Result<(String, Option<String>), Error> {
+    let damaged = |damage: Option<trunnion_record::Damage>| {
+        damage.map(|damage| format!("{}: {damage}", path.display()))
+    };
+    match what {
+        Exported::Points => export_csv(path),
+        Exported::EveryPoint => {
+            let recording = read(path, None)?;
+            let table = trunnion_record::export::every_point_csv(&recording.run);
+            Ok((table, damaged(recording.damage)))
+        }
+        Exported::Samples | Exported::Axes => {
+            let (mut probes, mut axes) = (Vec::new(), Vec::new());
+            let (header, damage) = trunnion_record::visit_samples(path, &mut |item| {
+                match item {
+                    Item::Probe(sample) if what == Exported::Samples => probes.push(sample),
+                    Item::Axes(sample) if what == Exported::Axes => axes.push(sample),
+                    _ => {}
+                }
+                true
+            })
+            .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
+            let table = match what {
+                Exported::Samples => trunnion_record::export::probe_samples_csv(&header, &probes),
+                _ => {
+                    let named = || files::machine(&header.machine_name);
+                    let machine = header.machine().and_then(Result::ok).map_or_else(named, Ok)?;
+                    trunnion_record::export::axis_samples_csv(&machine.joints(), &axes)
+                }
+            };
+            Ok((table, damaged(damage)))
+        }
+    }
+}
+
 /// Writes a run whole as a recording, with the texts of its machine and cycle and the positions of its axes, where they are
 /// known.
 ///

@@ -5,11 +5,14 @@ use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use anyhow::Context;
 use std::path::PathBuf;
+use trunnion::Form;
 use trunnion::results::{Verdict, to_json};
 
 /// Analyse a recording again; writes the same bytes as the live run did
 ///
-/// Example: trunnion replay run.mcap --output again/
+/// With --form its points are formed from the samples again, by other settings of its cycle or other directions of its nest.
+///
+/// Example: trunnion replay run.mcap --output again/ --form settle.window_s=0.3
 #[derive(clap::Args)]
 pub struct Args {
     /// Recording
@@ -17,13 +20,19 @@ pub struct Args {
     run: PathBuf,
     #[command(flatten)]
     model: ModelArgs,
+    /// Form the points again with this key of the cycle, or of the nest, changed (may be given several times)
+    #[arg(long, value_name = "KEY=VALUE")]
+    form: Vec<String>,
     /// Folder for NAME.identification.json and NAME.diagnosis.json; without it, standard output
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let Loaded { experiment, outcome } = load::runs(&load::RunArgs::of(vec![args.run.clone()]))?;
+    let Loaded { experiment, outcome } = match args.form.is_empty() {
+        true => load::runs(&load::RunArgs::of(vec![args.run.clone()]))?,
+        false => load::formed(&args.run, &Form::parse(&args.form)?)?,
+    };
     let model = args.model.model(&experiment)?;
     let analysed = experiment.analyse(&model, "")?;
     let identification = to_json(&analysed.fit().results())?;
