@@ -1,12 +1,14 @@
 //! Setting up at the machine: `trunnion watch`, `trunnion calibrate-nest` and the sign test, against virtual devices on real ports.
 
 use serde_json::Value;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::sync::Arc;
+use std::time::Duration;
 use trunnion_core::{AxisValues, Joint, State};
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
-use trunnion_hil_sim::devices::{SimulatedCell, World, cell};
+use trunnion_hil_sim::devices::{Fault, SimulatedCell, World, cell};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
 use trunnion_service::config::Config;
 
@@ -39,6 +41,16 @@ fn stepping() -> SimulatedCell {
         [0, 1, 2].map(|k| BALL_MM[k] + moved[k])
     };
     SimulatedCell { deflection_mm: Box::new(ball), probe_directions: DIRECTIONS, noise_mm: 0.2e-3, ..along }
+}
+
+/// The machine stands.
+fn standing() -> SimulatedCell {
+    let steps = vec![Step::Dwell { duration_s: 600.0 }];
+    let program = Program { start: AxisValues::default(), steps };
+    SimulatedCell {
+        probe_directions: DIRECTIONS,
+        ..SimulatedCell::along(Trajectory::compile(&program).unwrap())
+    }
 }
 
 async fn floor(folder: &Path, world: impl World + 'static) -> (Cell, String) {
@@ -90,17 +102,7 @@ fn text(bytes: &[u8]) -> String {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn watch_shows_probes_ball_axes_and_what_is_missing() {
     let folder = tempfile::tempdir().unwrap();
-    let still = SimulatedCell {
-        deflection_mm: Box::new(|_| BALL_MM),
-        probe_directions: DIRECTIONS,
-        ..SimulatedCell::along(
-            Trajectory::compile(&Program {
-                start: AxisValues::default(),
-                steps: vec![Step::Dwell { duration_s: 600.0 }],
-            })
-            .unwrap(),
-        )
-    };
+    let still = SimulatedCell { deflection_mm: Box::new(|_| BALL_MM), ..standing() };
     let (cell, url) = floor(folder.path(), still).await;
     let config = configure(folder.path(), &url, Some(DIRECTIONS));
     let output = trunnion(&["watch", "--config", &config, "--seconds", "8.5", "--json"]).await;
@@ -166,6 +168,43 @@ async fn the_nest_is_calibrated_live_and_a_turned_probe_is_named() {
     let output = signs([DIRECTIONS[0], turned, DIRECTIONS[2]]).await;
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stdout).contains("probe-2 is turned"), "{}", text(&output.stdout));
+    cell.shutdown().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_probe_out_of_place_and_one_that_is_away_are_said_before_the_cycle_begins() {
+    let folder = tempfile::tempdir().unwrap();
+    // The ball presses the first probe to the end of its range; the third is unplugged.
+    let pressed = DIRECTIONS[0].map(|part| 0.97 * part);
+    let still = SimulatedCell { deflection_mm: Box::new(move |_| pressed), ..standing() };
+    let (cell, url) = floor(folder.path(), still).await;
+    cell.probes[2].inject(Fault::Unplug { duration_s: 600.0 }).unwrap();
+    let config = configure(folder.path(), &url, Some(DIRECTIONS));
+    let text = std::fs::read_to_string(&config).unwrap();
+    std::fs::write(&config, text.replace("[nest]", "[cycle_start]\nby = \"motion\"\n[nest]")).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    command.args(["record", folder.path().join("c.toml").to_str().unwrap(), "--config", &config]);
+    let mut child = command.env("COLUMNS", "1000").stderr(Stdio::piped()).spawn().unwrap();
+    let stderr = child.stderr.take().unwrap();
+    let (send, mut said) = tokio::sync::mpsc::unbounded_channel();
+    std::thread::spawn(move || {
+        BufReader::new(stderr).lines().map_while(Result::ok).all(|line| send.send(line).is_ok())
+    });
+    let mut lines = Vec::new();
+    let expected = [
+        "not ready: probe-1: +0.97 mm from its centre, near the end",
+        "not ready: probe-3: ",
+        "not ready: room: ",
+    ];
+    let all_said = async {
+        while !expected.iter().all(|words| lines.iter().any(|line: &String| line.contains(words))) {
+            lines.push(said.recv().await.expect("the command waits for its cycle"));
+        }
+    };
+    let waited = tokio::time::timeout(Duration::from_secs(60), all_said).await;
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(waited.is_ok(), "{lines:#?}");
     cell.shutdown().await;
 }
 

@@ -84,7 +84,7 @@ async fn say_readiness(latest: Latest, needed: Vec<u16>) {
         second.tick().await;
         match readiness.changed(&latest, &needed) {
             None => {}
-            Some(why) if why.is_empty() => terminal::remark("every channel reads and is at its centre"),
+            Some([]) => terminal::remark("every channel reads and is at its centre"),
             Some(why) => why.iter().for_each(|why| terminal::remark(&format!("not ready: {why}"))),
         }
     }
