@@ -5,7 +5,7 @@ use super::{Shared, assets, live};
 use crate::daemon::day;
 use axum::extract::rejection::JsonRejection;
 use axum::extract::{Path, State};
-use axum::http::StatusCode;
+use axum::http::{StatusCode, Uri};
 use axum::response::Response;
 use axum::routing::{get, post};
 use axum::{Json, Router};
@@ -47,7 +47,7 @@ pub fn routes(shared: Arc<Shared>, cancel: CancellationToken) -> Router {
         .route("/api/runs/{name}/linear", get(linear))
         .route("/api/runs/{name}/model/{effect}", post(add).delete(remove))
         .route("/api/formula", post(formula))
-        .fallback(|| async { Refusal::Wrong("there is no such call; docs/use/page.md lists them".into()) })
+        .fallback(|uri: Uri| async move { Refusal::Unknown { what: "call", name: uri.path().into() } })
         .with_state(page)
 }
 

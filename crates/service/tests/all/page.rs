@@ -10,6 +10,7 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio_util::sync::CancellationToken;
 use trunnion::results::Serves;
 use trunnion_service::clock::SystemClock;
+use trunnion_service::config::Config;
 use trunnion_service::mqtt::Board;
 use trunnion_service::page::{AddressError, Runs, Shared, address, serve};
 
@@ -108,7 +109,7 @@ async fn every_attempt_is_refused_and_the_model_stays_as_it_is() {
         ("a file next to the runs", "GET /api/runs/secret", "", "", 404),
         ("a zero byte", "GET /api/runs/points-gravity%00", "", "", 404),
         ("an asset upwards", "GET /assets/..%2f..%2fCargo.toml", "", "", 404),
-        ("a path upwards, plain", "GET /assets/../../../../etc/passwd", "", "", 400),
+        ("a path upwards, plain", "GET /assets/../../../../etc/passwd", "", "", 404),
         ("a large body", ADD, OWN, &large, 400),
         ("no name", ADD, OWN, r#"{"by":" "}"#, 400),
         ("a long name", ADD, OWN, &long, 400),
@@ -116,7 +117,7 @@ async fn every_attempt_is_refused_and_the_model_stays_as_it_is() {
         ("another key", ADD, OWN, r#"{"by":"a","path":"/etc/passwd"}"#, 400),
         ("no JSON", ADD, OWN, "by=a", 400),
         ("an effect that is none", "POST /api/runs/points-gravity/model/..%2fx", OWN, by, 422),
-        ("no such call", "POST /api/run-command", OWN, by, 400),
+        ("no such call", "POST /api/run-command", OWN, by, 404),
     ];
     for (name, line, headers, body, expected) in attempts {
         let (status, answer) = page.ask(line, headers, body).await;
@@ -226,4 +227,9 @@ fn only_addresses_of_this_computer_are_listened_on() {
         let expected = |error: &AddressError| matches!(error, AddressError::NoAddress(_)) == refused;
         assert!(address(text).is_err_and(|error| expected(&error)), "{text}");
     }
+    let config = include_str!("../../../../config/trunnion.toml");
+    let parsed = |text: &str| Config::parse(Path::new("trunnion.toml"), text);
+    assert_eq!(parsed(config).unwrap().page, Some("127.0.0.1:8460".parse().unwrap()));
+    let problems = parsed(&config.replace("127.0.0.1:8460", "0.0.0.0:8460")).unwrap_err().to_string();
+    assert!(problems.contains("page.listen 0.0.0.0:8460 can be reached from other computers"), "{problems}");
 }

@@ -11,6 +11,12 @@ export function el(tag, attributes = {}, ...children) {
   return made;
 }
 
+// About three digits, as the program writes its figures.
+export function plain(value) {
+  const size = Math.abs(value);
+  return (size >= 99.95 ? value.toFixed(0) : size >= 9.995 ? value.toFixed(1) : value.toFixed(2)).replace("-", "−");
+}
+
 export const paragraphs = (texts) => texts.map((text) => el("p", {}, text));
 
 export function list(texts, attributes = {}) {

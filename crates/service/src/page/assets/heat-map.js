@@ -1,6 +1,6 @@
 // A map over two rotary axes: orange where the value is positive, blue where it is negative, hatched where nothing was read.
 
-import { colour, el } from "./dom.js";
+import { colour, el, plain } from "./dom.js";
 
 const CELL = 28;
 const EDGE = { left: 52, top: 8, right: 8, bottom: 40 };
@@ -77,7 +77,7 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "�
     show(now, limitNow) {
       [values, limit] = [now, limitNow || 1];
       canvas.setAttribute("aria-label", `${title}: ${summary(rows, columns, values, rowsName, columnsName, unit)}`);
-      scaleLine.textContent = `Full colour: ${limit.toPrecision(2)} ${unit}; orange positive, blue negative.`;
+      scaleLine.textContent = `Full colour: ${plain(limit)} ${unit}; orange positive, blue negative.`;
       draw();
     },
   };
@@ -94,7 +94,7 @@ function summary(rows, columns, values, rowsName, columnsName, unit) {
 
 export const degrees = (value) => `${String(value).replace("-", "−")}°`;
 
-export const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value).toPrecision(3)}`;
+export const signed = (value) => `${value < 0 ? "−" : "+"}${plain(Math.abs(value))}`;
 
 // Positions at which an axis was read; sectors of 10° where it was read while turning, as in the report.
 export function stations(values) {

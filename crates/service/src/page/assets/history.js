@@ -1,7 +1,7 @@
 // The runs of the folder: residual, verdict and location errors over time.
 
 import * as calls from "./calls.js";
-import { colour, el, notice } from "./dom.js";
+import { colour, el, notice, plain } from "./dom.js";
 
 export async function make(page) {
   await page.reload();
@@ -43,7 +43,7 @@ function table(page, runs) {
     const { found } = run;
     const verdict = found ? [VERDICTS[found.verdict] ?? found.verdict, found.candidate].filter(Boolean).join(": ") : run.trouble || "not analysed yet";
     return el("tr", {}, el("td", {}, pick), el("td", {}, run.began || "—"), el("td", {}, run.machine || "—"),
-      el("td", { class: "n" }, found ? `${found.rms_um.toPrecision(3)} µm` : "—"), el("td", {}, verdict),
+      el("td", { class: "n" }, found ? `${plain(found.rms_um)} µm` : "—"), el("td", {}, verdict),
       el("td", {}, found ? found.effects.slice(2).join(", ") || "none" : "—"));
   };
   const head = ["run", "began", "machine", "residual, rms", "verdict", "effects added"].map((text) => el("th", { scope: "col" }, text));
@@ -77,7 +77,7 @@ function draw(runs, parameter) {
 }
 
 function chart(title, x, dated, series) {
-  const place = el("div", { class: "chart", role: "img", "aria-label": `${title}: ${series[0].values.map((value) => (value == null ? "—" : value.toPrecision(3))).join(", ")}` });
+  const place = el("div", { class: "chart", role: "img", "aria-label": `${title}: ${series[0].values.map((value) => (value == null ? "—" : plain(value))).join(", ")}` });
   const numbers = dated ? {} : { incrs: [1, 2, 5, 10, 20, 50, 100, 200] };
   const axis = { stroke: colour("--ink"), grid: { stroke: colour("--line"), width: 1 } };
   requestAnimationFrame(() => {

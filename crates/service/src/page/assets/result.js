@@ -18,10 +18,11 @@ export async function make(page) {
   if (!page.run) {
     return [el("h1", {}, "No recording yet"), el("p", {}, "A recording appears here when its cycle ends."), measureLink()];
   }
-  notice(page.known === page.run ? "" : `Analysing ${page.run} …`);
+  const known = page.known === page.run;
+  if (!known) notice(`Analysing ${page.run} …`);
   const story = await calls.story(page.run);
   page.known = page.run;
-  notice("");
+  if (!known) notice("");
   return parts(page, story);
 }
 

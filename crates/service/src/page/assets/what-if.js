@@ -1,8 +1,8 @@
 // Effects on and off: the residual is the measured one less columns · (values chosen − values of the model).
 
 import * as calls from "./calls.js";
-import { el, fold, notice } from "./dom.js";
-import { heatMap, nearest, signed, stations } from "./heat-map.js";
+import { el, fold, notice, plain } from "./dom.js";
+import { degrees, heatMap, nearest, signed, stations } from "./heat-map.js";
 
 export async function make(page) {
   if (!page.run) return [el("h1", {}, "What if"), el("p", {}, "There is no recording yet.")];
@@ -105,7 +105,7 @@ function compute(state, shown) {
     }
   });
   const rms = Math.sqrt(sum / count);
-  shown.figure.textContent = count ? `${rms.toPrecision(3)} µm` : "—";
+  shown.figure.textContent = count ? `${plain(rms)} µm` : "—";
   shown.figure.dataset.um = rms;
   const whole = takes.every(Boolean);
   shown.remark.textContent = !whole ? "Of the chosen setups and directions."
@@ -141,7 +141,7 @@ function fillTable({ linear, firstRow, residual }, takes, body) {
   const worst = linear.points.map((_, i) => i).filter((i) => takes[i]).map((i) => [size(i), i]).sort((a, b) => b[0] - a[0]).slice(0, LISTED);
   body.replaceChildren(...worst.map(([, i]) => {
     const point = linear.points[i];
-    const pose = linear.axes.map((axis, k) => (axis.rotary ? `${axis.name} ${Number(point.position[k].toFixed(3))}°` : null)).filter(Boolean).join(" ");
+    const pose = linear.axes.map((axis, k) => (axis.rotary ? `${axis.name} ${degrees(Number(point.position[k].toFixed(3)))}` : null)).filter(Boolean).join(" ");
     const setup = linear.setups[point.setup];
     const values = setup.components.map((name, k) => `${name} ${signed(residual[firstRow[i] + k])}`).join("  ");
     return el("tr", {}, el("td", {}, pose), el("td", {}, setup.name), el("td", {}, values), el("td", { class: "n" }, point.time_s == null ? "—" : point.time_s.toFixed(1)));
