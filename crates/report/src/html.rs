@@ -18,7 +18,7 @@ mod volumetric;
 
 use crate::markup::{element, escape};
 use crate::number::um;
-use trunnion_results::sentences::complete;
+use trunnion_results::sentences::{complete, samples};
 use trunnion_results::{Comparison, ErrorMap, Findings, Ladder, Trial, Volumetric};
 
 /// The style of every page.
@@ -121,7 +121,8 @@ fn losses(input: &Comparison) -> String {
         let all = found
             .planned
             .map_or_else(String::new, |planned| format!("All {planned} planned points were read. "));
-        format!("<p>{all}Nothing is missing from the recording, and no point was excluded.</p>")
+        let used: String = found.samples.iter().map(|run| element("p", &samples(run))).collect();
+        format!("<p>{all}Nothing is missing from the recording, and no point was excluded.</p>{used}")
     } else {
         format!(
             "<ul class=\"warn\">{}</ul>",

@@ -2,9 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trunnion_sync::SampleCounts;
 
 /// Points planned, read, missing and excluded.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Complete {
     /// Points that the recorded cycles ask for; null where no run says what was planned.
     pub planned: Option<usize>,
@@ -14,6 +15,37 @@ pub struct Complete {
     pub missing: Vec<Missing>,
     /// Points that were read and do not take part.
     pub excluded: Vec<Excluded>,
+    /// What became of the samples of runs on the fly that hold their samples.
+    #[serde(default)]
+    pub samples: Vec<Samples>,
+}
+
+/// Samples of a run on the fly, taken inside the span of its cycle while the machine went the way of a pass.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Samples {
+    /// Name of the run.
+    pub run: String,
+    /// How many there are.
+    pub all: u64,
+    /// Those that became points.
+    pub used: u64,
+    /// Their share of all.
+    pub share_used: f64,
+    /// Jitter of the stamps of the axes, ms (rms).
+    pub jitter_ms: f64,
+    /// Those that became none.
+    pub excluded: Vec<ExcludedSamples>,
+}
+
+/// Samples that became no point, for one reason.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ExcludedSamples {
+    /// Why.
+    pub reason: String,
+    /// How many.
+    pub count: u64,
+    /// Their share of all.
+    pub share: f64,
 }
 
 /// Points of one setup of one run that nothing was read at.
@@ -38,6 +70,27 @@ pub struct Excluded {
     pub reason: String,
     /// How many.
     pub count: usize,
+}
+
+impl Samples {
+    /// Those of a run; `None` when it has none.
+    pub fn of(run: &str, counts: &SampleCounts) -> Option<Self> {
+        let all = counts.all();
+        let excluded = counts.excluded().into_iter().filter(|(count, _)| *count > 0);
+        let excluded = excluded.map(|(count, reason)| ExcludedSamples {
+            reason: reason.into(),
+            count,
+            share: count as f64 / all as f64,
+        });
+        Some(Self {
+            run: run.into(),
+            all,
+            used: counts.used,
+            share_used: counts.share_used()?,
+            jitter_ms: 1e3 * counts.jitter_s().unwrap_or_default(),
+            excluded: excluded.collect(),
+        })
+    }
 }
 
 impl Complete {

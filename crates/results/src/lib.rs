@@ -42,7 +42,7 @@ pub use comparison::{
     ResidualsBeforeAfter, Then, Trial, TrialFormat,
 };
 pub use compensation::{CompensationAxis, CompensationFormat, CompensationSummary, CompensationValues};
-pub use complete::{Complete, Excluded, Missing};
+pub use complete::{Complete, Excluded, ExcludedSamples, Missing, Samples};
 pub use demo::{Demo, DemoFormat, DemoStep};
 pub use devices::{CheckedDevice, DevicePlace, DevicesChecked, DevicesFormat, DevicesFound};
 pub use diagnosis::{

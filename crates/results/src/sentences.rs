@@ -3,7 +3,7 @@
 use crate::number::{degrees, plain, um, unit_on_screen};
 use crate::{
     Candidate, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Missing, Moved, Parameter,
-    PlannedCycle, Plausibility, ShapeNumber, Verdict,
+    PlannedCycle, Plausibility, Samples, ShapeNumber, Verdict,
 };
 use trunnion_effects::catalogue::effect;
 use trunnion_effects::{About, SOURCES};
@@ -30,7 +30,27 @@ pub fn complete(complete: &Complete) -> Vec<String> {
         1 => format!("1 point is excluded: {}.", part.reason),
         count => format!("{count} points are excluded: {}.", part.reason),
     });
-    read.into_iter().chain(missing).chain(excluded).collect()
+    read.into_iter().chain(missing).chain(excluded).chain(complete.samples.iter().map(samples)).collect()
+}
+
+/// What became of the samples of one run.
+pub fn samples(samples: &Samples) -> String {
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let excluded: Vec<String> = samples
+        .excluded
+        .iter()
+        .map(|part| format!("{} ({}): {}", part.count, percent(part.share), part.reason))
+        .collect();
+    let excluded =
+        if excluded.is_empty() { String::new() } else { format!(" Excluded: {}.", excluded.join("; ")) };
+    format!(
+        "{}: {} of {} samples on the fly were used ({}); the stamps of the axes jitter by {:.2} ms.{excluded}",
+        samples.run,
+        samples.used,
+        samples.all,
+        percent(samples.share_used),
+        samples.jitter_ms
+    )
 }
 
 /// Why nothing was judged: what is not plausible or not whole, the mistakes that would explain it, and what to repeat.

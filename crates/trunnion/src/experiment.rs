@@ -66,7 +66,14 @@ pub fn open_with<P: AsRef<Path>>(
 pub fn read(path: &Path, limits: Option<Limits>) -> Result<Recording, Error> {
     if path.extension().is_some_and(|ending| ending == "csv") {
         let run = read_points(path, &path.with_file_name("setup.toml"))?;
-        return Ok(Recording { run, reduction: None, planned: None, damage: None, timing: None });
+        return Ok(Recording {
+            run,
+            reduction: None,
+            planned: None,
+            damage: None,
+            timing: None,
+            samples: None,
+        });
     }
     recording::read(path, &|name| files::machine(name).ok(), limits)
         .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })
@@ -97,16 +104,20 @@ impl Experiment {
     /// No usable point, or runs of different machines.
     pub fn of_recordings(recordings: Vec<(PathBuf, Recording)>) -> Result<Self, Error> {
         let (mut runs, mut timing, mut damage, mut reductions) = (vec![], vec![], vec![], vec![]);
-        let mut planned = Vec::new();
+        let (mut planned, mut samples) = (Vec::new(), Vec::new());
         for (path, recording) in recordings {
             let named = |text: String| format!("{}: {text}", path.display());
             damage.extend(recording.damage.as_ref().map(|damage| named(damage.to_string())));
             reductions.extend(recording.reduction.map(named));
             timing.extend(recording.timing);
+            samples.extend(
+                recording.samples.and_then(|counts| results::Samples::of(&recording.run.name, &counts)),
+            );
             runs.push(recording.run);
             planned.push(recording.planned);
         }
         let (complete, not_whole) = completeness::complete(&runs, &planned);
+        let complete = results::Complete { samples, ..complete };
         let points = trunnion_engine::Experiment::new(&runs)?;
         Ok(Self {
             opened: Arc::new(Opened {

@@ -15,11 +15,11 @@ use trunnion_engine::Nominal;
 use trunnion_machine::Machine;
 use trunnion_record::{Damage, Item, RecordError, RunHeader, RunStart};
 use trunnion_sync::CycleEvent;
-use trunnion_sync::EndReason;
 use trunnion_sync::blocks::{Limits, Reducer};
 use trunnion_sync::forming::Forming;
 use trunnion_sync::stations::Stations;
 use trunnion_sync::time_quality::TimeQuality;
+use trunnion_sync::{EndReason, SampleCounts};
 
 /// A recording as read.
 pub struct Recording {
@@ -33,6 +33,8 @@ pub struct Recording {
     pub damage: Option<Damage>,
     /// How well it is known in time; `None` without stamps.
     pub timing: Option<TimeQuality>,
+    /// What became of its samples, where points were formed from them again.
+    pub samples: Option<SampleCounts>,
 }
 
 /// Points in one batch between the threads, and batches waiting.
@@ -93,15 +95,15 @@ fn gather(
     let read = std::thread::scope(|scope| {
         let unpack = scope.spawn(|| match (forming, &timing) {
             (Some(forming), Some(timing)) => form_again(path, &header, machine, forming, timing, send),
-            _ => unpack(path, machine, send),
+            _ => unpack(path, machine, send).map(|(start, damage)| (start, damage, None)),
         });
         batches.into_iter().for_each(|batch| points.take(batch));
         unpack.join().expect("a panic of the reading thread ends the program")
     });
-    let (start, damage) = read?;
+    let (start, damage, samples) = read?;
     let (points, reduction, planned) = points.finish();
     let timing = timing.map(|timing| timing.quality);
-    Ok(Recording { run: start.run(points), reduction, planned, damage, timing })
+    Ok(Recording { run: start.run(points), reduction, planned, damage, timing, samples })
 }
 
 /// Hands over the points that the samples give with the clocks of the whole run.
@@ -112,16 +114,20 @@ fn form_again(
     mut forming: Forming,
     timing: &Timing,
     send: mpsc::SyncSender<Batch>,
-) -> Result<(RunStart, Option<Damage>), RecordError> {
+) -> Result<(RunStart, Option<Damage>, Option<SampleCounts>), RecordError> {
     let start = RunStart::new(path, header.clone(), machine)?;
     let mut batches = Batches::new(send);
     batches.start = Some(start.clone());
-    let mut index = 0;
+    let (mut index, mut samples) = (0, None);
     let mut hand_over = |formed: &mut Vec<CycleEvent>| {
         for event in formed.drain(..) {
-            if let CycleEvent::Point { point, .. } = event {
-                batches.push(index, point);
-                index += 1;
+            match event {
+                CycleEvent::Point { point, .. } => {
+                    batches.push(index, point);
+                    index += 1;
+                }
+                CycleEvent::Samples { counts, .. } => samples = Some(counts),
+                CycleEvent::UnknownDwell { .. } | CycleEvent::Ended { .. } => {}
             }
         }
     };
@@ -139,7 +145,7 @@ fn form_again(
     forming.finish(EndReason::Stopped, &mut formed);
     hand_over(&mut formed);
     batches.finish();
-    Ok((start, damage))
+    Ok((start, damage, samples))
 }
 
 /// Points on their way from the file; the first batch says what run they are of.
