@@ -159,12 +159,7 @@ fn read_page(table: &Table<'_>) -> Option<SocketAddr> {
     match page::address(&listen) {
         Ok(address) => Some(address),
         Err(refused) => {
-            table.problem(
-                "listen",
-                &refused.to_string(),
-                "an address of this computer, such as 127.0.0.1:8460",
-                "",
-            );
+            table.problem("listen", refused, "an address of this computer, such as 127.0.0.1:8460", "");
             None
         }
     }

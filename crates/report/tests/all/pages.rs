@@ -56,6 +56,7 @@ fn entry() -> ModelEffect {
         id: "backlash:B".into(),
         ladder: Some(LadderRow {
             date: "2026-03-01".into(),
+            by: Some("Ada".into()),
             run: "grid".into(),
             error_before_um: 2.0,
             error_after_um: 1.0,
