@@ -6,8 +6,19 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
-use trunnion_core::Secret;
+use trunnion_acquire::config::channels;
+use trunnion_core::{AxisValues, Secret};
+use trunnion_cycles::Cycle;
+use trunnion_hil_sim::devices::cell::CellConfig;
+use trunnion_hil_sim::devices::{SimulatedCell, cell, orthogonal_nest};
+use trunnion_hil_sim::motion::{Program, Step, Trajectory};
+use trunnion_machine::shipped;
+use trunnion_service::clock::SystemClock;
+use trunnion_service::config::Config;
+use trunnion_service::daemon::{Texts, serve};
+use trunnion_service::live::Plan;
 use trunnion_service::mqtt::{Board, MqttConfig, run};
+use trunnion_tests::{SILENCE_MS, three_probes};
 
 fn free_port() -> u16 {
     let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
@@ -79,6 +90,49 @@ async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
     wait_for(port, "end", |t| t.get("trunnion/m1/status").is_some_and(|v| v["state"] == "offline")).await;
     second.kill().expect("running");
     second.wait().expect("ended");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+#[ignore = "a peer test: tests/peers/run"]
+async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
+    let port = free_port();
+    let mut broker = broker(port);
+    let folder = tempfile::tempdir().expect("a folder");
+    let steps = vec![Step::Dwell { duration_s: 600.0 }];
+    let trajectory =
+        Trajectory::compile(&Program { start: AxisValues::default(), steps }).expect("it stands");
+    // The first probe, on the nest's x side, is pressed to the end of its 2 mm.
+    let pressed = orthogonal_nest()[0].map(|part| 0.97 * part);
+    let world =
+        SimulatedCell { deflection_mm: Box::new(move |_| pressed), ..SimulatedCell::along(trajectory) };
+    let floor = CellConfig { can: None, controller: None, ..CellConfig::new(folder.path(), 0) };
+    let cell = cell::start(Arc::new(world), floor, tokio::time::Instant::now()).await.expect("it starts");
+    let tables = format!("[cycle_start]\nby = \"motion\"\n[mqtt]\nhost = \"127.0.0.1\"\nport = {port}\n");
+    let text = three_probes(folder.path(), SILENCE_MS, &tables, "");
+    let config = Config::parse(&folder.path().join("trunnion.toml"), &text).expect("it is good");
+    let cycle_text = include_str!("../../../config/cycles/demo-static.toml");
+    let cycle = Cycle::parse("c.toml", cycle_text).expect("it is good");
+    let machine = shipped::machine("table-bc").expect("it is shipped");
+    let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
+    let texts = Texts { machine: String::new(), cycle: cycle_text.into(), config: text };
+    let (clock, cancel) = (Arc::new(SystemClock::start()), CancellationToken::new());
+    let model = trunnion::Model::base("table-bc");
+    let service = tokio::spawn(serve(config, plan, texts, model, clock, cancel.clone()));
+    wait_for(port, "live", |t| {
+        let ball = |live: &serde_json::Value| live["ball_offset_mm"]["x"].as_f64();
+        let is_seen = |live| ball(live).is_some_and(|x| (x - pressed[0]).abs() < 0.01);
+        let is_said = |ready: &serde_json::Value| {
+            ready["ready"] == false
+                && ready["why"][0].as_str().is_some_and(|why| why.contains("probe-1: +0.97 mm"))
+        };
+        t.get("trunnion/m/live").is_some_and(is_seen) && t.get("trunnion/m/ready").is_some_and(is_said)
+    })
+    .await;
+    cancel.cancel();
+    service.await.expect("no panic").expect("no failure");
+    cell.shutdown().await;
+    broker.kill().expect("running");
+    broker.wait().expect("ended");
 }
 
 #[tokio::test]
