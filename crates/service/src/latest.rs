@@ -110,9 +110,10 @@ impl Latest {
         });
     }
 
-    /// True while a cycle is being measured.
-    fn is_measuring(&self) -> bool {
-        self.lock().cycle.is_some()
+    /// What stands against the next cycle; `None` while one is measured, as that moves the probes.
+    pub fn before_a_cycle(&self, needed: &[u16]) -> Option<Vec<NotReady>> {
+        let is_measuring = self.lock().cycle.is_some();
+        (!is_measuring).then(|| self.not_ready(needed))
     }
 
     /// Why a cycle that is measured with these channels should not begin: a channel without value, stuck, or out of its centre

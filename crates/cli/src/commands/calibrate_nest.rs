@@ -15,8 +15,8 @@ use trunnion_service::config::with_nest;
 
 /// Find the directions of the probes from known steps of X, Y and Z, and print the `[nest]` table
 ///
-/// Without RUN the steps are read live: with the ball in the nest and the rotary axes at rest, step each linear axis by 0.1 mm and more,
-/// both ways, and stand for a second after each step. It ends ten seconds after the last step, or by Control-C. Steps that are too few, in a
+/// Without RUN the steps are read live. Bring the ball into the nest and leave the rotary axes at rest. Step each linear axis by 0.1 mm and
+/// more, both ways; stand for a second after each step. It ends ten seconds after the last step, or by Control-C. Steps that are too few, in a
 /// plane or too small, and readings that drift or scatter, are refused with the reason. The linear axes must be right to a small share of
 /// the steps.
 ///

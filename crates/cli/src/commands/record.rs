@@ -82,7 +82,7 @@ async fn say_readiness(latest: Latest, needed: Vec<u16>) {
     let mut second = tokio::time::interval(Duration::from_secs(1));
     loop {
         second.tick().await;
-        match readiness.changed(&latest, &needed) {
+        match readiness.changed(latest.before_a_cycle(&needed)) {
             None => {}
             Some([]) => terminal::remark("every channel reads and is at its centre"),
             Some(why) => why.iter().for_each(|why| terminal::remark(&format!("not ready: {why}"))),

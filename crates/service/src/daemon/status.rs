@@ -56,7 +56,7 @@ pub(super) async fn publish_live(latest: Latest, needed: Vec<u16>, board: Board,
             () = cancel.cancelled() => return,
             _ = period.tick() => {}
         }
-        if let Some(why) = readiness.changed(&latest, &needed) {
+        if let Some(why) = readiness.changed(latest.before_a_cycle(&needed)) {
             match why.is_empty() {
                 true => tracing::info!("every channel of the cycle reads and is at its centre"),
                 false => why.iter().for_each(|why| tracing::warn!("not ready for a cycle: {why}")),

@@ -1,6 +1,5 @@
 //! Whether a cycle may begin, said when it changes.
 
-use super::Latest;
 use std::fmt;
 use trunnion::results::Zone;
 
@@ -32,13 +31,11 @@ pub struct Readiness {
 }
 
 impl Readiness {
-    /// What stands against a cycle, where that is other than what was said last; to be asked once a second.
-    pub fn changed(&mut self, latest: &Latest, needed: &[u16]) -> Option<&[NotReady]> {
+    /// What stands against a cycle `now` (as the latest values say), where that is other than what was said last; to be
+    /// asked once a second.
+    pub fn changed(&mut self, now: Option<Vec<NotReady>>) -> Option<&[NotReady]> {
         self.asked += 1;
-        if latest.is_measuring() {
-            return None;
-        }
-        let now = latest.not_ready(needed);
+        let now = now?;
         let is_early = self.asked <= CONNECTING && !now.is_empty();
         // The numbers in a sentence change all the time.
         let same = |a: &NotReady, b: &NotReady| a.source == b.source && a.zone == b.zone;

@@ -142,7 +142,7 @@ fn what_stands_against_a_cycle_is_said_once_and_again_when_it_changes() {
     let needed = [0, 1, 2];
     let mut asked = |value_mm: f64| {
         bench.read(1, |channel, k| if channel == 1 { value_mm } else { 1.0 + 1e-4 * f64::from(k) });
-        let changed = readiness.changed(&bench.latest, &needed);
+        let changed = readiness.changed(bench.latest.before_a_cycle(&needed));
         changed.map(|why| why.iter().map(|why| (why.source.clone(), why.zone)).collect::<Vec<_>>())
     };
     assert_eq!(asked(1.99), None, "devices may still be connecting");
