@@ -3,7 +3,7 @@
 //! Source of the formats: [`trunnion_protocol::ascii`].
 
 use super::clock::TimeOrigin;
-use super::faults::{Fault, ScheduledFault};
+use super::faults::{Fault, ReplyFault, ScheduledFault};
 use super::handle::{DeviceError, Handle};
 use super::serial::{self, Outbox, SerialDevice};
 use super::value_faults::ValueFaults;
@@ -41,13 +41,23 @@ pub struct IndicatorConfig {
     pub period_s: f64,
     /// True when bytes carry an even parity bit, as a 7-bit format does on a port that does not take it away.
     pub parity_bits: bool,
+    /// What happens to the answer of this number, counted from 0.
+    pub reply_fault: Option<(u64, ReplyFault)>,
 }
 
 impl IndicatorConfig {
     /// An indicator that answers after 30 ms with the value of the middle, or talks ten times a second.
     pub fn new(sees: Sees, preset: Preset) -> Self {
         let parity_bits = preset.framing.starts_with("7E");
-        Self { sees, preset, answer_s: 0.03, taken: (0.5, 0.5), period_s: 0.1, parity_bits }
+        Self {
+            sees,
+            preset,
+            answer_s: 0.03,
+            taken: (0.5, 0.5),
+            period_s: 0.1,
+            parity_bits,
+            reply_fault: None,
+        }
     }
 
     fn check(&self) -> Result<(), DeviceError> {
@@ -86,7 +96,7 @@ pub fn spawn(
         world,
         heard: Vec::new(),
         asked: 0,
-        outbox: Outbox::default(),
+        outbox: Outbox::with_fault(config.reply_fault),
         next_line_s: config.preset.request.is_empty().then_some(0.0),
         faults: ValueFaults::default(),
         config,

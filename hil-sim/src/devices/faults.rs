@@ -93,6 +93,19 @@ pub(super) fn damage(bytes: &mut [u8], left: &mut usize, position: u64) {
     }
 }
 
+/// What happens to one reply on its way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ReplyFault {
+    /// It leaves so much later, s.
+    Late(f64),
+    /// It comes twice.
+    Doubled,
+    /// It does not come.
+    Dropped,
+    /// It leaves together with the next one.
+    Merged,
+}
+
 /// A fault at a time of the cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScheduledFault {

@@ -4,7 +4,7 @@
 //! Source of the formats: [`trunnion_protocol::keyence`].
 
 use super::clock::TimeOrigin;
-use super::faults::{Fault, ScheduledFault};
+use super::faults::{Fault, ReplyFault, ScheduledFault};
 use super::handle::{DeviceError, Handle};
 use super::serial::{self, Outbox, SerialDevice};
 use super::value_faults::ValueFaults;
@@ -31,12 +31,14 @@ pub struct BoxConfig {
     pub baud: u32,
     /// Time between two refreshes of the values, s.
     pub refresh_s: f64,
+    /// What happens to the reply of this number, counted from 0.
+    pub reply_fault: Option<(u64, ReplyFault)>,
 }
 
 impl BoxConfig {
     /// Three gauges at 38 400 baud, refreshed every 13 ms.
     pub fn three_gauges() -> Self {
-        Self { amplifiers: 3, baud: 38_400, refresh_s: 0.013 }
+        Self { amplifiers: 3, baud: 38_400, refresh_s: 0.013, reply_fault: None }
     }
 
     fn check(&self) -> Result<(), DeviceError> {
@@ -65,13 +67,9 @@ pub fn spawn(
     faults: &[ScheduledFault],
 ) -> Result<Handle, DeviceError> {
     config.check()?;
-    let device = DlRs1a {
-        world,
-        config,
-        commands: CommandDecoder::default(),
-        outbox: Outbox::default(),
-        faults: ValueFaults::default(),
-    };
+    let outbox = Outbox::with_fault(config.reply_fault);
+    let device =
+        DlRs1a { world, config, commands: CommandDecoder::default(), outbox, faults: ValueFaults::default() };
     serial::spawn("DL-RS1A", device, port, origin, faults)
 }
 

@@ -25,6 +25,6 @@ mod value_faults;
 mod world;
 
 pub use clock::{DeviceClock, TimeOrigin};
-pub use faults::{Fault, ScheduledFault};
+pub use faults::{Fault, ReplyFault, ScheduledFault};
 pub use handle::{Address, DeviceError, Handle, InjectError};
 pub use world::{CycleState, Later, SimulatedCell, World, orthogonal_nest};

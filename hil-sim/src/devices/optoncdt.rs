@@ -5,7 +5,7 @@
 //! Source of the formats: [`trunnion_protocol::optoncdt`].
 
 use super::clock::{DeviceClock, TimeOrigin};
-use super::faults::{Fault, ScheduledFault};
+use super::faults::{Fault, ReplyFault, ScheduledFault};
 use super::handle::{DeviceError, Handle};
 use super::serial::{self, SerialDevice};
 use super::value_faults::ValueFaults;
@@ -46,19 +46,6 @@ pub struct ProbeConfig {
     pub clock: DeviceClock,
     /// What happens to the reply of this number, counted from 0.
     pub reply_fault: Option<(u64, ReplyFault)>,
-}
-
-/// What happens to one reply on its way.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ReplyFault {
-    /// It leaves so much later, s.
-    Late(f64),
-    /// It comes twice.
-    Doubled,
-    /// It does not come.
-    Dropped,
-    /// It leaves together with the next one.
-    Merged,
 }
 
 impl ProbeConfig {

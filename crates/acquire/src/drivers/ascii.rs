@@ -70,6 +70,12 @@ impl Device for Settings {
     }
 }
 
+/// Of the values that came at once on one request those before the last are of requests before.
+fn latest(lines: &[Line]) -> &[Line] {
+    let is_value = |line: &Line| matches!(line, Line::Value(_) | Line::Error { .. });
+    &lines[lines.iter().rposition(is_value).unwrap_or(0)..]
+}
+
 struct Reader<'a> {
     settings: &'a Settings,
     port: Port,
@@ -92,7 +98,8 @@ impl Reader<'_> {
             let lines = if asked { self.ask(link).await? } else { self.listen(link).await? };
             let (arrival, seen) = (lines.arrival, self.decoder.counts());
             (link.counters.dropped_bytes, link.counters.resyncs) = (seen.dropped_bytes, seen.resyncs);
-            for line in lines.answer.iter().flatten() {
+            let said = lines.answer.as_deref().unwrap_or_default();
+            for line in if asked { latest(said) } else { said } {
                 if self.take(line, &lines, link)? {
                     answered = arrival;
                     self.port.makes_sense();

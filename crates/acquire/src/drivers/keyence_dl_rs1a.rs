@@ -269,7 +269,8 @@ impl Poller<'_> {
         };
         let decoder = &mut self.decoder;
         let answered = exchange(&mut self.port, link, &request, REPLY_LIMIT, |bytes| {
-            decoder.push(bytes).into_iter().find(fits)
+            // Two at once: the first is of a request before.
+            decoder.push(bytes).into_iter().rfind(fits)
         })
         .await;
         let seen = self.decoder.counts();

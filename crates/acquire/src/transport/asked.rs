@@ -9,6 +9,8 @@ use trunnion_core::HostTime;
 
 /// A device that talks without being asked is not waited for to fall silent.
 const MOST_STALE_READS: usize = 16;
+/// Bytes of one answer follow each other within this; a pause so long is the end of a late one.
+const QUIET: Duration = Duration::from_millis(50);
 
 /// What became of a request.
 #[derive(Debug)]
@@ -31,7 +33,8 @@ impl<T> Exchange<T> {
 }
 
 /// Sends a request and waits for its answer. `decode` takes bytes as they come and gives the answer when it is
-/// whole; what was still on its way from before the request goes through it too, and is not taken for the answer.
+/// whole; what was still on its way from before the request goes through it too, and is not taken for the answer. After a request
+/// without answer the late one is waited for as long as for an answer: it would pass for that of the next.
 /// Not cancel safe: a request may have been sent.
 pub async fn exchange<T>(
     port: &mut Port,
@@ -41,8 +44,10 @@ pub async fn exchange<T>(
     mut decode: impl FnMut(&[u8]) -> Option<T>,
 ) -> Result<Exchange<T>, SessionEnd> {
     let mut buffer = [0; 1024];
+    let mut wait = if port.take_owing() { limit } else { Duration::ZERO };
     for _ in 0..MOST_STALE_READS {
-        let Some(count) = port.read(&mut buffer, Duration::ZERO).await? else { break };
+        let Some(count) = port.read(&mut buffer, wait).await? else { break };
+        wait = wait.min(QUIET);
         decode(&buffer[..count]);
     }
     port.write(request).await?;
@@ -56,6 +61,7 @@ pub async fn exchange<T>(
         let begun = *begun.get_or_insert(arrival);
         let answer = count.and_then(|count| decode(&buffer[..count]));
         if answer.is_some() || Instant::now() >= deadline {
+            port.set_owing(answer.is_none());
             return Ok(Exchange { sent, begun, arrival, answer });
         }
     }

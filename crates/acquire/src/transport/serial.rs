@@ -88,6 +88,8 @@ pub struct Port {
     framing: Framing,
     /// Bytes read since the last that meant something.
     senseless_bytes: u64,
+    /// The last request was not answered: its answer may still come.
+    owing: bool,
 }
 
 /// Opens a port for a session and logs a line speed that was refused, or an adapter that is slow.
@@ -120,7 +122,7 @@ pub fn open_remarked(name: &str, baud: u32, framing: Framing) -> Result<(Port, O
         },
     };
     let remark = remark.or_else(|| trouble::slow_adapter(name));
-    Ok((Port { stream, name: name.into(), baud, framing, senseless_bytes: 0 }, remark))
+    Ok((Port { stream, name: name.into(), baud, framing, senseless_bytes: 0, owing: false }, remark))
 }
 
 fn open_at(name: &str, baud: u32, framing: Framing) -> tokio_serial::Result<SerialStream> {
@@ -152,6 +154,16 @@ impl Port {
             }
             Ok(Err(error)) => Err(SessionEnd::Disconnected(format!("reading {}: {error}", self.name))),
         }
+    }
+
+    /// Whether the last request was not answered; it is forgotten with the question.
+    pub(super) fn take_owing(&mut self) -> bool {
+        std::mem::take(&mut self.owing)
+    }
+
+    /// Keeps that the last request was not answered.
+    pub(super) fn set_owing(&mut self, owing: bool) {
+        self.owing = owing;
     }
 
     /// What was read so far was what it should be.

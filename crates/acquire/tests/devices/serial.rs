@@ -4,7 +4,7 @@ use crate::shop::{Bench, MOVING, RESTING, Shop, TRUTH_DEGC, find, is_good, state
 use trunnion_acquire::{DeviceState, SessionEnd};
 use trunnion_core::reading::{ProbeReading, Reading};
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
-use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, ascii, keyence, optoncdt};
+use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, ReplyFault, ascii, keyence, optoncdt};
 use trunnion_protocol::ascii::{PRESETS, Preset, Unit};
 
 fn probe(reading: &Reading) -> Option<ProbeReading> {
@@ -239,4 +239,59 @@ async fn an_optoncdt_without_target_leaves_a_gap_and_its_clock_and_counter_are_f
     let status = state(&acquisition, |status| status.state == DeviceState::WrongDevice).await;
     assert!(status.last_end.unwrap().to_string().contains("ILD1420-50"));
     acquisition.stop().await;
+}
+
+/// Every reply from the first on, each late, doubled, missing and together with the next.
+fn reply_faults(late_s: f64) -> impl Iterator<Item = (u64, ReplyFault)> {
+    let faults = [ReplyFault::Late(late_s), ReplyFault::Doubled, ReplyFault::Dropped, ReplyFault::Merged];
+    (0..6).flat_map(move |number| faults.map(|fault| (number, fault)))
+}
+
+/// Reads on through the fault: no session ends, and no value is that of a request before.
+async fn reads_through(shop: Shop, text: &str, channel: usize, what: String) {
+    let mut acquisition = shop.start(text);
+    let readings = until(&mut acquisition, |r| probe(r).is_some_and(|p| p.sequence > 12)).await;
+    let status = state(&acquisition, |status| status.state == DeviceState::Streaming).await;
+    assert_eq!(status.ends.iter().sum::<u64>(), 0, "{what}: {status:?}");
+    for reading in readings.iter().filter_map(probe).filter(|reading| usize::from(reading.channel) == channel)
+    {
+        let truth_mm = SLOW.truth_mm(reading.arrival.0 as f64 * 1e-9)[channel];
+        // 0.2 s of the quickest motion: a busy computer delays by less, the reply before came longer ago.
+        assert!((reading.value_mm - truth_mm).abs() < 0.3 * SLOW.0 * 0.2 + 0.002, "{what}: {reading:?}");
+    }
+    acquisition.stop().await;
+}
+
+/// Moves by what a late reply must show, and not by what a pause of the computer does.
+const SLOW: Bench = Bench(1.0);
+
+#[tokio::test(flavor = "multi_thread")]
+async fn no_reply_of_a_box_that_is_late_doubled_lost_or_merged_disables_it_or_is_taken_for_another() {
+    let mut cases = tokio::task::JoinSet::new();
+    for fault in reply_faults(0.4) {
+        cases.spawn(async move {
+            let shop = Shop::new(SLOW);
+            let config =
+                keyence::BoxConfig { reply_fault: Some(fault), ..keyence::BoxConfig::three_gauges() };
+            let _box = keyence::spawn(shop.world.clone(), config, &shop.port, shop.origin, &[]).unwrap();
+            reads_through(shop, BOX, 0, format!("{fault:?}")).await;
+        });
+    }
+    cases.join_all().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn no_answer_of_an_indicator_that_is_late_doubled_lost_or_merged_disables_it_or_is_taken_for_another() {
+    let mut cases = tokio::task::JoinSet::new();
+    for fault in reply_faults(0.7) {
+        cases.spawn(async move {
+            let shop = Shop::new(SLOW);
+            let preset = *Preset::named("mahr-c1202").unwrap();
+            let config =
+                IndicatorConfig { reply_fault: Some(fault), ..IndicatorConfig::new(Sees::Probe(0), preset) };
+            let _gauge = ascii::spawn(shop.world.clone(), config, &shop.port, shop.origin, &[]).unwrap();
+            reads_through(shop, &indicator_text("mahr-c1202", "probe-1"), 0, format!("{fault:?}")).await;
+        });
+    }
+    cases.join_all().await;
 }

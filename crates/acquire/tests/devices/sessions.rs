@@ -15,8 +15,9 @@ use trunnion_core::{AxisValues, HostTime, Point, Quality};
 use trunnion_cycles::cycle::{Pose, Settle};
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
-use trunnion_hil_sim::devices::optoncdt::ReplyFault;
-use trunnion_hil_sim::devices::{DeviceClock, Fault, SimulatedCell, World, cell, orthogonal_nest};
+use trunnion_hil_sim::devices::{
+    DeviceClock, Fault, ReplyFault, SimulatedCell, World, cell, orthogonal_nest,
+};
 use trunnion_hil_sim::motion::Step;
 use trunnion_sync::align::{AlignLimits, Aligner};
 use trunnion_sync::{CycleEvent, EndReason, StaticCycle, StaticRules, TimeBase, Timed};

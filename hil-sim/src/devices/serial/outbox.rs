@@ -1,16 +1,43 @@
 //! Answers that leave a device some time after the question.
 
+use crate::devices::ReplyFault;
 use std::collections::VecDeque;
 
 /// Answers under way, in the order they will be sent.
 #[derive(Debug, Clone, Default)]
 pub struct Outbox {
     waiting: VecDeque<(f64, Vec<u8>)>,
+    /// What happens to the answer of this number.
+    fault: Option<(u64, ReplyFault)>,
+    /// Answers put so far.
+    count: u64,
+    /// An answer that leaves together with the next.
+    held: Vec<u8>,
 }
 
 impl Outbox {
+    /// With something that happens to the answer of a number, counted from 0.
+    pub fn with_fault(fault: Option<(u64, ReplyFault)>) -> Self {
+        Self { fault, ..Self::default() }
+    }
+
     /// Sends `bytes` at `due_s`, or behind what is already waiting.
     pub fn put(&mut self, due_s: f64, bytes: Vec<u8>) {
+        let number = self.count;
+        self.count += 1;
+        match self.fault.filter(|(at, _)| *at == number).map(|(_, fault)| fault) {
+            Some(ReplyFault::Late(by_s)) => self.enqueue(due_s + by_s, bytes),
+            Some(ReplyFault::Doubled) => self.enqueue(due_s, bytes.repeat(2)),
+            Some(ReplyFault::Dropped) => {}
+            Some(ReplyFault::Merged) => self.held = bytes,
+            None => {
+                let together = [std::mem::take(&mut self.held), bytes].concat();
+                self.enqueue(due_s, together);
+            }
+        }
+    }
+
+    fn enqueue(&mut self, due_s: f64, bytes: Vec<u8>) {
         let due_s = self.waiting.back().map_or(due_s, |(last_s, _)| due_s.max(*last_s));
         self.waiting.push_back((due_s, bytes));
     }
@@ -32,5 +59,6 @@ impl Outbox {
     /// Forgets everything: the power was off.
     pub fn clear(&mut self) {
         self.waiting.clear();
+        self.held.clear();
     }
 }
