@@ -8,6 +8,7 @@ use trunnion_acquire::config::channels;
 use trunnion_acquire::{DeviceConfig, read_devices};
 use trunnion_core::input::{Document, Table};
 use trunnion_core::{Problems, Role, Secret};
+use trunnion_sync::cycle_bounds::Pattern;
 use trunnion_sync::{NestCalibration, StartRule};
 
 /// What the service needs to know.
@@ -15,8 +16,10 @@ use trunnion_sync::{NestCalibration, StartRule};
 pub struct Config {
     /// Name of this machine tool in topics and reports.
     pub name: String,
-    /// Cycle file to run.
-    pub cycle: PathBuf,
+    /// Cycle file of a program that `programs` do not name.
+    pub cycle: Option<PathBuf>,
+    /// Cycles by program.
+    pub programs: Vec<ProgramCycle>,
     /// Model file to judge by; the base model without it.
     pub model: Option<PathBuf>,
     /// Folder of the recordings and reports.
@@ -35,6 +38,17 @@ pub struct Config {
     pub page: Option<SocketAddr>,
     /// The file as read, for the recording.
     pub text: String,
+}
+
+/// One `[[program]]`: what is measured when the controller runs it.
+#[derive(Clone, Debug)]
+pub struct ProgramCycle {
+    /// Its name; `*` stands for anything.
+    pub name: Pattern,
+    /// Cycle file.
+    pub cycle: PathBuf,
+    /// Model file to judge by; that of the configuration without it.
+    pub model: Option<PathBuf>,
 }
 
 impl Config {
@@ -101,7 +115,9 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
     if name.as_deref().is_some_and(|name| name.is_empty() || name.contains(['/', '+', '#', ' '])) {
         root.problem("name", "cannot be part of an MQTT topic", "letters, digits, - and _", "");
     }
-    let cycle = root.string("cycle").map(|path| folder.join(path));
+    let programs = read_programs(&root, folder);
+    // One cycle for every program, or programs with a cycle each, or both.
+    let cycle = if root.has("program") { root.optional_string("cycle") } else { root.string("cycle") };
     let model = root.optional_string("model").map(|path| folder.join(path));
     let recordings = root.string("recordings").map(|path| folder.join(path));
     let cycle_start = StartRule::read(&root);
@@ -123,7 +139,8 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
     };
     Some(Config {
         name: name?,
-        cycle: cycle?,
+        cycle: cycle.map(|path| folder.join(path)),
+        programs: programs?,
         model,
         recordings: recordings?,
         nest: nest?,
@@ -134,6 +151,17 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
         page,
         text: text.into(),
     })
+}
+
+fn read_programs(root: &Table<'_>, folder: &Path) -> Option<Vec<ProgramCycle>> {
+    let read = |table: Table<'_>| {
+        let (name, cycle) = (table.string("name"), table.string("cycle"));
+        let model = table.optional_string("model").map(|path| folder.join(path));
+        table.no_other_keys();
+        Some(ProgramCycle { name: Pattern::new(&name?), cycle: folder.join(cycle?), model })
+    };
+    let read: Vec<Option<ProgramCycle>> = root.tables("program").into_iter().map(read).collect();
+    read.into_iter().collect()
 }
 
 fn has_probes(devices: &[DeviceConfig]) -> bool {

@@ -2,6 +2,7 @@
 
 pub mod clock;
 pub mod config;
+pub mod cycles;
 pub mod daemon;
 mod error;
 pub mod latest;

@@ -17,6 +17,7 @@ use trunnion_record::{Item, RecordSender, Temperature};
 use trunnion_sync::forming::Forming;
 use trunnion_sync::{Bound, CycleEvent, EndReason};
 
+pub use trunnion_sync::cycle_bounds::Pattern;
 pub use trunnion_sync::plan::{Plan, PlanError, check};
 pub use trunnion_sync::{CycleBounds, Progress, TimeBase, Timed};
 
@@ -61,6 +62,8 @@ pub struct Start {
     pub at: HostTime,
     /// By what.
     pub why: String,
+    /// The program that the controller showed; empty when it showed none.
+    pub program: String,
     /// Temperature channels that had reported a value by then; later ones take no part in the run.
     pub temperature_channels: Vec<String>,
 }
@@ -141,14 +144,14 @@ impl Live {
             self.latest.take(&message);
             let timed = self.timebase.translate(&message);
             self.note_channel(timed.as_ref());
-            if let Some(Bound::Begins { at, why }) = self.bounds.take(&message.reading) {
-                self.next = Some(self.started(at, why));
+            if let Some(Bound::Begins { at, why, program }) = self.bounds.take(&message.reading) {
+                self.next = Some(self.started(at, why, program));
             }
         }
     }
 
-    fn started(&self, at: HostTime, why: String) -> Start {
-        Start { at, why, temperature_channels: self.temperature_channels.clone() }
+    fn started(&self, at: HostTime, why: String, program: String) -> Start {
+        Start { at, why, program, temperature_channels: self.temperature_channels.clone() }
     }
 
     fn note_channel(&mut self, timed: Option<&Timed>) {
@@ -171,6 +174,7 @@ impl Live {
         progress: OnProgress<'_>,
     ) -> Result<Measured, PlanError> {
         self.timebase.begin_run(start.at);
+        self.bounds = std::mem::take(&mut self.bounds).with_first_pose(plan.first_pose());
         let mut measurement = Measurement::new(plan, &start.temperature_channels, recorder)?;
         for doubt in self.latest.not_ready(&check(plan)?) {
             let doubt = Event { time_s: 0.0, kind: "warning".into(), text: doubt.to_string() };
@@ -202,10 +206,10 @@ impl Live {
                 Some(Bound::Ends { at, why }) => {
                     measurement.end_seen(self.timebase.seconds(at), why, self.clock.now());
                 }
-                Some(Bound::Begins { at, why }) => {
+                Some(Bound::Begins { at, why, program }) => {
                     // What comes from here on is the next cycle's.
                     measurement.finish(EndReason::ControllerEnded, self.clock.now());
-                    self.next = Some(self.started(at, why));
+                    self.next = Some(self.started(at, why, program));
                     break;
                 }
                 None => {}

@@ -45,6 +45,7 @@ pub struct Board {
 #[derive(Default)]
 struct Shared {
     topics: Mutex<BTreeMap<String, Topic>>,
+    chosen: Mutex<Option<String>>,
     /// For the connection to the broker.
     changed: Notify,
     /// Counts the changes, for everybody else.
@@ -74,6 +75,31 @@ impl Board {
     /// Changes when a topic changes; several changes at once may be seen as one.
     pub fn changes(&self) -> watch::Receiver<u64> {
         self.shared.changes.subscribe()
+    }
+
+    /// The present value of a topic, as JSON.
+    pub fn get(&self, topic: &str) -> Option<serde_json::Value> {
+        serde_json::from_str(&self.lock().get(topic)?.payload).ok()
+    }
+
+    /// The operator chooses the cycle that begins next, whatever program runs; an empty name takes the choice back.
+    pub fn choose(&self, cycle: &str) {
+        let cycle = cycle.trim();
+        *self.chosen() = Some(cycle.to_owned()).filter(|cycle| !cycle.is_empty());
+    }
+
+    /// What was chosen, once.
+    pub fn take_chosen(&self) -> Option<String> {
+        self.chosen().take()
+    }
+
+    /// What is chosen.
+    pub fn peek_chosen(&self) -> Option<String> {
+        self.chosen().clone()
+    }
+
+    fn chosen(&self) -> std::sync::MutexGuard<'_, Option<String>> {
+        self.shared.chosen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, Topic>> {
@@ -109,7 +135,18 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
                     info!(host = config.host, port = config.port, "connected to the MQTT broker");
                     (connected, wait, failures) = (true, BACK_OFF.0, Failures::default());
                     board.forget_what_was_sent();
+                    if let Err(error) = client.try_subscribe(choose_topic(&config), QoS::AtLeastOnce) {
+                        warn!(%error, "the broker was not asked for choices of a cycle");
+                    }
                     publish_news(&client, &config, &board);
+                }
+                // A retained choice was meant for a cycle that is long over.
+                Ok(Event::Incoming(Packet::Publish(choice)))
+                    if choice.topic == choose_topic(&config) && !choice.retain =>
+                {
+                    let cycle = String::from_utf8_lossy(&choice.payload);
+                    info!(%cycle, "the operator chose");
+                    board.choose(&cycle);
                 }
                 // An acknowledgement frees the queue for what did not fit.
                 Ok(Event::Incoming(Packet::PubAck(_))) => publish_news(&client, &config, &board),
@@ -207,6 +244,10 @@ async fn farewell(client: &AsyncClient, events: &mut EventLoop, config: &MqttCon
     if client.try_disconnect().is_ok() {
         while events.poll().await.is_ok() {}
     }
+}
+
+fn choose_topic(config: &MqttConfig) -> String {
+    format!("trunnion/{}/choose", config.machine)
 }
 
 fn status_topic(config: &MqttConfig) -> String {

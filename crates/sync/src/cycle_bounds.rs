@@ -51,6 +51,8 @@ pub enum Bound {
         at: HostTime,
         /// By what, for the recording.
         why: String,
+        /// Name of the program that the controller showed last; empty when it showed none.
+        program: String,
     },
     /// It ends.
     Ends {
@@ -75,6 +77,8 @@ pub struct CycleBounds {
     program_ran: bool,
     /// Name of the program that began it.
     began_by: String,
+    /// Name of the program shown last.
+    shown: String,
     /// The last program that ran under another name before, which may have called it.
     caller: Option<String>,
     first_pose: Option<FirstPose>,
@@ -136,6 +140,9 @@ impl CycleBounds {
 
     fn controller(&mut self, now: &ControllerReading) -> Option<Bound> {
         let runs = now.execution == Execution::Active;
+        if self.shown != now.program {
+            self.shown.clone_from(&now.program);
+        }
         let way = self.program.take(now);
         if self.running {
             if self.program_ran && matches!(now.execution, Execution::Ready | Execution::Ended) {
@@ -256,7 +263,7 @@ impl CycleBounds {
 
     fn begin(&mut self, at: HostTime, why: String, program_ran: bool) -> Option<Bound> {
         (self.running, self.program_ran) = (true, program_ran);
-        Some(Bound::Begins { at, why: why.trim_end().into() })
+        Some(Bound::Begins { at, why: why.trim_end().into(), program: self.shown.clone() })
     }
 
     fn end(&mut self, at: HostTime, why: String) -> Option<Bound> {

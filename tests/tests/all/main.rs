@@ -14,6 +14,7 @@ mod glossary;
 mod interpreter;
 mod licences;
 mod load;
+mod many_cycles;
 mod named_methods;
 mod nc_program_measured;
 mod opcua_controller;

@@ -19,21 +19,22 @@ use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, Virtua
 use trunnion_machine::shipped;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
+use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
 use trunnion_tests::pauses::Pauses;
 use trunnion_tests::{reports, show_log, three_probes};
 
 const CYCLE: &str = include_str!("../../../config/cycles/demo-static.toml");
-const SWEEP: &str = include_str!("../../../config/cycles/demo-sweep-c.toml");
+pub const SWEEP: &str = include_str!("../../../config/cycles/demo-sweep-c.toml");
 
 /// Two shop floors at once are more than a small computer simulates in real time.
-static ONE_FLOOR: tokio::sync::Mutex<()> = tokio::sync::Mutex::const_new(());
+pub static ONE_FLOOR: tokio::sync::Mutex<()> = tokio::sync::Mutex::const_new(());
 
 /// Longest wait for a report: no promise of speed, which unoptimised code on a busy computer cannot keep, but an end of the wait.
-const REPORT_LIMIT: Duration = Duration::from_secs(600);
+pub const REPORT_LIMIT: Duration = Duration::from_secs(600);
 /// The probes send every few milliseconds: after so long a probe is silent.
-const SILENCE_MS: u32 = 250;
+pub const SILENCE_MS: u32 = 250;
 /// A computer that pauses for so long makes devices silent by itself.
 const TOO_LONG: Duration = Duration::from_millis(200);
 /// Attempts on a computer that pauses; one must be judged.
@@ -85,12 +86,12 @@ async fn measure(
     let config = Config::parse(&folder.join("trunnion.toml"), &text).expect("the configuration is good");
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
     let texts = Texts { machine: shipped::FILES[0].1.into(), cycle: cycle_text.into(), config: text };
+    let cycles = Cycles::one(plan, texts, Model::base("table-bc").into()).expect("it can be measured");
     let runs = config.recordings.clone();
     let cancel = CancellationToken::new();
     // Before its time 0 the floor is silent, and the supervisor would try again at longer and longer intervals.
     tokio::time::sleep_until(begin).await;
-    let service =
-        tokio::spawn(serve(config, plan, texts, Model::base("table-bc").into(), clock, cancel.clone()));
+    let service = tokio::spawn(serve(config, cycles, clock, cancel.clone()));
 
     let recordings = reports(&runs, count, REPORT_LIMIT).await;
     cancel.cancel();
@@ -117,16 +118,16 @@ fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
 }
 
 /// The small cycle with every second pose, and a machine to measure in it.
-struct Staged {
-    cycle_text: String,
-    machine: trunnion_machine::Machine,
-    stations: Vec<Station>,
-    pace: Pace,
-    duration_s: f64,
-    virtual_machine: Arc<VirtualMachine>,
+pub struct Staged {
+    pub cycle_text: String,
+    pub machine: trunnion_machine::Machine,
+    pub stations: Vec<Station>,
+    pub pace: Pace,
+    pub duration_s: f64,
+    pub virtual_machine: Arc<VirtualMachine>,
 }
 
-fn staged() -> Staged {
+pub fn staged() -> Staged {
     let cycle_text = CYCLE.replace("step_deg = 30", "step_deg = 60");
     let cycle = Cycle::parse("c.toml", &cycle_text).unwrap();
     let machine = shipped::machine("table-bc").unwrap();

@@ -24,6 +24,7 @@ use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine};
 use trunnion_machine::shipped;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
+use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
 use trunnion_tests::{SILENCE_MS, first_report, show_log, three_probes, workspace_root};
@@ -324,10 +325,10 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
         Plan { machine: machine.clone(), cycle, nest: config.nest, channels: channels(&config.devices) };
     let poses = plan.cycle.poses(&machine).unwrap().len();
     let texts = Texts { machine: shipped::FILES[0].1.into(), cycle: cycle_text, config: text };
+    let cycles = Cycles::one(plan, texts, Model::base("table-bc").into()).expect("it can be measured");
     let runs = config.recordings.clone();
     let cancel = CancellationToken::new();
-    let service =
-        tokio::spawn(serve(config, plan, texts, Model::base("table-bc").into(), clock, cancel.clone()));
+    let service = tokio::spawn(serve(config, cycles, clock, cancel.clone()));
 
     let path = cnc.program.clone();
     tokio::task::spawn_blocking(move || operate(&path)).await.unwrap();

@@ -15,6 +15,7 @@ use trunnion_hil_sim::motion::{Program, Step, Trajectory};
 use trunnion_machine::shipped;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
+use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
 use trunnion_service::mqtt::{Board, MqttConfig, run};
@@ -117,7 +118,8 @@ async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
     let texts = Texts { machine: String::new(), cycle: cycle_text.into(), config: text };
     let (clock, cancel) = (Arc::new(SystemClock::start()), CancellationToken::new());
     let model = trunnion::Model::base("table-bc");
-    let service = tokio::spawn(serve(config, plan, texts, model, clock, cancel.clone()));
+    let cycles = Cycles::one(plan, texts, model).expect("the devices can measure it");
+    let service = tokio::spawn(serve(config, cycles, clock, cancel.clone()));
     wait_for(port, "live", |t| {
         let ball = |live: &serde_json::Value| live["ball_offset_mm"]["x"].as_f64();
         let is_seen = |live| ball(live).is_some_and(|x| (x - pressed[0]).abs() < 0.01);

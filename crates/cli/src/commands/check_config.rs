@@ -19,15 +19,17 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let prepared = prepare(&args.config)?;
-    trunnion_service::live::check(&prepared.plan)?;
-    let (machine, cycle) = (&prepared.plan.machine.name, &prepared.plan.cycle.name);
     let devices = prepared.config.devices.len();
     if let Some(remark) = open_to_others(&args.config, &prepared.config.text)? {
         terminal::remark(&remark);
     }
+    let cycles: Vec<&str> = prepared.cycles.names().collect();
+    let several = if cycles.len() == 1 { "cycle" } else { "cycles" };
+    let machine = prepared.cycles.machine();
     terminal::print(&format!(
-        "{}: good; machine {machine}, cycle {cycle}, {devices} devices\n",
-        args.config.display()
+        "{}: good; machine {machine}, {several} {}, {devices} devices\n",
+        args.config.display(),
+        cycles.join(", ")
     ))?;
     Ok(Outcome::Done)
 }

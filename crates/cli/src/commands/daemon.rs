@@ -13,10 +13,11 @@ use trunnion::Model;
 use trunnion::cycles::Cycle;
 use trunnion_acquire::config::channels;
 use trunnion_service::clock::SystemClock;
-use trunnion_service::config::Config;
+use trunnion_service::config::{Config, ProgramCycle};
+use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon;
 use trunnion_service::daemon::Texts;
-use trunnion_service::live::Plan;
+use trunnion_service::live::{Pattern, Plan};
 
 /// Run as a service: wait for a cycle, record it, analyse it, report
 ///
@@ -31,35 +32,48 @@ pub struct Args {
 /// A configuration with everything it names.
 pub struct Prepared {
     pub config: Config,
-    pub plan: Plan,
-    pub texts: Texts,
-    pub model: Model,
+    pub cycles: Cycles,
 }
 
 /// Reads a configuration and the files it names.
 pub fn prepare(path: &Path) -> anyhow::Result<Prepared> {
-    let text = load::read(path)?;
-    with_files(Config::parse(path, &text)?, text)
+    with_files(Config::parse(path, &load::read(path)?)?)
 }
 
-/// The same with another cycle.
-pub fn prepare_cycle(path: &Path, cycle: &Path) -> anyhow::Result<Prepared> {
-    let text = load::read(path)?;
-    with_files(Config { cycle: cycle.into(), ..Config::parse(path, &text)? }, text)
+/// The same of a configuration that was read.
+pub fn with_files(config: Config) -> anyhow::Result<Prepared> {
+    let of_program = |of: &ProgramCycle| {
+        choice(&config, Some(of.name.clone()), &of.cycle, of.model.as_deref().or(config.model.as_deref()))
+    };
+    let of_every = config.cycle.iter().map(|cycle| choice(&config, None, cycle, config.model.as_deref()));
+    let choices = config.programs.iter().map(of_program).chain(of_every).collect::<anyhow::Result<_>>()?;
+    Ok(Prepared { cycles: Cycles::new(choices)?, config })
 }
 
-/// A configuration with the files that it names.
-pub fn with_files(config: Config, text: String) -> anyhow::Result<Prepared> {
-    let cycle_text = load::read(&config.cycle)?;
-    let cycle = Cycle::parse(&config.cycle.display().to_string(), &cycle_text)?;
+/// A configuration with another cycle.
+pub fn prepare_cycle(path: &Path, cycle: &Path) -> anyhow::Result<(Config, Choice)> {
+    let config = Config::parse(path, &load::read(path)?)?;
+    let choice = choice(&config, None, cycle, config.model.as_deref())?;
+    Ok((config, choice))
+}
+
+fn choice(
+    config: &Config,
+    program: Option<Pattern>,
+    cycle: &Path,
+    model: Option<&Path>,
+) -> anyhow::Result<Choice> {
+    let cycle_text = load::read(cycle)?;
+    let cycle = Cycle::parse(&cycle.display().to_string(), &cycle_text)?;
     let machine = load::machine(&cycle.machine)?;
-    let model = match &config.model {
+    let model = match model {
         Some(path) => Model::load(path)?,
         None => Model::base(&machine.name),
     };
-    let texts = Texts { machine: load::machine_text(&cycle.machine)?, cycle: cycle_text, config: text };
+    let machine_text = load::machine_text(&cycle.machine)?;
+    let texts = Texts { machine: machine_text, cycle: cycle_text, config: config.text.clone() };
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
-    Ok(Prepared { config, plan, texts, model })
+    Ok(Choice { program, plan, texts, model })
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -76,7 +90,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             stop.cancel();
         });
         let clock = Arc::new(SystemClock::start());
-        daemon::serve(prepared.config, prepared.plan, prepared.texts, prepared.model, clock, cancel).await?;
+        daemon::serve(prepared.config, prepared.cycles, clock, cancel).await?;
         Ok(Outcome::Done)
     })
 }

@@ -31,7 +31,7 @@ use trunnion_hil_sim::{HiddenChoice, SimSetup, Truth, VirtualMachine, scenario};
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::daemon;
-use trunnion_service::daemon::{NewRun, Recorded, Texts};
+use trunnion_service::daemon::{CycleState, NewRun, Recorded, States, Texts};
 use trunnion_service::live::{CycleBounds, Live, Plan, Progress};
 use trunnion_service::mqtt::Board;
 
@@ -251,7 +251,9 @@ async fn measure(
     let cancel = CancellationToken::new();
     let names = config.devices.iter().map(|device| device.name.clone()).collect();
     let mut live = Live::start(config.devices, CycleBounds::default(), clock, cancel.clone());
-    let status = tokio::spawn(daemon::publish_status(names, live.states(), board.clone(), cancel.clone()));
+    let states = States::new(board.clone());
+    let status = daemon::publish_status(names, live.states(), board.clone(), states.clone(), cancel.clone());
+    let status = tokio::spawn(status);
     let start = live.wait_for_start();
     let start = tokio::time::timeout(Duration::from_secs(20), start)
         .await
@@ -260,14 +262,15 @@ async fn measure(
     let run_name = free_name(&args.output, name);
     let mut bar = ProgressBar::new(args.json);
     let run = NewRun { plan: &plan, texts: &texts, folder: &args.output, name: &run_name };
+    states.begin(CycleState::Measuring, &run_name, serde_json::json!({ "cycle": cycle.name }));
     let mut progress = |now: Progress| {
         bar.show(now);
-        board.set("cycle", &daemon::cycle_under_way(&run_name, now));
+        states.go_on(CycleState::Measuring, &run_name, daemon::cycle_under_way(now));
     };
     let recorded = daemon::record_cycle(&run, &mut live, start, &mut progress).await;
     bar.clear();
     if let Ok(recorded) = &recorded {
-        board.set("cycle", &serde_json::json!({ "state": "done", "run": run_name, "ended": recorded.ended }));
+        states.go_on(CycleState::Done, &run_name, serde_json::json!({ "ended": recorded.ended }));
     }
     cancel.cancel();
     live.stop().await;

@@ -1,6 +1,6 @@
 //! `trunnion record`: one cycle, recorded, analysed and reported; then the program ends.
 
-use super::daemon::{Prepared, prepare_cycle};
+use super::daemon::prepare_cycle;
 use super::progress_bar::ProgressBar;
 use crate::outcome::Outcome;
 use crate::terminal;
@@ -12,6 +12,8 @@ use tokio_util::sync::CancellationToken;
 use trunnion::results::Verdict;
 use trunnion_core::Clock;
 use trunnion_service::clock::SystemClock;
+use trunnion_service::config::Config;
+use trunnion_service::cycles::Choice;
 use trunnion_service::daemon::{self, NewRun, Recorded};
 use trunnion_service::latest::{Latest, Mounted, Readiness};
 use trunnion_service::live::{CycleBounds, Live, check};
@@ -33,12 +35,11 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let prepared = prepare_cycle(&args.config, &args.cycle)?;
+    let (config, choice) = prepare_cycle(&args.config, &args.cycle)?;
     let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
-    let recorded = runtime.block_on(record(&prepared, clock.clone()))?;
-    let (analysed, compared) =
-        daemon::write_report(&recorded, &prepared.model, &daemon::day(clock.wall_ns()))?;
+    let recorded = runtime.block_on(record(&config, &choice, clock.clone()))?;
+    let (analysed, compared) = daemon::write_report(&recorded, &choice.model, &daemon::day(clock.wall_ns()))?;
     terminal::print(&compared.summary())?;
     terminal::print(&format!("{}\n", recorded.path.with_extension("html").display()))?;
     Ok(match analysed.first().results().verdict {
@@ -48,8 +49,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     })
 }
 
-async fn record(prepared: &Prepared, clock: Arc<dyn Clock>) -> anyhow::Result<Recorded> {
-    let Prepared { config, plan, texts, .. } = prepared;
+async fn record(config: &Config, choice: &Choice, clock: Arc<dyn Clock>) -> anyhow::Result<Recorded> {
+    let Choice { plan, texts, .. } = choice;
     let needed = check(plan)?;
     let cancel = CancellationToken::new();
     let stop = cancel.clone();
@@ -59,7 +60,7 @@ async fn record(prepared: &Prepared, clock: Arc<dyn Clock>) -> anyhow::Result<Re
             stop.cancel();
         }
     });
-    let bounds = CycleBounds::new(config.cycle_start.clone()).with_first_pose(plan.first_pose());
+    let bounds = CycleBounds::new(config.cycle_start.clone());
     let name = daemon::free_name(&config.recordings, &plan.cycle.name, clock.wall_ns());
     let mut live = Live::start(config.devices.clone(), bounds, clock, cancel);
     live.latest().set_mounted(Mounted::of(plan));

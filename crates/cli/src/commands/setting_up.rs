@@ -16,7 +16,7 @@ use trunnion_core::{Clock, NestSide};
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::latest::{Latest, Mounted};
-use trunnion_service::live::{TimeBase, Timed};
+use trunnion_service::live::{Plan, TimeBase, Timed};
 
 /// The devices of a configuration, and how its probes stand.
 pub struct SettingUp {
@@ -27,7 +27,7 @@ impl SettingUp {
     /// Reads a configuration; `[nest]` may be missing.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
         let text = load::read(path)?;
-        let prepared = with_files(Config::parse_uncalibrated(path, &text)?, text)?;
+        let prepared = with_files(Config::parse_uncalibrated(path, &text)?)?;
         if prepared.config.devices.is_empty() {
             bail!("{} has no [[device]]; `trunnion devices` finds them", path.display());
         }
@@ -36,12 +36,17 @@ impl SettingUp {
 
     /// How the probes stand; `None` before the nest is calibrated.
     pub fn mounted(&self) -> Option<Mounted> {
-        self.prepared.config.has_nest.then(|| Mounted::of(&self.prepared.plan))
+        self.plan().filter(|_| self.prepared.config.has_nest).map(Mounted::of)
+    }
+
+    /// Of the first cycle: all are of one machine.
+    fn plan(&self) -> Option<&Plan> {
+        self.prepared.cycles.first().map(|choice| &choice.plan)
     }
 
     /// Dwells of this machine as read by its three probes.
     pub fn steps(&self) -> anyhow::Result<NestSteps> {
-        let plan = &self.prepared.plan;
+        let plan = self.plan().context("the configuration names no cycle, so no machine")?;
         let channels = instrument_channels(&plan.channels, false)
             .context("the configuration lacks probe-1, probe-2, probe-3; add [[device]] with these roles")?;
         let side: NestSide = plan.cycle.setups[0].nest;

@@ -1,5 +1,6 @@
 //! What the service reports of itself: the board's `status` and systemd.
 
+use super::states::States;
 use crate::latest::{Latest, Readiness};
 use crate::mqtt::Board;
 use serde_json::json;
@@ -11,11 +12,12 @@ use trunnion_acquire::DeviceStatus;
 /// Time between status messages.
 const STATUS_PERIOD: Duration = Duration::from_secs(1);
 
-/// Publishes the states of the devices when they change, and reports to systemd that the service is alive.
+/// Publishes the states of devices and cycles when they change, and reports to systemd that the service is alive.
 pub async fn publish_status(
     names: Vec<String>,
     states: Vec<watch::Receiver<DeviceStatus>>,
     board: Board,
+    cycles: States,
     cancel: CancellationToken,
 ) {
     let mut period = tokio::time::interval(STATUS_PERIOD);
@@ -38,7 +40,7 @@ pub async fn publish_status(
                 (name.clone(), device)
             })
             .collect();
-        let now = json!({ "state": "online", "devices": devices });
+        let now = json!({ "state": "online", "devices": devices, "cycle": cycles.now(), "chosen": board.peek_chosen() });
         if now != last {
             board.set("status", &now);
             last = now;

@@ -45,6 +45,11 @@ impl Pattern {
         Self(text.to_lowercase())
     }
 
+    /// The pattern, in lower case.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
     /// True when the whole of `text` is like the pattern.
     pub fn matches(&self, text: &str) -> bool {
         let text = text.to_lowercase();

@@ -11,6 +11,7 @@ use trunnion_effects::Model;
 use trunnion_machine::shipped;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
+use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{QUEUES, Texts, serve};
 use trunnion_service::live::Plan;
 
@@ -22,7 +23,7 @@ pub fn run(path: &Path) -> anyhow::Result<()> {
         std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
     };
     let config = Config::parse(path, &read(path)?)?;
-    let cycle_text = read(&config.cycle)?;
+    let cycle_text = read(config.cycle.as_deref().context("a cycle for every program")?)?;
     let cycle = Cycle::parse("cycle.toml", &cycle_text)?;
     let machine = shipped::machine(&cycle.machine).context("the machine is shipped")?;
     let machine_text = shipped::FILES.iter().find(|(name, _)| *name == cycle.machine).map(|(_, text)| *text);
@@ -35,7 +36,7 @@ pub fn run(path: &Path) -> anyhow::Result<()> {
     };
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
     let clock = Arc::new(SystemClock::start());
-    runtime.block_on(serve(config, plan, texts, model, clock, CancellationToken::new()))?;
+    runtime.block_on(serve(config, Cycles::one(plan, texts, model)?, clock, CancellationToken::new()))?;
     Ok(())
 }
 

@@ -1,0 +1,194 @@
+//! Which cycle is measured: by the program that the controller runs, or by what the operator chose.
+
+use crate::live::{Plan, PlanError, check};
+use crate::recording::Texts;
+use std::collections::BTreeSet;
+use trunnion::Model;
+use trunnion_core::names::{allowed, distance};
+use trunnion_sync::cycle_bounds::Pattern;
+
+/// A cycle that the service can measure.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// Programs that begin it; `None`: every program that no other cycle names.
+    pub program: Option<Pattern>,
+    /// Machine, cycle, nest, channels.
+    pub plan: Plan,
+    /// What is kept word for word.
+    pub texts: Texts,
+    /// What its runs are judged by.
+    pub model: Model,
+}
+
+/// All of them, in the order of the configuration.
+#[derive(Clone, Debug)]
+pub struct Cycles(Vec<Choice>);
+
+/// No cycle for what the controller runs.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Refused {
+    /// No `[[program]]` is like it.
+    #[error("no [[program]] of the configuration is named like \"{program}\"; allowed: {allowed}")]
+    NoProgram {
+        /// The program.
+        program: String,
+        /// What would have been measured.
+        allowed: String,
+    },
+    /// The operator chose what there is not.
+    #[error("there is no cycle \"{chosen}\"; allowed: {allowed}")]
+    NoCycle {
+        /// What was chosen.
+        chosen: String,
+        /// What could have been.
+        allowed: String,
+    },
+}
+
+/// Cycles that one service cannot measure.
+#[derive(Debug, thiserror::Error)]
+pub enum CyclesError {
+    /// The devices cannot measure one.
+    #[error("the cycle cannot be measured")]
+    Plan(#[from] PlanError),
+    /// A service has one machine.
+    #[error(
+        "cycle {cycle} is of machine {machine}, the first of the configuration of {first}; give each machine a service of its own"
+    )]
+    OtherMachine {
+        /// The cycle.
+        cycle: String,
+        /// Its machine.
+        machine: String,
+        /// That of the first cycle.
+        first: String,
+    },
+}
+
+impl Cycles {
+    /// Checks that the devices can measure each, and that all are of one machine.
+    ///
+    /// # Errors
+    /// For the first that is not so.
+    pub fn new(choices: Vec<Choice>) -> Result<Self, CyclesError> {
+        for Choice { plan, .. } in &choices {
+            check(plan)?;
+            let (machine, first) = (&plan.machine.name, &choices[0].plan.machine.name);
+            if machine != first {
+                let cycle = plan.cycle.name.clone();
+                return Err(CyclesError::OtherMachine {
+                    cycle,
+                    machine: machine.clone(),
+                    first: first.clone(),
+                });
+            }
+        }
+        Ok(Self(choices))
+    }
+
+    /// One cycle for every program.
+    ///
+    /// # Errors
+    /// When the devices cannot measure it.
+    pub fn one(plan: Plan, texts: Texts, model: Model) -> Result<Self, CyclesError> {
+        Self::new(vec![Choice { program: None, plan, texts, model }])
+    }
+
+    /// The cycle of a program: the first that is named like it, else that of every program. What the operator chose comes
+    /// before both.
+    ///
+    /// # Errors
+    /// When there is none, with the nearest names.
+    pub fn find(&self, program: &str, chosen: Option<&str>) -> Result<&Choice, Refused> {
+        if let Some(chosen) = chosen {
+            let is_it = |choice: &&Choice| choice.plan.cycle.name == chosen;
+            let refused =
+                || Refused::NoCycle { chosen: chosen.into(), allowed: allowed(chosen, self.names()) };
+            return self.0.iter().find(is_it).ok_or_else(refused);
+        }
+        let is_named =
+            |choice: &&Choice| choice.program.as_ref().is_some_and(|pattern| pattern.matches(program));
+        let of_every = || self.0.iter().find(|choice| choice.program.is_none());
+        let refused = || Refused::NoProgram { program: program.into(), allowed: self.programs(program) };
+        self.0.iter().find(is_named).or_else(of_every).ok_or_else(refused)
+    }
+
+    /// The first of the configuration.
+    pub fn first(&self) -> Option<&Choice> {
+        self.0.first()
+    }
+
+    /// Channels that any of them measures with.
+    pub fn needed(&self) -> Vec<u16> {
+        let of = |choice: &Choice| check(&choice.plan).unwrap_or_default();
+        self.0.iter().flat_map(of).collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
+    /// Name of their machine; empty without a cycle.
+    pub fn machine(&self) -> &str {
+        self.0.first().map_or("", |choice| choice.plan.machine.name.as_str())
+    }
+
+    /// Names of the cycles.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(|choice| choice.plan.cycle.name.as_str())
+    }
+
+    /// Programs with their cycles, the nearest name first.
+    fn programs(&self, program: &str) -> String {
+        let named = |choice: &Choice| {
+            Some((choice.program.as_ref()?.as_str().to_owned(), choice.plan.cycle.name.clone()))
+        };
+        let mut all: Vec<(String, String)> = self.0.iter().filter_map(named).collect();
+        all.sort_by_key(|(name, _)| distance(program, &name.replace('*', "")));
+        all.iter().map(|(name, cycle)| format!("{name} (cycle {cycle})")).collect::<Vec<_>>().join(", ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trunnion::cycles::Cycle;
+    use trunnion_core::{Channel, Role};
+    use trunnion_sync::NestCalibration;
+
+    const STATIC: &str = include_str!("../../../config/cycles/demo-static.toml");
+    const SWEEP: &str = include_str!("../../../config/cycles/demo-sweep-c.toml");
+
+    fn choice(program: Option<&str>, text: &str) -> Choice {
+        let cycle = Cycle::parse("c.toml", text).unwrap();
+        let machine = trunnion::files::machine(&cycle.machine).unwrap();
+        let channel = |k: u8| Channel { device: 0, name: format!("probe-{k}"), role: Role::Probe(k) };
+        let nest = NestCalibration::orthogonal();
+        let model = Model::base(&machine.name);
+        let plan = Plan { machine, cycle, nest, channels: (0..3).map(channel).collect() };
+        let texts = Texts { machine: String::new(), cycle: text.into(), config: String::new() };
+        Choice { program: program.map(Pattern::new), plan, texts, model }
+    }
+
+    #[test]
+    fn a_program_finds_its_cycle_and_the_operator_comes_first() {
+        let cycles =
+            Cycles::new(vec![choice(Some("*RTEST*"), STATIC), choice(Some("*SWEEP*"), SWEEP)]).unwrap();
+        let name = |program: &str, chosen: Option<&str>| {
+            cycles.find(program, chosen).map(|choice| choice.plan.cycle.name.clone())
+        };
+        assert_eq!(name("//NC/rtest.mpf", None).unwrap(), "demo-static");
+        assert_eq!(name("O0002 (SWEEP C)", None).unwrap(), "demo-sweep-c");
+        assert_eq!(name("O0002 (SWEEP C)", Some("demo-static")).unwrap(), "demo-static");
+        let refused = name("REST", None).unwrap_err().to_string();
+        assert!(
+            refused.contains("\"REST\"") && refused.contains("allowed: *rtest* (cycle demo-static)"),
+            "{refused}"
+        );
+        let refused = name("RTEST", Some("demo-sweep")).unwrap_err().to_string();
+        assert!(refused.contains("did you mean demo-sweep-c?"), "{refused}");
+    }
+
+    #[test]
+    fn one_cycle_without_a_program_takes_what_no_other_names() {
+        let cycles = Cycles::new(vec![choice(None, STATIC), choice(Some("*SWEEP*"), SWEEP)]).unwrap();
+        assert_eq!(cycles.find("sweep", None).unwrap().plan.cycle.name, "demo-sweep-c");
+        assert_eq!(cycles.find("anything", None).unwrap().plan.cycle.name, "demo-static");
+    }
+}

@@ -1,0 +1,158 @@
+//! One service, many cycles: the program that the controller runs says which; one that has none is refused.
+
+use crate::service::{ONE_FLOOR, REPORT_LIMIT, SILENCE_MS, SWEEP, Staged, staged};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio_util::sync::CancellationToken;
+use trunnion_acquire::config::channels;
+use trunnion_core::Clock;
+use trunnion_cycles::Cycle;
+use trunnion_cycles::cycle::Motion;
+use trunnion_effects::Model;
+use trunnion_hil_sim::devices::cell::CellConfig;
+use trunnion_hil_sim::devices::{CycleState, Later, SimulatedCell, World, cell};
+use trunnion_hil_sim::scenario;
+use trunnion_machine::shipped;
+use trunnion_service::clock::SystemClock;
+use trunnion_service::config::{Config, ProgramCycle};
+use trunnion_service::cycles::{Choice, Cycles};
+use trunnion_service::daemon::{Texts, serve_on};
+use trunnion_service::live::Plan;
+use trunnion_service::mqtt::Board;
+use trunnion_tests::{reports, show_log, three_probes};
+
+/// One world after the other, each with the program it names.
+struct InTurn {
+    worlds: Vec<SimulatedCell>,
+    /// Standing between two programs, s.
+    pause_s: f64,
+}
+
+impl InTurn {
+    /// The world at a time, and its own time.
+    fn at(&self, t_s: f64) -> (&SimulatedCell, f64) {
+        let mut own_s = t_s;
+        for world in &self.worlds[..self.worlds.len() - 1] {
+            let lasts_s = world.trajectory.duration_s() + self.pause_s;
+            if own_s < lasts_s {
+                return (world, own_s);
+            }
+            own_s -= lasts_s;
+        }
+        (&self.worlds[self.worlds.len() - 1], own_s)
+    }
+}
+
+impl World for InTurn {
+    fn axes(&self, t_s: f64) -> trunnion_core::AxisValues<f64> {
+        let (world, own_s) = self.at(t_s);
+        world.axes(own_s)
+    }
+
+    fn probe_readings_mm(&self, t_s: f64) -> [f64; 3] {
+        let (world, own_s) = self.at(t_s);
+        world.probe_readings_mm(own_s)
+    }
+
+    fn bar_reading_mm(&self, _: f64) -> f64 {
+        0.0
+    }
+
+    fn temperature_degc(&self, _: f64) -> f64 {
+        20.0
+    }
+
+    fn cycle(&self, t_s: f64) -> CycleState {
+        let (world, own_s) = self.at(t_s);
+        world.cycle(own_s)
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
+    let Staged { cycle_text, machine, stations, pace, virtual_machine, .. } = staged();
+    let sweep_text = SWEEP.replace("[5400, 7200]", "[7200]");
+    let sweep = Cycle::parse("c.toml", &sweep_text).unwrap();
+    let Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, others, .. } = &sweep.motion else {
+        panic!("the cycle is on the fly")
+    };
+    let _floor = ONE_FLOOR.lock().await;
+    show_log();
+    let folder = tempfile::tempdir().unwrap();
+    let at_rest = |program: &str, count: usize| {
+        scenario::static_cycle(Arc::clone(&virtual_machine), program, &stations[..count], pace).unwrap()
+    };
+    let turning = scenario::sweep_cycle(
+        Arc::clone(&virtual_machine),
+        "SWEEP-C",
+        *axis,
+        *from_to_rad,
+        feeds_rad_per_s,
+        others,
+    );
+    let worlds = vec![at_rest("RTEST", stations.len()), at_rest("WARMUP", 20), turning.unwrap()];
+    let (board, cancel) = (Board::default(), CancellationToken::new());
+    let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
+    let mut floor = CellConfig { can: None, ..CellConfig::new(folder.path(), clock.wall_ns()) };
+    floor.controller.as_mut().unwrap().0.filters_duplicates = false;
+    let world = Later { world: InTurn { worlds, pause_s: 1.5 }, by_s: 3.0 };
+    let cell = cell::start(Arc::new(world), floor, tokio::time::Instant::now()).await.unwrap();
+    let url = cell.controller.as_ref().and_then(|agent| agent.url()).unwrap().to_string();
+    let agent = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
+    let programs = "[[program]]\nname = \"*rtest*\"\ncycle = \"s.toml\"\n[[program]]\nname = \"sweep*\"\ncycle = \"w.toml\"\n";
+    let text = three_probes(folder.path(), SILENCE_MS, programs, &agent).replace("cycle = \"c.toml\"\n", "");
+    let config = Config::parse(&folder.path().join("trunnion.toml"), &text).unwrap();
+    let choice = |of: &ProgramCycle, text: &str| {
+        let cycle = Cycle::parse("c.toml", text).unwrap();
+        let plan =
+            Plan { machine: machine.clone(), cycle, nest: config.nest, channels: channels(&config.devices) };
+        let machine = shipped::FILES[0].1.into();
+        let texts = Texts { machine, cycle: text.into(), config: config.text.clone() };
+        Choice { program: Some(of.name.clone()), plan, texts, model: Model::base("table-bc").into() }
+    };
+    let choices = [&cycle_text, &sweep_text];
+    let choices = config.programs.iter().zip(choices).map(|(of, text)| choice(of, text)).collect();
+    let cycles = Cycles::new(choices).unwrap();
+    let runs = config.recordings.clone();
+    let service = tokio::spawn(serve_on(config, cycles, clock, cancel.clone(), board.clone()));
+
+    // The states in order, as a reader of the topic sees them.
+    let mut seen: Vec<(String, String)> = Vec::new();
+    let ended = tokio::time::timeout(REPORT_LIMIT, async {
+        loop {
+            let now = board.get("cycle").unwrap_or_default();
+            let text = |key: &str| now[key].as_str().unwrap_or_default().to_owned();
+            let state = (text("state"), text("program"));
+            if seen.last() != Some(&state) {
+                seen.push(state.clone());
+            }
+            if state == ("done".into(), "SWEEP-C".into()) {
+                return now;
+            }
+            tokio::time::sleep(Duration::from_millis(10)).await;
+        }
+    });
+    let last = ended.await.unwrap_or_else(|_| panic!("{seen:?}"));
+    let recordings = reports(&runs, 2, REPORT_LIMIT).await.unwrap();
+    cancel.cancel();
+    service.await.unwrap().unwrap();
+    cell.shutdown().await;
+    let at = |state: &str, program: &str| {
+        let is_it = |seen: &(String, String)| (seen.0.as_str(), seen.1.as_str()) == (state, program);
+        seen.iter().position(is_it).unwrap_or_else(|| panic!("no {state} of {program}: {seen:?}"))
+    };
+    assert_eq!(seen[0].0, "ready");
+    let order = [
+        at("measuring", "RTEST"),
+        at("refused", "WARMUP"),
+        at("measuring", "SWEEP-C"),
+        at("done", "SWEEP-C"),
+    ];
+    assert!(order.is_sorted() && at("analysing", "RTEST") < order[2], "{seen:?}");
+    assert_eq!(last["cycle"], "demo-sweep-c");
+    let names: Vec<String> =
+        recordings.iter().map(|path| path.file_name().unwrap().to_string_lossy().into_owned()).collect();
+    assert!(names[0].starts_with("demo-static-") && names[1].starts_with("demo-sweep-c-"), "{names:?}");
+    let first = trunnion_record::read_run(&recordings[0], &|_| Some(machine.clone())).unwrap();
+    assert_eq!(first.run.points.len(), stations.len(), "every pose is accounted for");
+}
