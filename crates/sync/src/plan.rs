@@ -96,10 +96,6 @@ pub fn check(plan: &Plan) -> Result<Vec<u16>, PlanError> {
             return Err(PlanError::NotLive { cycle, what: format!("the instrument {}", other.name()) });
         }
     };
-    if let Motion::Path { .. } = plan.cycle.motion {
-        let cycle = plan.cycle.name.clone();
-        return Err(PlanError::NotLive { cycle, what: "a curve of several axes".into() });
-    }
     let instrument = kind.name();
     plan.cycle
         .poses(&plan.machine)

@@ -14,8 +14,21 @@ use trunnion_sync::plan::Plan;
 use trunnion_sync::{CycleEvent, EndReason, NestCalibration};
 use trunnion_tests::workspace_root;
 
-const CYCLES: [&str; 9] =
-    ["ball-bar-c", "bk1-a", "bk1-b", "bk2-c", "bk2-c-of-ac", "s4-b", "s4-c", "head-b", "head-c"];
+const CYCLES: [&str; 13] = [
+    "ball-bar-c",
+    "bk1-a",
+    "bk1-b",
+    "bk2-c",
+    "bk2-c-of-ac",
+    "s4-b",
+    "s4-c",
+    "head-b",
+    "head-c",
+    "circle-xy",
+    "circle-yz",
+    "circle-zx",
+    "bk4-cone",
+];
 /// Axis samples and bar samples, s.
 const STEP_S: f64 = 0.01;
 /// An operator who is quick, s.
@@ -132,7 +145,8 @@ fn every_pass_of_every_bar_cycle_gives_points_with_the_reading_of_the_bar() {
 
 fn span(cycle: &Cycle) -> f64 {
     match &cycle.motion {
-        trunnion_cycles::cycle::Motion::OnTheFly { from_to_rad: (from, to), .. } => (to - from).abs(),
+        trunnion_cycles::cycle::Motion::OnTheFly { from_to_rad: (from, to), .. }
+        | trunnion_cycles::cycle::Motion::Path { from_to_rad: (from, to), .. } => (to - from).abs(),
         other => panic!("{other:?}"),
     }
 }
