@@ -106,7 +106,10 @@ impl Pace {
             let nodes = self.nodes.range(from..to);
             covariance * times().zip(nodes).map(|(t, node)| row(t) * value(node)).sum::<Vector3<f64>>()
         };
-        let each: AxisValues<Vector3<f64>> = AxisValues::from_fn(|slot| fit(&|node| node.position[slot]));
+        // From the first on: an axis that stands has no speed at all, not one of rounding.
+        let first = &self.nodes.get(from)?.position;
+        let each: AxisValues<Vector3<f64>> =
+            AxisValues::from_fn(|slot| fit(&|node| node.position[slot] - first[slot]));
         let angle = fit(&|node| node.angle);
         let off = |(t, node): (f64, &Node)| (node.angle - row(t).dot(&angle)).powi(2);
         let squares: f64 = times().zip(self.nodes.range(from..to)).map(off).sum();
@@ -133,6 +136,7 @@ mod tests {
             let time_s = f64::from(k) * 0.008;
             let mut position = AxisValues::default();
             position[Joint::C] = 2.0 * time_s;
+            position[Joint::Z] = 60.1;
             let late_s = if k % 2 == 0 { late_s } else { 0.0 };
             let none = AxisValues::default();
             let state = AxisState {
@@ -156,7 +160,8 @@ mod tests {
         // Half a millisecond about the mean is 1 mrad.
         assert!((jittery.scatter_rad - 1e-3).abs() < 2e-4, "{jittery:?}");
         assert!((jittery.pace.0 - 2.0).abs() < 3.0 * jittery.u_pace.0 && jittery.u_pace.0 < 0.02);
-        assert!(jittery.velocity[Joint::C] == jittery.pace.0);
+        assert!((jittery.velocity[Joint::C] - jittery.pace.0).abs() < 1e-9);
+        assert_eq!((jittery.velocity[Joint::Z], jittery.acceleration[Joint::Z]), (0.0, 0.0), "it stands");
     }
 
     #[test]
