@@ -82,7 +82,7 @@ pub fn static_cycle(
     steps.push(Step::Dwell { duration_s: MARGIN_S });
     setup_of_step.push(before.setup);
     let start = Program { start: first.position, steps };
-    Ok(cell(machine, program, Trajectory::compile(&start)?, setup_of_step))
+    Ok(cell(machine, program, Trajectory::compile(&start)?, setup_of_step, Readings::Settled))
 }
 
 /// One rotary axis turns forward and back at each feed while the linear axes follow the ball of setup 0; strokes of X before and
@@ -113,7 +113,8 @@ pub fn sweep_cycle(
     // The passes end where they began.
     steps.extend(sync_move(&start));
     let setup_of_step = vec![0; steps.len()];
-    Ok(cell(machine, program, Trajectory::compile(&Program { start, steps })?, setup_of_step))
+    let trajectory = Trajectory::compile(&Program { start, steps })?;
+    Ok(cell(machine, program, trajectory, setup_of_step, Readings::Streamed))
 }
 
 /// Strokes of X about where the machine stands.
@@ -146,11 +147,21 @@ fn at_ball(
     at
 }
 
+/// What is drawn once for a whole step.
+#[derive(Clone, Copy)]
+enum Readings {
+    /// Everything: a pose is one reading, and may be an outlier.
+    Settled,
+    /// What does not change during a pass: its samples have white noise of their own, and one that is off is no pass that is off.
+    Streamed,
+}
+
 fn cell(
     machine: Arc<VirtualMachine>,
     program: &str,
     trajectory: Trajectory,
     setup_of_step: Vec<usize>,
+    readings: Readings,
 ) -> SimulatedCell {
     // Pass offsets, drift, scatter and outliers are drawn once for each step, in order of time, so that whoever asks
     // for a time gets the same answer.
@@ -163,7 +174,11 @@ fn cell(
             let end_s = trajectory.begin_s(step + 1).unwrap_or(begin_s);
             let time_s = 0.5 * (begin_s + end_s);
             let state = trajectory.at(time_s).state(time_s, Vec::new(), setup);
-            let (noisy, ideal) = (sampler.read_mm(&machine, &state), machine.ideal_reading_mm(setup, &state));
+            let noisy = match readings {
+                Readings::Settled => sampler.read_mm(&machine, &state),
+                Readings::Streamed => sampler.still_mm(&machine, &state),
+            };
+            let ideal = machine.ideal_reading_mm(setup, &state);
             std::array::from_fn(|k| noisy[k] - ideal[k])
         })
         .collect();
