@@ -6,6 +6,7 @@ pub mod convergence;
 pub mod pauses;
 pub mod peer;
 pub mod section;
+pub mod sweeps;
 
 pub use section::workspace_root;
 use std::path::{Path, PathBuf};

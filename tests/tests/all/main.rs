@@ -8,6 +8,7 @@ mod citations;
 mod convergence;
 mod cycle_boundaries;
 mod edges;
+mod empty_sweeps;
 mod fault_matrix;
 mod glossary;
 #[path = "../../../crates/cycles/tests/all/nc/interpreter.rs"]
