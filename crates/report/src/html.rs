@@ -22,7 +22,7 @@ use trunnion_results::sentences::{complete, samples};
 use trunnion_results::{Comparison, ErrorMap, Findings, Ladder, Trial, Volumetric};
 
 /// The style of every page.
-pub const STYLE: &str = include_str!("html/style.css");
+pub const PAGE_CSS: &str = include_str!("html/style.css");
 
 /// One page with everything: no outside asset, readable on a phone, on paper, in the dark. UTF-8, well-formed as XML.
 pub fn compare_html(input: &Comparison, label: &str) -> String {
@@ -104,7 +104,7 @@ fn page(title: &str, sections: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
-         <meta name=\"color-scheme\" content=\"light dark\"/><title>{}</title>\n<style>\n{STYLE}</style></head>\n\
+         <meta name=\"color-scheme\" content=\"light dark\"/><title>{}</title>\n<style>\n{PAGE_CSS}</style></head>\n\
          <body><main>\n{sections}</main></body></html>\n",
         escape(title),
     )

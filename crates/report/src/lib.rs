@@ -5,6 +5,7 @@
 //! Everything takes an answer (`trunnion-results`) and returns a string; nothing opens a file or asks a clock. Screens
 //! show mm, µm, degrees and µrad; `residual = measured − predicted` everywhere.
 
+mod certainty;
 pub mod compensation;
 mod findings;
 mod html;
@@ -21,7 +22,7 @@ mod words;
 
 use trunnion_results::number;
 
-pub use html::{STYLE, compare_html, findings_html, ladder_html, trial_html, volumetric_html};
+pub use html::{PAGE_CSS, compare_html, findings_html, ladder_html, trial_html, volumetric_html};
 pub use residuals::residuals_csv;
 pub use story::story;
 pub use text::{

@@ -1,14 +1,15 @@
 //! One run in the order in which a person asks: sentences, figures, and the charts of the report.
 
+use crate::certainty::{facts, measure_next, sure};
 use crate::html;
-use crate::number::{percent, um, um_or_dash, value_and_u};
+use crate::number::{um, value_and_u};
 use crate::words::{
     about, beyond_figures, effect_name, evidence_words, explanation, formula_leads, formula_shape,
-    formula_site, headline, left_out, noise_origin, planned_words, repeatability, verdict,
+    formula_site, headline, planned_words, verdict,
 };
 use trunnion_results::sentences::complete;
 use trunnion_results::{
-    Candidate, Comparison, Diagnosis, Fact, FormulaProposal, Parameter, Story, StoryCandidate, StorySection,
+    Candidate, Comparison, Diagnosis, FormulaProposal, Parameter, Story, StoryCandidate, StorySection,
     Verdict,
 };
 
@@ -52,92 +53,6 @@ pub fn story(input: &Comparison) -> Story {
             .collect(),
         ..Story::default()
     }
-}
-
-/// The figures at the top.
-pub(crate) fn facts(input: &Comparison) -> Vec<Fact> {
-    let fit = &input.identification;
-    let mut facts = vec![
-        fact("Residual", um(fit.rms_um), "rms".into()),
-        fact("Repeatability", um_or_dash(fit.noise_um), noise_origin(fit)),
-        fact("Held-out error", um_or_dash(fit.holdout_rms_um), left_out(fit.holdout_unit)),
-    ];
-    if let Some(fraction) = input.diagnosis.as_ref().and_then(|d| d.residual.unexplained_fraction) {
-        let remark = "of the mean square of the residual".into();
-        facts.push(fact("Explained by what was found", percent(fraction), remark));
-    }
-    let drawn = match input.residuals.every {
-        0 | 1 => String::new(),
-        every => format!(", every {every}th drawn"),
-    };
-    facts.push(fact("Points", fit.points.to_string(), format!("{} excluded{drawn}", fit.outliers)));
-    facts
-}
-
-fn fact(name: &str, value: String, remark: String) -> Fact {
-    Fact { name: name.into(), value, remark }
-}
-
-/// How sure the answer is; empty where nothing was asked.
-pub(crate) fn sure(input: &Comparison) -> Vec<String> {
-    let Some(diagnosis) = &input.diagnosis else { return Vec::new() };
-    let mut items = vec![noise(diagnosis)];
-    if let Some(formula) = diagnosis.formula.as_ref().filter(|_| formula_leads(diagnosis)) {
-        items.push(format!("{}.", evidence_words(formula.evidence)));
-        items.push(match diagnosis.candidates.first() {
-            Some(best) => format!(
-                "No named effect explains it: the best, {}, leaves {} rms with structure in it.",
-                effect_name(&best.effect),
-                um(best.rms_um_after)
-            ),
-            None => "No named effect explains any of it.".into(),
-        });
-    } else if let Some(best) = diagnosis.candidates.first() {
-        items.push(format!("{}.", evidence_words(best.evidence)));
-        items.extend(held_out(diagnosis, best));
-        items.push(beyond_figures(best));
-        items.extend(rivals(best));
-    }
-    items.retain(|item| !item.is_empty());
-    items
-}
-
-fn noise(diagnosis: &Diagnosis) -> String {
-    let known = repeatability(diagnosis.residual.noise_um);
-    match diagnosis.residual.unexplained_fraction.map(percent) {
-        Some(share) => {
-            format!("What was found explains {share} of the mean square of the residual; {known}.")
-        }
-        None => format!("Nothing was weighed; {known}."),
-    }
-}
-
-fn held_out(diagnosis: &Diagnosis, best: &Candidate) -> Option<String> {
-    let residual = &diagnosis.residual;
-    let (before, after) = (residual.holdout_rms_um?, best.holdout_rms_um_after?);
-    let units = residual.holdout_unit?.plural();
-    let (was, is) = (um(before), um(after));
-    Some(if after < 0.97 * before {
-        format!(
-            "It also predicts what it has not seen: on {units} left out of the fit the error falls from {was} to {is}."
-        )
-    } else {
-        format!(
-            "On {units} left out of the fit the error does not fall ({was} before, {is} after): take it with care."
-        )
-    })
-}
-
-fn rivals(best: &Candidate) -> Option<String> {
-    let names: Vec<_> = best.confused_with.iter().map(|id| effect_name(id)).collect();
-    (!names.is_empty())
-        .then(|| format!("In these data {} is confounded with {}.", best.effect, names.join("; ")))
-}
-
-/// What to measure next; empty when nothing is asked for.
-pub(crate) fn measure_next(diagnosis: &Diagnosis) -> &str {
-    let separates = diagnosis.candidates.first().map_or("", |best| best.separate_by.as_str());
-    diagnosis.next_cycle.as_ref().map_or(separates, |next| next.suggestion.as_str())
 }
 
 fn to_do(input: &Comparison) -> Vec<String> {

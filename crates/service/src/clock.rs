@@ -1,7 +1,8 @@
-//! The system's clocks behind the `Clock` trait: the only place of the service that asks them.
+//! The system's clocks behind the `Clock` trait: the only place of the service that asks them; dates as texts.
 
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use trunnion_core::{Clock, HostTime};
+use trunnion_protocol::mtconnect::timestamp;
 
 /// The host's monotonic clock, counted from when this was made.
 #[derive(Clone, Copy, Debug)]
@@ -25,4 +26,14 @@ impl Clock for SystemClock {
         let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         i64::try_from(since_1970.as_nanos()).unwrap_or(i64::MAX)
     }
+}
+
+/// `YYYYMMDDThhmmssZ`.
+pub fn file_stamp(wall_ns: i64) -> String {
+    timestamp(wall_ns).strftime("%Y%m%dT%H%M%SZ").to_string()
+}
+
+/// `YYYY-MM-DD`.
+pub fn day(wall_ns: i64) -> String {
+    timestamp(wall_ns).strftime("%Y-%m-%d").to_string()
 }

@@ -4,6 +4,7 @@ mod report;
 mod states;
 mod status;
 
+pub use crate::clock::{day, file_stamp};
 pub use crate::error::ServiceError;
 pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, Unfinished, measure_cycle, record_cycle};
 pub use report::{analyse_recording, write_report};
@@ -30,7 +31,6 @@ use tracing::{error, info, warn};
 use trunnion::Model;
 use trunnion::results::Serves;
 use trunnion_core::Clock;
-use trunnion_protocol::mtconnect::timestamp;
 use trunnion_sync::{CycleBounds, Progress};
 
 /// Runs until `cancel`. Cycles that fail are reported and do not end the service.
@@ -239,14 +239,4 @@ fn recover(folder: &Path) {
             warn!(error = &failure as &dyn std::error::Error, "cannot look for unfinished recordings")
         }
     }
-}
-
-/// `YYYYMMDDThhmmssZ`.
-pub fn file_stamp(wall_ns: i64) -> String {
-    timestamp(wall_ns).strftime("%Y%m%dT%H%M%SZ").to_string()
-}
-
-/// `YYYY-MM-DD`.
-pub fn day(wall_ns: i64) -> String {
-    timestamp(wall_ns).strftime("%Y-%m-%d").to_string()
 }

@@ -1,7 +1,7 @@
 //! The top of the page: what is wrong with the machine, in one paragraph, and the figures.
 
+use crate::certainty;
 use crate::markup::escape;
-use crate::story;
 use crate::words::{headline, verdict};
 use trunnion_results::{Comparison, Fact};
 
@@ -25,7 +25,7 @@ pub fn section(input: &Comparison, label: &str) -> String {
 }
 
 fn facts(input: &Comparison) -> String {
-    let shown: String = story::facts(input).iter().map(fact).collect();
+    let shown: String = certainty::facts(input).iter().map(fact).collect();
     format!("<dl class=\"facts\">{shown}</dl>\n")
 }
 

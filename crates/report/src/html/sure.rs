@@ -1,15 +1,15 @@
 //! How sure the answer is: evidence in words, what it could be mistaken for, what to measure next, what is not observable.
 
+use crate::certainty;
 use crate::markup::{element, escape};
-use crate::story;
 use crate::words::planned_words;
 use trunnion_results::Comparison;
 
 pub fn section(input: &Comparison) -> String {
     let Some(diagnosis) = &input.diagnosis else { return String::new() };
-    let items = story::sure(input);
+    let items = certainty::sure(input);
     let mut body = format!("<ul>{}</ul>\n", items.iter().map(|item| element("li", item)).collect::<String>());
-    let next = story::measure_next(diagnosis);
+    let next = certainty::measure_next(diagnosis);
     if !next.is_empty() {
         body += &format!("<p class=\"warn\"><b>Measure next:</b> {}</p>\n", escape(next));
     }

@@ -1,7 +1,8 @@
 //! Connections: so many at once, and none that says nothing.
 
+use super::calls;
 use super::guard::{Guard, guarded};
-use super::{Shared, calls};
+use super::shared::Shared;
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::middleware::from_fn_with_state;

@@ -5,12 +5,12 @@ use axum::response::{IntoResponse, Response};
 
 const HTML: &str = "text/html; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
-const STYLE: &str = "text/css; charset=utf-8";
+const CSS: &str = "text/css; charset=utf-8";
 
 /// Name below `/assets/`, type, content.
 const ASSETS: [(&str, &str, &str); 12] = [
-    ("page.css", STYLE, include_str!("assets/page.css")),
-    ("report.css", STYLE, trunnion::report::STYLE),
+    ("page.css", CSS, include_str!("assets/page.css")),
+    ("report.css", CSS, trunnion::report::PAGE_CSS),
     ("main.js", SCRIPT, include_str!("assets/main.js")),
     ("dom.js", SCRIPT, include_str!("assets/dom.js")),
     ("calls.js", SCRIPT, include_str!("assets/calls.js")),
@@ -20,7 +20,7 @@ const ASSETS: [(&str, &str, &str); 12] = [
     ("history.js", SCRIPT, include_str!("assets/history.js")),
     ("heat-map.js", SCRIPT, include_str!("assets/heat-map.js")),
     ("uplot.js", SCRIPT, include_str!("assets/uplot/uPlot.iife.min.js")),
-    ("uplot.css", STYLE, include_str!("assets/uplot/uPlot.min.css")),
+    ("uplot.css", CSS, include_str!("assets/uplot/uPlot.min.css")),
 ];
 
 /// The page itself.

@@ -1,8 +1,10 @@
 //! The calls (docs/use/page.md), each with the command that does the same.
 
 use super::answer::{Refusal, json_of, report};
-use super::{Shared, assets, live};
-use crate::daemon::day;
+use super::runs::Runs;
+use super::shared::Shared;
+use super::{assets, live};
+use crate::clock::day;
 use axum::extract::rejection::JsonRejection;
 use axum::extract::{Path, State};
 use axum::http::{StatusCode, Uri};
@@ -21,7 +23,7 @@ use trunnion::{FormulaText, page::label};
 #[derive(Clone)]
 struct Page {
     shared: Arc<Shared>,
-    runs: Arc<super::Runs>,
+    runs: Arc<Runs>,
     watchers: Arc<Semaphore>,
     cancel: CancellationToken,
 }
