@@ -1,7 +1,7 @@
 //! Forward selection by BIC: the effect, at one of its shapes, that lowers BIC most; then the best next to it, and so on until none
 //! lowers it. Pointing programs of telescopes choose their terms in this way.
 
-use super::{Baseline, Problem};
+use super::problem::{Baseline, Problem};
 
 pub const BASELINE: Baseline = Baseline { name: "forward selection by BIC", chosen };
 

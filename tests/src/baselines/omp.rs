@@ -1,7 +1,7 @@
 //! Orthogonal matching pursuit [Pati 1993]: the column that correlates most with what is left, then least squares with all chosen so
 //! far; ends where BIC no longer falls.
 
-use super::{Baseline, Problem};
+use super::problem::{Baseline, Problem};
 
 pub const BASELINE: Baseline = Baseline { name: "OMP, number by BIC", chosen };
 

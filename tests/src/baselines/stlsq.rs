@@ -3,7 +3,7 @@
 //! x = argmin ‖y − A x‖² + α ‖x‖²; columns with |x_j| < λ are dropped and the rest is fitted again until none drops. λ by BIC over a
 //! grid from keeping nearly all columns to keeping none; α = 0.05 as in PySINDy.
 
-use super::{Baseline, Problem};
+use super::problem::{Baseline, Problem};
 
 pub const BASELINE: Baseline = Baseline { name: "STLSQ, threshold by BIC", chosen };
 
