@@ -12,7 +12,7 @@ use std::borrow::Cow;
 use trunnion_core::Slot;
 
 /// Twice the scatter of a poor servo, 5 µm: a direction that scatter alone makes visible then stays below by a factor of two.
-const OFF_MM: f64 = 10e-3;
+pub(crate) const OFF_MM: f64 = 10e-3;
 /// The same at a radius of 200 mm.
 const OFF_RAD: f64 = 50e-6;
 /// So many points show how large a change is.

@@ -2,6 +2,7 @@
 
 use crate::fit::{Options, identify};
 use crate::problem::experiment::Experiment;
+use crate::problem::off_nominal::OFF_MM;
 use crate::problem::side_by_side::SideBySide;
 use crate::problem::stream::{blocks_of, many, stations_of};
 use nalgebra::{DVector, Vector3};
@@ -12,6 +13,9 @@ use trunnion_effects::{Model, Scene, SceneArtefact, SceneSetting, SceneSetup, Un
 use trunnion_instruments::{Quantity, instrument};
 use trunnion_machine::Side;
 use trunnion_sync::blocks::Limits;
+
+/// Nominal readings up to this are those of positions a little off: three linear axes by [`OFF_MM`] each, rotary axes as much again.
+const NO_STEP_MM: f64 = 6.0 * OFF_MM;
 
 /// Runs that cannot be fitted together.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -137,21 +141,25 @@ impl Experiment {
         Ok(experiment)
     }
 
-    /// What the probes were asked to read, as the base model predicts it: the nominal reading and the linear columns times what was
-    /// fitted. Never the readings themselves: an effect of the probes would then explain every reading by itself. Nor the exact
-    /// prediction: what it holds of second order no column has, so a gain would be seen by that alone, 1000 µm/mm of it.
+    /// What the probes were asked to read, as the base model predicts it: known steps and the linear columns times what was fitted. Never
+    /// the readings themselves: an effect of the probes would then explain every reading by itself. Nor the exact prediction: what it
+    /// holds of second order no column has, so a gain would be seen by that alone, 1000 µm/mm of it. Nominal readings that positions a
+    /// little off would give (`problem::off_nominal`) are no known steps: a gain would follow their rounding and scatter.
     fn predict_deflections(&mut self) {
         let base = Model::base(&self.machine().name);
         let Ok(fit) = identify(self, &base, &Options::quick()) else { return };
         let Ok(joint) = SideBySide::place(self, &base) else { return };
-        let nominal_mm = joint.predict_mm(self, &DVector::zeros(joint.width()));
-        for i in 0..self.points.len() {
-            if !self.setups[self.points[i].state.setup].instrument.deflects_probes() {
-                continue;
-            }
+        let mut steps_mm = joint.predict_mm(self, &DVector::zeros(joint.width()));
+        let deflects = |i: usize| self.setups[self.points[i].state.setup].instrument.deflects_probes();
+        let deflected: Vec<usize> = (0..self.points.len()).filter(|&i| deflects(i)).collect();
+        let rows = deflected.iter().flat_map(|&i| self.rows_of(i));
+        if rows.map(|row| steps_mm[row].abs()).fold(0.0, f64::max) <= NO_STEP_MM {
+            steps_mm.fill(0.0);
+        }
+        for i in deflected {
             let of_errors_mm = joint.columns(self, i..i + 1) * &fit.solution;
             for (k, row) in self.rows_of(i).enumerate() {
-                self.points[i].state.deflection_mm[k] = nominal_mm[row] + of_errors_mm[k];
+                self.points[i].state.deflection_mm[k] = steps_mm[row] + of_errors_mm[k];
             }
         }
         let states = self.points.iter().map(|p| &p.state);
