@@ -6,6 +6,7 @@ pub mod convergence;
 pub mod pauses;
 pub mod peer;
 pub mod section;
+#[expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 pub mod sweeps;
 
 pub use section::workspace_root;
