@@ -14,7 +14,8 @@ use trunnion_methods::volumetric as methods;
 use trunnion_results::{
     AxisErrors, CheckedDevice, Comparison, Demo, DemoStep, DevicePlace, DevicesChecked, DevicesFound,
     Diagnosis, ErrorMap, Findings, Identification, Imported, Ladder, LadderRow, Live, LiveProbe,
-    LocationErrors, NcProgram, Plan, Preview, Simulation, Verdict, Volumetric, to_json,
+    LocationErrors, NcProgram, NestCalibrated, Plan, Preview, SignTest, Simulation, Verdict, Volumetric,
+    to_json,
 };
 
 fn run(folder: &str) -> Run {
