@@ -134,7 +134,7 @@ fn predict_run(
         fitted_settings: settled
             .parameters
             .iter()
-            .filter(|p| p.u.is_some())
+            .filter(|p| is_setting(&p.effect) && p.u.is_some())
             .map(|p| p.name.clone())
             .collect(),
     })
