@@ -1,9 +1,9 @@
 //! The cycle on the fly: one rotary axis turns at constant feed, or a curve is travelled, while the probes are read.
 //!
 //! A sample counts while the angle along the course changes at one of the feeds of the cycle and its acceleration is below the
-//! limit, both as far as the jitter of the stamps lets them be known ([`pace`]). Samples are averaged down to a target
+//! limit, both as far as the jitter of the stamps lets them be known (`pace`). Samples are averaged down to a target
 //! rate; an average never crosses a change of direction or feed, a missing value, or a hole. Readings and positions are averaged in one
-//! frame, as departures from the course ([`course`]). The passes of the cycle (setups, feeds, directions, rounds) are followed in
+//! frame, as departures from the course (`course`). The passes of the cycle (setups, feeds, directions, rounds) are followed in
 //! their order. Every sample that was taken inside the span while the machine moved counts as used or excluded, with the
 //! reason. Pure, like the static cycle.
 
