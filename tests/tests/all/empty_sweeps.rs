@@ -18,9 +18,10 @@ fn empty_sweeps_keep_their_samples_and_leave_the_noise_at_every_feed_and_radius(
         "| feeds, °/min | radius, mm | samples | used | jitter of the stamps | points | rms |\n|---|---|---|---|---|---|---|\n",
     );
     let mut wrong = Vec::new();
-    let each = FEEDS_DEG_PER_MIN.iter().map(|feed| vec![*feed]);
-    for feeds_deg_per_min in each.chain([FEEDS_DEG_PER_MIN.to_vec()]) {
-        for radius_mm in RADII_MM {
+    let each = FEEDS_DEG_PER_MIN.iter().map(|feed| (vec![*feed], &RADII_MM[..]));
+    // An error that grows with the feed is largest far out.
+    for (feeds_deg_per_min, radii_mm) in each.chain([(FEEDS_DEG_PER_MIN.to_vec(), &RADII_MM[2..])]) {
+        for &radius_mm in radii_mm {
             let feeds: Vec<String> = feeds_deg_per_min.iter().map(|feed| format!("{feed:.0}")).collect();
             let feeds_deg_per_min = feeds_deg_per_min.clone();
             let sweep = Sweep { feeds_deg_per_min, radius_mm, jitter_s: JITTER_S, seed: 11 };
