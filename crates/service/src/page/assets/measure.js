@@ -47,24 +47,28 @@ export function changed(page, topic) {
 
 function showCycle(cycle) {
   const state = cycle?.state;
-  const words = { measuring: "Measuring", done: "The cycle is done", failed: "The cycle failed" };
+  const words = {
+    measuring: "Measuring", analysing: "The cycle is over and is being analysed", done: "The cycle is done",
+    failed: "The cycle failed", refused: "No cycle belongs to this program",
+  };
   parts.headline.textContent = words[state] ?? "Waiting for the cycle";
   const total = cycle?.total ?? 0;
   const done = state === "measuring" ? (cycle.done ?? 0) : 0;
-  const whole = state === "done" && cycle.missing === 0 && cycle.unsettled === 0;
+  const over = state === "done" || state === "analysing";
+  const whole = over && cycle.missing === 0 && cycle.unsettled === 0;
   if (total) parts.progress.max = total;
-  if (state === "done") parts.progress.value = parts.progress.max;
+  if (over) parts.progress.value = parts.progress.max;
   else parts.progress.value = done;
   // The map is of one cycle; what is done stays on it.
   if (whole) parts.map?.fill(Infinity);
-  else if (state !== "done" && (!total || total === parts.map?.poses)) parts.map?.fill(done);
+  else if (!over && (!total || total === parts.map?.poses)) parts.map?.fill(done);
   else if (!parts.map?.filled) parts.map?.fill(0);
   const left = cycle?.seconds_left;
   const texts = [];
   if (state === "measuring" && total) texts.push(`${done} of ${total} poses`);
   if (state === "measuring" && left != null) texts.push(`about ${Math.ceil(left)} s left`);
-  if (state === "done") texts.push(cycle.run, cycle.ended);
-  if (state === "done" && cycle.read != null) texts.push(`${cycle.read} read, ${cycle.unsettled} unsettled, ${cycle.missing} missing, ${cycle.gaps} gaps`);
+  if (over) texts.push(cycle.run, cycle.ended);
+  if (over && cycle.read != null) texts.push(`${cycle.read} read, ${cycle.unsettled} unsettled, ${cycle.missing} missing, ${cycle.gaps} gaps`);
   if (cycle?.why) texts.push(cycle.why);
   parts.left.textContent = texts.filter(Boolean).join("; ");
 }
