@@ -21,3 +21,15 @@ mod setting_up;
 mod story;
 mod streams;
 mod volumetric;
+
+/// The lines of a configuration for three simulated optoNCDT whose ports lie in this folder.
+fn three_probes(ports: &std::path::Path) -> String {
+    let one = |k| {
+        format!(
+            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n\
+             silence_ms = 3000\n",
+            ports.display()
+        )
+    };
+    (1..=3).map(one).collect()
+}

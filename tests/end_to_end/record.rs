@@ -1,5 +1,6 @@
 //! `trunnion record`: a cycle that the controller resets half-way is kept, counted, and not judged.
 
+use super::three_probes;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
@@ -20,13 +21,7 @@ fn config(folder: &Path, url: &str) -> String {
     for (k, direction) in orthogonal_nest().iter().enumerate() {
         text += &format!("probe_{} = {direction:?}\n", k + 1);
     }
-    for k in 1..=3 {
-        text += &format!(
-            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n\
-             silence_ms = 3000\n",
-            folder.display()
-        );
-    }
+    text += &three_probes(folder);
     text + &format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n")
 }
 

@@ -1,5 +1,6 @@
 //! Setting up at the machine: `trunnion watch`, `trunnion calibrate-nest` and the sign test, against virtual devices on real ports.
 
+use super::three_probes;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -71,13 +72,7 @@ fn configure(folder: &Path, url: &str, nest: Option<[[f64; 3]; 3]>) -> String {
         text += if k == 0 { "[nest]\n" } else { "" };
         text += &format!("probe_{} = {direction:?}\n", k + 1);
     }
-    for k in 1..=3 {
-        text += &format!(
-            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n\
-             silence_ms = 3000\n",
-            folder.display()
-        );
-    }
+    text += &three_probes(folder);
     text += &format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
     text += &format!(
         "[[device]]\nname = \"room\"\ndriver = \"ascii\"\npreset = \"sylvac\"\nport = '{}/gone'\nrole = \"temperature\"\nunit = \"degC\"\n",

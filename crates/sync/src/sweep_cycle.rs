@@ -41,7 +41,7 @@ pub struct SweepCycle {
     calibration: NestCalibration,
     temperature_degc: Vec<f64>,
     pace: Pace,
-    /// Samples whose surroundings are not yet known.
+    /// Samples whose surroundings are not yet known; the alignment gives none without a position after it.
     waiting: VecDeque<(AxisState, [f64; 3])>,
     block: Vec<Sample>,
     block_pass: usize,
@@ -99,6 +99,10 @@ impl SweepCycle {
             None => {
                 let angle = self.course.angle(&step.state.position, self.pace.last_angle());
                 self.pace.push(&step.state, angle);
+                // Steps come in order of time: without samples nothing older is asked for.
+                if self.waiting.is_empty() {
+                    self.pace.forget_before(step.state.time_s);
+                }
             }
         }
         while let Some((state, channels_mm)) =

@@ -6,7 +6,7 @@ mod list;
 
 use super::answer::Refusal;
 use std::collections::{BTreeMap, VecDeque};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 use tokio::sync::Semaphore;
@@ -116,11 +116,7 @@ impl Runs {
         if let Some(open) = self.kept(&path) {
             return Ok(open);
         }
-        self.alone(move |runs| match runs.kept(&path) {
-            Some(open) => Ok(open),
-            None => runs.analyse(path),
-        })
-        .await
+        self.alone(move |runs| runs.current(&path)).await
     }
 
     /// Puts an effect into the model of a run; `by` is who does it, `date` when.
@@ -131,12 +127,13 @@ impl Runs {
         by: String,
         date: String,
     ) -> Result<Arc<Open>, Refusal> {
-        let open = self.trusted(name).await?;
+        let path = self.path(name)?;
         self.alone(move |runs| {
+            let open = runs.trusted(&path)?;
             let step = open.compared.diagnosed().add(&effect)?.dated(&date)?.by(&by)?;
             step.model().save(&open.model_path)?;
             tracing::info!(model = %open.model_path.display(), effect, by, "added from the page");
-            runs.analyse(runs.path_of(&open)?)
+            runs.analyse(path)
         })
         .await
     }
@@ -148,24 +145,29 @@ impl Runs {
         effect: String,
         date: String,
     ) -> Result<Arc<Open>, Refusal> {
-        let open = self.trusted(name).await?;
+        let path = self.path(name)?;
         self.alone(move |runs| {
+            let open = runs.trusted(&path)?;
             let smaller = open.compared.diagnosed().fit().remove(&effect, &date)?;
             smaller.model().save(&open.model_path)?;
             tracing::info!(model = %open.model_path.display(), effect, "removed from the page");
-            runs.analyse(runs.path_of(&open)?)
+            runs.analyse(path)
         })
         .await
     }
 
-    /// A run that a person may act on.
-    async fn trusted(self: &Arc<Self>, name: &str) -> Result<Arc<Open>, Refusal> {
-        let open = self.open(name).await?;
+    /// A run that a person may act on, with its model as it is now: another browser may have changed it while this one waited.
+    fn trusted(&self, path: &Path) -> Result<Arc<Open>, Refusal> {
+        let open = self.current(path)?;
         let doubts = open.compared.diagnosed().fit().experiment().plausibility();
         match doubts.is_empty() {
             true => Ok(open),
             false => Err(Refusal::NotTrusted(sentences::not_plausible(&doubts))),
         }
+    }
+
+    fn current(&self, path: &Path) -> Result<Arc<Open>, Refusal> {
+        self.kept(path).map_or_else(|| self.analyse(path.into()), Ok)
     }
 
     /// Works on a thread of its own, one at a time.
@@ -201,15 +203,9 @@ impl Runs {
     }
 
     /// The analysis of a recording, unless recording or model changed since.
-    fn kept(&self, path: &PathBuf) -> Option<Arc<Open>> {
+    fn kept(&self, path: &Path) -> Option<Arc<Open>> {
         let open = lock(&self.open).iter().find(|(known, _)| known == path)?.1.clone();
         (open.stamps == [stamp(path), stamp(&open.model_path)]).then_some(open)
-    }
-
-    fn path_of(&self, open: &Open) -> Result<PathBuf, Refusal> {
-        let known = self.paths().into_iter().map(|(_, path)| path);
-        let mut of_model = known.filter(|path| path.with_extension("model.toml") == open.model_path);
-        of_model.next().ok_or(Refusal::Broken("list of the recordings"))
     }
 }
 
@@ -217,7 +213,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn stamp(path: &std::path::Path) -> Stamp {
+fn stamp(path: &Path) -> Stamp {
     let about = std::fs::metadata(path).ok()?;
     Some((about.modified().ok()?, about.len()))
 }

@@ -220,6 +220,20 @@ async fn an_effect_is_added_and_removed_and_both_browsers_see_it() {
     }
 }
 
+#[tokio::test]
+async fn what_two_browsers_add_at_once_is_both_in_the_model() {
+    let page = Page::open().await;
+    page.json("GET /api/runs/points-gravity", "", "").await;
+    let other = ADD.replace("gravity-sag:B", "backlash:C");
+    let (first, second) =
+        tokio::join!(page.json(ADD, OWN, r#"{"by":"Ada"}"#), page.json(&other, OWN, r#"{"by":"Bea"}"#));
+    let model = page.folder.path().join("points-gravity/points.model.toml");
+    let text = std::fs::read_to_string(model).unwrap();
+    assert!(text.contains("gravity-sag:B") && text.contains("backlash:C"), "{text}");
+    let steps = [first, second].map(|story| story["ladder"]["rows"].as_array().unwrap().len());
+    assert_eq!(steps[0].abs_diff(steps[1]), 1, "the later one sees both");
+}
+
 #[test]
 fn only_addresses_of_this_computer_are_listened_on() {
     assert!(address("127.0.0.1:8460").is_ok() && address("[::1]:0").is_ok());
