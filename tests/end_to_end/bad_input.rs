@@ -118,11 +118,13 @@ fn runs_that_cannot_be_what_they_say_are_shown_with_a_doubt_and_not_acted_on() {
     let (run, model) = (path("run.mcap"), path("m.toml"));
     assert!(trunnion(&["import", &path("points.csv"), "-o", &run]).status.success());
 
-    for command in ["check", "identify", "compare", "diagnose"] {
+    let words =
+        [("check", "Doubt"), ("identify", "Doubt"), ("compare", "Not judged"), ("diagnose", "Not judged")];
+    for (command, says) in words {
         let output = trunnion(&[command, &run]);
         assert_eq!(output.status.code(), Some(3), "{command}");
         let text = String::from_utf8(output.stdout).unwrap();
-        assert!(text.contains("reversed"), "{command}: {text}");
+        assert!(text.contains(says) && text.contains("reversed"), "{command}: {text}");
     }
     let add = ["add", "gravity-sag:B", &run, "--model", &model];
     let refused = trunnion(&add);

@@ -145,7 +145,7 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
                     if choice.topic == choose_topic(&config) && !choice.retain =>
                 {
                     let cycle = String::from_utf8_lossy(&choice.payload);
-                    info!(%cycle, "the operator chose");
+                    info!(?cycle, "the operator chose");
                     board.choose(&cycle);
                 }
                 // An acknowledgement frees the queue for what did not fit.
