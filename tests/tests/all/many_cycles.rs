@@ -120,7 +120,11 @@ async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
     let mut seen: Vec<(String, String)> = Vec::new();
     let ended = tokio::time::timeout(REPORT_LIMIT, async {
         loop {
-            let now = board.get("cycle").unwrap_or_default();
+            // Nothing is on the board before the service's first word.
+            let Some(now) = board.get("cycle") else {
+                tokio::time::sleep(Duration::from_millis(1)).await;
+                continue;
+            };
             let text = |key: &str| now[key].as_str().unwrap_or_default().to_owned();
             let state = (text("state"), text("program"));
             if seen.last() != Some(&state) {
