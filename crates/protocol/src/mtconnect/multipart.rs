@@ -1,6 +1,7 @@
 //! The stream of `/sample?interval=`: `multipart/x-mixed-replace` (newer C++ agents: `multipart/mixed`), each part
 //! with its own `Content-length`.
-//! Parts are cut by their length; a part without a usable one is skipped to the next boundary and counted.
+//! Parts are cut by their length; a part without a usable one is skipped to the next boundary and counted. What stands behind a closing
+//! boundary is dropped and counted as well; where a further part begins there, the boundary was a damaged one and closed nothing.
 
 use thiserror::Error;
 
@@ -50,7 +51,6 @@ pub struct MultipartDecoder {
     delimiter: Vec<u8>,
     buffer: Vec<u8>,
     state: State,
-    finished: bool,
     losses: MultipartLosses,
 }
 
@@ -66,12 +66,7 @@ impl MultipartDecoder {
     pub fn new(content_type: &str) -> Result<Self, MultipartError> {
         let delimiter = format!("--{}", boundary(content_type)?).into_bytes();
         let losses = MultipartLosses::default();
-        Ok(Self { delimiter, buffer: Vec::new(), state: State::Delimiter, finished: false, losses })
-    }
-
-    /// True after the closing boundary; what follows is dropped.
-    pub fn is_finished(&self) -> bool {
-        self.finished
+        Ok(Self { delimiter, buffer: Vec::new(), state: State::Delimiter, losses })
     }
 
     /// What was dropped since the start.
@@ -81,10 +76,6 @@ impl MultipartDecoder {
 
     /// Takes bytes as read and returns the parts they complete.
     pub fn push(&mut self, bytes: &[u8]) -> Vec<Part> {
-        if self.finished {
-            self.losses.dropped_bytes += visible(bytes);
-            return Vec::new();
-        }
         self.buffer.extend_from_slice(bytes);
         let mut parts = Vec::new();
         while self.step(&mut parts) {}
@@ -118,14 +109,9 @@ impl MultipartDecoder {
         let end = self.delimiter.len();
         // The two bytes behind show whether it is the last: `--` or a line end.
         let Some(behind) = self.buffer.get(end..end + 2) else { return false };
-        if behind == b"--" {
-            self.losses.dropped_bytes += visible(&self.buffer[self.delimiter.len() + 2..]);
-            self.buffer.clear();
-            self.finished = true;
-            return false;
-        }
+        let closes = behind == b"--";
         let line_end = behind == b"\r\n" || behind[0] == b'\n';
-        self.buffer.drain(..end);
+        self.buffer.drain(..if closes { end + 2 } else { end });
         if line_end {
             self.state = State::Header;
         }
@@ -237,7 +223,7 @@ mod tests {
         assert_eq!(parts.len(), 1);
         let header_and_body = "Content-type: text/xml<lost/>".len() as u64;
         assert_eq!(decoder.losses(), MultipartLosses { bad_parts: 1, dropped_bytes: header_and_body });
-        assert!(decoder.is_finished());
+        assert_eq!(decoder.push(&good).len(), 1, "what closes nothing hides nothing");
     }
 
     proptest! {

@@ -248,7 +248,8 @@ fn run(property: impl Fn(&Entry) -> Result<(), TestCaseError>) {
 fn cases(entry: &Entry, check: impl Fn(Vec<u8>, Vec<prop::sample::Index>) -> Result<(), TestCaseError>) {
     let cuts = prop::collection::vec(any::<prop::sample::Index>(), 0..8);
     let mut runner = proptest::test_runner::TestRunner::new(ProptestConfig {
-        cases: 512,
+        // `PROPTEST_CASES` may ask for more.
+        cases: ProptestConfig::default().cases.max(512),
         failure_persistence: None,
         ..ProptestConfig::default()
     });
@@ -275,6 +276,13 @@ fn any_split_of_any_bytes_decodes_the_same() {
     }
 }
 
+/// Two lengths run together (`Content-length: 1717`) are a well-formed head: its body is waited for, and eight frames are shorter.
+fn promises_a_long_body(garbage: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(garbage);
+    let digits = |rest: &str| rest.trim_start().bytes().take_while(u8::is_ascii_digit).count();
+    text.split("Content-length:").skip(1).any(|rest| digits(rest) > 2)
+}
+
 #[test]
 fn good_frames_behind_any_garbage_are_found() {
     const FRAMES: usize = 8;
@@ -282,6 +290,7 @@ fn good_frames_behind_any_garbage_are_found() {
         let alone = (entry.new)().push(&(entry.frame)());
         assert_eq!(alone.len(), 1, "{}: {alone:?}", entry.name);
         cases(entry, |garbage, _| {
+            prop_assume!(!promises_a_long_body(&garbage));
             let mut codec = (entry.new)();
             codec.push(&garbage);
             let events = codec.push(&(entry.frame)().repeat(FRAMES));
