@@ -31,7 +31,7 @@ pub struct Diagnosis {
     pub set: Vec<ModelEffect>,
     /// An expression that describes the structure better than any named effect, ready to add.
     pub formula: Option<FormulaProposal>,
-    /// What to measure next to separates rivals.
+    /// What to measure next to separate rivals.
     pub next_cycle: Option<NextCycle>,
     /// Effects that this cycle cannot show: the model imitates them.
     pub not_visible: Vec<String>,
@@ -118,7 +118,7 @@ pub struct Candidate {
     pub parameters: Vec<CandidateParameter>,
     /// Effects that the data cannot well tell from it.
     pub confused_with: Vec<String>,
-    /// The measurement that would separates them; empty when nothing is confused.
+    /// The measurement that would separate them; empty when nothing is confused.
     pub separate_by: String,
     /// True when nothing structured is left after adding it alone.
     pub adequate: bool,
@@ -170,7 +170,7 @@ pub struct FormulaProposal {
     pub resembles: Option<String>,
 }
 
-/// What to measure next to separates rivals.
+/// What to measure next to separate rivals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NextCycle {
     /// What to do, for a person.
