@@ -3,7 +3,7 @@
 mod legs;
 mod moves;
 
-use crate::{Axis, Machine};
+use crate::{Axis, Machine, NamePlate};
 use moves::{FARTHEST_MM, moves};
 use nalgebra::{Point3, Unit, Vector3};
 use trunnion_core::input::{Document, Table};
@@ -30,6 +30,7 @@ fn read(name: &str, document: &Document<'_>) -> Option<Machine> {
     let root = document.root();
     let format = root.format("trunnion-machine/1");
     root.optional_string("about");
+    NamePlate::read(&root);
     let names = [root.strings("table"), root.strings("tool")];
     let tables = root.table("axis")?;
     let chains = joints(&root, &tables, &names)?;

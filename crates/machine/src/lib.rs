@@ -8,6 +8,7 @@
 mod chain;
 mod file;
 pub mod kinematics;
+mod plate;
 pub mod propagation;
 mod reach;
 pub mod shipped;
@@ -17,5 +18,6 @@ pub mod tripod;
 pub use chain::{Axis, AxisFacts, Machine, Side};
 pub use file::QUANTITY_PREFIXES;
 pub use kinematics::JointErrors;
+pub use plate::{NamePlate, TOLERANCE_UM};
 pub use site::{Errors, MOST_INNER, Site};
 pub use tripod::{Leg, Tripod};
