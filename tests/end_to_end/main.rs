@@ -16,6 +16,7 @@ mod outside_data;
 mod plan;
 mod program;
 mod record;
+mod report;
 mod schemes;
 mod setting_up;
 mod story;

@@ -11,8 +11,8 @@ mod terminal;
 use clap::{Parser, Subcommand};
 use commands::{
     add, attribute, calibrate_nest, check, check_config, compare, compensation, daemon, demo, devices,
-    diagnose, export, identify, import, ladder, nc_program, open, plan, predict, record, remove, replay,
-    scrub, simulate, volumetric, watch,
+    diagnose, export, identify, import, ladder, nc_program, open, plan, predict, record, remove,
+    replay, report, scrub, simulate, volumetric, watch,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -42,6 +42,7 @@ enum Command {
     Import(import::Args),
     Export(export::Args),
     Replay(replay::Args),
+    Report(report::Args),
     Identify(identify::Args),
     Compare(compare::Args),
     Diagnose(diagnose::Args),
@@ -76,6 +77,7 @@ fn main() -> ExitCode {
         Command::Import(args) => import::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),

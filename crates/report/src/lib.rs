@@ -7,8 +7,11 @@
 
 mod certainty;
 pub mod compensation;
+mod dcc;
+mod filed;
 mod findings;
 mod html;
+mod language;
 mod markup;
 
 mod residuals;
@@ -22,13 +25,16 @@ mod words;
 
 use trunnion_results::number;
 
+pub use dcc::{DccError, Issuer, dcc_xml};
+pub use filed::report_html;
 pub use html::{PAGE_CSS, compare_html, findings_html, ladder_html, trial_html, volumetric_html};
+pub use language::Language;
 pub use residuals::residuals_csv;
 pub use story::story;
 pub use text::{
-    axis_errors_text, check_text, compare_text, diagnosis_text, findings_text, identification_text,
-    ladder_text, live_line, live_screen, location_text, nest_text, plan_text, prediction_text, preview_text,
-    sign_test_text, timing_text, trial_text, volumetric_text,
+    axis_errors_text, check_text, compare_text, diagnosis_text, findings_text,
+    identification_text, ladder_text, live_line, live_screen, location_text, nest_text, plan_text,
+    prediction_text, preview_text, report_text, sign_test_text, timing_text, trial_text, volumetric_text,
 };
 pub use time_quality::duration;
 pub use volumetric::error_map_csv;

@@ -55,7 +55,7 @@ pub fn story(input: &Comparison) -> Story {
     }
 }
 
-fn to_do(input: &Comparison) -> Vec<String> {
+pub(crate) fn to_do(input: &Comparison) -> Vec<String> {
     let Some(diagnosis) = &input.diagnosis else {
         return vec!["Ask which effect is missing: trunnion diagnose with the same runs and model.".into()];
     };

@@ -1,6 +1,7 @@
 //! Tables for the terminal: aligned columns, no colours, no line drawing beyond plain bars.
 
 mod axis_errors;
+mod filed;
 mod findings;
 mod ladder;
 mod live;
@@ -11,6 +12,7 @@ mod timing;
 mod volumetric;
 
 pub use axis_errors::axis_errors_text;
+pub use filed::report_text;
 pub use findings::findings_text;
 pub use ladder::ladder_text;
 pub use live::{live_line, live_screen, nest_text, sign_test_text};

@@ -7,10 +7,12 @@ mod axis_errors;
 mod comparison;
 mod compensation;
 mod complete;
+mod conformity;
 mod demo;
 mod devices;
 mod diagnosis;
 mod doubt;
+mod filed;
 mod findings;
 mod identification;
 mod json;
@@ -43,6 +45,7 @@ pub use comparison::{
 };
 pub use compensation::{CompensationAxis, CompensationFormat, CompensationSummary, CompensationValues};
 pub use complete::{Complete, Excluded, ExcludedSamples, Missing, Samples};
+pub use conformity::{Conformity, Decision, Judged};
 pub use demo::{Demo, DemoFormat, DemoStep};
 pub use devices::{CheckedDevice, DevicePlace, DevicesChecked, DevicesFormat, DevicesFound};
 pub use diagnosis::{
@@ -50,6 +53,7 @@ pub use diagnosis::{
     PlannedCycle, Residual, ShapeNumber, Verdict,
 };
 pub use doubt::{Doubt, DoubtReason};
+pub use filed::{Identity, Report, ReportFormat, RunIdentity, TemperatureRange};
 pub use findings::{
     AxisName, Cell, Chart, Column, Curve, Findings, FindingsFormat, FoundValue, MapPlace, Plot, Table,
 };

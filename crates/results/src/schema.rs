@@ -2,9 +2,9 @@
 
 use crate::{
     Added, AxisErrors, Check, Comparison, CompensationSummary, Demo, DevicesChecked, DevicesFound, Diagnosis,
-    ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live, NcProgram,
-    NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, RunList, Scrubbed, SignTest, Simulation,
-    Story, TimeQuality, Trial, Volumetric, to_json,
+    ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live,
+    NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, Report, RunList, Scrubbed,
+    SignTest, Simulation, Story, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -42,6 +42,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("linear", schema_for!(Linear)),
         ("formula", schema_for!(FormulaChecked)),
         ("nest", schema_for!(NestCalibrated)),
+        ("report", schema_for!(Report)),
         ("sign-test", schema_for!(SignTest)),
     ]
 }

@@ -6,7 +6,7 @@ use crate::{
     PlannedCycle, Plausibility, Samples, ShapeNumber, Verdict,
 };
 use trunnion_effects::catalogue::effect;
-use trunnion_effects::{About, SOURCES};
+use trunnion_effects::{About, Role, SOURCES};
 
 /// A parameter is worth reporting when it exceeds this many standard uncertainties.
 const CLEAR_U: f64 = 3.0;
@@ -16,6 +16,11 @@ const LEVER_MM: f64 = 100.0;
 /// What the catalogue knows of an effect id; `None` for a formula or a foreign id.
 pub fn about(id: &str) -> Option<&'static About> {
     effect(id).map(|effect| &effect.about)
+}
+
+/// True for what mounting and artefact leave unknown: it belongs to a run, not to the machine.
+pub fn is_setting(id: &str) -> bool {
+    effect(id).is_some_and(|effect| effect.role == Role::Setting)
 }
 
 /// What is planned, read, missing and excluded; empty where nothing was planned and nothing excluded.

@@ -8,7 +8,7 @@
 //! Limits: readings count alike; s is that of one point or block of the fitted runs. Values of one run know nothing of what differs
 //! between runs.
 
-use crate::values::{fitted_run, is_setting};
+use crate::values::fitted_run;
 use crate::{Error, Experiment, Fit, Model};
 use nalgebra::{DMatrix, DVector};
 use std::path::Path;
@@ -18,6 +18,7 @@ use trunnion_effects::{self as effects, FittedValue, FittedValues, Instance, Mod
 use trunnion_engine::fit::Options;
 use trunnion_engine::{HeldOut, Identification, IdentifyError, Status};
 use trunnion_results as results;
+use trunnion_results::sentences::is_setting;
 
 /// Two-sided 95 % of a normal distribution, in standard uncertainties [GUM, table G.1].
 const COVERAGE_95: f64 = 1.96;
@@ -141,7 +142,7 @@ fn predict_run(
 }
 
 /// What remains of the readings when the machine is taken to be nominal.
-fn without_model(
+pub(crate) fn without_model(
     model: &effects::Model,
     experiment: &trunnion_engine::Experiment,
 ) -> Result<DVector<f64>, Error> {

@@ -4,10 +4,10 @@ use crate::{Fit, Model};
 use trunnion_core::Point;
 use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::Run;
-use trunnion_effects::catalogue::effect;
-use trunnion_effects::{self as effects, FittedRun, FittedValue, FittedValues, Role};
+use trunnion_effects::{self as effects, FittedRun, FittedValue, FittedValues};
 use trunnion_engine::fit::Options;
 use trunnion_engine::{BetweenRuns, HeldOut, Identification, LeftOut, Status, between_runs, identify};
+use trunnion_results::sentences::is_setting;
 
 /// Digits of a number in a file: a thousandth of any u that matters.
 const DIGITS: usize = 9;
@@ -92,11 +92,6 @@ fn repeats(run: &Run, other: &Run) -> bool {
     run.kind == other.kind && setups(run) == setups(other)
 }
 
-/// True for what mounting and artefact leave unknown: it belongs to a run, not to the machine.
-pub(crate) fn is_setting(id: &str) -> bool {
-    effect(id).is_some_and(|effect| effect.role == Role::Setting)
-}
-
 /// The model with the shape numbers of a fit.
 fn with_shapes_held(model: &effects::Model, fit: &Identification) -> effects::Model {
     let mut model = model.clone();
@@ -109,7 +104,7 @@ fn with_shapes_held(model: &effects::Model, fit: &Identification) -> effects::Mo
 /// Scatter of a reading about the model: all parts of the noise, drift and offsets included, of which a fit leaves less in its
 /// own residual; at least that residual. Where whole runs were left out in turn, their error shows all of it and that of the values
 /// in addition: no more than that.
-fn reading_mm(fit: &Identification) -> f64 {
+pub(crate) fn reading_mm(fit: &Identification) -> f64 {
     let parts = fit.noise_parts.iter().map(|part| part.sigma_mm.powi(2)).sum::<f64>().sqrt();
     let of_runs =
         fit.holdout.filter(|holdout| holdout.left_out == LeftOut::Runs).map(|holdout| holdout.rms_mm);

@@ -23,6 +23,7 @@ mod progress_bar;
 pub mod record;
 pub mod remove;
 pub mod replay;
+pub mod report;
 pub mod scrub;
 mod setting_up;
 pub mod simulate;

@@ -70,20 +70,20 @@ fn entry() -> ModelEffect {
     }
 }
 
-fn input() -> (Experiment, Comparison) {
+pub fn fitted() -> (Experiment, Comparison) {
     let experiment = Experiment::new(&[run()]).unwrap();
     let fit = identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap();
     let input = Comparison::new(&experiment, &fit, None);
     (experiment, input)
 }
 
-fn model() -> Model {
+pub fn model() -> Model {
     let mut model = Model::base("table-bc");
     model.effects.push(entry());
     model
 }
 
-fn check_page(page: &str) {
+pub fn check_page(page: &str) {
     let mut reader = quick_xml::Reader::from_str(page);
     loop {
         match reader.read_event() {
@@ -100,7 +100,7 @@ fn check_page(page: &str) {
 
 #[test]
 fn every_page_is_well_formed_and_needs_nothing_from_outside() {
-    let (experiment, mut input) = input();
+    let (experiment, mut input) = fitted();
     input.ladder = Ladder::from(&model());
     let before = identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap();
     let entry = ModelEffect { id: "gravity-sag:B".into(), ..ModelEffect::default() };
@@ -145,7 +145,7 @@ fn the_page_of_a_named_method_shows_values_charts_and_tables() {
 
 #[test]
 fn the_page_goes_from_the_verdict_over_the_places_to_the_tables() {
-    let (_, mut input) = input();
+    let (_, mut input) = fitted();
     input.ladder = Ladder::from(&model());
     let page = compare_html(&input, "");
     let order = ["<h1>", "Where the model fails most", "What is missing", "Ladder", "Residual over B and C"];
@@ -159,7 +159,7 @@ fn the_page_goes_from_the_verdict_over_the_places_to_the_tables() {
 
 #[test]
 fn poses_of_turning_round_make_no_maps_of_their_own() {
-    let (_, input) = input();
+    let (_, input) = fitted();
     let page = compare_html(&input, "");
     // 2 setups × 2 passes × 3 components, and one map for each place.
     assert_eq!(page.matches("B down, C across").count(), 12 + input.places.len());

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use trunnion::results::{
     Comparison, Diagnosis, Identification, Parameter, RunFound, RunLine, sentences::is_location,
 };
-use trunnion_protocol::mtconnect::timestamp;
 
 /// Newest recordings of a folder that are listed.
 const MOST_RUNS: usize = 1000;
@@ -48,8 +47,7 @@ pub fn read(name: String, path: &Path) -> RunLine {
                 name,
                 machine: header.machine_name,
                 began_s: began_ns.map(|ns| ns / 1_000_000_000),
-                began: began_ns
-                    .map_or_else(String::new, |ns| timestamp(ns).strftime("%Y-%m-%d %H:%M UTC").to_string()),
+                began: trunnion::moment::minute(header.wall_start_ns).unwrap_or_default(),
                 ..RunLine::default()
             }
         }

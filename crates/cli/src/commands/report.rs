@@ -1,0 +1,130 @@
+//! `trunnion report`: a report to be filed.
+
+mod print;
+
+use super::add::today;
+use crate::load::{ModelArgs, RunArgs};
+use crate::outcome::Outcome;
+use crate::{load, output, terminal};
+use std::path::PathBuf;
+use trunnion::Filing;
+use trunnion::report::{Issuer, Language, dcc_xml, report_html};
+
+/// Write a report to be filed: a page made to be printed, and a PDF
+///
+/// The first page says what is wrong, how large, how sure, what to do, and whether the tolerance is kept. Then follow
+/// machine and recording (with its SHA-256), where the model fails and why, what was not observable, and every table.
+///
+/// Example: trunnion report run.mcap --model machine.model.toml -o report.html --pdf report.pdf --operator "Ada"
+///
+/// The tolerance is that of the machine file (tolerance_um) unless --tolerance-um gives another.
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    runs: RunArgs,
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Page to write; without it, NAME.report.html next to the first recording
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// PDF to print from it, with a Chromium or Chrome of this computer
+    #[arg(long, value_name = "FILE", long_help = print::HELP)]
+    pdf: Option<PathBuf>,
+    /// Language of headings, tables and verdicts: en, de, ja
+    #[arg(long, value_name = "CODE", default_value = "en", value_parser = language)]
+    language: Language,
+    /// Who measured
+    #[arg(long, value_name = "NAME")]
+    operator: Option<String>,
+    /// Serial number of the machine; without it, that of the machine file in the recording
+    #[arg(long, value_name = "TEXT")]
+    serial: Option<String>,
+    /// How far the tool may be off against the table, um
+    #[arg(long, value_name = "UM", value_parser = tolerance)]
+    tolerance_um: Option<f64>,
+    /// Digital calibration certificate to write (DCC 3.3.0, XML)
+    #[arg(long, value_name = "FILE")]
+    dcc: Option<PathBuf>,
+    #[command(flatten)]
+    issuer: IssuerArgs,
+    /// Print JSON (format trunnion-report/1)
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a certificate says in addition.
+#[derive(clap::Args)]
+struct IssuerArgs {
+    /// Who calibrates
+    #[arg(long, value_name = "NAME", requires = "dcc")]
+    laboratory: Option<String>,
+    /// Whose machine it is
+    #[arg(long, value_name = "NAME", requires = "dcc")]
+    customer: Option<String>,
+    /// Country, two letters of ISO 3166-1
+    #[arg(long, value_name = "CODE", requires = "dcc", value_parser = country)]
+    country: Option<String>,
+    /// Day of the measurement, for recordings that have none
+    #[arg(long, value_name = "YYYY-MM-DD", requires = "dcc", value_parser = day)]
+    measured: Option<String>,
+}
+
+fn country(text: &str) -> Result<String, String> {
+    let is_code = text.len() == 2 && text.bytes().all(|byte| byte.is_ascii_uppercase());
+    if is_code { Ok(text.into()) } else { Err("allowed: two capital letters, such as DE or JP".into()) }
+}
+
+fn day(text: &str) -> Result<String, String> {
+    let stamp = trunnion_protocol::mtconnect::parse_timestamp(&format!("{text}T00:00:00Z"));
+    match stamp.filter(|_| text.len() == 10) {
+        Some(_) => Ok(text.into()),
+        None => Err("allowed: a day such as 2026-11-23".into()),
+    }
+}
+
+fn language(code: &str) -> Result<Language, String> {
+    let named = Language::NAMES.into_iter().find(|(known, _)| *known == code);
+    named
+        .map(|(_, language)| language)
+        .ok_or_else(|| format!("allowed: {}", Language::NAMES.map(|(code, _)| code).join(", ")))
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|um| trunnion::TOLERANCE_UM.contains(um));
+    let (least, most) = (trunnion::TOLERANCE_UM.start(), trunnion::TOLERANCE_UM.end());
+    number.ok_or_else(|| format!("allowed: {least}..={most}"))
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let loaded = load::runs(&args.runs)?;
+    let (outcome, experiment) = (loaded.judgement(), loaded.experiment);
+    let filing = Filing {
+        serial: args.serial.clone(),
+        operator: args.operator.clone(),
+        tolerance_um: args.tolerance_um,
+        written: today()?,
+    };
+    let compared = experiment.fit(&args.model.model(&experiment)?)?.compare()?.with_best()?;
+    let mut report = compared.report(&args.runs.runs, &filing)?;
+    let page = args.output.clone().unwrap_or_else(|| args.runs.runs[0].with_extension("report.html"));
+    output::write(&page, &report_html(&report, args.language))?;
+    report.html = Some(page.display().to_string());
+    if let Some(pdf) = &args.pdf {
+        print::pdf(&page, pdf)?;
+        report.pdf = Some(pdf.display().to_string());
+    }
+    if let Some(dcc) = &args.dcc {
+        let IssuerArgs { laboratory, customer, country, measured } = &args.issuer;
+        let [laboratory, customer, country, measured] =
+            [laboratory, customer, country, measured].map(Clone::clone);
+        let issuer = Issuer { laboratory, customer, country, measured };
+        output::write(dcc, &dcc_xml(&report, &issuer)?)?;
+        report.dcc = Some(dcc.display().to_string());
+    }
+    if args.json {
+        terminal::print_json(&report)?;
+        return Ok(outcome);
+    }
+    terminal::print(&trunnion::report::report_text(&report))?;
+    Ok(outcome)
+}

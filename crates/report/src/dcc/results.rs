@@ -1,0 +1,91 @@
+//! Method, equipment, temperatures, and every observable parameter of the machine.
+
+use super::administrative::software;
+use super::quantity::{Uncertainty, celsius, quantity};
+use super::xml::{holding, plain};
+use super::{DccError, stated, text};
+use crate::words::{about, effect_name, is_setting};
+use trunnion_results::{Identification, Parameter, Report, RunIdentity, TemperatureRange, Verdict};
+
+pub fn data(report: &Report) -> Result<String, DccError> {
+    if report.comparison.diagnosis.as_ref().is_some_and(|d| d.verdict == Verdict::NotJudged) {
+        return Err(DccError::NotJudged);
+    }
+    let fit = &report.comparison.identification;
+    let found: String = parameters(fit).map(of_parameter).collect();
+    if found.is_empty() {
+        return Err(DccError::NoResult);
+    }
+    let mut results = result("Parameters of the machine, with standard uncertainties", &found);
+    let residual = quantity("Residual, rms", fit.rms_um, "um", Uncertainty::None);
+    results += &result("What the model does not describe", &residual);
+    if let Some(conformity) = &report.conformity {
+        let judged = &conformity.as_measured;
+        let u = Uncertainty::Expanded(judged.u_um);
+        let largest = quantity(&format!("Largest deviation, at {}", judged.at), judged.largest_um, "um", u);
+        results += &result("Largest deviation of the tool against the table", &largest);
+    }
+    let runs = &report.identity.runs;
+    let body = text("dcc:name", "Errors of the machine tool")
+        + &used_method(fit)
+        + &holding("dcc:usedSoftware", &software(report))
+        + &holding("dcc:measuringEquipments", &runs.iter().flat_map(equipment).collect::<String>())
+        + &conditions(runs)
+        + &holding("dcc:results", &results);
+    Ok(holding("dcc:measurementResults", &holding("dcc:measurementResult", &body)))
+}
+
+/// Those of the machine that have a number.
+fn parameters(fit: &Identification) -> impl Iterator<Item = &Parameter> {
+    fit.parameters.iter().filter(|p| p.observable && p.u.is_some() && !is_setting(&p.effect))
+}
+
+fn of_parameter(parameter: &Parameter) -> String {
+    let u = parameter.u.map_or(Uncertainty::None, Uncertainty::Standard);
+    let note = if parameter.note.is_empty() { String::new() } else { format!(" ({})", parameter.note) };
+    let name = format!("{}: {}{note}", effect_name(&parameter.effect), parameter.name);
+    quantity(&name, parameter.value.unwrap_or_default(), &parameter.unit, u)
+}
+
+fn result(name: &str, quantities: &str) -> String {
+    let list = holding("dcc:list", quantities);
+    holding("dcc:result", &(text("dcc:name", name) + &holding("dcc:data", &list)))
+}
+
+fn used_method(fit: &Identification) -> String {
+    let effects: Vec<String> = fit
+        .effects
+        .iter()
+        .map(|id| about(id).map_or(id.clone(), |about| format!("{} ({id})", about.title)))
+        .collect();
+    let described =
+        format!("All effects are fitted together to {} points: {}.", fit.points, effects.join("; "));
+    let body = text("dcc:name", "Identification of a kinematic model by least squares")
+        + &text("dcc:description", &described)
+        + &plain("dcc:norm", "ISO 230-1")
+        + &plain("dcc:norm", "ISO 230-7");
+    holding("dcc:usedMethods", &holding("dcc:usedMethod", &body))
+}
+
+/// Instruments of a run; their own calibration as far as it is recorded.
+fn equipment(run: &RunIdentity) -> Vec<String> {
+    let calibration = stated(Some(run.probe_calibration.join("; ").as_str()));
+    let one = |setup: &String| {
+        let described = format!("Probe calibration: {calibration}");
+        let body = text("dcc:name", setup) + &text("dcc:description", &described);
+        holding("dcc:measuringEquipment", &body)
+    };
+    run.setups.iter().map(one).collect()
+}
+
+fn conditions(runs: &[RunIdentity]) -> String {
+    let of = |range: &TemperatureRange| {
+        let data = celsius("lowest", range.lowest_degc)
+            + &celsius("mean", range.mean_degc)
+            + &celsius("highest", range.highest_degc);
+        let body = text("dcc:name", &format!("Temperature {}", range.channel)) + &holding("dcc:data", &data);
+        holding("dcc:influenceCondition", &body)
+    };
+    let conditions: String = runs.iter().flat_map(|run| run.temperatures.iter().map(of)).collect();
+    if conditions.is_empty() { String::new() } else { holding("dcc:influenceConditions", &conditions) }
+}

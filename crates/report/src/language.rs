@@ -1,0 +1,136 @@
+//! A page in another language: texts of finished markup are looked up in one table ([`table`]), whole or as a pattern.
+//!
+//! Headings, heads of tables, labels, units in words and verdicts have an entry; a test of the pages names one that has none.
+//! Sentences of the engine and of the catalogue stay English where they have none. Numbers keep the decimal point (ISO 80000-1
+//! allows it), names and ids stay as they are.
+
+mod table;
+
+use crate::markup::escape;
+use table::ENTRIES;
+
+/// What a text holds in place of what it says about one machine.
+const HOLE: &str = "{}";
+
+/// The language of a report.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Language {
+    /// As everything is written.
+    #[default]
+    English,
+    /// German.
+    German,
+    /// Japanese.
+    Japanese,
+}
+
+impl Language {
+    /// Every language with its code [ISO 639-1].
+    pub const NAMES: [(&str, Self); 3] =
+        [("en", Self::English), ("de", Self::German), ("ja", Self::Japanese)];
+
+    /// Its code.
+    pub fn code(self) -> &'static str {
+        Self::NAMES.into_iter().find(|(_, language)| *language == self).map_or("en", |(code, _)| code)
+    }
+
+    /// A text of this program; `None` where the table has none.
+    pub fn say(self, english: &str) -> Option<String> {
+        if self == Self::English {
+            return Some(english.into());
+        }
+        let whole = ENTRIES.iter().find(|entry| entry[0] == english);
+        whole.map(|entry| entry[self as usize].to_string()).or_else(|| self.by_pattern(english))
+    }
+
+    fn by_pattern(self, english: &str) -> Option<String> {
+        let patterns = ENTRIES.iter().filter(|entry| entry[0].contains(HOLE));
+        let found = patterns.filter_map(|entry| Some((entry, holes(entry[0], english)?)));
+        // The entry that leaves least open says most.
+        let (entry, held) =
+            found.min_by_key(|(_, held)| held.iter().map(|part| part.len()).sum::<usize>())?;
+        let mut text = String::new();
+        let mut held = held.into_iter();
+        for (i, part) in entry[self as usize].split(HOLE).enumerate() {
+            if i > 0 {
+                let items = held.next().unwrap_or_default().split("; ");
+                let said = items.map(|item| self.say(item).unwrap_or_else(|| item.into()));
+                text += &said.collect::<Vec<_>>().join("; ");
+            }
+            text += part;
+        }
+        Some(text)
+    }
+}
+
+/// What stands in the holes of a pattern; `None` where the text is not of it.
+fn holes<'t>(pattern: &str, text: &'t str) -> Option<Vec<&'t str>> {
+    let mut parts = pattern.split(HOLE);
+    let mut rest = text.strip_prefix(parts.next()?)?;
+    let mut found = Vec::new();
+    let mut parts = parts.peekable();
+    while let Some(part) = parts.next() {
+        let last = parts.peek().is_none();
+        let at = if last { rest.strip_suffix(part)?.len() } else { rest.find(part)? };
+        found.push(&rest[..at]);
+        rest = &rest[at + part.len()..];
+    }
+    (rest.is_empty() && !found.is_empty() && found.iter().all(|part| !part.is_empty())).then_some(found)
+}
+
+/// Well-formed markup with its texts in another language; tags and attributes stay as they are.
+pub(crate) fn translated(markup: &str, language: Language) -> String {
+    if language == Language::English {
+        return markup.into();
+    }
+    let mut out = String::with_capacity(markup.len() + markup.len() / 4);
+    for piece in markup.split_inclusive('>') {
+        let (text, tag) = piece.split_at(piece.find('<').unwrap_or(piece.len()));
+        let plain = unescaped(text.trim());
+        match language.say(&plain).filter(|_| !plain.is_empty()) {
+            Some(said) => out += &text.replacen(text.trim(), &escape(&said), 1),
+            None => out += text,
+        }
+        out += tag;
+    }
+    out
+}
+
+/// Undoes [`escape`].
+fn unescaped(text: &str) -> String {
+    let pairs = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&#39;", "'"), ("&amp;", "&")];
+    pairs.iter().fold(text.to_string(), |text, (entity, c)| text.replace(entity, c))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_entry_lacks_a_language_or_a_hole() {
+        for entry in ENTRIES {
+            assert!(entry.iter().all(|text| !text.trim().is_empty()), "{entry:?}");
+            let count = |text: &str| text.matches(HOLE).count();
+            assert!(entry.iter().all(|text| count(text) == count(entry[0])), "{entry:?}");
+            assert_eq!(ENTRIES.iter().filter(|other| other[0] == entry[0]).count(), 1, "twice: {entry:?}");
+        }
+    }
+
+    #[test]
+    fn texts_are_translated_and_tags_names_and_numbers_are_not() {
+        let markup = "<th class=\"parameter\">parameter</th><td>EX0C &lt;1 µm</td>\n<h2>Place 3: X</h2>";
+        let german = translated(markup, Language::German);
+        assert_eq!(
+            german,
+            "<th class=\"parameter\">Parameter</th><td>EX0C &lt;1 µm</td>\n<h2>Stelle 3: X</h2>"
+        );
+        assert_eq!(translated(markup, Language::English), markup);
+    }
+
+    #[test]
+    fn a_pattern_holds_what_stands_between_its_words() {
+        assert_eq!(holes("{} of {} points", "3 of 4 points"), Some(vec!["3", "4"]));
+        assert_eq!(holes("{} of {} points", "3 of 4 readings"), None);
+        assert_eq!(holes("setup {}", "setup "), None);
+    }
+}

@@ -1,0 +1,174 @@
+//! The report to be filed: complete, in three languages, and as a certificate.
+
+use crate::pages::{check_page, fitted, model};
+use quick_xml::events::Event;
+use trunnion_report::{DccError, Issuer, Language, dcc_xml, report_html};
+use trunnion_results::{
+    Comparison, Conformity, Decision, Diagnosis, Identity, Judged, Ladder, Report, RunIdentity,
+    TemperatureRange, Verdict,
+};
+
+fn report() -> Report {
+    let (_, comparison) = fitted();
+    let judged =
+        |largest_um, decision| Judged { largest_um, u_um: 0.4, at: "setup low <b>, B 45°".into(), decision };
+    let run = RunIdentity {
+        run: "grid <&\"'".into(),
+        file: "grid.mcap".into(),
+        sha256: "9f86d081884c7d65".repeat(4),
+        began: Some("2026-03-01 08:00 UTC".into()),
+        day: Some("2026-03-01".into()),
+        setups: vec!["low <b>: r-test, ball at 150 0 60 mm".into()],
+        temperatures: vec![TemperatureRange {
+            channel: "bed".into(),
+            lowest_degc: 20.1,
+            mean_degc: 20.4,
+            highest_degc: 20.9,
+        }],
+        recorded_with: "0.1.0".into(),
+        ..RunIdentity::default()
+    };
+    Report {
+        identity: Identity {
+            machine: "table-bc".into(),
+            serial: Some("SN <17>".into()),
+            operator: Some("Ada".into()),
+            program: "Trunnion 0.1.0".into(),
+            written: "2026-03-02".into(),
+            runs: vec![run],
+        },
+        conformity: Some(Conformity {
+            tolerance_um: 10.0,
+            tolerance_of: "given with the command".into(),
+            as_measured: judged(12.3, Decision::Fail),
+            corrected: judged(1.2, Decision::Pass),
+        }),
+        comparison: Comparison {
+            ladder: Ladder::from(&model()),
+            diagnosis: Some(Diagnosis { verdict: Verdict::NoiseFloor, ..Diagnosis::default() }),
+            ..comparison
+        },
+        ..Report::default()
+    }
+}
+
+/// Texts inside the elements that a person reads before any sentence, and in drawings.
+fn labels(page: &str) -> Vec<String> {
+    let mut reader = quick_xml::Reader::from_str(page);
+    let (mut inside, mut labels, mut label) = (Vec::<String>::new(), Vec::new(), String::new());
+    let wanted = ["h1", "h2", "h3", "th", "dt", "caption", "summary", "text", "small"];
+    loop {
+        let event = reader.read_event().unwrap();
+        match &event {
+            Event::Text(text) => label += text.as_ref(),
+            // Only names have characters that must be escaped.
+            Event::GeneralRef(_) => label += "<",
+            _ => {
+                if inside.last().is_some_and(|tag| wanted.contains(&tag.as_str())) {
+                    labels.push(label.trim().to_string());
+                }
+                label.clear();
+            }
+        }
+        match event {
+            Event::Eof => return labels,
+            Event::Start(start) => inside.push(start.name().as_ref().to_string()),
+            Event::End(_) => _ = inside.pop(),
+            _ => {}
+        }
+    }
+}
+
+/// Texts that are the same in every language: names, ids, numbers with units.
+fn stays(label: &str) -> bool {
+    let names = ["EX0C −3.20 → −1.10 µm, 8 u", "+ backlash:B", "rms", "high"];
+    let words = label.split(|c: char| !c.is_alphabetic()).filter(|word| word.chars().count() > 2);
+    names.contains(&label) || words.count() == 0 || label.contains("low") && label.contains('<')
+}
+
+#[test]
+fn every_report_is_well_formed_and_needs_nothing_from_outside() {
+    for (_, language) in Language::NAMES {
+        check_page(&report_html(&report(), language));
+    }
+}
+
+#[test]
+fn no_label_of_a_report_stays_english() {
+    let english = report_html(&report(), Language::English);
+    let known = labels(&english);
+    assert!(known.len() > 80, "{} labels", known.len());
+    for language in [Language::German, Language::Japanese] {
+        let missing: Vec<&String> =
+            known.iter().filter(|label| !stays(label) && language.say(label).is_none()).collect();
+        assert!(missing.is_empty(), "no entry in crates/report/src/language/table.rs: {missing:#?}");
+    }
+    for effect in trunnion_effects::catalogue::REGISTRY {
+        let name = format!("{} (an:ID)", effect.about.title);
+        let [german, japanese] = [Language::German, Language::Japanese].map(|language| language.say(&name));
+        assert!(german.is_some() && japanese.is_some(), "no entry in language/table.rs: {name}");
+    }
+    let german = report_html(&report(), Language::German);
+    assert!(german.contains("nicht bestanden") && german.contains("<html lang=\"de\">"), "the verdict too");
+}
+
+#[test]
+fn the_first_page_says_what_is_wrong_what_to_do_and_pass_or_fail_before_the_annex() {
+    let page = report_html(&report(), Language::English);
+    let order = [
+        "<h1>The model now explains",
+        "<h2>Tolerance",
+        "<b class=\"fail-mark\">fail",
+        "<h2>What to do",
+        "<h2>How sure this is",
+        "<h2>Before and after",
+        "<h2>Machine and measurement",
+        "9f86d081884c7d65",
+        "<h2>Where the model fails most",
+        "<h2>What was not seen",
+        "Annex: every table",
+        "<h2>Readings",
+    ];
+    let places: Vec<_> =
+        order.iter().map(|part| page.find(part).unwrap_or_else(|| panic!("{part}"))).collect();
+    assert!(places.is_sorted(), "{places:?}");
+    // What is closed on a screen is open on paper, and every reading is there.
+    assert!(!page.contains("<details>") && !page.contains("<details class"), "closed lists");
+    let rows = page[places[11]..].matches("<tr>").count();
+    assert_eq!(rows, report().comparison.residuals.points.len() + 1, "a row each, and the head");
+}
+
+#[test]
+fn what_nobody_recorded_is_said_and_not_invented() {
+    let mut unknown = report();
+    unknown.identity.serial = None;
+    unknown.identity.operator = None;
+    unknown.identity.runs[0].day = None;
+    unknown.identity.runs[0].temperatures.clear();
+    unknown.conformity = None;
+    let page = report_html(&unknown, Language::English);
+    assert!(page.matches("not recorded").count() >= 7, "{}", page.matches("not recorded").count());
+    assert!(page.contains("neither the machine file nor the command gives a tolerance"));
+    assert_eq!(dcc_xml(&unknown, &Issuer::default()), Err(DccError::NoDay));
+    let measured = Issuer { measured: Some("2026-03-01".into()), ..Issuer::default() };
+    let xml = dcc_xml(&unknown, &measured).unwrap();
+    assert!(xml.contains("<dcc:beginPerformanceDate>2026-03-01<"), "{xml}");
+    assert!(xml.contains("<dcc:countryCode>ZZ<") && xml.contains("not recorded"), "{xml}");
+}
+
+#[test]
+fn a_certificate_holds_the_numbers_of_the_fit_and_its_decision() {
+    let report = report();
+    let xml = dcc_xml(&report, &Issuer { country: Some("DE".into()), ..Issuer::default() }).unwrap();
+    let mut reader = quick_xml::Reader::from_str(&xml);
+    while !matches!(reader.read_event().unwrap(), Event::Eof) {}
+    let parameter = report.comparison.identification.parameter("EX0C").unwrap();
+    let value = format!("{:.6e}", parameter.value.unwrap() * 1e-6);
+    assert!(xml.contains(&format!("<si:value>{value}</si:value>")), "{value} in {xml}");
+    assert!(xml.contains("<dcc:conformity>fail</dcc:conformity>"), "{xml}");
+    assert!(!xml.contains("low &lt;b&gt;.x"), "how the ball was set is no error of the machine");
+
+    let mut not_judged = report;
+    not_judged.comparison.diagnosis = Some(Diagnosis::default());
+    assert_eq!(dcc_xml(&not_judged, &Issuer::default()), Err(DccError::NotJudged));
+}

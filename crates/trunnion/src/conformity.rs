@@ -1,0 +1,55 @@
+//! The largest deviation of a run against a tolerance.
+//!
+//! E = max |d|    d deviation of the tool against the table at a point, as far as the instrument sees it
+//! As measured: what a nominal machine leaves of the readings once the settings are fitted. Corrected: what the model leaves.
+//! u(E) is the scatter of a reading about the model. The maximum of many readings lies above the largest true deviation: E errs
+//! against the machine.
+
+use crate::values::reading_mm;
+use crate::{Error, Fit, prediction};
+use nalgebra::DVector;
+use trunnion_core::convert::um_from_mm;
+use trunnion_results::number::{degrees, plain};
+use trunnion_results::{Conformity, Decision, Judged};
+
+impl Fit {
+    /// Pass or fail of these runs against a tolerance; `tolerance_of` says where that is from.
+    ///
+    /// # Errors
+    /// When the settings alone cannot be fitted.
+    pub fn conformity(&self, tolerance_um: f64, tolerance_of: &str) -> Result<Conformity, Error> {
+        let nominal = prediction::without_model(self.model().entries(), self.experiment().points())?;
+        Ok(Conformity {
+            tolerance_um,
+            tolerance_of: tolerance_of.into(),
+            as_measured: self.judged(&nominal, tolerance_um),
+            corrected: self.judged(&self.identification().residual_mm, tolerance_um),
+        })
+    }
+
+    fn judged(&self, deviation_mm: &DVector<f64>, tolerance_um: f64) -> Judged {
+        let (points, fitted) = (self.experiment().points(), self.identification());
+        let size_mm = |i: usize| deviation_mm.rows_range(points.rows_of(i)).norm();
+        let largest = (0..points.points.len())
+            .filter(|&i| fitted.used[i])
+            .map(|i| (i, size_mm(i)))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((at, mm)) = largest else { return Judged::default() };
+        let (largest_um, u_um) = (um_from_mm(mm), um_from_mm(reading_mm(fitted)));
+        let decision = Decision::of(largest_um, u_um, tolerance_um);
+        Judged { largest_um, u_um, at: self.place(at), decision }
+    }
+
+    /// Setup and position of a point.
+    fn place(&self, point: usize) -> String {
+        let points = self.experiment().points();
+        let state = &points.points[point].state;
+        let position = |joint: trunnion_core::Joint| match joint.is_rotary() {
+            true => format!("{joint} {}", degrees(state.position[joint])),
+            false => format!("{joint} {} mm", plain(state.position[joint])),
+        };
+        let positions: Vec<String> = points.machine().joints().into_iter().map(position).collect();
+        let setup = points.setups.get(state.setup).map_or("", |setup| setup.name.as_str());
+        format!("setup {setup}, {}", positions.join(", "))
+    }
+}

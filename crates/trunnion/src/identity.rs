@@ -1,0 +1,90 @@
+//! Which recording this is: its digest, its machine, how and when it was measured, as far as it says.
+
+use crate::{Error, moment, recorded};
+use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use trunnion_core::{InstrumentKind, Setup};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_machine::NamePlate;
+use trunnion_record::RunHeader;
+use trunnion_results::{RunIdentity, TemperatureRange};
+
+/// Bytes of a file in memory at once.
+const CHUNK: usize = 1 << 16;
+
+/// A recording, and what its machine file says of the machine.
+pub(crate) fn of_run(path: &Path, run: &Run) -> Result<(RunIdentity, NamePlate), Error> {
+    let header = trunnion_record::read_header(path)
+        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
+    // A machine file that this version cannot read has no name plate either; the machine itself was read already.
+    let plate = NamePlate::parse("machine in the recording", &header.machine_text).unwrap_or_default();
+    let began = moment::minute(header.wall_start_ns);
+    let identity = RunIdentity {
+        run: run.name.clone(),
+        file: path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        sha256: sha256(path)?,
+        day: began.as_ref().map(|began| began.chars().take(10).collect()),
+        began,
+        cycle: recorded::plan_of(&header).map_or_else(String::new, |plan| plan.cycle.name),
+        on_the_fly: run.kind == RunKind::OnTheFly,
+        setups: run.setups.iter().map(setup).collect(),
+        probes: header.probes.clone(),
+        probe_calibration: probe_calibration(&header, &run.setups),
+        temperatures: temperatures(run),
+        recorded_with: header.software_version,
+    };
+    Ok((identity, plate))
+}
+
+/// Hexadecimal SHA-256 of a file.
+fn sha256(path: &Path) -> Result<String, Error> {
+    let mut file = File::open(path).map_err(Error::read(path))?;
+    let (mut digest, mut chunk) = (Sha256::new(), vec![0; CHUNK]);
+    loop {
+        match file.read(&mut chunk).map_err(Error::read(path))? {
+            0 => return Ok(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()),
+            read => digest.update(&chunk[..read]),
+        }
+    }
+}
+
+fn setup(setup: &Setup) -> String {
+    let [x, y, z] = setup.ball_in_table_mm.coords.into();
+    format!("{}: {}, ball at {x} {y} {z} mm", setup.name, setup.instrument.name())
+}
+
+/// The directions of the probes of an R-test, as the configuration in the recording has them.
+fn probe_calibration(header: &RunHeader, setups: &[Setup]) -> Vec<String> {
+    let is_nest = setups.iter().any(|setup| setup.instrument == InstrumentKind::RTest);
+    let plan = recorded::plan_of(header).filter(|_| is_nest && header.config_text.contains("[nest]"));
+    let Some(from_nest) = plan.and_then(|plan| plan.nest.nest_from_probes.try_inverse()) else {
+        return Vec::new();
+    };
+    let line = |k: usize| {
+        let row = from_nest.row(k);
+        format!("probe {}: ({:.6}, {:.6}, {:.6})", k + 1, row[0], row[1], row[2])
+    };
+    (0..3).map(line).collect()
+}
+
+/// What every temperature channel read at the points.
+pub(crate) fn temperatures(run: &Run) -> Vec<TemperatureRange> {
+    let range = |(k, channel): (usize, &String)| {
+        let values: Vec<f64> = run
+            .points
+            .iter()
+            .filter_map(|point| point.state.temperature_degc.get(k).copied())
+            .filter(|value| value.is_finite())
+            .collect();
+        let count = values.len() as f64;
+        (!values.is_empty()).then(|| TemperatureRange {
+            channel: channel.clone(),
+            lowest_degc: values.iter().copied().fold(f64::INFINITY, f64::min),
+            mean_degc: values.iter().sum::<f64>() / count,
+            highest_degc: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        })
+    };
+    run.channels.iter().enumerate().filter_map(range).collect()
+}

@@ -1,0 +1,117 @@
+//! A report to be filed, and a certificate, through the binary.
+
+use crate::program::{data, import, json, output, trunnion};
+use std::path::Path;
+use std::process::Command;
+
+/// What `trunnion` does with this environment: standard error and exit code.
+fn with_browser(browser: &Path, args: &[&str]) -> (String, Option<i32>) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let ran = command.args(args).env("COLUMNS", "1000").env("TRUNNION_BROWSER", browser).output().unwrap();
+    (String::from_utf8(ran.stderr).unwrap(), ran.status.code())
+}
+
+#[test]
+fn a_report_says_which_recording_it_is_of_and_whether_the_tolerance_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = import("points-gravity", folder.path());
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    let (model, page) = (file("model.toml"), file("filed.html"));
+    trunnion(&["add", "gravity-sag:B", &run, "--model", &model]);
+    let written = json(&[
+        "report",
+        &run,
+        "--model",
+        &model,
+        "-o",
+        &page,
+        "--tolerance-um",
+        "12",
+        "--operator",
+        "Ada",
+        "--serial",
+        "SN 7",
+        "--language",
+        "de",
+        "--json",
+    ]);
+    let digest = written["identity"]["runs"][0]["sha256"].as_str().unwrap();
+    let expected = Command::new("sha256sum").arg(&run).output().unwrap();
+    assert!(String::from_utf8(expected.stdout).unwrap().starts_with(digest), "{digest}");
+
+    // Location errors of tens of µm: far outside 12 µm as measured; the model leaves noise of 0.3 µm.
+    let conformity = &written["conformity"];
+    assert_eq!(conformity["as_measured"]["decision"], "fail", "{conformity}");
+    assert_eq!(conformity["corrected"]["decision"], "pass", "{conformity}");
+    let residuals = written["comparison"]["residuals"]["points"].as_array().unwrap();
+    let largest = residuals
+        .iter()
+        .map(|point| {
+            let values = point["residual_um"].as_array().unwrap().iter().map(|um| um.as_f64().unwrap());
+            values.map(|um| um * um).sum::<f64>().sqrt()
+        })
+        .fold(0.0, f64::max);
+    let said = conformity["corrected"]["largest_um"].as_f64().unwrap();
+    assert!((said - largest).abs() < 1e-6, "{said} {largest}");
+
+    let page = std::fs::read_to_string(page).unwrap();
+    for part in [digest, "SN 7", "Ada", "nicht bestanden", "Seriennummer", "gravity-sag:B"] {
+        assert!(page.contains(part), "{part}");
+    }
+    let identity = json(&["identify", &run, "--model", &model, "--json"]);
+    assert_eq!(written["comparison"]["identification"]["rms_um"], identity["rms_um"], "one answer");
+}
+
+#[test]
+fn serial_and_tolerance_are_those_of_the_machine_file_and_no_tolerance_is_no_decision() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/machines/table-bc.toml"));
+    let machine = folder.path().join("mill.toml");
+    let text = std::fs::read_to_string(source).unwrap();
+    std::fs::write(&machine, format!("serial = \"SN 99\"\ntolerance_um = 200\n{text}")).unwrap();
+    let set = data("points-gravity");
+    let setup = std::fs::read_to_string(set.join("setup.toml")).unwrap();
+    let setup = setup.replace("\"table-bc\"", &format!("'{}'", machine.display()));
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    std::fs::write(file("setup.toml"), setup).unwrap();
+    let points = set.join("points.csv").display().to_string();
+    trunnion(&["import", &points, "--setup", &file("setup.toml"), "-o", &file("run.mcap")]);
+    let written = json(&["report", &file("run.mcap"), "--json"]);
+    assert_eq!(written["identity"]["serial"], "SN 99");
+    assert_eq!(written["conformity"]["as_measured"]["decision"], "pass", "{}", written["conformity"]);
+    assert!(Path::new(&file("run.report.html")).exists(), "next to the recording");
+
+    let other = tempfile::tempdir().unwrap();
+    let run = import("points-gravity", other.path());
+    assert!(json(&["report", &run, "--json"])["conformity"].is_null());
+}
+
+#[test]
+fn without_a_browser_the_page_is_written_and_the_command_says_what_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = import("points-nothing-hidden", folder.path());
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    let args = ["report", run.as_str(), "-o", &file("page.html"), "--pdf", &file("page.pdf")];
+    let (error, code) = with_browser(&folder.path().join("no-browser"), &args);
+    assert_eq!(code, Some(1), "{error}");
+    assert!(error.contains("cannot start the browser") && error.contains("no-browser"), "{error}");
+    assert!(std::fs::read_to_string(file("page.html")).unwrap().ends_with("</html>\n"));
+    // One that ends well and writes nothing.
+    let (error, code) = with_browser(Path::new("/bin/true"), &args);
+    assert!(code == Some(1) && error.contains("wrote no"), "{code:?} {error}");
+}
+
+#[test]
+fn a_certificate_needs_a_day_and_a_run_that_was_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = import("points-nothing-hidden", folder.path());
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    let dcc = file("dcc.xml");
+    let (done, _, error) = output(&["report", &run, "--dcc", &dcc]);
+    assert!(!done && error.contains("--measured"), "{error}");
+    let (done, _, error) = output(&["report", &run, "--dcc", &dcc, "--measured", "2026-02-30"]);
+    assert!(!done && error.contains("allowed: a day"), "{error}");
+    trunnion(&["report", &run, "--dcc", &dcc, "--measured", "2026-02-28", "--country", "JP"]);
+    let xml = std::fs::read_to_string(&dcc).unwrap();
+    assert!(xml.contains("<dcc:beginPerformanceDate>2026-02-28<") && xml.contains("schemaVersion=\"3.3.0\""));
+}
