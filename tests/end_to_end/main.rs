@@ -8,6 +8,7 @@ mod combined;
 mod compensation;
 mod demo;
 mod devices;
+mod history;
 mod hybrid;
 mod long_lists;
 mod methods;

@@ -11,7 +11,7 @@ mod terminal;
 use clap::{Parser, Subcommand};
 use commands::{
     add, attribute, calibrate_nest, check, check_config, compare, compensation, daemon, demo, devices,
-    diagnose, export, identify, import, ladder, nc_program, open, plan, predict, record, remove,
+    diagnose, export, history, identify, import, ladder, nc_program, open, plan, predict, record, remove,
     replay, report, scrub, simulate, volumetric, watch,
 };
 use outcome::Outcome;
@@ -43,6 +43,7 @@ enum Command {
     Export(export::Args),
     Replay(replay::Args),
     Report(report::Args),
+    History(history::Args),
     Identify(identify::Args),
     Compare(compare::Args),
     Diagnose(diagnose::Args),
@@ -78,6 +79,7 @@ fn main() -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::History(args) => history::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),

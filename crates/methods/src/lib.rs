@@ -3,6 +3,7 @@
 pub mod attribution;
 mod axis_errors;
 mod common;
+pub mod control_chart;
 pub mod findings;
 pub mod geometry;
 pub mod notation;

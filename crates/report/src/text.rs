@@ -3,6 +3,7 @@
 mod axis_errors;
 mod filed;
 mod findings;
+mod history;
 mod ladder;
 mod live;
 mod plan;
@@ -14,6 +15,7 @@ mod volumetric;
 pub use axis_errors::axis_errors_text;
 pub use filed::report_text;
 pub use findings::findings_text;
+pub use history::history_text;
 pub use ladder::ladder_text;
 pub use live::{live_line, live_screen, nest_text, sign_test_text};
 pub use plan::{plan_text, preview_text};

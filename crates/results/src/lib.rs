@@ -14,6 +14,7 @@ mod diagnosis;
 mod doubt;
 mod filed;
 mod findings;
+mod history;
 mod identification;
 mod json;
 mod ladder;
@@ -56,6 +57,9 @@ pub use doubt::{Doubt, DoubtReason};
 pub use filed::{Identity, Report, ReportFormat, RunIdentity, TemperatureRange};
 pub use findings::{
     AxisName, Cell, Chart, Column, Curve, Findings, FindingsFormat, FoundValue, MapPlace, Plot, Table,
+};
+pub use history::{
+    ChangedParameter, HistoryFormat, HistoryRun, MachineHistory, RunChange, Watched, WatchedPoint,
 };
 pub use identification::{
     Combination, Identification, IdentificationFormat, LeftOut, NoiseOfRun, NoiseOrigin, NoisePart, Outlier,

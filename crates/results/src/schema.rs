@@ -2,7 +2,7 @@
 
 use crate::{
     Added, AxisErrors, Check, Comparison, CompensationSummary, Demo, DevicesChecked, DevicesFound, Diagnosis,
-    ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live,
+    ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live, MachineHistory,
     NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, Report, RunList, Scrubbed,
     SignTest, Simulation, Story, TimeQuality, Trial, Volumetric, to_json,
 };
@@ -43,6 +43,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("formula", schema_for!(FormulaChecked)),
         ("nest", schema_for!(NestCalibrated)),
         ("report", schema_for!(Report)),
+        ("history", schema_for!(MachineHistory)),
         ("sign-test", schema_for!(SignTest)),
     ]
 }

@@ -69,6 +69,17 @@ pub fn effect_name(id: &str) -> String {
     about(id).map_or(id.into(), |about| format!("{} ({id})", about.title))
 }
 
+/// A verdict in a list of runs.
+pub fn verdict_in_short(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::MissingEffect => "an effect is missing",
+        Verdict::UnnamedStructure => "something without a name is missing",
+        Verdict::NoiseFloor => "nothing is missing",
+        Verdict::Undecided => "undecided",
+        Verdict::NotJudged => "not judged",
+    }
+}
+
 /// True when an expression leads the named effects.
 pub fn formula_leads(diagnosis: &Diagnosis) -> bool {
     diagnosis.verdict == Verdict::UnnamedStructure && diagnosis.formula.is_some()

@@ -140,6 +140,20 @@ pub enum Error {
         /// What happened to them.
         why: String,
     },
+    /// No recording for a history.
+    #[error("there is no recording of machine \"{machine}\" among these files")]
+    NoRuns {
+        /// As asked; empty when any would do.
+        machine: String,
+    },
+    /// A run that a history does not hold.
+    #[error("there is no run \"{name}\" in this history; it holds {runs}")]
+    NoSuchRun {
+        /// As asked.
+        name: String,
+        /// Those there are.
+        runs: String,
+    },
     /// The effect is in the model file already.
     #[error(
         "{effect} is in the model already; remove it first, or delete its [effect.ladder] to measure it again"

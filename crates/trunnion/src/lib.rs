@@ -30,6 +30,7 @@ pub mod files;
 mod filing;
 mod fit;
 mod formed;
+pub mod history;
 mod identity;
 mod linear;
 mod methods;

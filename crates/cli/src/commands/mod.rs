@@ -12,6 +12,7 @@ pub mod demo;
 pub mod devices;
 pub mod diagnose;
 pub mod export;
+pub mod history;
 pub mod identify;
 pub mod import;
 pub mod ladder;

@@ -39,6 +39,7 @@ pub fn routes(shared: Arc<Shared>, cancel: CancellationToken) -> Router {
         .route("/api/status", get(status))
         .route("/api/live", get(watch))
         .route("/api/runs", get(runs))
+        .route("/api/history", get(history))
         .route("/api/runs/{name}", get(story))
         .route("/api/runs/{name}/identification", get(identification))
         .route("/api/runs/{name}/diagnosis", get(diagnosis))
@@ -79,6 +80,12 @@ async fn runs(State(page): State<Page>) -> Answer {
     let runs = page.runs.clone();
     let list = tokio::task::spawn_blocking(move || runs.list()).await;
     json_of(&list.map_err(|_| Refusal::Broken("list of the recordings"))?)
+}
+
+async fn history(State(page): State<Page>) -> Answer {
+    let runs = page.runs.clone();
+    let history = tokio::task::spawn_blocking(move || trunnion::history::of_found(&runs.list().runs)).await;
+    json_of(&history.map_err(|_| Refusal::Broken("history of the machine"))?)
 }
 
 async fn story(State(page): State<Page>, Path(name): Path<String>) -> Answer {

@@ -1,7 +1,7 @@
-// The runs of the folder: residual, verdict and location errors over time.
+// The runs of the folder: what changed, residual, verdict and values over time with their control limits.
 
 import * as calls from "./calls.js";
-import { colour, el, notice, plain } from "./dom.js";
+import { colour, el, notice, paragraphs, plain } from "./dom.js";
 
 export async function make(page) {
   await page.reload();
@@ -10,16 +10,21 @@ export async function make(page) {
   const open = runs.filter((run) => !run.found && !run.trouble);
   const analyse = el("button", { type: "button", class: "main" }, `Analyse ${open.length} more`);
   analyse.addEventListener("click", () => analyseAll(page, open, analyse));
-  const chosen = el("select", { id: "parameter" }, names(runs).map((name) => el("option", {}, name)));
+  const history = await calls.history();
+  const watched = history.watched.filter(({ name }) => name !== "rms");
+  const alarms = new Set(history.runs.at(-1)?.alarms);
+  const option = ({ name }) => el("option", { value: name, selected: alarms.has(name) }, alarms.has(name) ? `${name}: outside its limits` : name);
+  const chosen = el("select", { id: "parameter" }, watched.map(option));
   const charts = el("div", {});
-  const redraw = () => charts.replaceChildren(...draw(runs, chosen.value));
+  const redraw = () => charts.replaceChildren(...draw(history, chosen.value));
   chosen.addEventListener("change", redraw);
   redraw();
   return [
     el("h1", {}, runs.length === 1 ? "One run" : `${runs.length} runs`),
     open.length ? el("p", {}, analyse) : null,
+    changes(history),
     table(page, runs),
-    names(runs).length ? el("p", { class: "row" }, el("label", {}, "Location error", chosen)) : null,
+    watched.length ? el("p", { class: "row" }, el("label", {}, "Value over time", chosen)) : null,
     charts,
   ].filter(Boolean);
 }
@@ -51,39 +56,46 @@ function table(page, runs) {
     el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, runs.toReversed().map(row))));
 }
 
-const names = (runs) => [...new Set(runs.flatMap((run) => run.found?.location_errors.map((error) => error.name) ?? []))];
-
-function draw(runs, parameter) {
-  const known = runs.filter((run) => run.found);
-  if (known.length < 2) return [el("p", { class: "soft" }, "A chart over time needs two analysed runs.")];
-  const times = known.map((run) => run.began_s);
-  const dated = times.every((time) => time != null) && times.every((time, i) => i === 0 || time > times[i - 1]);
-  const x = dated ? times : known.map((_, i) => i + 1);
-  const error = (run) => run.found.location_errors.find((one) => one.name === parameter);
-  const unit = known.map(error).find(Boolean)?.unit.replace("urad", "µrad").replace("um", "µm") ?? "";
-  const value = known.map((run) => error(run)?.value ?? null);
-  const limits = (sign) => known.map((run) => {
-    const one = error(run);
-    return one?.u == null ? null : one.value + sign * 2 * one.u;
-  });
-  return [
-    chart("Residual, rms, µm", x, dated, [{ label: "residual, rms", values: known.map((run) => run.found.rms_um), stroke: "--blue" }]),
-    parameter ? chart(`${parameter}, ${unit}, with 95 % interval`, x, dated, [
-      { label: parameter, values: value, stroke: "--blue" },
-      { label: "lower", values: limits(-1), stroke: "--grey" },
-      { label: "upper", values: limits(1), stroke: "--grey" },
-    ]) : null,
-  ].filter(Boolean);
+function changes({ change, runs, notes }) {
+  if (!change) return null;
+  const { run, alarms } = runs.at(-1);
+  const alarm = alarms.length ? el("p", { class: "warn" }, `${run}: outside its control limits: ${alarms.join(", ")}`) : null;
+  return el("section", { id: "changes" }, el("h2", {}, `What changed from ${change.from} to ${change.to}`), alarm, paragraphs([...change.words, ...notes]));
 }
 
-function chart(title, x, dated, series) {
+function draw({ runs, watched }, parameter) {
+  if (runs.length < 2) return [el("p", { class: "soft" }, "A chart over time needs two analysed runs.")];
+  const times = runs.map((run) => run.began_s);
+  const dated = times.every((time) => time != null) && times.every((time, i) => i === 0 || time > times[i - 1]);
+  const x = dated ? times : runs.map((_, i) => i + 1);
+  const of = (name) => {
+    const one = watched.find((value) => value.name === name);
+    if (!one) return null;
+    const along = (value) => runs.map((_, i) => one.points.filter(({ run }) => run === i).map(value)[0] ?? null);
+    const unit = one.unit.replace("urad", "µrad").replace("um", "µm");
+    const title = name === "rms" ? `Residual, rms, ${unit}, with control limits` : `${name}, ${unit}, with control limits`;
+    // The first limits are wide; the scale is that of the values and the last limits.
+    const shown = [...one.points.map(({ value }) => value), ...(one.points.at(-1)?.limits ?? []).slice(1)];
+    const margin = 0.05 * (Math.max(...shown) - Math.min(...shown)) || 1;
+    const range = [Math.min(...shown) - margin, Math.max(...shown) + margin];
+    return chart(title, x, dated, range, [
+      { label: name === "rms" ? "residual, rms" : name, values: along(({ value }) => value), stroke: "--blue" },
+      { label: "lower limit", values: along(({ limits }) => limits?.[1] ?? null), stroke: "--grey", points: false },
+      { label: "upper limit", values: along(({ limits }) => limits?.[2] ?? null), stroke: "--grey", points: false },
+    ]);
+  };
+  const note = "Limits are set by the runs before: at most one false alarm in 365 runs over all values together.";
+  return [of("rms"), parameter ? of(parameter) : null, el("p", { class: "soft" }, note)].filter(Boolean);
+}
+
+function chart(title, x, dated, range, series) {
   const place = el("div", { class: "chart", role: "img", "aria-label": `${title}: ${series[0].values.map((value) => (value == null ? "—" : plain(value))).join(", ")}` });
   const numbers = dated ? {} : { incrs: [1, 2, 5, 10, 20, 50, 100, 200] };
   const axis = { stroke: colour("--ink"), grid: { stroke: colour("--line"), width: 1 } };
   requestAnimationFrame(() => {
     const width = Math.max(240, Math.min(900, place.clientWidth || 600));
-    const one = ({ label, stroke }) => ({ label, stroke: colour(stroke), width: 2, points: { show: true, size: 7 }, spanGaps: true });
-    new uPlot({ width, height: 240, scales: { x: { time: dated } }, axes: [{ ...axis, ...numbers }, axis], legend: { live: false }, series: [{ label: dated ? "began" : "run" }, ...series.map(one)] },
+    const one = ({ label, stroke, points = true }) => ({ label, stroke: colour(stroke), width: 2, dash: points ? [] : [6, 4], points: { show: points, size: 7 }, spanGaps: true });
+    new uPlot({ width, height: 240, scales: { x: { time: dated }, y: { range } }, axes: [{ ...axis, ...numbers }, axis], legend: { live: false }, series: [{ label: dated ? "began" : "run" }, ...series.map(one)] },
       [x, ...series.map(({ values }) => values)], place);
   });
   return el("section", {}, el("h2", {}, title), place);

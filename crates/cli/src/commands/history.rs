@@ -1,0 +1,67 @@
+//! `trunnion history`: the runs of one machine.
+
+use crate::load::ModelArgs;
+use crate::outcome::Outcome;
+use crate::terminal;
+use anyhow::{Context, bail};
+use std::path::{Path, PathBuf};
+use trunnion::Model;
+use trunnion::history::{Wanted, history};
+
+/// Runs of one machine in order of time: what changed since the last run, and which effect
+///
+/// Every run is fitted with the same model. Control limits come from the machine's own earlier runs, so that an unchanged
+/// machine gives at most one false alarm in a year of daily runs over all values together (docs/use/history.md).
+///
+/// Example: trunnion history --folder /var/lib/trunnion --model machine.model.toml
+///
+/// After a correction: trunnion history table-bc --folder runs --since after-correction
+#[derive(clap::Args)]
+pub struct Args {
+    /// Name of the machine; without it, that of the newest recording
+    #[arg(value_name = "MACHINE")]
+    machine: Option<String>,
+    /// Folder of recordings (.mcap)
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    folder: PathBuf,
+    #[command(flatten)]
+    model: ModelArgs,
+    /// First run after a correction or repair: control limits begin with it
+    #[arg(long, value_name = "RUN")]
+    since: Option<String>,
+    /// Print JSON (format trunnion-history/1)
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let paths = recordings(&args.folder)?;
+    if paths.is_empty() {
+        bail!("there is no recording (.mcap) in {}", args.folder.display());
+    }
+    let wanted = Wanted {
+        machine: args.machine.clone(),
+        model: args.model.model.as_ref().map(Model::load).transpose()?,
+        since: args.since.clone(),
+    };
+    let answer = history(&paths, &wanted)?;
+    if args.json {
+        terminal::print_json(&answer)?;
+    } else {
+        terminal::print(&trunnion::report::history_text(&answer))?;
+    }
+    let troubled = answer.runs.iter().any(|run| !run.trouble.is_empty());
+    Ok(if troubled { Outcome::DataLoss } else { Outcome::Done })
+}
+
+fn recordings(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
+    let mut paths = Vec::new();
+    for entry in entries {
+        let path = entry.with_context(|| format!("cannot read {}", folder.display()))?.path();
+        if path.extension().is_some_and(|ending| ending == "mcap") {
+            paths.push(path);
+        }
+    }
+    Ok(paths)
+}

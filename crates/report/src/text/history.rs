@@ -1,0 +1,80 @@
+//! The runs of a machine as text: what changed first, then the runs, then the values with their limits.
+
+use super::table::{columns, paragraph};
+use crate::number::{MISSING, plain, um_or_dash, unit_on_screen, value_and_u};
+use trunnion_results::sentences::verdict_in_short;
+use trunnion_results::{HistoryRun, MachineHistory, Watched};
+
+/// The history of a machine.
+pub fn history_text(history: &MachineHistory) -> String {
+    let mut text = format!("{}\n\n", alarm_line(history));
+    if let Some(change) = &history.change {
+        text += &format!("What changed from {} to {}\n", change.from, change.to);
+        text += &change.words.iter().map(|words| paragraph(words)).collect::<String>();
+        text.push('\n');
+    }
+    text += &format!("Machine {}; model: {}\n", history.machine, history.effects.join(" + "));
+    text += &runs(history);
+    let limits: String = values(history);
+    if !limits.is_empty() {
+        text += "\nLast value against the limits that the runs before it set\n";
+        text += &limits;
+        text += "At most one false alarm in 365 runs over all of these values together.\n";
+    }
+    history.notes.iter().fold(text, |text, note| text + note + "\n")
+}
+
+/// The answer in one line.
+fn alarm_line(history: &MachineHistory) -> String {
+    let Some(last) = history.runs.iter().rev().find(|run| run.rms_um.is_some()) else {
+        return "No run of this machine can be compared".into();
+    };
+    let has_limits =
+        history.watched.iter().any(|one| one.points.last().is_some_and(|point| point.limits.is_some()));
+    match last.alarms.as_slice() {
+        [] if has_limits => format!("{}: every value is within its control limits", last.run),
+        [] => format!("{}: there are no control limits yet, they need two runs before", last.run),
+        alarms => format!("{}: outside its control limits: {}", last.run, alarms.join(", ")),
+    }
+}
+
+fn runs(history: &MachineHistory) -> String {
+    let mut rows =
+        vec![["run", "began", "residual", "temperature", "alarms", "verdict"].map(String::from).to_vec()];
+    let row = |run: &HistoryRun| {
+        let verdict = match (run.trouble.as_str(), &run.candidate) {
+            ("", Some(candidate)) => format!("{}: {candidate}", verdict_in_short(run.verdict)),
+            ("", None) => verdict_in_short(run.verdict).into(),
+            (trouble, _) => trouble.into(),
+        };
+        let or_dash = |text: &str| if text.is_empty() { MISSING.into() } else { text.to_string() };
+        vec![
+            run.run.clone(),
+            or_dash(&run.began),
+            um_or_dash(run.rms_um),
+            run.temperature_degc.map_or(MISSING.into(), |degc| format!("{degc:.1} °C")),
+            or_dash(&run.alarms.join(", ")),
+            verdict,
+        ]
+    };
+    rows.extend(history.runs.iter().map(row));
+    columns(&rows, &[2, 3])
+}
+
+/// Each value of the last compared run.
+fn values(history: &MachineHistory) -> String {
+    let Some(last) = history.runs.iter().rposition(|run| run.rms_um.is_some()) else { return String::new() };
+    let row = |one: &Watched| {
+        let point = one.points.last().filter(|point| point.run == last)?;
+        let (value, u) = value_and_u(Some(point.value), Some(point.u), &one.unit);
+        let unit = unit_on_screen(&one.unit);
+        let limits = point.limits.map_or(MISSING.into(), |[_, lower, upper]| {
+            format!("{} … {} {unit}", plain(lower), plain(upper))
+        });
+        let alarm = if point.alarm { "outside" } else { "" };
+        Some(vec![one.name.clone(), value, u, limits, alarm.to_string()])
+    };
+    let mut rows = vec![["value", "", "u", "limits", ""].map(String::from).to_vec()];
+    rows.extend(history.watched.iter().filter_map(row));
+    if rows.len() == 1 { String::new() } else { columns(&rows, &[1, 2]) }
+}

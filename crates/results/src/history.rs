@@ -1,0 +1,125 @@
+//! The runs of one machine in order of time: what was found, control limits, what changed.
+
+use crate::diagnosis::Verdict;
+use crate::identification::Parameter;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `trunnion-history/1`: the runs of one machine.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MachineHistory {
+    /// Format and version.
+    pub format: HistoryFormat,
+    /// Name of the machine.
+    pub machine: String,
+    /// Ids of the effects of the model that every run was fitted with.
+    pub effects: Vec<String>,
+    /// The runs, oldest first.
+    pub runs: Vec<HistoryRun>,
+    /// The values that are watched, each with its limits.
+    pub watched: Vec<Watched>,
+    /// What changed from the last run but one to the last; null where there are no two.
+    pub change: Option<RunChange>,
+    /// What a person should know of the list, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Format and version of a history.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum HistoryFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-history/1")]
+    V1,
+}
+
+/// One run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HistoryRun {
+    /// Name of the run.
+    pub run: String,
+    /// When it began, s since 1970 UTC; null where the recording does not say.
+    pub began_s: Option<i64>,
+    /// The same for a person; empty where it is not known.
+    pub began: String,
+    /// What the diagnosis says.
+    pub verdict: Verdict,
+    /// The effect or expression that leads, if the verdict names one.
+    pub candidate: Option<String>,
+    /// Residual of the fit, µm rms; null where the run was not fitted.
+    pub rms_um: Option<f64>,
+    /// Mean of the temperatures, °C; null without any.
+    pub temperature_degc: Option<f64>,
+    /// Parameters of the machine that have a number.
+    pub values: Vec<Parameter>,
+    /// Names of the watched values that lie outside their limits.
+    pub alarms: Vec<String>,
+    /// Why the run cannot be compared; empty otherwise.
+    pub trouble: String,
+}
+
+/// A value that is watched over the runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Watched {
+    /// Name of the parameter, or `rms`.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its value in every run that has one, with the limits that held then.
+    pub points: Vec<WatchedPoint>,
+}
+
+/// A watched value in one run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct WatchedPoint {
+    /// Index of the run.
+    pub run: usize,
+    /// The value.
+    pub value: f64,
+    /// Its standard uncertainty; 0 where it has none.
+    pub u: f64,
+    /// Mean of the runs before, and the limits they set; null before the third run.
+    pub limits: Option<[f64; 3]>,
+    /// True when it lies outside.
+    pub alarm: bool,
+}
+
+/// What changed between two runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RunChange {
+    /// The earlier run.
+    pub from: String,
+    /// The later run.
+    pub to: String,
+    /// Ids of effects that the later run shows and the earlier does not.
+    pub new_effects: Vec<String>,
+    /// Every parameter of the machine that both runs determine, most changed first.
+    pub parameters: Vec<ChangedParameter>,
+    /// Error of the values of the earlier run in the later one, µm rms; null where they cannot be used.
+    pub rms_with_old_um: Option<f64>,
+    /// Residual of the later run with values of its own, µm rms.
+    pub rms_with_new_um: Option<f64>,
+    /// The same in sentences.
+    pub words: Vec<String>,
+}
+
+/// A parameter in two runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ChangedParameter {
+    /// Id of its effect.
+    pub effect: String,
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Value in the earlier run.
+    pub before: f64,
+    /// Value in the later run.
+    pub after: f64,
+    /// Later − earlier.
+    pub difference: f64,
+    /// Standard uncertainty of the difference of two independent runs.
+    pub u: f64,
+    /// True when the difference is significant.
+    pub changed: bool,
+}

@@ -1,0 +1,176 @@
+//! The runs of one machine in order of time, each fitted with the same model.
+
+mod change;
+mod watch;
+
+use crate::{Diagnosed, Error, Model, identity, moment};
+use std::path::{Path, PathBuf};
+use trunnion_results::sentences::{is_setting, not_plausible};
+use trunnion_results::{HistoryRun, MachineHistory, Parameter, RunFound, RunLine, Verdict};
+
+/// Which runs make a history.
+#[derive(Clone, Debug, Default)]
+pub struct Wanted {
+    /// Name of the machine; that of the newest run without it.
+    pub machine: Option<String>,
+    /// The model that every run is fitted with; the base model without it.
+    pub model: Option<Model>,
+    /// Name of the first run after a correction or repair: limits begin with it.
+    pub since: Option<String>,
+}
+
+/// A recording before it is read.
+struct Header {
+    path: PathBuf,
+    machine: String,
+    run: HistoryRun,
+}
+
+/// The history of one machine from recordings in any order. A recording that cannot be read or judged is listed with the reason.
+///
+/// # Errors
+/// No recording of the machine, or no run called `since`.
+pub fn history(paths: &[PathBuf], wanted: &Wanted) -> Result<MachineHistory, Error> {
+    let mut headers: Vec<Header> = paths.iter().map(|path| header(path)).collect();
+    headers.sort_by(|a, b| (a.run.began_s, &a.run.run).cmp(&(b.run.began_s, &b.run.run)));
+    let newest = headers.iter().rev().map(|header| header.machine.clone()).find(|name| !name.is_empty());
+    let machine = wanted.machine.clone().or(newest).unwrap_or_default();
+    // What cannot be read has no machine; it is listed, lest it is missed.
+    headers.retain(|header| header.machine == machine || header.machine.is_empty());
+    if !headers.iter().any(|header| header.machine == machine) {
+        return Err(Error::NoRuns { machine });
+    }
+    let mut history = MachineHistory { machine, ..MachineHistory::default() };
+    let mut last_two: [Option<(String, Diagnosed)>; 2] = [None, None];
+    for Header { path, run, .. } in headers {
+        let (run, diagnosed) = judged(&path, run, wanted.model.as_ref());
+        if let Some(diagnosed) = diagnosed {
+            last_two = [last_two[1].take(), Some((run.run.clone(), diagnosed))];
+        }
+        history.runs.push(run);
+    }
+    if let [earlier, Some(later)] = &last_two {
+        history.effects = later.1.fit().model().effects().into_iter().map(str::to_owned).collect();
+        history.change = earlier.as_ref().map(|earlier| change::change(earlier, later)).transpose()?;
+    }
+    let first = index_of(&history.runs, wanted.since.as_deref())?;
+    watched(&mut history, first);
+    Ok(history)
+}
+
+/// The same from what analyses have found already, of the machine and the model of the newest: without the effect behind a change,
+/// which takes fits.
+pub fn of_found(lines: &[RunLine]) -> MachineHistory {
+    let analysed =
+        |line: &RunLine| line.found.as_ref().is_some_and(|found| found.verdict != Verdict::NotJudged);
+    let lines: Vec<&RunLine> = lines.iter().filter(|line| analysed(line)).collect();
+    let newest = lines.last();
+    let machine = newest.map_or_else(String::new, |line| line.machine.clone());
+    let found = newest.and_then(|line| line.found.as_ref());
+    let effects = found.map_or_else(Vec::new, |found| found.effects.clone());
+    let mut history = MachineHistory { machine, effects, ..MachineHistory::default() };
+    let mut others = 0;
+    for line in lines.iter().filter(|line| line.machine == history.machine) {
+        match &line.found {
+            Some(found) if found.effects == history.effects => history.runs.push(of_line(line, found)),
+            _ => others += 1,
+        }
+    }
+    if others > 0 {
+        history
+            .notes
+            .push(format!("{others} further runs were analysed with another model and are not compared."));
+    }
+    if let [.., earlier, later] = history.runs.as_slice() {
+        history.change = Some(change::of_values(earlier, later));
+    }
+    watched(&mut history, 0);
+    history
+}
+
+fn of_line(line: &RunLine, found: &RunFound) -> HistoryRun {
+    HistoryRun {
+        run: line.name.clone(),
+        began_s: line.began_s,
+        began: line.began.clone(),
+        verdict: found.verdict,
+        candidate: found.candidate.clone(),
+        rms_um: Some(found.rms_um),
+        values: found.location_errors.clone(),
+        ..HistoryRun::default()
+    }
+}
+
+/// `first`: the run that limits begin with.
+fn watched(history: &mut MachineHistory, first: usize) {
+    history.watched = watch::watch(&mut history.runs, first);
+    if history.runs.iter().any(|run| run.began_s.is_none()) {
+        history.notes.push("Runs without a date come first, in order of their names.".into());
+    }
+}
+
+/// Index of the run of this name; of the first without one.
+fn index_of(runs: &[HistoryRun], name: Option<&str>) -> Result<usize, Error> {
+    let Some(name) = name else { return Ok(0) };
+    runs.iter().position(|run| run.run == name).ok_or_else(|| Error::NoSuchRun {
+        name: name.into(),
+        runs: runs.iter().map(|run| run.run.as_str()).collect::<Vec<_>>().join(", "),
+    })
+}
+
+fn header(path: &Path) -> Header {
+    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let run = HistoryRun { run: name, ..HistoryRun::default() };
+    match trunnion_record::read_header(path) {
+        Ok(header) => Header {
+            path: path.into(),
+            machine: header.machine_name,
+            run: HistoryRun {
+                began_s: Some(header.wall_start_ns).filter(|ns| *ns > 0).map(|ns| ns / 1_000_000_000),
+                began: moment::minute(header.wall_start_ns).unwrap_or_default(),
+                ..run
+            },
+        },
+        Err(failure) => Header {
+            path: path.into(),
+            machine: String::new(),
+            run: HistoryRun { trouble: failure.to_string(), ..run },
+        },
+    }
+}
+
+/// A run with what was found in it, and the analysis where it can be compared with others.
+fn judged(path: &Path, run: HistoryRun, model: Option<&Model>) -> (HistoryRun, Option<Diagnosed>) {
+    if !run.trouble.is_empty() {
+        return (run, None);
+    }
+    match diagnosed(path, model) {
+        Ok((diagnosed, temperature_degc)) => {
+            let (fit, diagnosis) = (diagnosed.fit().results(), diagnosed.results());
+            let judged = diagnosis.verdict != Verdict::NotJudged;
+            let of_machine =
+                |p: &&Parameter| judged && p.value.is_some() && p.u.is_some() && !is_setting(&p.effect);
+            let run = HistoryRun {
+                verdict: diagnosis.verdict,
+                candidate: diagnosis.best(),
+                rms_um: Some(fit.rms_um).filter(|_| judged),
+                temperature_degc,
+                values: fit.parameters.iter().filter(of_machine).cloned().collect(),
+                trouble: not_plausible(&fit.plausibility),
+                ..run
+            };
+            (run, Some(diagnosed).filter(|_| judged))
+        }
+        Err(failure) => (HistoryRun { trouble: failure.to_string(), ..run }, None),
+    }
+}
+
+fn diagnosed(path: &Path, model: Option<&Model>) -> Result<(Diagnosed, Option<f64>), Error> {
+    let experiment = crate::open(path)?;
+    let base = experiment.base_model();
+    let fit = experiment.fit_within_reach(model.unwrap_or(&base))?;
+    let means: Vec<f64> =
+        experiment.runs().iter().flat_map(identity::temperatures).map(|range| range.mean_degc).collect();
+    let temperature = (!means.is_empty()).then(|| means.iter().sum::<f64>() / means.len() as f64);
+    Ok((Diagnosed::without_plan(&fit)?, temperature))
+}

@@ -1,0 +1,95 @@
+//! The runs of one machine through the binary.
+
+use crate::program::{data, json, output, trunnion};
+use serde_json::Value;
+use std::path::Path;
+
+const TRUTH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/truths/table-bc.toml");
+
+/// Run number `number` of a machine whose axis B leans by `ea0b_urad`.
+fn simulate(folder: &Path, name: &str, number: usize, ea0b_urad: f64) {
+    let truth = std::fs::read_to_string(TRUTH).unwrap();
+    let truth = truth.replace("EA0B_urad = 25.0", &format!("EA0B_urad = {ea0b_urad:.1}"));
+    let file = folder.join("truth.toml").display().to_string();
+    std::fs::write(&file, truth).unwrap();
+    let run = folder.join(name).display().to_string();
+    trunnion(&["simulate", &file, "--run", &number.to_string(), "-o", &run]);
+}
+
+fn history(folder: &Path, more: &[&str]) -> Value {
+    let folder = folder.display().to_string();
+    json(&[&["history", "--folder", &folder, "--json"], more].concat())
+}
+
+#[test]
+fn a_machine_that_leans_is_alarmed_about_with_how_much_and_where() {
+    let folder = tempfile::tempdir().unwrap();
+    for number in 1..=5 {
+        simulate(folder.path(), &format!("day-{number}.mcap"), number, 25.0);
+    }
+    let unchanged = history(folder.path(), &[]);
+    assert_eq!(unchanged["runs"].as_array().unwrap().len(), 5);
+    for run in unchanged["runs"].as_array().unwrap() {
+        assert_eq!(run["alarms"].as_array().unwrap().len(), 0, "{run}");
+    }
+    let words = unchanged["change"]["words"].to_string();
+    assert!(words.contains("Nothing changed"), "{words}");
+
+    simulate(folder.path(), "day-6.mcap", 6, 75.0);
+    let leaning = history(folder.path(), &[]);
+    let changed: Vec<&Value> = leaning["change"]["parameters"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|one| one["changed"] == true)
+        .collect();
+    assert_eq!(changed.len(), 1, "{changed:?}");
+    assert_eq!(changed[0]["name"], "EA0B");
+    let number = |value: &Value| value.as_f64().unwrap();
+    let (difference, u) = (number(&changed[0]["difference"]), number(&changed[0]["u"]));
+    assert!((difference - 50.0).abs() < 4.0 * u, "{difference} ± {u}");
+    assert!(
+        number(&leaning["change"]["rms_with_old_um"]) > 2.0 * number(&leaning["change"]["rms_with_new_um"])
+    );
+    assert_eq!(leaning["runs"][5]["alarms"], serde_json::json!(["EA0B"]), "{}", leaning["runs"][5]);
+
+    // A repair before it: nothing to compare with yet.
+    let since = history(folder.path(), &["--since", "day-6"]);
+    assert_eq!(since["runs"][5]["alarms"].as_array().unwrap().len(), 0, "{}", since["runs"][5]);
+    let text = trunnion(&["history", "--folder", &folder.path().display().to_string()]);
+    assert!(text.starts_with("day-6: outside its control limits: EA0B"), "{text}");
+    assert!(text.contains("EA0B by +") && text.contains(" ± "), "{text}");
+}
+
+#[test]
+fn an_effect_that_is_new_is_named_and_other_parameters_do_not_take_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, set) in [("1", "points-nothing-hidden"), ("2", "points-gravity")] {
+        let file = |name: &str| data(set).join(name).display().to_string();
+        let run = folder.path().join(format!("{name}.mcap")).display().to_string();
+        trunnion(&["import", &file("points.csv"), "--setup", &file("setup.toml"), "-o", &run]);
+    }
+    let history = history(folder.path(), &[]);
+    assert_eq!(
+        history["change"]["new_effects"],
+        serde_json::json!(["gravity-sag:B"]),
+        "{}",
+        history["change"]
+    );
+    let words = history["change"]["words"].to_string();
+    assert!(words.contains("New since 1: Sag of the tilting frame"), "{words}");
+}
+
+#[test]
+fn what_cannot_be_read_is_listed_and_an_unknown_run_is_refused_with_those_there_are() {
+    let folder = tempfile::tempdir().unwrap();
+    simulate(folder.path(), "day-1.mcap", 1, 25.0);
+    std::fs::write(folder.path().join("torn.mcap"), b"not a recording").unwrap();
+    let name = folder.path().display().to_string();
+    let (done, text, _) = output(&["history", "--folder", &name]);
+    assert!(!done && text.contains("torn") && text.contains("day-1"), "{text}");
+    let (done, _, error) = output(&["history", "--folder", &name, "--since", "day-9"]);
+    assert!(!done && error.contains("day-9") && error.contains("day-1"), "{error}");
+    let (done, _, error) = output(&["history", "other-machine", "--folder", &name]);
+    assert!(!done && error.contains("other-machine"), "{error}");
+}
