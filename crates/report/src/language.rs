@@ -75,7 +75,10 @@ fn holes<'t>(pattern: &str, text: &'t str) -> Option<Vec<&'t str>> {
         found.push(&rest[..at]);
         rest = &rest[at + part.len()..];
     }
-    (rest.is_empty() && !found.is_empty() && found.iter().all(|part| !part.is_empty())).then_some(found)
+    // A label such as `{} back` holds a name; only a sentence or a list holds one with commas.
+    let lists = pattern.contains(['.', ':', ',']);
+    let fits = |part: &&str| !part.is_empty() && (lists || !part.contains(", "));
+    (rest.is_empty() && !found.is_empty() && found.iter().all(fits)).then_some(found)
 }
 
 /// Well-formed markup with its texts in another language; tags and attributes stay as they are.
@@ -132,5 +135,6 @@ mod tests {
         assert_eq!(holes("{} of {} points", "3 of 4 points"), Some(vec!["3", "4"]));
         assert_eq!(holes("{} of {} points", "3 of 4 readings"), None);
         assert_eq!(holes("setup {}", "setup "), None);
+        assert_eq!(holes("{} back", "+2 µm with C forward, −2 µm with C back"), None);
     }
 }
