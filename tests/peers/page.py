@@ -184,6 +184,27 @@ def every_width(browser, folder):
             tab.close()
 
 
+def history(browser, folder):
+    runs = folder / "history"
+    runs.mkdir()
+    truth = DATA.parents[1] / "config/truths/table-bc.toml"
+    leaning = folder / "leaning.toml"
+    leaning.write_text(truth.read_text().replace("EA0B_urad = 25.0", "EA0B_urad = 75.0"))
+    for number in range(1, 6):
+        trunnion("simulate", truth if number < 5 else leaning, "--run", number, "-o", runs / f"day-{number}.mcap")
+    engine = json.loads(trunnion("history", "--folder", runs, "--json"))
+    with Served(runs) as address:
+        tab = Tab(browser, address)
+        tab.view("history")
+        tab.page.get_by_text("Analyse 5 more").click()
+        tab.page.wait_for_selector("#changes")
+        check("the change is the engine's", engine["change"]["words"][0] in tab.text("#changes"), engine["change"]["words"][0])
+        check("the alarm is there", "outside its control limits: EA0B" in tab.text("#changes"), engine["runs"][-1]["alarms"])
+        check("its chart is shown first", "EA0B" in tab.text("#parameter option[selected]"))
+        tab.picture("history-limits")
+        tab.close()
+
+
 def many_poses(browser, folder):
     """What-if with every pose of a run thirty times: 10 080 poses. Result and history show means, however many poses there are."""
     times = 30
@@ -222,5 +243,6 @@ with sync_playwright() as playwright, tempfile.TemporaryDirectory() as temporary
     folder = pathlib.Path(temporary)
     story_of_one_run(chromium, folder)
     every_width(chromium, folder)
+    history(chromium, folder)
     many_poses(chromium, folder)
     chromium.close()

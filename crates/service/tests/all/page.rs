@@ -185,10 +185,17 @@ async fn an_effect_is_added_and_removed_and_both_browsers_see_it() {
     let list = page.json("GET /api/runs", "", "").await;
     assert_eq!(list["runs"][0]["name"], "points-gravity");
     assert!(list["runs"][0]["found"].is_null());
+    assert_eq!(page.json("GET /api/history", "", "").await["runs"], serde_json::json!([]));
     let story = page.json("GET /api/runs/points-gravity", "", "").await;
     assert_eq!(story["candidates"][0]["effect"], "gravity-sag:B", "{story}");
     let list = page.json("GET /api/runs", "", "").await;
     assert_eq!(list["runs"][0]["found"]["verdict"], story["verdict"]);
+    let history = page.json("GET /api/history", "", "").await;
+    assert_eq!(history["runs"][0]["rms_um"], list["runs"][0]["found"]["rms_um"], "{history}");
+    assert!(
+        history["change"].is_null() && history["watched"][1]["points"][0]["limits"].is_null(),
+        "{history}"
+    );
 
     let added = page.json(ADD, OWN, r#"{"by":"Ada"}"#).await;
     let model = page.folder.path().join("points-gravity/points.model.toml");
