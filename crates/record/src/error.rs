@@ -65,6 +65,17 @@ pub enum RecordError {
 }
 
 impl RecordError {
+    /// True where the disk or its folder refused, which a person may mend: what is in memory is worth keeping until then.
+    pub fn may_pass(&self) -> bool {
+        matches!(self, Self::Io { .. } | Self::Write { source: mcap::McapError::Io(_), .. })
+    }
+
+    /// The error with its causes, in one line.
+    pub(crate) fn chain(&self) -> String {
+        let causes = std::iter::successors(std::error::Error::source(self), |cause| cause.source());
+        causes.fold(self.to_string(), |text, cause| format!("{text}: {cause}"))
+    }
+
     pub(crate) fn io(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Io { what, path: path.into(), source }
     }

@@ -10,7 +10,7 @@ use crate::item::RunHeader;
 use crate::journal::{FINISHED_METADATA, JOURNAL_ENDING, wall_time};
 use crate::reader::decode_header;
 use crate::schema::FILE_DESCRIPTOR_SET;
-use crate::wire::{Topic, encode_event};
+use crate::wire::{Encoded, Topic, encode_event, encode_gap};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 use std::borrow::Cow;
@@ -19,7 +19,7 @@ use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use trunnion_core::Event;
+use trunnion_core::{Event, Gap};
 
 /// A journal cut short by a crash ends with at most one unfinished message.
 const LONGEST_TAIL: u64 = 64 * 1024;
@@ -39,12 +39,21 @@ pub struct FinishedFile {
     pub damage: Option<Damage>,
 }
 
+/// A journal that a run left behind, and what became of it.
+#[derive(Debug)]
+pub struct Orphan {
+    /// Where the finished recording was to be.
+    pub recording: PathBuf,
+    /// The finished file.
+    pub finished: Result<FinishedFile, RecordError>,
+}
+
 /// Finishes every journal in `dir` that no running program holds; each gets an event `recovered` saying
 /// so. One that cannot be finished stays, and does not hinder the others.
 ///
 /// # Errors
 /// Only when `dir` cannot be listed; a folder that does not exist holds no journals.
-pub fn recover_orphans(dir: &Path) -> Result<Vec<Result<FinishedFile, RecordError>>, RecordError> {
+pub fn recover_orphans(dir: &Path) -> Result<Vec<Orphan>, RecordError> {
     if !dir.exists() {
         return Ok(Vec::new());
     }
@@ -57,7 +66,11 @@ pub fn recover_orphans(dir: &Path) -> Result<Vec<Result<FinishedFile, RecordErro
         }
     }
     journals.sort();
-    Ok(journals.iter().filter_map(|journal| recover(journal).transpose()).collect())
+    let orphan = |journal: &PathBuf| {
+        let finished = recover(journal).transpose()?;
+        Some(Orphan { recording: journal.with_extension(""), finished })
+    };
+    Ok(journals.iter().filter_map(orphan).collect())
 }
 
 /// `None` when another program is writing it.
@@ -66,16 +79,25 @@ fn recover(journal: &Path) -> Result<Option<FinishedFile>, RecordError> {
     if lock.try_lock().is_err() {
         return Ok(None);
     }
-    finish_journal(journal, Some("the program ended while recording; finished at the next start")).map(Some)
+    finish_journal(journal, Ending::Recovered).map(Some)
 }
 
-/// Rewrites a closed or left-over journal; `recovered` is the text of the event that says so.
-pub fn finish_journal(journal: &Path, recovered: Option<&str>) -> Result<FinishedFile, RecordError> {
+/// What the finished file says at its end.
+#[derive(Clone, Copy)]
+pub enum Ending<'a> {
+    /// The run ended; what could not be written of it.
+    Ended(Option<&'a Gap>),
+    /// The program ended while it recorded.
+    Recovered,
+}
+
+/// Rewrites a closed or left-over journal.
+pub fn finish_journal(journal: &Path, ending: Ending<'_>) -> Result<FinishedFile, RecordError> {
     let (header, contents) = index(journal)?;
     let finished = journal.with_extension("");
-    let free = free_path(&finished, recovered.is_some())?;
+    let free = free_path(&finished, matches!(ending, Ending::Recovered))?;
     let partial = PathBuf::from(format!("{}{PARTIAL_ENDING}", free.display()));
-    let rewritten = rewrite(journal, &header, &contents, recovered, &partial);
+    let rewritten = rewrite(journal, &header, &contents, ending, &partial);
     let written = match rewritten.and_then(|written| verify(&partial, &written).map(|()| written)) {
         Ok(written) => written,
         Err(error) => {
@@ -110,6 +132,13 @@ struct Contents {
     /// Size of the journal.
     bytes: u64,
     damage: Option<Damage>,
+}
+
+impl Contents {
+    /// Time of the last message, ns since 1970.
+    fn last_time(&self) -> u64 {
+        self.messages.last().map_or(0, |place| place.log_time)
+    }
 }
 
 /// One message of the journal.
@@ -198,7 +227,7 @@ fn rewrite(
     journal: &Path,
     header: &RunHeader,
     contents: &Contents,
-    recovered: Option<&str>,
+    ending: Ending<'_>,
     partial: &Path,
 ) -> Result<Written, RecordError> {
     let mut source = File::open(journal).map_err(RecordError::io("open", journal))?;
@@ -238,21 +267,12 @@ fn rewrite(
                 writer.flush()?;
             }
         }
-        if let Some(text) = recovered {
-            let schema = writer.add_schema(Topic::Event.schema(), "protobuf", FILE_DESCRIPTOR_SET)?;
-            let topic = Topic::Event.name(header);
-            let channel_id = writer.add_channel(schema, &topic, "protobuf", &BTreeMap::new())?;
-            let last = contents.messages.last().map_or(0, |place| place.log_time);
-            let start = wall_time(header, 0.0);
-            let time_s = last.saturating_sub(start) as f64 * 1e-9;
-            let text = match &contents.damage {
-                Some(damage) => format!("{text}. At byte {}: {}", damage.offset, damage.reason),
-                None => text.into(),
-            };
-            let event = encode_event(&Event { time_s, kind: "recovered".into(), text });
-            let log_time = last.max(start);
+        if let Some((topic, message)) = last_words(header, contents, ending) {
+            let schema = writer.add_schema(topic.schema(), "protobuf", FILE_DESCRIPTOR_SET)?;
+            let channel_id = writer.add_channel(schema, &topic.name(header), "protobuf", &BTreeMap::new())?;
+            let log_time = contents.last_time().max(wall_time(header, message.time_s));
             let head = MessageHeader { channel_id, sequence: 0, log_time, publish_time: log_time };
-            put(&mut writer, head, &event.payload)?;
+            put(&mut writer, head, &message.payload)?;
         }
         writer.finish()?;
         Ok((Written { messages, digest: digest.finish() }, writer.into_inner()))
@@ -261,6 +281,22 @@ fn rewrite(
     target.flush().map_err(RecordError::io("write", partial))?;
     target.get_ref().sync_all().map_err(RecordError::io("sync", partial))?;
     Ok(written)
+}
+
+/// What is written after the last message of the journal.
+fn last_words(header: &RunHeader, contents: &Contents, ending: Ending<'_>) -> Option<(Topic, Encoded)> {
+    match ending {
+        Ending::Ended(lost) => Some((Topic::Gap, encode_gap(lost?))),
+        Ending::Recovered => {
+            let text = "the program ended while recording; finished at the next start";
+            let text = match &contents.damage {
+                Some(damage) => format!("{text}. At byte {}: {}", damage.offset, damage.reason),
+                None => text.into(),
+            };
+            let time_s = contents.last_time().saturating_sub(wall_time(header, 0.0)) as f64 * 1e-9;
+            Some((Topic::Event, encode_event(&Event { time_s, kind: "recovered".into(), text })))
+        }
+    }
 }
 
 /// Declares the schemas and channels of the journal; gives the new id of each channel.

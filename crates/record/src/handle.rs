@@ -16,6 +16,8 @@ use trunnion_core::{Clock, Gap, HostTime};
 const IDLE: Duration = Duration::from_millis(20);
 /// Time between two fdatasync calls.
 const SYNC: Duration = Duration::from_secs(1);
+/// Time between attempts to finish a file that the disk refuses: rewriting reads the whole journal.
+const AGAIN: Duration = Duration::from_secs(10);
 
 /// How the recorder is doing.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -54,7 +56,8 @@ pub struct RecorderHandle {
 #[expect(clippy::large_enum_variant, reason = "nearly every order is the large one")]
 enum Order {
     Record(Item, HostTime),
-    Finish,
+    /// For how long the end waits for a disk that refuses.
+    Finish(Duration),
 }
 
 #[derive(Default)]
@@ -62,6 +65,7 @@ struct Shared {
     status: RecorderStatus,
     overflow: Option<Gap>,
     overflow_samples: u64,
+    gives_up: bool,
 }
 
 impl RecordSender {
@@ -92,6 +96,11 @@ impl RecordSender {
         status.lost_samples += shared.overflow_samples;
         status.most_waiting = self.waiting.most.load(Ordering::Relaxed);
         status
+    }
+
+    /// The end of the run no longer waits for a disk that refuses.
+    pub fn give_up(&self) {
+        lock(&self.shared).gives_up = true;
     }
 
     fn count_lost(&self, item: &Item) {
@@ -148,9 +157,17 @@ impl RecorderHandle {
     /// # Errors
     /// As [`Recorder::finish`].
     pub fn finish(self) -> Result<Finished, RecordError> {
+        self.finish_within(Duration::ZERO)
+    }
+
+    /// The same where a disk that refuses is waited for so long, or until [`RecordSender::give_up`]: what is in memory survives.
+    ///
+    /// # Errors
+    /// As [`Recorder::finish`].
+    pub fn finish_within(self, at_most: Duration) -> Result<Finished, RecordError> {
         let Self { sender, thread } = self;
         // Refused only when the thread has ended by itself; joining then says why.
-        if sender.queue.send(Order::Finish).is_err() {
+        if sender.queue.send(Order::Finish(at_most)).is_err() {
             tracing::error!("the recorder ended before the run");
         }
         thread.join().unwrap_or(Err(RecordError::Stopped))
@@ -165,14 +182,15 @@ fn record(
     clock: &dyn Clock,
 ) -> Result<Finished, RecordError> {
     let mut synced = clock.now();
-    loop {
+    let at_most = loop {
         match orders.recv_timeout(IDLE) {
             Ok(Order::Record(item, arrival)) => {
                 waiting.now.fetch_sub(1, Ordering::Relaxed);
                 recorder.append(item, arrival);
             }
             Err(RecvTimeoutError::Timeout) => recorder.flush_aged(clock.now()),
-            Ok(Order::Finish) | Err(RecvTimeoutError::Disconnected) => break,
+            Ok(Order::Finish(at_most)) => break at_most,
+            Err(RecvTimeoutError::Disconnected) => break Duration::ZERO,
         }
         write_overflow(&mut recorder, shared, clock);
         if clock.now() - synced >= SYNC {
@@ -181,10 +199,33 @@ fn record(
                 tracing::warn!("{error}");
             }
         }
-    }
+    };
+    let asked = clock.now();
+    let waits = || clock.now() - asked < at_most && !lock(shared).gives_up;
     write_overflow(&mut recorder, shared, clock);
-    let mut finished = recorder.finish(clock.now())?;
-    finished.lost_samples += lock(shared).overflow_samples;
+    while recorder.failing().is_some() && waits() {
+        std::thread::sleep(IDLE);
+        recorder.try_again(clock.now());
+        write_overflow(&mut recorder, shared, clock);
+    }
+    let mut closed = recorder.close(clock.now());
+    let mut finished = loop {
+        let why = match closed.finish() {
+            Ok(finished) => break finished,
+            Err(error) if error.may_pass() && waits() => error.chain(),
+            Err(error) => return Err(error),
+        };
+        if lock(shared).status.failing.replace(why.clone()) != Some(why.clone()) {
+            tracing::error!("the recording cannot be finished yet: {why}");
+        }
+        let tried = clock.now();
+        while clock.now() - tried < AGAIN && waits() {
+            std::thread::sleep(IDLE);
+        }
+    };
+    let mut shared = lock(shared);
+    shared.status.failing = None;
+    finished.lost_samples += shared.overflow_samples;
     Ok(finished)
 }
 

@@ -28,7 +28,7 @@ mod writer;
 
 pub use damage::Damage;
 pub use error::RecordError;
-pub use finish::{FinishedFile, recover_orphans};
+pub use finish::{FinishedFile, Orphan, recover_orphans};
 pub use handle::{RecordSender, RecorderHandle, RecorderStatus};
 pub use item::{Item, RunHeader, Temperature};
 pub use reader::{OnPoint, Recording, RunStart, read_header, read_run, visit, visit_points, visit_samples};

@@ -5,16 +5,17 @@
 //! [`RETRY`], and what the ring cannot hold becomes a gap.
 
 mod batches;
+mod closed;
 #[cfg(test)]
 mod tests;
 
 use crate::error::RecordError;
-use crate::finish::{FinishedFile, finish_journal};
 use crate::item::{Item, RunHeader};
 use crate::journal::{JOURNAL_ENDING, Journal, OpenJournal, open_locked, wall_time};
 use crate::wire;
 use crate::wire::{Encoded, Topic};
 use batches::Batches;
+pub use closed::{Closed, Finished};
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -39,6 +40,8 @@ pub struct Recorder {
     journals: Vec<PathBuf>,
     retry_at: HostTime,
     why_failed: String,
+    /// The failure that was logged last.
+    reported: Option<String>,
     ring: VecDeque<(Encoded, u64)>,
     ring_bytes: usize,
     lost: Option<Gap>,
@@ -49,15 +52,6 @@ pub struct Recorder {
     points: u64,
     messages: u64,
     latest_s: f64,
-}
-
-/// The result of a run that was recorded to its end.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Finished {
-    /// The finished files; more than one when the disk was full in between.
-    pub files: Vec<FinishedFile>,
-    /// Samples that could not be written.
-    pub lost_samples: u64,
 }
 
 impl Recorder {
@@ -85,6 +79,7 @@ impl Recorder {
             journals: Vec::new(),
             retry_at: header.host_start,
             why_failed: String::new(),
+            reported: None,
             ring: VecDeque::new(),
             ring_bytes: 0,
             lost: None,
@@ -129,13 +124,7 @@ impl Recorder {
 
     /// Writes batches older than 40 ms. Call when nothing arrives for a while.
     pub fn flush_aged(&mut self, now: HostTime) {
-        let aged = |arrival: HostTime| now - arrival >= BATCH_AGE;
-        for (channel, batch) in self.probes.take(aged) {
-            self.write_probes(channel, &batch, now);
-        }
-        for ((), batch) in self.axes.take(aged) {
-            self.write_axes(&batch, now);
-        }
+        self.write_batches(|arrival| now - arrival >= BATCH_AGE, now);
     }
 
     /// Brings everything written to the disk (0.1–40 ms): not from the thread that acquires.
@@ -170,24 +159,42 @@ impl Recorder {
     ///
     /// # Errors
     /// When a file cannot be written or does not read back; its journal is then kept for recovery.
-    pub fn finish(mut self, now: HostTime) -> Result<Finished, RecordError> {
-        for (channel, batch) in self.probes.take(|_| true) {
-            self.write_probes(channel, &batch, now);
-        }
-        for ((), batch) in self.axes.take(|_| true) {
-            self.write_axes(&batch, now);
-        }
+    pub fn finish(self, now: HostTime) -> Result<Finished, RecordError> {
+        self.close(now).finish()
+    }
+
+    /// While nothing can be written: tries again, if it is time to.
+    pub fn try_again(&mut self, now: HostTime) {
         if self.journal.is_none() {
-            self.retry_at = now;
             self.try_new_file(now);
         }
-        if let Some(journal) = self.journal.take() {
-            journal.close()?;
+    }
+
+    /// Ends the journals. What cannot be written even now is lost, and counted in a gap of the finished file.
+    pub(crate) fn close(mut self, now: HostTime) -> Closed {
+        self.write_batches(|_| true, now);
+        self.retry_at = now;
+        self.try_again(now);
+        if let Some(journal) = self.journal.take()
+            && let Err(error) = journal.close()
+        {
+            // What was written is in the file; only its end is missing, which nothing needs.
+            tracing::warn!("{}", error.chain());
         }
-        let lost_samples =
-            self.lost_samples + self.ring.iter().map(|(message, _)| message.samples).sum::<u64>();
-        let files = self.journals.iter().map(|path| finish_journal(path, None)).collect::<Result<_, _>>()?;
-        Ok(Finished { files, lost_samples })
+        while let Some((message, _)) = self.ring.pop_front() {
+            self.lose(&message);
+        }
+        let lost = self.lost.map(|gap| Gap { reason: self.why_failed, ..gap });
+        Closed::new(self.journals, lost, self.lost_samples)
+    }
+
+    fn write_batches(&mut self, which: impl Fn(HostTime) -> bool, now: HostTime) {
+        for (channel, batch) in self.probes.take(&which) {
+            self.write_probes(channel, &batch, now);
+        }
+        for ((), batch) in self.axes.take(&which) {
+            self.write_axes(&batch, now);
+        }
     }
 
     fn write_probes(&mut self, channel: u16, batch: &[ProbeSample], arrival: HostTime) {
@@ -230,9 +237,14 @@ impl Recorder {
     }
 
     fn failed(&mut self, error: RecordError, now: HostTime) {
-        self.why_failed = chain(&error);
+        let why = error.chain();
+        // It is tried again every second: reported once, and again when the reason is another.
+        if self.reported.as_ref() != Some(&why) {
+            tracing::error!("recording interrupted, kept in memory: {why}");
+            self.reported = Some(why.clone());
+        }
+        self.why_failed = why;
         self.retry_at = now + RETRY;
-        tracing::error!("recording interrupted, kept in memory: {}", self.why_failed);
     }
 
     /// Keeps a message in the ring; the oldest make room and are counted.
@@ -242,17 +254,21 @@ impl Recorder {
         while self.ring_bytes > RING_BYTES {
             let Some((oldest, _)) = self.ring.pop_front() else { return };
             self.ring_bytes -= oldest.payload.len();
-            self.lost_samples += oldest.samples;
-            let gap = self.lost.get_or_insert_with(|| Gap {
-                source: "recorder".into(),
-                from_s: oldest.time_s,
-                to_s: oldest.time_s,
-                lost_samples: Some(0),
-                reason: String::new(),
-            });
-            gap.to_s = gap.to_s.max(oldest.time_s);
-            gap.lost_samples = gap.lost_samples.map(|lost| lost + oldest.samples);
+            self.lose(&oldest);
         }
+    }
+
+    fn lose(&mut self, message: &Encoded) {
+        self.lost_samples += message.samples;
+        let gap = self.lost.get_or_insert_with(|| Gap {
+            source: "recorder".into(),
+            from_s: message.time_s,
+            to_s: message.time_s,
+            lost_samples: Some(0),
+            reason: String::new(),
+        });
+        gap.to_s = gap.to_s.max(message.time_s);
+        gap.lost_samples = gap.lost_samples.map(|lost| lost + message.samples);
     }
 
     fn try_new_file(&mut self, now: HostTime) {
@@ -264,6 +280,7 @@ impl Recorder {
             Err(error) => return self.failed(error, now),
         }
         tracing::info!("recording goes on in a new file");
+        self.reported = None;
         let text = format!("a new file was begun after: {}", self.why_failed);
         let resumed = Event { time_s: self.latest_s, kind: "recording-resumed".into(), text };
         let lost =
@@ -324,9 +341,4 @@ impl Recorder {
         }
         due
     }
-}
-
-fn chain(error: &RecordError) -> String {
-    let causes = std::iter::successors(std::error::Error::source(error), |cause| cause.source());
-    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }

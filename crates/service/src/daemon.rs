@@ -225,7 +225,7 @@ fn recover(folder: &Path) {
     match trunnion_record::recover_orphans(folder) {
         Ok(files) => {
             for recovered in files {
-                match recovered {
+                match recovered.finished {
                     Ok(file) => {
                         warn!(file = %file.path.display(), "recovered a recording that was not finished")
                     }

@@ -77,6 +77,33 @@ fn a_full_disk_costs_only_what_the_ring_cannot_hold_and_that_is_a_gap() {
     assert_eq!(second.events[0].kind, "recording-resumed");
 }
 
+#[test]
+fn a_disk_that_stays_full_leaves_a_gap_in_what_was_finished() {
+    let folder = tempfile::tempdir().unwrap();
+    let left = Arc::new(AtomicI64::new(20_000));
+    let open: OpenJournal = Box::new(move |path| {
+        let file = std::fs::File::create_new(path)?;
+        Ok((Box::new(SmallDisk { file, left: Arc::clone(&left) }), Box::new(|| Ok(()))))
+    });
+    let header = RunHeader { name: "full".into(), machine_name: "table-bc".into(), ..blank_header() };
+    let mut recorder = Recorder::create_with(folder.path(), "full", &header, open).unwrap();
+    let samples = 20_000_i64;
+    for raw in 0..samples {
+        let (time_s, value_mm) = (raw as f64 * 1e-4, (raw as f64).sin());
+        let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
+        recorder.append(Item::Probe(sample), HostTime(raw * 100_000));
+    }
+    let finished = recorder.finish(HostTime(samples * 100_000)).unwrap();
+    let [file] = &finished.files[..] else { panic!("{finished:?}") };
+    let read = read_run(&file.path, &shipped::machine).unwrap();
+    let [gap] = &read.gaps[..] else { panic!("{:?}", read.gaps) };
+    assert_eq!(read.probe_samples.len() as u64 + finished.lost_samples, samples as u64);
+    assert_eq!(gap.lost_samples, Some(finished.lost_samples));
+    assert!(finished.lost_samples > 1000 && gap.reason.contains("no storage space"), "{gap:?}");
+    let last_s = read.probe_samples.last().unwrap().time_s;
+    assert!(gap.from_s >= last_s && gap.to_s > 1.9, "{gap:?} after {last_s}");
+}
+
 fn blank_header() -> RunHeader {
     RunHeader {
         name: String::new(),

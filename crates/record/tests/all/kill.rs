@@ -101,7 +101,7 @@ fn fifty_kills_lose_nothing_older_than_a_tenth_of_a_second() {
         child.wait().unwrap();
         assert_eq!(accepted.len(), kill_at);
 
-        let recovered = recover_orphans(folder.path()).unwrap().pop().unwrap().unwrap();
+        let recovered = recover_orphans(folder.path()).unwrap().pop().unwrap().finished.unwrap();
         let read = read_run(&recovered.path, &shipped::machine).unwrap();
         assert_eq!((read.damage, recovered.damage), (None, None));
         assert_eq!(read.events[0].kind, "recovered");

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod damage;
+mod full_disk;
 mod kill;
 mod on_the_fly;
 mod points;
