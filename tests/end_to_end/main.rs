@@ -19,6 +19,7 @@ mod program;
 mod record;
 mod report;
 mod schemes;
+mod service_killed;
 mod setting_up;
 mod story;
 mod streams;

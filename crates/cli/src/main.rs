@@ -10,9 +10,9 @@ mod terminal;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, attribute, calibrate_nest, check, check_config, compare, compensation, daemon, demo, devices,
-    diagnose, export, history, identify, import, ladder, nc_program, open, plan, predict, record, remove,
-    replay, report, scrub, simulate, volumetric, watch,
+    add, analyse_run, attribute, calibrate_nest, check, check_config, compare, compensation, daemon, demo,
+    devices, diagnose, export, history, identify, import, ladder, nc_program, open, plan, predict, record,
+    remove, replay, report, scrub, simulate, volumetric, watch,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -58,6 +58,8 @@ enum Command {
     Scrub(scrub::Args),
     Simulate(simulate::Args),
     Volumetric(volumetric::Args),
+    #[command(hide = true)]
+    AnalyseRun(analyse_run::Args),
 }
 
 fn main() -> ExitCode {
@@ -94,6 +96,7 @@ fn main() -> ExitCode {
         Command::Scrub(args) => scrub::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Volumetric(args) => volumetric::run(&args),
+        Command::AnalyseRun(args) => analyse_run::run(&args),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

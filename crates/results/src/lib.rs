@@ -30,6 +30,7 @@ mod plausibility;
 mod prediction;
 mod preview;
 mod residuals;
+mod run_record;
 mod schema;
 pub mod sentences;
 mod setting_up;
@@ -82,6 +83,7 @@ pub use plausibility::{Check, CheckFormat, Plausibility, Question};
 pub use prediction::{Prediction, PredictionFormat, RunPrediction};
 pub use preview::{Alias, OutOfReach, Preview, PreviewFormat, SeenBy, SeparatedBy};
 pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, ShiftedPlace};
+pub use run_record::{RunAnswer, RunRecord, RunRecordFormat, RunResult, RunState};
 pub use schema::{schema_text, schemas};
 pub use setting_up::{
     CalibratedProbe, Jog, NestCalibrated, NestFormat, SignFinding, SignTest, SignTestFormat,

@@ -3,8 +3,8 @@
 use crate::{
     Added, AxisErrors, Check, Comparison, CompensationSummary, Demo, DevicesChecked, DevicesFound, Diagnosis,
     ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live, MachineHistory,
-    NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, Report, RunList, Scrubbed,
-    SignTest, Simulation, Story, TimeQuality, Trial, Volumetric, to_json,
+    NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, Report, RunList, RunRecord,
+    Scrubbed, SignTest, Simulation, Story, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -39,6 +39,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("page", schema_for!(PageStatus)),
         ("story", schema_for!(Story)),
         ("runs", schema_for!(RunList)),
+        ("run", schema_for!(RunRecord)),
         ("linear", schema_for!(Linear)),
         ("formula", schema_for!(FormulaChecked)),
         ("nest", schema_for!(NestCalibrated)),

@@ -37,3 +37,8 @@ pub fn file_stamp(wall_ns: i64) -> String {
 pub fn day(wall_ns: i64) -> String {
     timestamp(wall_ns).strftime("%Y-%m-%d").to_string()
 }
+
+/// `YYYY-MM-DDThh:mm:ssZ`.
+pub fn moment(wall_ns: i64) -> String {
+    timestamp(wall_ns).strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
+}

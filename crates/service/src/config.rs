@@ -1,7 +1,9 @@
 //! The service's configuration, `config/trunnion.toml`.
 
+use crate::analysis::AnalysisLimits;
 use crate::mqtt::MqttConfig;
 use crate::page;
+use crate::storage::StorageConfig;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use trunnion_acquire::config::channels;
@@ -36,6 +38,10 @@ pub struct Config {
     pub mqtt: Option<MqttConfig>,
     /// Where the page listens; there is none without it.
     pub page: Option<SocketAddr>,
+    /// What the recordings may take of the disk.
+    pub storage: StorageConfig,
+    /// What the analysis of a run may take.
+    pub analysis: AnalysisLimits,
     /// The file as read, for the recording.
     pub text: String,
 }
@@ -127,6 +133,8 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
     let mqtt =
         root.optional_table("mqtt").map(|table| read_mqtt(&table, name.as_deref().unwrap_or("machine")));
     let page = root.optional_table("page").map(|table| read_page(&table));
+    let storage = root.optional_table("storage").map(|table| StorageConfig::read(&table));
+    let analysis = root.optional_table("analysis").map(|table| AnalysisLimits::read(&table));
     root.no_other_keys();
     format?;
     let mqtt = match mqtt {
@@ -136,6 +144,14 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
     let page = match page {
         None => None,
         Some(address) => Some(address?),
+    };
+    let storage = match storage {
+        None => StorageConfig::default(),
+        Some(storage) => storage?,
+    };
+    let analysis = match analysis {
+        None => AnalysisLimits::default(),
+        Some(limits) => limits?,
     };
     Some(Config {
         name: name?,
@@ -149,6 +165,8 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
         devices: devices?,
         mqtt,
         page,
+        storage,
+        analysis,
         text: text.into(),
     })
 }

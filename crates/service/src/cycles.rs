@@ -1,8 +1,10 @@
 //! Which cycle is measured: by the program that the controller runs, or by what the operator chose.
 
+use crate::analysis::JudgedBy;
 use crate::live::{Plan, PlanError, check};
 use crate::recording::Texts;
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 use trunnion::Model;
 use trunnion_core::names::{allowed, distance};
 use trunnion_sync::cycle_bounds::Pattern;
@@ -18,6 +20,8 @@ pub struct Choice {
     pub texts: Texts,
     /// What its runs are judged by.
     pub model: Model,
+    /// The file of this model; none for the base model.
+    pub model_file: Option<PathBuf>,
 }
 
 /// All of them, in the order of the configuration.
@@ -65,6 +69,13 @@ pub enum CyclesError {
     },
 }
 
+impl Choice {
+    /// What its runs are judged by.
+    pub fn judged_by(&self) -> JudgedBy {
+        JudgedBy { model: Some(self.model.clone()), file: self.model_file.clone() }
+    }
+}
+
 impl Cycles {
     /// Checks that the devices can measure each, and that all are of one machine.
     ///
@@ -91,7 +102,7 @@ impl Cycles {
     /// # Errors
     /// When the devices cannot measure it.
     pub fn one(plan: Plan, texts: Texts, model: Model) -> Result<Self, CyclesError> {
-        Self::new(vec![Choice { program: None, plan, texts, model }])
+        Self::new(vec![Choice { program: None, plan, texts, model, model_file: None }])
     }
 
     /// The cycle of a program: the first that is named like it, else that of every program. What the operator chose comes
@@ -111,6 +122,11 @@ impl Cycles {
         let of_every = || self.0.iter().find(|choice| choice.program.is_none());
         let refused = || Refused::NoProgram { program: program.into(), allowed: self.programs(program) };
         self.0.iter().find(is_named).or_else(of_every).ok_or_else(refused)
+    }
+
+    /// What runs of a cycle of this name are judged by.
+    pub fn judged_by(&self, cycle: &str) -> Option<JudgedBy> {
+        self.0.iter().find(|choice| choice.plan.cycle.name == cycle).map(Choice::judged_by)
     }
 
     /// The first of the configuration.
@@ -163,7 +179,7 @@ mod tests {
         let model = Model::base(&machine.name);
         let plan = Plan { machine, cycle, nest, channels: (0..3).map(channel).collect() };
         let texts = Texts { machine: String::new(), cycle: text.into(), config: String::new() };
-        Choice { program: program.map(Pattern::new), plan, texts, model }
+        Choice { program: program.map(Pattern::new), plan, texts, model, model_file: None }
     }
 
     #[test]

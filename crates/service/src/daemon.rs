@@ -1,16 +1,22 @@
 //! The service loop: wait for a cycle, record it, analyse the recording, report; again.
 
+mod analyses;
+mod analyst;
+mod disk;
 mod report;
+mod resume;
 mod states;
 mod status;
 
-pub use crate::clock::{day, file_stamp};
+pub use crate::clock::{day, file_stamp, moment};
 pub use crate::error::ServiceError;
 pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, Unfinished, measure_cycle, record_cycle};
-pub use report::{analyse_recording, write_report};
+pub use analyst::{Analyst, COMMAND, end_with_parent, limit_memory};
+pub use report::{Report, analyse_recording, report_at_once, write_report};
 pub use states::{CycleState, States};
 pub use status::publish_status;
 
+use crate::analysis::JudgedBy;
 use crate::config::Config;
 use crate::cycles::{Choice, Cycles};
 use crate::error::chain;
@@ -19,19 +25,27 @@ use crate::live::{Live, Measured, Start};
 use crate::mqtt;
 use crate::mqtt::Board;
 use crate::page;
-use report::report_cycle;
+use crate::run_record;
+use crate::run_record::Known;
+use crate::storage::{FolderLock, LockError, Storage};
+use analyses::Analyses;
+use disk::Disk;
 use serde_json::json;
 use status::{publish_live, report_systemd};
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::Semaphore;
 use tokio::task::{JoinHandle, JoinSet};
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
-use trunnion::Model;
 use trunnion::results::Serves;
 use trunnion_core::Clock;
 use trunnion_sync::{CycleBounds, Progress};
+
+/// For how long the end of a recording waits for room on the disk: a person who works by day finds it. It holds 8 MB of memory.
+const FINISH_WITHIN: Duration = Duration::from_secs(24 * 3600);
 
 /// Runs until `cancel`. Cycles that fail are reported and do not end the service.
 ///
@@ -43,11 +57,10 @@ pub async fn serve(
     clock: Arc<dyn Clock>,
     cancel: CancellationToken,
 ) -> Result<(), ServiceError> {
-    let board = Board::default();
-    serve_on(config, cycles, clock, cancel, board).await
+    serve_on(config, cycles, clock, cancel, Board::default(), Analyst::Here).await
 }
 
-/// The same with a board that others may read, and choose cycles on.
+/// The same with a board that others may read, and choose cycles on, and with this analyst.
 ///
 /// # Errors
 /// When a part of the service ends badly.
@@ -57,9 +70,29 @@ pub async fn serve_on(
     clock: Arc<dyn Clock>,
     cancel: CancellationToken,
     board: Board,
+    analyst: Analyst,
 ) -> Result<(), ServiceError> {
-    recover(&config.recordings);
+    // What cannot be written yet may be a disk that is not mounted: each cycle tries, and says what is wrong.
+    let _folder = match FolderLock::take(&config.recordings) {
+        Ok(lock) => Some(lock),
+        Err(held @ LockError::Held { .. }) => return Err(held.into()),
+        Err(refused) => {
+            warn!("{}", chain(&refused));
+            None
+        }
+    };
     let states = States::new(board.clone());
+    let analyses = Analyses {
+        analyst,
+        limits: config.analysis,
+        board: board.clone(),
+        states: states.clone(),
+        clock: clock.clone(),
+        cancel: cancel.clone(),
+        one: Arc::new(Semaphore::new(1)),
+    };
+    let known = Known::read(&config.recordings);
+    analyses.publish_last(&known);
     let names: Vec<&str> = cycles.names().collect();
     states.begin(CycleState::Ready, "", json!({ "cycles": names, "waits_for": config.cycle_start.about() }));
     let broker = config.mqtt.clone().map(|mqtt| tokio::spawn(mqtt::run(mqtt, board.clone(), cancel.clone())));
@@ -73,6 +106,13 @@ pub async fn serve_on(
     let status = tokio::spawn(status);
     let latest = live.latest().clone();
     let shown = tokio::spawn(publish_live(latest, cycles.needed(), board.clone(), cancel.clone()));
+    let disk = Disk {
+        storage: Storage::new(&config.recordings, config.storage, config.analysis.tries),
+        latest: live.latest().clone(),
+        board: board.clone(),
+        clock: clock.clone(),
+    };
+    let watched = tokio::spawn(disk.clone().watch(cancel.clone()));
     let page = match config.page {
         Some(address) => page(address, &config, &cycles, &board, &clock, &cancel).await,
         None => None,
@@ -80,20 +120,25 @@ pub async fn serve_on(
     report_systemd(&[sd_notify::NotifyState::Ready]);
     // Cycles are analysed while the next one is waited for and measured.
     let mut reports = JoinSet::new();
+    let usual = cycles.first().map(Choice::judged_by).unwrap_or_default();
+    reports.spawn(analyses.clone().resume(config.recordings.clone(), known, cycles.clone(), usual));
     info!(machine = config.name, cycles = names.join(", "), "waiting for {}", config.cycle_start.about());
     while let Some(start) = live.wait_for_start().await {
-        match cycles.find(&start.program, board.take_chosen().as_deref()) {
+        let found = cycles.find(&start.program, board.take_chosen().as_deref());
+        let found = match found.map_err(|refused| refused.to_string()) {
+            Ok(choice) => disk.make_room(choice).await.map(|()| choice),
+            Err(refused) => Err(refused),
+        };
+        match found {
             Ok(choice) => {
                 let unfinished = measure(&config, choice, &mut live, start, &states, clock.as_ref()).await;
                 if let Some((name, unfinished)) = unfinished {
-                    let (model, board, states) = (choice.model.clone(), board.clone(), states.clone());
-                    let date = day(clock.wall_ns());
-                    reports.spawn(finish_and_report(name, unfinished, model, date, board, states));
+                    let (cycle, judged_by) = (choice.plan.cycle.name.clone(), choice.judged_by());
+                    reports.spawn(finish_and_report(name, unfinished, cycle, judged_by, analyses.clone()));
                 }
             }
-            Err(refused) => {
-                warn!(program = start.program, "not measured: {refused}");
-                let why = refused.to_string();
+            Err(why) => {
+                warn!(program = start.program, "not measured: {why}");
                 states.begin(CycleState::Refused, "", json!({ "program": start.program, "why": why }));
             }
         }
@@ -106,10 +151,14 @@ pub async fn serve_on(
     }
     live.stop().await;
     report_systemd(&[sd_notify::NotifyState::Stopping]);
-    let shown = Some(shown);
-    for (task, what) in
-        [(Some(status), "status"), (shown, "live values"), (page, "page"), (broker, "MQTT connection")]
-    {
+    let (shown, watched) = (Some(shown), Some(watched));
+    for (task, what) in [
+        (Some(status), "status"),
+        (watched, "disk"),
+        (shown, "live values"),
+        (page, "page"),
+        (broker, "MQTT connection"),
+    ] {
         if let Some(task) = task {
             task.await.map_err(|_| ServiceError::Broken(what))?;
         }
@@ -193,19 +242,26 @@ async fn measure(
 async fn finish_and_report(
     name: String,
     unfinished: Unfinished,
-    model: Model,
-    date: String,
-    board: Board,
-    states: States,
+    cycle: String,
+    judged_by: JudgedBy,
+    analyses: Analyses,
 ) {
-    let reported = async { report_cycle(unfinished.finish().await?, model, date, &board).await };
-    match reported.await {
-        Ok(()) => states.go_on(CycleState::Done, &name, json!({})),
+    let (recorder, cancel) = (unfinished.recorder(), analyses.cancel.clone());
+    let giving_up = tokio::spawn(async move {
+        cancel.cancelled().await;
+        recorder.give_up();
+    });
+    let finished = unfinished.finish(FINISH_WITHIN).await;
+    giving_up.abort();
+    match finished {
+        Ok(recorded) => {
+            let record = run_record::of_recorded(&recorded, &cycle, moment(analyses.clock.wall_ns()));
+            analyses.keep(&recorded.path, &record);
+            analyses.report(recorded.path, record, judged_by).await;
+        }
         Err(failure) => {
-            error!(error = &failure as &dyn std::error::Error, run = name, "the analysis failed");
-            let why = chain(&failure);
-            board.set("result", &json!({ "state": CycleState::Failed.as_str(), "run": name, "why": why }));
-            states.go_on(CycleState::Failed, &name, json!({ "why": why }));
+            error!(run = name, "the recording cannot be finished: {}", chain(&failure));
+            analyses.tell_failure(&name, &chain(&failure));
         }
     }
 }
@@ -218,25 +274,4 @@ pub fn free_name(folder: &Path, cycle: &str, wall_ns: i64) -> String {
     };
     let numbered = (2..).map(|number| format!("{name}-{number}"));
     std::iter::once(name.clone()).chain(numbered).find(is_free).unwrap_or(name)
-}
-
-/// Finishes recordings that a kill left behind. What cannot be recovered stays where it is and is reported.
-fn recover(folder: &Path) {
-    match trunnion_record::recover_orphans(folder) {
-        Ok(files) => {
-            for recovered in files {
-                match recovered.finished {
-                    Ok(file) => {
-                        warn!(file = %file.path.display(), "recovered a recording that was not finished")
-                    }
-                    Err(failure) => {
-                        warn!(error = &failure as &dyn std::error::Error, "cannot recover a recording")
-                    }
-                }
-            }
-        }
-        Err(failure) => {
-            warn!(error = &failure as &dyn std::error::Error, "cannot look for unfinished recordings")
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! Why the service, or one cycle of it, failed.
 
 use crate::live::PlanError;
+use crate::storage::LockError;
 use std::path::PathBuf;
 use trunnion_record::RecordError;
 
@@ -16,17 +17,18 @@ pub enum ServiceError {
     /// The recording failed.
     #[error("recording failed")]
     Record(#[from] RecordError),
+    /// The folder of the recordings is another's.
+    #[error(transparent)]
+    Folder(#[from] LockError),
     /// The writing thread could not be started.
     #[error("cannot start the recording thread")]
     Thread(#[source] std::io::Error),
     /// A result could not be written.
-    #[error("cannot write {path}")]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's words.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    File(Box<trunnion::Error>),
+    /// The process of an analysis could not be started.
+    #[error("cannot start the process of an analysis")]
+    Analyst(#[source] std::io::Error),
     /// The analysis failed.
     #[error("analysing {path} failed")]
     Analysis {
@@ -38,6 +40,12 @@ pub enum ServiceError {
     /// A part of the service panicked.
     #[error("the {0} ended badly; this is a defect of the program")]
     Broken(&'static str),
+}
+
+impl From<trunnion::Error> for ServiceError {
+    fn from(failure: trunnion::Error) -> Self {
+        Self::File(Box::new(failure))
+    }
 }
 
 /// Every cause of an error in one line.

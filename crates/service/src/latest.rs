@@ -4,12 +4,14 @@
 //! out when somebody asks for it.
 
 mod channel;
+mod rate;
 mod readiness;
 mod say;
 
 pub use readiness::{NotReady, Readiness};
 
 use channel::ChannelValues;
+use rate::Rate;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::watch;
@@ -23,6 +25,7 @@ use trunnion_core::channel::instrument_channels;
 use trunnion_core::reading::{AxisReading, Message, Reading};
 use trunnion_core::{Channel, Clock, HostTime, Joint, NestSide, Role, convert};
 use trunnion_protocol::mtconnect::timestamp;
+use trunnion_record::{RecordSender, RecorderStatus};
 use trunnion_sync::plan::Plan;
 use trunnion_sync::{NestCalibration, Progress};
 
@@ -74,6 +77,8 @@ struct Values {
     warnings: BTreeMap<u16, String>,
     mounted: Option<Mounted>,
     cycle: Option<LiveCycle>,
+    rate: Rate,
+    recorder: Option<RecordSender>,
 }
 
 impl Latest {
@@ -140,16 +145,35 @@ impl Latest {
         needed.iter().filter_map(of_channel).chain(others.filter_map(of_device)).collect()
     }
 
+    /// A cycle is recorded by this recorder.
+    pub fn set_recorder(&self, recorder: RecordSender) {
+        self.lock().recorder = Some(recorder);
+    }
+
+    /// How the recorder of the newest cycle is doing; `None` before the first.
+    pub fn recorder(&self) -> Option<RecorderStatus> {
+        self.lock().recorder.as_ref().map(RecordSender::status)
+    }
+
+    /// Readings of all devices, 1/s.
+    pub fn readings_per_s(&self) -> f64 {
+        self.lock().rate.per_s()
+    }
+
     /// Takes a message of a device.
     pub fn take(&self, message: &Message) {
         let mut values = self.lock();
         match &message.reading {
             Reading::Probe(reading) => {
+                values.rate.take(reading.arrival);
                 if let Some(channel) = values.channels.get_mut(usize::from(reading.channel)) {
                     channel.take(reading);
                 }
             }
-            Reading::Axes(reading) => values.axes = Some((message.device, *reading)),
+            Reading::Axes(reading) => {
+                values.rate.take(reading.arrival);
+                values.axes = Some((message.device, *reading));
+            }
             Reading::Temperature(reading) => {
                 values.temperatures.insert(reading.name.clone(), (reading.degc, reading.arrival));
             }

@@ -1,5 +1,6 @@
 //! The service: configuration, wiring of devices to recording to analysis, MQTT status.
 
+pub mod analysis;
 pub mod clock;
 pub mod config;
 pub mod cycles;
@@ -10,3 +11,5 @@ pub mod live;
 pub mod mqtt;
 pub mod page;
 mod recording;
+pub mod run_record;
+pub mod storage;

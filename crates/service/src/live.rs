@@ -2,6 +2,7 @@
 //!
 //! Everything is recorded before it is interpreted. The points that come out are recorded too.
 
+mod recorded;
 mod remounts;
 
 use crate::latest::Latest;
@@ -17,6 +18,7 @@ use trunnion_record::{Item, RecordSender, Temperature};
 use trunnion_sync::forming::Forming;
 use trunnion_sync::{Bound, CycleEvent, EndReason};
 
+pub use recorded::gaps_of;
 pub use trunnion_sync::cycle_bounds::Pattern;
 pub use trunnion_sync::plan::{Plan, PlanError, check};
 pub use trunnion_sync::{CycleBounds, Progress, TimeBase, Timed};
@@ -174,6 +176,7 @@ impl Live {
         progress: OnProgress<'_>,
     ) -> Result<Measured, PlanError> {
         self.timebase.begin_run(start.at);
+        self.latest.set_recorder(recorder.clone());
         self.bounds = std::mem::take(&mut self.bounds).with_first_pose(plan.first_pose());
         let mut measurement = Measurement::new(plan, &start.temperature_channels, recorder)?;
         for doubt in self.latest.not_ready(&check(plan)?) {

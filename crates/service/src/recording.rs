@@ -4,9 +4,10 @@ use crate::error::ServiceError;
 use crate::live::{Live, Measured, OnProgress, Plan, Start};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 use tracing::info;
 use trunnion_core::{Clock, Gap};
-use trunnion_record::{Recorder, RecorderHandle, RunHeader};
+use trunnion_record::{RecordSender, Recorder, RecorderHandle, RunHeader};
 
 /// Texts that go into a recording word for word.
 #[derive(Clone, Debug)]
@@ -21,6 +22,8 @@ pub struct Texts {
 
 /// Items between the service and the writing thread: a second of three probes at 4 kHz, with room.
 const RECORDER_QUEUE: usize = 32_768;
+/// For how long a person who waits for the end of a recording waits for room on the disk.
+const FINISH_WITHIN: Duration = Duration::from_secs(60);
 /// Words of the log line that says how full the queues of a cycle were.
 pub const QUEUES: &str = "most messages waiting in the queues";
 
@@ -29,6 +32,8 @@ pub const QUEUES: &str = "most messages waiting in the queues";
 pub struct Recorded {
     /// The finished recording.
     pub path: PathBuf,
+    /// Further files of the same run: the disk was full in between.
+    pub parts: Vec<PathBuf>,
     /// Why the cycle ended, for a person.
     pub ended: String,
     /// Holes in what was asked.
@@ -69,7 +74,7 @@ pub async fn record_cycle(
     start: Start,
     progress: OnProgress<'_>,
 ) -> Result<Recorded, ServiceError> {
-    measure_cycle(run, live, start, progress).await?.finish().await
+    measure_cycle(run, live, start, progress).await?.finish(FINISH_WITHIN).await
 }
 
 /// Records one cycle from `start` until it ends; its file is finished while the next cycle is waited for, or none would see
@@ -103,17 +108,24 @@ pub async fn measure_cycle(
 }
 
 impl Unfinished {
-    /// Finishes the file.
+    /// The recorder of the run.
+    pub fn recorder(&self) -> RecordSender {
+        self.handle.sender()
+    }
+
+    /// Finishes the file; a disk that refuses is waited for so long.
     ///
     /// # Errors
     /// When the recording cannot be finished.
-    pub async fn finish(self) -> Result<Recorded, ServiceError> {
+    pub async fn finish(self, at_most: Duration) -> Result<Recorded, ServiceError> {
         let Self { path, measured, handle } = self;
-        let finished = tokio::task::spawn_blocking(move || handle.finish())
+        let finished = tokio::task::spawn_blocking(move || handle.finish_within(at_most))
             .await
             .map_err(|_| ServiceError::Broken("recording thread"))??;
+        let mut files = finished.files.into_iter().map(|file| file.path);
         Ok(Recorded {
-            path: finished.files.first().map_or(path, |file| file.path.clone()),
+            path: files.next().unwrap_or(path),
+            parts: files.collect(),
             ended: format!("{:?}", measured.reason),
             gaps: measured.gaps,
             lost_samples: finished.lost_samples,

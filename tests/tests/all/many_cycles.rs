@@ -16,7 +16,7 @@ use trunnion_machine::shipped;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::{Config, ProgramCycle};
 use trunnion_service::cycles::{Choice, Cycles};
-use trunnion_service::daemon::{Texts, serve_on};
+use trunnion_service::daemon::{Analyst, Texts, serve_on};
 use trunnion_service::live::Plan;
 use trunnion_service::mqtt::Board;
 use trunnion_tests::{reports, show_log, three_probes};
@@ -108,13 +108,19 @@ async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
             Plan { machine: machine.clone(), cycle, nest: config.nest, channels: channels(&config.devices) };
         let machine = shipped::FILES[0].1.into();
         let texts = Texts { machine, cycle: text.into(), config: config.text.clone() };
-        Choice { program: Some(of.name.clone()), plan, texts, model: Model::base("table-bc").into() }
+        Choice {
+            program: Some(of.name.clone()),
+            plan,
+            texts,
+            model: Model::base("table-bc").into(),
+            model_file: None,
+        }
     };
     let choices = [&cycle_text, &sweep_text];
     let choices = config.programs.iter().zip(choices).map(|(of, text)| choice(of, text)).collect();
     let cycles = Cycles::new(choices).unwrap();
     let runs = config.recordings.clone();
-    let service = tokio::spawn(serve_on(config, cycles, clock, cancel.clone(), board.clone()));
+    let service = tokio::spawn(serve_on(config, cycles, clock, cancel.clone(), board.clone(), Analyst::Here));
 
     // The states in order, as a reader of the topic sees them.
     let mut seen: Vec<(String, String)> = Vec::new();

@@ -16,8 +16,9 @@ use trunnion_service::clock::SystemClock;
 use trunnion_service::config::{Config, ProgramCycle};
 use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon;
-use trunnion_service::daemon::Texts;
+use trunnion_service::daemon::{Analyst, Texts};
 use trunnion_service::live::{Pattern, Plan};
+use trunnion_service::mqtt::Board;
 
 /// Run as a service: wait for a cycle, record it, analyse it, report
 ///
@@ -66,6 +67,7 @@ fn choice(
     let cycle_text = load::read(cycle)?;
     let cycle = Cycle::parse(&cycle.display().to_string(), &cycle_text)?;
     let machine = load::machine(&cycle.machine)?;
+    let model_file = model.map(Path::to_owned);
     let model = match model {
         Some(path) => Model::load(path)?,
         None => Model::base(&machine.name),
@@ -73,7 +75,7 @@ fn choice(
     let machine_text = load::machine_text(&cycle.machine)?;
     let texts = Texts { machine: machine_text, cycle: cycle_text, config: config.text.clone() };
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
-    Ok(Choice { program, plan, texts, model })
+    Ok(Choice { program, plan, texts, model, model_file })
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -90,7 +92,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             stop.cancel();
         });
         let clock = Arc::new(SystemClock::start());
-        daemon::serve(prepared.config, prepared.cycles, clock, cancel).await?;
+        // What analyses is this program, whatever path it was started by.
+        let analyst = Analyst::Program(std::env::current_exe().context("cannot find the program itself")?);
+        let Prepared { config, cycles } = prepared;
+        daemon::serve_on(config, cycles, clock, cancel, Board::default(), analyst).await?;
         Ok(Outcome::Done)
     })
 }

@@ -1,6 +1,7 @@
 //! One file per command.
 
 pub mod add;
+pub mod analyse_run;
 pub mod attribute;
 pub mod calibrate_nest;
 pub mod check;

@@ -14,9 +14,10 @@ use trunnion_core::Clock;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::cycles::Choice;
-use trunnion_service::daemon::{self, NewRun, Recorded};
+use trunnion_service::daemon::{self, NewRun, Recorded, Report};
 use trunnion_service::latest::{Latest, Mounted, Readiness};
 use trunnion_service::live::{CycleBounds, Live, check};
+use trunnion_service::storage::FolderLock;
 
 /// Record one cycle, analyse it, and end
 ///
@@ -36,10 +37,13 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let (config, choice) = prepare_cycle(&args.config, &args.cycle)?;
+    let _folder = FolderLock::take(&config.recordings)?;
     let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
     let recorded = runtime.block_on(record(&config, &choice, clock.clone()))?;
-    let (analysed, compared) = daemon::write_report(&recorded, &choice.model, &daemon::day(clock.wall_ns()))?;
+    let cycle = &choice.plan.cycle.name;
+    let Report { analysed, compared, .. } =
+        daemon::report_at_once(&recorded, cycle, &choice.model, clock.wall_ns())?;
     terminal::print(&compared.summary())?;
     terminal::print(&format!("{}\n", recorded.path.with_extension("html").display()))?;
     Ok(match analysed.first().results().verdict {

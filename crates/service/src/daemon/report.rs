@@ -1,13 +1,13 @@
 //! From a recording to its report.
 
+use crate::clock::{day, moment};
 use crate::error::ServiceError;
-use crate::mqtt::Board;
 use crate::recording::Recorded;
-use serde_json::json;
+use crate::run_record;
 use std::path::Path;
 use tracing::info;
-use trunnion::results::to_json;
-use trunnion::{Analysed, Compared, Model};
+use trunnion::results::{RunAnswer, RunResult, to_json};
+use trunnion::{Analysed, Compared, Experiment, Model};
 
 /// Analyses a recording as `replay` would: from the file alone.
 ///
@@ -15,66 +15,80 @@ use trunnion::{Analysed, Compared, Model};
 /// When the file cannot be read or its points cannot be analysed.
 pub fn analyse_recording(path: &Path, model: &Model, date: &str) -> Result<Analysed, ServiceError> {
     let failed = |source| ServiceError::Analysis { path: path.into(), source: Box::new(source) };
-    let experiment = trunnion::open(path).map_err(failed)?;
+    opened(&[path]).map_err(failed)?.analyse(model, date).map_err(failed)
+}
+
+fn opened<P: AsRef<Path>>(files: &[P]) -> Result<Experiment, trunnion::Error> {
+    let experiment = trunnion::open_all(files)?;
     for reduction in experiment.reductions() {
         info!("{reduction}");
     }
-    experiment.analyse(model, date).map_err(failed)
+    Ok(experiment)
 }
 
-/// Analyses what was recorded and writes page and JSON next to it.
+/// A report that is written.
+pub struct Report {
+    /// The analysis.
+    pub analysed: Analysed,
+    /// What its page shows.
+    pub compared: Compared,
+    /// Both in short.
+    pub answer: RunAnswer,
+}
+
+/// Analyses what was just recorded in this process, and keeps its state.
 ///
 /// # Errors
 /// When the recording cannot be analysed or a file cannot be written.
-pub fn write_report(
+pub fn report_at_once(
     recorded: &Recorded,
+    cycle: &str,
     model: &Model,
-    date: &str,
-) -> Result<(Analysed, Compared), ServiceError> {
-    let path = &recorded.path;
-    let analysed = analyse_recording(path, model, date)?;
-    let failed = |source| ServiceError::Analysis { path: path.clone(), source: Box::new(source) };
-    let losses = trunnion::page::losses(&recorded.gaps, recorded.lost_samples);
-    let compared = analysed.compare().map_err(failed)?.with_losses(&losses);
-    write(&path.with_extension("html"), &compared.page())?;
-    write(&path.with_extension("identification.json"), &to_json(&analysed.fit().results())?)?;
-    write(&path.with_extension("diagnosis.json"), &to_json(&analysed.first().results())?)?;
-    Ok((analysed, compared))
+    wall_ns: i64,
+) -> Result<Report, ServiceError> {
+    let record = run_record::of_recorded(recorded, cycle, moment(wall_ns));
+    run_record::write(&recorded.path, &record)?;
+    let report = write_report(&recorded.path, Some(model), &day(wall_ns))?;
+    run_record::write(&recorded.path, &run_record::reported(record, report.answer.clone()))?;
+    Ok(report)
 }
 
-/// Analyses what was recorded, writes page and JSON next to it, and reports on the board.
-pub(super) async fn report_cycle(
-    recorded: Recorded,
-    model: Model,
-    date: String,
-    board: &Board,
-) -> Result<(), ServiceError> {
-    let path = recorded.path.clone();
-    let (analysed, compared) = tokio::task::spawn_blocking(move || write_report(&recorded, &model, &date))
-        .await
-        .map_err(|_| ServiceError::Broken("analysis"))??;
-    if let Some(timing) = compared.results().time_quality.last() {
-        board.set("quality", &serde_json::to_value(timing)?);
+/// Analyses a recording, with what its state says is missing, and writes page and JSON next to it; the base model where none is given.
+///
+/// # Errors
+/// When the recording cannot be analysed or a file cannot be written.
+pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Result<Report, ServiceError> {
+    let failed = |source| ServiceError::Analysis { path: recording.into(), source: Box::new(source) };
+    let state = run_record::read(recording).unwrap_or_default();
+    let experiment = opened(&run_record::files(recording, &state)).map_err(failed)?;
+    let model = model.map_or_else(|| experiment.base_model(), Model::clone);
+    let analysed = experiment.analyse(&model, date).map_err(failed)?;
+    let compared = analysed.compare().map_err(failed)?.with_losses(&state.losses);
+    let answers = [
+        ("html", compared.page()),
+        ("identification.json", to_json(&analysed.fit().results())?),
+        // Last: where it is, everything is.
+        ("diagnosis.json", to_json(&analysed.first().results())?),
+    ];
+    for (ending, text) in answers {
+        trunnion::files::write_whole(&recording.with_extension(ending), &text)?;
     }
-    let (first, added) = (analysed.first().results(), analysed.added());
-    let verdict = first.verdict.as_str();
-    info!(run = %path.display(), verdict, ?added, "analysed");
-    board.set(
-        "result",
-        &json!({
-            "run": path.file_name().map(|name| name.to_string_lossy()),
-            "verdict": verdict,
-            "why": first.why,
-            "complete": first.complete,
-            "missing_effects": added,
-            "rms_um_before": analysed.before().results().rms_um,
-            "rms_um_after": analysed.fit().results().rms_um,
-            "report": path.with_extension("html").display().to_string(),
-        }),
-    );
-    Ok(())
+    let answer = in_short(recording, &analysed, &compared);
+    info!(run = %recording.display(), verdict = answer.result.verdict.as_str(), added = ?answer.result.missing_effects, "analysed");
+    Ok(Report { analysed, compared, answer })
 }
 
-fn write(path: &Path, text: &str) -> Result<(), ServiceError> {
-    std::fs::write(path, text).map_err(|source| ServiceError::Write { path: path.into(), source })
+fn in_short(recording: &Path, analysed: &Analysed, compared: &Compared) -> RunAnswer {
+    let first = analysed.first().results();
+    let result = RunResult {
+        run: recording.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        verdict: first.verdict,
+        why: first.why,
+        complete: first.complete,
+        missing_effects: analysed.added().into_iter().map(String::from).collect(),
+        rms_um_before: analysed.before().results().rms_um,
+        rms_um_after: analysed.fit().results().rms_um,
+        report: recording.with_extension("html").display().to_string(),
+    };
+    RunAnswer { result, quality: compared.results().time_quality.last().cloned() }
 }

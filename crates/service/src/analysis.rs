@@ -1,0 +1,52 @@
+//! What an analysis is given: a model, time, memory.
+
+use std::path::PathBuf;
+use std::time::Duration;
+use trunnion::Model;
+use trunnion_core::input::Table;
+
+/// What one analysis may take: `[analysis]` of the configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AnalysisLimits {
+    /// Time.
+    pub time: Duration,
+    /// Memory, MB.
+    pub memory_mb: f64,
+    /// Analyses of one run that may fail.
+    pub tries: u32,
+}
+
+impl Default for AnalysisLimits {
+    /// The longest analysis of `docs/measured` takes some minutes on a busy computer, and a run of 10 000 points some hundred MB.
+    /// What fails by chance (power, a computer without memory) with a probability of one in ten remains once in a thousand runs
+    /// after three tries; what fails by its data fails each time.
+    fn default() -> Self {
+        Self { time: Duration::from_secs(1800), memory_mb: 4096.0, tries: 3 }
+    }
+}
+
+impl AnalysisLimits {
+    /// Reads `[analysis]`.
+    pub fn read(table: &Table<'_>) -> Option<Self> {
+        let usual = Self::default();
+        // Less than the analysis of the smallest cycle takes would fail every run.
+        let time_s = table.optional_number("time_s", 1.0..=86_400.0);
+        let memory_mb = table.optional_number("memory_mb", 64.0..=1e6);
+        let tries = table.optional_number("tries", 1.0..=100.0);
+        table.no_other_keys();
+        Some(Self {
+            time: time_s.map_or(usual.time, Duration::from_secs_f64),
+            memory_mb: memory_mb.unwrap_or(usual.memory_mb),
+            tries: tries.map_or(usual.tries, |tries| tries as u32),
+        })
+    }
+}
+
+/// What a run is judged by.
+#[derive(Clone, Debug, Default)]
+pub struct JudgedBy {
+    /// The model; the base model without it.
+    pub model: Option<Model>,
+    /// The file it was read from.
+    pub file: Option<PathBuf>,
+}

@@ -1,0 +1,103 @@
+//! Recordings become reports, one at a time: the computer also measures.
+//!
+//! Before an analysis begins, the state of the run on disk counts it: what ends the program each time is not tried for ever.
+
+use super::analyst::{Analyst, Task, Unanswered};
+use super::states::{CycleState, States};
+use crate::analysis::{AnalysisLimits, JudgedBy};
+use crate::clock::{day, moment};
+use crate::error::{ServiceError, chain};
+use crate::mqtt::Board;
+use crate::run_record;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tokio::sync::Semaphore;
+use tokio_util::sync::CancellationToken;
+use tracing::{error, info, warn};
+use trunnion::results::{RunAnswer, RunRecord, RunState};
+use trunnion_core::Clock;
+
+/// Analyses of a running service.
+#[derive(Clone)]
+pub(super) struct Analyses {
+    pub(super) analyst: Analyst,
+    pub(super) limits: AnalysisLimits,
+    pub(super) board: Board,
+    pub(super) states: States,
+    pub(super) clock: Arc<dyn Clock>,
+    pub(super) cancel: CancellationToken,
+    pub(super) one: Arc<Semaphore>,
+}
+
+impl Analyses {
+    /// Analyses a recording and reports on the board; its state on disk says how far it is.
+    pub(super) async fn report(&self, recording: PathBuf, record: RunRecord, judged_by: JudgedBy) {
+        let name = recording.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        // A semaphore that is never closed.
+        let _turn = self.one.acquire().await;
+        if self.cancel.is_cancelled() {
+            return;
+        }
+        let before = record.clone();
+        let begun = RunRecord { state: RunState::Analysing, tries: record.tries + 1, ..record };
+        self.keep(&recording, &begun);
+        let (this, path) = (self.clone(), recording.clone());
+        let analysing = tokio::task::spawn_blocking(move || {
+            let date = day(this.clock.wall_ns());
+            let task = Task { recording: &path, judged_by: &judged_by, date: &date, limits: this.limits };
+            this.analyst.analyse(&task, this.clock.as_ref(), &this.cancel)
+        });
+        let broken = |_| Err(Unanswered::Failed(ServiceError::Broken("analysis").to_string()));
+        match analysing.await.unwrap_or_else(broken) {
+            Ok(answer) => self.done(&recording, &name, begun, answer),
+            Err(Unanswered::Failed(why)) => self.failed(&recording, &name, RunRecord { why, ..begun }),
+            Err(Unanswered::Stopped) => {
+                info!(run = name, "the service stops; it is analysed at the next start");
+                self.keep(&recording, &before);
+            }
+        }
+    }
+
+    fn done(&self, recording: &Path, name: &str, begun: RunRecord, answer: RunAnswer) {
+        publish(&self.board, &answer);
+        self.keep(recording, &run_record::reported(begun, answer));
+        self.states.go_on(CycleState::Done, name, json!({}));
+    }
+
+    fn failed(&self, recording: &Path, name: &str, begun: RunRecord) {
+        let (tries, most) = (begun.tries, self.limits.tries);
+        let again =
+            if tries < most { "it is tried again at the next start" } else { "it is not tried again" };
+        error!(run = name, tries, "the analysis failed: {}; {again}", begun.why);
+        self.tell_failure(name, &begun.why);
+        self.keep(recording, &RunRecord { state: RunState::Failed, ..begun });
+    }
+
+    /// A run that has no report.
+    pub(super) fn tell_failure(&self, name: &str, why: &str) {
+        let state = CycleState::Failed;
+        self.board.set("result", &json!({ "state": state.as_str(), "run": name, "why": why }));
+        self.states.go_on(state, name, json!({ "why": why }));
+    }
+
+    /// Writes the state of a run; a disk that refuses costs no report.
+    pub(super) fn keep(&self, recording: &Path, record: &RunRecord) {
+        let record = RunRecord { at: moment(self.clock.wall_ns()), ..record.clone() };
+        if let Err(failure) = run_record::write(recording, &record) {
+            warn!("the state of a run was not written: {}", chain(&failure));
+        }
+    }
+}
+
+/// What an analysis found, on the board.
+pub(super) fn publish(board: &Board, answer: &RunAnswer) {
+    let set = |topic: &str, value: serde_json::Result<serde_json::Value>| match value {
+        Ok(value) => board.set(topic, &value),
+        Err(error) => warn!(%error, topic, "an answer is no JSON"),
+    };
+    set("result", serde_json::to_value(&answer.result));
+    if let Some(quality) = &answer.quality {
+        set("quality", serde_json::to_value(quality));
+    }
+}

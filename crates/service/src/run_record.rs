@@ -1,0 +1,119 @@
+//! The state of a run on disk: `NAME.state.json` next to its recording, written whole or not at all.
+
+use crate::error::ServiceError;
+use crate::live::gaps_of;
+use crate::recording::Recorded;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use tracing::warn;
+use trunnion::results::{RunAnswer, RunRecord, RunState, Verdict, to_json};
+
+const ENDING: &str = "state.json";
+
+/// Where the state of a recording is.
+pub fn path_of(recording: &Path) -> PathBuf {
+    recording.with_extension(ENDING)
+}
+
+/// The state of a recording; `None` where none was written, or none that can be read.
+pub fn read(recording: &Path) -> Option<RunRecord> {
+    let path = path_of(recording);
+    let text = std::fs::read_to_string(&path).ok()?;
+    serde_json::from_str(&text)
+        .inspect_err(|error| warn!(%error, file = %path.display(), "this state of a run is not taken"))
+        .ok()
+}
+
+/// Writes the state of a recording.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(recording: &Path, record: &RunRecord) -> Result<(), ServiceError> {
+    Ok(trunnion::files::write_whole(&path_of(recording), &to_json(record)?)?)
+}
+
+/// The state of what was just recorded.
+pub fn of_recorded(recorded: &Recorded, cycle: &str, at: String) -> RunRecord {
+    let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    RunRecord {
+        state: RunState::Recorded,
+        at,
+        cycle: cycle.into(),
+        parts: recorded.parts.iter().filter_map(name).collect(),
+        losses: trunnion::page::losses(&recorded.gaps, recorded.lost_samples),
+        ..RunRecord::default()
+    }
+}
+
+/// The state of a recording that says all there is to know of it.
+pub fn of_recording(recording: &Path, state: RunState, at: String) -> RunRecord {
+    let known = gaps_of(recording);
+    let (cycle, gaps) = known.unwrap_or_default();
+    RunRecord { state, at, cycle, losses: trunnion::page::losses(&gaps, 0), ..RunRecord::default() }
+}
+
+/// The state of a run with this report.
+pub fn reported(record: RunRecord, answer: RunAnswer) -> RunRecord {
+    let state = match answer.result.verdict {
+        Verdict::NotJudged => RunState::NotJudged,
+        _ => RunState::Done,
+    };
+    RunRecord { state, why: String::new(), answer: Some(answer), ..record }
+}
+
+/// Every file of a run.
+pub fn files(recording: &Path, record: &RunRecord) -> Vec<PathBuf> {
+    let part = |name: &String| recording.with_file_name(name);
+    std::iter::once(recording.to_owned()).chain(record.parts.iter().map(part)).collect()
+}
+
+/// Every recording of a folder with its state, the newest first.
+pub struct Known {
+    /// The newest first.
+    pub runs: Vec<(PathBuf, RunRecord)>,
+}
+
+impl Known {
+    /// Reads the folder; a recording without a state has the report that stands next to it, or none. A further part of a run is no
+    /// run of its own.
+    pub fn read(folder: &Path) -> Self {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let plain = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
+        let mut aged: Vec<_> = plain
+            .map(|entry| entry.path())
+            .filter(|path| path.extension().is_some_and(|ending| ending == "mcap"))
+            .map(|path| (path.metadata().and_then(|about| about.modified()).ok(), path))
+            .collect();
+        aged.sort_by(|a, b| b.cmp(a));
+        let state = |(_, path): (_, PathBuf)| {
+            let record = read(&path).unwrap_or_else(|| {
+                let has_report = path.with_extension("diagnosis.json").exists();
+                let state = if has_report { RunState::Done } else { RunState::Recorded };
+                RunRecord { state, ..RunRecord::default() }
+            });
+            (path, record)
+        };
+        let runs: Vec<(PathBuf, RunRecord)> = aged.into_iter().map(state).collect();
+        let parts: HashSet<PathBuf> =
+            runs.iter().flat_map(|(path, record)| files(path, record).into_iter().skip(1)).collect();
+        Self { runs: runs.into_iter().filter(|(path, _)| !parts.contains(path)).collect() }
+    }
+
+    /// What was found last.
+    pub fn newest_report(&self) -> Option<&RunRecord> {
+        self.runs
+            .iter()
+            .map(|(_, record)| record)
+            .filter(|record| record.answer.is_some())
+            .max_by_key(|r| &r.at)
+    }
+}
+
+/// True for a run that is still to be analysed.
+pub fn is_pending(record: &RunRecord, tries: u32) -> bool {
+    match record.state {
+        RunState::Recorded | RunState::Recovered => true,
+        RunState::Analysing | RunState::Failed => record.tries < tries,
+        RunState::Done | RunState::NotJudged => false,
+    }
+}

@@ -1,0 +1,113 @@
+//! The folder of the recordings: one writer, room for the next cycle, a budget.
+//!
+//! Raw recordings go first, the oldest before all; reports, states and models stay. What has no report yet is never removed, nor is
+//! the newest run.
+
+mod lock;
+mod retention;
+mod space;
+
+pub use lock::{FolderLock, LockError};
+pub use retention::Removed;
+pub use space::{Need, Room};
+
+use retention::{Stored, to_remove};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+use trunnion_core::input::Table;
+
+const DAY: Duration = Duration::from_secs(24 * 3600);
+
+/// What the folder may take: `[storage]` of the configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StorageConfig {
+    /// Left free for the rest of the computer, MB.
+    pub keep_free_mb: f64,
+    /// All raw recordings together, MB; no limit without it.
+    pub budget_mb: Option<f64>,
+    /// Raw recordings older than this are removed; none without it.
+    pub keep: Option<Duration>,
+}
+
+impl Default for StorageConfig {
+    /// A file system without 500 MB stops other programs: journald alone keeps 15 % free up to 4 GB (journald.conf(5),
+    /// `SystemKeepFree`). Nothing is removed that a person did not allow.
+    fn default() -> Self {
+        Self { keep_free_mb: 500.0, budget_mb: None, keep: None }
+    }
+}
+
+impl StorageConfig {
+    /// Reads `[storage]`.
+    pub fn read(table: &Table<'_>) -> Option<Self> {
+        let usual = Self::default();
+        let keep_free_mb = table.optional_number("keep_free_mb", 0.0..=1e9);
+        let budget_mb = table.optional_number("budget_mb", 1.0..=1e9);
+        let keep_days = table.optional_number("keep_days", 0.01..=1e5);
+        table.no_other_keys();
+        let keep = keep_days.map(|days| DAY.mul_f64(days));
+        Some(Self { keep_free_mb: keep_free_mb.unwrap_or(usual.keep_free_mb), budget_mb, keep })
+    }
+}
+
+/// The folder of the recordings.
+#[derive(Clone, Debug)]
+pub struct Storage {
+    folder: PathBuf,
+    config: StorageConfig,
+    tries: u32,
+}
+
+impl Storage {
+    /// A run of which so many analyses failed has no report to come.
+    pub fn new(folder: &Path, config: StorageConfig, tries: u32) -> Self {
+        Self { folder: folder.into(), config, tries }
+    }
+
+    /// Free, MB.
+    ///
+    /// # Errors
+    /// When the system does not say.
+    pub fn free_mb(&self) -> std::io::Result<f64> {
+        space::free_mb(&self.folder)
+    }
+
+    /// Makes room for what a cycle needs, and says whether there is.
+    ///
+    /// # Errors
+    /// When the system does not say how much is free.
+    pub fn room(&self, need: Need, now: SystemTime) -> std::io::Result<(Room, Vec<Removed>)> {
+        let wanted_mb = need.mb() + self.config.keep_free_mb;
+        let removed = match self.free_mb()? < wanted_mb {
+            true => self.remove(wanted_mb, now)?,
+            false => Vec::new(),
+        };
+        Ok((Room::of(self.free_mb()?, need, self.config.keep_free_mb), removed))
+    }
+
+    /// Removes what is beyond budget and age.
+    ///
+    /// # Errors
+    /// When the system does not say how much is free.
+    pub fn tidy(&self, now: SystemTime) -> std::io::Result<Vec<Removed>> {
+        match (self.config.budget_mb, self.config.keep) {
+            (None, None) => Ok(Vec::new()),
+            _ => self.remove(0.0, now),
+        }
+    }
+
+    /// A person allows removal by a budget or an age; without either, nothing goes.
+    fn remove(&self, wanted_mb: f64, now: SystemTime) -> std::io::Result<Vec<Removed>> {
+        if self.config.budget_mb.is_none() && self.config.keep.is_none() {
+            return Ok(Vec::new());
+        }
+        let stored = Stored::read(&self.folder, self.tries);
+        let missing_mb = (wanted_mb - self.free_mb()?).max(0.0);
+        let going = to_remove(&stored, &self.config, missing_mb, now);
+        Ok(going.into_iter().filter_map(|(index, why)| stored[index].remove(&why, now)).collect())
+    }
+}
+
+fn mb(bytes: u64) -> f64 {
+    bytes as f64 / 1e6
+}

@@ -1,0 +1,82 @@
+//! One writer for each folder: two services would recover each other's journals and tidy each other's runs.
+
+use std::fs::{File, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+const NAME: &str = ".trunnion.lock";
+
+/// Held while this process writes into a folder; released with it, however it ends.
+#[derive(Debug)]
+pub struct FolderLock(#[expect(dead_code, reason = "the lock is held by the open file")] File);
+
+/// Why the folder is not ours.
+#[derive(Debug, thiserror::Error)]
+pub enum LockError {
+    /// Another process writes there.
+    #[error(
+        "{} is the folder of another trunnion that runs (process {process}); stop it, or give this one a folder of its own", folder.display()
+    )]
+    Held {
+        /// The folder.
+        folder: PathBuf,
+        /// Its process.
+        process: String,
+    },
+    /// The system refused.
+    #[error("cannot write into the folder {} of the recordings", folder.display())]
+    Io {
+        /// The folder.
+        folder: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+}
+
+impl FolderLock {
+    /// Makes the folder and takes it.
+    ///
+    /// # Errors
+    /// When another process has it, or it cannot be written.
+    pub fn take(folder: &Path) -> Result<Self, LockError> {
+        let refused = |source| LockError::Io { folder: folder.into(), source };
+        std::fs::create_dir_all(folder).map_err(refused)?;
+        let path = folder.join(NAME);
+        let open = File::options().read(true).write(true).create(true).truncate(false).open(path);
+        let mut file = open.map_err(refused)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut process = String::new();
+                file.read_to_string(&mut process).map_err(refused)?;
+                return Err(LockError::Held { folder: folder.into(), process: process.trim().into() });
+            }
+            Err(TryLockError::Error(source)) => return Err(refused(source)),
+        }
+        // Who holds it is for a person; a full disk does not hinder.
+        let note = file
+            .set_len(0)
+            .and_then(|()| file.rewind())
+            .and_then(|()| writeln!(file, "{}", std::process::id()));
+        if let Err(error) = note {
+            tracing::debug!(%error, "the lock does not name its process");
+        }
+        Ok(Self(file))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_writer_is_refused_until_the_first_has_gone() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().join("runs");
+        let first = FolderLock::take(&folder).unwrap();
+        let refused = FolderLock::take(&folder).unwrap_err().to_string();
+        assert!(refused.contains(&format!("(process {})", std::process::id())), "{refused}");
+        drop(first);
+        FolderLock::take(&folder).unwrap();
+    }
+}

@@ -1,0 +1,137 @@
+//! Which raw recordings go.
+
+use super::{DAY, StorageConfig, mb};
+use crate::clock::moment;
+use crate::error::chain;
+use crate::run_record::{self, Known, is_pending};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+use trunnion::results::RunRecord;
+
+/// A run whose samples are there.
+#[derive(Clone, Debug)]
+pub(super) struct Stored {
+    recording: PathBuf,
+    record: RunRecord,
+    bytes: u64,
+    written: SystemTime,
+    is_pending: bool,
+}
+
+/// A recording that was removed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Removed {
+    /// Name of the run.
+    pub run: String,
+    /// What it took, MB.
+    pub mb: f64,
+    /// Why.
+    pub why: String,
+}
+
+impl Stored {
+    /// Every run of a folder, the newest first.
+    pub(super) fn read(folder: &Path, tries: u32) -> Vec<Self> {
+        let stored = |(recording, record): (PathBuf, RunRecord)| {
+            let files = run_record::files(&recording, &record);
+            let about: Vec<_> = files.iter().filter_map(|file| file.metadata().ok()).collect();
+            let written = about.first()?.modified().ok()?;
+            let bytes = about.iter().map(std::fs::Metadata::len).sum();
+            let is_pending = is_pending(&record, tries);
+            Some(Self { recording, record, bytes, written, is_pending })
+        };
+        Known::read(folder).runs.into_iter().filter_map(stored).collect()
+    }
+
+    /// Removes its recordings and keeps why; `None` when the system refuses, which is logged.
+    pub(super) fn remove(&self, why: &str, now: SystemTime) -> Option<Removed> {
+        for file in run_record::files(&self.recording, &self.record) {
+            if let Err(error) = std::fs::remove_file(&file) {
+                tracing::warn!(%error, file = %file.display(), "a recording cannot be removed");
+                return None;
+            }
+        }
+        let ns = now.duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
+        let at = moment(i64::try_from(ns).unwrap_or(i64::MAX));
+        let record = RunRecord { removed: Some(format!("{at}: {why}")), ..self.record.clone() };
+        if let Err(failure) = run_record::write(&self.recording, &record) {
+            tracing::warn!("the state of a run was not written: {}", chain(&failure));
+        }
+        let run =
+            self.recording.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let removed = Removed { run, mb: mb(self.bytes), why: why.into() };
+        tracing::info!(
+            run = removed.run,
+            mb = removed.mb.round(),
+            "the samples of a run were removed, its report stays: {why}"
+        );
+        Some(removed)
+    }
+}
+
+/// Indices of what goes, with the reason; `stored` is in order, the newest first, which stays.
+pub(super) fn to_remove(
+    stored: &[Stored],
+    config: &StorageConfig,
+    missing_mb: f64,
+    now: SystemTime,
+) -> Vec<(usize, String)> {
+    let mut total_mb: f64 = stored.iter().map(|run| mb(run.bytes)).sum();
+    let mut missing_mb = missing_mb;
+    let mut going = Vec::new();
+    for (index, run) in stored.iter().enumerate().skip(1).rev().filter(|(_, run)| !run.is_pending) {
+        let age = now.duration_since(run.written).unwrap_or_default();
+        let why = match (config.keep, config.budget_mb) {
+            (Some(keep), _) if age > keep => {
+                format!("it was older than {} days (keep_days of [storage])", keep.div_duration_f64(DAY))
+            }
+            (_, Some(budget)) if total_mb > budget => {
+                format!("the recordings took more than {budget} MB (budget_mb of [storage])")
+            }
+            _ if missing_mb > 0.0 => {
+                "the disk had no room for the next cycle (keep_free_mb of [storage])".into()
+            }
+            _ => continue,
+        };
+        total_mb -= mb(run.bytes);
+        missing_mb -= mb(run.bytes);
+        going.push((index, why));
+    }
+    going
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    /// Runs of 100 MB, one a day, the newest first; these have no report yet.
+    fn stored(count: usize, pending: &[usize]) -> (Vec<Stored>, SystemTime) {
+        let now = UNIX_EPOCH + 1000 * DAY;
+        let run = |k: usize| Stored {
+            recording: format!("{k}.mcap").into(),
+            record: RunRecord::default(),
+            bytes: 100_000_000,
+            written: now - DAY * u32::try_from(k).unwrap(),
+            is_pending: pending.contains(&k),
+        };
+        ((0..count).map(run).collect(), now)
+    }
+
+    fn going(config: StorageConfig, missing_mb: f64, (stored, now): (Vec<Stored>, SystemTime)) -> Vec<usize> {
+        to_remove(&stored, &config, missing_mb, now).into_iter().map(|(index, _)| index).collect()
+    }
+
+    #[test]
+    fn the_oldest_go_first_and_never_the_newest_or_what_has_no_report() {
+        let none = StorageConfig { keep_free_mb: 0.0, budget_mb: None, keep: None };
+        assert_eq!(going(none, 0.0, stored(5, &[])), [0_usize; 0]);
+        let budget = StorageConfig { budget_mb: Some(250.0), ..none };
+        assert_eq!(going(budget, 0.0, stored(5, &[])), [4, 3, 2]);
+        assert_eq!(going(budget, 0.0, stored(5, &[4, 2])), [3, 1]);
+        let aged = StorageConfig { keep: Some(DAY.mul_f64(2.5)), ..none };
+        assert_eq!(going(aged, 0.0, stored(5, &[])), [4, 3]);
+        assert_eq!(going(aged, 150.0, stored(5, &[])), [4, 3]);
+        assert_eq!(going(budget, 350.0, stored(5, &[])), [4, 3, 2, 1]);
+        // A budget that one run exceeds keeps that run.
+        assert_eq!(going(StorageConfig { budget_mb: Some(1.0), ..none }, 1e9, stored(1, &[])), [0_usize; 0]);
+    }
+}

@@ -1,0 +1,205 @@
+//! `trunnion daemon` that is killed, and analyses that hang or take too much: every recording gets a report, or says why not.
+
+use super::three_probes;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use trunnion::results::{RunRecord, RunState};
+use trunnion_cycles::Cycle;
+use trunnion_hil_sim::devices::cell::CellConfig;
+use trunnion_hil_sim::devices::{cell, orthogonal_nest};
+use trunnion_hil_sim::scenario::{Pace, Station, static_cycle};
+use trunnion_hil_sim::{SimSetup, Truth, VirtualMachine};
+use trunnion_machine::shipped;
+
+const CYCLE: &str = include_str!("../../config/cycles/demo-static.toml");
+/// Longest wait for a state; no promise of speed.
+const LIMIT: Duration = Duration::from_secs(300);
+/// A journal of this size holds some seconds of three probes at 1 kHz.
+const SECONDS_OF_A_JOURNAL: u64 = 400_000;
+
+/// A service; killed when the test ends.
+struct Service(Child);
+
+impl Service {
+    fn start(config: &Path) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+        Self(command.arg("daemon").arg("--config").arg(config).stdin(Stdio::null()).spawn().unwrap())
+    }
+
+    /// As a power cut ends it.
+    fn kill(mut self) {
+        self.0.kill().unwrap();
+        self.0.wait().unwrap();
+    }
+}
+
+impl Drop for Service {
+    fn drop(&mut self) {
+        self.0.kill().ok();
+        self.0.wait().ok();
+    }
+}
+
+fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let begun = Instant::now();
+    loop {
+        if let Some(seen) = look() {
+            return seen;
+        }
+        assert!(begun.elapsed() < LIMIT, "never came: {what}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let paths = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    paths.filter(|path| path.to_string_lossy().ends_with(ending)).collect()
+}
+
+fn record(path: &Path) -> Option<RunRecord> {
+    serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
+}
+
+fn config(ports: &Path, controller: &str, tables: &str) -> String {
+    let mut text =
+        "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"c.toml\"\nrecordings = \"runs\"\n[nest]\n"
+            .to_owned();
+    for (k, direction) in orthogonal_nest().iter().enumerate() {
+        text += &format!("probe_{} = {direction:?}\n", k + 1);
+    }
+    text + &three_probes(ports) + controller + tables
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_next_start() {
+    let text = CYCLE.replace("step_deg = 30", "step_deg = 60");
+    let cycle = Cycle::parse("c.toml", &text).unwrap();
+    let machine = shipped::machine("table-bc").unwrap();
+    let poses = cycle.poses(&machine).unwrap();
+    let stations: Vec<Station> =
+        poses.iter().map(|pose| Station { setup: pose.setup, position: pose.position }).collect();
+    let setups: Vec<SimSetup> = cycle.setups.iter().map(SimSetup::from).collect();
+    let truth = Truth::draw(&machine, &setups, &[], 60.0, 3).unwrap();
+    let world = VirtualMachine::new(machine, truth).unwrap();
+    let world = static_cycle(Arc::new(world), "c", &stations, Pace { move_s: 0.1, dwell_s: 0.3 }).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut floor = CellConfig { can: None, ..CellConfig::new(folder.path(), 0) };
+    floor.controller.as_mut().unwrap().0.filters_duplicates = false;
+    let cell = cell::start(Arc::new(world), floor, tokio::time::Instant::now()).await.unwrap();
+    let url = cell.controller.as_ref().and_then(|agent| agent.url()).unwrap();
+    let agent = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
+    let (file, runs) = (folder.path().join("trunnion.toml"), folder.path().join("runs"));
+    std::fs::write(&file, config(folder.path(), &agent, "")).unwrap();
+    std::fs::write(folder.path().join("c.toml"), &text).unwrap();
+
+    tokio::task::spawn_blocking(move || {
+        let service = Service::start(&file);
+        let journal = until("a journal", || {
+            let long = |path: &PathBuf| path.metadata().is_ok_and(|about| about.len() > SECONDS_OF_A_JOURNAL);
+            files(&runs, ".mcap.active").into_iter().find(long)
+        });
+        service.kill();
+        assert!(journal.exists());
+
+        let again = Service::start(&file);
+        let recording = journal.with_extension("");
+        let state = recording.with_extension("state.json");
+        let record = until("a report", || record(&state).filter(|record| record.state.has_report()));
+        // Too little of the cycle was read for a verdict.
+        assert_eq!(
+            (record.state, record.tries, record.cycle.as_str()),
+            (RunState::NotJudged, 1, "demo-static")
+        );
+        assert!(recording.exists() && !journal.exists());
+        assert!(recording.with_extension("html").exists());
+        let answer = record.answer.unwrap();
+        assert!(answer.result.complete.read > 3, "{:?}", answer.result);
+        let events = trunnion_record::read_run(&recording, &shipped::machine).unwrap().events;
+        assert!(events.iter().any(|event| event.kind == "recovered"));
+        drop(again);
+    })
+    .await
+    .unwrap();
+    cell.shutdown().await;
+}
+
+/// Processes that analyse for this service.
+fn analyses_of(service: &Service) -> Vec<u32> {
+    let parent = format!("PPid:\t{}\n", service.0.id());
+    let processes = std::fs::read_dir("/proc").unwrap().flatten();
+    let of_service = |id: &u32| {
+        let read = |file: &str| std::fs::read_to_string(format!("/proc/{id}/{file}")).unwrap_or_default();
+        read("status").contains(&parent) && read("cmdline").contains("analyse-run")
+    };
+    processes.filter_map(|entry| entry.file_name().to_str()?.parse().ok()).filter(of_service).collect()
+}
+
+#[test]
+fn an_analysis_that_hangs_or_takes_too_much_memory_is_ended_and_tried_only_so_often() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, runs) = (folder.path().join("trunnion.toml"), folder.path().join("runs"));
+    std::fs::create_dir(&runs).unwrap();
+    std::fs::write(folder.path().join("c.toml"), CYCLE).unwrap();
+    let run = super::program::import("points-gravity", &runs);
+    let state = Path::new(&run).with_extension("state.json");
+    let with = |limits: &str| {
+        let agent = "[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"http://127.0.0.1:9\"\n";
+        std::fs::write(&file, config(folder.path(), agent, &format!("[analysis]\n{limits}\n"))).unwrap();
+        Service::start(&file)
+    };
+    let failed = |tries: u32| {
+        until("a failure", || {
+            record(&state).filter(|record| (record.state, record.tries) == (RunState::Failed, tries))
+        })
+    };
+
+    let service = with("time_s = 10");
+    let id = until("a process", || analyses_of(&service).first().copied());
+    let stopped = Command::new("kill").args(["-STOP", &id.to_string()]).status().unwrap();
+    assert!(stopped.success());
+    assert_eq!(failed(1).why, "it took more than 10 s (time_s of [analysis]) and was ended");
+    assert!(!Path::new(&format!("/proc/{id}")).exists(), "the process is still there");
+    drop(service);
+
+    let service = with("memory_mb = 64\ntries = 2");
+    let why = failed(2).why;
+    assert_eq!(why, "it needed more than 64 MB (memory_mb of [analysis])");
+    drop(service);
+
+    // Two failures are enough; a third start leaves it alone until it may be tried again.
+    let page = free_address();
+    let service = with(&format!("tries = 2\n[page]\nlisten = \"{page}\""));
+    until("the page", || status(&page));
+    assert_eq!(failed(2).why, why);
+    drop(service);
+
+    let service = with("tries = 3");
+    let done = until("a report", || record(&state).filter(|record| record.state.has_report()));
+    assert_eq!((done.state, done.tries, done.why.as_str()), (RunState::Done, 3, ""));
+    drop(service);
+
+    // What was found last is there again for whoever asks.
+    let service = with(&format!("tries = 3\n[page]\nlisten = \"{page}\""));
+    let shown = until("the result", || status(&page).filter(|shown| shown["topics"]["result"].is_object()));
+    assert_eq!(shown["topics"]["result"]["run"], "run.mcap");
+    assert_eq!(shown["topics"]["result"]["verdict"], "missing-effect");
+    drop(service);
+}
+
+fn free_address() -> String {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    listener.local_addr().unwrap().to_string()
+}
+
+/// What the page says of the service; `None` while there is none.
+fn status(page: &str) -> Option<serde_json::Value> {
+    use std::io::{Read, Write};
+    let mut stream = std::net::TcpStream::connect(page).ok()?;
+    let request = format!("GET /api/status HTTP/1.1\r\nHost: {page}\r\nConnection: close\r\n\r\n");
+    stream.write_all(request.as_bytes()).ok()?;
+    let mut text = String::new();
+    stream.read_to_string(&mut text).ok()?;
+    serde_json::from_str(text.split("\r\n\r\n").nth(1)?).ok()
+}
