@@ -111,3 +111,42 @@ impl Storage {
 fn mb(bytes: u64) -> f64 {
     bytes as f64 / 1e6
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run_record;
+    use trunnion::results::{RunRecord, RunState};
+
+    #[test]
+    fn samples_go_by_the_budget_and_reports_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let now = SystemTime::UNIX_EPOCH + 20_000 * DAY;
+        let at = |name: &str| folder.path().join(name);
+        for (age, name) in ["d", "c", "b", "a"].into_iter().enumerate() {
+            let recording = at(&format!("{name}.mcap"));
+            std::fs::write(&recording, vec![0; 1_000_000]).unwrap();
+            let written = now - DAY * u32::try_from(age).unwrap();
+            std::fs::File::options().write(true).open(&recording).unwrap().set_modified(written).unwrap();
+            std::fs::write(recording.with_extension("html"), "report").unwrap();
+            let state = if name == "b" { RunState::Recorded } else { RunState::Done };
+            let parts = if name == "a" { vec!["a-2.mcap".into()] } else { Vec::new() };
+            run_record::write(&recording, &RunRecord { state, parts, ..RunRecord::default() }).unwrap();
+        }
+        std::fs::write(at("a-2.mcap"), vec![0; 1_000_000]).unwrap();
+        let config = StorageConfig { budget_mb: Some(2.5), ..StorageConfig::default() };
+        let removed = Storage::new(folder.path(), config, 3).tidy(now).unwrap();
+        let names: Vec<&str> = removed.iter().map(|removed| removed.run.as_str()).collect();
+        // a with its second part, not b, which has no report yet.
+        assert_eq!(names, ["a", "c"]);
+        assert!(removed[0].mb > 1.9 && removed[0].why.contains("budget_mb of [storage]"), "{removed:?}");
+        for (name, is_there) in [("a", false), ("a-2", false), ("b", true), ("c", false), ("d", true)] {
+            assert_eq!(at(&format!("{name}.mcap")).exists(), is_there, "{name}");
+        }
+        assert!(at("a.html").exists() && at("c.html").exists());
+        let why = run_record::read(&at("a.mcap")).unwrap().removed.unwrap();
+        assert!(why.starts_with("2024-10-04T00:00:00Z: the recordings took more than 2.5 MB"), "{why}");
+        let nothing = Storage::new(folder.path(), StorageConfig::default(), 3).tidy(now).unwrap();
+        assert_eq!(nothing, []);
+    }
+}

@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::Path;
 
 /// Journal and finished file of one reading, bytes: both are there until the journal goes. A journal of three probes at 1 kHz takes
-/// 17 bytes a reading with its plots, the finished file 6 (test `a_reading_takes_no_more_room_than_is_asked_for`); the rest is for values that
+/// 12 bytes a reading with its plots, the finished file 3 (test `a_reading_takes_no_more_room_than_is_asked_for`); the rest is for values that
 /// compress worse.
 pub const BYTES_A_READING: f64 = 40.0;
 /// Machine and cycle file, points, events, page and JSON of a run, MB.
@@ -88,6 +88,50 @@ pub(super) fn free_mb(folder: &Path) -> std::io::Result<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trunnion::cycles::RunKind;
+    use trunnion_core::{HostTime, ProbeSample};
+    use trunnion_record::{Item, Recorder, RunHeader};
+
+    /// Three probes at 1 kHz with noise of a few counts, as in `docs/measured/load.md`, for a minute.
+    #[test]
+    fn a_reading_takes_no_more_room_than_is_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let header = RunHeader {
+            name: "room".into(),
+            kind: RunKind::OnTheFly,
+            machine_name: "table-bc".into(),
+            machine_text: String::new(),
+            setups: Vec::new(),
+            temperature_channels: Vec::new(),
+            probes: (1..=3).map(|k| format!("probe-{k}")).collect(),
+            probe_roles: Vec::new(),
+            cycle_text: String::new(),
+            config_text: String::new(),
+            software_version: String::new(),
+            wall_start_ns: 0,
+            host_start: HostTime(0),
+        };
+        let mut recorder = Recorder::create(folder.path(), "room", &header).unwrap();
+        let readings = 60_000_i64;
+        for k in 0..readings {
+            for channel in 0..3_u16 {
+                let raw = 30_000 + (k * 7919 + i64::from(channel) * 104_729) % 13;
+                let (time_s, value_mm) = (k as f64 * 1e-3, raw as f64 * 3.05e-5);
+                let sample = ProbeSample { channel, time_s, raw, value_mm, ..ProbeSample::default() };
+                recorder.append(Item::Probe(sample), HostTime(k * 1_000_000));
+            }
+        }
+        let journal = folder.path().join("room.mcap.active").metadata().unwrap().len();
+        let finished = recorder.finish(HostTime(readings * 1_000_000)).unwrap().files[0].bytes;
+        let each = |bytes: u64| bytes as f64 / (3 * readings) as f64;
+        let (journal, finished) = (each(journal), each(finished));
+        println!("{journal:.1} and {finished:.1} bytes a reading");
+        assert!(journal + finished < BYTES_A_READING, "{journal:.1} + {finished:.1}");
+        assert!(
+            journal + finished > BYTES_A_READING / 4.0,
+            "far too much is asked for: {journal:.1} + {finished:.1}"
+        );
+    }
 
     #[test]
     fn room_is_judged_with_its_sizes() {
