@@ -4,11 +4,13 @@
 
 mod recorded;
 mod remounts;
+mod tally;
 
 use crate::latest::Latest;
 use remounts::Remounts;
 use std::sync::Arc;
 use std::time::Duration;
+use tally::Tally;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
@@ -220,6 +222,7 @@ impl Live {
             measurement.forming.set_held(self.bounds.is_held());
             let timed = self.timebase.translate(&message);
             self.note_channel(timed.as_ref());
+            measurement.tally.take(&message);
             measurement.take(timed, &mut self.timebase, self.clock.now());
             let now = measurement.forming.progress();
             if shown.replace(now.done) != Some(now.done) {
@@ -232,6 +235,7 @@ impl Live {
             self.bounds.ended_otherwise();
         }
         measurement.record_open_gaps(self.clock.now());
+        measurement.record_tally(self.clock.now());
         Ok(measurement.into_measured())
     }
 }
@@ -246,6 +250,7 @@ struct Measurement<'m> {
     points: Counted,
     gaps: Vec<Gap>,
     remounts: Remounts,
+    tally: Tally,
     temperature_channels: Vec<String>,
     controller_ended_s: Option<f64>,
     /// Newest sample of every channel, then of the axes, s.
@@ -267,6 +272,7 @@ impl<'m> Measurement<'m> {
             points: Counted::default(),
             gaps: Vec::new(),
             remounts: Remounts::default(),
+            tally: Tally::default(),
             temperature_channels: temperature_channels.to_vec(),
             controller_ended_s: None,
             newest_s: vec![0.0; plan.channels.len() + 1],
@@ -332,6 +338,12 @@ impl<'m> Measurement<'m> {
                 self.gap(Gap { source, from_s, to_s: end_s, lost_samples: None, reason }, now);
             }
         }
+    }
+
+    fn record_tally(&mut self, now: HostTime) {
+        let (counted, unexplained) = self.tally.result(self.channels, self.forming.newest_s());
+        counted.into_iter().for_each(|event| self.record(Item::Event(event), now));
+        unexplained.into_iter().for_each(|gap| self.gap(gap, now));
     }
 
     fn finish(&mut self, reason: EndReason, now: HostTime) {
