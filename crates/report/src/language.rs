@@ -25,7 +25,7 @@ pub enum Language {
 }
 
 impl Language {
-    /// Every language with its code [ISO 639-1].
+    /// Every language with its code [ISO 639].
     pub const NAMES: [(&str, Self); 3] =
         [("en", Self::English), ("de", Self::German), ("ja", Self::Japanese)];
 

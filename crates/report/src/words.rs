@@ -8,10 +8,6 @@ use trunnion_results::{
 
 pub use trunnion_results::sentences::*;
 
-/// Least share of the readings inside a 95 % band that holds: neighbours err alike, so single runs scatter around 95 %
-/// (docs/design/statistics.md §9).
-const COVERED: f64 = 0.9;
-
 /// The answer in one line.
 pub fn headline(input: &Comparison) -> String {
     let rms_um = input.identification.rms_um;
@@ -230,8 +226,7 @@ fn then_sentence(then: &Then) -> String {
 
 /// How far kept values predict the runs, in one line.
 fn frozen_headline(frozen: &Prediction) -> String {
-    let worst = frozen.runs.iter().map(|run| run.inside_95_fraction).fold(1.0, f64::min);
-    match worst >= COVERED {
+    match frozen.runs.iter().all(RunPrediction::holds) {
         true => "The kept values predict these runs".into(),
         false => "These runs differ from what the kept values predict".into(),
     }

@@ -3,6 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Least share of the readings inside a 95 % band that holds: neighbours err alike, so single runs scatter around 95 %
+/// (docs/design/statistics.md §9).
+const COVERED: f64 = 0.9;
+
 /// `trunnion-prediction/1`: frozen values of a model against other runs. Only the settings of the new runs are fitted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Prediction {
@@ -58,4 +62,11 @@ pub struct RunPrediction {
     pub band_95_um: f64,
     /// Parameters that were fitted to this run: how the ball was set.
     pub fitted_settings: Vec<String>,
+}
+
+impl RunPrediction {
+    /// True when the band holds the readings.
+    pub fn holds(&self) -> bool {
+        self.inside_95_fraction >= COVERED
+    }
 }

@@ -10,8 +10,8 @@ use trunnion::history::{Wanted, history};
 
 /// Runs of one machine in order of time: what changed since the last run, and which effect
 ///
-/// Every run is fitted with the same model. Control limits come from the machine's own earlier runs, so that an unchanged
-/// machine gives at most one false alarm in a year of daily runs over all values together (docs/use/history.md).
+/// Every run is fitted with the same model. Control limits come from the machine's own earlier runs. An unchanged machine gives
+/// at most one false alarm in a year of daily runs, over all values together (docs/use/history.md).
 ///
 /// Example: trunnion history --folder /var/lib/trunnion --model machine.model.toml
 ///

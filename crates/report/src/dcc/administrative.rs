@@ -1,7 +1,7 @@
 //! Software, identification, machine, laboratory, people, statements.
 
-use super::xml::{holding, plain};
-use super::{DccError, Issuer, stated, text};
+use super::issuer::{DccError, Issuer};
+use super::xml::{holding, plain, stated, text};
 use trunnion_results::{Conformity, Decision, Report, Verdict};
 
 /// Stands for a country that is not known [ISO 3166-1].

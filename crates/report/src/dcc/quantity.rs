@@ -1,7 +1,6 @@
 //! Quantities in D-SI: value and uncertainty in SI base and derived units.
 
-use super::text;
-use super::xml::{holding, plain};
+use super::xml::{holding, plain, text};
 use crate::markup::escape;
 use std::f64::consts::PI;
 

@@ -1,14 +1,14 @@
 //! Method, equipment, temperatures, and every observable parameter of the machine.
 
 use super::administrative::software;
+use super::issuer::DccError;
 use super::quantity::{Uncertainty, celsius, quantity};
-use super::xml::{holding, plain};
-use super::{DccError, stated, text};
+use super::xml::{holding, plain, stated, text};
 use crate::words::{about, effect_name, is_setting};
 use trunnion_results::{Identification, Parameter, Report, RunIdentity, TemperatureRange, Verdict};
 
 pub fn data(report: &Report) -> Result<String, DccError> {
-    if report.comparison.diagnosis.as_ref().is_some_and(|d| d.verdict == Verdict::NotJudged) {
+    if report.comparison.diagnosis.as_ref().is_none_or(|d| d.verdict == Verdict::NotJudged) {
         return Err(DccError::NotJudged);
     }
     let fit = &report.comparison.identification;

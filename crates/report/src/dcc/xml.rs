@@ -18,3 +18,14 @@ pub fn with_attributes(tag: &str, attributes: &[(&str, &str)], markup: &str) -> 
 pub fn plain(tag: &str, text: &str) -> String {
     holding(tag, &escape(text))
 }
+
+/// A text that the schema takes: some, without blanks at its ends.
+pub fn stated(text: Option<&str>) -> String {
+    let words: Vec<&str> = text.unwrap_or_default().split_whitespace().collect();
+    if words.is_empty() { "not recorded".into() } else { words.join(" ") }
+}
+
+/// A text with its language.
+pub fn text(tag: &str, words: &str) -> String {
+    holding(tag, &with_attributes("dcc:content", &[("lang", "en")], &escape(words)))
+}

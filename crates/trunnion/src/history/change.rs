@@ -15,9 +15,6 @@ use trunnion_results::{
 
 /// As good as a normal distribution.
 const MANY: usize = 1000;
-/// Least share of the readings inside a 95 % band that holds: neighbours err alike, so single runs scatter around 95 %
-/// (docs/design/statistics.md §9).
-const COVERED: f64 = 0.9;
 
 /// What changed from one run to another, each diagnosed with the same model.
 pub(super) fn change(
@@ -119,7 +116,7 @@ fn words(change: &RunChange, predicted: Option<&RunPrediction>, verdict: Verdict
             changed.iter().filter(|one| one.effect == effect).map(|one| in_words(one)).collect();
         words.push(format!("Changed in {}: {}.", effect_name(effect), list.join("; ")));
     }
-    match predicted.map(|run| run.inside_95_fraction >= COVERED) {
+    match predicted.map(RunPrediction::holds) {
         _ if !words.is_empty() => {}
         None => words.push("No value changed significantly.".into()),
         Some(true) => words.push(format!("Nothing changed: the values of {from} predict {to}.")),
