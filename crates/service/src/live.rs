@@ -7,7 +7,7 @@ mod remounts;
 mod tally;
 
 use crate::latest::Latest;
-use remounts::Remounts;
+use remounts::{FIRST_MOTION_S, Remounts};
 use std::sync::Arc;
 use std::time::Duration;
 use tally::Tally;
@@ -74,8 +74,6 @@ pub struct Start {
 
 /// The controller shows the end before the last samples are through: how long to go on, s.
 const AFTERMATH_S: f64 = 1.0;
-/// No program moves sooner after its start, s.
-const FIRST_MOTION_S: f64 = 0.05;
 /// A channel without a sample for so long at the end of a run was away, s; the slowest indicators speak every second.
 const AWAY_S: f64 = 2.5;
 /// With no message of any device for so long the cycle ends.

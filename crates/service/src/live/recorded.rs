@@ -1,7 +1,6 @@
 //! What is missing from a recording, as it would have been said live.
 
-use super::FIRST_MOTION_S;
-use super::remounts::Remounts;
+use super::remounts::{FIRST_MOTION_S, Remounts};
 use std::path::Path;
 use trunnion::cycles::Cycle;
 use trunnion_core::Gap;

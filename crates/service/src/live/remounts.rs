@@ -3,6 +3,9 @@
 
 use trunnion_core::{Gap, Point, Quality};
 
+/// No program moves sooner after its start, s.
+pub(super) const FIRST_MOTION_S: f64 = 0.05;
+
 /// Stretches of one run in which the ball was mounted again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Remounts {

@@ -1,6 +1,6 @@
 //! Which raw recordings go.
 
-use super::{DAY, StorageConfig, mb};
+use super::config::{DAY, StorageConfig, mb};
 use crate::clock::moment;
 use crate::error::chain;
 use crate::run_record::{self, Known, is_pending};
