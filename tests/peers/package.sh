@@ -1,0 +1,82 @@
+#!/usr/bin/env bash
+# Installs, upgrades, removes and purges the Debian package on an emulated computer that is booted by systemd: package.sh PROGRAM
+# Its service reads a serial port there under all restrictions of its unit, is killed and comes back. Exit status: that of the trial inside.
+# Needs: qemu-system-x86 debootstrap cpio binutils python3, and the download of a kernel and of a minimal Debian. Made files:
+# target/package-machine.
+set -euo pipefail
+program=$(readlink -f "$1")
+here=$(cd "$(dirname "$0")/../.." && pwd)
+work=$here/target/package-machine
+mkdir -p "$work"
+cd "$work"
+exec 9>lock
+flock 9
+
+# No more than the unit promises: tenths of systemd's measure.
+exposure=$(systemd-analyze security --offline=true "$here/systemd/trunnion.service" | sed -n 's/.*exposure level.*: \([0-9.]*\) .*/\1/p')
+echo "exposure $exposure"
+awk -v found="$exposure" 'BEGIN { exit !(found != "" && found <= 1.5) }'
+
+if ! ls kernel/boot/vmlinuz-* >/dev/null 2>&1; then
+  package=$(apt-cache depends linux-image-amd64 | sed -n 's/.*Depends: \(linux-image-[0-9].*\)/\1/p' | head -1)
+  apt-get download -q "$package" >/dev/null 2>&1
+  mkdir -p kernel
+  dpkg-deb -x "$package"_*.deb kernel
+  rm -f "$package"_*.deb
+fi
+vmlinuz=$(echo kernel/boot/vmlinuz-*)
+# As in can_machine.sh: the emulated processor would take long to unpack it.
+[ -s vmlinux ] || python3 - "$vmlinuz" vmlinux <<'END'
+import lzma, sys
+image = open(sys.argv[1], "rb").read()
+start = image.find(b"\xfd7zXZ\0")
+while start >= 0:
+    try:
+        unpacked = lzma.LZMADecompressor().decompress(image[start:])
+        if unpacked[:4] == b"\x7fELF":
+            open(sys.argv[2], "wb").write(unpacked)
+            break
+    except lzma.LZMAError:
+        pass
+    start = image.find(b"\xfd7zXZ\0", start + 1)
+else:
+    sys.exit("no kernel packed with xz in " + sys.argv[1])
+END
+if ! [ -d debian/etc ]; then
+  rm -rf debian.partial
+  debootstrap --variant=minbase --include=systemd,systemd-sysv,udev bookworm debian.partial >debootstrap.log
+  rm -rf debian.partial/usr/share/{doc,locale,man,zoneinfo} debian.partial/var/{cache,lib}/apt debian.partial/usr/lib/x86_64-linux-gnu/gconv
+  mv debian.partial debian
+fi
+
+rm -rf root packages root.cpio
+cp -a debian root
+mkdir -p packages root/trial
+first=$("$here/packaging/deb/build" "$program" packages 1.0.0)
+second=$("$here/packaging/deb/build" "$program" packages 1.0.1)
+cp "$first" root/trial/first.deb
+cp "$second" root/trial/second.deb
+cp "$here/tests/peers/package_trial.sh" root/trial/run
+data=$here/tests/data/points-gravity
+"$program" import "$data/points.csv" --setup "$data/setup.toml" -o root/trial/run.mcap
+cat >root/etc/systemd/system/trial.service <<'END'
+[Unit]
+Wants=multi-user.target
+After=multi-user.target
+[Service]
+Type=oneshot
+StandardOutput=tty
+TTYPath=/dev/ttyS0
+ExecStart=/bin/bash /trial/run
+ExecStopPost=/bin/systemctl --force --force poweroff
+END
+ln -sf /etc/systemd/system/trial.service root/etc/systemd/system/default.target
+ln -sf /sbin/init root/init
+(cd root && find . -xdev | cpio -o -H newc --quiet) >root.cpio
+
+# The second serial line is the port of a probe that says nothing.
+timeout 900 qemu-system-x86_64 -M q35 -accel tcg -m 1536 -smp 1 -nographic -no-reboot -nodefaults \
+  -serial stdio -serial null -kernel vmlinux -initrd root.cpio \
+  -append "console=ttyS0 quiet panic=-1 mitigations=off systemd.unit=trial.service" </dev/null 2>&1 | tr -d '\r' | tee last.log
+status=$(sed -n 's/^.*STATUS=//p' last.log | tail -1)
+exit "${status:-125}"
