@@ -4,9 +4,12 @@
 //! `table_from_tool(q', e(q'))·0 = table_from_tool(q, 0)·0`, the tool point in table axes. The positions on its screen stay
 //! the commanded ones. Orientation is left as it is. Reading the files and moving the axes share no code with the estimator.
 
+mod control;
+mod control_files;
 mod read;
 
 use crate::physics::chain::machine_from_tip;
+use control::Control;
 use nalgebra::{Matrix3, Point3, Vector3};
 use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_machine::{Machine, Side};
@@ -23,6 +26,8 @@ pub struct Compensation {
     location: AxisValues<Twist>,
     /// Joint errors over the position of the joint.
     tables: Vec<Table>,
+    /// What the control holds in place of joint errors: lines of its transformation, tables of axes.
+    control: Option<Control>,
 }
 
 /// Component errors of one axis.
@@ -54,17 +59,20 @@ impl Compensation {
 
     /// Where the axes really go when `position` is commanded; `None` when the linear axes cannot.
     pub fn corrected(&self, machine: &Machine, position: &AxisValues<f64>) -> Option<AxisValues<f64>> {
+        if let Some(control) = &self.control {
+            return control.corrected(machine, position);
+        }
         let none = AxisValues::default();
-        let wanted = tool_in_table(machine, position, &none);
+        let wanted = tool_in_table_mm(machine, position, &none);
         let mut corrected = *position;
         for _ in 0..STEPS {
-            let gap = wanted - tool_in_table(machine, &corrected, &self.errors_at(&corrected));
+            let gap = wanted - tool_in_table_mm(machine, &corrected, &self.errors_at(&corrected));
             let mut slope = Matrix3::zeros();
             for (i, letter) in Joint::LINEAR.into_iter().enumerate() {
                 let mut moved = corrected;
                 moved[letter] += 1.0;
                 let travel =
-                    tool_in_table(machine, &moved, &none) - tool_in_table(machine, &corrected, &none);
+                    tool_in_table_mm(machine, &moved, &none) - tool_in_table_mm(machine, &corrected, &none);
                 slope.set_column(i, &travel);
             }
             let step: Vector3<f64> = slope.try_inverse()? * gap;
@@ -100,7 +108,11 @@ impl Table {
     }
 }
 
-fn tool_in_table(machine: &Machine, position: &AxisValues<f64>, errors: &AxisValues<Twist>) -> Point3<f64> {
+fn tool_in_table_mm(
+    machine: &Machine,
+    position: &AxisValues<f64>,
+    errors: &AxisValues<Twist>,
+) -> Point3<f64> {
     let machine_from_table = machine_from_tip(machine, Side::Table, position, errors);
     machine_from_table.inverse()
         * (machine_from_tip(machine, Side::Tool, position, errors) * Point3::origin())

@@ -7,7 +7,7 @@ use crate::program::{output, trunnion};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use trunnion_report::compensation::FORMATS;
+use trunnion_report::compensation::{FORMATS, Signs};
 
 /// White noise of the readings of both truths, µm.
 const NOISE_UM: f64 = 0.1;
@@ -65,8 +65,13 @@ impl Shop {
     }
 }
 
+/// Tables for other programs; controls are in `correct`.
+fn tables() -> impl Iterator<Item = &'static str> {
+    FORMATS.iter().filter(|format| format.signs == Signs::Either).map(|format| format.name)
+}
+
 /// Rms of the readings about their mean in each setup (the setting of the ball is not the machine's), µm.
-fn rms_um(run: &str) -> f64 {
+pub fn rms_um(run: &str) -> f64 {
     let table = trunnion(&["export", "csv", run]);
     let mut lines = table.lines();
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
@@ -98,7 +103,7 @@ fn rotary_errors_exported_in_any_format_are_gone_when_applied_and_double_with_th
     let before = shop.measure("before", None);
     let before_um = rms_um(&before);
     assert!(before_um > 10.0, "{before_um}");
-    for format in FORMATS.iter().map(|format| format.name) {
+    for format in tables() {
         for more in [&[][..], &["--corrections"]] {
             let (file, reported) = shop.export(&before, format, more);
             let after_um = rms_um(&shop.measure("after", Some(&file)));
@@ -121,7 +126,7 @@ fn errors_of_linear_axes_are_gone_and_backlash_is_named_and_stays() {
         serde_json::from_str(&trunnion(&["identify", run, "--model", &shop.model, "--json"])).unwrap()
     };
     let found = identify(&before);
-    for format in FORMATS.iter().map(|format| format.name) {
+    for format in tables() {
         let (file, reported) = shop.export(&before, format, &[]);
         let left_out = reported["left_out"].as_array().unwrap();
         let backlash = left_out.iter().find(|left| left["effect"] == "backlash:C").unwrap();

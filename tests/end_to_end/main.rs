@@ -6,6 +6,7 @@ mod attribute;
 mod bad_input;
 mod combined;
 mod compensation;
+mod correct;
 mod demo;
 mod devices;
 mod history;

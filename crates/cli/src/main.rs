@@ -10,7 +10,7 @@ mod terminal;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, analyse_run, attribute, calibrate_nest, check, check_config, compare, compensation, daemon, demo,
+    add, analyse_run, attribute, calibrate_nest, check, check_config, compare, correct, daemon, demo,
     devices, diagnose, export, history, identify, import, ladder, nc_program, open, plan, predict, record,
     remove, replay, report, scrub, simulate, volumetric, watch,
 };
@@ -54,7 +54,8 @@ enum Command {
     Plan(plan::Args),
     Predict(predict::Args),
     NcProgram(nc_program::Args),
-    Compensation(compensation::Args),
+    #[command(visible_alias = "compensation")]
+    Correct(correct::Args),
     Scrub(scrub::Args),
     Simulate(simulate::Args),
     Volumetric(volumetric::Args),
@@ -92,7 +93,7 @@ fn main() -> ExitCode {
         Command::Plan(args) => plan::run(&args),
         Command::Predict(args) => predict::run(&args),
         Command::NcProgram(args) => nc_program::run(&args),
-        Command::Compensation(args) => compensation::run(&args),
+        Command::Correct(args) => correct::run(&args),
         Command::Scrub(args) => scrub::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Volumetric(args) => volumetric::run(&args),

@@ -10,3 +10,13 @@ pub enum Outcome {
     /// Done, but no verdict was given: the runs are not plausible or not whole.
     Withheld,
 }
+
+impl Outcome {
+    /// The same where no verdict was given; a loss of data says more.
+    pub fn or_withheld(self) -> Self {
+        match self {
+            Self::Done => Self::Withheld,
+            other => other,
+        }
+    }
+}

@@ -27,6 +27,12 @@ impl NamePlate {
         document.finish(Some(plate))
     }
 
+    /// This one, filled up from another.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self { serial: self.serial.or(other.serial), tolerance_um: self.tolerance_um.or(other.tolerance_um) }
+    }
+
     pub(crate) fn read(root: &Table<'_>) -> Self {
         Self {
             serial: root.optional_string("serial"),

@@ -32,9 +32,10 @@ pub use language::Language;
 pub use residuals::residuals_csv;
 pub use story::story;
 pub use text::{
-    axis_errors_text, check_text, compare_text, diagnosis_text, findings_text, history_text,
-    identification_text, ladder_text, live_line, live_screen, location_text, nest_text, plan_text,
-    prediction_text, preview_text, report_text, sign_test_text, timing_text, trial_text, volumetric_text,
+    check_text, compare_text, correction_judged_text, correction_text, diagnosis_text, findings_text,
+    history_text, identification_text, ladder_text, live_line, live_screen, location_text, nest_text,
+    plan_text, prediction_text, preview_text, report_text, sign_test_text, timing_text, trial_text,
+    volumetric_text,
 };
 pub use time_quality::duration;
 pub use volumetric::error_map_csv;

@@ -75,8 +75,7 @@ pub(crate) fn to_do(input: &Comparison) -> Vec<String> {
     }
     if diagnosis.verdict == Verdict::NoiseFloor {
         to_do.push(
-            "Enter the errors of the axes into the control (trunnion compensation), then measure again."
-                .into(),
+            "Enter the errors of the axes into the control (trunnion correct), then measure again.".into(),
         );
     }
     to_do

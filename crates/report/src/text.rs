@@ -1,6 +1,6 @@
 //! Tables for the terminal: aligned columns, no colours, no line drawing beyond plain bars.
 
-mod axis_errors;
+mod correction;
 mod filed;
 mod findings;
 mod history;
@@ -12,7 +12,7 @@ mod table;
 mod timing;
 mod volumetric;
 
-pub use axis_errors::axis_errors_text;
+pub use correction::{correction_judged_text, correction_text};
 pub use filed::report_text;
 pub use findings::findings_text;
 pub use history::history_text;

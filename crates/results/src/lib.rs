@@ -4,10 +4,11 @@
 //! types and read back into them. Text and pages are made from them too ([`number`]), so that they show the same figures.
 
 mod axis_errors;
+mod chain;
 mod comparison;
-mod compensation;
 mod complete;
 mod conformity;
+mod correction;
 mod demo;
 mod devices;
 mod diagnosis;
@@ -41,13 +42,17 @@ mod volumetric;
 mod written;
 
 pub use axis_errors::{AxisErrors, AxisErrorsFormat, AxisTable};
+pub use chain::{Chain, ChainJoint};
 pub use comparison::{
     AxisRange, BeforeAfter, Comparison, ComparisonFormat, Place, PlacesBeforeAfter, Region,
     ResidualsBeforeAfter, Then, Trial, TrialFormat,
 };
-pub use compensation::{CompensationAxis, CompensationFormat, CompensationSummary, CompensationValues};
 pub use complete::{Complete, Excluded, ExcludedSamples, Missing, Samples};
 pub use conformity::{Conformity, Decision, Judged};
+pub use correction::{
+    CorrectedAxis, Correction, CorrectionFormat, CorrectionJudged, CorrectionJudgedFormat, CorrectionValues,
+    Expected, SelfTest, SelfTestPose, SignCheck, SignVerdict,
+};
 pub use demo::{Demo, DemoFormat, DemoStep};
 pub use devices::{CheckedDevice, DevicePlace, DevicesChecked, DevicesFormat, DevicesFound};
 pub use diagnosis::{

@@ -1,10 +1,10 @@
 //! The JSON schemas, generated from the types.
 
 use crate::{
-    Added, AxisErrors, Check, Comparison, CompensationSummary, Demo, DevicesChecked, DevicesFound, Diagnosis,
-    ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live, MachineHistory,
-    NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, Report, RunList, RunRecord,
-    Scrubbed, SignTest, Simulation, Story, TimeQuality, Trial, Volumetric, to_json,
+    Added, AxisErrors, Check, Comparison, Correction, CorrectionJudged, Demo, DevicesChecked, DevicesFound,
+    Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live,
+    MachineHistory, NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, Report,
+    RunList, RunRecord, Scrubbed, SignTest, Simulation, Story, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -26,7 +26,8 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("volumetric", schema_for!(Volumetric)),
         ("error-map", schema_for!(ErrorMap)),
         ("axis-errors", schema_for!(AxisErrors)),
-        ("compensation-summary", schema_for!(CompensationSummary)),
+        ("correction", schema_for!(Correction)),
+        ("correction-judged", schema_for!(CorrectionJudged)),
         ("time-quality", schema_for!(TimeQuality)),
         ("nc-program", schema_for!(NcProgram)),
         ("simulation", schema_for!(Simulation)),

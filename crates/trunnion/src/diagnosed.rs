@@ -23,6 +23,24 @@ impl Fit {
     }
 }
 
+impl Fit {
+    /// The answer of a diagnosis in one word, and why where nothing is claimed; undecided where the runs are too few to ask.
+    ///
+    /// # Errors
+    /// A fit that fails on the way.
+    pub fn verdict(&self) -> Result<(results::Verdict, String), Error> {
+        match Diagnosed::without_plan(self) {
+            Ok(diagnosed) => {
+                let answer = diagnosed.results();
+                let found = answer.best().map_or(answer.why, |best| format!("It lacks {best}."));
+                Ok((answer.verdict, found))
+            }
+            Err(Error::Diagnose(why)) => Ok((results::Verdict::Undecided, why.to_string())),
+            Err(other) => Err(other),
+        }
+    }
+}
+
 impl Diagnosed {
     /// What the model lacks, without a plan for the next cycle.
     pub(crate) fn without_plan(fit: &Fit) -> Result<Self, Error> {

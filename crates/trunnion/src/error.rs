@@ -48,6 +48,12 @@ pub enum Error {
         /// The shipped ones.
         allowed: String,
     },
+    /// Nothing that a control could take.
+    #[error("nothing was written for the control: {why}")]
+    NoCorrection {
+        /// Why.
+        why: String,
+    },
     /// Runs that cannot be fitted together.
     #[error(transparent)]
     Experiment(Box<ExperimentError>),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use trunnion_cycles::Run;
 use trunnion_engine::plausibility::{Implausible, implausible};
-use trunnion_machine::Machine;
+use trunnion_machine::{Machine, NamePlate};
 use trunnion_results as results;
 use trunnion_sync::blocks::Limits;
 use trunnion_sync::time_quality::TimeQuality;
@@ -19,6 +19,7 @@ pub struct Experiment {
 
 struct Opened {
     runs: Vec<Run>,
+    plate: NamePlate,
     points: trunnion_engine::Experiment,
     timing: Vec<TimeQuality>,
     damage: Vec<String>,
@@ -73,6 +74,7 @@ pub fn read(path: &Path, limits: Option<Limits>) -> Result<Recording, Error> {
             damage: None,
             timing: None,
             samples: None,
+            plate: NamePlate::default(),
         });
     }
     recording::read(path, &|name| files::machine(name).ok(), limits)
@@ -104,7 +106,7 @@ impl Experiment {
     /// No usable point, or runs of different machines.
     pub fn of_recordings(recordings: Vec<(PathBuf, Recording)>) -> Result<Self, Error> {
         let (mut runs, mut timing, mut damage, mut reductions) = (vec![], vec![], vec![], vec![]);
-        let (mut planned, mut samples) = (Vec::new(), Vec::new());
+        let (mut planned, mut samples, mut plate) = (Vec::new(), Vec::new(), NamePlate::default());
         for (path, recording) in recordings {
             let named = |text: String| format!("{}: {text}", path.display());
             damage.extend(recording.damage.as_ref().map(|damage| named(damage.to_string())));
@@ -113,6 +115,7 @@ impl Experiment {
             samples.extend(
                 recording.samples.and_then(|counts| results::Samples::of(&recording.run.name, &counts)),
             );
+            plate = plate.or(recording.plate);
             runs.push(recording.run);
             planned.push(recording.planned);
         }
@@ -122,6 +125,7 @@ impl Experiment {
         Ok(Self {
             opened: Arc::new(Opened {
                 runs,
+                plate,
                 points,
                 timing,
                 damage,
@@ -136,6 +140,11 @@ impl Experiment {
     /// The machine.
     pub fn machine(&self) -> &Machine {
         self.opened.points.machine()
+    }
+
+    /// What the machine file says of the one machine: the first run that says it.
+    pub fn plate(&self) -> &NamePlate {
+        &self.opened.plate
     }
 
     /// The runs, as read.

@@ -25,14 +25,12 @@ impl Compared {
     pub fn report(&self, paths: &[PathBuf], filing: &Filing) -> Result<Report, Error> {
         let fit = self.diagnosed().fit();
         let mut runs = Vec::new();
-        let (mut serial, mut of_file) = (filing.serial.clone(), None);
         for (path, run) in paths.iter().zip(fit.experiment().runs()) {
-            let (identity, plate) = identity::of_run(path, run)?;
-            runs.push(identity);
-            serial = serial.or(plate.serial);
-            of_file = of_file.or(plate.tolerance_um);
+            runs.push(identity::of_run(path, run)?);
         }
-        let tolerance = match (filing.tolerance_um, of_file) {
+        let plate = fit.experiment().plate();
+        let serial = filing.serial.clone().or_else(|| plate.serial.clone());
+        let tolerance = match (filing.tolerance_um, plate.tolerance_um) {
             (Some(asked), _) => Some((asked, "given with the command")),
             (None, Some(of_file)) => Some((of_file, "machine file in the recording")),
             (None, None) => None,

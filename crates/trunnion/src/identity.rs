@@ -7,21 +7,18 @@ use std::io::Read;
 use std::path::Path;
 use trunnion_core::{InstrumentKind, Setup};
 use trunnion_cycles::{Run, RunKind};
-use trunnion_machine::NamePlate;
 use trunnion_record::RunHeader;
 use trunnion_results::{RunIdentity, TemperatureRange};
 
 /// Bytes of a file in memory at once.
 const CHUNK: usize = 1 << 16;
 
-/// A recording, and what its machine file says of the machine.
-pub(crate) fn of_run(path: &Path, run: &Run) -> Result<(RunIdentity, NamePlate), Error> {
+/// A recording.
+pub(crate) fn of_run(path: &Path, run: &Run) -> Result<RunIdentity, Error> {
     let header = trunnion_record::read_header(path)
         .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
-    // A machine file that this version cannot read has no name plate either; the machine itself was read already.
-    let plate = NamePlate::parse("machine in the recording", &header.machine_text).unwrap_or_default();
     let began = moment::minute(header.wall_start_ns);
-    let identity = RunIdentity {
+    Ok(RunIdentity {
         run: run.name.clone(),
         file: path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         sha256: sha256(path)?,
@@ -34,8 +31,7 @@ pub(crate) fn of_run(path: &Path, run: &Run) -> Result<(RunIdentity, NamePlate),
         probe_calibration: probe_calibration(&header, &run.setups),
         temperatures: temperatures(run),
         recorded_with: header.software_version,
-    };
-    Ok((identity, plate))
+    })
 }
 
 /// Hexadecimal SHA-256 of a file.

@@ -261,7 +261,7 @@ fn covariance(a: &Known<'_>, b: &Known<'_>) -> f64 {
 }
 
 /// An orthonormal basis of the space that columns span.
-fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
     if columns.ncols() == 0 {
         return columns.clone();
     }

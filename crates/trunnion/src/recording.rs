@@ -12,7 +12,8 @@ use std::sync::mpsc;
 use trunnion_core::Point;
 use trunnion_cycles::{Run, RunKind};
 use trunnion_engine::Nominal;
-use trunnion_machine::Machine;
+use trunnion_machine::{Machine, NamePlate};
+
 use trunnion_record::{Damage, Item, RecordError, RunHeader, RunStart};
 use trunnion_sync::CycleEvent;
 use trunnion_sync::blocks::{Limits, Reducer};
@@ -35,6 +36,8 @@ pub struct Recording {
     pub timing: Option<TimeQuality>,
     /// What became of its samples, where points were formed from them again.
     pub samples: Option<SampleCounts>,
+    /// What the machine file in it says of the one machine; nothing where it has none that this version reads.
+    pub plate: NamePlate,
 }
 
 /// Points in one batch between the threads, and batches waiting.
@@ -90,6 +93,7 @@ fn gather(
 ) -> Result<Recording, RecordError> {
     let (send, batches) = mpsc::sync_channel::<Batch>(QUEUE);
     let of_header = header.machine().and_then(Result::ok).or_else(|| machine(&header.machine_name));
+    let plate = NamePlate::parse("machine in the recording", &header.machine_text).unwrap_or_default();
     let planned = of_header.and_then(|machine| Planned::of(&header, &machine));
     let mut points = Points { limits, start: None, kept: Vec::new(), reducing: None, planned };
     let read = std::thread::scope(|scope| {
@@ -103,7 +107,7 @@ fn gather(
     let (start, damage, samples) = read?;
     let (points, reduction, planned) = points.finish();
     let timing = timing.map(|timing| timing.quality);
-    Ok(Recording { run: start.run(points), reduction, planned, damage, timing, samples })
+    Ok(Recording { run: start.run(points), reduction, planned, damage, timing, samples, plate })
 }
 
 /// Hands over the points that the samples give with the clocks of the whole run.

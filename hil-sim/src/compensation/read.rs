@@ -1,30 +1,32 @@
-//! Reading compensation files: ISG CSV, Etalon exchange, plain CSV.
+//! Reading compensation files: ISG CSV, Etalon exchange, plain CSV; what is written for controls goes to `control_files`.
 //!
 //! Values are offsets in mm and angles in rad, arguments mm and degrees. A remark of the file must say `values = error` or
 //! `values = correction`: nothing is guessed about the sign.
 
-use super::{Compensation, Table};
+use super::control::Control;
+use super::{Compensation, Table, control_files};
 use std::collections::BTreeMap;
 use trunnion_core::{AxisValues, Joint, Problem, Problems, Twist};
+use trunnion_machine::Machine;
 
 /// Column name and its values: one without argument, or many with.
 #[derive(Default)]
-struct Numbers {
+pub(super) struct Numbers {
     /// Position errors by (axis, direction).
-    constants: BTreeMap<(usize, usize), f64>,
+    pub constants: BTreeMap<(usize, usize), f64>,
     /// Component errors by (axis, direction): argument and value, as in the file.
-    curves: BTreeMap<(usize, usize), Vec<(f64, f64)>>,
+    pub curves: BTreeMap<(usize, usize), Vec<(f64, f64)>>,
 }
 
 /// A line of a file with its number.
-type Line<'a> = (usize, &'a str);
+pub(super) type Line<'a> = (usize, &'a str);
 
 impl Compensation {
-    /// Reads a file of any of the three formats; `file` is shown in problems.
+    /// Reads a file of any format that `machine` uses; `file` is shown in problems.
     ///
     /// # Errors
     /// The first thing that is not understood, with its line and what would be.
-    pub fn parse(file: &str, text: &str) -> Result<Self, Problems> {
+    pub fn parse(machine: &Machine, file: &str, text: &str) -> Result<Self, Problems> {
         let problem = |(line, found, allowed): (usize, String, &str)| Problem {
             file: file.into(),
             line,
@@ -33,26 +35,49 @@ impl Compensation {
             allowed: allowed.into(),
             advice: String::new(),
         };
-        let sign = sign(text).map_err(problem)?;
-        let remark = if text.starts_with("# trunnion-compensation/1") { "#" } else { "//" };
-        let lines: Vec<Line<'_>> = text
-            .lines()
-            .enumerate()
-            .map(|(i, line)| (i + 1, line.split(remark).next().unwrap_or_default().trim()))
-            .filter(|(_, line)| !line.is_empty())
-            .collect();
-        let numbers = if remark == "#" {
-            plain(&lines)
-        } else if lines.iter().any(|(_, line)| line.starts_with('[')) {
-            etalon(&lines)
-        } else {
-            isg(&lines)
-        };
-        numbers.and_then(|numbers| assemble(&numbers, sign)).map_err(|found| problem(found).into())
+        read(machine, text).map_err(|found| problem(found).into())
     }
 }
 
-type Found = (usize, String, &'static str);
+fn read(machine: &Machine, text: &str) -> Result<Compensation, Found> {
+    let of_control = |control: Control| Compensation {
+        location: AxisValues::default(),
+        tables: Vec::new(),
+        control: Some(control),
+    };
+    if text.contains("$MC_TRAFO5_") || text.contains("NEWCONF") {
+        return control_files::siemens(machine, &lines(text, ";")).map(of_control);
+    }
+    if text.contains("G10 L52") {
+        return control_files::fanuc(machine, &lines(text, "(")).map(of_control);
+    }
+    if text.contains("MachAxis") {
+        // Errors of the actual machine, as the manual enters them.
+        return assemble(&control_files::heidenhain(&lines(text, ";"))?, 1.0);
+    }
+    let sign = sign(text)?;
+    let remark = if text.starts_with("# trunnion-compensation/1") { "#" } else { "//" };
+    let lines = lines(text, remark);
+    let numbers = if remark == "#" {
+        plain(&lines)
+    } else if lines.iter().any(|(_, line)| line.starts_with('[')) {
+        etalon(&lines)
+    } else {
+        isg(&lines)
+    };
+    assemble(&numbers?, sign)
+}
+
+/// Lines with something before the remark.
+fn lines<'a>(text: &'a str, remark: &str) -> Vec<Line<'a>> {
+    text.lines()
+        .enumerate()
+        .map(|(i, line)| (i + 1, line.split(remark).next().unwrap_or_default().trim()))
+        .filter(|(_, line)| !line.is_empty())
+        .collect()
+}
+
+pub(super) type Found = (usize, String, &'static str);
 
 /// +1 when the file holds errors, −1 when it holds corrections.
 fn sign(text: &str) -> Result<f64, Found> {
@@ -174,7 +199,7 @@ fn etalon(lines: &[Line<'_>]) -> Result<Numbers, Found> {
     Ok(numbers)
 }
 
-fn number(line: usize, text: &str) -> Result<f64, Found> {
+pub(super) fn number(line: usize, text: &str) -> Result<f64, Found> {
     let parsed = text.parse().ok().filter(|value: &f64| value.is_finite());
     parsed.ok_or_else(|| (line, format!("\"{text}\""), "a number with a decimal point"))
 }
@@ -231,7 +256,7 @@ fn assemble(numbers: &Numbers, sign: f64) -> Result<Compensation, Found> {
         }
         tables.extend(table);
     }
-    Ok(Compensation { location, tables })
+    Ok(Compensation { location, tables, control: None })
 }
 
 fn unit(direction: usize) -> Twist {

@@ -7,7 +7,10 @@ mod canopen;
 #[expect(dead_code, reason = "LinuxCNC interprets here")]
 mod interpreter;
 mod linuxcnc;
+mod linuxcnc_cell;
+mod linuxcnc_correct;
 mod linuxcnc_moves;
+mod linuxcnc_process;
 mod mcap;
 mod mosquitto;
 mod opcua;

@@ -7,7 +7,7 @@ pub mod calibrate_nest;
 pub mod check;
 pub mod check_config;
 pub mod compare;
-pub mod compensation;
+pub mod correct;
 pub mod daemon;
 pub mod demo;
 pub mod devices;

@@ -33,7 +33,7 @@ pub struct Args {
     /// Points a second on the fly
     #[arg(long, value_name = "RATE", default_value_t = Pace::default().points_per_s)]
     points_per_s: f64,
-    /// Compensation file that the simulated controller applies (ISG CSV, Etalon exchange, plain CSV)
+    /// File of `correct` that the simulated controller applies; a HAL component of LinuxCNC it cannot read
     #[arg(long, value_name = "FILE")]
     compensation: Option<PathBuf>,
     /// Recording to write
@@ -54,7 +54,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         None => standard_run(args, &machine, &truth)?,
     };
     if let Some(path) = &args.compensation {
-        let table = Compensation::parse(&path.display().to_string(), &load::read(path)?)?;
+        let table = Compensation::parse(&machine, &path.display().to_string(), &load::read(path)?)?;
         simulated.machine = simulated.machine.compensated(table)?;
     }
     // While axes move, their own encoders are recorded as well.

@@ -3,9 +3,9 @@
 //! `parameter,axis,argument,argument_unit,value,value_unit`: a location error (EX0C, …) has no argument, a component error
 //! (EXC, …) has one line for each position. Lines that begin with `#` are remarks, the first of them names the format.
 
-use super::format::{Format, argument, header, number};
+use super::format::{Format, Signs, argument, header_of_tables, number, takes_all};
 use trunnion_core::Joint;
-use trunnion_results::{AxisErrors, CompensationValues};
+use trunnion_results::{AxisErrors, Chain, CorrectionValues};
 
 pub(super) static FORMAT: Format = Format {
     name: "csv",
@@ -13,12 +13,17 @@ pub(super) static FORMAT: Format = Format {
     readers: "spreadsheets, other programs",
     source: "this file; symbols of ISO 230-1",
     ending: "csv",
+    signs: Signs::Either,
+    enter: &["Read the file into the program that feeds the control: each line is one number with its unit."],
+    undo: &["Take the file out of that program."],
+    unconfirmed: &[],
+    takes: takes_all,
     write,
 };
 
-fn write(errors: &AxisErrors, values: CompensationValues) -> String {
+fn write(_: &Chain, errors: &AxisErrors, values: CorrectionValues) -> String {
     let mut text = String::from("# trunnion-compensation/1\n");
-    for line in header(errors, values) {
+    for line in header_of_tables(errors, values) {
         text += &format!("# {line}\n");
     }
     text += "parameter,axis,argument,argument_unit,value,value_unit\n";

@@ -5,9 +5,9 @@
 //! and degrees. The format is proprietary and its whole description not public: written here is what the ISG documentation
 //! shows of it, and nothing else.
 
-use super::format::{Format, argument, header, number};
+use super::format::{Format, Signs, argument, header_of_tables, number, takes_all};
 use trunnion_core::Joint;
-use trunnion_results::{AxisErrors, CompensationValues};
+use trunnion_results::{AxisErrors, Chain, CorrectionValues};
 
 pub(super) static FORMAT: Format = Format {
     name: "etalon",
@@ -15,11 +15,22 @@ pub(super) static FORMAT: Format = Format {
     readers: "ISG-kernel CNC, Beckhoff TwinCAT 3 CNC (`ETALON_EXCHANGE`)",
     source: "ISG functional description C26 / Beckhoff TF5280 Volumetric Compensation: Etalon Exchange Format, Units of measure",
     ending: "txt",
+    signs: Signs::Either,
+    enter: &[
+        "Name the file in the configuration of the volumetric compensation (file[0], file_format[0] ETALON_EXCHANGE).",
+        "Switch it on: #VOLCOMP ON [ID0].",
+    ],
+    undo: &["#VOLCOMP OFF [ID0]; take the file out of the configuration."],
+    unconfirmed: &[
+        "The whole Etalon format is not public; written is what the ISG documentation shows of it.",
+    ],
+    takes: takes_all,
     write,
 };
 
-fn write(errors: &AxisErrors, values: CompensationValues) -> String {
-    let mut text: String = header(errors, values).iter().map(|line| format!("// {line}\n")).collect();
+fn write(_: &Chain, errors: &AxisErrors, values: CorrectionValues) -> String {
+    let mut text: String =
+        header_of_tables(errors, values).iter().map(|line| format!("// {line}\n")).collect();
     for table in &errors.axes {
         for (k, value) in table.location.into_iter().enumerate().filter(|(_, value)| *value != 0.0) {
             let name = format!("{}0{}", Joint::ALL[k], table.axis);

@@ -1,8 +1,8 @@
-//! What a format provides, and what all formats have in common: header, arguments, numbers.
+//! What a control or format provides, and what all have in common: header, arguments, numbers.
 
-use trunnion_results::{AxisErrors, CompensationValues};
+use trunnion_results::{AxisErrors, Chain, CorrectionValues};
 
-/// One format: plain data and a function, one constant per file.
+/// One control or format: plain data and two functions, one constant per file.
 pub struct Format {
     /// Name on the command line and of the file.
     pub name: &'static str,
@@ -14,20 +14,43 @@ pub struct Format {
     pub source: &'static str,
     /// Usual ending of the file name.
     pub ending: &'static str,
-    /// The text of the file.
-    pub write: fn(&AxisErrors, CompensationValues) -> String,
+    /// Which signs its values can have.
+    pub signs: Signs,
+    /// Where and how to enter the values, step by step.
+    pub enter: &'static [&'static str],
+    /// How to undo it.
+    pub undo: &'static [&'static str],
+    /// What no public document confirms.
+    pub unconfirmed: &'static [&'static str],
+    /// What of the errors the control can apply; the rest is added to what is left out, with the reason.
+    pub takes: fn(&Chain, &AxisErrors) -> AxisErrors,
+    /// The text of the file, for errors that `takes` gave.
+    pub write: fn(&Chain, &AxisErrors, CorrectionValues) -> String,
+}
+
+/// Which signs the values of a format can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Signs {
+    /// Errors or corrections, as asked for; the file says which.
+    Either,
+    /// What the control asks for, and nothing else.
+    OfTheControl,
+}
+
+/// A format of tables holds every error of every axis.
+pub(super) fn takes_all(_: &Chain, errors: &AxisErrors) -> AxisErrors {
+    errors.clone()
 }
 
 /// Lines that stand on top of every file, without the comment sign of the format.
-pub(super) fn header(errors: &AxisErrors, values: CompensationValues) -> Vec<String> {
+pub(super) fn header(errors: &AxisErrors, values: &str) -> Vec<String> {
     let mut lines = vec![
-        format!("Trunnion compensation of machine {}, identified from {}", errors.machine, errors.runs.join(", ")),
-        match values {
-            CompensationValues::Error => "values = error (actual - nominal); the control must apply correction = -error".into(),
-            CompensationValues::Correction => "values = correction (-error, error = actual - nominal); the control must add it".into(),
-        },
-        "units: offsets mm, angles rad; arguments: X Y Z in mm, A B C in degrees".into(),
-        "frame: pose of what the axis carries, in the nominal axes of what carries the axis, about the axis line (rotary) or the carriage (linear); a turn by the vector (A, B, C)".into(),
+        format!(
+            "Trunnion correction of machine {}, identified from {}",
+            errors.machine,
+            errors.runs.join(", ")
+        ),
+        values.into(),
     ];
     for table in errors.axes.iter().filter(|table| !table.positions.is_empty()) {
         let edge = |position: f64| argument(position);
@@ -49,6 +72,23 @@ pub(super) fn header(errors: &AxisErrors, values: CompensationValues) -> Vec<Str
         lines.push(format!("does not hold {}: {}", left_out.effect, left_out.why));
     }
     lines.iter().map(|line| line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()).collect()
+}
+
+/// The header of a table of errors or corrections, with sign, units and frame.
+pub(super) fn header_of_tables(errors: &AxisErrors, values: CorrectionValues) -> Vec<String> {
+    let sign = match values {
+        CorrectionValues::Error => {
+            "values = error (actual - nominal); the control must apply correction = -error"
+        }
+        CorrectionValues::Correction => {
+            "values = correction (-error, error = actual - nominal); the control must add it"
+        }
+    };
+    let mut lines = header(errors, sign);
+    let frame = "frame: pose of what the axis carries, in the nominal axes of what carries the axis, about the axis line (rotary) or the carriage (linear); a turn by the vector (A, B, C)";
+    let units = "units: offsets mm, angles rad; arguments: X Y Z in mm, A B C in degrees";
+    lines.splice(2..2, [units.into(), frame.into()]);
+    lines
 }
 
 /// Position as an argument of a table, mm or degrees.

@@ -5,9 +5,9 @@
 //! (EXC … ECC) in a block whose first column is the argument. mm and rad; arguments mm and degrees. GRID interpolation is
 //! linear. The controller computes the compensation from the error parameters; its option `negate` turns signs of axes.
 
-use super::format::{Format, argument, header, number};
+use super::format::{Format, Signs, argument, header_of_tables, number, takes_all};
 use trunnion_core::Joint;
-use trunnion_results::{AxisErrors, CompensationValues};
+use trunnion_results::{AxisErrors, Chain, CorrectionValues};
 
 pub(super) static FORMAT: Format = Format {
     name: "isg",
@@ -15,11 +15,20 @@ pub(super) static FORMAT: Format = Format {
     readers: "ISG-kernel CNC, Beckhoff TwinCAT 3 CNC (`file_format ISG_CSV`)",
     source: "ISG functional description C26 / Beckhoff TF5280 Volumetric Compensation: ISG CSV format, List of parameters supported, Units of measure, Interpolation mode",
     ending: "csv",
+    signs: Signs::Either,
+    enter: &[
+        "Name the file in the configuration of the volumetric compensation (file[0], file_format[0] ISG_CSV).",
+        "Load and switch it on: #VOLCOMP OFF [ID0], #VOLCOMP [ID0 UPDATE], #VOLCOMP ON [ID0].",
+    ],
+    undo: &["#VOLCOMP OFF [ID0]; take the file out of the configuration."],
+    unconfirmed: &["Whether a machine needs the option `negate` of an axis: the self-test shows it."],
+    takes: takes_all,
     write,
 };
 
-fn write(errors: &AxisErrors, values: CompensationValues) -> String {
-    let mut text: String = header(errors, values).iter().map(|line| format!("// {line}\n")).collect();
+fn write(_: &Chain, errors: &AxisErrors, values: CorrectionValues) -> String {
+    let mut text: String =
+        header_of_tables(errors, values).iter().map(|line| format!("// {line}\n")).collect();
     let mut blocks = Vec::new();
     let (mut names, mut numbers) = (Vec::new(), Vec::new());
     for table in &errors.axes {

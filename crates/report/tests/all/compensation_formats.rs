@@ -2,7 +2,8 @@
 
 use crate::section::write_or_compare;
 use trunnion_report::compensation::FORMATS;
-use trunnion_results::{AxisErrors, AxisTable, CompensationValues, LeftOutEffect};
+use trunnion_report::compensation::Signs;
+use trunnion_results::{AxisErrors, AxisTable, Chain, ChainJoint, CorrectionValues, LeftOutEffect};
 
 #[test]
 fn the_registry_holds_every_format_file_and_nothing_else() {
@@ -11,7 +12,8 @@ fn the_registry_holds_every_format_file_and_nothing_else() {
         .unwrap()
         .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
         .collect();
-    files.retain(|name| name != "format");
+    // What several of them share.
+    files.retain(|name| !["format", "lines", "taken"].contains(&name.as_str()));
     files.sort();
     let registered: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
     assert_eq!(
@@ -24,18 +26,33 @@ fn the_registry_holds_every_format_file_and_nothing_else() {
 }
 
 #[test]
-fn the_guide_lists_the_formats() {
-    let mut table = String::from("| format | file | read by |\n|---|---|---|\n");
+fn the_guide_lists_the_formats_with_what_to_do_and_what_is_unconfirmed() {
+    let mut table = String::from("| `--control` | file | read by |\n|---|---|---|\n");
     for format in FORMATS {
         table += &format!("| `{}` | {} | {} |\n", format.name, format.about, format.readers);
     }
-    write_or_compare("docs/use/compensation.md", "formats", &table);
+    write_or_compare("docs/use/correct.md", "formats", &table);
+    let mut text = String::new();
+    for format in FORMATS {
+        text += &format!("### {}\n\nSource: {}.\n\n", format.name, format.source);
+        for step in format.enter {
+            text += &format!("1. {step}\n");
+        }
+        for step in format.undo {
+            text += &format!("\nUndo: {step}\n");
+        }
+        for what in format.unconfirmed {
+            text += &format!("\nNot confirmed: {what}\n");
+        }
+        text += "\n";
+    }
+    write_or_compare("docs/use/correct.md", "controls", &text);
 }
 
 #[test]
 fn every_format_says_sign_units_range_and_what_is_missing() {
-    for format in FORMATS {
-        let text = (format.write)(&errors(), CompensationValues::Error);
+    for format in FORMATS.iter().filter(|format| format.signs == Signs::Either) {
+        let text = (format.write)(&chain(), &errors(), CorrectionValues::Error);
         for expected in [
             "values = error (actual - nominal); the control must apply correction = -error",
             "offsets mm, angles rad; arguments: X Y Z in mm, A B C in degrees",
@@ -46,7 +63,7 @@ fn every_format_says_sign_units_range_and_what_is_missing() {
         ] {
             assert!(text.contains(expected), "{}: {expected} in\n{text}", format.name);
         }
-        let corrections = (format.write)(&errors(), CompensationValues::Correction);
+        let corrections = (format.write)(&chain(), &errors(), CorrectionValues::Correction);
         assert!(corrections.contains("values = correction (-error"), "{}", format.name);
         assert!(text.contains(" 0.002") || text.contains(",0.002"), "{text}");
         assert!(corrections.contains("-0.002") && !corrections.contains("-0.000000000000"), "{corrections}");
@@ -57,7 +74,7 @@ fn every_format_says_sign_units_range_and_what_is_missing() {
 fn the_bodies_are_laid_out_as_the_controllers_describe_them() {
     let body = |name: &str| {
         let format = FORMATS.iter().find(|format| format.name == name).unwrap();
-        let text = (format.write)(&errors(), CompensationValues::Error);
+        let text = (format.write)(&chain(), &errors(), CorrectionValues::Error);
         let kept = text.lines().filter(|line| !line.starts_with("//") && !line.starts_with("# "));
         kept.map(|line| format!("{line}\n")).collect::<String>()
     };
@@ -89,6 +106,72 @@ fn the_bodies_are_laid_out_as_the_controllers_describe_them() {
         )
     );
     assert!(csv.contains("\nECC,C,0,deg,0.000003000000,rad\n"), "{csv}");
+}
+
+#[test]
+fn every_control_takes_what_it_can_and_names_the_rest() {
+    for format in FORMATS {
+        let taken = (format.takes)(&chain(), &errors());
+        let text = (format.write)(&chain(), &taken, CorrectionValues::Error);
+        assert!(!format.enter.is_empty() && !format.undo.is_empty(), "{}", format.name);
+        for left_out in &taken.left_out {
+            let line = format!("does not hold {}: {}", left_out.effect, left_out.why);
+            let line = if format.name == "fanuc" { line.replace('(', "[").replace(')', "]") } else { line };
+            assert!(text.contains(&line), "{}: {line} in\n{text}", format.name);
+        }
+    }
+    let left_out = |name: &str| -> Vec<String> {
+        let format = FORMATS.iter().find(|format| format.name == name).unwrap();
+        (format.takes)(&chain(), &errors()).left_out.into_iter().map(|left| left.effect).collect()
+    };
+    assert_eq!(left_out("csv"), ["backlash:C"]);
+    assert_eq!(left_out("siemens"), ["backlash:C", "EYC"], "B turns the axes in which C runs out");
+    assert_eq!(left_out("heidenhain"), ["backlash:C", "EXX"], "X carries the tool");
+    assert_eq!(left_out("fanuc"), ["backlash:C", "EYC, ECC", "EA0C", "EXX"]);
+}
+
+/// Worked by hand: C stands 12 µm in +X and leans by −50 µrad about X, which moves its line through (0, 0, 0) nowhere and turns
+/// its direction (0, 0, 1) by (0, +50 µrad, 0).
+#[test]
+fn the_vectors_point_to_where_the_axis_is() {
+    let body = |name: &str| {
+        let format = FORMATS.iter().find(|format| format.name == name).unwrap();
+        (format.write)(&chain(), &(format.takes)(&chain(), &errors()), CorrectionValues::Error)
+    };
+    let siemens = body("siemens");
+    for line in [
+        "$MC_TRAFO5_JOINT_OFFSET_1[0]=$MC_TRAFO5_JOINT_OFFSET_1[0]+0.012000000000",
+        "$MC_TRAFO5_PART_OFFSET_1[0]=$MC_TRAFO5_PART_OFFSET_1[0]-0.012000000000",
+        "$MC_TRAFO5_AXIS2_1[1]=$MC_TRAFO5_AXIS2_1[1]+_SIGN*(0.000050000000)",
+        // A positive value moves the axis back: the error itself. 3 µrad are 0.000172°.
+        "$AA_ENC_COMP[0,0,C1]=0.000171887339",
+        "$AA_ENC_COMP[0,0,X1]=-0.002000000000",
+        "$AA_ENC_COMP_IS_MODULO[0,C1]=1",
+    ] {
+        assert!(siemens.lines().any(|found| found == line), "{line} in\n{siemens}");
+    }
+    assert!(!siemens.contains("BASE_TOOL"), "B stands where it should");
+    assert!(body("fanuc").contains("\nN19703 R[PRM[19703]+0.012000000000]\n"));
+    let heidenhain = body("heidenhain");
+    for line in ["EX0C Trans X 0.012000000000 -", "EA0C Trans A -0.002864788976 -", "EYC Trans Y - C..C2"] {
+        assert!(heidenhain.lines().any(|found| found == line), "{line} in\n{heidenhain}");
+    }
+}
+
+/// B and C under the workpiece, X Y Z under the tool.
+fn chain() -> Chain {
+    let joint = |axis: &str, direction: [f64; 3]| ChainJoint {
+        axis: axis.into(),
+        rotary: ["B", "C"].contains(&axis),
+        direction,
+        sense: 1.0,
+        ..ChainJoint::default()
+    };
+    Chain {
+        machine: "table-bc".into(),
+        table: vec![joint("B", [0.0, 1.0, 0.0]), joint("C", [0.0, 0.0, 1.0])],
+        tool: vec![joint("X", [1.0, 0.0, 0.0]), joint("Y", [0.0, 1.0, 0.0]), joint("Z", [0.0, 0.0, 1.0])],
+    }
 }
 
 /// EX0C 12 µm, EA0C −50 µrad, a little EYC and ECC, 200 µm/m of scale in X.

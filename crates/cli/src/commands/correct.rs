@@ -1,0 +1,125 @@
+//! `trunnion correct`: what to enter into the control, what to check first, what to expect.
+
+use crate::load::{Loaded, ModelArgs, RunArgs, TrustedArgs};
+use crate::outcome::Outcome;
+use crate::{load, output, terminal};
+use anyhow::{Context, bail};
+use std::path::{Path, PathBuf};
+use trunnion::report::compensation::{FORMATS, Format, Signs, format};
+use trunnion::report::{correction_judged_text, correction_text};
+use trunnion::results::{Correction, CorrectionValues, SelfTest, Verdict};
+use trunnion::{Corrected, Fit};
+
+/// Write what corrects the machine in its control
+///
+/// Says where to enter it, which pose shows the sign, what to expect, and how to undo it. What the control cannot take is named.
+/// A control: fanuc, heidenhain, linuxcnc, siemens. Tables of errors for other programs: csv, etalon, isg.
+///
+/// Example: trunnion correct run.mcap --model machine.model.toml --control siemens -o correction.mpf
+///
+/// The sign, in four poses: trunnion correct run.mcap --control siemens -o correction.mpf --self-test sign.toml;
+/// measure sign.toml with the correction, then trunnion correct run.mcap --control siemens --judge sign.mcap
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    runs: TrustedArgs,
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Control, or format of tables
+    #[arg(long, alias = "format", value_parser = names())]
+    control: String,
+    /// Write corrections (-error) instead of errors; tables only
+    #[arg(long)]
+    corrections: bool,
+    /// Go on although the model is inadequate: diagnose finds something that it lacks
+    #[arg(long)]
+    although_inadequate: bool,
+    /// Cycle of four poses to write, which shows whether the sign is right
+    #[arg(long, value_name = "CYCLE.TOML", requires = "output")]
+    self_test: Option<PathBuf>,
+    /// Judge runs measured with the correction: does it act, and with which sign? Writes nothing
+    #[arg(long, value_name = "RUN", num_args = 1.., conflicts_with_all = ["output", "self_test"])]
+    judge: Vec<PathBuf>,
+    /// File to write; without it, standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Print JSON (format trunnion-correction/1; trunnion-correction-judged/1 with --judge)
+    #[arg(long)]
+    json: bool,
+}
+
+fn names() -> Vec<&'static str> {
+    FORMATS.iter().map(|format| format.name).collect()
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let control = format(&args.control).context("the command line allows known controls only")?;
+    if args.json && args.output.is_none() && args.judge.is_empty() {
+        bail!("--json prints the answer in place of the file: name the file with -o");
+    }
+    let values = values(args, control)?;
+    let Loaded { experiment, outcome } = load::trusted_runs(&args.runs)?;
+    let fit = experiment.fit(&args.model.model(&experiment)?)?;
+    if !args.judge.is_empty() {
+        return judge(args, &fit.correction(control, values, Verdict::NotJudged)?);
+    }
+    let verdict = adequate(args, &fit)?;
+    let corrected = fit.correction(control, values, verdict)?;
+    let outcome = if verdict == Verdict::NoiseFloor { outcome } else { outcome.or_withheld() };
+    let Some(path) = &args.output else {
+        terminal::print_verbatim(corrected.text())?;
+        return Ok(outcome);
+    };
+    output::write(path, corrected.text())?;
+    let answer = Correction {
+        self_test: args.self_test.as_ref().map(|cycle| self_test(&corrected, cycle)).transpose()?,
+        ..corrected.results(path.display().to_string())
+    };
+    if args.json {
+        terminal::print_json(&answer)?;
+    } else {
+        terminal::print(&correction_text(&answer))?;
+    }
+    Ok(outcome)
+}
+
+fn values(args: &Args, control: &Format) -> anyhow::Result<CorrectionValues> {
+    match (args.corrections, control.signs) {
+        (false, _) => Ok(CorrectionValues::Error),
+        (true, Signs::Either) => Ok(CorrectionValues::Correction),
+        (true, Signs::OfTheControl) => {
+            bail!("--corrections is for tables; {} asks for one sign, which is written", control.name)
+        }
+    }
+}
+
+/// The verdict on the model; refuses one that lacks something.
+fn adequate(args: &Args, fit: &Fit) -> anyhow::Result<Verdict> {
+    let (verdict, why) = fit.verdict()?;
+    match verdict {
+        Verdict::MissingEffect | Verdict::UnnamedStructure if !args.although_inadequate => bail!(
+            "nothing was written, because the model is inadequate. {why} Add what it lacks (trunnion diagnose, trunnion add); \
+             `--although-inadequate` goes on all the same"
+        ),
+        Verdict::NoiseFloor => {}
+        _ => terminal::remark(&format!("The model is not shown to be adequate. {why}")),
+    }
+    Ok(verdict)
+}
+
+fn self_test(corrected: &Corrected, path: &Path) -> anyhow::Result<SelfTest> {
+    let (answer, cycle) = corrected.self_test()?;
+    output::write(path, &cycle)?;
+    Ok(SelfTest { cycle: path.display().to_string(), ..answer })
+}
+
+fn judge(args: &Args, corrected: &Corrected) -> anyhow::Result<Outcome> {
+    let Loaded { experiment, outcome } = load::runs(&RunArgs::of(args.judge.clone()))?;
+    let answer = corrected.judge(&experiment)?;
+    if args.json {
+        terminal::print_json(&answer)?;
+    } else {
+        terminal::print(&correction_judged_text(&answer))?;
+    }
+    Ok(outcome)
+}

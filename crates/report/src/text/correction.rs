@@ -1,0 +1,127 @@
+//! What to enter into a control, for the terminal.
+
+use super::table::clean;
+use trunnion_results::number::plain;
+use trunnion_results::{Correction, CorrectionJudged, Decision, SelfTest, SignVerdict, Verdict};
+
+/// What to do, what to check first, what to expect, and how to undo it.
+pub fn correction_text(answer: &Correction) -> String {
+    let mut out = format!("{}\n\n", first_sentence(answer));
+    if let Some(expected) = &answer.expected {
+        out += &format!(
+            "Expected at the measured poses: {} µm rms now, {} µm with the correction, {} µm with the wrong sign.\n",
+            plain(expected.before_um),
+            plain(expected.after_um),
+            plain(expected.wrong_sign_um)
+        );
+        out += &match expected.tolerance_um.zip(expected.decision) {
+            Some((tolerance, decision)) => {
+                let say = match decision {
+                    Decision::Pass => "is within",
+                    Decision::Fail => "is above",
+                    Decision::NotDecidable => "cannot be told from",
+                };
+                let enough =
+                    if decision == Decision::Fail { ": the correction alone is not enough" } else { "" };
+                format!(
+                    "The largest deviation then, {} µm, {say} the tolerance of the machine file, {} µm{enough}.\n",
+                    plain(expected.largest_after_um),
+                    plain(tolerance)
+                )
+            }
+            None => "The machine file states no tolerance (tolerance_um).\n".into(),
+        };
+    }
+    out += &steps("Enter", &answer.enter);
+    if let Some(check) = &answer.check_first {
+        let readings = named(&check.components, &check.change_um);
+        out += &format!(
+            "\nCheck first (setup {}): zero the instrument at {}, go to {}. Without the correction it reads {readings}; with the right sign near zero, with the wrong sign twice this.\n",
+            clean(&check.setup),
+            check.from,
+            check.to
+        );
+    }
+    if let Some(test) = &answer.self_test {
+        out += &self_test(test);
+    }
+    out += &steps("Undo", &answer.undo);
+    for left_out in &answer.left_out {
+        out += &format!("\nNot in it: {}: {}.", clean(&left_out.effect), clean(&left_out.why));
+    }
+    for text in &answer.unconfirmed {
+        out += &format!("\nNot confirmed: {text}");
+    }
+    out + &format!("\nFormat: {}\n", answer.source)
+}
+
+fn first_sentence(answer: &Correction) -> String {
+    let axes: Vec<&str> = answer.axes.iter().map(|axis| axis.axis.as_str()).collect();
+    let model = match answer.verdict {
+        Verdict::NoiseFloor => "The model leaves nothing but noise.",
+        Verdict::Undecided => "Whether the model leaves something is undecided.",
+        Verdict::MissingEffect | Verdict::UnnamedStructure => {
+            "The model is inadequate: it lacks something, and so does the correction."
+        }
+        Verdict::NotJudged => "The runs were not judged.",
+    };
+    format!(
+        "{} holds the corrections of {} for {}. {model}",
+        clean(&answer.written),
+        axes.join(", "),
+        answer.control
+    )
+}
+
+fn steps(title: &str, steps: &[String]) -> String {
+    let mut out = format!("\n{title}:\n");
+    for (k, step) in steps.iter().enumerate() {
+        out += &format!("  {}. {step}\n", k + 1);
+    }
+    out
+}
+
+fn named(components: &[String], values: &[f64]) -> String {
+    let one = |(name, value): (&String, &f64)| format!("{name} {value:+.1}");
+    let all: Vec<String> = components.iter().zip(values).map(one).collect();
+    format!("{} µm", all.join(", "))
+}
+
+fn self_test(test: &SelfTest) -> String {
+    let mut out = format!(
+        "\nSelf-test {} (setup {}): measure these poses with the correction, then `--judge` the run. Readings about their mean:\n",
+        clean(&test.cycle),
+        clean(&test.setup)
+    );
+    for pose in &test.poses {
+        out += &format!(
+            "  {}: now {}; right sign changes it by {}, wrong sign by {}\n",
+            pose.pose,
+            named(&test.components, &pose.without_um),
+            named(&test.components, &pose.change_right_um),
+            named(&test.components, &pose.change_wrong_um)
+        );
+    }
+    out
+}
+
+/// What a run measured with the correction says of its sign.
+pub fn correction_judged_text(answer: &CorrectionJudged) -> String {
+    let words = match answer.verdict {
+        SignVerdict::Right => "The correction acts, with the right sign.",
+        SignVerdict::NotActive => {
+            "The correction does not act. Check that it is switched on, and that the cycle ran with tool centre point control."
+        }
+        SignVerdict::Wrong => {
+            "The sign is wrong: the errors have grown. Undo it, change the sign, and test again."
+        }
+        SignVerdict::Unclear => "This run cannot say: the correction is too small against its noise.",
+    };
+    format!(
+        "{words}\n{} µm rms with it, {} µm expected without it. Share of the correction that acts: {:.2} ± {:.2} (1 right, 0 not active, -1 wrong sign).\n",
+        plain(answer.rms_um),
+        plain(answer.without_um),
+        answer.share,
+        answer.u
+    )
+}

@@ -1,0 +1,60 @@
+//! The nominal joints of a machine, as what a control has to know of them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use trunnion_machine::{Axis, Machine, Side};
+
+/// The joints of a machine in series, from the bed outward.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Chain {
+    /// Name of the machine.
+    pub machine: String,
+    /// Joints that carry the workpiece.
+    pub table: Vec<ChainJoint>,
+    /// Joints that carry the tool.
+    pub tool: Vec<ChainJoint>,
+}
+
+/// One nominal joint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ChainJoint {
+    /// Name of the axis.
+    pub axis: String,
+    /// True for a rotary axis.
+    pub rotary: bool,
+    /// Direction of right-handed turning, or of travel, at zero, machine axes.
+    pub direction: [f64; 3],
+    /// A point of the line of a rotary axis at zero, machine coordinates, mm.
+    pub through_mm: [f64; 3],
+    /// +1: a positive coordinate moves the carried part along or right-handed about `direction`; −1: the other way.
+    pub sense: f64,
+}
+
+impl Chain {
+    /// The joints of a machine; `None` where legs in parallel carry the tool.
+    pub fn of(machine: &Machine) -> Option<Self> {
+        let side = |side| machine.from_bed(side).into_iter().map(ChainJoint::from).collect();
+        machine.tripod.is_none().then(|| Self {
+            machine: machine.name.clone(),
+            table: side(Side::Table),
+            tool: side(Side::Tool),
+        })
+    }
+
+    /// Rotary joints that carry the workpiece, and those that carry the tool, each from the bed outward.
+    pub fn rotary(&self) -> [Vec<&ChainJoint>; 2] {
+        [&self.table, &self.tool].map(|side| side.iter().filter(|joint| joint.rotary).collect())
+    }
+}
+
+impl From<&Axis> for ChainJoint {
+    fn from(axis: &Axis) -> Self {
+        Self {
+            axis: axis.letter.to_string(),
+            rotary: axis.is_rotary(),
+            direction: axis.direction.into_inner().into(),
+            through_mm: axis.through_mm.coords.into(),
+            sense: axis.sense,
+        }
+    }
+}

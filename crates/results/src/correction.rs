@@ -1,0 +1,221 @@
+//! What to enter into a control, what to check first, and what to expect.
+
+use crate::axis_errors::AxisErrors;
+use crate::conformity::Decision;
+use crate::diagnosis::Verdict;
+use crate::left_out::LeftOutEffect;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `trunnion-correction/1`: what was written for a control.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Correction {
+    /// Format and version.
+    pub format: CorrectionFormat,
+    /// Name of the machine.
+    pub machine: String,
+    /// Names of the runs that the model was fitted to.
+    pub runs: Vec<String>,
+    /// Name of the control or of the format of tables.
+    pub control: String,
+    /// Sign of the values.
+    pub values: CorrectionValues,
+    /// What `diagnose` says of the model: a correction is as good as the model.
+    pub verdict: Verdict,
+    /// Ids of the effects that are in the tables of the axes.
+    pub holds: Vec<String>,
+    /// What this control does not get, and why.
+    pub left_out: Vec<LeftOutEffect>,
+    /// What each axis gets.
+    pub axes: Vec<CorrectedAxis>,
+    /// What to expect; null where no reading shows the correction.
+    pub expected: Option<Expected>,
+    /// Two poses that show the sign; null where no pair of measured poses does.
+    pub check_first: Option<SignCheck>,
+    /// Where and how to enter the values, step by step.
+    pub enter: Vec<String>,
+    /// How to undo it.
+    pub undo: Vec<String>,
+    /// What no public document confirms.
+    pub unconfirmed: Vec<String>,
+    /// Where the format is described.
+    pub source: String,
+    /// Four poses that show the sign, where they were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_test: Option<SelfTest>,
+    /// The file that was written.
+    pub written: String,
+}
+
+/// Format and version of a correction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum CorrectionFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-correction/1")]
+    V1,
+}
+
+/// Sign of the values that are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CorrectionValues {
+    /// actual − nominal.
+    #[default]
+    Error,
+    /// −error.
+    Correction,
+}
+
+impl CorrectionValues {
+    /// What an error is multiplied by to become such a value.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Error => 1.0,
+            Self::Correction => -1.0,
+        }
+    }
+}
+
+/// What one axis gets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CorrectedAxis {
+    /// The axis.
+    pub axis: String,
+    /// True where its place or direction is corrected.
+    pub location: bool,
+    /// Rows of its table of component errors.
+    pub rows: usize,
+    /// True when the table is a whole turn.
+    pub whole_turn: bool,
+}
+
+/// Readings of these runs before and after the correction, settings of ball and instrument fitted again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Expected {
+    /// Rms of the readings about the nominal machine, µm.
+    pub before_um: f64,
+    /// Rms expected when the same poses are measured again, µm: noise and everything that is not in the file.
+    pub after_um: f64,
+    /// The same with the wrong sign, µm.
+    pub wrong_sign_um: f64,
+    /// The largest of the readings expected then, µm.
+    pub largest_after_um: f64,
+    /// Tolerance of the machine file, µm; null where it states none.
+    pub tolerance_um: Option<f64>,
+    /// Whether the largest reading keeps the tolerance (ISO 14253-1); null without one.
+    pub decision: Option<Decision>,
+}
+
+/// Two poses whose readings say whether the sign is right.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SignCheck {
+    /// Name of the setup.
+    pub setup: String,
+    /// Where to zero the instrument, e.g. `B 0.000° C 0.000°`.
+    pub from: String,
+    /// Where to read it.
+    pub to: String,
+    /// Names of the components of a reading.
+    pub components: Vec<String>,
+    /// Reading at `to` without the correction, µm; with the right sign it is near zero, with the wrong one twice this.
+    pub change_um: Vec<f64>,
+}
+
+/// Four poses that show the sign.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SelfTest {
+    /// Name of the setup.
+    pub setup: String,
+    /// Names of the components of a reading.
+    pub components: Vec<String>,
+    /// The poses.
+    pub poses: Vec<SelfTestPose>,
+    /// The cycle file that was written.
+    pub cycle: String,
+}
+
+/// Readings at one pose of a self-test, about the mean of all its poses: how the ball was mounted is not in them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SelfTestPose {
+    /// The pose, e.g. `B 0.000° C 0.000°`.
+    pub pose: String,
+    /// Without the correction, µm.
+    pub without_um: Vec<f64>,
+    /// What the correction changes with the right sign, µm.
+    pub change_right_um: Vec<f64>,
+    /// What it changes with the wrong sign, µm.
+    pub change_wrong_um: Vec<f64>,
+}
+
+/// `trunnion-correction-judged/1`: whether a control applies a correction, and with which sign, by a run measured with it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CorrectionJudged {
+    /// Format and version.
+    pub format: CorrectionJudgedFormat,
+    /// Name of the control.
+    pub control: String,
+    /// Names of the runs measured with the correction.
+    pub runs: Vec<String>,
+    /// Share of the correction that acts: 1 right, 0 not active, −1 wrong sign.
+    pub share: f64,
+    /// Its standard uncertainty.
+    pub u: f64,
+    /// The answer in one word.
+    pub verdict: SignVerdict,
+    /// Rms of the readings about the nominal machine, settings fitted, µm.
+    pub rms_um: f64,
+    /// The same as expected without the correction, µm.
+    pub without_um: f64,
+}
+
+/// Format and version of a judged correction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum CorrectionJudgedFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-correction-judged/1")]
+    V1,
+}
+
+/// What a run says of the sign of a correction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SignVerdict {
+    /// The correction acts with the right sign.
+    Right,
+    /// It does not act.
+    NotActive,
+    /// It acts with the wrong sign.
+    Wrong,
+    /// It is too small against the noise of this run to say.
+    #[default]
+    Unclear,
+}
+
+impl SignVerdict {
+    /// From the share of the correction that acts. The limits lie half way between right (1), not active (0) and wrong (−1);
+    /// where twice the standard uncertainty reaches over such a half, nothing is said.
+    pub fn of(share: f64, u: f64) -> Self {
+        const HALF_WAY: f64 = 0.5;
+        match share {
+            _ if !(2.0 * u < HALF_WAY) => Self::Unclear,
+            share if share > HALF_WAY => Self::Right,
+            share if share < -HALF_WAY => Self::Wrong,
+            _ => Self::NotActive,
+        }
+    }
+}
+
+impl Correction {
+    /// What each axis gets of these errors.
+    pub fn axes_of(errors: &AxisErrors) -> Vec<CorrectedAxis> {
+        let axis = |table: &crate::AxisTable| CorrectedAxis {
+            axis: table.axis.clone(),
+            location: table.location.iter().any(|value| *value != 0.0),
+            rows: table.positions.len(),
+            whole_turn: table.whole_turn,
+        };
+        errors.axes.iter().map(axis).collect()
+    }
+}

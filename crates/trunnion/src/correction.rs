@@ -1,0 +1,132 @@
+//! Corrections for a control: what a fit gives it, what is expected of it, and whether a run shows that it acts.
+//!
+//! z = P (y − f₀),  c = P Δ,  P = I − Q Qᵀ, Q an orthonormal basis of the columns of the settings
+//! y readings, f₀ exact prediction of the nominal machine, Δ what the errors in the file change of the readings (to first order).
+//! Expected: rms(z) now, rms(z − c) with the correction, rms(z + c) with the wrong sign.
+//! A run measured with it has z = o + (1 − k) c + noise, o what the other errors of the model change: k = 1 − (z − o)ᵀc / cᵀc, u(k) = s / |c|, s the rms of what remains.
+//! Limits: u(k) takes the readings as independent.
+
+mod self_test;
+mod shown;
+
+use crate::values::reading_mm;
+use crate::{Error, Experiment, Fit};
+use shown::Shown;
+use trunnion_core::convert::um_from_mm;
+use trunnion_report::compensation::Format;
+use trunnion_results as results;
+
+/// A correction for one control.
+pub struct Corrected {
+    fit: Fit,
+    format: &'static Format,
+    all: results::AxisErrors,
+    taken: results::AxisErrors,
+    text: String,
+    answer: results::Correction,
+}
+
+impl Fit {
+    /// What to enter into a control, with the verdict of a diagnosis of this fit.
+    ///
+    /// # Errors
+    /// A model that does not suit the runs, nothing that the control could take, legs in parallel.
+    pub fn correction(
+        &self,
+        format: &'static Format,
+        values: results::CorrectionValues,
+        verdict: results::Verdict,
+    ) -> Result<Corrected, Error> {
+        let machine = self.experiment().machine();
+        let chain = results::Chain::of(machine).ok_or(Error::NoCorrection {
+            why: "controls move legs in parallel by tables that are not public".into(),
+        })?;
+        let all = self.axis_errors()?;
+        let taken = (format.takes)(&chain, &all);
+        if taken.axes.is_empty() {
+            let why = |left: &results::LeftOutEffect| format!("{}: {}", left.effect, left.why);
+            let why: Vec<String> = taken.left_out.iter().map(why).collect();
+            return Err(Error::NoCorrection { why: why.join("; ") });
+        }
+        let shown = Shown::new(self, self.experiment(), &all, &taken);
+        let tolerance_um = self.experiment().plate().tolerance_um;
+        let (largest_after_um, u_um) =
+            (um_from_mm(shown.largest_mm(-1.0)), um_from_mm(reading_mm(self.identification())));
+        let expected = results::Expected {
+            before_um: um_from_mm(shown.rms_mm(0.0)),
+            after_um: um_from_mm(shown.rms_mm(-1.0)),
+            wrong_sign_um: um_from_mm(shown.rms_mm(1.0)),
+            largest_after_um,
+            tolerance_um,
+            decision: tolerance_um
+                .map(|tolerance_um| results::Decision::of(largest_after_um, u_um, tolerance_um)),
+        };
+        let own = |texts: &[&str]| texts.iter().map(ToString::to_string).collect();
+        let answer = results::Correction {
+            machine: taken.machine.clone(),
+            runs: taken.runs.clone(),
+            control: format.name.into(),
+            values,
+            verdict,
+            holds: taken.effects.clone(),
+            left_out: taken.left_out.clone(),
+            axes: results::Correction::axes_of(&taken),
+            expected: shown.is_seen().then_some(expected),
+            check_first: shown.farthest_pair(self.experiment()),
+            enter: own(format.enter),
+            undo: own(format.undo),
+            unconfirmed: own(format.unconfirmed),
+            source: format.source.into(),
+            ..results::Correction::default()
+        };
+        let text = (format.write)(&chain, &taken, values);
+        Ok(Corrected { fit: self.clone(), format, all, taken, text, answer })
+    }
+}
+
+impl Corrected {
+    /// The file.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The answer: `trunnion-correction/1`, for a file at this path.
+    pub fn results(&self, written: String) -> results::Correction {
+        results::Correction { written, ..self.answer.clone() }
+    }
+
+    /// Four poses that show the sign, and the cycle file that visits them.
+    ///
+    /// # Errors
+    /// No rotary axis that moved in the runs, or poses that no reading distinguishes.
+    pub fn self_test(&self) -> Result<(results::SelfTest, String), Error> {
+        self_test::self_test(self.fit.experiment(), &self.taken)
+    }
+
+    /// Whether runs measured with the correction show it, and with which sign: `trunnion-correction-judged/1`.
+    ///
+    /// # Errors
+    /// Runs of another machine.
+    pub fn judge(&self, runs: &Experiment) -> Result<results::CorrectionJudged, Error> {
+        let machine = self.fit.experiment().machine();
+        if let Some(run) = runs.runs().iter().find(|run| run.machine.name != machine.name) {
+            return Err(Error::OtherMachine {
+                fitted: machine.name.clone(),
+                run: run.name.clone(),
+                found: run.machine.name.clone(),
+            });
+        }
+        let shown = Shown::new(&self.fit, runs, &self.all, &self.taken);
+        let (share, u) = shown.share();
+        Ok(results::CorrectionJudged {
+            control: self.format.name.into(),
+            runs: runs.points().runs.clone(),
+            share,
+            u,
+            verdict: results::SignVerdict::of(share, u),
+            rms_um: um_from_mm(shown.rms_mm(0.0)),
+            without_um: um_from_mm(shown.without_mm()),
+            ..results::CorrectionJudged::default()
+        })
+    }
+}

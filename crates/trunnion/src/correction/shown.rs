@@ -1,0 +1,206 @@
+//! What readings show of the errors in a correction.
+
+use crate::prediction::orthonormal;
+
+use crate::{Experiment, Fit};
+use nalgebra::{DMatrix, DVector, Vector3};
+use trunnion_core::convert::{deg_from_rad, um_from_mm};
+use trunnion_core::{AxisValues, Joint, Setup, State, Twist};
+use trunnion_effects::Instance;
+use trunnion_instruments::{Projector, predict};
+use trunnion_machine::{Errors, Machine, Site};
+use trunnion_results::sentences::is_setting;
+use trunnion_results::{AxisErrors, AxisTable, SignCheck};
+
+/// Share of the readings that a correction has to move at least to be seen: rounding of 10⁻¹² mm is none.
+const SEEN_MM: f64 = 1e-9;
+
+/// Readings about the nominal machine and what the correction changes of them, settings projected out of both.
+pub(super) struct Shown {
+    /// z, mm.
+    readings_mm: DVector<f64>,
+    /// c, mm.
+    errors_mm: DVector<f64>,
+    /// What the errors that the control does not get change, projected alike, mm.
+    others_mm: DVector<f64>,
+    /// Δ by point, mm.
+    by_point: Vec<Vector3<f64>>,
+    /// Rows that count.
+    rows: Vec<usize>,
+    /// Where the readings of each point that counts begin among them, and where the last ones end.
+    of_points: Vec<usize>,
+    /// Directions that the settings took.
+    taken: usize,
+}
+
+impl Shown {
+    /// `runs` seen with the settings of the model of `fit`, of `all` errors and those in the file; where they are its own, without its outliers.
+    pub fn new(fit: &Fit, runs: &Experiment, all: &AxisErrors, errors: &AxisErrors) -> Self {
+        let points = runs.points();
+        let machine = points.machine();
+        let used = &fit.identification().used;
+        let counts = |i: usize| used.len() != points.points.len() || used[i];
+        let (mut rows, mut of_points) = (Vec::new(), vec![0]);
+        for point in (0..points.points.len()).filter(|&i| counts(i)) {
+            rows.extend(points.rows_of(point));
+            of_points.push(rows.len());
+        }
+        let mut nominal_mm = DVector::zeros(points.rows());
+        let mut moved_mm = DVector::zeros(points.rows());
+        let mut others_mm = DVector::zeros(points.rows());
+        let mut by_point = Vec::with_capacity(points.points.len());
+        for (i, point) in points.points.iter().enumerate() {
+            let setup = &points.setups[point.state.setup];
+            let nominal = predict(machine, setup, &point.state, &Errors::default());
+            let moved = seen_mm(machine, setup, &point.state, errors);
+            let others = seen_mm(machine, setup, &point.state, all) - moved;
+            for (k, row) in points.rows_of(i).enumerate() {
+                (nominal_mm[row], moved_mm[row], others_mm[row]) = (nominal[k], moved[k], others[k]);
+            }
+            by_point.push(moved);
+        }
+        let settings: Vec<DVector<f64>> = fit
+            .model()
+            .entries()
+            .effects
+            .iter()
+            .filter(|entry| is_setting(&entry.id))
+            .filter_map(|entry| Instance::from_model_effect(entry, machine).ok())
+            .flat_map(|instance| {
+                let columns = points.columns(&instance, &[]);
+                (0..columns.ncols()).map(|j| columns.column(j).into_owned()).collect::<Vec<_>>()
+            })
+            .collect();
+        let chosen =
+            |values: &DVector<f64>| DVector::from_iterator(rows.len(), rows.iter().map(|&r| values[r]));
+        let settings: Vec<DVector<f64>> = settings.iter().map(chosen).collect();
+        let basis = match settings.is_empty() {
+            true => DMatrix::zeros(rows.len(), 0),
+            false => orthonormal(&DMatrix::from_columns(&settings)),
+        };
+        let projected = |values: DVector<f64>| {
+            let values = chosen(&values);
+            &values - &basis * (basis.transpose() * &values)
+        };
+        Self {
+            readings_mm: projected(points.readings_mm() - nominal_mm),
+            errors_mm: projected(moved_mm),
+            others_mm: projected(others_mm),
+            by_point,
+            taken: basis.ncols(),
+            rows,
+            of_points,
+        }
+    }
+
+    /// Rms of the readings plus `share` times what the errors change of them.
+    pub fn rms_mm(&self, share: f64) -> f64 {
+        rms(&(&self.readings_mm + &self.errors_mm * share))
+    }
+
+    /// The largest reading of a point, likewise.
+    pub fn largest_mm(&self, share: f64) -> f64 {
+        let readings_mm = &self.readings_mm + &self.errors_mm * share;
+        let mut largest_mm = 0.0f64;
+        for of_point in self.of_points.windows(2) {
+            largest_mm = largest_mm.max(readings_mm.rows_range(of_point[0]..of_point[1]).norm());
+        }
+        largest_mm
+    }
+
+    /// Rms of what all errors would make of readings without noise.
+    pub fn without_mm(&self) -> f64 {
+        rms(&(&self.errors_mm + &self.others_mm))
+    }
+
+    /// True where the readings show the errors at all.
+    pub fn is_seen(&self) -> bool {
+        self.errors_mm.amax() > SEEN_MM
+    }
+
+    /// k and its standard uncertainty.
+    pub fn share(&self) -> (f64, f64) {
+        let size = self.errors_mm.norm_squared();
+        if size <= SEEN_MM * SEEN_MM {
+            return (0.0, f64::INFINITY);
+        }
+        let readings_mm = &self.readings_mm - &self.others_mm;
+        let remaining = readings_mm.dot(&self.errors_mm) / size;
+        let left = readings_mm - &self.errors_mm * remaining;
+        let degrees = self.rows.len().saturating_sub(self.taken + 1).max(1);
+        let scatter = (left.norm_squared() / degrees as f64).sqrt();
+        (1.0 - remaining, scatter / size.sqrt())
+    }
+
+    /// Two poses of one setup that the errors separate most, from the one of the two that they change least.
+    pub fn farthest_pair(&self, runs: &Experiment) -> Option<SignCheck> {
+        let points = runs.points();
+        let pair = (0..points.setups.len()).filter_map(|setup| {
+            let own: Vec<usize> =
+                (0..points.points.len()).filter(|&i| points.points[i].state.setup == setup).collect();
+            let from = |i: usize| move |&j: &usize| (self.by_point[j] - self.by_point[i]).norm();
+            let farthest = |i: usize| own.iter().copied().max_by(|a, b| from(i)(a).total_cmp(&from(i)(b)));
+            let first = farthest(*own.first()?)?;
+            let second = farthest(first)?;
+            Some((first, second, from(first)(&second)))
+        });
+        let (a, b, apart_mm) = pair.max_by(|one, other| one.2.total_cmp(&other.2))?;
+        if apart_mm <= SEEN_MM {
+            return None;
+        }
+        let (from, to) = if self.by_point[a].norm() <= self.by_point[b].norm() { (a, b) } else { (b, a) };
+        let setup = &points.setups[points.points[from].state.setup];
+        let components = setup.instrument.components();
+        let change = self.by_point[to] - self.by_point[from];
+        Some(SignCheck {
+            setup: setup.name.clone(),
+            from: pose(points.machine(), &points.points[from].state.position),
+            to: pose(points.machine(), &points.points[to].state.position),
+            components: components.iter().map(ToString::to_string).collect(),
+            change_um: (0..components.len()).map(|k| um_from_mm(change[k])).collect(),
+        })
+    }
+}
+
+fn rms(values: &DVector<f64>) -> f64 {
+    (values.norm_squared() / values.len().max(1) as f64).sqrt()
+}
+
+/// What the errors change of a reading, mm.
+pub(super) fn seen_mm(machine: &Machine, setup: &Setup, state: &State, errors: &AxisErrors) -> Vector3<f64> {
+    let projector = Projector::new(machine, setup, state);
+    let of_axis = |table: &AxisTable| {
+        let letter = machine.joint(&table.axis)?;
+        Some(projector.column(Site::Joint(letter), &error_at(table, letter, &state.position)))
+    };
+    errors.axes.iter().filter_map(of_axis).sum()
+}
+
+/// Location and component errors of an axis where it stands; beyond the table the nearest row.
+fn error_at(table: &AxisTable, letter: Joint, position: &AxisValues<f64>) -> Twist {
+    let mut error = table.location;
+    if let (Some(&first), Some(&last)) = (table.positions.first(), table.positions.last()) {
+        let here = if letter.is_rotary() { deg_from_rad(position[letter]) } else { position[letter] };
+        let here = if table.whole_turn { first + (here - first).rem_euclid(last - first) } else { here };
+        let here = here.clamp(first, last);
+        let above = table.positions.partition_point(|row| *row <= here).clamp(1, table.positions.len() - 1);
+        let (low, high) = (table.positions[above - 1], table.positions[above]);
+        let share = (here - low) / (high - low);
+        for (k, value) in error.iter_mut().enumerate() {
+            *value += table.errors[above - 1][k] * (1.0 - share) + table.errors[above][k] * share;
+        }
+    }
+    let [x, y, z, a, b, c] = error;
+    Twist { translation_mm: Vector3::new(x, y, z), rotation_rad: Vector3::new(a, b, c) }
+}
+
+/// Positions of the rotary axes, or of the linear ones where there are none.
+pub(super) fn pose(machine: &Machine, position: &AxisValues<f64>) -> String {
+    let rotary = machine.rotary_joints();
+    let joints = if rotary.is_empty() { machine.linear_joints() } else { rotary };
+    let one = |joint: &Joint| match joint.is_rotary() {
+        true => format!("{joint} {:.3}°", deg_from_rad(position[*joint])),
+        false => format!("{joint} {:.3}", position[*joint]),
+    };
+    joints.iter().map(one).collect::<Vec<_>>().join(" ")
+}

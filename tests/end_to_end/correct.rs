@@ -1,0 +1,239 @@
+//! What `correct` expects of a control is what the simulated control does, and the wrong sign is caught.
+//!
+//! Through the binary, over drawn machines: measure, identify, write for a control; the simulated control reads the file by the signs of
+//! its manual; measure again. What LinuxCNC computes is compiled and run as it stands in the component.
+
+use crate::compensation::rms_um;
+use crate::program::{json, output, refused, trunnion};
+use serde_json::Value;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use trunnion_core::{AxisValues, Joint, State};
+use trunnion_hil_sim::physics::grid;
+use trunnion_hil_sim::truth::Noise;
+use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine};
+
+/// White noise of the readings, µm.
+const NOISE_UM: f64 = 0.1;
+/// A residual of N readings scatters by 1/√(2N) of itself, 2 % for 1008; twice that.
+const AS_EXPECTED: f64 = 0.04;
+
+const MODEL: &str = "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"location-errors\"\n[[effect]]\nid = \"ball-setting\"\n\
+                     [[effect]]\nid = \"gravity-sag:B\"\n[[effect]]\nid = \"encoder-eccentricity:C\"\n[[effect]]\nid = \"radial-error-motion:C\"\n";
+
+/// A drawn machine, measured.
+struct Shop {
+    folder: tempfile::TempDir,
+    truth: Truth,
+}
+
+impl Shop {
+    fn new(seed: u64) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let setups = [("low", 60.0), ("high", 160.0)]
+            .map(|(name, z)| SimSetup::new(name, NestOn::Table, [150.0, 0.0, z].into(), Instrument::R_TEST));
+        let hidden = ["gravity-sag:B", "encoder-eccentricity:C", "radial-error-motion:C"]
+            .map(|id| HiddenChoice { id: id.into(), sigma: 1.0 });
+        let machine = trunnion::files::machine("table-bc").unwrap();
+        let mut truth = Truth::draw(&machine, &setups, &hidden, 1682.0, seed).unwrap();
+        truth.noise = Noise { white_mm: NOISE_UM * 1e-3, ..Noise::NONE };
+        let shop = Self { folder, truth };
+        std::fs::write(shop.path("truth.toml"), shop.truth.to_toml()).unwrap();
+        std::fs::write(shop.path("model.toml"), MODEL).unwrap();
+        shop.measure("before", &[]);
+        shop
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).display().to_string()
+    }
+
+    fn measure(&self, name: &str, more: &[&str]) -> String {
+        let run = self.path(&format!("{name}.mcap"));
+        if Path::new(&run).exists() {
+            std::fs::remove_file(&run).unwrap();
+        }
+        trunnion(&[&["simulate", &self.path("truth.toml"), "-o", &run], more].concat());
+        run
+    }
+
+    /// Writes for a control; the file, and what the program says of it.
+    fn correct(&self, control: &str, more: &[&str]) -> (String, Value) {
+        let file = self.path(control);
+        let (run, model) = (self.path("before.mcap"), self.path("model.toml"));
+        let args = ["correct", &run, "--model", &model, "--control", control, "-o", &file, "--json"];
+        (file.clone(), json(&[&args, more].concat()))
+    }
+
+    fn judge(&self, control: &str, after: &str) -> Value {
+        let (run, model) = (self.path("before.mcap"), self.path("model.toml"));
+        json(&["correct", &run, "--model", &model, "--control", control, "--json", "--judge", after])
+    }
+
+    /// The file with every value negated; steps stay.
+    fn with_the_wrong_sign(&self, file: &str) -> String {
+        let text = std::fs::read_to_string(file).unwrap();
+        let wrong: Vec<String> = text
+            .lines()
+            .map(|line| if line.contains("STEP") { line.into() } else { negated(line) })
+            .collect();
+        assert_ne!(wrong.join("\n"), text);
+        let path = self.path("wrong");
+        std::fs::write(&path, wrong.join("\n")).unwrap();
+        path
+    }
+}
+
+/// A line with the sign of every number of twelve decimals turned.
+fn negated(line: &str) -> String {
+    let is_number = |c: char| c.is_ascii_digit() || c == '.';
+    let (mut out, mut rest) = (String::new(), line);
+    while let Some(start) = rest.find(is_number) {
+        let length = rest[start..].find(|c| !is_number(c)).unwrap_or(rest.len() - start);
+        let (before, number) = (&rest[..start], &rest[start..start + length]);
+        let is_value = number.split_once('.').is_some_and(|(_, decimals)| decimals.len() == 12);
+        out += &match before.chars().last() {
+            Some('-') if is_value => format!("{}+", &before[..before.len() - 1]),
+            Some('+') if is_value => format!("{}-", &before[..before.len() - 1]),
+            _ if is_value => format!("{before}-"),
+            _ => before.into(),
+        };
+        out += number;
+        rest = &rest[start + length..];
+    }
+    out + rest
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+#[test]
+fn what_a_control_leaves_is_what_was_expected_and_the_wrong_sign_is_caught() {
+    for seed in [3, 8, 21] {
+        let shop = Shop::new(seed);
+        let before_um = rms_um(&shop.path("before.mcap"));
+        for control in ["fanuc", "heidenhain", "siemens"] {
+            let sign = shop.path("sign.toml");
+            let (file, answer) = shop.correct(control, &["--self-test", &sign]);
+            let expected = &answer["expected"];
+            let (after_um, wrong_um) = (number(&expected["after_um"]), number(&expected["wrong_sign_um"]));
+            let after = rms_um(&shop.measure("after", &["--compensation", &file]));
+            println!("{seed} {control}: {before_um:.2} µm, expected {after_um:.3}, found {after:.3}");
+            assert!(
+                (after / after_um - 1.0).abs() < AS_EXPECTED,
+                "{seed} {control}: {after_um} expected, {after}"
+            );
+            let wrong = shop.with_the_wrong_sign(&file);
+            let doubled = rms_um(&shop.measure("doubled", &["--compensation", &wrong]));
+            assert!(
+                (doubled / wrong_um - 1.0).abs() < AS_EXPECTED,
+                "{control}: {wrong_um} expected, {doubled}"
+            );
+            for (compensation, verdict) in
+                [(Some(&file), "right"), (None, "not-active"), (Some(&wrong), "wrong")]
+            {
+                let mut more = vec!["--cycle", sign.as_str()];
+                if let Some(file) = compensation {
+                    more.extend(["--compensation", file]);
+                }
+                let judged = shop.judge(control, &shop.measure("sign", &more));
+                assert_eq!(judged["verdict"], verdict, "{seed} {control}: {judged}");
+            }
+        }
+        // Nothing of these errors is on the side of the tool.
+        let (_, answer) = shop.correct("heidenhain", &[]);
+        assert!(number(&answer["expected"]["after_um"]) < 1.05 * NOISE_UM, "{answer}");
+    }
+}
+
+#[test]
+fn the_component_of_linuxcnc_computes_what_takes_the_errors_away() {
+    let shop = Shop::new(5);
+    let (file, answer) = shop.correct("linuxcnc", &[]);
+    let component = std::fs::read_to_string(&file).unwrap();
+    let core = component.split("/* begin: core */").nth(1).unwrap().split("/* end: core */").next().unwrap();
+    let program = format!(
+        "#include <math.h>\n#include <stdio.h>\n{core}\nint main(void) {{\n double q[JOINTS], t[3], zero[3] = {{0,0,0}};\n \
+         while (scanf(\"%lf %lf %lf %lf %lf\", q, q+1, q+2, q+3, q+4) == 5)\n \
+         if (correction(q, zero, t)) printf(\"%.12f %.12f %.12f\\n\", t[0], t[1], t[2]);\n return 0;\n}}\n"
+    );
+    std::fs::write(shop.path("core.c"), program).unwrap();
+    let compiled = Command::new("cc")
+        .args(["-Wall", "-Werror", "-std=gnu99", "-o", &shop.path("core"), &shop.path("core.c"), "-lm"])
+        .output()
+        .unwrap();
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+
+    let machine = trunnion::files::machine("table-bc").unwrap();
+    let virtual_machine = VirtualMachine::new(machine.clone(), shop.truth.clone()).unwrap();
+    let placed: Vec<SimSetup> = shop.truth.setups.iter().map(|placed| placed.setup.clone()).collect();
+    let states = grid::standard_bc(&machine, &placed);
+    let mut core =
+        Command::new(shop.path("core")).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let joints = [Joint::B, Joint::C, Joint::X, Joint::Y, Joint::Z];
+    let asked: String = states
+        .iter()
+        .map(|state| {
+            let place = |joint: Joint| {
+                let position = state.position[joint];
+                if joint.is_rotary() { position.to_degrees() } else { position }.to_string()
+            };
+            joints.map(place).join(" ") + "\n"
+        })
+        .collect();
+    core.stdin.take().unwrap().write_all(asked.as_bytes()).unwrap();
+    let said = String::from_utf8(core.wait_with_output().unwrap().stdout).unwrap();
+    let travels: Vec<Vec<f64>> =
+        said.lines().map(|line| line.split(' ').map(|n| n.parse().unwrap()).collect()).collect();
+    assert_eq!(travels.len(), states.len());
+
+    let left_um = |share: f64| {
+        let moved = states.iter().zip(&travels).map(|(state, travel)| {
+            let mut position: AxisValues<f64> = state.position;
+            for (k, letter) in Joint::LINEAR.into_iter().enumerate() {
+                position[letter] += share * travel[k];
+            }
+            (state.setup, virtual_machine.ideal_reading_mm(state.setup, &State { position, ..state.clone() }))
+        });
+        about_mean_um(&moved.collect::<Vec<_>>())
+    };
+    let (before, after, wrong) = (left_um(0.0), left_um(1.0), left_um(-1.0));
+    println!("{before:.3} µm before, {after:.4} after, {wrong:.3} with the wrong sign");
+    // What is left is what noise of 0.1 µm put into some thirty parameters found from 1008 readings: 0.1 √(30/1008).
+    assert!(after < 0.3 * NOISE_UM, "{before} before, {after} after");
+    assert!((wrong / before - 2.0).abs() < 0.01, "{before} before, {wrong} with the wrong sign");
+    assert_eq!(answer["undo"][0], "halcmd setp trunnion-correction.enable 0");
+}
+
+/// Rms about the mean of each component in each setup, µm.
+fn about_mean_um(readings: &[(usize, [f64; 3])]) -> f64 {
+    let mut sum = 0.0;
+    for setup in 0..2 {
+        for k in 0..3 {
+            let own: Vec<f64> = readings.iter().filter(|(of, _)| *of == setup).map(|(_, r)| r[k]).collect();
+            let mean = own.iter().sum::<f64>() / own.len() as f64;
+            sum += own.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+        }
+    }
+    1e3 * (sum / (3 * readings.len()) as f64).sqrt()
+}
+
+#[test]
+fn nothing_is_written_from_an_inadequate_model_unless_asked_for() {
+    let shop = Shop::new(3);
+    let (run, file) = (shop.path("before.mcap"), shop.path("file"));
+    let base = ["correct", &run, "--control", "siemens", "-o", &file];
+    let reported = refused(&base);
+    assert!(
+        reported.contains("nothing was written, because the model is inadequate. It lacks "),
+        "{reported}"
+    );
+    assert!(!Path::new(&file).exists());
+    let (_, stdout, _) = output(&[&base[..], &["--although-inadequate"]].concat());
+    assert!(stdout.contains("The model is inadequate: it lacks something"), "{stdout}");
+    assert!(Path::new(&file).exists());
+    let reported = refused(&[&base[..], &["--corrections"]].concat());
+    assert!(reported.contains("--corrections is for tables"), "{reported}");
+}
