@@ -20,7 +20,7 @@ const NOISE_UM: f64 = 0.1;
 const AS_EXPECTED: f64 = 0.04;
 
 const MODEL: &str = "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"location-errors\"\n[[effect]]\nid = \"ball-setting\"\n\
-                     [[effect]]\nid = \"gravity-sag:B\"\n[[effect]]\nid = \"encoder-eccentricity:C\"\n[[effect]]\nid = \"radial-error-motion:C\"\n";
+                     [[effect]]\nid = \"gravity-sag:B\"\n[[effect]]\nid = \"encoder-eccentricity:C\"\n";
 
 /// A drawn machine, measured.
 struct Shop {
@@ -33,8 +33,8 @@ impl Shop {
         let folder = tempfile::tempdir().unwrap();
         let setups = [("low", 60.0), ("high", 160.0)]
             .map(|(name, z)| SimSetup::new(name, NestOn::Table, [150.0, 0.0, z].into(), Instrument::R_TEST));
-        let hidden = ["gravity-sag:B", "encoder-eccentricity:C", "radial-error-motion:C"]
-            .map(|id| HiddenChoice { id: id.into(), sigma: 1.0 });
+        let hidden =
+            ["gravity-sag:B", "encoder-eccentricity:C"].map(|id| HiddenChoice { id: id.into(), sigma: 1.0 });
         let machine = trunnion::files::machine("table-bc").unwrap();
         let mut truth = Truth::draw(&machine, &setups, &hidden, 1682.0, seed).unwrap();
         truth.noise = Noise { white_mm: NOISE_UM * 1e-3, ..Noise::NONE };

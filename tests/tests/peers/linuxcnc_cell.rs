@@ -58,7 +58,8 @@ impl Followed {
 
     /// Reads the sampled commands of the drives until asked to stop.
     fn sample(self: Arc<Self>, origin: TimeOrigin, stop: Arc<AtomicBool>) {
-        drop(reach());
+        // HAL is there when linuxcncrsh answers.
+        let _connection = reach();
         let mut sampler = unprivileged("stdbuf")
             .args(["-oL", "halsampler"])
             .stdout(Stdio::piped())
@@ -157,7 +158,10 @@ pub struct Task<'a> {
     pub drives: Drives,
     pub machine: &'a Machine,
     pub cycle_text: &'a str,
-    pub dwell_s: f64,
+    /// By the rules of the cycle where it is not given.
+    pub dwell_s: Option<f64>,
+    /// Between poses, mm/s.
+    pub transfer_mm_per_s: f64,
 }
 
 /// The setups of a cycle as the simulated machine has them.
@@ -172,9 +176,9 @@ pub fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
 pub async fn measure(folder: &Path, world: Arc<Followed>, task: &Task<'_>) -> PathBuf {
     let cycle = Cycle::parse("c.toml", task.cycle_text).unwrap();
     let rules = CourseRules {
-        dwell_s: Some(task.dwell_s),
-        transfer_mm_per_s: 100.0,
-        transfer_rad_per_s: convert::rad_from_deg(180.0),
+        dwell_s: task.dwell_s,
+        transfer_mm_per_s: task.transfer_mm_per_s,
+        transfer_rad_per_s: convert::rad_from_deg(1.8 * task.transfer_mm_per_s),
         ..CourseRules::default()
     };
     let program = Program::of_cycle(&cycle, task.machine, &rules).unwrap();

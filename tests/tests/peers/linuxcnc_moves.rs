@@ -27,8 +27,14 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
     let world = Followed::new(VirtualMachine::new(machine.clone(), truth).unwrap());
     let folder = tempfile::tempdir().unwrap();
     let cnc = LinuxCnc::start(Drives::Direct);
-    let task =
-        Task { cnc: &cnc, drives: Drives::Direct, machine: &machine, cycle_text: &cycle_text, dwell_s: 0.5 };
+    let task = Task {
+        cnc: &cnc,
+        drives: Drives::Direct,
+        machine: &machine,
+        cycle_text: &cycle_text,
+        dwell_s: Some(0.5),
+        transfer_mm_per_s: 100.0,
+    };
     let report = measure(folder.path(), world, &task).await.with_extension("identification.json");
     drop(cnc);
 

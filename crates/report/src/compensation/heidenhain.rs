@@ -2,7 +2,7 @@
 //!
 //! A row `Trans AXIS COORD` shifts or turns what follows in the chain; errors stand before the row `MachAxis` of their axis: place and
 //! direction as COORD, component errors as a column C1 … C6 of the table of the axis in COMPTAB, `A..C2` is column C2 of the table
-//! of A [iTNC 530 HSCI pp. 680, 684]. Linear values mm, angles degrees. After `MachBase` the chain runs towards the workpiece.
+//! of A [HEIDENHAIN iTNC 530 HSCI pp. 680, 684]. Linear values mm, angles degrees. After `MachBase` the chain runs towards the workpiece.
 //! Limits: axes on the side of the workpiece. Sign and order on the side of the tool are not public.
 
 use super::format::{Format, Signs, argument, header, number};
