@@ -6,13 +6,15 @@
 
 mod control;
 mod control_files;
+mod numbers;
 mod read;
+mod tool_point;
 
-use crate::physics::chain::machine_from_tip;
 use control::Control;
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Matrix3, Vector3};
+use tool_point::tool_in_table_mm;
 use trunnion_core::{AxisValues, Joint, Twist};
-use trunnion_machine::{Machine, Side};
+use trunnion_machine::Machine;
 
 /// Newton steps; errors are small, so that the second changes nothing that could be seen.
 const STEPS: usize = 3;
@@ -106,14 +108,4 @@ impl Table {
         let share = (here - low) / (high - low);
         self.errors[above - 1] * (1.0 - share) + self.errors[above] * share
     }
-}
-
-fn tool_in_table_mm(
-    machine: &Machine,
-    position: &AxisValues<f64>,
-    errors: &AxisValues<Twist>,
-) -> Point3<f64> {
-    let machine_from_table = machine_from_tip(machine, Side::Table, position, errors);
-    machine_from_table.inverse()
-        * (machine_from_tip(machine, Side::Tool, position, errors) * Point3::origin())
 }

@@ -3,7 +3,7 @@
 //! `table_from_tool(q', lines)·0 = table_from_tool(q, nominal)·0`, then every output axis moves by minus the value of its tables.
 //! The lines replace those of the nominal machine, so that the control turns about them.
 
-use super::tool_in_table_mm;
+use super::tool_point::tool_in_table_mm;
 use nalgebra::{Matrix3, Unit, Vector3};
 use trunnion_core::{AxisValues, Joint};
 use trunnion_machine::{Axis, Machine};

@@ -4,7 +4,7 @@
 //! table moves the axis in negative direction; vectors point to the lines of the axes.
 
 use super::control::{Control, Cross};
-use super::read::{Found, Line, Numbers, number};
+use super::numbers::{Found, Line, Numbers, number};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use trunnion_core::Joint;

@@ -4,22 +4,10 @@
 //! `values = correction`: nothing is guessed about the sign.
 
 use super::control::Control;
+use super::numbers::{Found, Line, Numbers, number};
 use super::{Compensation, Table, control_files};
-use std::collections::BTreeMap;
 use trunnion_core::{AxisValues, Joint, Problem, Problems, Twist};
 use trunnion_machine::Machine;
-
-/// Column name and its values: one without argument, or many with.
-#[derive(Default)]
-pub(super) struct Numbers {
-    /// Position errors by (axis, direction).
-    pub constants: BTreeMap<(usize, usize), f64>,
-    /// Component errors by (axis, direction): argument and value, as in the file.
-    pub curves: BTreeMap<(usize, usize), Vec<(f64, f64)>>,
-}
-
-/// A line of a file with its number.
-pub(super) type Line<'a> = (usize, &'a str);
 
 impl Compensation {
     /// Reads a file of any format that `machine` uses; `file` is shown in problems.
@@ -76,8 +64,6 @@ fn lines<'a>(text: &'a str, remark: &str) -> Vec<Line<'a>> {
         .filter(|(_, line)| !line.is_empty())
         .collect()
 }
-
-pub(super) type Found = (usize, String, &'static str);
 
 /// +1 when the file holds errors, −1 when it holds corrections.
 fn sign(text: &str) -> Result<f64, Found> {
@@ -197,11 +183,6 @@ fn etalon(lines: &[Line<'_>]) -> Result<Numbers, Found> {
         }
     }
     Ok(numbers)
-}
-
-pub(super) fn number(line: usize, text: &str) -> Result<f64, Found> {
-    let parsed = text.parse().ok().filter(|value: &f64| value.is_finite());
-    parsed.ok_or_else(|| (line, format!("\"{text}\""), "a number with a decimal point"))
 }
 
 /// `X0C`: direction, zero, axis.

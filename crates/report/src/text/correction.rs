@@ -14,6 +14,10 @@ pub fn correction_text(answer: &Correction) -> String {
             plain(expected.after_um),
             plain(expected.wrong_sign_um)
         );
+        if expected.after_um >= expected.before_um {
+            out +=
+                "The errors do not fall: what this control takes is too little of them. Do not enter it.\n";
+        }
         out += &match expected.tolerance_um.zip(expected.decision) {
             Some((tolerance, decision)) => {
                 let say = match decision {
