@@ -199,7 +199,7 @@ impl SignVerdict {
     pub fn of(share: f64, u: f64) -> Self {
         const HALF_WAY: f64 = 0.5;
         match share {
-            _ if !(2.0 * u < HALF_WAY) => Self::Unclear,
+            _ if u.is_nan() || 2.0 * u >= HALF_WAY => Self::Unclear,
             share if share > HALF_WAY => Self::Right,
             share if share < -HALF_WAY => Self::Wrong,
             _ => Self::NotActive,

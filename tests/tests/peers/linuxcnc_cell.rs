@@ -160,6 +160,8 @@ pub struct Task<'a> {
     pub cycle_text: &'a str,
     /// By the rules of the cycle where it is not given.
     pub dwell_s: Option<f64>,
+    /// False where the readings are too few for the service to analyse: then the recording is waited for.
+    pub analysed: bool,
     /// Between poses, mm/s.
     pub transfer_mm_per_s: f64,
 }
@@ -213,11 +215,29 @@ pub async fn measure(folder: &Path, world: Arc<Followed>, task: &Task<'_>) -> Pa
     let service = tokio::spawn(serve(config, cycles, clock, cancel.clone()));
 
     tokio::task::spawn_blocking(move || operate(&path)).await.unwrap();
-    let recording = first_report(&runs, Duration::from_secs(120)).await.expect("a report within two minutes");
+    let limit = Duration::from_secs(120);
+    let recording = match task.analysed {
+        true => first_report(&runs, limit).await.expect("a report within two minutes"),
+        false => recorded(&runs, limit).await.expect("a recording within two minutes"),
+    };
     cancel.cancel();
     service.await.unwrap().unwrap();
     cell.shutdown().await;
     stop.store(true, Ordering::Relaxed);
     follower.join().unwrap();
     recording
+}
+
+/// Waits for a finished recording; while it is written its name ends otherwise.
+async fn recorded(runs: &Path, limit: Duration) -> Option<PathBuf> {
+    let written = async {
+        loop {
+            let mut files = std::fs::read_dir(runs).into_iter().flatten().flatten().map(|file| file.path());
+            if let Some(path) = files.find(|path| path.extension().is_some_and(|ending| ending == "mcap")) {
+                return path;
+            }
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+    };
+    tokio::time::timeout(limit, written).await.ok()
 }

@@ -133,6 +133,7 @@ async fn errors_fall_by_nine_tenths_when_linuxcnc_applies_the_correction() {
             machine: &machine,
             cycle_text: &cycle_text,
             dwell_s: Some(DWELL_S),
+            analysed: true,
             transfer_mm_per_s: TRANSFER_MM_PER_S,
         },
     )
@@ -161,6 +162,7 @@ async fn errors_fall_by_nine_tenths_when_linuxcnc_applies_the_correction() {
             machine: &machine,
             cycle_text: &four_poses,
             dwell_s: None,
+            analysed: false,
             transfer_mm_per_s: TRANSFER_MM_PER_S,
         };
         let run = measure(&at("wrong"), Followed::new(hidden.clone()), &task).await;
@@ -176,6 +178,7 @@ async fn errors_fall_by_nine_tenths_when_linuxcnc_applies_the_correction() {
         machine: &machine,
         cycle_text: &cycle_text,
         dwell_s: Some(DWELL_S),
+        analysed: true,
         transfer_mm_per_s: TRANSFER_MM_PER_S,
     };
     let after = measure(&at("after"), Followed::new(hidden.clone()), &right).await;
@@ -193,6 +196,7 @@ async fn errors_fall_by_nine_tenths_when_linuxcnc_applies_the_correction() {
         machine: &machine,
         cycle_text: &four_poses,
         dwell_s: None,
+        analysed: false,
         transfer_mm_per_s: TRANSFER_MM_PER_S,
     };
     let restored = measure(&at("restored"), Followed::new(hidden), &restored).await;
