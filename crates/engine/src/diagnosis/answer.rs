@@ -276,7 +276,7 @@ impl Context<'_> {
         };
         self.found.complete
             && self.is_constant
-            && remainder_is_natural(&noise_sizes(self.scan, self.found.last.null.x()))
+            && remainder_is_natural(self.scan, self.found)
             && !self.found.items.iter().any(Item::is_open)
             && (all_found || like_all_found())
     }

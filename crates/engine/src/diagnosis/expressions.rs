@@ -153,7 +153,7 @@ fn scored(
     let block = turned(&columns);
     let weighed = weighed_beside(beside, &block);
     let natural = scan.vocabulary.families[term.family].natural;
-    let noticeable = !natural || view.share(scan, beside, &block) > natural_share(view);
+    let noticeable = !natural || view.share(scan, beside, &block) > natural_share(scan, view);
     let ln_odds = weighed.ln_bf - term_price_ln(scan, &term, &shape);
     let item = Item { what: What::Open(term), shape, columns, ln_odds };
     let sigma = beside.mode.here.sigma.clone();

@@ -17,7 +17,7 @@ use trunnion_core::convert::um_from_mm;
 
 /// Share of the points that must have been read again.
 const REPEATED_SHARE: f64 = 0.2;
-/// Every machine has repeatable motions; up to this times the white noise they are no finding.
+/// Every machine has repeatable motions; up to this times the noise of a single reading they are no finding.
 const NATURAL_PATTERN: f64 = 1.5;
 /// The residual may be this times the repeatability, √(1 + 1.5²): what repeats leave out (offsets of passes, drift, natural motions) is
 /// no finding up to 1.5 times the repeatability.
@@ -98,8 +98,9 @@ pub fn within_repeats(fit: &Identification, rms_mm: f64) -> bool {
 
 /// True where the pattern that remains next to all that was found, and the scatter from stop to stop, are no larger than natural: what an
 /// effect without a name does at every stop of an axis looks like either.
-pub fn remainder_is_natural(sizes: &LearnedNoise) -> bool {
-    sizes.pattern_um.max(sizes.stations_um) <= NATURAL_PATTERN * sizes.white_um
+pub fn remainder_is_natural(scan: &Scan<'_>, found: &Found) -> bool {
+    let sizes = noise_sizes(scan, found.last.null.x());
+    sizes.pattern_um.max(sizes.stations_um) <= NATURAL_PATTERN * sizes.white_um * scan.kernels.single
 }
 
 /// Effects with something to say for them that is worth more than a bare mention, where together they are worth more than that.

@@ -15,7 +15,7 @@ const BEST: usize = 2;
 const BEST_IN_QUIET: usize = 3;
 /// The learned noise chooses the shape where it sees the effect at all, ln.
 const SEEN_LN: f64 = 3.0;
-/// Repeatable motions of a rotary axis are natural up to this share of the white variance: every bearing, encoder and gear has
+/// Repeatable motions of a rotary axis are natural up to this share of the variance of a single reading: every bearing, encoder and gear has
 /// some. Not quite half the standard deviation where nothing else is at work; next to a larger effect they are not what is missing.
 pub const NATURAL_SHARE: f64 = 0.2;
 pub const NATURAL_SHARE_BESIDE: f64 = 0.6;
@@ -86,15 +86,16 @@ fn beside(scan: &Scan<'_>, view: &View, group: usize) -> Option<Scored> {
     let block = turned(&columns);
     let at_best = weighed_beside(&beside, &block);
     let ln_bf = averaged.max(at_best.ln_bf - shape_price_ln(named.tries, &shape));
-    let least = natural_share(view);
+    let least = natural_share(scan, view);
     let noticeable = !named.natural || view.share(scan, &beside, &block) > least;
     let item = Item { what: What::Named(group), shape, columns, ln_odds: ln_bf - price_ln(scan, group) };
     Some(Scored { item, ln_bf, fit_ln: at_best.fit_ln, sigma: beside.mode.here.sigma.clone(), noticeable })
 }
 
 /// Share of the white variance up to which a repeatable motion is natural.
-pub fn natural_share(view: &View) -> f64 {
-    if view.chosen.ncols() == 0 { NATURAL_SHARE } else { NATURAL_SHARE_BESIDE }
+pub fn natural_share(scan: &Scan<'_>, view: &View) -> f64 {
+    let of_single = if view.chosen.ncols() == 0 { NATURAL_SHARE } else { NATURAL_SHARE_BESIDE };
+    of_single * scan.kernels.single.powi(2)
 }
 
 /// Shape numbers moved from the grid to where the evidence is best.

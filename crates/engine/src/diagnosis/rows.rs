@@ -4,10 +4,12 @@
 //! their neighbours of the same pass; points far apart are thinned. A mean hides what repeats within it: the answer judges the size of the residual on all points.
 
 use crate::Experiment;
+use crate::noise::outliers::median;
 use crate::problem::sequence::in_order_taken;
 use crate::problem::taken::Taken;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
+use trunnion_cycles::RunKind;
 
 /// Readings that a scan looks at: a covariance of that size takes some 30 ms to invert.
 const MOST_ROWS: usize = 1200;
@@ -41,6 +43,17 @@ impl<'a> Rows<'a> {
     /// All points.
     pub fn whole(&self) -> &'a Experiment {
         self.all
+    }
+
+    /// How many readings are averaged in a row, the median: of the samples of a block on the fly, and of neighbours. The readings of a point
+    /// at rest are one: what moves it as a whole is not averaged by reading longer.
+    pub fn readings_of_one(&self) -> f64 {
+        let of_point = |point: usize| match self.all.kinds[self.all.run_of_point[point]] {
+            RunKind::OnTheFly => f64::from(self.all.points[point].samples.max(1)),
+            RunKind::Static => 1.0,
+        };
+        let of_node = |node: usize| self.points_of(node).into_iter().map(of_point).sum::<f64>();
+        median(&(0..self.points.points.len()).map(of_node).collect::<Vec<f64>>()).max(1.0)
     }
 
     /// The points of each row group.

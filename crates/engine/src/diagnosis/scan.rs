@@ -104,7 +104,7 @@ impl<'a> Scan<'a> {
             let (rows, parameters) = (rows.points.rows(), basis.ncols());
             return Err(DiagnoseError::TooFewReadings { rows, parameters });
         }
-        let kernels = Kernels::new(&rows.points, &root);
+        let kernels = Kernels::new(&rows.points, &root, rows.readings_of_one().sqrt());
         let y = (residual / unit_mm).cast::<Real>();
         let used: Vec<bool> = (0..rows.points.points.len())
             .map(|node| rows.points_of(node).iter().all(|&point| fit.used[point]))

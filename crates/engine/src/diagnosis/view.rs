@@ -9,7 +9,7 @@ use crate::noise::learned::sigma::{Projected, Sigma};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-/// In a quiet noise every ρ is at most this: the learned noise may have swallowed an effect.
+/// In a quiet noise every size is at most this share of the noise of a single reading: the learned noise may have swallowed an effect.
 const QUIET: f64 = 0.05;
 /// And at least this much below what was learned, ln.
 const QUIETER_LN: f64 = 1.5;
@@ -93,7 +93,7 @@ impl View {
         };
         let mut x = null.x().to_vec();
         for (x, mean) in x[1..].iter_mut().zip(scan.kernels.means()) {
-            *x = (x.min(QUIET.ln()) - QUIETER_LN).max((*x).min(mean - 1.0));
+            *x = (x.min((QUIET * scan.kernels.single).ln()) - QUIETER_LN).max((*x).min(mean - 1.0));
         }
         let quiet = Projected::new(readings.sigma(&x)?, &scan.y, &basis)?;
         let at = [&null.here, &quiet];

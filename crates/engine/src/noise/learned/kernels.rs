@@ -2,8 +2,8 @@
 //!
 //! Each has a frame (in what it acts), pairs of points that it moves alike, and what is expected of its size. A free correlation time
 //! or length is a mixture of a few fixed ones with free sizes: every unknown is then a logarithm of a size. The expected sizes say
-//! "about a seventh to a quarter of the white noise, perhaps eight times as much" (σ of the logarithm 1.2): they matter where a run has few degrees of
-//! freedom, such as two passes.
+//! "about a seventh to a quarter of the noise of a single reading, perhaps eight times as much" (σ of the logarithm 1.2): they matter where a run has few
+//! degrees of freedom, such as two passes. Where a row is a mean of many readings its white noise is smaller than theirs; what machines do is not.
 
 use super::Real;
 use crate::Experiment;
@@ -46,6 +46,8 @@ pub(crate) struct Kernels {
     pub rows_of_point: Vec<Range<usize>>,
     /// Readings of every point, where all have as many.
     components: Option<usize>,
+    /// Noise of a single reading, in units of the white noise of a row.
+    pub single: f64,
 }
 
 /// One kernel.
@@ -96,7 +98,8 @@ pub(crate) struct Frame {
 
 impl Kernels {
     /// `root`: roots of the weights of the rows; the white part stays 1, the others follow the rows.
-    pub fn new(experiment: &Experiment, root: &DVector<f64>) -> Self {
+    /// `single`: noise of a single reading, in units of the white noise of a row.
+    pub fn new(experiment: &Experiment, root: &DVector<f64>, single: f64) -> Self {
         let points = experiment.points.len();
         let rows_of_point: Vec<Range<usize>> = (0..points).map(|i| experiment.rows_of(i)).collect();
         let point_of_row =
@@ -104,7 +107,7 @@ impl Kernels {
         let components = rows_of_point.first().map(Range::len);
         let components = components.filter(|&count| rows_of_point.iter().all(|rows| rows.len() == count));
         let (list, frames) = (Vec::new(), Vec::new());
-        let mut kernels = Self { list, frames, points, point_of_row, rows_of_point, components };
+        let mut kernels = Self { list, frames, points, point_of_row, rows_of_point, components, single };
         let taken = Taken::new(experiment);
         let mut readings = In::frame(&mut kernels, of_readings(experiment), root);
         readings.add(Part::Pass, alike(&taken.pass), 0.25, SPREAD_LN);
@@ -131,6 +134,7 @@ impl Kernels {
             return kernels;
         }
         let mut machine = In::frame(&mut kernels, of_machine(experiment), root);
+        machine.add(Part::Pass, alike(&taken.pass), 0.15, SPREAD_LN);
         for tau in taken.times(DRIFT_OF_MACHINE, SHORTEST_DRIFT_POINTS) {
             machine.add(Part::Drift, taken.drift(tau), 0.1, SPREAD_LN);
         }
@@ -268,15 +272,15 @@ impl<'a> In<'a> {
             part,
             frame,
             over: Over::Pairs(pairs),
-            mean_ln: mean.ln(),
+            mean_ln: (mean * self.kernels.single).ln(),
             spread_ln,
         });
     }
 
     fn own(&mut self, part: Part, mean: f64) {
         let Some(frame) = self.frame else { return };
-        let spread_ln = SPREAD_OF_ANGLES_LN;
-        self.kernels.list.push(Kernel { part, frame, over: Over::Own, mean_ln: mean.ln(), spread_ln });
+        let (mean_ln, spread_ln) = ((mean * self.kernels.single).ln(), SPREAD_OF_ANGLES_LN);
+        self.kernels.list.push(Kernel { part, frame, over: Over::Own, mean_ln, spread_ln });
     }
 }
 
