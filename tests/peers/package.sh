@@ -52,8 +52,8 @@ fi
 rm -rf root packages root.cpio
 cp -a debian root
 mkdir -p packages root/trial
-first=$("$here/packaging/deb/build" "$program" packages 1.0.0)
-second=$("$here/packaging/deb/build" "$program" packages 1.0.1)
+first=$("$here/systemd/deb/build" "$program" packages 1.0.0)
+second=$("$here/systemd/deb/build" "$program" packages 1.0.1)
 cp "$first" root/trial/first.deb
 cp "$second" root/trial/second.deb
 cp "$here/tests/peers/package_trial.sh" root/trial/run
@@ -71,6 +71,8 @@ ExecStart=/bin/bash /trial/run
 ExecStopPost=/bin/systemctl --force --force poweroff
 END
 ln -sf /etc/systemd/system/trial.service root/etc/systemd/system/default.target
+# The trial writes to the first serial line.
+ln -sf /dev/null root/etc/systemd/system/serial-getty@ttyS0.service
 ln -sf /sbin/init root/init
 (cd root && find . -xdev | cpio -o -H newc --quiet) >root.cpio
 
