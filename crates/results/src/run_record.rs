@@ -96,11 +96,11 @@ pub struct RunResult {
     pub why: String,
     /// What is planned, read, missing and excluded.
     pub complete: Complete,
-    /// Ids of the effects that the analysis added, in order.
+    /// Ids of the effects that are missing, in the order in which a person would add them; the service adds none.
     pub missing_effects: Vec<String>,
-    /// Residual before, µm rms.
+    /// Residual of the model, µm rms.
     pub rms_um_before: f64,
-    /// Residual with them, µm rms.
+    /// Residual with all of them, µm rms.
     pub rms_um_after: f64,
     /// Path of the page.
     pub report: String,

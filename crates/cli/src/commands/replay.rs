@@ -35,7 +35,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     let model = args.model.model(&experiment)?;
     let analysed = experiment.analyse(&model, "")?;
-    let identification = to_json(&analysed.fit().results())?;
+    let identification = to_json(&analysed.before().results())?;
     let first = analysed.first().results();
     let outcome = if first.verdict == Verdict::NotJudged { Outcome::Withheld } else { outcome };
     let diagnosis = to_json(&first)?;

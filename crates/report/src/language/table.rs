@@ -62,7 +62,7 @@ pub const ENTRIES: &[[&str; 3]] = &[
     ["Something that the catalogue has no name for is missing from the model", "Im Modell fehlt etwas, wofür der Katalog keinen Namen hat", "カタログに名前のない要因がモデルに不足している"],
     ["Look for the likely cause at the machine.", "Die wahrscheinliche Ursache an der Maschine suchen.", "推定される原因を機械で調べる。"],
     ["Add {} to the model, and see whether the error falls.", "{} in das Modell aufnehmen und sehen, ob der Fehler fällt.", "{} をモデルに追加し、誤差が減るか確認する。"],
-    ["Enter the errors of the axes into the control (trunnion compensation), then measure again.", "Die Fehler der Achsen in die Steuerung eingeben (trunnion compensation), dann erneut messen.", "軸の誤差を制御装置に入力し（trunnion compensation）、再測定する。"],
+    ["Enter the errors of the axes into the control (trunnion correct), then measure again.", "Die Fehler der Achsen in die Steuerung eingeben (trunnion correct), dann erneut messen.", "軸の誤差を制御装置に入力し（trunnion correct）、再測定する。"],
     ["With this effect in the model the residual falls from {} to {} rms ({}).", "Mit diesem Effekt im Modell fällt die Restabweichung von {} auf {} rms ({}).", "この要因をモデルに入れると残差は {} から {} rms に減る（{}）。"],
     ["The model leaves {} rms ({}); nothing in it points at a further cause.", "Das Modell lässt {} rms übrig ({}); nichts darin deutet auf eine weitere Ursache.", "モデルの残差は {} rms（{}）。さらなる原因を示すものはない。"],
     ["A usual effect of {} rms or more would have been noticed.", "Ein üblicher Effekt von {} rms oder mehr wäre aufgefallen.", "通常の要因であれば {} rms 以上で検出できた。"],

@@ -54,6 +54,7 @@ pub fn report_at_once(
 }
 
 /// Analyses a recording, with what its state says is missing, and writes page and JSON next to it; the base model where none is given.
+/// Page and identification are those of this model, with the best candidate on trial: effects are proposed here, a person adds them.
 ///
 /// # Errors
 /// When the recording cannot be analysed or a file cannot be written.
@@ -63,10 +64,11 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
     let experiment = opened(&run_record::files(recording, &state)).map_err(failed)?;
     let model = model.map_or_else(|| experiment.base_model(), Model::clone);
     let analysed = experiment.analyse(&model, date).map_err(failed)?;
-    let compared = analysed.compare().map_err(failed)?.with_losses(&state.losses);
+    let compared =
+        analysed.first().compare().and_then(Compared::with_best).map_err(failed)?.with_losses(&state.losses);
     let answers = [
         ("html", compared.page()),
-        ("identification.json", to_json(&analysed.fit().results())?),
+        ("identification.json", to_json(&analysed.before().results())?),
         // Last: where it is, everything is.
         ("diagnosis.json", to_json(&analysed.first().results())?),
     ];
@@ -74,7 +76,7 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
         trunnion::files::write_whole(&recording.with_extension(ending), &text)?;
     }
     let answer = in_short(recording, &analysed, &compared);
-    info!(run = %recording.display(), verdict = answer.result.verdict.as_str(), added = ?answer.result.missing_effects, "analysed");
+    info!(run = %recording.display(), verdict = answer.result.verdict.as_str(), missing = ?answer.result.missing_effects, "analysed");
     Ok(Report { analysed, compared, answer })
 }
 
