@@ -23,7 +23,7 @@ pub fn correction_text(answer: &Correction) -> String {
                 let say = match decision {
                     Decision::Pass => "is within",
                     Decision::Fail => "is above",
-                    Decision::NotDecidable => "cannot be told from",
+                    Decision::NotDecidable => "is neither clearly within nor above",
                 };
                 let enough =
                     if decision == Decision::Fail { ": the correction alone is not enough" } else { "" };
