@@ -109,8 +109,8 @@ async fn errors_fall_by_nine_tenths_when_linuxcnc_applies_the_correction() {
     show_log();
     let cycle_text = include_str!("../../../config/cycles/demo-static.toml")
         .replacen("step_deg = 30", "step_deg = 45", 1)
-        .replace("step_deg = 30", "step_deg = 60")
-        .replace("to_deg = 330", "to_deg = 300")
+        .replace("step_deg = 30", "step_deg = 90")
+        .replace("to_deg = 330", "to_deg = 270")
         .replace("passes = [\"+\", \"-\"]", "passes = [\"+\"]");
     let cycle = Cycle::parse("c.toml", &cycle_text).unwrap();
     let machine = shipped::machine("table-bc").unwrap();
