@@ -8,14 +8,14 @@ import json
 import os
 import pathlib
 import subprocess
-import sys
 import tempfile
 import time
 
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import sync_playwright
 
-TRUNNION = sys.argv[1]
+from checks import TRUNNION, check, trunnion
+
 DATA = pathlib.Path(__file__).resolve().parents[1] / "data"
 SHOTS = os.environ.get("PAGE_SHOTS")
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
@@ -23,18 +23,6 @@ FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-
 VIEWS = ["result", "what-if", "history", "measure"]
 # Unoptimised code on a busy computer: no promise of speed, an end of the wait.
 LIMIT_MS = 90_000
-
-
-def check(what, good, found=""):
-    print(("ok    " if good else "FAILED ") + what, found, flush=True)
-    if not good:
-        sys.exit(1)
-
-
-def trunnion(*arguments):
-    done = subprocess.run([TRUNNION, *map(str, arguments)], capture_output=True, text=True)
-    check(f"trunnion {arguments[0]} runs", done.returncode in (0, 3), done.stderr)
-    return done.stdout
 
 
 class Served:

@@ -10,8 +10,6 @@ the XML schema where that can be had: DCC_XSD names a copy, else it is asked for
 import os
 import pathlib
 import re
-import subprocess
-import sys
 import tempfile
 
 import pymupdf
@@ -19,21 +17,11 @@ from dcclib.validation.schematron import SchematronValidator
 from dcclib.validation.xsd import SchemaDownloadError, XsdValidator
 from lxml import etree
 
-TRUNNION = sys.argv[1]
+from checks import check, trunnion
+
 DATA = pathlib.Path(__file__).resolve().parents[1] / "data"
 SHOTS = os.environ.get("REPORT_SHOTS")
 NAMESPACES = {"dcc": "https://ptb.de/dcc", "si": "https://ptb.de/si"}
-
-
-def check(what, good, found=""):
-    print(("ok    " if good else "FAILED ") + what, found, flush=True)
-    if not good:
-        sys.exit(1)
-
-
-def trunnion(*arguments):
-    done = subprocess.run([TRUNNION, *map(str, arguments)], capture_output=True, text=True)
-    check(f"trunnion {arguments[0]} runs", done.returncode in (0, 3), done.stderr)
 
 
 def words(page):

@@ -4,6 +4,7 @@
 
 mod commands;
 mod load;
+mod one_of;
 mod outcome;
 mod output;
 mod terminal;

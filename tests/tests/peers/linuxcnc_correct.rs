@@ -17,7 +17,7 @@ use trunnion::results::{
 use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::Cycle;
 use trunnion_hil_sim::{HiddenChoice, Truth, VirtualMachine};
-use trunnion_machine::shipped;
+use trunnion_machine::{Machine, shipped};
 use trunnion_tests::{show_log, workspace_root};
 
 const MODEL: &str = "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"location-errors\"\n[[effect]]\nid = \"ball-setting\"\n\
@@ -51,6 +51,17 @@ impl Drop for Installed {
     fn drop(&mut self) {
         drop(std::fs::remove_file("/usr/lib/linuxcnc/modules/trunnion_correction.so"));
     }
+}
+
+/// The cycle, as the service measures and analyses it.
+fn whole<'a>(cnc: &'a LinuxCnc, drives: Drives, machine: &'a Machine, cycle_text: &'a str) -> Task<'a> {
+    let (dwell_s, transfer_mm_per_s) = (Some(DWELL_S), TRANSFER_MM_PER_S);
+    Task { cnc, drives, machine, cycle_text, dwell_s, analysed: true, transfer_mm_per_s }
+}
+
+/// Four poses, too few to be analysed.
+fn four<'a>(cnc: &'a LinuxCnc, machine: &'a Machine, cycle_text: &'a str) -> Task<'a> {
+    Task { dwell_s: None, analysed: false, ..whole(cnc, Drives::Corrected, machine, cycle_text) }
 }
 
 fn judged(corrected: &Corrected, run: &Path) -> CorrectionJudged {
@@ -127,15 +138,7 @@ async fn errors_fall_by_nine_tenths_when_linuxcnc_applies_the_correction() {
     let before = measure(
         &at("before"),
         Followed::new(hidden.clone()),
-        &Task {
-            cnc: &cnc,
-            drives: Drives::Sampled,
-            machine: &machine,
-            cycle_text: &cycle_text,
-            dwell_s: Some(DWELL_S),
-            analysed: true,
-            transfer_mm_per_s: TRANSFER_MM_PER_S,
-        },
+        &whole(&cnc, Drives::Sampled, &machine, &cycle_text),
     )
     .await;
     drop(cnc);
@@ -156,15 +159,7 @@ async fn errors_fall_by_nine_tenths_when_linuxcnc_applies_the_correction() {
         let _component = Installed::new(folder.path(), &wrong);
         let cnc = LinuxCnc::start(Drives::Corrected);
         cnc.switched("1");
-        let task = Task {
-            cnc: &cnc,
-            drives: Drives::Corrected,
-            machine: &machine,
-            cycle_text: &four_poses,
-            dwell_s: None,
-            analysed: false,
-            transfer_mm_per_s: TRANSFER_MM_PER_S,
-        };
+        let task = four(&cnc, &machine, &four_poses);
         let run = measure(&at("wrong"), Followed::new(hidden.clone()), &task).await;
         assert_eq!(judged(&corrected, &run).verdict, SignVerdict::Wrong);
     }
@@ -172,15 +167,7 @@ async fn errors_fall_by_nine_tenths_when_linuxcnc_applies_the_correction() {
     let _component = Installed::new(folder.path(), corrected.text());
     let cnc = LinuxCnc::start(Drives::Corrected);
     cnc.switched("1");
-    let right = Task {
-        cnc: &cnc,
-        drives: Drives::Corrected,
-        machine: &machine,
-        cycle_text: &cycle_text,
-        dwell_s: Some(DWELL_S),
-        analysed: true,
-        transfer_mm_per_s: TRANSFER_MM_PER_S,
-    };
+    let right = whole(&cnc, Drives::Corrected, &machine, &cycle_text);
     let after = measure(&at("after"), Followed::new(hidden.clone()), &right).await;
     let found = judged(&corrected, &after);
     println!("{:.2} µm before, {:.2} µm after", expected.before_um, found.rms_um);
@@ -190,15 +177,7 @@ async fn errors_fall_by_nine_tenths_when_linuxcnc_applies_the_correction() {
 
     // One command restores.
     cnc.switched("0");
-    let restored = Task {
-        cnc: &cnc,
-        drives: Drives::Corrected,
-        machine: &machine,
-        cycle_text: &four_poses,
-        dwell_s: None,
-        analysed: false,
-        transfer_mm_per_s: TRANSFER_MM_PER_S,
-    };
+    let restored = four(&cnc, &machine, &four_poses);
     let restored = measure(&at("restored"), Followed::new(hidden), &restored).await;
     assert_eq!(judged(&corrected, &restored).verdict, SignVerdict::NotActive);
     assert_ne!(verdict.0, Verdict::MissingEffect);

@@ -3,6 +3,7 @@
 
 use super::add::today;
 use crate::load::{Loaded, ModelArgs, RunArgs};
+use crate::one_of::one_of;
 use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use std::path::PathBuf;
@@ -55,17 +56,11 @@ fn method_help() -> String {
 }
 
 fn convention(text: &str) -> Result<Convention, String> {
-    let named = Convention::NAMES.into_iter().find(|(name, _)| *name == text);
-    named
-        .map(|(_, convention)| convention)
-        .ok_or_else(|| format!("allowed: {}", Convention::NAMES.map(|(name, _)| name).join(", ")))
+    one_of(&Convention::NAMES, text)
 }
 
 fn notation(text: &str) -> Result<Notation, String> {
-    let named = Notation::NAMES.into_iter().find(|(name, _)| *name == text);
-    named
-        .map(|(_, notation)| notation)
-        .ok_or_else(|| format!("allowed: {}", Notation::NAMES.map(|(name, _)| name).join(", ")))
+    one_of(&Notation::NAMES, text)
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {

@@ -4,6 +4,7 @@ mod print;
 
 use super::add::today;
 use crate::load::{ModelArgs, RunArgs};
+use crate::one_of::one_of;
 use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use std::path::PathBuf;
@@ -83,10 +84,7 @@ fn day(text: &str) -> Result<String, String> {
 }
 
 fn language(code: &str) -> Result<Language, String> {
-    let named = Language::NAMES.into_iter().find(|(known, _)| *known == code);
-    named
-        .map(|(_, language)| language)
-        .ok_or_else(|| format!("allowed: {}", Language::NAMES.map(|(code, _)| code).join(", ")))
+    one_of(&Language::NAMES, code)
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

@@ -2,14 +2,14 @@
 //!
 //! This test starts itself again in a mount namespace of its own, which needs no rights where user namespaces are allowed.
 
+use super::header;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use trunnion_core::{Clock, HostTime, ProbeSample};
-use trunnion_cycles::RunKind;
 use trunnion_machine::shipped;
-use trunnion_record::{Finished, Item, Recorder, RecorderHandle, RunHeader, read_run};
+use trunnion_record::{Finished, Item, Recorder, RecorderHandle, read_run};
 
 const FOLDER: &str = "TRUNNION_FULL_DISK_TEST_FOLDER";
 /// Longest wait for a state of the recorder.
@@ -43,21 +43,7 @@ fn on_a_small_disk(test: &str, folder: &Path) {
 }
 
 fn start(folder: &Path) -> (Arc<Monotonic>, RecorderHandle) {
-    let header = RunHeader {
-        name: "full".into(),
-        kind: RunKind::OnTheFly,
-        machine_name: "table-bc".into(),
-        machine_text: String::new(),
-        setups: Vec::new(),
-        temperature_channels: Vec::new(),
-        probes: vec!["probe-1".into()],
-        probe_roles: Vec::new(),
-        cycle_text: String::new(),
-        config_text: String::new(),
-        software_version: "0.1.0".into(),
-        wall_start_ns: 0,
-        host_start: HostTime(0),
-    };
+    let header = header("full", "probe-1");
     let clock = Arc::new(Monotonic(Instant::now()));
     let recorder = Recorder::create(folder, "full", &header).unwrap();
     let handle = RecorderHandle::spawn(recorder, 1 << 16, clock.clone()).unwrap();

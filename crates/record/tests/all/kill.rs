@@ -1,5 +1,6 @@
 //! Nothing accepted more than 0.1 s before a kill is lost.
 
+use super::header;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::HashSet;
@@ -9,9 +10,8 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use trunnion_core::{Clock, HostTime, ProbeSample};
-use trunnion_cycles::RunKind;
 use trunnion_machine::shipped;
-use trunnion_record::{Item, Recorder, RecorderHandle, RunHeader, read_run, recover_orphans};
+use trunnion_record::{Item, Recorder, RecorderHandle, read_run, recover_orphans};
 
 /// A recording process that waited longer than this between two samples, 1 ms apart, was on a computer without time.
 const LONGEST_PAUSE: Duration = Duration::from_millis(50);
@@ -30,21 +30,7 @@ impl Clock for Monotonic {
 
 /// The process that is killed: this same test, started again with a folder to record into.
 fn record_a_counter_until_killed(folder: &Path) -> ! {
-    let header = RunHeader {
-        name: "counter".into(),
-        kind: RunKind::OnTheFly,
-        machine_name: "table-bc".into(),
-        machine_text: String::new(),
-        setups: Vec::new(),
-        temperature_channels: Vec::new(),
-        probes: vec!["counter".into()],
-        probe_roles: Vec::new(),
-        cycle_text: String::new(),
-        config_text: String::new(),
-        software_version: "0.1.0".into(),
-        wall_start_ns: 0,
-        host_start: HostTime(0),
-    };
+    let header = header("counter", "counter");
     let clock = Arc::new(Monotonic(Instant::now()));
     let recorder = Recorder::create(folder, "counter", &header).unwrap();
     let handle = RecorderHandle::spawn(recorder, 1000, clock.clone()).unwrap();

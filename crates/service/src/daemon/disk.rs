@@ -19,7 +19,7 @@ const TIDY_EVERY: u32 = 60;
 /// How long a cycle lasts of which the machine file does not say it, s: longer than any in `config/cycles`.
 const UNKNOWN_CYCLE_S: f64 = 3600.0;
 
-/// The disk of the recordings, and who is told of it.
+/// The disk of the recordings, and who hears of it.
 #[derive(Clone)]
 pub(super) struct Disk {
     pub(super) storage: Storage,

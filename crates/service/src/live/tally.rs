@@ -1,7 +1,7 @@
 //! What each device counted, against what came and what gaps say: no reading is missing without a record.
 //!
 //! A device's counter goes on by one step a reading; its step is the smallest seen. Where it goes on by more, the readings between are
-//! missing, and gaps of the device since its last reading must say so. Gaps of one device are not told apart by channel:
+//! missing, and gaps of the device since its last reading must say so. Gaps of one device are not kept by channel:
 //! of several nodes on a bus, one gap may speak for two.
 
 use std::collections::BTreeMap;
@@ -140,7 +140,7 @@ mod tests {
             result(&half),
             ("probe-1 counted 16 readings: 11 came, 2 are in gaps, 3 in none".into(), Some(3))
         );
-        // Another connection counts anew; a gap from before explains nothing later.
+        // Another connection counts from zero; a gap from before explains nothing later.
         let again = [vec![lost(9)], first, vec![reading(2, 1), reading(2, 2), reading(2, 4)]].concat();
         assert_eq!(result(&again).1, Some(1));
         // Every fourth SYNC.
