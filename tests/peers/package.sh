@@ -34,7 +34,9 @@ cp "$first" root/trial/first.deb
 cp "$second" root/trial/second.deb
 cp "$here/tests/peers/package_trial.sh" root/trial/run
 data=$here/tests/data/points-gravity
-"$program" import "$data/points.csv" --setup "$data/setup.toml" -o root/trial/run.mcap
+# Every fourth point: all of them take more than five minutes on the emulated processor.
+awk 'NR == 1 || NR % 4 == 2' "$data/points.csv" >packages/points.csv
+"$program" import packages/points.csv --setup "$data/setup.toml" -o root/trial/run.mcap
 cat >root/etc/systemd/system/trial.service <<'END'
 [Unit]
 Wants=multi-user.target

@@ -32,7 +32,7 @@ chown root:trunnion /etc/trunnion/trunnion.toml
 chmod 640 /etc/trunnion/trunnion.toml
 systemctl start trunnion
 step "starts with one" until_true 60 active
-step "may open the serial port" until_true 60 journal_has "ttyS1 sends no values"
+step "may open the serial port" until_true 60 journal_has "ttyS1 does not answer"
 step "is refused nothing" not journal_has "no permission"
 pid=$(main_pid)
 kill -9 "$pid"
