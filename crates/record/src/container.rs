@@ -11,6 +11,9 @@ use std::io::{self, Read};
 
 /// Largest record and largest unpacked chunk, bytes.
 pub const LARGEST: u64 = 64 << 20;
+/// Unpacked bytes of one recording: 36 hours of three probes at 4 kHz with their stamps. A file that repeats itself packs a thousandfold, so
+/// that the length of the file bounds neither the time nor the memory that reading takes.
+const MOST_UNPACKED: u64 = 16 << 30;
 /// Largest zstd window, as a power of two.
 const LARGEST_WINDOW_LOG: u32 = 25;
 /// Opcode and length.
@@ -47,7 +50,16 @@ pub fn walk(
     file_bytes: u64,
     visit: &mut dyn FnMut(&Record<'_>) -> Result<bool, String>,
 ) -> io::Result<Option<Damage>> {
-    let mut walk = Walk { file, file_bytes, at: 0, crc: Hasher::new(), damage: None, skipped: 0 };
+    walk_within(MOST_UNPACKED, file, file_bytes, visit)
+}
+
+fn walk_within(
+    to_unpack: u64,
+    file: impl Read,
+    file_bytes: u64,
+    visit: Visit<'_>,
+) -> io::Result<Option<Damage>> {
+    let mut walk = Walk { file, file_bytes, at: 0, to_unpack, crc: Hasher::new(), damage: None, skipped: 0 };
     walk.run(visit)?;
     let skipped = walk.skipped;
     Ok(walk.damage.map(|damage| match skipped {
@@ -60,6 +72,8 @@ struct Walk<R> {
     file: R,
     file_bytes: u64,
     at: u64,
+    /// Bytes that may still come out of chunks.
+    to_unpack: u64,
     crc: Hasher,
     damage: Option<Damage>,
     skipped: u64,
@@ -126,6 +140,12 @@ impl<R: Read> Walk<R> {
         if unpacked_bytes > LARGEST {
             return Err(format!("a chunk claims {unpacked_bytes} bytes, {LARGEST} are allowed"));
         }
+        let Some(left) = self.to_unpack.checked_sub(unpacked_bytes) else {
+            let reason = format!("the recording unpacks to more than {} GiB", MOST_UNPACKED >> 30);
+            self.note(offset, reason, "everything from there on");
+            return Ok(false);
+        };
+        self.to_unpack = left;
         let unpacked = match compression {
             "" => packed.to_vec(),
             "zstd" => {
@@ -273,5 +293,42 @@ impl<'a> Cursor<'a> {
     fn string(&mut self) -> Result<&'a str, String> {
         let bytes = self.u32()? as usize;
         std::str::from_utf8(self.bytes(bytes)?).map_err(|_| "a text is not UTF-8".into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    /// Written by the `mcap` crate: a message of a kilobyte of zeros in each chunk.
+    #[test]
+    fn a_file_that_unpacks_without_end_is_read_as_far_as_it_may() {
+        let mut file = std::io::Cursor::new(Vec::new());
+        let mut writer = mcap::WriteOptions::new().chunk_size(Some(1000)).create(&mut file).unwrap();
+        let channel = writer.add_channel(0, "t", "raw", &BTreeMap::new()).unwrap();
+        for sequence in 0..10 {
+            let header =
+                mcap::records::MessageHeader { channel_id: channel, sequence, log_time: 0, publish_time: 0 };
+            writer.write_to_known_channel(&header, &[0; 1000]).unwrap();
+        }
+        writer.finish().unwrap();
+        drop(writer);
+        let bytes = file.into_inner();
+
+        let read = |to_unpack| {
+            let mut messages = 0;
+            let damage = walk_within(to_unpack, &bytes[..], bytes.len() as u64, &mut |record| {
+                messages += usize::from(matches!(record, Record::Message(_)));
+                Ok(true)
+            });
+            (messages, damage.unwrap())
+        };
+        assert_eq!(read(MOST_UNPACKED), (10, None));
+        let (messages, damage) = read(5 * 1100);
+        assert!((3..=5).contains(&messages), "{messages}");
+        let damage = damage.unwrap();
+        assert!(damage.reason.contains("unpacks to more than"), "{damage:?}");
+        assert_eq!(damage.lost, "everything from there on");
     }
 }

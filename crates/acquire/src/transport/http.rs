@@ -9,10 +9,8 @@ use hyper_util::rt::TokioIo;
 use std::error::Error;
 use std::time::Duration;
 use tokio::task::JoinHandle;
-use tokio::time::timeout;
-
-/// A whole document is smaller.
-const MAX_BODY_BYTES: usize = 64 * 1024 * 1024;
+use tokio::time::{Instant, timeout};
+use trunnion_protocol::mtconnect::MAX_BODY_BYTES;
 
 /// An answer whose body is still coming.
 pub struct Answer {
@@ -102,9 +100,28 @@ impl Answer {
     }
 
     /// The whole body.
+    ///
+    /// # Errors
+    /// `Silent` when nothing comes within `limit`, `Protocol` when its end does not or it is too large, `Disconnected`.
     pub async fn whole(mut self, limit: Duration) -> Result<Vec<u8>, SessionEnd> {
         let mut body = Vec::new();
-        while let Some(chunk) = self.chunk(limit).await? {
+        let end = Instant::now() + limit;
+        loop {
+            // An agent that sends a byte now and then would hold a limit on each read for ever.
+            let chunk = match self.chunk(end.saturating_duration_since(Instant::now())).await {
+                Ok(Some(chunk)) => chunk,
+                Ok(None) => break,
+                Err(SessionEnd::Silent { .. }) if body.is_empty() => return Err(silent(&self.base, limit)),
+                Err(SessionEnd::Silent { .. }) => {
+                    let fault = format!(
+                        "its end did not come within {} s, only {} bytes",
+                        limit.as_secs_f64(),
+                        body.len()
+                    );
+                    return Err(SessionEnd::Protocol { doing: "reading a document", fault });
+                }
+                Err(other) => return Err(other),
+            };
             body.extend_from_slice(&chunk);
             if body.len() > MAX_BODY_BYTES {
                 let fault = format!("more than {MAX_BODY_BYTES} bytes");
@@ -129,4 +146,32 @@ fn chain(error: &dyn Error) -> String {
         cause = error.source();
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tokio::io::AsyncWriteExt;
+
+    /// A byte every 20 ms, without end.
+    async fn drips() -> Uri {
+        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let base = parse_base(&format!("http://{}", listener.local_addr().unwrap())).unwrap();
+        tokio::spawn(async move {
+            let (mut socket, _) = listener.accept().await.unwrap();
+            socket.write_all(b"HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n").await.unwrap();
+            while socket.write_all(b"x").await.is_ok() {
+                tokio::time::sleep(Duration::from_millis(20)).await;
+            }
+        });
+        base
+    }
+
+    #[tokio::test]
+    async fn a_body_that_never_ends_is_given_up() {
+        let answer = get(&drips().await, "/probe").await.unwrap();
+        let end = timeout(Duration::from_secs(60), answer.whole(Duration::from_millis(300))).await;
+        let end = end.expect("it is given up").unwrap_err();
+        assert!(end.to_string().contains("its end did not come within 0.3 s"), "{end}");
+    }
 }

@@ -10,6 +10,9 @@ use trunnion_core::{AxisValues, Joint, Problems, Setup, convert};
 /// Largest angle a cycle file may name, degrees.
 const FARTHEST_DEG: f64 = 36_000.0;
 
+/// Poses of one cycle: at a second each, eleven days.
+const MOST_POSES: f64 = 1e6;
+
 /// The cycle of a document; problems are noted in it.
 impl Cycle {
     /// Reads a cycle file.
@@ -40,14 +43,22 @@ fn read(document: &Document<'_>) -> Option<Cycle> {
     let bar = root.optional_table("bar").map_or(Some(Bar::default()), |table| read_bar(&table));
     root.no_other_keys();
     format?;
-    Some(Cycle {
-        name: name?,
-        machine: machine?,
-        setups: setups?,
-        motion: motion?,
-        rounds: rounds?,
-        bar: bar?,
-    })
+    let (setups, motion, rounds) = (setups?, motion?, rounds?);
+    let (key, of_a_pass, passes) = match &motion {
+        Motion::Static { grid, passes, .. } => {
+            ("grid", grid.iter().map(|axis| axis.stations.len() as f64).product::<f64>(), passes.len())
+        }
+        Motion::Line { line, passes, .. } => ("line", line.steps as f64, passes.len()),
+        Motion::OnTheFly { .. } | Motion::Path { .. } => ("sweep", 0.0, 0),
+    };
+    let passes = passes * setups.len() * rounds.count;
+    let poses = of_a_pass * passes as f64;
+    if poses > MOST_POSES {
+        let found = format!("gives {poses} poses in {passes} passes");
+        root.problem(key, found, format!("at most {MOST_POSES} in the whole cycle"), "");
+        return None;
+    }
+    Some(Cycle { name: name?, machine: machine?, setups, motion, rounds, bar: bar? })
 }
 
 fn read_rounds(table: &Table<'_>) -> Option<Rounds> {

@@ -35,6 +35,9 @@ fn a_broken_cycle_names_line_found_and_allowed() {
     check("step_deg = 30", "step_deg = 0", "step_deg = 0; allowed: 0.001..=1000");
     check("[settle]", "[rounds]\ncount = 0\n[settle]", "rounds.count = 0; allowed: 1..=1000");
     check("[settle]", "[bar]\ndirection = [0, 0, 0]\n[settle]", "bar.direction has no length");
+    let finer = STATIC.replace("step_deg = 30", "step_deg = 0.1");
+    let shown = Cycle::parse("c.toml", &finer).unwrap_err().to_string();
+    assert!(shown.contains("poses in 4 passes; allowed: at most 1000000 in the whole cycle"), "{shown}");
     check("passes = [\"+\", \"-\"]", "passes = [\"up\"]", "\"+\" (as written) and \"-\" (backwards)");
 }
 

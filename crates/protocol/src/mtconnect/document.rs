@@ -189,6 +189,12 @@ pub enum DocumentError {
     /// Nested beyond any device model.
     #[error("the document nests elements deeper than any MTConnect document")]
     TooDeep,
+    /// More than any device model or thousand observations.
+    #[error("the document has more than {limit} elements and attributes")]
+    TooMany {
+        /// So many are read.
+        limit: usize,
+    },
     /// Ends before its last element does.
     #[error("the document ends before its last element does")]
     Truncated,

@@ -15,7 +15,9 @@ pub use document::{
     AgentError, Category, Component, DataItem, Device, DevicesDocument, Document, DocumentError,
     ErrorDocument, Header, Observation, ObservedValue, StreamsDocument,
 };
-pub use multipart::{MultipartDecoder, MultipartError, MultipartLosses, Part, boundary, encode_part};
+pub use multipart::{
+    MAX_BODY_BYTES, MultipartDecoder, MultipartError, MultipartLosses, Part, boundary, encode_part,
+};
 pub use read::{element_name, parse};
 pub use timestamp::{format_timestamp, parse_timestamp, timestamp};
 pub use write::{write_devices, write_error, write_streams};

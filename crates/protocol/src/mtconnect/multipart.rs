@@ -28,8 +28,9 @@ pub struct MultipartLosses {
     pub dropped_bytes: u64,
 }
 
-/// A document of an agent is far smaller; a longer part is skipped.
-pub const MAX_BODY_BYTES: usize = 64 * 1024 * 1024;
+/// A document of an agent is far smaller: a device model of 30 000 elements, or a thousand observations, has some 5 MB. A longer part
+/// is skipped.
+pub const MAX_BODY_BYTES: usize = 16 * 1024 * 1024;
 const MAX_HEADER_BYTES: usize = 8 * 1024;
 
 /// The boundary named by a `Content-Type` header.

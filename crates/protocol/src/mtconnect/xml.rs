@@ -7,6 +7,9 @@ use quick_xml::{Reader, XmlVersion};
 /// Deeper nesting than any MTConnect device model; bounds the stack when the tree is walked and dropped.
 const MAX_DEPTH: usize = 64;
 
+/// Elements and attributes of one document. The device model of a large machine has some 30 000; a tree of these takes below 100 MB.
+const MOST_PARTS: usize = 500_000;
+
 #[derive(Debug, Default)]
 pub(super) struct Element {
     pub name: String,
@@ -46,6 +49,11 @@ pub(super) fn parse_tree(bytes: &[u8]) -> Result<Element, DocumentError> {
     let mut reader = Reader::from_str(text);
     // The document is the only child of this one.
     let mut open = vec![Element::default()];
+    let mut parts = 0;
+    let mut counted = |element: Element| {
+        parts += 1 + element.attributes.len();
+        if parts > MOST_PARTS { Err(DocumentError::TooMany { limit: MOST_PARTS }) } else { Ok(element) }
+    };
     loop {
         let event = reader
             .read_event()
@@ -56,9 +64,9 @@ pub(super) fn parse_tree(bytes: &[u8]) -> Result<Element, DocumentError> {
                 if open.len() > MAX_DEPTH {
                     return Err(DocumentError::TooDeep);
                 }
-                open.push(element(&start, reader.buffer_position())?);
+                open.push(counted(element(&start, reader.buffer_position())?)?);
             }
-            Event::Empty(start) => top.children.push(element(&start, reader.buffer_position())?),
+            Event::Empty(start) => top.children.push(counted(element(&start, reader.buffer_position())?)?),
             Event::End(_) => {
                 let done = open.pop().filter(|_| !open.is_empty()).ok_or(DocumentError::Empty)?;
                 open.last_mut().expect("checked above").children.push(done);

@@ -205,3 +205,12 @@ proptest! {
         drop(parse(&bytes));
     }
 }
+
+#[test]
+fn a_document_of_endless_elements_or_attributes_is_refused() {
+    let shown = |text: String| parse(text.as_bytes()).unwrap_err().to_string();
+    let refused = "the document has more than 500000 elements and attributes";
+    assert_eq!(shown(format!("<a>{}</a>", "<b/>".repeat(500_000))), refused);
+    let attributes: String = (0..1000).map(|k| format!(" a{k}=\"\"")).collect();
+    assert_eq!(shown(format!("<a>{}</a>", format!("<b{attributes}/>").repeat(500))), refused);
+}
