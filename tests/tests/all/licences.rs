@@ -64,6 +64,26 @@ fn a_second_version_has_a_reason() {
 }
 
 #[test]
+fn an_accepted_advisory_is_of_a_crate_that_is_there_and_has_its_record() {
+    let record = workspace_root().join("docs/decisions/0013-accepted-advisories.md");
+    let record = std::fs::read_to_string(record).unwrap();
+    let tree = Tree::of_workspace();
+    let advisories = Rules::read().advisories;
+    for (id, name) in &advisories {
+        assert!(
+            tree.outside().any(|package| package.name == *name),
+            "{id}: {name} is gone; so is its advisory"
+        );
+        assert!(record.contains(&format!("| {id} | `{name}`")), "{id} of {name} has no row in the record");
+    }
+    assert_eq!(
+        record.matches("| RUSTSEC-").count(),
+        advisories.len(),
+        "the record has others than deny.toml"
+    );
+}
+
+#[test]
 fn expressions_are_read_as_spdx_does() {
     let allowed = |id: &str| ["MIT", "Unicode-3.0"].contains(&id);
     let check = |expression: &str, expected: Option<&[&str]>| {
@@ -86,6 +106,8 @@ struct Rules {
     licences: BTreeSet<String>,
     /// Name and beginning of the version.
     skipped: Vec<(String, String)>,
+    /// Identifier and crate.
+    advisories: Vec<(String, String)>,
 }
 
 impl Rules {
@@ -101,7 +123,12 @@ impl Rules {
             let (name, version) = entry["crate"].as_str().unwrap().split_once('@').unwrap();
             (name.to_string(), version.to_string())
         };
+        let advisory = |entry: &toml::Value| {
+            let (name, _) = entry["reason"].as_str().unwrap().split_once(": ").unwrap();
+            (entry["id"].as_str().unwrap().to_string(), name.to_string())
+        };
         Self {
+            advisories: rules["advisories"]["ignore"].as_array().unwrap().iter().map(advisory).collect(),
             licences: allowed.iter().map(|id| id.as_str().unwrap().to_string()).collect(),
             skipped: rules["bans"]["skip"].as_array().unwrap().iter().map(skip).collect(),
         }
