@@ -34,6 +34,7 @@ mod residuals;
 mod run_record;
 mod schema;
 pub mod sentences;
+mod service_status;
 mod setting_up;
 mod spectrum;
 mod story;
@@ -90,6 +91,7 @@ pub use preview::{Alias, OutOfReach, Preview, PreviewFormat, SeenBy, SeparatedBy
 pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, ShiftedPlace};
 pub use run_record::{RunAnswer, RunRecord, RunRecordFormat, RunResult, RunState};
 pub use schema::{schema_text, schemas};
+pub use service_status::{Condition, CycleNow, DeviceNow, Health, PartHealth, Presence, ServiceStatus};
 pub use setting_up::{
     CalibratedProbe, Jog, NestCalibrated, NestFormat, SignFinding, SignTest, SignTestFormat,
 };

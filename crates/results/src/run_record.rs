@@ -1,6 +1,6 @@
 //! Where a recorded run is on its way to its report, and what came of it: the file `NAME.state.json` next to the recording.
 
-use crate::{Complete, TimeQuality, Verdict};
+use crate::{Complete, LocationErrors, TimeQuality, Verdict};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -98,6 +98,10 @@ pub struct RunResult {
     pub complete: Complete,
     /// Ids of the effects that are missing, in the order in which a person would add them; the service adds none.
     pub missing_effects: Vec<String>,
+    /// The location errors with u, of the model given; null for a run without a verdict. Those of a model in which an effect is missing
+    /// contain part of it: see `verdict`.
+    #[serde(default)]
+    pub location_errors: Option<LocationErrors>,
     /// Residual of the model, µm rms.
     pub rms_um_before: f64,
     /// Residual with all of them, µm rms.

@@ -4,7 +4,8 @@ use crate::{
     Added, AxisErrors, Check, Comparison, Correction, CorrectionJudged, Demo, DevicesChecked, DevicesFound,
     Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live,
     MachineHistory, NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, Report,
-    RunList, RunRecord, Scrubbed, SignTest, Simulation, Story, TimeQuality, Trial, Volumetric, to_json,
+    RunList, RunRecord, Scrubbed, ServiceStatus, SignTest, Simulation, Story, TimeQuality, Trial, Volumetric,
+    to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -46,6 +47,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("nest", schema_for!(NestCalibrated)),
         ("report", schema_for!(Report)),
         ("history", schema_for!(MachineHistory)),
+        ("status", schema_for!(ServiceStatus)),
         ("sign-test", schema_for!(SignTest)),
     ]
 }

@@ -3,6 +3,7 @@
 mod analyses;
 mod analyst;
 mod disk;
+mod health;
 mod report;
 mod resume;
 mod states;

@@ -4,6 +4,7 @@
 //! latest value is sent again after each CONNACK, because a broker that forgot the session drops what
 //! was pending. History lives in the recording, not here.
 
+use crate::clock::{SystemClock, moment};
 use rumqttc::{
     AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet, QoS,
 };
@@ -14,7 +15,7 @@ use tokio::sync::{Notify, watch};
 use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 use trunnion_acquire::credentials;
-use trunnion_core::Secret;
+use trunnion_core::{Clock, Secret};
 
 /// How to reach the broker.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,18 +51,22 @@ struct Shared {
     changed: Notify,
     /// Counts the changes, for everybody else.
     changes: watch::Sender<u64>,
+    /// Why the broker cannot be reached; empty when it can.
+    broker: Mutex<Option<String>>,
 }
 
 #[derive(Clone)]
 struct Topic {
     payload: String,
+    /// What MQTT gets: the same with time and version.
+    stamped: String,
     sent: bool,
 }
 
 impl Board {
     /// Sets the value of a topic below `trunnion/<machine>/`. Never waits; an unsent older value is replaced.
     pub fn set(&self, topic: &str, value: &serde_json::Value) {
-        let topic_value = Topic { payload: value.to_string(), sent: false };
+        let topic_value = Topic { payload: value.to_string(), stamped: stamped(value), sent: false };
         self.lock().insert(topic.into(), topic_value);
         self.shared.changed.notify_one();
         self.shared.changes.send_modify(|changes| *changes += 1);
@@ -98,12 +103,33 @@ impl Board {
         self.chosen().clone()
     }
 
+    /// Why the broker cannot be reached: empty when it can, `None` without a broker.
+    pub fn broker(&self) -> Option<String> {
+        self.shared.broker.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn set_broker(&self, why: &str) {
+        *self.shared.broker.lock().unwrap_or_else(PoisonError::into_inner) = Some(why.into());
+    }
+
     fn chosen(&self) -> std::sync::MutexGuard<'_, Option<String>> {
         self.shared.chosen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, Topic>> {
         self.shared.topics.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The last words: what was not sent yet, and that there is no present any more.
+    fn farewell(&self) -> Vec<(String, String)> {
+        let gone = |name: &String| OF_THE_PRESENT.contains(&name.as_str());
+        let topics = self.lock();
+        let words = topics.iter().filter(|(name, topic)| gone(name) || !topic.sent);
+        words
+            .map(|(name, topic)| {
+                (name.clone(), if gone(name) { offline("stopped") } else { topic.stamped.clone() })
+            })
+            .collect()
     }
 
     fn forget_what_was_sent(&self) {
@@ -115,10 +141,14 @@ impl Board {
 pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
     let mut failures = Failures::default();
     let mut wait = BACK_OFF.0;
+    board.set_broker("not reached yet");
     let (client, mut events) = loop {
         match connect(&config) {
             Ok(connection) => break connection,
-            Err(why) => failures.tell(&config, false, &why),
+            Err(why) => {
+                failures.tell(&config, false, &why);
+                board.set_broker(&why);
+            }
         }
         tokio::select! {
             () = cancel.cancelled() => return,
@@ -134,6 +164,7 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
                 Ok(Event::Incoming(Packet::ConnAck(_))) => {
                     info!(host = config.host, port = config.port, "connected to the MQTT broker");
                     (connected, wait, failures) = (true, BACK_OFF.0, Failures::default());
+                    board.set_broker("");
                     board.forget_what_was_sent();
                     if let Err(error) = client.try_subscribe(choose_topic(&config), QoS::AtLeastOnce) {
                         warn!(%error, "the broker was not asked for choices of a cycle");
@@ -155,6 +186,7 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
                     // The file of the password may have been mended.
                     let why = log_in(&config, &mut events.mqtt_options).err().unwrap_or_else(|| cause(&error));
                     failures.tell(&config, connected, &why);
+                    board.set_broker(&why);
                     connected = false;
                     tokio::select! {
                         () = cancel.cancelled() => break,
@@ -165,7 +197,9 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
             () = board.shared.changed.notified(), if connected => publish_news(&client, &config, &board),
         }
     }
-    if connected && tokio::time::timeout(FAREWELL, farewell(&client, &mut events, &config)).await.is_err() {
+    if connected
+        && tokio::time::timeout(FAREWELL, farewell(&client, &mut events, &config, &board)).await.is_err()
+    {
         warn!("the MQTT broker did not take the farewell in time; its last will says offline");
     }
 }
@@ -222,7 +256,7 @@ fn log_in(config: &MqttConfig, options: &mut MqttOptions) -> Result<(), String> 
 fn publish_news(client: &AsyncClient, config: &MqttConfig, board: &Board) {
     for (name, topic) in board.lock().iter_mut().filter(|(_, topic)| !topic.sent) {
         let full = format!("trunnion/{}/{name}", config.machine);
-        match client.try_publish(full, QoS::AtLeastOnce, true, topic.payload.clone()) {
+        match client.try_publish(full, QoS::AtLeastOnce, true, topic.stamped.clone()) {
             Ok(()) => topic.sent = true,
             Err(error) => {
                 warn!(%error, topic = name, "MQTT queue is full; the latest value is kept and sent later");
@@ -232,12 +266,21 @@ fn publish_news(client: &AsyncClient, config: &MqttConfig, board: &Board) {
     }
 }
 
-async fn farewell(client: &AsyncClient, events: &mut EventLoop, config: &MqttConfig) {
-    if client.try_publish(status_topic(config), QoS::AtLeastOnce, true, offline("stopped")).is_err() {
-        return;
+/// Topics of the present, which a service that has stopped has not.
+const OF_THE_PRESENT: [&str; 5] = ["status", "cycle", "live", "ready", "storage"];
+
+async fn farewell(client: &AsyncClient, events: &mut EventLoop, config: &MqttConfig, board: &Board) {
+    let mut under_way = 0;
+    for (name, value) in board.farewell() {
+        let topic = format!("trunnion/{}/{name}", config.machine);
+        if client.try_publish(topic, QoS::AtLeastOnce, true, value).is_err() {
+            return;
+        }
+        under_way += 1;
     }
     while let Ok(event) = events.poll().await {
-        if matches!(event, Event::Incoming(Packet::PubAck(_))) {
+        under_way -= usize::from(matches!(event, Event::Incoming(Packet::PubAck(_))));
+        if under_way == 0 {
             break;
         }
     }
@@ -255,5 +298,15 @@ fn status_topic(config: &MqttConfig) -> String {
 }
 
 fn offline(reason: &str) -> String {
-    serde_json::json!({ "state": "offline", "reason": reason }).to_string()
+    stamped(&serde_json::json!({ "state": "offline", "reason": reason }))
+}
+
+/// With the time (UTC) and the version of the program.
+fn stamped(value: &serde_json::Value) -> String {
+    let mut value = value.clone();
+    if let serde_json::Value::Object(fields) = &mut value {
+        fields.insert("time".into(), moment(SystemClock::start().wall_ns()).into());
+        fields.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+    }
+    value.to_string()
 }

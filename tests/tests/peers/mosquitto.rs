@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
+use trunnion::results::{Condition, ServiceStatus};
 use trunnion_acquire::config::channels;
 use trunnion_core::{AxisValues, Secret};
 use trunnion_cycles::Cycle;
@@ -88,7 +89,15 @@ async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
 
     cancel.cancel();
     service.await.expect("the service ends");
-    wait_for(port, "end", |t| t.get("trunnion/m1/status").is_some_and(|v| v["state"] == "offline")).await;
+    // No dashboard goes on "measuring" after the service.
+    wait_for(port, "end", |t| {
+        ["status", "cycle"].iter().all(|topic| {
+            t.get(&format!("trunnion/m1/{topic}")).is_some_and(|v| {
+                v["state"] == "offline" && v["time"].is_string() && v["version"] == env!("CARGO_PKG_VERSION")
+            })
+        })
+    })
+    .await;
     second.kill().expect("running");
     second.wait().expect("ended");
 }
@@ -127,7 +136,16 @@ async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
             ready["ready"] == false
                 && ready["why"][0].as_str().is_some_and(|why| why.contains("probe-1: +0.97 mm"))
         };
-        t.get("trunnion/m/live").is_some_and(is_seen) && t.get("trunnion/m/ready").is_some_and(is_said)
+        let is_well = |status: &serde_json::Value| {
+            let status: ServiceStatus = serde_json::from_value(status.clone()).expect("as its schema says");
+            let health = status.health.expect("it is online");
+            let parts: Vec<&str> = health.parts.keys().map(String::as_str).collect();
+            assert_eq!(parts, ["analysis", "broker", "devices", "disk", "recorder"]);
+            health.state == Condition::Good && status.devices["probe-1"].state == "Streaming"
+        };
+        t.get("trunnion/m/live").is_some_and(is_seen)
+            && t.get("trunnion/m/ready").is_some_and(is_said)
+            && t.get("trunnion/m/status").is_some_and(is_well)
     })
     .await;
     cancel.cancel();

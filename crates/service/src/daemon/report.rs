@@ -6,8 +6,8 @@ use crate::recording::Recorded;
 use crate::run_record;
 use std::path::Path;
 use tracing::info;
-use trunnion::results::{RunAnswer, RunResult, to_json};
-use trunnion::{Analysed, Compared, Experiment, Model};
+use trunnion::results::{RunAnswer, RunResult, Verdict, to_json};
+use trunnion::{Analysed, Compared, Experiment, Model, Notation};
 
 /// Analyses a recording as `replay` would: from the file alone.
 ///
@@ -82,12 +82,14 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
 
 fn in_short(recording: &Path, analysed: &Analysed, compared: &Compared) -> RunAnswer {
     let first = analysed.first().results();
+    let is_judged = first.verdict != Verdict::NotJudged;
     let result = RunResult {
         run: recording.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         verdict: first.verdict,
         why: first.why,
         complete: first.complete,
         missing_effects: analysed.added().into_iter().map(String::from).collect(),
+        location_errors: is_judged.then(|| analysed.before().location_errors(Notation::Absolute)),
         rms_um_before: analysed.before().results().rms_um,
         rms_um_after: analysed.fit().results().rms_um,
         report: recording.with_extension("html").display().to_string(),

@@ -3,8 +3,9 @@
 //! A cycle is analysed while the next one is measured: what comes of it then stands in `result` alone.
 
 use crate::mqtt::Board;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 use std::sync::{Arc, Mutex, PoisonError};
+use trunnion::results::CycleNow;
 
 /// State of the newest cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,9 +77,10 @@ impl States {
     }
 
     /// For `status`.
-    pub fn now(&self) -> Value {
+    pub fn now(&self) -> CycleNow {
         let newest = self.lock();
-        json!({ "state": newest.state.as_str(), "run": Some(&newest.run).filter(|run| !run.is_empty()) })
+        let run = Some(newest.run.clone()).filter(|run| !run.is_empty());
+        CycleNow { state: newest.state.as_str().into(), run }
     }
 
     fn publish(&self, newest: &mut Newest, state: CycleState, details: Value) {
@@ -101,6 +103,7 @@ impl States {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     #[test]
     fn what_comes_of_an_older_cycle_does_not_hide_the_newer_one() {
@@ -115,6 +118,6 @@ mod tests {
         states.begin(CycleState::Measuring, "b", json!({ "cycle": "high" }));
         states.go_on(CycleState::Done, "a", json!({}));
         assert_eq!(board.get("cycle").unwrap(), json!({ "state": "measuring", "run": "b", "cycle": "high" }));
-        assert_eq!(states.now(), json!({ "state": "measuring", "run": "b" }));
+        assert_eq!(states.now(), CycleNow { state: "measuring".into(), run: Some("b".into()) });
     }
 }

@@ -1,12 +1,15 @@
 //! What the service reports of itself: the board's `status` and systemd.
 
+use super::health::health;
 use super::states::States;
 use crate::latest::{Latest, Readiness};
 use crate::mqtt::Board;
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::time::Duration;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
+use trunnion::results::{DeviceNow, Presence, ServiceStatus};
 use trunnion_acquire::DeviceStatus;
 
 /// Time between status messages.
@@ -21,30 +24,42 @@ pub async fn publish_status(
     cancel: CancellationToken,
 ) {
     let mut period = tokio::time::interval(STATUS_PERIOD);
-    let mut last = serde_json::Value::Null;
+    let mut last = None;
     loop {
         tokio::select! {
             () = cancel.cancelled() => return,
             _ = period.tick() => {}
         }
         report_systemd(&[sd_notify::NotifyState::Watchdog]);
-        let devices: serde_json::Map<String, serde_json::Value> = names
-            .iter()
-            .zip(&states)
-            .map(|(name, state)| {
-                let status = state.borrow();
-                let ends: u64 = status.ends.iter().sum();
-                let device = json!({ "state": format!("{:?}", status.state), "identity": status.identity,
-                    "connections": status.epoch, "ends": ends, "lost_messages": status.lost_messages,
-                    "last_end": status.last_end.as_ref().map(ToString::to_string) });
-                (name.clone(), device)
-            })
-            .collect();
-        let now = json!({ "state": "online", "devices": devices, "cycle": cycles.now(), "chosen": board.peek_chosen() });
-        if now != last {
-            board.set("status", &now);
-            last = now;
+        let devices: BTreeMap<String, DeviceNow> =
+            names.iter().zip(&states).map(|(name, state)| (name.clone(), now(&state.borrow()))).collect();
+        let status = ServiceStatus {
+            state: Presence::Online,
+            reason: None,
+            health: Some(health(names.iter().zip(&states), &board)),
+            devices,
+            cycle: Some(cycles.now()),
+            chosen: board.peek_chosen(),
+        };
+        if last.as_ref() == Some(&status) {
+            continue;
         }
+        match serde_json::to_value(&status) {
+            Ok(value) => board.set("status", &value),
+            Err(failure) => tracing::debug!(%failure, "the status is no JSON"),
+        }
+        last = Some(status);
+    }
+}
+
+fn now(status: &DeviceStatus) -> DeviceNow {
+    DeviceNow {
+        state: format!("{:?}", status.state),
+        identity: status.identity.clone(),
+        connections: status.epoch,
+        ends: status.ends.iter().sum(),
+        lost_messages: status.lost_messages,
+        last_end: status.last_end.as_ref().map(ToString::to_string),
     }
 }
 

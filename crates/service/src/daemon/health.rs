@@ -1,0 +1,91 @@
+//! How the service does: the worst of devices, recorder, disk, analysis and broker.
+
+use crate::mqtt::Board;
+use std::collections::BTreeMap;
+use tokio::sync::watch;
+use trunnion::results::{Condition, Health, PartHealth};
+use trunnion_acquire::{DeviceState, DeviceStatus};
+
+/// From the states of the devices, by name, and what the others said on the board.
+pub(super) fn health<'a>(
+    devices: impl Iterator<Item = (&'a String, &'a watch::Receiver<DeviceStatus>)>,
+    board: &Board,
+) -> Health {
+    let mut parts = BTreeMap::from([
+        ("devices".to_owned(), of_devices(devices)),
+        ("recorder".to_owned(), of_topic(board, "storage", "failing", Condition::Failing)),
+        ("disk".to_owned(), of_topic(board, "storage", "low", Condition::Limited)),
+        ("analysis".to_owned(), of_topic(board, "result", "failed", Condition::Limited)),
+    ]);
+    if let Some(why) = board.broker() {
+        let state = if why.is_empty() { Condition::Good } else { Condition::Limited };
+        parts.insert("broker".into(), PartHealth { state, why });
+    }
+    Health::of(parts)
+}
+
+/// The worst of them, with the words of each that is no better.
+fn of_devices<'a>(
+    devices: impl Iterator<Item = (&'a String, &'a watch::Receiver<DeviceStatus>)>,
+) -> PartHealth {
+    let devices: Vec<(Condition, String)> = devices
+        .map(|(name, status)| {
+            let status = status.borrow();
+            let end = status.last_end.as_ref().map_or_else(String::new, |end| format!(": {end}"));
+            (condition(status.state), format!("{name} is {:?}{end}", status.state))
+        })
+        .collect();
+    let worst = devices.iter().map(|(state, _)| *state).max().unwrap_or_default();
+    let words = devices.into_iter().filter(|(state, _)| *state != Condition::Good).map(|(_, words)| words);
+    PartHealth::new(worst, words.collect::<Vec<_>>().join("; "))
+}
+
+/// What a person must mend is failing; what may come by itself is limited.
+fn condition(state: DeviceState) -> Condition {
+    match state {
+        DeviceState::Streaming => Condition::Good,
+        DeviceState::Absent
+        | DeviceState::Connecting
+        | DeviceState::Stuck
+        | DeviceState::Silent
+        | DeviceState::Failed
+        | DeviceState::Stopped => Condition::Limited,
+        DeviceState::WrongDevice | DeviceState::Refused => Condition::Failing,
+    }
+}
+
+/// A part that is bad when its topic says so.
+fn of_topic(board: &Board, topic: &str, bad: &str, how: Condition) -> PartHealth {
+    match board.get(topic) {
+        Some(now) if now["state"] == bad => PartHealth::new(how, now["why"].as_str().unwrap_or_default()),
+        _ => PartHealth::default(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn the_service_is_as_good_as_its_worst_part() {
+        let (board, name) = (Board::default(), "probe-1".to_owned());
+        let (send, state) = watch::channel(DeviceStatus::default());
+        let of = |board: &Board| health([(&name, &state)].into_iter(), board);
+        assert_eq!(of(&board).state, Condition::Limited);
+        assert_eq!(of(&board).parts["devices"].why, "probe-1 is Absent");
+
+        send.send_modify(|status| status.state = DeviceState::Streaming);
+        assert_eq!(of(&board).state, Condition::Good);
+        assert!(!of(&board).parts.contains_key("broker"), "there is none");
+
+        board.set("result", &json!({ "state": "failed", "why": "out of memory" }));
+        assert_eq!(of(&board).parts["analysis"], PartHealth::new(Condition::Limited, "out of memory"));
+        board.set("storage", &json!({ "state": "failing", "why": "no space is left" }));
+        assert_eq!(of(&board).state, Condition::Failing);
+        assert_eq!(of(&board).parts["recorder"].why, "no space is left");
+
+        send.send_modify(|status| status.state = DeviceState::WrongDevice);
+        assert_eq!(of(&board).parts["devices"].state, Condition::Failing);
+    }
+}
