@@ -33,12 +33,17 @@ impl Secret {
     /// Reads `password` or `password_file` of a table; both together are a problem.
     pub fn read(table: &Table<'_>) -> Option<Self> {
         let given = table.optional_string("password").map(Self::Given);
-        let file = table.optional_string("password_file");
-        let file = file.map(|name| Self::File { name: name.into(), folder: table.folder() });
+        let file = Self::read_file(table, "password_file");
         if given.is_some() && file.is_some() {
             table.problem("password", "is given twice", "password or password_file", "Keep password_file.");
         }
         file.or(given)
+    }
+
+    /// Reads a key that names a file of a secret.
+    pub fn read_file(table: &Table<'_>, key: &str) -> Option<Self> {
+        let name = table.optional_string(key)?;
+        Some(Self::File { name: name.into(), folder: table.folder() })
     }
 }
 

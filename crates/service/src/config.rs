@@ -1,7 +1,7 @@
 //! The service's configuration, `config/trunnion.toml`.
 
 use crate::analysis::AnalysisLimits;
-use crate::mqtt::MqttConfig;
+use crate::mqtt::{MqttConfig, MqttTls};
 use crate::page;
 use crate::storage::StorageConfig;
 use std::net::SocketAddr;
@@ -191,12 +191,17 @@ fn read_mqtt(table: &Table<'_>, machine: &str) -> Option<MqttConfig> {
     let port = table.number("port", 1.0..=65_535.0);
     let user = table.optional_string("user");
     let password = Secret::read(table);
+    let tls = table.optional_table("tls").map(|table| MqttTls::read(&table));
     table.no_other_keys();
     if user.is_none() && password.is_some() {
         table.problem("password", "has no user", "user and password_file, or neither", "");
     }
     let login = user.map(|user| (user, password));
-    Some(MqttConfig { host: host?, port: port? as u16, machine: machine.into(), login })
+    let tls = match tls {
+        None => None,
+        Some(tls) => Some(tls?),
+    };
+    Some(MqttConfig { host: host?, port: port? as u16, machine: machine.into(), login, tls })
 }
 
 fn read_page(table: &Table<'_>) -> Option<SocketAddr> {

@@ -10,6 +10,7 @@ pub mod latest;
 pub mod live;
 pub mod mqtt;
 pub mod page;
+mod pem;
 mod recording;
 pub mod run_record;
 pub mod storage;

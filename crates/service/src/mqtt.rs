@@ -4,6 +4,10 @@
 //! latest value is sent again after each CONNACK, because a broker that forgot the session drops what
 //! was pending. History lives in the recording, not here.
 
+mod tls;
+
+pub use tls::MqttTls;
+
 use crate::clock::{SystemClock, moment};
 use rumqttc::{
     AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet, QoS,
@@ -28,6 +32,8 @@ pub struct MqttConfig {
     pub machine: String,
     /// User, and password if the broker asks for one.
     pub login: Option<(String, Option<Secret>)>,
+    /// Encryption; none without.
+    pub tls: Option<MqttTls>,
 }
 
 /// First and longest wait before connecting again.
@@ -183,7 +189,7 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
                 Ok(Event::Incoming(Packet::PubAck(_))) => publish_news(&client, &config, &board),
                 Ok(_) => {}
                 Err(error) => {
-                    // The file of the password may have been mended.
+                    // The file of a password or a certificate may have been mended.
                     let why = log_in(&config, &mut events.mqtt_options).err().unwrap_or_else(|| cause(&error));
                     failures.tell(&config, connected, &why);
                     board.set_broker(&why);
@@ -225,6 +231,7 @@ impl Failures {
 /// The failure in words, with what to do where a person can do something.
 fn cause(error: &ConnectionError) -> String {
     match error {
+        ConnectionError::Tls(error) => tls::cause(error),
         ConnectionError::ConnectionRefused(
             ConnectReturnCode::BadUserNamePassword | ConnectReturnCode::NotAuthorized,
         ) => "it does not let this user in; check `user` and `password_file` of [mqtt], and the rights of the user".into(),
@@ -245,9 +252,13 @@ fn connect(config: &MqttConfig) -> Result<(AsyncClient, EventLoop), String> {
     Ok(AsyncClient::new(options, QUEUE))
 }
 
+/// Who we are, as the files say now.
 fn log_in(config: &MqttConfig, options: &mut MqttOptions) -> Result<(), String> {
     if let Some((user, password)) = &config.login {
         options.set_credentials(user, password.as_ref().map_or(Ok(String::new()), credentials::value)?);
+    }
+    if let Some(tls) = &config.tls {
+        options.set_transport(tls.transport()?);
     }
     Ok(())
 }

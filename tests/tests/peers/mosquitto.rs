@@ -19,7 +19,7 @@ use trunnion_service::config::Config;
 use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
-use trunnion_service::mqtt::{Board, MqttConfig, run};
+use trunnion_service::mqtt::{Board, MqttConfig, MqttTls, run};
 use trunnion_tests::{SILENCE_MS, three_probes};
 
 fn free_port() -> u16 {
@@ -69,7 +69,7 @@ async fn wait_for(port: u16, name: &str, enough: impl Fn(&BTreeMap<String, serde
 async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
     let port = free_port();
     let mut first = broker(port);
-    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m1".into(), login: None };
+    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m1".into(), login: None, tls: None };
     let (board, cancel) = (Board::default(), CancellationToken::new());
     let service = tokio::spawn(run(config, board.clone(), cancel.clone()));
     board.set("status", &serde_json::json!({ "state": "online" }));
@@ -160,7 +160,7 @@ async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
 async fn a_service_that_dies_leaves_its_last_will() {
     let port = free_port();
     let mut broker = broker(port);
-    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m2".into(), login: None };
+    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m2".into(), login: None, tls: None };
     let board = Board::default();
     let service = tokio::spawn(run(config, board.clone(), CancellationToken::new()));
     board.set("status", &serde_json::json!({ "state": "online" }));
@@ -225,7 +225,7 @@ async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file
     let _logging = tracing::subscriber::set_default(subscriber);
     let secret = Secret::File { name: "password".into(), folder: folder.path().into() };
     let login = Some(("cell".to_owned(), Some(secret)));
-    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m3".into(), login };
+    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m3".into(), login, tls: None };
     let logged = async |words: &str| {
         let waited = async {
             while !log.text().contains(words) {
@@ -249,6 +249,93 @@ async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file
     assert!(!log.text().contains("hunter2"), "{}", log.text());
     cancel.cancel();
     service.await.expect("the service ends");
+    broker.kill().expect("running");
+    broker.wait().expect("ended");
+}
+
+/// Runs openssl in a folder.
+fn openssl(folder: &std::path::Path, words: &str) {
+    let made =
+        Command::new("openssl").args(words.split(' ')).current_dir(folder).stderr(Stdio::null()).status();
+    assert!(made.expect("openssl runs").success(), "openssl {words}");
+}
+
+/// A certificate for the broker on this computer, and one for us, signed by `ca.pem`.
+fn certificates(folder: &std::path::Path) {
+    openssl(folder, "req -x509 -newkey rsa:2048 -nodes -keyout ca.key -out ca.pem -days 2 -subj /CN=plant");
+    std::fs::write(folder.join("names"), "subjectAltName=IP:127.0.0.1").expect("written");
+    for who in ["broker", "trunnion"] {
+        openssl(
+            folder,
+            &format!("req -newkey rsa:2048 -nodes -keyout {who}.key -out {who}.csr -subj /CN={who}"),
+        );
+        let sign = format!(
+            "x509 -req -in {who}.csr -CA ca.pem -CAkey ca.key -CAcreateserial -days 2 -extfile names"
+        );
+        openssl(folder, &format!("{sign} -out {who}.pem"));
+    }
+    openssl(
+        folder,
+        "req -x509 -newkey rsa:2048 -nodes -keyout other.key -out other.pem -days 2 -subj /CN=other",
+    );
+    for file in std::fs::read_dir(folder).expect("ours") {
+        let mode = std::os::unix::fs::PermissionsExt::from_mode(0o644);
+        std::fs::set_permissions(file.expect("ours").path(), mode).expect("ours");
+    }
+}
+
+#[tokio::test]
+#[ignore = "a peer test: tests/peers/run"]
+async fn a_broker_that_encrypts_is_reached_with_its_authority_and_our_certificate() {
+    let (port, folder) = (free_port(), tempfile::tempdir().expect("a folder"));
+    std::fs::set_permissions(folder.path(), std::os::unix::fs::PermissionsExt::from_mode(0o755))
+        .expect("ours");
+    certificates(folder.path());
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let settings = format!(
+        "listener {port} 127.0.0.1\nallow_anonymous true\ncafile {}\ncertfile {}\nkeyfile {}\nrequire_certificate true\n",
+        at("ca.pem"),
+        at("broker.pem"),
+        at("broker.key")
+    );
+    std::fs::write(at("mosquitto.conf"), settings).expect("written");
+    let mut broker = Command::new("/usr/sbin/mosquitto")
+        .args(["-c", &at("mosquitto.conf")])
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("mosquitto starts");
+
+    let log = Log::default();
+    let writer = log.clone();
+    let subscriber = tracing_subscriber::fmt().with_writer(move || writer.clone()).with_ansi(false).finish();
+    let _logging = tracing::subscriber::set_default(subscriber);
+    let key = |name: &str| Secret::File { name: name.into(), folder: folder.path().into() };
+    // Who signed, and with which certificate we come: what is logged.
+    for (ca, client, expected) in [
+        ("gone.pem", None, "gone.pem cannot be read as certificates"),
+        ("other.pem", None, "`ca` of [mqtt.tls] must have signed the broker's certificate"),
+        ("ca.pem", None, "cannot reach the MQTT broker"),
+        ("ca.pem", Some(("trunnion.pem", "broker.key")), "certificate and key of [mqtt.tls] cannot be used"),
+        ("ca.pem", Some(("trunnion.pem", "trunnion.key")), "connected to the MQTT broker"),
+    ] {
+        log.0.lock().expect("not poisoned").clear();
+        let client = client.map(|(certificate, name)| (folder.path().join(certificate), key(name)));
+        let tls = Some(MqttTls { ca: folder.path().join(ca), client });
+        let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m4".into(), login: None, tls };
+        let cancel = CancellationToken::new();
+        let service = tokio::spawn(run(config, Board::default(), cancel.clone()));
+        let said = async {
+            while !log.text().contains(expected) {
+                tokio::time::sleep(Duration::from_millis(20)).await;
+            }
+        };
+        let said = tokio::time::timeout(Duration::from_secs(30), said).await;
+        assert!(said.is_ok(), "{expected:?} is not in the log:\n{}", log.text());
+        let is_in = log.text().contains("connected to the MQTT broker");
+        assert_eq!(is_in, expected.starts_with("connected"), "{}", log.text());
+        cancel.cancel();
+        service.await.expect("the service ends");
+    }
     broker.kill().expect("running");
     broker.wait().expect("ended");
 }
