@@ -14,6 +14,7 @@ mod html;
 mod language;
 mod markup;
 
+mod parameters;
 mod residuals;
 mod story;
 mod svg;
@@ -29,6 +30,7 @@ pub use dcc::{DccError, Issuer, dcc_xml};
 pub use filed::report_html;
 pub use html::{PAGE_CSS, compare_html, findings_html, ladder_html, trial_html, volumetric_html};
 pub use language::Language;
+pub use parameters::{parameters_csv, run_csv};
 pub use residuals::residuals_csv;
 pub use story::story;
 pub use text::{

@@ -1,5 +1,6 @@
 //! Residuals as CSV.
 
+use crate::parameters::quoted;
 use trunnion_results::Residuals;
 
 /// Measured, predicted and residual reading of every point, µm, as a model fits it: one line for a point.
@@ -24,9 +25,4 @@ pub fn residuals_csv(residuals: &Residuals) -> String {
         table += &(cells.join(",") + "\n");
     }
     table
-}
-
-/// A name of a file that a person wrote may hold what separates cells.
-fn quoted(name: &str) -> String {
-    if name.contains([',', '"', '\n']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.into() }
 }

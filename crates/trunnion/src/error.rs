@@ -99,6 +99,22 @@ pub enum Error {
         /// The cause.
         source: Box<RecordError>,
     },
+    /// A program that was built without Parquet.
+    #[error("this program was built without Parquet; build it with `--features full`, or export csv")]
+    NoParquet,
+    /// A table of ours that is none; a defect of the program.
+    #[cfg(feature = "parquet")]
+    #[error("an exported table cannot be read; this is a defect of the program")]
+    Table(#[source] csv::Error),
+    /// A Parquet file that cannot be written.
+    #[cfg(feature = "parquet")]
+    #[error("cannot write {}", path.display())]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: parquet::errors::ParquetError,
+    },
     /// Steps or readings that calibrate no nest.
     #[error("the nest cannot be calibrated")]
     Nest(#[source] Box<trunnion_sync::nest::NestError>),

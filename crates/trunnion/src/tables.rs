@@ -1,5 +1,8 @@
 //! Tables in and out: points measured elsewhere become a recording, a recording becomes a table.
 
+#[cfg_attr(not(feature = "parquet"), path = "tables/without_parquet.rs")]
+pub mod parquet;
+
 use crate::experiment::read;
 use crate::{Error, files};
 use std::path::Path;
