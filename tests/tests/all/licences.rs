@@ -65,7 +65,7 @@ fn a_second_version_has_a_reason() {
 
 #[test]
 fn an_accepted_advisory_is_of_a_crate_that_is_there_and_has_its_record() {
-    let record = workspace_root().join("docs/decisions/0013-accepted-advisories.md");
+    let record = workspace_root().join("docs/decisions/0014-accepted-advisories.md");
     let record = std::fs::read_to_string(record).unwrap();
     let tree = Tree::of_workspace();
     let advisories = Rules::read().advisories;
