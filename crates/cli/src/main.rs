@@ -12,8 +12,8 @@ mod terminal;
 use clap::{Parser, Subcommand};
 use commands::{
     add, analyse_run, attribute, calibrate_nest, check, check_config, compare, correct, daemon, demo,
-    devices, diagnose, export, history, identify, import, ladder, nc_program, open, plan, predict, record,
-    remove, replay, report, scrub, simulate, volumetric, watch,
+    devices, diagnose, export, history, identify, import, join, ladder, nc_program, open, plan, predict,
+    record, remove, replay, report, scrub, simulate, volumetric, watch,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -42,6 +42,7 @@ enum Command {
     Record(record::Args),
     Import(import::Args),
     Export(export::Args),
+    Join(join::Args),
     Replay(replay::Args),
     Report(report::Args),
     History(history::Args),
@@ -81,6 +82,7 @@ fn main() -> ExitCode {
         Command::Record(args) => record::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Join(args) => join::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Report(args) => report::run(&args),
         Command::History(args) => history::run(&args),

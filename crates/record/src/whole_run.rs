@@ -56,12 +56,17 @@ impl RunWriter {
 
     /// Takes the next point.
     pub fn point(&mut self, point: Point) {
-        self.recorder.append(Item::Point(point), self.host_start);
+        self.item(Item::Point(point));
     }
 
     /// Takes the next positions of the axes.
     pub fn axes(&mut self, sample: AxisSample) {
-        self.recorder.append(Item::Axes(sample), self.host_start);
+        self.item(Item::Axes(sample));
+    }
+
+    /// Takes whatever comes next.
+    pub fn item(&mut self, item: Item) {
+        self.recorder.append(item, self.host_start);
     }
 
     /// Ends the recording.

@@ -103,4 +103,7 @@ pub use time_quality::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
 pub use volumetric::{
     Datum, ErrorAt, ErrorMap, ErrorMapFormat, Unseen, Volumetric, VolumetricFormat, VolumetricValue,
 };
-pub use written::{Imported, Scrubbed, ScrubbedFormat, ScrubbedRecording, Simulation, SimulationFormat};
+pub use written::{
+    Imported, Joined, JoinedFormat, JoinedPart, Scrubbed, ScrubbedFormat, ScrubbedRecording, Simulation,
+    SimulationFormat,
+};

@@ -17,6 +17,9 @@ pub struct RunRecord {
     pub cycle: String,
     /// Further recordings of the same run, by file name: the disk was full in between.
     pub parts: Vec<String>,
+    /// Recordings of the parts of the cycle that this one was joined from, by file name: the service ended in between.
+    #[serde(default)]
+    pub joined_from: Vec<String>,
     /// Analyses begun, those that failed and the present one.
     pub tries: u32,
     /// Why it failed, or what came before this state; empty when there is nothing to say.

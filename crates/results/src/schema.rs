@@ -2,7 +2,7 @@
 
 use crate::{
     Added, AxisErrors, Check, Comparison, Correction, CorrectionJudged, Demo, DevicesChecked, DevicesFound,
-    Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported, Ladder, Linear, Live,
+    Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported, Joined, Ladder, Linear, Live,
     MachineHistory, NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, Report,
     RunList, RunRecord, Scrubbed, ServiceStatus, SignTest, Simulation, Story, TimeQuality, Trial, Volumetric,
     to_json,
@@ -33,6 +33,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("nc-program", schema_for!(NcProgram)),
         ("simulation", schema_for!(Simulation)),
         ("imported", schema_for!(Imported)),
+        ("joined", schema_for!(Joined)),
         ("scrubbed", schema_for!(Scrubbed)),
         ("demo", schema_for!(Demo)),
         ("devices-found", schema_for!(DevicesFound)),

@@ -66,3 +66,38 @@ pub enum ScrubbedFormat {
     #[serde(rename = "trunnion-scrubbed/1")]
     V1,
 }
+
+/// `trunnion-joined/1`: the recording of a cycle that was recorded in parts.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Joined {
+    /// Format and version.
+    pub format: JoinedFormat,
+    /// Path of the recording.
+    pub run: String,
+    /// Readings in it.
+    pub read: usize,
+    /// Its parts, in order of time.
+    pub parts: Vec<JoinedPart>,
+}
+
+/// One part of a cycle.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct JoinedPart {
+    /// Name of its recording.
+    pub run: String,
+    /// When it begins, s since the cycle began.
+    pub from_s: f64,
+    /// When it ends, s since the cycle began.
+    pub to_s: f64,
+    /// Readings in it alone.
+    pub read: usize,
+}
+
+/// Format and version of a joined recording.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum JoinedFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-joined/1")]
+    V1,
+}

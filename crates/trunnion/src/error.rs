@@ -35,6 +35,14 @@ pub enum Error {
         /// The cause.
         source: Box<RecordError>,
     },
+    /// Recordings that are no parts of one cycle.
+    #[error("{} was not joined: {why}", path.display())]
+    NotJoined {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
     /// Problems of a hand-written file, each with line, what was found and what is allowed.
     #[error(transparent)]
     Problems(#[from] Problems),

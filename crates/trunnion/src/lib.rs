@@ -33,6 +33,7 @@ mod fit;
 mod formed;
 pub mod history;
 mod identity;
+pub mod join;
 mod linear;
 mod methods;
 mod model;

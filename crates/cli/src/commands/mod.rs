@@ -16,6 +16,7 @@ pub mod export;
 pub mod history;
 pub mod identify;
 pub mod import;
+pub mod join;
 pub mod ladder;
 pub mod nc_program;
 pub mod open;

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod examples;
+mod joined;
 mod library;
 mod linear;
 mod one_answer;
