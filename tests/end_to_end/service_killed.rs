@@ -118,6 +118,23 @@ async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_nex
         assert!(answer.result.complete.read > 3, "{:?}", answer.result);
         let events = trunnion_record::read_run(&recording, &shipped::machine).unwrap().events;
         assert!(events.iter().any(|event| event.kind == "recovered"));
+
+        // The program went on: its second part is recorded, and both are judged as one cycle.
+        let stem = recording.file_stem().unwrap().to_string_lossy().into_owned();
+        let joined = recording.with_file_name(format!("{stem}-joined.state.json"));
+        let whole =
+            until("the whole cycle", || self::record(&joined).filter(|record| record.state.has_report()));
+        let first = recording.file_name().unwrap().to_string_lossy().into_owned();
+        assert_eq!((whole.joined_from.len(), &whole.joined_from[0]), (2, &first));
+        assert_eq!(whole.state, RunState::Done, "{whole:?}");
+        let complete = whole.answer.unwrap().result.complete;
+        assert_eq!(complete.planned, answer.result.complete.planned);
+        assert!(complete.read > answer.result.complete.read + 20, "{complete:?}");
+        let events = trunnion_record::read_run(
+            &recording.with_file_name(format!("{stem}-joined.mcap")),
+            &shipped::machine,
+        );
+        assert!(events.unwrap().events.iter().any(|event| event.kind == "joined"));
         drop(again);
     })
     .await

@@ -4,6 +4,7 @@ mod analyses;
 mod analyst;
 mod disk;
 mod health;
+mod joining;
 mod report;
 mod resume;
 mod states;
@@ -122,7 +123,9 @@ pub async fn serve_on(
     // Cycles are analysed while the next one is waited for and measured.
     let mut reports = JoinSet::new();
     let usual = cycles.first().map(Choice::judged_by).unwrap_or_default();
-    reports.spawn(analyses.clone().resume(config.recordings.clone(), known, cycles.clone(), usual));
+    // What a kill left behind is recovered before a cycle of this start is analysed, which may go on with it.
+    let turn = analyses.one.clone().acquire_owned().await.ok();
+    reports.spawn(analyses.clone().resume(config.recordings.clone(), known, cycles.clone(), usual, turn));
     info!(machine = config.name, cycles = names.join(", "), "waiting for {}", config.cycle_start.about());
     while let Some(start) = live.wait_for_start().await {
         let found = cycles.find(&start.program, board.take_chosen().as_deref());

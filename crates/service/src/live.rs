@@ -13,6 +13,7 @@ use std::time::Duration;
 use tally::Tally;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
+use trunnion::join::UNDER_WAY;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceConfig, DeviceStatus};
 use trunnion_core::{Channel, Clock, Event, Gap, HostTime, Quality, Role};
@@ -68,6 +69,8 @@ pub struct Start {
     pub why: String,
     /// The program that the controller showed; empty when it showed none.
     pub program: String,
+    /// The program ran already when the controller was first asked.
+    pub under_way: bool,
     /// Temperature channels that had reported a value by then; later ones take no part in the run.
     pub temperature_channels: Vec<String>,
 }
@@ -146,14 +149,14 @@ impl Live {
             self.latest.take(&message);
             let timed = self.timebase.translate(&message);
             self.note_channel(timed.as_ref());
-            if let Some(Bound::Begins { at, why, program }) = self.bounds.take(&message.reading) {
-                self.next = Some(self.started(at, why, program));
+            if let Some(Bound::Begins { at, why, program, under_way }) = self.bounds.take(&message.reading) {
+                self.next = Some(self.started(at, why, program, under_way));
             }
         }
     }
 
-    fn started(&self, at: HostTime, why: String, program: String) -> Start {
-        Start { at, why, program, temperature_channels: self.temperature_channels.clone() }
+    fn started(&self, at: HostTime, why: String, program: String, under_way: bool) -> Start {
+        Start { at, why, program, under_way, temperature_channels: self.temperature_channels.clone() }
     }
 
     fn note_channel(&mut self, timed: Option<&Timed>) {
@@ -185,6 +188,11 @@ impl Live {
         }
         let begun = Event { time_s: 0.0, kind: "cycle-start".into(), text: start.why.clone() };
         measurement.record(Item::Event(begun), self.clock.now());
+        if start.under_way {
+            let text = "the program ran already when the service began to look".into();
+            let under_way = Event { time_s: 0.0, kind: UNDER_WAY.into(), text };
+            measurement.record(Item::Event(under_way), self.clock.now());
+        }
         let mut shown = None;
         while measurement.forming.ended().is_none() {
             let messages = &mut self.acquisition.messages;
@@ -209,10 +217,10 @@ impl Live {
                 Some(Bound::Ends { at, why }) => {
                     measurement.end_seen(self.timebase.seconds(at), why, self.clock.now());
                 }
-                Some(Bound::Begins { at, why, program }) => {
+                Some(Bound::Begins { at, why, program, under_way }) => {
                     // What comes from here on is the next cycle's.
                     measurement.finish(EndReason::ControllerEnded, self.clock.now());
-                    self.next = Some(self.started(at, why, program));
+                    self.next = Some(self.started(at, why, program, under_way));
                     break;
                 }
                 None => {}

@@ -34,12 +34,11 @@ pub fn write(recording: &Path, record: &RunRecord) -> Result<(), ServiceError> {
 
 /// The state of what was just recorded.
 pub fn of_recorded(recorded: &Recorded, cycle: &str, at: String) -> RunRecord {
-    let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
     RunRecord {
         state: RunState::Recorded,
         at,
         cycle: cycle.into(),
-        parts: recorded.parts.iter().filter_map(name).collect(),
+        parts: recorded.parts.iter().filter_map(|path| file_name(path)).collect(),
         losses: trunnion::page::losses(&recorded.gaps, recorded.lost_samples),
         ..RunRecord::default()
     }
@@ -61,10 +60,22 @@ pub fn reported(record: RunRecord, answer: RunAnswer) -> RunRecord {
     RunRecord { state, why: String::new(), answer: Some(answer), ..record }
 }
 
-/// Every file of a run.
+/// The files that hold a run, each sample once.
 pub fn files(recording: &Path, record: &RunRecord) -> Vec<PathBuf> {
     let part = |name: &String| recording.with_file_name(name);
     std::iter::once(recording.to_owned()).chain(record.parts.iter().map(part)).collect()
+}
+
+/// The same with those that it was joined from.
+pub fn every_file(recording: &Path, record: &RunRecord) -> Vec<PathBuf> {
+    let mut every = files(recording, record);
+    every.extend(record.joined_from.iter().map(|name| recording.with_file_name(name)));
+    every
+}
+
+/// How the state of a run calls a file.
+pub fn file_name(path: &Path) -> Option<String> {
+    path.file_name().map(|name| name.to_string_lossy().into_owned())
 }
 
 /// Every recording of a folder with its state, the newest first.
@@ -95,7 +106,7 @@ impl Known {
         };
         let runs: Vec<(PathBuf, RunRecord)> = aged.into_iter().map(state).collect();
         let parts: HashSet<PathBuf> =
-            runs.iter().flat_map(|(path, record)| files(path, record).into_iter().skip(1)).collect();
+            runs.iter().flat_map(|(path, record)| every_file(path, record).into_iter().skip(1)).collect();
         Self { runs: runs.into_iter().filter(|(path, _)| !parts.contains(path)).collect() }
     }
 

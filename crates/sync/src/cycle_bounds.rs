@@ -53,6 +53,8 @@ pub enum Bound {
         why: String,
         /// Name of the program that the controller showed last; empty when it showed none.
         program: String,
+        /// It ran already when this was first asked.
+        under_way: bool,
     },
     /// It ends.
     Ends {
@@ -191,8 +193,10 @@ impl CycleBounds {
         let begins_again = is_another || matches!(self.rule, StartRule::Block { .. });
         if came && (!self.running || begins_again) {
             self.began_by.clone_from(&now.program);
-            let late = if was_there.is_none() { ", as it did when this was first asked" } else { "" };
-            return self.begin(now.arrival, format!("the controller: {}{late}", why.trim_end()), runs);
+            let under_way = was_there.is_none();
+            let late = if under_way { ", as it did when this was first asked" } else { "" };
+            let why = format!("the controller: {}{late}", why.trim_end());
+            return self.begin(now.arrival, why, runs, under_way);
         }
         // Held and subprograms pass through here with the rule unfulfilled; only these two are levels.
         let is_level = match self.rule {
@@ -230,7 +234,7 @@ impl CycleBounds {
                     StartRule::Motion { rest_s, .. } => (stood_s >= rest_s, "an axis moves"),
                     _ => (pattern, "the stands of the configuration"),
                 };
-                if self.running || !begins { None } else { self.begin(at, why.into(), false) }
+                if self.running || !begins { None } else { self.begin(at, why.into(), false, false) }
             }
         }
     }
@@ -247,7 +251,7 @@ impl CycleBounds {
         }
         match step {
             Step::Stands { for_s } if first.left && for_s >= AT_FIRST_POSE_S => {
-                self.begin(axes.arrival, "the program is back at the first pose".into(), true)
+                self.begin(axes.arrival, "the program is back at the first pose".into(), true, false)
             }
             Step::Stands { .. } | Step::Moves { .. } => None,
         }
@@ -261,9 +265,9 @@ impl CycleBounds {
         if self.running { self.end(at, "the program stopped and was not resumed".into()) } else { None }
     }
 
-    fn begin(&mut self, at: HostTime, why: String, program_ran: bool) -> Option<Bound> {
+    fn begin(&mut self, at: HostTime, why: String, program_ran: bool, under_way: bool) -> Option<Bound> {
         (self.running, self.program_ran) = (true, program_ran);
-        Some(Bound::Begins { at, why: why.trim_end().into(), program: self.shown.clone() })
+        Some(Bound::Begins { at, why: why.trim_end().into(), program: self.shown.clone(), under_way })
     }
 
     fn end(&mut self, at: HostTime, why: String) -> Option<Bound> {

@@ -3,6 +3,7 @@
 //! Before an analysis begins, the state of the run on disk counts it: what ends the program each time is not tried for ever.
 
 use super::analyst::{Analyst, Task, Unanswered};
+use super::joining;
 use super::states::{CycleState, States};
 use crate::analysis::{AnalysisLimits, JudgedBy};
 use crate::clock::{day, moment};
@@ -39,6 +40,10 @@ impl Analyses {
         if self.cancel.is_cancelled() {
             return;
         }
+        let at = moment(self.clock.wall_ns());
+        let kept = (recording.clone(), record.clone());
+        let joining = tokio::task::spawn_blocking(move || joining::whole(recording, record, at));
+        let (recording, record) = joining.await.unwrap_or(kept);
         let before = record.clone();
         let begun = RunRecord { state: RunState::Analysing, tries: record.tries + 1, ..record };
         self.keep(&recording, &begun);

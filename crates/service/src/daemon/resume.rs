@@ -7,6 +7,7 @@ use crate::cycles::Cycles;
 use crate::error::chain;
 use crate::run_record::{self, Known, is_pending};
 use std::path::{Path, PathBuf};
+use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
 use trunnion::results::{RunRecord, RunState};
 
@@ -19,10 +20,18 @@ impl Analyses {
     }
 
     /// Recovers and analyses what was left, one run after the other, until the service stops. `known` is from before the first
-    /// cycle; `usual` judges a run whose cycle is not configured any more.
-    pub(super) async fn resume(self, folder: PathBuf, known: Known, cycles: Cycles, usual: JudgedBy) {
+    /// cycle; `usual` judges a run whose cycle is not configured any more; nothing is analysed before `turn` is given up.
+    pub(super) async fn resume(
+        self,
+        folder: PathBuf,
+        known: Known,
+        cycles: Cycles,
+        usual: JudgedBy,
+        turn: Option<OwnedSemaphorePermit>,
+    ) {
         let this = self.clone();
         let recovered = tokio::task::spawn_blocking(move || this.recover(&folder)).await.unwrap_or_default();
+        drop(turn);
         for (recording, record) in recovered.into_iter().chain(known.runs) {
             if self.cancel.is_cancelled() {
                 return;

@@ -33,7 +33,7 @@ impl Stored {
     /// Every run of a folder, the newest first.
     pub(super) fn read(folder: &Path, tries: u32) -> Vec<Self> {
         let stored = |(recording, record): (PathBuf, RunRecord)| {
-            let files = run_record::files(&recording, &record);
+            let files = run_record::every_file(&recording, &record);
             let about: Vec<_> = files.iter().filter_map(|file| file.metadata().ok()).collect();
             let written = about.first()?.modified().ok()?;
             let bytes = about.iter().map(std::fs::Metadata::len).sum();
@@ -45,7 +45,7 @@ impl Stored {
 
     /// Removes its recordings and keeps why; `None` when the system refuses, which is logged.
     pub(super) fn remove(&self, why: &str, now: SystemTime) -> Option<Removed> {
-        for file in run_record::files(&self.recording, &self.record) {
+        for file in run_record::every_file(&self.recording, &self.record) {
             if let Err(error) = std::fs::remove_file(&file) {
                 tracing::warn!(%error, file = %file.display(), "a recording cannot be removed");
                 return None;

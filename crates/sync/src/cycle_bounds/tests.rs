@@ -319,6 +319,13 @@ fn a_main_program_that_calls_the_cycle_twice_gives_two_cycles() {
 #[test]
 fn a_program_that_ran_before_anyone_asked_begins_and_says_so() {
     let mut bounds = CycleBounds::new(StartRule::Execution);
-    let Some(Bound::Begins { why, .. }) = bounds.take(&reported(1.0, Active, "P", "N700")) else { panic!() };
+    let Some(Bound::Begins { why, under_way: true, .. }) = bounds.take(&reported(1.0, Active, "P", "N700"))
+    else {
+        panic!()
+    };
     assert!(why.contains("first asked"), "{why}");
+    let mut bounds = CycleBounds::new(StartRule::Execution);
+    assert_eq!(bounds.take(&reported(1.0, Ready, "P", "")), None);
+    let begins = bounds.take(&reported(2.0, Active, "P", "N10"));
+    assert!(matches!(begins, Some(Bound::Begins { under_way: false, .. })), "{begins:?}");
 }
