@@ -1,7 +1,7 @@
 //! Volumetric compensation as a controller does it: the axes go elsewhere, so that the tool point is where it should be.
 //!
 //! The controller holds the table e(q) of joint errors and, for a commanded q, looks for linear axes q' with
-//! `table_from_tool(q', e(q'))·0 = table_from_tool(q, 0)·0`, the tool point in table axes. The positions on its screen stay
+//! `table_from_tool(q', e(q'))·t = table_from_tool(q, 0)·t`, the point t of the tool in table axes. The positions on its screen stay
 //! the commanded ones. Orientation is left as it is. Reading the files and moving the axes share no code with the estimator.
 
 mod control;
@@ -11,7 +11,7 @@ mod read;
 mod tool_point;
 
 use control::Control;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use tool_point::tool_in_table_mm;
 use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_machine::Machine;
@@ -60,21 +60,28 @@ impl Compensation {
     }
 
     /// Where the axes really go when `position` is commanded; `None` when the linear axes cannot.
-    pub fn corrected(&self, machine: &Machine, position: &AxisValues<f64>) -> Option<AxisValues<f64>> {
+    /// `point_in_tool_mm` is the point that the control guides: the tool of this length.
+    pub fn corrected(
+        &self,
+        machine: &Machine,
+        position: &AxisValues<f64>,
+        point_in_tool_mm: &Point3<f64>,
+    ) -> Option<AxisValues<f64>> {
         if let Some(control) = &self.control {
-            return control.corrected(machine, position);
+            return control.corrected(machine, position, point_in_tool_mm);
         }
         let none = AxisValues::default();
-        let wanted = tool_in_table_mm(machine, position, &none);
+        let wanted = tool_in_table_mm(machine, position, &none, point_in_tool_mm);
         let mut corrected = *position;
         for _ in 0..STEPS {
-            let gap = wanted - tool_in_table_mm(machine, &corrected, &self.errors_at(&corrected));
+            let errors = self.errors_at(&corrected);
+            let gap = wanted - tool_in_table_mm(machine, &corrected, &errors, point_in_tool_mm);
             let mut slope = Matrix3::zeros();
             for (i, letter) in Joint::LINEAR.into_iter().enumerate() {
                 let mut moved = corrected;
                 moved[letter] += 1.0;
-                let travel =
-                    tool_in_table_mm(machine, &moved, &none) - tool_in_table_mm(machine, &corrected, &none);
+                let travel = tool_in_table_mm(machine, &moved, &none, point_in_tool_mm)
+                    - tool_in_table_mm(machine, &corrected, &none, point_in_tool_mm);
                 slope.set_column(i, &travel);
             }
             let step: Vector3<f64> = slope.try_inverse()? * gap;
@@ -88,7 +95,7 @@ impl Compensation {
     /// # Errors
     /// When the machine's linear axes cannot move the tool point in all directions.
     pub(crate) fn fits(&self, machine: &Machine) -> Result<(), CannotCorrect> {
-        match self.corrected(machine, &AxisValues::default()) {
+        match self.corrected(machine, &AxisValues::default(), &Point3::origin()) {
             Some(_) => Ok(()),
             None => Err(CannotCorrect { machine: machine.name.clone() }),
         }

@@ -84,7 +84,9 @@ impl VirtualMachine {
     fn disturbed_reading_mm(&self, setup: usize, state: &State, extra: Disturbance) -> [f64; 3] {
         let wrong = self.disturbance(setup, state) + extra;
         let compensation = self.compensation.as_ref();
-        let corrected = compensation.and_then(|table| table.corrected(&self.machine, &state.position));
+        let tool_mm = &self.truth.setups[setup].setup.ball_in_tool_mm;
+        let corrected =
+            compensation.and_then(|table| table.corrected(&self.machine, &state.position, tool_mm));
         let position = corrected.unwrap_or(state.position);
         let pose = |side| chain::machine_from_tip(&self.machine, side, &position, &wrong.joints);
         let poses = Poses {

@@ -7,10 +7,16 @@
 //!
 //! error = actual − nominal pose of what the axis carries, in the nominal axes of what carries the axis, about a point of the
 //! axis line (rotary) or the travelling carriage (linear), as everywhere in the program. Limits: valid over the measured
-//! range of the axis; only numbers the data determine take part.
+//! range of the axis. Of confounded parameters the fit keeps one representative: the pivot of their null direction is zero, the
+//! others stand for it (`Identification::solution`). The tables hold that, since any representative moves the measured readings
+//! alike (`representative`); which parameters are only known together is named.
 
+mod representative;
+
+use representative::{confounded, representative};
+use std::collections::BTreeSet;
 use trunnion_core::{AxisValues, Joint, Slot, State, Twist, convert};
-use trunnion_effects::{Instance, Model, Scene};
+use trunnion_effects::{Instance, Model, Role, Scene};
 use trunnion_engine::{Experiment, FittedParameter, Identification, IdentifyError};
 use trunnion_machine::{JointErrors, Site};
 
@@ -44,6 +50,17 @@ pub struct AxisErrors {
     pub effects: Vec<String>,
     /// What is not in the tables.
     pub left_out: Vec<NotTabulated>,
+    /// Parameters of which only a combination is known, and what stands for it in the tables.
+    pub confounded: Vec<Confounded>,
+}
+
+/// Parameters of which the data determine only a combination.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Confounded {
+    /// Those in the tables, which stand for all.
+    pub entered: Vec<String>,
+    /// Those that are zero in the tables.
+    pub zero: Vec<String>,
 }
 
 /// The errors of one axis.
@@ -85,16 +102,27 @@ impl AxisErrors {
     /// An effect the machine cannot have.
     pub fn new(experiment: &Experiment, model: &Model, fit: &Identification) -> Result<Self, IdentifyError> {
         let scene = &experiment.scene;
+        let mut settings = BTreeSet::new();
+        for entry in &model.effects {
+            if Instance::from_model_effect(entry, &scene.machine)?.role() == Role::Setting {
+                settings.insert(entry.id.as_str());
+            }
+        }
+        let solution = representative(fit, &settings);
         let (mut tabulated, mut left_out) = (Vec::new(), Vec::new());
         for entry in &model.effects {
             let instance = Instance::from_model_effect(entry, &scene.machine)?;
-            let found: Vec<&FittedParameter> =
-                fit.parameters.iter().filter(|p| p.effect == entry.id).collect();
+            let of_effect = |(_, p): &(usize, &FittedParameter)| p.effect == entry.id;
+            let found: Vec<(usize, &FittedParameter)> =
+                fit.parameters.iter().enumerate().filter(of_effect).collect();
             let shape = fit.effects.iter().find(|e| e.id == entry.id).map_or(Vec::new(), |e| e.shape.clone());
-            let values = found.iter().map(|p| p.value.unwrap_or(0.0)).collect();
+            let values = found.iter().map(|(j, _)| solution[*j]).collect();
             let fitted = Fitted { id: entry.id.clone(), instance, shape, values };
-            let unseen: Vec<&str> =
-                found.iter().filter(|p| !p.observable()).map(|p| p.name.as_str()).collect();
+            let unseen: Vec<&str> = found
+                .iter()
+                .filter(|(j, p)| !p.observable() && solution[*j] == 0.0)
+                .map(|(_, p)| p.name.as_str())
+                .collect();
             if let Some(why) = fitted.why_no_table(scene) {
                 left_out.push(NotTabulated { effect: entry.id.clone(), why });
                 continue;
@@ -112,6 +140,7 @@ impl AxisErrors {
             axes: axes
                 .filter(|table| table.location != Twist::default() || !table.errors.is_empty())
                 .collect(),
+            confounded: confounded(fit, &solution, &tabulated),
             effects: tabulated.into_iter().map(|fitted| fitted.id).collect(),
             left_out,
         })

@@ -10,5 +10,5 @@ pub mod notation;
 pub mod recipes;
 pub mod volumetric;
 
-pub use axis_errors::{AxisErrors, AxisTable, NotTabulated};
+pub use axis_errors::{AxisErrors, AxisTable, Confounded, NotTabulated};
 pub use findings::Findings;

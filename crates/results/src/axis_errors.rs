@@ -23,6 +23,36 @@ pub struct AxisErrors {
     pub effects: Vec<String>,
     /// What is not in the tables.
     pub left_out: Vec<LeftOutEffect>,
+    /// Parameters of which only a combination is known, and what stands for it in the tables.
+    #[serde(default)]
+    pub confounded: Vec<ConfoundedErrors>,
+}
+
+/// Parameters of which the runs determine only a combination.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct ConfoundedErrors {
+    /// Those in the tables, which stand for all.
+    pub entered: Vec<String>,
+    /// Those that are zero in the tables.
+    pub zero: Vec<String>,
+}
+
+impl ConfoundedErrors {
+    /// What to know before it is entered.
+    pub fn sentence(&self) -> String {
+        let all: Vec<&str> = self.entered.iter().chain(&self.zero).map(String::as_str).collect();
+        format!(
+            "only the combination of {} is known; it is entered through {}, which is right at the measured poses and may be wrong at others",
+            all.join(", "),
+            self.entered.join(", ")
+        )
+    }
+}
+
+impl From<&methods::Confounded> for ConfoundedErrors {
+    fn from(confounded: &methods::Confounded) -> Self {
+        Self { entered: confounded.entered.clone(), zero: confounded.zero.clone() }
+    }
 }
 
 /// Format and version of axis errors.
@@ -61,6 +91,7 @@ impl From<&methods::AxisErrors> for AxisErrors {
             axes: errors.axes.iter().map(AxisTable::from).collect(),
             effects: errors.effects.clone(),
             left_out: errors.left_out.iter().map(LeftOutEffect::from).collect(),
+            confounded: errors.confounded.iter().map(ConfoundedErrors::from).collect(),
         }
     }
 }

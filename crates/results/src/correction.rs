@@ -1,6 +1,6 @@
 //! What to enter into a control, what to check first, and what to expect.
 
-use crate::axis_errors::AxisErrors;
+use crate::axis_errors::{AxisErrors, ConfoundedErrors};
 use crate::conformity::Decision;
 use crate::diagnosis::Verdict;
 use crate::left_out::LeftOutEffect;
@@ -26,6 +26,9 @@ pub struct Correction {
     pub holds: Vec<String>,
     /// What this control does not get, and why.
     pub left_out: Vec<LeftOutEffect>,
+    /// Parameters of which only a combination is known, and what stands for it.
+    #[serde(default)]
+    pub confounded: Vec<ConfoundedErrors>,
     /// What each axis gets.
     pub axes: Vec<CorrectedAxis>,
     /// What to expect; null where no reading shows the correction.
@@ -105,6 +108,13 @@ pub struct Expected {
     pub tolerance_um: Option<f64>,
     /// Whether the largest reading keeps the tolerance (ISO 14253-1); null without one.
     pub decision: Option<Decision>,
+}
+
+impl Expected {
+    /// True where the errors do not fall.
+    pub fn is_no_better(&self) -> bool {
+        self.after_um >= self.before_um
+    }
 }
 
 /// Two poses whose readings say whether the sign is right.

@@ -42,7 +42,7 @@ mod time_quality;
 mod volumetric;
 mod written;
 
-pub use axis_errors::{AxisErrors, AxisErrorsFormat, AxisTable};
+pub use axis_errors::{AxisErrors, AxisErrorsFormat, AxisTable, ConfoundedErrors};
 pub use chain::{Chain, ChainJoint};
 pub use comparison::{
     AxisRange, BeforeAfter, Comparison, ComparisonFormat, Place, PlacesBeforeAfter, Region,

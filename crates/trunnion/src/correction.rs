@@ -70,6 +70,7 @@ impl Fit {
             verdict,
             holds: taken.effects.clone(),
             left_out: taken.left_out.clone(),
+            confounded: taken.confounded.clone(),
             axes: results::Correction::axes_of(&taken),
             expected: shown.is_seen().then_some(expected),
             check_first: shown.farthest_pair(self.experiment()),

@@ -1,10 +1,10 @@
 //! What other controls hold: lines of the rotary axes, and tables that move one axis over another.
 //!
-//! `table_from_tool(q', lines)·0 = table_from_tool(q, nominal)·0`, then every output axis moves by minus the value of its tables.
+//! `table_from_tool(q', lines)·t = table_from_tool(q, nominal)·t`, t the point of the tool that the control guides, then every output axis moves by minus the value of its tables.
 //! The lines replace those of the nominal machine, so that the control turns about them.
 
 use super::tool_point::tool_in_table_mm;
-use nalgebra::{Matrix3, Unit, Vector3};
+use nalgebra::{Matrix3, Point3, Unit, Vector3};
 use trunnion_core::{AxisValues, Joint};
 use trunnion_machine::{Axis, Machine};
 
@@ -36,18 +36,23 @@ pub(super) struct Cross {
 
 impl Control {
     /// Where the axes really go when `position` is commanded under tool centre point control.
-    pub(super) fn corrected(&self, machine: &Machine, position: &AxisValues<f64>) -> Option<AxisValues<f64>> {
+    pub(super) fn corrected(
+        &self,
+        machine: &Machine,
+        position: &AxisValues<f64>,
+        point_in_tool_mm: &Point3<f64>,
+    ) -> Option<AxisValues<f64>> {
         let none = AxisValues::default();
         let believed = self.believed(machine);
-        let wanted = tool_in_table_mm(machine, position, &none);
+        let wanted = tool_in_table_mm(machine, position, &none, point_in_tool_mm);
         let mut corrected = *position;
         for _ in 0..STEPS {
-            let here = tool_in_table_mm(&believed, &corrected, &none);
+            let here = tool_in_table_mm(&believed, &corrected, &none, point_in_tool_mm);
             let mut slope = Matrix3::zeros();
             for (i, letter) in Joint::LINEAR.into_iter().enumerate() {
                 let mut moved = corrected;
                 moved[letter] += 1.0;
-                slope.set_column(i, &(tool_in_table_mm(&believed, &moved, &none) - here));
+                slope.set_column(i, &(tool_in_table_mm(&believed, &moved, &none, point_in_tool_mm) - here));
             }
             let step: Vector3<f64> = slope.try_inverse()? * (wanted - here);
             for (i, letter) in Joint::LINEAR.into_iter().enumerate() {

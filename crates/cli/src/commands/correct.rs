@@ -7,7 +7,8 @@ use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion::report::compensation::{FORMATS, Format, Signs, format};
 use trunnion::report::{correction_judged_text, correction_text};
-use trunnion::results::{Correction, CorrectionValues, SelfTest, Verdict};
+use trunnion::results::number::plain;
+use trunnion::results::{Correction, CorrectionValues, Expected, SelfTest, Verdict};
 use trunnion::{Corrected, Fit};
 
 /// Write what corrects the machine in its control
@@ -34,6 +35,9 @@ pub struct Args {
     /// Go on although the model is inadequate: diagnose finds something that it lacks
     #[arg(long)]
     although_inadequate: bool,
+    /// Go on although the errors at the measured poses do not fall by what the control takes
+    #[arg(long)]
+    although_not_better: bool,
     /// Cycle of four poses to write, which shows whether the sign is right
     #[arg(long, value_name = "CYCLE.TOML", requires = "output")]
     self_test: Option<PathBuf>,
@@ -65,6 +69,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     let verdict = adequate(args, &fit)?;
     let corrected = fit.correction(control, values, verdict)?;
+    if !args.although_not_better {
+        better(&corrected.results(String::new()))?;
+    }
     let outcome = if verdict == Verdict::NoiseFloor { outcome } else { outcome.or_withheld() };
     let Some(path) = &args.output else {
         terminal::print_verbatim(corrected.text())?;
@@ -105,6 +112,22 @@ fn adequate(args: &Args, fit: &Fit) -> anyhow::Result<Verdict> {
         _ => terminal::remark(&format!("The model is not shown to be adequate. {why}")),
     }
     Ok(verdict)
+}
+
+/// Refuses a correction that does not lower the errors.
+fn better(answer: &Correction) -> anyhow::Result<()> {
+    if let Some(expected) = answer.expected.filter(Expected::is_no_better) {
+        let left_out: Vec<&str> = answer.left_out.iter().map(|left| left.effect.as_str()).collect();
+        bail!(
+            "nothing was written, because the errors do not fall: {} µm rms now, {} µm with what {} takes; it does not take {}. \
+             `--although-not-better` goes on all the same",
+            plain(expected.before_um),
+            plain(expected.after_um),
+            answer.control,
+            left_out.join(", ")
+        );
+    }
+    Ok(())
 }
 
 fn self_test(corrected: &Corrected, path: &Path) -> anyhow::Result<SelfTest> {

@@ -11,7 +11,7 @@ use crate::{
 };
 use nalgebra::Vector3;
 use trunnion_core::{Joint, State, Twist};
-use trunnion_machine::{Machine, Site};
+use trunnion_machine::{Machine, Side, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "location-errors",
@@ -112,6 +112,15 @@ pub fn conventional_zeros(machine: &Machine) -> Vec<String> {
         let (inner, outer) = (pair[0], pair[1]);
         let k = inner.direction.iamax();
         names.push(format!("E{}0{}", Joint::ROTARY[k], outer.letter));
+    }
+    // One axis turns the table and one the tool: across both axis lines only the distance between the lines shows. It is
+    // booked on the axis of the table.
+    let rotary_of =
+        |side| machine.from_bed(side).into_iter().filter(|axis| axis.is_rotary()).collect::<Vec<_>>();
+    if let ([table], [tool]) = (&rotary_of(Side::Table)[..], &rotary_of(Side::Tool)[..]) {
+        let along = [table, tool].map(|axis| axis.direction.iamax());
+        let across = (0..3).filter(|k| !along.contains(k));
+        names.extend(across.map(|k| format!("E{}0{}", Joint::LINEAR[k], tool.letter)));
     }
     // A zero position of the inner axis is only defined against the outer one: keep it (EB0B), give up the outer's tilt.
     if rotary.len() > 1 {

@@ -1,6 +1,6 @@
 //! What a control or format provides, and what all have in common: header, arguments, numbers.
 
-use trunnion_results::{AxisErrors, Chain, CorrectionValues};
+use trunnion_results::{AxisErrors, Chain, ConfoundedErrors, CorrectionValues};
 
 /// One control or format: plain data and two functions, one constant per file.
 pub struct Format {
@@ -71,6 +71,7 @@ pub(super) fn header(errors: &AxisErrors, values: &str) -> Vec<String> {
     for left_out in &errors.left_out {
         lines.push(format!("does not hold {}: {}", left_out.effect, left_out.why));
     }
+    lines.extend(errors.confounded.iter().map(ConfoundedErrors::sentence));
     lines.iter().map(|line| line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()).collect()
 }
 

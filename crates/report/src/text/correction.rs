@@ -14,7 +14,7 @@ pub fn correction_text(answer: &Correction) -> String {
             plain(expected.after_um),
             plain(expected.wrong_sign_um)
         );
-        if expected.after_um >= expected.before_um {
+        if expected.is_no_better() {
             out +=
                 "The errors do not fall: what this control takes is too little of them. Do not enter it.\n";
         }
@@ -52,6 +52,9 @@ pub fn correction_text(answer: &Correction) -> String {
     out += &steps("Undo", &answer.undo);
     for left_out in &answer.left_out {
         out += &format!("\nNot in it: {}: {}.", clean(&left_out.effect), clean(&left_out.why));
+    }
+    for confounded in &answer.confounded {
+        out += &format!("\nConfounded: {}.", clean(&confounded.sentence()));
     }
     for text in &answer.unconfirmed {
         out += &format!("\nNot confirmed: {text}");
