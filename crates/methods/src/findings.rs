@@ -114,6 +114,13 @@ pub enum Plot {
         /// Places, mm; at most four are distinguished.
         curves: Vec<Curve>,
     },
+    /// Amounts by name, largest first.
+    Bars {
+        /// Unit of the amounts.
+        unit: Unit,
+        /// The bars.
+        bars: Vec<NamedAmount>,
+    },
     /// Commanded, measured and simulated places in a plane, deviations magnified (S1 Fig. 5 and 8).
     PlaneMap {
         /// Names of the directions to the right and up.
@@ -141,6 +148,17 @@ pub struct Curve {
     pub name: String,
     /// Points in the order of the line, inside units.
     pub points: Vec<(f64, f64)>,
+}
+
+/// One bar of [`Plot::Bars`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedAmount {
+    /// What it is of.
+    pub name: String,
+    /// Inside units.
+    pub amount: f64,
+    /// Said next to the bar; may be empty.
+    pub remark: String,
 }
 
 /// One place of a [`Plot::PlaneMap`], mm in the plane, true size.

@@ -9,6 +9,7 @@ mod heat_map;
 mod lattice;
 mod path_chart;
 mod polar;
+mod ranked;
 mod scale;
 mod xy_chart;
 
@@ -18,5 +19,6 @@ pub use heat_map::{HeatMap, heat_map, legend};
 pub use lattice::{Lattice, lattice};
 pub use path_chart::path_chart;
 pub use polar::{Trace, polar};
+pub use ranked::{Ranked, ranked};
 pub use scale::nice_above;
 pub use xy_chart::{Mark, Series, XyChart, xy_chart};

@@ -130,6 +130,13 @@ pub enum Plot {
         /// Paths.
         curves: Vec<Curve>,
     },
+    /// Amounts by name, largest first.
+    Bars {
+        /// Unit of the amounts.
+        unit: String,
+        /// The bars.
+        bars: Vec<NamedAmount>,
+    },
     /// Commanded, measured and simulated places in a plane, deviations magnified.
     PlaneMap {
         /// Names of the directions to the right and up.
@@ -157,6 +164,17 @@ pub struct Curve {
     pub name: String,
     /// Points in the order of the line, those that have both numbers.
     pub points: Vec<[f64; 2]>,
+}
+
+/// One bar.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NamedAmount {
+    /// What it is of.
+    pub name: String,
+    /// How much.
+    pub amount: f64,
+    /// Said next to the bar; may be empty.
+    pub remark: String,
 }
 
 /// One place of a map in a plane.
@@ -229,6 +247,15 @@ fn chart(chart: &found::Chart) -> Chart {
         }
         found::Plot::Path { unit, names, curves: all } => {
             Plot::Path { names: names.clone(), unit: unit.symbol.into(), curves: curves(all, *unit, *unit) }
+        }
+        found::Plot::Bars { unit, bars } => {
+            let bar = |bar: &found::NamedAmount| NamedAmount {
+                name: bar.name.clone(),
+                amount: bar.amount * unit.per_inside,
+                remark: bar.remark.clone(),
+            };
+            let drawn = bars.iter().filter(|bar| bar.amount.is_finite());
+            Plot::Bars { unit: unit.symbol.into(), bars: drawn.map(bar).collect() }
         }
         found::Plot::PlaneMap { names, magnification, places } => Plot::PlaneMap {
             names: names.clone(),

@@ -63,7 +63,8 @@ pub use diagnosis::{
 pub use doubt::{Doubt, DoubtReason};
 pub use filed::{Identity, Report, ReportFormat, RunIdentity, TemperatureRange};
 pub use findings::{
-    AxisName, Cell, Chart, Column, Curve, Findings, FindingsFormat, FoundValue, MapPlace, Plot, Table,
+    AxisName, Cell, Chart, Column, Curve, Findings, FindingsFormat, FoundValue, MapPlace, NamedAmount, Plot,
+    Table,
 };
 pub use history::{
     ChangedParameter, HistoryFormat, HistoryRun, MachineHistory, RunChange, Watched, WatchedPoint,

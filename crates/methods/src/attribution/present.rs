@@ -183,7 +183,7 @@ fn shows_something(chart: &Chart) -> bool {
         Plot::Xy { curves, .. } => {
             curves.iter().any(|curve| curve.points.iter().any(|point| point.1.abs() > 0.0))
         }
-        Plot::Polar { .. } | Plot::Path { .. } | Plot::PlaneMap { .. } => true,
+        Plot::Polar { .. } | Plot::Path { .. } | Plot::Bars { .. } | Plot::PlaneMap { .. } => true,
     }
 }
 

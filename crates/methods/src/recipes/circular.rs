@@ -4,11 +4,13 @@
 //! An error (e_a, e_b) of the tool against the table reads r = e_a cos φ + e_b sin φ. Each error of the classical list is a column;
 //! all of them and the centring (1, cos φ, sin φ) are fitted to both directions together by least squares:
 //!     squareness ∓γ R sin φ cos φ · scale mismatch ½ (s_a − s_b) R cos 2φ · servo mismatch (τ_a − τ_b) v d sin φ cos φ
-//!     backlash e_a = −½ h sgn v_a · lateral play e_b = ½ p sgn v_a · reversal spike e_a = −h sgn v_a exp(−travel since reversal / s₀)
+//!     backlash e_a = ½ h sgn v_a (h negative where the axis stops short, as in the catalogue) · lateral play e_b = ½ p sgn v_a · reversal spike e_a = −h sgn v_a exp(−travel since reversal / s₀)
 //!     cyclic e_a = A cos 2πa/P + B sin 2πa/P (P screw lead) · straightness e_b = w (a/R)²  (three lobes)
+//! A run that knows no speed v has the servo mismatch as the distance e = (τ_a − τ_b) v, at one unknown speed: left off the list, it would be
+//! read as backlash and spikes.
 //! [ISO 230-4:2005 clause 3; Kakino, Ihara, Shinohara 1990 (DBB method); docs/design/physics.md §5.2]. Each error's own circularity is the range of
 //! what it alone makes of the trace, centred. What all of them leave is given as share of the variance and in µm, beside the
-//! noise of the readings by their successive differences: more than noise is something the list lacks.
+//! noise of the readings by their second differences: more than noise is something the list lacks.
 //! Limits: first order in errors over R; mean scale is not distinguished from a bar without calibrated length, nor an error that makes a
 //! first lobe from the setting; straightness only as a bow; spikes by one decay s₀ for each axis.
 

@@ -90,8 +90,8 @@ fn each_error_of_the_list_is_found_alone_with_its_own_circularity() {
     let feed = 1000.0 / 60.0;
     check("servo X−Y", |s| (-0.2e-3 * s.velocity[X], 0.0), 0.2e-3, 0.2e-3 * feed / UM);
     // ½ h |cos φ| with its sign jumping at 0° and 180°: from −½ h to ½ h, no more after centring.
-    check("backlash X", |s| (-2.0 * UM * s.direction[X], 0.0), 4.0 * UM, 4.0);
-    check("backlash Y", |s| (0.0, -2.0 * UM * s.direction[Y]), 4.0 * UM, 4.0);
+    check("backlash X", |s| (-2.0 * UM * s.direction[X], 0.0), -4.0 * UM, 4.0);
+    check("backlash Y", |s| (0.0, 2.0 * UM * s.direction[Y]), 4.0 * UM, 4.0);
     // sin²φ cos φ = (cos φ − cos 3φ)/4: three lobes of range w/2.
     check("straightness Y", |s| (6.0 * UM * (s.position[Y] / R_MM).powi(2), 0.0), 6.0 * UM, 3.0);
     // ½ p |sin φ| less its mean, opposite in the two ways: from −½ p to ½ p.
@@ -123,7 +123,7 @@ fn several_errors_together_are_distinguished_in_noise() {
     for (name, put_in) in [
         ("EC0Y", 30e-6),
         ("scale X−Y", 15e-6),
-        ("backlash X", 3.0 * UM),
+        ("backlash X", -3.0 * UM),
         ("servo X−Y", -0.3e-3),
         ("backlash Y", 0.0),
     ] {
@@ -133,6 +133,53 @@ fn several_errors_together_are_distinguished_in_noise() {
     }
     assert!(value(&found, "XY unexplained beyond noise") < 0.1 * UM);
     assert!(!found.notes.iter().any(|note| note.contains("does not explain everything")));
+}
+
+#[test]
+fn a_run_without_speed_keeps_backlash_and_spikes_clear_of_the_servo_mismatch() {
+    let feed = 1000.0 / 60.0;
+    let displaced = |s: &State| (-1.0 * UM * s.direction[X] - 0.4e-3 * s.velocity[X], 0.0);
+    let mut run = circle(displaced, 0.2, false);
+    run.kind = RunKind::Static;
+    for point in &mut run.points {
+        let State { velocity, acceleration, since_reversal, .. } = State::default();
+        point.state = State { velocity, acceleration, since_reversal, time_s: None, ..point.state.clone() };
+    }
+    let found = circular(run);
+    for (name, put_in) in
+        [("backlash X", -2.0 * UM), ("backlash Y", 0.0), ("servo X−Y × speed", 0.4e-3 * feed)]
+    {
+        let found = found.value(&format!("XY {name}")).unwrap_or_else(|| panic!("{name}"));
+        let u = found.u.unwrap();
+        assert!((found.value - put_in).abs() < 4.0 * u && u < 0.1 * UM, "{name}: {} u {u}", found.value);
+    }
+    assert!(
+        !ranking(&found).iter().any(|(name, _)| name.starts_with("reversal spike")),
+        "{:?}",
+        ranking(&found)
+    );
+    assert!(found.notes.iter().any(|note| note.contains("knows no speed")), "{:?}", found.notes);
+}
+
+#[test]
+fn the_noise_is_that_of_the_readings_whatever_the_list_lacks() {
+    // Four waves a turn of 8 µm on no list, noise 0.3 µm: the verdict must not take the waves for noise.
+    let off_list = |s: &State| {
+        let radial = 8.0 * UM * (4.0 * angle(s)).cos();
+        (radial * angle(s).cos(), radial * angle(s).sin())
+    };
+    let found = circular(circle(off_list, 0.3, false));
+    let note = &found.value("XY unexplained share").unwrap().note;
+    assert!(note.contains("noise of the readings 0.3") && note.contains("more than noise"), "{note}");
+}
+
+#[test]
+fn what_to_enter_has_the_sign_that_takes_the_error_away() {
+    let found = circular(circle(|s| (-2.0 * UM * s.direction[X], 0.0), 0.1, false));
+    let last = |row: &Vec<Cell>| row.last().cloned();
+    let texts: Vec<_> = found.tables[0].rows.iter().filter_map(last).collect();
+    assert!(texts.contains(&Cell::Text("backlash compensation of X: add +4.0 µm".into())), "{texts:?}");
+    assert_eq!(texts.iter().filter(|cell| matches!(cell, Cell::Text(_))).count(), 1, "{texts:?}");
 }
 
 #[test]

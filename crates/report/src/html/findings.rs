@@ -4,10 +4,11 @@ use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row};
 use crate::markup::{element, escape, table};
 use crate::number::unit_on_screen;
 use crate::svg::{
-    Displaced, Mark, Series, Trace, XyChart, displaced, nice_above, path_chart, polar, xy_chart,
+    Displaced, Mark, Ranked, Series, Trace, XyChart, displaced, nice_above, path_chart, polar, ranked,
+    xy_chart,
 };
 use trunnion_core::convert::{mm_from_um, rad_from_deg};
-use trunnion_results::{AxisName, Chart, Curve, Findings, MapPlace, Plot};
+use trunnion_results::{AxisName, Chart, Curve, Findings, MapPlace, NamedAmount, Plot};
 
 pub fn sections(findings: &Findings, label: &str) -> String {
     let mut html = element("h1", &format!("{} on machine {}", findings.method, findings.machine));
@@ -78,6 +79,14 @@ fn figure(chart: &Chart) -> String {
             let paths: Vec<_> = curves.iter().map(|c| (c.name.clone(), points(c))).collect();
             let names = names.clone().map(|name| axis(&AxisName { name, unit: unit.clone() }));
             path_chart(title, [&names[0], &names[1]], &paths)
+        }
+        Plot::Bars { unit, bars } => {
+            let bar = |bar: &NamedAmount| Ranked {
+                name: bar.name.clone(),
+                amount: bar.amount,
+                remark: bar.remark.clone(),
+            };
+            ranked(title, &unit_on_screen(unit), &bars.iter().map(bar).collect::<Vec<_>>())
         }
         Plot::PlaneMap { names, magnification, places } => {
             let places: Vec<_> = places.iter().map(|place| magnified(place, *magnification)).collect();

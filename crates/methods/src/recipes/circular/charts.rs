@@ -1,7 +1,8 @@
 //! Pictures of the circular method: the trace magnified, what the list explains of it, and what is left.
 
 use super::fit::{Contour, Fitted};
-use crate::findings::{AxisName, Chart, Curve, Plot};
+use crate::findings::{AxisName, Chart, Curve, NamedAmount, Plot};
+use trunnion_core::convert::um_from_mm;
 use trunnion_effects::Unit;
 
 pub(super) fn charts(fit: &Fitted<'_>) -> Vec<Chart> {
@@ -11,7 +12,11 @@ pub(super) fn charts(fit: &Fitted<'_>) -> Vec<Chart> {
         let drawn = |contour: &Contour| if around { closed(contour) } else { contour.clone() };
         fit.contours.iter().map(|(way, contours)| Curve::new(name(*way), drawn(&contours[k]))).collect()
     };
-    let mut charts = Vec::new();
+    let mut charts = vec![Chart {
+        group: group.clone(),
+        title: format!("Circularity {:.1} µm: what makes it", um_from_mm(fit.centred_circularity_mm)),
+        plot: Plot::Bars { unit: Unit::UM, bars: bars(fit) },
+    }];
     for (k, title) in
         ["Measured, centred", "Explained by the list", "Left unexplained"].into_iter().enumerate()
     {
@@ -29,8 +34,22 @@ pub(super) fn charts(fit: &Fitted<'_>) -> Vec<Chart> {
     charts
 }
 
+/// The errors that are significant and what is unexplained, largest first.
+fn bars(fit: &Fitted<'_>) -> Vec<NamedAmount> {
+    let bar = |name: &str, circularity_mm: f64| NamedAmount {
+        name: name.into(),
+        amount: circularity_mm,
+        remark: fit.share(circularity_mm),
+    };
+    let significant = fit.errors.iter().filter(|error| error.significant());
+    let mut bars: Vec<_> = significant.map(|error| bar(&error.listed.name, error.circularity_mm)).collect();
+    bars.push(bar("unexplained beyond noise", fit.unexplained_circularity_mm()));
+    bars.sort_by(|a, b| b.amount.total_cmp(&a.amount));
+    bars
+}
+
 fn name(way: f64) -> &'static str {
-    if way < 0.0 { "− (clockwise)" } else { "+" }
+    if way < 0.0 { "↻ − (clockwise)" } else { "↺ + (counter-clockwise)" }
 }
 
 /// The first point once more.

@@ -32,7 +32,7 @@ pub(super) struct Fitted<'a> {
     pub centred_rms_mm: f64,
     /// Of what the whole list leaves, mm.
     pub left_rms_mm: f64,
-    /// Noise of one reading by successive differences of what is left, mm.
+    /// Noise of one reading by second differences of what is left, mm.
     pub noise_mm: f64,
     /// Range of what is left, mean over stations, mm.
     pub left_circularity_mm: f64,
@@ -53,6 +53,13 @@ pub(super) struct FittedError {
     pub circularity_mm: f64,
     /// s₀ of a spike, mm.
     pub decay_mm: Option<f64>,
+}
+
+impl FittedError {
+    /// Beyond twice its standard uncertainty.
+    pub fn significant(&self) -> bool {
+        self.value.abs() > 2.0 * self.u
+    }
 }
 
 /// ISO 230-4:2005, about least-squares centres, mm.
@@ -125,7 +132,7 @@ impl<'a> Fitted<'a> {
             iso: Iso::of(method, trace, &as_read)?,
             centred_rms_mm: rms(&measured),
             left_rms_mm: left.norm() / freedom.sqrt(),
-            noise_mm: successive(samples, &left),
+            noise_mm: noise(samples, &left),
             left_circularity_mm: over(2),
             centred_circularity_mm: over(0),
             contours,
@@ -136,6 +143,18 @@ impl<'a> Fitted<'a> {
     /// Share of the variance of the centred trace that the list leaves, 0…1.
     pub fn unexplained(&self) -> f64 {
         (self.left_rms_mm / self.centred_rms_mm.max(f64::MIN_POSITIVE)).powi(2).min(1.0)
+    }
+
+    /// What is left beyond the noise of the readings as a circularity: the range of a sine of its rms, 2√2 of it, mm.
+    pub fn unexplained_circularity_mm(&self) -> f64 {
+        2.0 * std::f64::consts::SQRT_2 * self.unexplained_beyond_noise_mm()
+    }
+
+    /// A circularity as share of those of all errors and of what is unexplained, in words.
+    pub fn share(&self, circularity_mm: f64) -> String {
+        let errors_mm: f64 = self.errors.iter().map(|error| error.circularity_mm).sum();
+        let all_mm = errors_mm + self.unexplained_circularity_mm();
+        format!("{:.0} %", 100.0 * circularity_mm / all_mm.max(f64::MIN_POSITIVE))
     }
 
     /// What is left beyond the noise of the readings, mm rms.
@@ -227,10 +246,12 @@ fn without_doubtful_spikes(
     let mut list = list;
     loop {
         let decay_mm = decays(trace, &list, deviation);
-        let fit = least_squares(&design(trace, &list, decay_mm), deviation, TOLERANCE);
+        let design = design(trace, &list, decay_mm);
+        let fit = least_squares(&design, deviation, TOLERANCE);
+        let widened = widened(&(deviation - design * &fit.x));
         let (mut first, mut weakest) = (3, None);
         for (i, item) in list.iter().enumerate() {
-            let stands_out = fit.x[first].abs() / fit.u[first].max(f64::MIN_POSITIVE);
+            let stands_out = fit.x[first].abs() / (widened * fit.u[first]).max(f64::MIN_POSITIVE);
             if matches!(item.kind, ListedKind::ReversalSpike(_))
                 && stands_out < SPIKE_STANDS_OUT
                 && weakest.is_none_or(|(_, least)| stands_out < least)
@@ -265,12 +286,16 @@ fn widened(left: &DVector<f64>) -> f64 {
     (1.0 + 2.0 * correlated).sqrt()
 }
 
-/// Noise by successive differences within a way (von Neumann 1941); robust against anything slow.
-fn successive(samples: &[Sample], left: &DVector<f64>) -> f64 {
-    let pairs = (1..samples.len()).filter(|&i| samples[i].way == samples[i - 1].way);
-    let (squares, count) =
-        pairs.fold((0.0, 0.0), |(sum, count), i| (sum + (left[i] - left[i - 1]).powi(2), count + 1.0));
-    if count > 0.0 { (squares / count / 2.0_f64).sqrt() } else { 0.0 }
+/// Noise by second differences of neighbours in time within a way, from their median: var(l₁ − 2 l₂ + l₃) = 6 σ² (von Neumann 1941), and the
+/// median of |normal| is 0.6745 σ. What the list does not explain is smooth or a few steps, and moves neither.
+fn noise(samples: &[Sample], left: &DVector<f64>) -> f64 {
+    let of_one_way =
+        |i: &usize| samples[i - 1].way == samples[*i].way && samples[*i].way == samples[i + 1].way;
+    let inner = 1..samples.len().saturating_sub(1);
+    let mut second: Vec<f64> =
+        inner.filter(of_one_way).map(|i| (left[i - 1] - 2.0 * left[i] + left[i + 1]).abs()).collect();
+    second.sort_by(f64::total_cmp);
+    second.get(second.len() / 2).map_or(0.0, |median| median / (0.6745 * 6.0_f64.sqrt()))
 }
 
 fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {

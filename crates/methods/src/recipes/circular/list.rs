@@ -23,6 +23,8 @@ pub(super) enum ListedKind {
     Squareness,
     ScaleMismatch,
     ServoMismatch,
+    /// The same where the speed is not known, as a distance.
+    ServoDistance,
     Backlash(usize),
     LateralPlay(usize),
     ReversalSpike(usize),
@@ -34,7 +36,6 @@ pub(super) enum ListedKind {
 pub(super) fn listed(machine: &Machine, trace: &Trace) -> Vec<Listed> {
     let [a, b] = trace.plane;
     let both_ways = [1.0, -1.0].iter().all(|way| trace.samples.iter().any(|s| s.way == *way));
-    let speed = trace.samples.iter().all(|s| s.speed_mm_per_s > 0.0);
     let item = |kind, name: String, unit, about| Listed { kind, name, unit, about };
     let squareness = ["EC0Y", "EA0Z", "EB0Z"][a.index()];
     let mut list = vec![
@@ -51,14 +52,20 @@ pub(super) fn listed(machine: &Machine, trace: &Trace) -> Vec<Listed> {
             "scale mismatch, first axis longer: oval at 0° or 90°, the same both ways",
         ),
     ];
-    if both_ways && speed {
+    if both_ways {
         let about = "servo mismatch, first axis later: oval at 45° that flips with the way";
-        list.push(item(ListedKind::ServoMismatch, format!("servo {a}−{b}"), Unit::MS, about));
+        list.push(if trace.knows_speed() {
+            item(ListedKind::ServoMismatch, format!("servo {a}−{b}"), Unit::MS, about)
+        } else {
+            let about = "servo mismatch times the unknown speed, first axis later: oval at 45° that flips with the way";
+            item(ListedKind::ServoDistance, format!("servo {a}−{b} × speed"), Unit::UM, about)
+        });
     }
     for (k, letter) in trace.plane.into_iter().enumerate() {
         let screw_lead_mm = machine.axis(letter).and_then(|axis| axis.facts.screw_lead_mm);
         if both_ways {
-            let about = "lost motion, positive where the axis lags: steps where it reverses";
+            let about =
+                "reversal value, negative where the axis stops short (lost motion): steps where it reverses";
             list.push(item(ListedKind::Backlash(k), format!("backlash {letter}"), Unit::UM, about));
             let about = "sideways shift with the direction of the axis";
             list.push(item(ListedKind::LateralPlay(k), format!("lateral play {letter}"), Unit::UM, about));
@@ -89,7 +96,8 @@ pub(super) fn columns(kind: ListedKind, trace: &Trace, decay_mm: [f64; 2], sampl
         ListedKind::Squareness => vec![squareness_sign(trace.plane[0]) * r_mm * sin * cos],
         ListedKind::ScaleMismatch => vec![0.5 * r_mm * (cos * cos - sin * sin)],
         ListedKind::ServoMismatch => vec![sample.speed_mm_per_s * sample.way * sin * cos],
-        ListedKind::Backlash(k) => vec![-0.5 * sample.direction[k] * along[k]],
+        ListedKind::ServoDistance => vec![sample.way * sin * cos],
+        ListedKind::Backlash(k) => vec![0.5 * sample.direction[k] * along[k]],
         ListedKind::LateralPlay(k) => vec![0.5 * sample.direction[k] * across[k]],
         ListedKind::ReversalSpike(k) => {
             vec![-sample.direction[k] * (-sample.since_reversal_mm[k] / decay_mm[k]).exp() * along[k]]

@@ -39,6 +39,13 @@ pub(super) struct Trace {
     pub samples: Vec<Sample>,
 }
 
+impl Trace {
+    /// Whether the run shows the speed along the path.
+    pub fn knows_speed(&self) -> bool {
+        self.samples.iter().any(|sample| sample.speed_mm_per_s > 0.0)
+    }
+}
+
 /// One reading.
 #[derive(Clone, Copy)]
 pub(super) struct Sample {

@@ -2,10 +2,12 @@
 
 use super::charts::charts;
 use super::fit::{Fitted, FittedError};
+use super::list::ListedKind;
 use super::planes::together;
 use super::trace::Traces;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method};
+use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
@@ -91,14 +93,24 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
         let name = format!("{plane} {}", error.listed.name);
         let value = FoundValue::new(name, error.value, error.listed.unit, Some(error.u));
         let circularity_um = um_from_mm(error.circularity_mm);
-        let doubt = if seen(error) { "" } else { "; below twice its uncertainty" };
+        let doubt = if error.significant() { "" } else { "; below twice its uncertainty" };
         values.push(value.note(format!("makes {circularity_um:.2} µm; {}{doubt}", error.listed.about)));
     }
     values
 }
 
-fn seen(error: &FittedError) -> bool {
-    error.value.abs() > 2.0 * error.u
+impl FittedError {
+    /// What a person types into the control, with its sign; for errors that controls take as one number, where they are significant.
+    fn to_enter(&self, plane: [Joint; 2]) -> Option<String> {
+        let (number, unit) = (-self.value * self.listed.unit.per_inside, self.listed.unit.text());
+        let what = match self.listed.kind {
+            ListedKind::Backlash(k) => format!("backlash compensation of {}", plane[k]),
+            ListedKind::ScaleMismatch => format!("scale of {} against {}", plane[0], plane[1]),
+            ListedKind::Squareness => format!("squareness compensation {}", self.listed.name),
+            _ => return None,
+        };
+        self.significant().then(|| format!("{what}: add {number:+.1} {unit}"))
+    }
 }
 
 /// The list by its circularity, and what it leaves.
@@ -107,11 +119,15 @@ fn ranking(fit: &Fitted<'_>) -> FoundTable {
         Column::plain("rank"),
         Column::plain("error"),
         Column::of("circularity", Unit::UM),
+        Column::plain("share"),
         Column::plain("value"),
         Column::plain("u"),
         Column::plain("unit"),
         Column::of("decay", Unit::MM),
+        Column::plain("to enter"),
     ];
+    let beyond_noise_mm = fit.unexplained_circularity_mm();
+    let share = |circularity_mm: f64| Cell::Text(fit.share(circularity_mm));
     let mut rows: Vec<Vec<Cell>> = Vec::new();
     for (i, error) in fit.errors.iter().enumerate() {
         let scale = error.listed.unit.per_inside;
@@ -119,16 +135,19 @@ fn ranking(fit: &Fitted<'_>) -> FoundTable {
             Cell::Text((i + 1).to_string()),
             Cell::Text(error.listed.name.clone()),
             Cell::Number(error.circularity_mm),
+            share(error.circularity_mm),
             Cell::Number(error.value * scale),
             Cell::Number(error.u * scale),
             Cell::Text(error.listed.unit.text()),
             error.decay_mm.map_or(Cell::Missing, Cell::Number),
+            error.to_enter(fit.trace.plane).map_or(Cell::Missing, Cell::Text),
         ]);
     }
-    for (name, circularity_mm) in
-        [("unexplained", fit.left_circularity_mm), ("whole trace", fit.centred_circularity_mm)]
-    {
-        let mut row = vec![Cell::Missing, Cell::Text(name.into()), Cell::Number(circularity_mm)];
+    for (name, circularity_mm, share) in [
+        ("unexplained beyond noise", beyond_noise_mm, share(beyond_noise_mm)),
+        ("whole trace", fit.centred_circularity_mm, Cell::Missing),
+    ] {
+        let mut row = vec![Cell::Missing, Cell::Text(name.into()), Cell::Number(circularity_mm), share];
         row.resize(columns.len(), Cell::Missing);
         rows.push(row);
     }
@@ -141,8 +160,10 @@ fn ranking(fit: &Fitted<'_>) -> FoundTable {
 
 fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String> {
     let mut notes = vec![
-        "All errors of the list are fitted together to both ways; circularities of errors do not add up to that of the trace."
+        "All errors of the list are fitted together to both ways; circularities of errors do not add up to that of the trace. A share is \
+         that of an error in the sum of all of them and of what is unexplained beyond noise (as the range of a sine of that rms)."
             .to_string(),
+        "To enter: correction = −error, added to what stands in the control. Measure again: a wrong sign doubles the error.".into(),
     ];
     for fit in fits {
         let plane = &fit.trace.name;
@@ -154,11 +175,13 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
         }
         if fit.iso.g_mm.len() < 2 {
             notes.push(format!(
-                "{plane} was read one way only: G(b), backlash, lateral play and servo mismatch are not observable. Run it both ways."
+                "{plane} was read one way only: G(b), backlash, lateral play and servo mismatch are not observable, and a servo mismatch \
+                 reads as squareness. Run it both ways."
             ));
-        } else if fit.trace.samples.iter().any(|s| s.speed_mm_per_s == 0.0) {
+        } else if !fit.trace.knows_speed() {
             notes.push(format!(
-                "{plane}: speeds are not known or zero, so servo mismatch is not on the list."
+                "{plane}: the run knows no speed (no time_s, no feed_mm_per_min). Servo mismatch is given as a distance at that speed; \
+                 this holds for one constant speed only, so do not trust backlash and spikes where the feed changed."
             ));
         }
         if !fit.trace.calibrated {
