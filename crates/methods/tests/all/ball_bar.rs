@@ -149,9 +149,12 @@ fn s4_tables_3_and_4_are_printed_back() {
     near(value(&found, "EBC range") * 1e6, 43.0, 1.0, "EBC");
     near(value(&found, "EAC range") * 1e6, 46.0, 1.0, "EAC");
     near(value(&found, "EZC range") / UM, 2.0, 0.05, "EZC");
-    for value in &found.values {
-        assert!(value.note.contains("S4"), "{} names no cause", value.name);
+    // B turns over an arc, which has no harmonics.
+    for value in found.values.iter().filter(|value| value.name.ends_with("C range")) {
+        assert!(value.note.contains("S4 table 2"), "{} names no cause: {}", value.name, value.note);
     }
+    // Nothing is said of steps with the direction, which these readings do not have.
+    assert!(!found.values.iter().any(|value| value.note.contains("play or friction")));
     assert!(found.values.iter().all(|v| v.value.is_finite()));
 }
 

@@ -1,4 +1,9 @@
-//! Which mechanical causes S4 table 2 names for each kind of error, in words for a technician.
+//! Likely mechanical causes: a classification by the kind of error, its waves a turn, its share and its significance.
+//!
+//! Causes are those of S4 tables 1 and 2, bearings sorted by waves a turn: an oval ring makes two, a ring clamped in three jaws three, rollers
+//! of unlike size more. Of what is not significant nothing is said.
+
+use crate::common::harmonics::Harmonics;
 
 /// Kinds of errors that the ball bar shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,44 +20,96 @@ pub(super) enum ErrorKind {
     Tilt,
     /// Difference between the directions of turning.
     Reversal,
-    /// Several axes at once.
-    Path,
 }
 
-/// Likely causes of each kind [S4 tables 1 and 2].
-const CAUSES: [(ErrorKind, &str); 7] = [
-    (
-        ErrorKind::Squareness,
-        "likely: assembly, the axis is not square or parallel to its neighbour (S4 table 1)",
-    ),
-    (
-        ErrorKind::Place,
-        "likely: assembly or an old zero offset, the axis line is not where the controller has it (S4 table 1)",
-    ),
-    (
-        ErrorKind::Radial,
-        "likely: bearings (run-out, ring profile, rollers of unlike size), gravity on the rotating unit (S4 table 2)",
-    ),
-    (
-        ErrorKind::Axial,
-        "likely: bearings (ring profile, rollers of unlike size), gravity on the rotating unit (S4 table 2)",
-    ),
-    (
-        ErrorKind::Tilt,
-        "likely: angular motion of the centre line in its bearings (ring profile, rollers), gravity bending the unit (S4 table 2)",
-    ),
-    (
-        ErrorKind::Reversal,
-        "likely: play or friction in bearings or drive, seen as a step with the direction (S4 §4.3)",
-    ),
-    (
-        ErrorKind::Path,
-        "several axes at once: location errors, positioning (encoder, worm pitch, compensation table), drives out of step, too \
-         short blocks (S4 table 2, §4.4)",
-    ),
+/// An error motion of this kind with these waves a turn, and what makes it.
+struct Class {
+    kind: ErrorKind,
+    waves: std::ops::RangeInclusive<usize>,
+    words: &'static str,
+}
+
+const CLASSES: [Class; 8] = [
+    Class {
+        kind: ErrorKind::Radial,
+        waves: 2..=2,
+        words: "an oval ring or seat of a bearing (S4 table 2: profile of rings)",
+    },
+    Class {
+        kind: ErrorKind::Radial,
+        waves: 3..=3,
+        words: "a three-lobed ring or seat of a bearing, as three jaws leave it (S4 table 2: profile of rings)",
+    },
+    Class {
+        kind: ErrorKind::Radial,
+        waves: 4..=usize::MAX,
+        words: "rollers of unlike size, or a ring drawn by its screws (S4 table 2)",
+    },
+    Class {
+        kind: ErrorKind::Axial,
+        waves: 1..=1,
+        words: "a ring face that is not square to the axis (S4 table 2: run-out)",
+    },
+    Class {
+        kind: ErrorKind::Axial,
+        waves: 2..=2,
+        words: "a ring face warped like a saddle (S4 table 2: profile of rings)",
+    },
+    Class {
+        kind: ErrorKind::Axial,
+        waves: 3..=usize::MAX,
+        words: "the faces of the rings, or rollers of unlike size (S4 table 2)",
+    },
+    Class {
+        kind: ErrorKind::Tilt,
+        waves: 1..=1,
+        words: "coning: one bearing runs out against the other (S4 table 2: angular motion of the centre line)",
+    },
+    Class {
+        kind: ErrorKind::Tilt,
+        waves: 2..=usize::MAX,
+        words: "ring profiles of two bearings that differ (S4 table 2: angular motion of the centre line)",
+    },
 ];
 
-/// Words for the likely causes.
-pub(super) fn causes(kind: ErrorKind) -> &'static str {
-    CAUSES.iter().find(|(of, _)| *of == kind).map_or("", |(_, words)| words)
+/// Gravity makes one and two waves a turn where the axis is not upright.
+const GRAVITY: &str = ", or gravity on the rotating unit (S4 table 2)";
+/// Waves a turn that gravity makes.
+const GRAVITY_WAVES: usize = 2;
+/// Causes with less of the squared amplitudes are not named: below that the second is hidden in the shape of the first.
+const LEAST_SHARE: f64 = 0.1;
+
+/// Likely causes of an error motion by its significant harmonics, largest share first; empty where none is significant.
+pub(super) fn of_motion(kind: ErrorKind, upright: bool, harmonics: &Harmonics) -> String {
+    let significant = harmonics.significant();
+    let all: f64 = significant.iter().map(|harmonic| harmonic.amplitude.powi(2)).sum();
+    let named = significant.iter().filter_map(|harmonic| {
+        let share = harmonic.amplitude.powi(2) / all;
+        let class = CLASSES.iter().find(|c| c.kind == kind && c.waves.contains(&harmonic.order))?;
+        let gravity = if !upright && harmonic.order <= GRAVITY_WAVES { GRAVITY } else { "" };
+        (share >= LEAST_SHARE).then(|| {
+            format!("{} waves a turn, {:.0} % of it: {}{gravity}", harmonic.order, 100.0 * share, class.words)
+        })
+    });
+    let named: Vec<String> = named.collect();
+    if named.is_empty() { String::new() } else { format!("likely: {}", named.join("; ")) }
+}
+
+/// Likely cause of a number with its standard uncertainty; empty where it is not significant.
+pub(super) fn of_number(kind: ErrorKind, value: f64, u: f64) -> &'static str {
+    if value.abs() <= 2.0 * u {
+        return "";
+    }
+    match kind {
+        ErrorKind::Squareness => {
+            "likely: assembly, the axis is not square or parallel to its neighbour (S4 table 1)"
+        }
+        ErrorKind::Place => {
+            "likely: assembly or an old zero offset, the axis line is not where the controller has it (S4 table 1)"
+        }
+        ErrorKind::Reversal => {
+            "likely: play or friction in bearings or drive, seen as a step with the direction (S4 §4.3)"
+        }
+        ErrorKind::Radial | ErrorKind::Axial | ErrorKind::Tilt => "",
+    }
 }

@@ -10,6 +10,8 @@ pub(super) struct ErrorMotion {
     pub unit: Unit,
     pub points: Contour,
     pub kind: ErrorKind,
+    /// The axis is upright: gravity does not turn about it.
+    pub upright: bool,
     /// What it is, and where it holds.
     pub about: String,
 }
@@ -17,6 +19,7 @@ pub(super) struct ErrorMotion {
 /// Radial, axial and tilt error motions of an axis, those that were measured.
 pub(super) fn error_motions(of_axis: &AxisShapes) -> Vec<ErrorMotion> {
     let axis = of_axis.axis;
+    let upright = axis.is_upright();
     let mut motions = Vec::new();
     for (k, points) in of_axis.translation.iter().enumerate() {
         let (kind, about) = match of_axis.radial_at_mm.get(k) {
@@ -30,12 +33,12 @@ pub(super) fn error_motions(of_axis: &AxisShapes) -> Vec<ErrorMotion> {
             }
         };
         let name = axis.symbol(axis.frame[k], false);
-        motions.push(ErrorMotion { name, unit: Unit::UM, points: points.clone(), kind, about });
+        motions.push(ErrorMotion { name, unit: Unit::UM, points: points.clone(), kind, upright, about });
     }
     for (k, points) in of_axis.tilt.iter().enumerate() {
         let name = axis.symbol(axis.rotations()[k], false);
         let (kind, about) = (ErrorKind::Tilt, "tilt error motion".into());
-        motions.push(ErrorMotion { name, unit: Unit::URAD, points: points.clone(), kind, about });
+        motions.push(ErrorMotion { name, unit: Unit::URAD, points: points.clone(), kind, upright, about });
     }
     motions.retain(|motion| !motion.points.is_empty());
     motions

@@ -65,6 +65,11 @@ impl Axis {
         format!("E{direction}{}{}", if average_line { "0" } else { "" }, self.letter)
     }
 
+    /// True where gravity does not turn about it, the axes that carry it at zero.
+    pub fn is_upright(self) -> bool {
+        self.frame[2] == Joint::Z
+    }
+
     /// The letters of the rotations about u, v, w.
     pub fn rotations(self) -> [Joint; 3] {
         self.frame.map(|letter| Joint::ROTARY[letter.index()])

@@ -1,12 +1,13 @@
 //! What the ball-bar method reports.
 
-use super::causes::{ErrorKind, causes};
+use super::causes::{ErrorKind, of_motion, of_number};
 use super::charts::charts;
 use super::error_motions::error_motions;
 use super::found::Found;
 use super::location::Location;
 use super::shape::Shape;
 use super::track::{Kind, span};
+use crate::common::harmonics::{self, Harmonics};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method};
 use trunnion_core::convert::{deg_from_rad, um_from_mm};
@@ -21,26 +22,46 @@ pub(super) fn findings(
     convention: Convention,
 ) -> Findings {
     let mut values: Vec<FoundValue> = found.location.iter().map(|l| location(l, convention)).collect();
+    let mut of_motions = Vec::new();
     for motion in found.axes.iter().flat_map(error_motions) {
-        let range = span(motion.points.iter().map(|(_, value)| *value));
-        let value = FoundValue::new(format!("{} range", motion.name), range, motion.unit, None);
-        values.push(value.note(format!("{}; {}", motion.about, causes(motion.kind))));
+        let as_read = span(motion.points.iter().map(|(_, value)| *value));
+        let name = format!("{} range", motion.name);
+        values.push(match Harmonics::of(&motion.points) {
+            Some(of) => {
+                let scale = motion.unit.per_inside;
+                let read = format!("as read {:.2} {}, noise included", as_read * scale, motion.unit.text());
+                let likely = of_motion(motion.kind, motion.upright, &of);
+                let note = said(&[&motion.about, &of.words(motion.unit), &read, &likely]);
+                let value = FoundValue::new(name, of.range, motion.unit, Some(of.u_range)).note(note);
+                of_motions.push((motion.name, motion.unit, of));
+                value
+            }
+            None => FoundValue::new(name, as_read, motion.unit, None)
+                .note(said(&[&motion.about, "as read, noise included"])),
+        });
     }
     for shape in found.shapes {
         let value =
             FoundValue::new(format!("{} circularity", shape.label), shape.circularity_mm, Unit::UM, None);
-        let kind = match shape.kind {
-            Kind::Across { .. } => ErrorKind::Radial,
-            Kind::Along { .. } => ErrorKind::Axial,
-            Kind::Followed { .. } | Kind::Path => ErrorKind::Path,
+        let around = Harmonics::of(&shape.mean_contour);
+        let likely = match (shape.kind, &around) {
+            (Kind::Across { axis, .. }, Some(of)) => of_motion(ErrorKind::Radial, axis.is_upright(), of),
+            (Kind::Along { axis }, Some(of)) => of_motion(ErrorKind::Axial, axis.is_upright(), of),
+            (Kind::Followed { .. } | Kind::Path, _) => PATH.into(),
+            _ => String::new(),
         };
-        values.push(value.note(causes(kind)));
+        let words = around.map_or(String::new(), |of| of.words(Unit::UM));
+        values.push(value.note(said(&["range as read", &words, &likely])));
         if let Some(reversal_mm) = shape.reversal_mm {
-            let value = FoundValue::new(format!("{} reversal", shape.label), reversal_mm, Unit::UM, None);
-            values.push(value.note(format!("forward less backward; {}", causes(ErrorKind::Reversal))));
+            // Half of the readings make each mean, all of them the one with u_mean.
+            let u = 2.0 * shape.u_mean_mm;
+            let value = FoundValue::new(format!("{} reversal", shape.label), reversal_mm, Unit::UM, Some(u));
+            let likely = of_number(ErrorKind::Reversal, reversal_mm, u);
+            values.push(value.note(said(&["forward less backward", likely])));
         }
     }
     let mut tables = vec![measurements(found.shapes)];
+    tables.extend(harmonics::table(&of_motions));
     if !found.location.is_empty() {
         tables.push(comparison(found, convention));
     }
@@ -57,13 +78,22 @@ pub(super) fn findings(
     }
 }
 
+/// What several axes at once show.
+const PATH: &str = "several axes at once: location errors, positioning (encoder, worm pitch, compensation table), drives out of step, too short \
+                    blocks (S4 table 2, §4.4)";
+
+/// Those that say something, one after the other.
+fn said(words: &[&str]) -> String {
+    words.iter().filter(|words| !words.is_empty()).copied().collect::<Vec<_>>().join("; ")
+}
+
 fn location(location: &Location, convention: Convention) -> FoundValue {
     let value = location.shown(convention);
     let found = FoundValue::new(&*location.name, value, location.unit, Some(location.u));
-    let words = causes(location.kind);
+    let words = of_number(location.kind, location.value, location.u);
     if location.unit == Unit::URAD {
         let per_100_mm = format!("{:+.1} µm/100 mm", um_from_mm(value * 100.0)).replace('-', "−");
-        found.note(format!("{per_100_mm}; {words}"))
+        found.note(said(&[&per_100_mm, words]))
     } else {
         found.note(words)
     }

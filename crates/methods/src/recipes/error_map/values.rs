@@ -7,6 +7,7 @@ use super::components::{components, is_about_itself};
 use super::found::Found;
 use super::grid::Grid;
 use super::location::Locations;
+use crate::common::harmonics::{self, Harmonics};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method};
 use nalgebra::Vector3;
@@ -30,6 +31,12 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
     values.extend(left(grid, b_errors, c_errors, joint));
     let mut tables = vec![compared(locations), map_of_tilting(grid, b_errors)];
     tables.push(map_of_turning(grid, c_errors));
+    let around = harmonics_of_turning(grid, c_errors);
+    values.extend(around.iter().map(|(name, unit, of)| {
+        let value = FoundValue::new(format!("{name} range"), of.range, *unit, Some(of.u_range));
+        value.note(format!("mean over {}, without the bias of noise; {}", grid.tilting, of.words(*unit)))
+    }));
+    tables.extend(harmonics::table(&around));
     tables.extend(calibration.table.clone());
     let mut notes = notes(grid, b_errors);
     notes.push(calibration.note.clone());
@@ -136,14 +143,31 @@ fn compared(locations: &Locations) -> FoundTable {
 fn map_of_tilting(grid: &Grid<'_>, b_errors: &BErrors) -> FoundTable {
     let components = components(grid.tilting);
     let mut columns = vec![Column::of(grid.tilting.as_str(), Unit::DEG)];
-    columns.extend(components.iter().map(|(name, unit, _)| Column::of(name.clone(), *unit)));
-    let row = |(angle, twist): (&f64, &Twist)| {
+    for (name, unit, _) in &components {
+        columns.extend([name.clone(), format!("u {name}")].map(|name| Column::of(name, *unit)));
+    }
+    let row = |((angle, twist), u): ((&f64, &Twist), &Twist)| {
         let mut row = vec![Cell::Number(*angle)];
-        row.extend(components.iter().map(|(.., of)| Cell::Number(of(twist))));
+        row.extend(components.iter().flat_map(|(.., of)| [of(twist), of(u)]).map(Cell::Number));
         row
     };
-    let rows = grid.tilts_rad.iter().zip(&b_errors.at_tilt).map(row).collect();
+    let rows = grid.tilts_rad.iter().zip(&b_errors.at_tilt).zip(&b_errors.u_at_tilt).map(row).collect();
     FoundTable { caption: format!("Errors of {} (S1 Fig. 6)", grid.tilting), columns, rows }
+}
+
+/// Of the errors of the turning axis, mean over the tilts.
+fn harmonics_of_turning(grid: &Grid<'_>, c_errors: &CErrors) -> Vec<(String, Unit, Harmonics)> {
+    let shown = components(grid.turning).into_iter().filter(|(name, ..)| !is_about_itself(name));
+    let found = shown.filter_map(|(name, unit, of)| {
+        let mean = |turn: usize| {
+            let read: Vec<f64> =
+                c_errors.at.iter().filter_map(|of_tilt| of_tilt[turn].as_ref().map(&of)).collect();
+            (!read.is_empty()).then(|| read.iter().sum::<f64>() / read.len() as f64)
+        };
+        let points = grid.turns_rad.iter().enumerate().filter_map(|(k, turn)| Some((*turn, mean(k)?)));
+        Some((name, unit, Harmonics::of(&points.collect::<Vec<_>>())?))
+    });
+    found.collect()
 }
 
 fn map_of_turning(grid: &Grid<'_>, c_errors: &CErrors) -> FoundTable {

@@ -1,6 +1,7 @@
 //! Which signals are judged, and what is reported of them.
 
 use super::contour::{Contour, Signal};
+use crate::common::harmonics::{self, Harmonics};
 use crate::common::stations::Stations;
 use crate::common::turning::{Turned, Turning, TurningSet};
 use crate::findings::{AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot};
@@ -51,7 +52,7 @@ pub(super) fn findings(
         machine: runs.first().map_or(String::new(), |run| run.machine.name.clone()),
         runs: runs.iter().map(|run| run.name.clone()).collect(),
         values: judged.iter().flat_map(values).collect(),
-        tables: vec![table(&judged)],
+        tables: std::iter::once(table(&judged)).chain(harmonics::table(&harmonics(&judged))).collect(),
         charts: judged.iter().flat_map(|signal| charts(turning, signal)).collect(),
         notes: notes(turning, &judged, &stations),
     })
@@ -198,6 +199,18 @@ fn table(judged: &[Judged]) -> FoundTable {
         columns: names.map(Column::plain).to_vec(),
         rows,
     }
+}
+
+/// Of the mean contour of each signal in each direction.
+fn harmonics(judged: &[Judged]) -> Vec<(String, Unit, Harmonics)> {
+    let of_way = |(signal, (contour, way)): (&Judged, (&Option<Contour>, &str))| {
+        let found = Harmonics::of(&contour.as_ref()?.mean)?;
+        Some((format!("{}, {way}", signal.title), signal.unit, found))
+    };
+    let ways = judged
+        .iter()
+        .flat_map(|signal| signal.ways.iter().zip(["forward", "back"]).map(move |way| (signal, way)));
+    ways.filter_map(of_way).collect()
 }
 
 fn charts(turning: &Turning, signal: &Judged) -> Vec<Chart> {

@@ -4,6 +4,7 @@ use super::charts::charts;
 use super::circle::Circle;
 use super::error_motions::{ErrorMotion, Signs, error_motions};
 use super::fit::{HeightFit, Heights};
+use crate::common::harmonics::{self, Harmonics};
 use crate::common::turning::Turning;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method};
@@ -21,7 +22,11 @@ pub(super) fn findings(
     let signs = Signs::of(convention);
     let mut values = location(turning, heights, &signs);
     values.extend(settings(turning, heights));
-    values.extend(motions(turning, heights, &signs));
+    let motions = error_motions(turning, heights, &signs);
+    values.extend(motions.iter().flat_map(of_motion));
+    let around =
+        |motion: &ErrorMotion| Some((motion.name.clone(), motion.unit, Harmonics::of(&motion.points)?));
+    let harmonics: Vec<_> = motions.iter().filter_map(around).collect();
     Findings {
         method: method.name,
         source: method.source,
@@ -29,7 +34,7 @@ pub(super) fn findings(
         machine: runs.first().map_or(String::new(), |run| run.machine.name.clone()),
         runs: runs.iter().map(|run| run.name.clone()).collect(),
         values,
-        tables: vec![passes(turning, heights)],
+        tables: std::iter::once(passes(turning, heights)).chain(harmonics::table(&harmonics)).collect(),
         charts: charts(turning, heights, &signs),
         notes: notes(turning, heights),
     }
@@ -66,25 +71,36 @@ fn settings(turning: &Turning, heights: &Heights) -> Vec<FoundValue> {
     heights.sets.iter().flat_map(of_set).collect()
 }
 
-/// Range and rms of each error motion.
-fn motions(turning: &Turning, heights: &Heights, signs: &Signs) -> Vec<FoundValue> {
-    let mut values = Vec::new();
-    for ErrorMotion { name, unit, points, u } in error_motions(turning, heights, signs) {
-        let numbers = || points.iter().map(|(_, value)| *value);
-        let (low, high) =
-            numbers().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        let rms = (numbers().map(|v| v * v).sum::<f64>() / points.len().max(1) as f64).sqrt();
-        if points.is_empty() {
-            continue;
+/// Range and rms of an error motion: the range without the bias of noise where the axis goes around, else as read.
+fn of_motion(motion: &ErrorMotion) -> Vec<FoundValue> {
+    let ErrorMotion { name, unit, points, u } = motion;
+    let numbers = || points.iter().map(|(_, value)| *value);
+    let (low, high) = numbers().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    let rms = (numbers().map(|v| v * v).sum::<f64>() / points.len().max(1) as f64).sqrt();
+    if points.is_empty() {
+        return Vec::new();
+    }
+    let scale = unit.per_inside;
+    let point = u.map_or(String::new(), |u| format!("; u of one angle {:.3} {}", u * scale, unit.text()));
+    let range = match Harmonics::of(points) {
+        Some(of) => {
+            FoundValue::new(format!("{name} range"), of.range, *unit, Some(of.u_range)).note(format!(
+                "{}; as read {:.2} {}, noise included{point}",
+                of.words(*unit),
+                (high - low) * scale,
+                unit.text()
+            ))
         }
         // The ends of a range are two values.
-        let u_range = u.map(|u| u * std::f64::consts::SQRT_2);
-        let point =
-            u.map_or(String::new(), |u| format!("u of one angle {:.3} {}", u * unit.per_inside, unit.text()));
-        values.push(FoundValue::new(format!("{name} range"), high - low, unit, u_range).note(point));
-        values.push(FoundValue::new(format!("{name} rms"), rms, unit, None));
-    }
-    values
+        None => FoundValue::new(
+            format!("{name} range"),
+            high - low,
+            *unit,
+            u.map(|u| u * std::f64::consts::SQRT_2),
+        )
+        .note(format!("as read, noise included{point}")),
+    };
+    vec![range, FoundValue::new(format!("{name} rms"), rms, *unit, None)]
 }
 
 /// Setting and centre of each pass: what repeats, and what the direction changes.

@@ -1,0 +1,217 @@
+//! An error motion over a whole turn as harmonics, and its range without the bias of noise.
+//!
+//! x(θ) = c + Σ aₙ cos nθ + bₙ sin nθ, n = 1 … N, by least squares; amplitude Aₙ = √(aₙ² + bₙ²).
+//! s² = residual / ν, ν = m − 2N − 1 of m values; u(A) = s √(2/m) for even steps, in general √((s_a² + s_b²)/2).
+//! Under noise alone A²/2u² ~ F(2, ν), so p = (1 + A²/(ν u²))^(−ν/2).
+//! Significant: p < 5 %/N (Bonferroni). The range of x as read grows with the noise of its extremes; here it is that of the significant
+//! harmonics, each with the amplitude √(A² − 2u²), since noise adds 2u² to A² on average.
+//! Limits: whole turn; what has more than N waves counts as noise.
+
+use crate::findings::{Cell, Column, FoundTable};
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+use trunnion_core::convert::deg_from_rad;
+use trunnion_effects::Unit;
+use trunnion_engine::solve::linear::least_squares;
+
+/// Highest order: more waves than this a turn are rollers and gears, which the joint fit looks for.
+const HIGHEST: usize = 12;
+/// Chance that noise alone makes any of the harmonics significant.
+const BY_CHANCE: f64 = 0.05;
+/// A gap between angles wider than this share of a turn is no whole turn.
+const WIDEST_GAP: f64 = 1.0 / 6.0;
+/// Less of the largest value is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// One harmonic, in the unit of the values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Harmonic {
+    /// Waves a turn.
+    pub order: usize,
+    pub amplitude: f64,
+    /// Angle of its first crest, rad.
+    pub crest_rad: f64,
+    /// Standard uncertainty of the amplitude.
+    pub u: f64,
+    /// Chance that noise alone makes as much.
+    pub p: f64,
+    pub significant: bool,
+}
+
+/// The harmonics of an error motion.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Harmonics {
+    /// n = 1 … N.
+    pub all: Vec<Harmonic>,
+    /// Range of the significant ones together, without the bias of noise; zero when none is.
+    pub range: f64,
+    /// Standard uncertainty of the range.
+    pub u_range: f64,
+}
+
+impl Harmonics {
+    /// Of values over an angle (rad); `None` where they do not go around, or are too few.
+    pub fn of(points: &[(f64, f64)]) -> Option<Self> {
+        let m = points.len();
+        // As many degrees of freedom are left to the noise as the harmonics take.
+        let highest = (m / 4).min(HIGHEST);
+        if highest == 0 || !goes_around(points) {
+            return None;
+        }
+        let design = DMatrix::from_fn(m, 2 * highest + 1, |i, k| match k {
+            0 => 1.0,
+            _ => {
+                let (sin, cos) = (k.div_ceil(2) as f64 * points[i].0).sin_cos();
+                if k % 2 == 1 { cos } else { sin }
+            }
+        });
+        let values = DVector::from_iterator(m, points.iter().map(|point| point.1));
+        let fit = least_squares(&design, &values, 1e-9);
+        if fit.rank <= 2 * highest {
+            return None;
+        }
+        let freedom = (m - fit.rank) as f64;
+        let harmonic = |order: usize| {
+            let (k, l) = (2 * order - 1, 2 * order);
+            let amplitude = fit.x[k].hypot(fit.x[l]);
+            let u = (0.5 * (fit.u[k].powi(2) + fit.u[l].powi(2))).sqrt();
+            let ratio = amplitude / u.max(f64::MIN_POSITIVE);
+            let p = (1.0 + ratio * ratio / freedom).powf(-0.5 * freedom);
+            let crest_rad = fit.x[l].atan2(fit.x[k]).rem_euclid(TAU) / order as f64;
+            let significant = p < BY_CHANCE / highest as f64 && amplitude > ROUNDING * values.amax();
+            Harmonic { order, amplitude, crest_rad, u, p, significant }
+        };
+        let all: Vec<Harmonic> = (1..=highest).map(harmonic).collect();
+        let (range, u_range) = range(&all);
+        Some(Self { all, range, u_range })
+    }
+
+    /// The significant ones, largest first.
+    pub fn significant(&self) -> Vec<Harmonic> {
+        let mut found: Vec<Harmonic> = self.all.iter().copied().filter(|h| h.significant).collect();
+        found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+        found
+    }
+
+    /// The significant ones in words, e.g. `2 a turn: 1.20 ± 0.05 µm`.
+    pub fn words(&self, unit: Unit) -> String {
+        let scale = unit.per_inside;
+        let one = |h: &Harmonic| {
+            format!("{} a turn: {:.2} ± {:.2} {}", h.order, h.amplitude * scale, h.u * scale, unit.text())
+        };
+        let found: Vec<String> = self.significant().iter().map(one).collect();
+        if found.is_empty() { "no harmonic is significant".into() } else { found.join(", ") }
+    }
+}
+
+fn goes_around(points: &[(f64, f64)]) -> bool {
+    let mut angles: Vec<f64> = points.iter().map(|point| point.0.rem_euclid(TAU)).collect();
+    angles.sort_by(f64::total_cmp);
+    let across_zero = angles.first().zip(angles.last()).map_or(TAU, |(first, last)| first + TAU - last);
+    let widest = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(across_zero, f64::max);
+    widest < WIDEST_GAP * TAU
+}
+
+/// Range of the significant harmonics, and its uncertainty by those of the amplitudes where the extremes are.
+fn range(all: &[Harmonic]) -> (f64, f64) {
+    const STEPS: usize = 720;
+    let significant: Vec<&Harmonic> = all.iter().filter(|h| h.significant).collect();
+    let turn = |h: &Harmonic, angle: f64| h.order as f64 * (angle - h.crest_rad);
+    let at = |angle: f64| {
+        let unbiased = |h: &&&Harmonic| (h.amplitude.powi(2) - 2.0 * h.u.powi(2)).max(0.0).sqrt();
+        significant.iter().map(|h| unbiased(&h) * turn(h, angle).cos()).sum::<f64>()
+    };
+    let angles = (0..STEPS).map(|k| TAU * k as f64 / STEPS as f64);
+    let found = angles.map(|angle| (angle, at(angle)));
+    let Some(((low, lowest), (high, highest))) = found.fold(None, |ends, here| {
+        let (low, high): ((f64, f64), (f64, f64)) = ends.unwrap_or((here, here));
+        Some((if here.1 < low.1 { here } else { low }, if here.1 > high.1 { here } else { high }))
+    }) else {
+        return (0.0, 0.0);
+    };
+    let variance = significant.iter().map(|h| {
+        let (sin_high, cos_high) = turn(h, high).sin_cos();
+        let (sin_low, cos_low) = turn(h, low).sin_cos();
+        h.u.powi(2) * ((cos_high - cos_low).powi(2) + (sin_high - sin_low).powi(2))
+    });
+    (highest - lowest, variance.sum::<f64>().sqrt())
+}
+
+/// The harmonics of several error motions, those that are significant and the largest that is not.
+pub(crate) fn table(motions: &[(String, Unit, Harmonics)]) -> Option<FoundTable> {
+    let columns =
+        ["error motion", "waves a turn", "amplitude", "u", "unit", "crest at, °", "chance of noise alone"];
+    let mut rows = Vec::new();
+    for (name, unit, harmonics) in motions {
+        let insignificant = harmonics.all.iter().filter(|h| !h.significant);
+        let largest = insignificant.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude)).copied();
+        for harmonic in harmonics.significant().into_iter().chain(largest) {
+            let chance = if harmonic.significant {
+                format!("{:.1e}", harmonic.p)
+            } else {
+                format!("{:.2}: not significant", harmonic.p)
+            };
+            rows.push(vec![
+                Cell::Text(name.clone()),
+                Cell::Text(harmonic.order.to_string()),
+                Cell::Number(harmonic.amplitude * unit.per_inside),
+                Cell::Number(harmonic.u * unit.per_inside),
+                Cell::Text(unit.text()),
+                Cell::Number(deg_from_rad(harmonic.crest_rad)),
+                Cell::Text(chance),
+            ]);
+        }
+    }
+    (!rows.is_empty()).then(|| FoundTable {
+        caption: "Error motions as harmonics; of those that are not significant the largest".into(),
+        columns: columns.map(Column::plain).to_vec(),
+        rows,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+
+    fn noisy(steps: usize, sigma: f64, seed: u64, motion: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        let noise = Normal::new(0.0, sigma).unwrap();
+        let angle = |k: usize| TAU * k as f64 / steps as f64;
+        (0..steps).map(|k| (angle(k), motion(angle(k)) + noise.sample(&mut rng))).collect()
+    }
+
+    #[test]
+    fn noise_alone_is_significant_as_seldom_as_promised() {
+        let found = |seed: u64| Harmonics::of(&noisy(36, 1.0, seed, |_| 0.0)).unwrap();
+        let false_alarms = (0..2000).filter(|&seed| found(seed).range > 0.0).count();
+        // 5 % of 2000, ± 3 standard deviations of a binomial.
+        assert!((70..=130).contains(&false_alarms), "{false_alarms} of 2000");
+    }
+
+    #[test]
+    fn amplitude_and_range_have_no_bias_of_noise() {
+        let motion = |angle: f64| 2.0 * (2.0 * angle - 0.7).cos() + (3.0 * angle).sin();
+        let exact = Harmonics::of(&noisy(72, 1e-12, 1, motion)).unwrap().range;
+        let trials: Vec<Harmonics> =
+            (0..400).map(|seed| Harmonics::of(&noisy(72, 0.5, seed, motion)).unwrap()).collect();
+        let mean = trials.iter().map(|t| t.range).sum::<f64>() / 400.0;
+        let u_mean = trials.iter().map(|t| t.u_range).sum::<f64>() / 400.0;
+        let scatter = (trials.iter().map(|t| (t.range - mean).powi(2)).sum::<f64>() / 399.0).sqrt();
+        assert!((mean - exact).abs() < 0.02 * exact, "{mean} of {exact}");
+        assert!((0.8..1.25).contains(&(scatter / u_mean)), "scatters by {scatter}, u {u_mean}");
+        let as_read = |seed: u64| {
+            let values: Vec<f64> = noisy(72, 0.5, seed, motion).into_iter().map(|point| point.1).collect();
+            values.iter().copied().fold(f64::MIN, f64::max) - values.iter().copied().fold(f64::MAX, f64::min)
+        };
+        let mean_as_read = (0..400).map(as_read).sum::<f64>() / 400.0;
+        assert!(mean_as_read > 1.06 * exact, "as read {mean_as_read}, without noise {exact}");
+    }
+
+    #[test]
+    fn an_arc_has_no_harmonics() {
+        let arc: Vec<(f64, f64)> = (0..60).map(|k| (0.05 * f64::from(k), 1.0)).collect();
+        assert_eq!(Harmonics::of(&arc), None);
+    }
+}
