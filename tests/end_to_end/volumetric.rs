@@ -77,6 +77,20 @@ fn value(found: &Value, name: &str) -> (f64, f64) {
 }
 
 #[test]
+fn an_r_test_has_a_range_of_its_rotary_axes_and_no_volume_of_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = simulate(folder.path(), "r-test-static");
+    let found: Value = serde_json::from_str(&done(&["volumetric", &run, "--steps", "5", "--json"])).unwrap();
+    let values = found["values"].as_array().unwrap();
+    let largest = values.iter().filter_map(|value| value["value"].as_f64()).fold(0.0, f64::max);
+    assert!(largest > 1.0, "{found}");
+    assert!(done(&["volumetric", &run, "--steps", "5"]).contains("says nothing of the linear axes"));
+    let refused = trunnion(&["volumetric", &run, "--volume", "X=-10..10,Y=0,Z=0"]);
+    let reported = String::from_utf8(refused.stderr).unwrap();
+    assert!(!refused.status.success() && reported.contains("nothing moves tool against table"), "{reported}");
+}
+
+#[test]
 fn the_map_of_a_tracker_run_is_what_the_machine_does() {
     let folder = tempfile::tempdir().unwrap();
     let run = simulate(folder.path(), "tracker");

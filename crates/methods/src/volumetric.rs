@@ -28,6 +28,8 @@ use trunnion_engine::{Experiment, Identification, IdentifyError};
 
 /// A null direction counts when it moves the map by more than this share of its largest part.
 const MOVES: f64 = 1e-2;
+/// Deviations of less are rounding, mm and rad: a picometre, as in tables of axis errors.
+const ROUNDING: f64 = 1e-9;
 
 /// What the deviations are against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +105,11 @@ impl VolumetricMap {
     /// True when an error that the runs do not see would change the figures.
     pub fn lower_bound(&self) -> bool {
         !self.unseen.is_empty() || !self.stood_still.is_empty()
+    }
+
+    /// True where nothing but rounding moves tool against table.
+    pub fn shows_nothing(&self) -> bool {
+        self.ranges.iter().all(|range| range.value < ROUNDING)
     }
 
     /// The map of a model fitted to an experiment.

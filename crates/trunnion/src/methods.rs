@@ -7,7 +7,7 @@ use trunnion_cycles::Cycle;
 use trunnion_methods::attribution::{Motion, attribute};
 use trunnion_methods::notation::{Layout, Notation};
 use trunnion_methods::recipes::{self, Method, MethodOptions};
-use trunnion_methods::volumetric::{Datum, Volume, VolumetricMap};
+use trunnion_methods::volumetric::{Datum, Volume, VolumeError, VolumetricMap};
 use trunnion_results as results;
 
 /// Volumetric accuracy of a machine by a fitted model.
@@ -86,16 +86,29 @@ impl Fit {
         datum: Datum,
     ) -> Result<Volumetric, Error> {
         let experiment = self.experiment();
-        let volume = Volume::parse(volume, steps, &experiment.points().scene)?;
-        let volume = Volume { point_in_tool_mm, ..volume };
-        let words = volume.words(experiment.machine());
-        let map = VolumetricMap::new(
-            experiment.points(),
-            self.model().entries(),
-            self.identification(),
-            volume,
-            datum,
-        )?;
+        let scene = &experiment.points().scene;
+        let map_of = |volume: Volume| {
+            let volume = Volume { point_in_tool_mm, ..volume };
+            let (points, model) = (experiment.points(), self.model().entries());
+            VolumetricMap::new(points, model, self.identification(), volume, datum)
+        };
+        let asked = Volume::parse(volume, steps, scene)?;
+        let mut words = asked.words(experiment.machine());
+        let mut map = map_of(asked)?;
+        // An R-test knows nothing of the linear axes: it has a range of the rotary axes, and no volume.
+        if volume.is_empty()
+            && map.shows_nothing()
+            && let Ok(rotary) = Volume::of_rotary_axes(steps, scene)
+        {
+            words = format!(
+                "{} (the model says nothing of the linear axes, so the rotary axes go over their measured range)",
+                rotary.words(experiment.machine())
+            );
+            map = map_of(rotary)?;
+        }
+        if map.shows_nothing() {
+            return Err(VolumeError::Nothing(words).into());
+        }
         let axes = experiment.machine().joints();
         let answer = results::Volumetric::new(&map, &axes);
         Ok(Volumetric { answer, map: results::ErrorMap::new(&map, &axes), words })

@@ -67,6 +67,11 @@ pub enum VolumeError {
     /// Nothing to look at.
     #[error("--volume: no axis of the volume moves; give at least one a range, e.g. X=-200..200")]
     Empty,
+    /// Nothing to see.
+    #[error(
+        "--volume: by this model nothing moves tool against table over {0}: its effects are those of axes that stand still there. Give these axes a range, e.g. B=-90..90, or add effects of the axes that move"
+    )]
+    Nothing(String),
 }
 
 impl Volume {
@@ -91,12 +96,27 @@ impl Volume {
             }
             range[letter] = inside;
         }
-        let volume = Self { joints: machine.joints(), range, steps, point_in_tool_mm: [0.0; 3] };
-        let places = (steps as f64).powi(volume.moving().count() as i32);
+        Self { joints: machine.joints(), range, steps, point_in_tool_mm: [0.0; 3] }.checked()
+    }
+
+    /// The measured range of every rotary axis, linear axes at zero.
+    ///
+    /// # Errors
+    /// No rotary axis moved, or too many places.
+    pub fn of_rotary_axes(steps: usize, scene: &Scene) -> Result<Self, VolumeError> {
+        let joints = scene.machine.joints();
+        let moved =
+            |letter: Joint| if letter.is_rotary() { scene.position_range[letter] } else { (0.0, 0.0) };
+        let range = AxisValues::of(joints.iter().copied(), moved);
+        Self { joints, range, steps, point_in_tool_mm: [0.0; 3] }.checked()
+    }
+
+    fn checked(self) -> Result<Self, VolumeError> {
+        let places = (self.steps as f64).powi(self.moving().count() as i32);
         match () {
             () if places <= 1.0 => Err(VolumeError::Empty),
             () if places > MOST_PLACES as f64 => Err(VolumeError::TooMany { places }),
-            () => Ok(volume),
+            () => Ok(self),
         }
     }
 
