@@ -1,5 +1,5 @@
 //! Every measurement scheme of the sources, from the command line on files that ship: simulated with one truth, identified, and
-//! every number compared with the truth. The table of docs/use/schemes.md is written from these rows.
+//! every number compared with the truth. The table of docs/measured/schemes.md is written from these rows.
 
 mod rows;
 
@@ -165,7 +165,7 @@ fn every_scheme_finds_what_was_put_in_and_names_what_it_cannot_see() {
     let mut wrong = Vec::new();
     let rows: String = ROWS.iter().map(|row| line(row, &run(row, folder.path(), &mut wrong))).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    let path = format!("{ROOT}/docs/use/schemes.md");
+    let path = format!("{ROOT}/docs/measured/schemes.md");
     let document = std::fs::read_to_string(&path).unwrap();
     let (before, rest) = document.split_once(BEGIN).unwrap();
     let (table, after) = rest.split_once(END).unwrap();
@@ -177,7 +177,11 @@ fn every_scheme_finds_what_was_put_in_and_names_what_it_cannot_see() {
     let words = |table: &str| -> Vec<String> {
         table.lines().map(|line| line.split('|').take(6).collect::<Vec<_>>().join("|")).collect()
     };
-    assert_eq!(words(table), words(&rows), "docs/use/schemes.md: run this test with TRUNNION_WRITE_DOCS=1");
+    assert_eq!(
+        words(table),
+        words(&rows),
+        "docs/measured/schemes.md: run this test with TRUNNION_WRITE_DOCS=1"
+    );
 }
 
 /// Stations a millimetre off their places bend the prediction by more than the noise: no excuse to claim an effect.

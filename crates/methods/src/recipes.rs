@@ -8,6 +8,7 @@ mod circular;
 mod convention;
 mod error_map;
 mod method;
+mod positioning;
 mod rotary_values;
 mod two_height;
 
@@ -19,8 +20,14 @@ pub use method::{Method, MethodError, MethodOptions};
 use trunnion_core::names;
 
 /// Every named method.
-pub static REGISTRY: &[&Method] =
-    &[&two_height::METHOD, &error_map::METHOD, &rotary_values::METHOD, &ball_bar::METHOD, &circular::METHOD];
+pub static REGISTRY: &[&Method] = &[
+    &two_height::METHOD,
+    &error_map::METHOD,
+    &rotary_values::METHOD,
+    &ball_bar::METHOD,
+    &circular::METHOD,
+    &positioning::METHOD,
+];
 
 /// The method of this name.
 ///

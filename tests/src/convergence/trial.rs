@@ -15,7 +15,7 @@ use trunnion_hil_sim::{SimSetup, Truth};
 use trunnion_machine::{Machine, shipped};
 use trunnion_methods::recipes::{self, MethodError, MethodOptions};
 
-/// A shipped cycle and the model that docs/use/schemes.md fits to it; the base model without one.
+/// A shipped cycle and the model that docs/measured/schemes.md fits to it; the base model without one.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// File in `config/cycles`.

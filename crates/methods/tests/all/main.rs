@@ -12,3 +12,4 @@ mod common;
 mod error_map;
 mod geometry;
 mod methods;
+mod positioning;

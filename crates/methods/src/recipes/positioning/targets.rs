@@ -1,0 +1,147 @@
+//! Approaches of the targets of one axis, by direction.
+
+use crate::common::{Mounted, mounted};
+use crate::recipes::{Method, MethodError};
+use trunnion_core::{InstrumentKind, Joint, Point, Setup};
+use trunnion_cycles::Run;
+use trunnion_instruments::predict;
+use trunnion_machine::{Errors, Machine};
+
+/// Axes that move less than this are at rest, mm or rad.
+const STILL_MM: f64 = 0.05;
+const STILL_RAD: f64 = 1e-4;
+/// Positions nearer than this are one target, mm.
+const ONE_TARGET_MM: f64 = 0.05;
+
+/// What was measured.
+pub(super) struct Traces {
+    pub all: Vec<Trace>,
+    /// What was left out, one sentence each.
+    pub left_out: Vec<String>,
+}
+
+/// One axis in one setup.
+pub(super) struct Trace {
+    /// Name of the axis, with the setup's where several setups have this axis.
+    pub name: String,
+    pub targets: Vec<Target>,
+}
+
+/// One target.
+pub(super) struct Target {
+    pub position_mm: f64,
+    /// Approaches going up and going down.
+    pub ways: [Option<Approaches>; 2],
+}
+
+/// Approaches of a target from one side, mm.
+#[derive(Clone, Copy)]
+pub(super) struct Approaches {
+    pub count: usize,
+    pub mean: f64,
+    /// Standard deviation of one approach.
+    pub s: f64,
+}
+
+impl Approaches {
+    fn of(deviations: &[f64]) -> Option<Self> {
+        let count = deviations.len();
+        if count < 2 {
+            return None;
+        }
+        let mean = deviations.iter().sum::<f64>() / count as f64;
+        let squares: f64 = deviations.iter().map(|x| (x - mean).powi(2)).sum();
+        Some(Self { count, mean, s: (squares / (count - 1) as f64).sqrt() })
+    }
+
+    /// Variance of the mean.
+    pub fn mean_variance(&self) -> f64 {
+        self.s.powi(2) / self.count as f64
+    }
+
+    /// Variance of the standard deviation.
+    pub fn s_variance(&self) -> f64 {
+        self.s.powi(2) / (2 * (self.count - 1)) as f64
+    }
+}
+
+impl Traces {
+    /// Every axis of the runs.
+    ///
+    /// # Errors
+    /// No axis was measured alone, along the beam, more than once.
+    pub fn of(method: &Method, runs: &[Run]) -> Result<Self, MethodError> {
+        let mut traces = Self { all: Vec::new(), left_out: Vec::new() };
+        for Mounted { name, run, setup, points } in mounted(runs) {
+            match trace(&run.machine, setup, &points) {
+                Ok(trace) => {
+                    let taken = traces.all.iter().any(|other| other.name == trace.name);
+                    let name = if taken { format!("{} {name}", trace.name) } else { trace.name };
+                    traces.all.push(Trace { name, ..trace });
+                }
+                Err(why) => traces.left_out.push(format!("setup {name}: {why}")),
+            }
+        }
+        if traces.all.is_empty() {
+            let why =
+                if traces.left_out.is_empty() { "no readings".into() } else { traces.left_out.join("; ") };
+            let next = "Run a cycle such as config/cycles/linear-x.toml.";
+            return Err(method.lacks(format!("no setup holds targets of one linear axis ({why})"), next));
+        }
+        Ok(traces)
+    }
+}
+
+fn trace(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, String> {
+    if setup.instrument != InstrumentKind::Diagonal {
+        return Err(format!("is read by a {}, not by an interferometer (diagonal)", setup.instrument.name()));
+    }
+    let moves = |letter: &Joint| {
+        let positions = points.iter().map(|point| point.state.position[*letter]);
+        let (low, high) =
+            positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        high - low > if letter.is_rotary() { STILL_RAD } else { STILL_MM }
+    };
+    let moving: Vec<Joint> = machine.joints().into_iter().filter(moves).collect();
+    let [axis] = moving[..] else {
+        let names: Vec<&str> = moving.iter().map(|letter| letter.as_str()).collect();
+        return Err(format!(
+            "{} move, not one linear axis alone",
+            if names.is_empty() { "no axes".into() } else { names.join(", ") }
+        ));
+    };
+    if axis.is_rotary() {
+        return Err(format!("{axis} turns; the method is for linear axes"));
+    }
+    let nominal_mm: Vec<f64> =
+        points.iter().map(|point| predict(machine, setup, &point.state, &Errors::default()).x).collect();
+    let position = |i: usize| points[i].state.position[axis];
+    let middle = (0..points.len()).map(position).sum::<f64>() / points.len() as f64;
+    let sense = (0..points.len()).map(|i| (position(i) - middle) * nominal_mm[i]).sum::<f64>().signum();
+    let way = |i: usize| match points[i].state.direction[axis] {
+        stated if stated != 0.0 => usize::from(stated < 0.0),
+        _ => {
+            let (from, to) = if i > 0 { (i - 1, i) } else { (0, 1) };
+            usize::from(position(to) < position(from))
+        }
+    };
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| position(a).total_cmp(&position(b)));
+    let of_target = |chunk: &[usize]| {
+        let deviations = |wanted: usize| -> Vec<f64> {
+            let own = chunk.iter().filter(|&&i| way(i) == wanted);
+            own.map(|&i| sense * (points[i].reading_mm[0] - nominal_mm[i])).collect()
+        };
+        let position_mm = chunk.iter().map(|&i| position(i)).sum::<f64>() / chunk.len() as f64;
+        Target { position_mm, ways: [0, 1].map(|way| Approaches::of(&deviations(way))) }
+    };
+    let targets: Vec<Target> =
+        order.chunk_by(|&a, &b| position(b) - position(a) < ONE_TARGET_MM).map(of_target).collect();
+    let repeated = targets.iter().filter(|target| target.ways.iter().any(Option::is_some)).count();
+    if repeated < 2 {
+        return Err(format!(
+            "{repeated} targets of {axis} were approached twice or more from one side; two or more are needed"
+        ));
+    }
+    Ok(Trace { name: axis.to_string(), targets })
+}

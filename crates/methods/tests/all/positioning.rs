@@ -1,0 +1,74 @@
+//! `positioning` on readings whose values are worked by hand.
+
+use trunnion_core::axis::iso::X;
+use trunnion_core::{Point, Quality, State};
+use trunnion_cycles::{Cycle, Run, RunKind};
+use trunnion_instruments::predict;
+use trunnion_machine::{Errors, shipped};
+use trunnion_methods::recipes::{self, MethodError, MethodOptions};
+
+const UM: f64 = 1e-3;
+
+/// Approaches: position in mm, direction, deviation in µm.
+fn run(approaches: &[(f64, f64, f64)]) -> Run {
+    let path = format!("{}/../../config/cycles/linear-x.toml", env!("CARGO_MANIFEST_DIR"));
+    let cycle = Cycle::parse("cycle.toml", &std::fs::read_to_string(path).unwrap())
+        .unwrap_or_else(|problems| panic!("{problems}"));
+    let machine = shipped::machine(&cycle.machine).unwrap();
+    let point = |&(x_mm, direction, deviation_um): &(f64, f64, f64)| {
+        let mut state = State::default();
+        (state.position[X], state.direction[X]) = (x_mm, direction);
+        // A display that was zeroed anywhere.
+        let nominal_mm = predict(&machine, &cycle.setups[0], &state, &Errors::default()).x + 17.0;
+        let reading_mm = [nominal_mm + deviation_um * UM, 0.0, 0.0];
+        Point { reading_mm, state, spread_mm: [0.0; 3], samples: 1, quality: Quality::Good }
+    };
+    let points = approaches.iter().map(point).collect();
+    let setups = cycle.setups.clone();
+    Run { name: "linear".into(), machine, kind: RunKind::Static, setups, channels: vec![], points }
+}
+
+#[test]
+fn the_values_of_iso_230_2_are_those_worked_by_hand() {
+    let run = run(&[
+        (0.0, 1.0, 0.0),
+        (100.0, 1.0, 10.0),
+        (100.0, -1.0, 4.0),
+        (0.0, -1.0, -4.0),
+        (0.0, 1.0, 2.0),
+        (100.0, 1.0, 12.0),
+        (100.0, -1.0, 6.0),
+        (0.0, -1.0, -2.0),
+    ]);
+    let found = (recipes::find("positioning").unwrap().run)(&[run], &MethodOptions::default()).unwrap();
+    // Means 1, 11 going up and −3, 5 going down, every s = √2.
+    let root = 2.0_f64.sqrt();
+    for (name, by_hand) in [
+        ("B", 6.0),
+        ("mean reversal", 5.0),
+        ("R", 4.0 * root + 6.0),
+        ("R↑", 4.0 * root),
+        ("E", 14.0),
+        ("E↑", 10.0),
+        ("E↓", 8.0),
+        ("M", 9.0),
+        ("A", 14.0 + 4.0 * root),
+        ("A↑", 10.0 + 4.0 * root),
+    ] {
+        let value = found.value(&format!("X {name}")).unwrap_or_else(|| panic!("no {name}"));
+        assert!((value.value / UM - by_hand).abs() < 1e-9, "{name}: {}, by hand {by_hand}", value.value / UM);
+    }
+    // u(B) = √(s²/n + s²/n) = √2 for two approaches of s = √2.
+    let u = found.value("X B").unwrap().u.unwrap();
+    assert!((u / UM - root).abs() < 1e-9, "{u}");
+}
+
+#[test]
+fn a_single_pass_is_sent_to_repeat_its_approaches() {
+    let run = run(&[(0.0, 1.0, 0.0), (100.0, 1.0, 1.0), (200.0, 1.0, 2.0)]);
+    let error = (recipes::find("positioning").unwrap().run)(&[run], &MethodOptions::default()).unwrap_err();
+    assert!(
+        matches!(error, MethodError::Lacks { .. }) && error.to_string().contains("twice or more"),
+        "{error}"
+    );
+}
