@@ -304,7 +304,7 @@ mod tests {
     /// Written by the `mcap` crate: a message of a kilobyte of zeros in each chunk.
     #[test]
     fn a_file_that_unpacks_without_end_is_read_as_far_as_it_may() {
-        let mut file = std::io::Cursor::new(Vec::new());
+        let mut file = io::Cursor::new(Vec::new());
         let mut writer = mcap::WriteOptions::new().chunk_size(Some(1000)).create(&mut file).unwrap();
         let channel = writer.add_channel(0, "t", "raw", &BTreeMap::new()).unwrap();
         for sequence in 0..10 {
