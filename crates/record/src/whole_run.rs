@@ -5,6 +5,7 @@ use crate::finish::FinishedFile;
 use crate::item::{Item, RunHeader};
 use crate::writer::Recorder;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use trunnion_core::{AxisSample, HostTime, Point};
 use trunnion_cycles::Run;
 
@@ -56,17 +57,17 @@ impl RunWriter {
 
     /// Takes the next point.
     pub fn point(&mut self, point: Point) {
-        self.item(Item::Point(point));
+        self.item(Item::Point(point), 0.0);
     }
 
     /// Takes the next positions of the axes.
     pub fn axes(&mut self, sample: AxisSample) {
-        self.item(Item::Axes(sample));
+        self.item(Item::Axes(sample), 0.0);
     }
 
-    /// Takes whatever comes next.
-    pub fn item(&mut self, item: Item) {
-        self.recorder.append(item, self.host_start);
+    /// Takes whatever comes next, as if it had come so long after the beginning of the run, s: batches are as long as live.
+    pub fn item(&mut self, item: Item, at_s: f64) {
+        self.recorder.append(item, self.host_start + Duration::from_secs_f64(at_s.max(0.0)));
     }
 
     /// Ends the recording.

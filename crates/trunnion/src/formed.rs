@@ -33,7 +33,7 @@ impl Form {
     }
 
     /// The header of a recording with the changes made.
-    fn changed(&self, header: RunHeader) -> Result<RunHeader, Error> {
+    pub(crate) fn changed(&self, header: RunHeader) -> Result<RunHeader, Error> {
         let mut header = header;
         for (key, value) in &self.changes {
             let text = match key.starts_with("nest.") {

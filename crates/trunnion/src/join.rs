@@ -10,7 +10,7 @@ use crate::Error;
 use crate::recorded::plan_of;
 use part::Part;
 use std::path::{Path, PathBuf};
-use trunnion_core::{Event, Gap, Quality};
+use trunnion_core::{AxisSample, Event, Gap, ProbeSample, Quality};
 use trunnion_record::{Item, RecordError, RunHeader, RunWriter};
 use trunnion_results::{Joined, JoinedPart};
 use trunnion_sync::forming::Forming;
@@ -72,6 +72,8 @@ struct Writing {
     forming: Forming,
     formed: Vec<CycleEvent>,
     good: usize,
+    /// Newest sample, s.
+    now_s: f64,
 }
 
 impl Writing {
@@ -91,7 +93,7 @@ impl Writing {
         forming.set_held(true);
         let writer = RunWriter::create(output, &header)
             .map_err(|source| Error::NotRecorded { path: output.into(), source: Box::new(source) })?;
-        Ok(Self { writer, header, forming, formed: Vec::new(), good: 0 })
+        Ok(Self { writer, header, forming, formed: Vec::new(), good: 0, now_s: 0.0 })
     }
 
     fn take(&mut self, k: usize, part: &Part, parts: &[Part]) -> Result<(), Error> {
@@ -146,7 +148,10 @@ impl Writing {
     }
 
     fn write(&mut self, item: Item) {
-        self.writer.item(item);
+        if let Item::Probe(ProbeSample { time_s, .. }) | Item::Axes(AxisSample { time_s, .. }) = &item {
+            self.now_s = self.now_s.max(*time_s);
+        }
+        self.writer.item(item, self.now_s);
     }
 
     fn end(mut self) -> Self {

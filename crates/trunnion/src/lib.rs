@@ -43,6 +43,7 @@ pub mod page;
 mod prediction;
 pub mod recorded;
 pub mod recording;
+pub mod replay;
 mod step;
 pub mod tables;
 pub mod timing;

@@ -16,20 +16,20 @@ const STEP_S: f64 = 0.6;
 const WAY_S: f64 = 0.2;
 
 /// A machine that goes through poses, each at `STEP_S` times its place, and three probes that read the number of the pose.
-struct World {
+pub struct World {
     text: String,
     poses: Vec<AxisValues<f64>>,
 }
 
 impl World {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let text = STATIC.replace("step_deg = 30", "step_deg = 90");
         let cycle = Cycle::parse("c.toml", &text).unwrap();
         let poses = cycle.poses(&shipped::machine("table-bc").unwrap()).unwrap();
         Self { text, poses: poses.into_iter().map(|pose| pose.position).collect() }
     }
 
-    fn ends_s(&self) -> f64 {
+    pub fn ends_s(&self) -> f64 {
         self.poses.len() as f64 * STEP_S
     }
 
@@ -43,7 +43,7 @@ impl World {
     }
 
     /// What was recorded from when to when of a program that began at `began_s`, as the live run does it.
-    fn record(&self, path: &Path, recorded_s: Range<f64>, began_s: f64) -> PathBuf {
+    pub fn record(&self, path: &Path, recorded_s: Range<f64>, began_s: f64) -> PathBuf {
         let machine = shipped::machine("table-bc").unwrap();
         let cycle = Cycle::parse("c.toml", &self.text).unwrap();
         let header = RunHeader {
@@ -73,11 +73,11 @@ impl World {
                 let value_mm = 1e-3 * (k as f64 + 0.1 * f64::from(channel)) + 0.2;
                 let sample = ProbeSample { channel, time_s, stamp, value_mm, ..ProbeSample::default() };
                 forming.probe(&sample, &mut formed);
-                writer.item(Item::Probe(sample));
+                writer.item(Item::Probe(sample), time_s);
             }
             let sample = AxisSample { time_s, stamp, position, ..AxisSample::default() };
             forming.axes(&sample, &mut formed);
-            writer.item(Item::Axes(sample));
+            writer.item(Item::Axes(sample), time_s);
         }
         forming.finish(EndReason::Stopped, &mut formed);
         formed.into_iter().filter_map(|event| event.into_point().ok()).for_each(|point| writer.point(point));

@@ -8,5 +8,6 @@ mod library;
 mod linear;
 mod one_answer;
 mod plausible;
+mod replayed;
 mod values;
 mod whole;
