@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 """The page in headless Chromium over the real program: `page.py TRUNNION`. Every check prints a line; the first that fails ends it.
 
-Nothing is compared by pixels. `PAGE_SHOTS=FOLDER` keeps a picture of every view, to be looked at.
+Nothing is compared by pixels. `PAGE_SHOTS=FOLDER` keeps a picture of every view, to be looked at; `PAGE_PICTURES=docs/use/pictures` writes
+those of the guide.
 """
 
 import json
 import os
 import pathlib
+import re
+import signal
 import subprocess
 import tempfile
+import threading
 import time
 
 from axe_playwright_python.sync_playwright import Axe
@@ -18,9 +22,13 @@ from checks import TRUNNION, check, trunnion
 
 DATA = pathlib.Path(__file__).resolve().parents[1] / "data"
 SHOTS = os.environ.get("PAGE_SHOTS")
+PICTURES = os.environ.get("PAGE_PICTURES")
+# A repository keeps every version of a picture.
+LARGEST_PICTURE = 150_000
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
          "--disable-background-networking", "--disable-component-update", "--disable-sync"]
 VIEWS = ["result", "what-if", "history", "measure"]
+SHOP_FLOOR = pathlib.Path(TRUNNION).with_name("shop-floor")
 # Unoptimised code on a busy computer: no promise of speed, an end of the wait.
 LIMIT_MS = 90_000
 
@@ -41,6 +49,37 @@ class Served:
     def __exit__(self, *_):
         self.process.terminate()
         self.process.wait()
+
+
+class Floor:
+    """Simulated devices, and the service that reads them, until the end of the block."""
+
+    def __init__(self, folder, khz=1):
+        self.floor = subprocess.Popen([SHOP_FLOOR, folder, str(khz)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.config = self.floor.stdout.readline().strip()
+        self.log = open(folder / "service.log", "w+")
+        self.service = subprocess.Popen([TRUNNION, "daemon", "--config", self.config], stderr=self.log)
+        end = time.monotonic() + 60
+        self.address = None
+        while not self.address and time.monotonic() < end:
+            time.sleep(0.1)
+            said = (folder / "service.log").read_text()
+            self.address = next((word for word in said.split() if word.startswith("http://127.0.0.1:")), None)
+        check("the service says where its page is", self.address, self.address)
+
+    def obey(self, line):
+        self.floor.stdin.write(line + "\n")
+        self.floor.stdin.flush()
+        check(f"the floor obeys: {line}", self.floor.stdout.readline().strip() == "ok")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.service.terminate()
+        self.service.wait()
+        self.floor.stdin.close()
+        self.floor.wait()
 
 
 class Tab:
@@ -64,7 +103,7 @@ class Tab:
         end = time.monotonic() + LIMIT_MS / 1000
         while not self.page.evaluate(holds):
             if time.monotonic() > end:
-                check(f"within {LIMIT_MS // 1000} s: {holds}", False)
+                check(f"within {LIMIT_MS // 1000} s: {holds}", False, (self.text("body"), self.errors))
             self.page.wait_for_timeout(50)
 
     def ready(self):
@@ -76,6 +115,14 @@ class Tab:
     def picture(self, name):
         if SHOTS:
             self.page.screenshot(path=f"{SHOTS}/{name}.png", full_page=True)
+
+    def guide(self, name):
+        """What a person sees without scrolling, for the guide."""
+        if PICTURES:
+            path = pathlib.Path(PICTURES) / f"{name}.png"
+            self.page.evaluate("window.scrollTo(0, 0)")
+            self.page.screenshot(path=path, clip={"x": 0, "y": 0, "width": 1280, "height": 720})
+            check(f"{path} is small", path.stat().st_size <= LARGEST_PICTURE, path.stat().st_size)
 
     def close(self):
         check("no error on the console", not self.errors, self.errors)
@@ -98,9 +145,11 @@ def story_of_one_run(browser, folder):
         before = rms_um(tab.text(".facts dd"))
         check("the residual is the engine's", abs(before - diagnosis["residual"]["rms_um"]) < 0.006, before)
 
+        tab.guide("result")
+
         # By mouse, without a name first.
         tab.page.click('[data-add="gravity-sag:B"]')
-        check("nobody adds without a name", "Who adds it?" in tab.text("#notice"), tab.text("#notice"))
+        check("nobody adds without a name", "Who does it?" in tab.text("#notice"), tab.text("#notice"))
         tab.page.fill("#who", "Ada")
         tab.page.click('[data-add="gravity-sag:B"]')
         tab.page.wait_for_selector('[data-remove="gravity-sag:B"]')
@@ -126,7 +175,9 @@ def story_of_one_run(browser, folder):
         tab.page.keyboard.press("Enter")
         tab.page.wait_for_selector('[data-add="gravity-sag:B"]')
         check("Enter removes it", abs(rms_um(tab.text(".facts dd")) - before) < 0.006)
-        check("the model file holds it no more", "gravity-sag" not in model.read_text())
+        ladder = json.loads(trunnion("ladder", "--model", model, "--json"))
+        check("the model holds it no more", all(row["effect"] != "gravity-sag:B" for row in ladder["rows"]))
+        check("who removed it is kept", ladder["removed"][0]["by"] == "Ada" and "removed by Ada" in tab.text(".steps"), ladder["removed"])
         tab.close()
         other.close()
 
@@ -143,12 +194,146 @@ def what_if(tab, after, before):
     check("and back", abs(shown() - after) < 0.006, shown())
     tab.page.uncheck('input[value="low"]')
     check("a setup can be left out", "chosen setups" in tab.text("#rms + p"))
+    tab.page.check('input[value="low"]')
+    linked(tab)
     tab.page.get_by_text("Try an expression").click()
     tab.page.fill("#expression", "k*sin(B_deg)")
     tab.until("document.body.innerText.includes('B_deg')")
     tab.page.fill("#expression", "k*cos(3*B)")
     tab.until("document.body.innerText.includes('--expression \"k*cos(3*B)\"')")
     check("an expression is checked as it is typed", True)
+
+
+def linked(tab):
+    """One selection for maps, chart, arrows and table, by keyboard and by mouse."""
+    tab.page.locator(".map canvas").first.focus()
+    tab.page.keyboard.press("ArrowRight")
+    tab.page.keyboard.press("ArrowRight")
+    under = tab.page.locator(".map canvas + p")
+    texts = under.all_inner_texts()
+    check("arrow keys mark the same cell in every map", len({text.split(":")[0] for text in texts}) == 1 and "µm" in texts[-1], texts)
+    said = tab.text("#selected")
+    check("its poses are said with pose and value", "Pose " in said and "µm" in said, said.splitlines()[0])
+    tab.page.get_by_text("Every pose").click()
+    first = tab.page.locator("table button").first
+    number = first.inner_text()
+    first.click()
+    check("a row selects its pose", f"Pose {number}," in tab.text("#selected"), tab.text("#selected"))
+    cells = dict(zip(tab.page.locator("#view table th").all_inner_texts()[-5:], tab.page.locator("tr.chosen td").all_inner_texts()[-5:]))
+    marked = re.findall(r"([BC]) (−?[0-9.]+)°", under.first.inner_text().split(":")[0])
+    same = all(float(at.replace("−", "-")) == float(cells[f"{axis}, °"]) for axis, at in marked)
+    check("the maps mark it too", len(marked) == 2 and same, (marked, cells))
+    check("the row is marked", tab.page.locator("tr.chosen button").first.inner_text() == number)
+    before = tab.text(".soft[role=status]")
+    tab.page.locator("#magnification").focus()
+    tab.page.keyboard.press("ArrowRight")
+    check("the magnification is said", "Magnification" in before and tab.text(".soft[role=status]") != before, tab.text(".soft[role=status]"))
+    tab.picture("what-if-linked")
+    tab.guide("what-if")
+
+
+def at_the_machine(browser, folder):
+    """The service over simulated devices: a probe unplugged while looking, a cycle chosen, begun, watched, aborted."""
+    with Floor(folder) as floor:
+        tab, phone = Tab(browser, floor.address), Tab(browser, floor.address, 390, 844, "dark")
+        tab.view("set-up")
+        phone.view("measure")
+        tab.until("document.querySelectorAll('[role=meter]').length === 3 && !document.body.innerText.includes('Absent')")
+        tab.until("document.getElementById('next-step').innerText.startsWith('Next: the sign test')")
+        check("the set-up says what comes next", True, tab.text("#next-step"))
+        tab.picture("set-up-1280")
+        tab.guide("set-up")
+        tab.page.get_by_role("button", name="Begin the sign test").click()
+        tab.until("document.getElementById('next-step').innerText.includes('Jog X')")
+        tab.page.get_by_role("button", name="Stop").last.click()
+        tab.page.get_by_role("button", name="Begin the calibration").click()
+        tab.until("document.getElementById('next-step').innerText.includes('Step X, Y and Z')")
+        tab.page.get_by_role("button", name="Finish the calibration").click()
+        tab.page.wait_for_selector(".warn")
+        check("a calibration without steps says why not", "needed" in tab.text(".warn"), tab.text(".warn"))
+        tab.page.get_by_role("button", name="Stop").first.click()
+
+        floor.obey("unplug 2 12")
+        phone.until("document.body.innerText.includes('Absent') || document.body.innerText.includes('Back')")
+        states = phone.text("h2:text('Devices') + ul")
+        check("an unplugged probe is a state with a remedy", "probe-2" in states, states.replace("\n", " "))
+        phone.picture("measure-unplugged-390")
+        phone.until("[...document.querySelectorAll('.state.bad')].length === 0")
+        check("and comes back by itself", True)
+
+        tab.view("measure")
+        check("the programs of the cycles are named", "*sweep*" in tab.text("#choose"), tab.text("#choose"))
+        tab.page.select_option("#choose", "demo-sweep-c")
+        phone.until("document.getElementById('choose').value === 'demo-sweep-c'")
+        check("the other browser shows the choice", True)
+        tab.page.select_option("#choose", "demo-static")
+        check("the mounting is said", "Setup low" in tab.text("#prompt"), tab.text("#prompt"))
+        tab.page.click("#begin")
+        tab.until("document.getElementById('cycle-state').innerText === 'Measuring'")
+        floor.obey("run")
+        tab.until("/^([3-9]|[0-9][0-9]+) of 336 poses/.test(document.querySelector('progress + p').innerText)")
+        check("poses come", True, tab.text("progress + p"))
+        check("with the time left", "s left" in tab.text("progress + p"))
+        tab.picture("measure-1280")
+        tab.guide("measure")
+        phone.picture("measure-390-dark")
+        floor.obey("unplug 3 4")
+        tab.until("document.querySelector('ul[aria-label=Gaps] li')")
+        check("a gap is shown as it happens", "probe-3" in tab.text("ul[aria-label=Gaps] li"), tab.text("ul[aria-label=Gaps] li"))
+        phone.page.focus("#abort")
+        phone.page.keyboard.press("Enter")
+        check("one press does not abort", "again" in phone.text("#abort"))
+        phone.page.keyboard.press("Enter")
+        tab.until("!['Measuring'].includes(document.getElementById('cycle-state').innerText)")
+        tab.until("location.hash === '#measure' && ['The cycle is done', 'The cycle failed'].includes(document.getElementById('cycle-state')?.innerText)")
+        check("what was read is kept and reported", "Stopped" in tab.text("progress + p"), tab.text("progress + p"))
+        tab.view("result")
+        check("a part of a cycle has no verdict", "not judged" in tab.text("main").lower() or "whole" in tab.text("main"), tab.text("h1"))
+        tab.close()
+        phone.close()
+
+
+def press_until(tab, holds, most=80):
+    """Tab until what has the focus is it; how often."""
+    for presses in range(1, most):
+        tab.page.keyboard.press("Tab")
+        if tab.page.evaluate(holds):
+            return presses
+    check(f"Tab reaches {holds}", False)
+
+
+def demo_by_keyboard(browser, folder):
+    """The demo: it measures, the person looks, asks, adds, sees the error fall; the mouse is not touched."""
+    arguments = [TRUNNION, "demo", "--page", "--static-only", "--hidden", "gravity-sag:B", "--output", str(folder)]
+    demo = subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
+    began = time.monotonic()
+    try:
+        address = next(line.split()[-1] for line in demo.stdout if line.startswith("Watch it at"))
+        tab = Tab(browser, address)
+        tab.view("measure")
+        tab.until("document.querySelectorAll('[role=meter]').length === 3")
+        check("the demo shows live values", "mm from its centre" in tab.text("main"))
+        tab.until("document.getElementById('cycle-state').innerText === 'Measuring'")
+        tab.until("document.querySelector('#view progress').value > 20")
+        tab.picture("demo-measure")
+        drain = threading.Thread(target=lambda: [None for _ in demo.stdout], daemon=True)
+        drain.start()
+        tab.until("document.getElementById('cycle-state').innerText === 'The cycle is done'")
+        press_until(tab, "document.activeElement.dataset.view === 'result'")
+        tab.page.keyboard.press("Enter")
+        tab.until("document.querySelector('#view h1')?.innerText.includes('gravity-sag:B')")
+        before = rms_um(tab.text(".facts dd"))
+        press_until(tab, "document.activeElement.id === 'who'")
+        tab.page.keyboard.type("Ada")
+        press_until(tab, "document.activeElement.dataset.add === 'gravity-sag:B'")
+        tab.page.keyboard.press("Enter")
+        tab.page.wait_for_selector('[data-remove="gravity-sag:B"]')
+        after = rms_um(tab.text(".facts dd"))
+        check("by keyboard alone the error falls", after < before, f"{before} to {after} µm, {time.monotonic() - began:.0f} s after the start")
+        tab.close()
+    finally:
+        demo.send_signal(signal.SIGINT)
+        demo.wait()
 
 
 def every_width(browser, folder):
@@ -190,6 +375,7 @@ def history(browser, folder):
         check("the alarm is there", "outside its control limits: EA0B" in tab.text("#changes"), engine["runs"][-1]["alarms"])
         check("its chart is shown first", "EA0B" in tab.text("#parameter option[selected]"))
         tab.picture("history-limits")
+        tab.guide("history")
         tab.close()
 
 
@@ -226,6 +412,65 @@ def many_poses(browser, folder):
         tab.close()
 
 
+def cpu_s(processes):
+    """Processor time of processes so far, s."""
+    ticks = 0
+    for process in processes:
+        try:
+            fields = pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
+            ticks += int(fields[11]) + int(fields[12])
+        except FileNotFoundError:
+            pass
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def of_browser():
+    running = [int(one.name) for one in pathlib.Path("/proc").iterdir() if one.name.isdigit()]
+    named = lambda process: (pathlib.Path(f"/proc/{process}/comm").read_text().startswith("chromium"))
+    ours = []
+    for process in running:
+        try:
+            if named(process):
+                ours.append(process)
+        except (FileNotFoundError, ProcessLookupError):
+            pass
+    return ours
+
+
+def under_load(browser, folder):
+    """The page over 12 000 samples a second: what daemon and browser take. Printed, not judged: it is the computer's speed too."""
+    seconds = 15
+    with Floor(folder, 4) as floor:
+        time.sleep(8)
+        began = cpu_s([floor.service.pid])
+        time.sleep(seconds)
+        alone = (cpu_s([floor.service.pid]) - began) / seconds
+        tab = Tab(browser, floor.address)
+        received = [0]
+        session = tab.context.new_cdp_session(tab.page)
+        session.send("Network.enable")
+        session.on("Network.dataReceived", lambda event: received.__setitem__(0, received[0] + event["dataLength"]))
+        tab.view("measure")
+        tab.until("document.querySelectorAll('[role=meter]').length === 3")
+        tab.page.evaluate("() => { window.frames_seen = 0; const count = () => { window.frames_seen += 1; requestAnimationFrame(count); }; count(); }")
+        browser_pids = of_browser()
+        service_s, browser_s, bytes_before = cpu_s([floor.service.pid]), cpu_s(browser_pids), received[0]
+        frames_before = tab.page.evaluate("window.frames_seen")
+        tab.page.wait_for_timeout(1000 * seconds)
+        frames = (tab.page.evaluate("window.frames_seen") - frames_before) / seconds
+        watched = (cpu_s([floor.service.pid]) - service_s) / seconds
+        figures = {
+            "service, nobody watches": f"{100 * alone:.0f} % of a processor",
+            "service, one browser on *Measure*": f"{100 * watched:.0f} % of a processor",
+            "browser, with a counter of frames in the page": f"{100 * (cpu_s(browser_pids) - browser_s) / seconds:.0f} % of a processor",
+            "frames a second": f"{frames:.0f}",
+            "bytes a second to the browser": f"{(received[0] - bytes_before) / seconds:.0f}",
+        }
+        for name, figure in figures.items():
+            print(f"load  {name}: {figure}", flush=True)
+        tab.close()
+
+
 with sync_playwright() as playwright, tempfile.TemporaryDirectory() as temporary:
     chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=FLAGS)
     folder = pathlib.Path(temporary)
@@ -233,4 +478,10 @@ with sync_playwright() as playwright, tempfile.TemporaryDirectory() as temporary
     every_width(chromium, folder)
     history(chromium, folder)
     many_poses(chromium, folder)
+    with tempfile.TemporaryDirectory() as load:
+        under_load(chromium, pathlib.Path(load))
+    with tempfile.TemporaryDirectory() as demo:
+        demo_by_keyboard(chromium, pathlib.Path(demo))
+    with tempfile.TemporaryDirectory() as floor:
+        at_the_machine(chromium, pathlib.Path(floor))
     chromium.close()

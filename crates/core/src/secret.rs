@@ -58,7 +58,8 @@ pub fn redacted(text: &str) -> String {
     let Some(spans) = spans(text) else { return format!("# {LEFT_OUT}: not readable as TOML\n") };
     let mut cuts = of_values(text, &spans);
     for comment in comments(text, &spans.all()) {
-        let written = text[comment.clone()].to_lowercase().replace("password_file", "");
+        let written =
+            text[comment.clone()].to_lowercase().replace("password_file", "").replace("token_file", "");
         if WORDS.iter().any(|word| written.contains(word)) || login(&written).is_some() {
             cuts.push((comment, format!("# {LEFT_OUT}")));
         }

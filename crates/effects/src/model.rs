@@ -28,9 +28,14 @@
 //! component = "ea"
 //! expression = "pull * step(B - start)"
 //! grid = { start = [0.2, 0.4, 0.6] }
+//!
+//! [[removed]]                                       # taken out again
+//! effect = "backlash:C"
+//! date = "2026-03-02"
+//! by = "Ada"
 //! ```
 
-use crate::{FittedValues, Formula, LadderRow, ModelEffect, Moved, Prior};
+use crate::{FittedValues, Formula, LadderRow, ModelEffect, Moved, Prior, Removal};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table as Written, Value, value};
 use trunnion_core::input::{Document, Table};
 use trunnion_core::{Problem, Problems};
@@ -42,6 +47,8 @@ pub struct Model {
     pub machine: String,
     /// Entries in the order they were added.
     pub effects: Vec<ModelEffect>,
+    /// What was taken out again, in order.
+    pub removed: Vec<Removal>,
 }
 
 const FORMAT: &str = "trunnion-model/1";
@@ -51,7 +58,12 @@ impl Model {
     /// `location-errors` and `ball-setting` alone.
     pub fn base(machine: &str) -> Self {
         let entry = |id: &str| ModelEffect { id: id.into(), ..ModelEffect::default() };
-        Self { machine: machine.into(), effects: crate::catalogue::BASE.map(entry).into() }
+        Self::of(machine, crate::catalogue::BASE.map(entry).into())
+    }
+
+    /// These effects; nothing was removed.
+    pub fn of(machine: &str, effects: Vec<ModelEffect>) -> Self {
+        Self { machine: machine.into(), effects, removed: Vec::new() }
     }
 
     /// Reads a model file; `file` is the name shown in problems. Whether the machine can have the effects is for
@@ -71,6 +83,9 @@ impl Model {
         document["format"] = value(FORMAT);
         document["machine"] = value(&self.machine);
         document["effect"] = Item::ArrayOfTables(self.effects.iter().map(written).collect());
+        if !self.removed.is_empty() {
+            document["removed"] = Item::ArrayOfTables(self.removed.iter().map(Removal::written).collect());
+        }
         document.to_string()
     }
 
@@ -79,7 +94,7 @@ impl Model {
     /// # Errors
     /// When `text` is no TOML or its `effect` is no `[[effect]]` list.
     pub fn append(text: &str, entry: &ModelEffect) -> Result<String, Problems> {
-        edited(text, |effects| effects.push(written(entry)))
+        edited(text, "effect", |effects| effects.push(written(entry)))
     }
 
     /// The text of a model file without the entry `id`; everything else stays as it is.
@@ -87,7 +102,15 @@ impl Model {
     /// # Errors
     /// When `text` is no TOML or its `effect` is no `[[effect]]` list.
     pub fn without(text: &str, id: &str) -> Result<String, Problems> {
-        edited(text, |effects| effects.retain(|table| !is_entry(table, id)))
+        edited(text, "effect", |effects| effects.retain(|table| !is_entry(table, id)))
+    }
+
+    /// The text of a model file with a removal more; everything else stays as it is.
+    ///
+    /// # Errors
+    /// When `text` is no TOML or its `removed` is no `[[removed]]` list.
+    pub fn with_removal(text: &str, removal: &Removal) -> Result<String, Problems> {
+        edited(text, "removed", |removed| removed.push(removal.written()))
     }
 
     /// The text of a model file with the ladder row of the entry `id` replaced; everything else stays as it is.
@@ -95,7 +118,7 @@ impl Model {
     /// # Errors
     /// When `text` is no TOML or its `effect` is no `[[effect]]` list.
     pub fn with_ladder_row(text: &str, id: &str, row: &LadderRow) -> Result<String, Problems> {
-        edited(text, |effects| {
+        edited(text, "effect", |effects| {
             for table in effects.iter_mut().filter(|table| is_entry(table, id)) {
                 table["ladder"] = Item::Table(written_ladder(row));
             }
@@ -107,7 +130,7 @@ impl Model {
     /// # Errors
     /// When `text` is no TOML or its `effect` is no `[[effect]]` list.
     pub fn with_values(text: &str, values: &FittedValues) -> Result<String, Problems> {
-        edited(text, |effects| {
+        edited(text, "effect", |effects| {
             if let Some(last) = effects.iter_mut().last() {
                 last["values"] = Item::Table(values.written());
             }
@@ -125,8 +148,8 @@ fn is_entry(table: &Written, id: &str) -> bool {
     table.get("id").and_then(Item::as_str) == Some(id)
 }
 
-/// The text of a model file with its `[[effect]]` list changed.
-fn edited(text: &str, change: impl FnOnce(&mut ArrayOfTables)) -> Result<String, Problems> {
+/// The text of a model file with its `[[effect]]` list, or that of this name, changed.
+fn edited(text: &str, list: &str, change: impl FnOnce(&mut ArrayOfTables)) -> Result<String, Problems> {
     let problem = |found: String, allowed: &str| Problem {
         file: "model".into(),
         line: 0,
@@ -137,9 +160,9 @@ fn edited(text: &str, change: impl FnOnce(&mut ArrayOfTables)) -> Result<String,
     };
     let mut document: DocumentMut =
         text.parse().map_err(|error: toml_edit::TomlError| problem(error.to_string(), "TOML 1.0"))?;
-    let effects = document.entry("effect").or_insert(Item::ArrayOfTables(ArrayOfTables::new()));
+    let effects = document.entry(list).or_insert(Item::ArrayOfTables(ArrayOfTables::new()));
     let Some(effects) = effects.as_array_of_tables_mut() else {
-        return Err(problem("effect is no list of tables".into(), "[[effect]]").into());
+        return Err(problem(format!("{list} is no list of tables"), "a list of tables").into());
     };
     change(effects);
     Ok(document.to_string())
@@ -150,6 +173,7 @@ fn read(document: &Document<'_>) -> Option<Model> {
     let format = root.format(FORMAT);
     let machine = root.string("machine");
     let effects: Vec<Option<ModelEffect>> = root.tables("effect").iter().map(read_effect).collect();
+    let removed: Vec<Option<Removal>> = root.tables("removed").iter().map(Removal::read).collect();
     root.no_other_keys();
     for (i, entry) in effects.iter().enumerate() {
         let Some(entry) = entry else { continue };
@@ -163,7 +187,8 @@ fn read(document: &Document<'_>) -> Option<Model> {
         }
     }
     format?;
-    Some(Model { machine: machine?, effects: effects.into_iter().collect::<Option<_>>()? })
+    let effects = effects.into_iter().collect::<Option<_>>()?;
+    Some(Model { machine: machine?, effects, removed: removed.into_iter().collect::<Option<_>>()? })
 }
 
 fn read_effect(table: &Table<'_>) -> Option<ModelEffect> {

@@ -1,7 +1,7 @@
 //! What text and page of a named method share: numbers in their units, heads of tables.
 
 use crate::number::{MISSING, plain, signed, unit_on_screen, value_and_u};
-use trunnion_results::{Cell, Column, FoundValue, Table};
+use trunnion_results::{Cell, Column, Findings, FoundValue, Table};
 
 /// Heads of the table of values.
 pub const VALUE_HEADS: [&str; 4] = ["value", "", "u", "remark"];
@@ -10,6 +10,39 @@ pub const VALUE_HEADS: [&str; 4] = ["value", "", "u", "remark"];
 pub fn value_row(found: &FoundValue) -> Vec<String> {
     let (value, u) = value_and_u(found.value, found.u, &found.unit);
     vec![found.name.clone(), value, u, found.note.clone()]
+}
+
+/// A value counts as different from zero above so many standard uncertainties: the 95 % interval of the GUM, k = 2.
+const CLEAR_U: f64 = 2.0;
+
+/// What a method comes to: the value that stands out most, how many do, and what these runs do not show.
+pub fn verdict(findings: &Findings) -> Vec<String> {
+    let in_u = |found: &FoundValue| Some(found.value?.abs() / found.u.filter(|u| *u > 0.0)?);
+    let (shown, hidden): (Vec<_>, Vec<_>) = findings.values.iter().partition(|found| found.value.is_some());
+    let clear: Vec<&FoundValue> =
+        shown.iter().copied().filter(|found| in_u(found).is_some_and(|size| size > CLEAR_U)).collect();
+    let with_u = shown.iter().filter(|found| in_u(found).is_some()).count();
+    let most = clear.iter().copied().max_by(|a, b| in_u(a).unwrap_or(0.0).total_cmp(&in_u(b).unwrap_or(0.0)));
+    let first = match most {
+        Some(found) => {
+            let (value, u) = value_and_u(found.value, found.u, &found.unit);
+            format!("{} stands out most: {value}, standard uncertainty {u}", found.name)
+        }
+        None if with_u > 0 => "No value is significantly different from zero".into(),
+        None if shown.is_empty() => "These runs show none of the values of this method".into(),
+        None => format!("{} values, without an uncertainty", shown.len()),
+    };
+    let mut sentences = vec![format!("{first}.")];
+    if with_u > 0 {
+        let count = clear.len();
+        sentences
+            .push(format!("{count} of {with_u} values with an uncertainty are larger than {CLEAR_U} u."));
+    }
+    if !hidden.is_empty() {
+        let names: Vec<&str> = hidden.iter().map(|found| found.name.as_str()).collect();
+        sentences.push(format!("These runs do not show {}.", names.join(", ")));
+    }
+    sentences
 }
 
 /// Heads with units.

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_effects as effects;
 
-pub use trunnion_effects::{LadderRow, Moved};
+pub use trunnion_effects::{LadderRow, Moved, Removal};
 
 /// `trunnion-ladder/1`: every effect of a model, with what adding it did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -14,6 +14,8 @@ pub struct Ladder {
     pub format: LadderFormat,
     /// Entries of the model, in order.
     pub rows: Vec<LadderEntry>,
+    /// Effects that were taken out again, in order.
+    pub removed: Vec<Removal>,
 }
 
 /// Format and version of a ladder.
@@ -74,6 +76,7 @@ impl From<&effects::Model> for Ladder {
             effect: entry.id.clone(),
             ladder: entry.ladder.clone(),
         };
-        Self { format: LadderFormat::V1, rows: model.effects.iter().map(entry).collect() }
+        let (rows, removed) = (model.effects.iter().map(entry).collect(), model.removed.clone());
+        Self { format: LadderFormat::V1, rows, removed }
     }
 }

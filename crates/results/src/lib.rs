@@ -23,6 +23,7 @@ mod left_out;
 mod linear;
 mod live;
 mod location;
+mod method_list;
 mod nc_program;
 pub mod number;
 mod page_status;
@@ -35,6 +36,7 @@ mod run_record;
 mod schema;
 pub mod sentences;
 mod service_status;
+mod set_up_state;
 mod setting_up;
 mod spectrum;
 mod story;
@@ -74,7 +76,7 @@ pub use identification::{
     Parameter, Shape, Term, UncertaintyOrigin, Unobservable,
 };
 pub use json::{to_json, to_json_line};
-pub use ladder::{Added, Ladder, LadderEntry, LadderFormat, LadderRow, Moved, Removed};
+pub use ladder::{Added, Ladder, LadderEntry, LadderFormat, LadderRow, Moved, Removal, Removed};
 pub use left_out::LeftOutEffect;
 pub use linear::{
     FormulaChecked, FormulaFormat, Linear, LinearColumn, LinearFormat, LinearPoint, LinearSolution,
@@ -83,8 +85,9 @@ pub use live::{
     BallOffset, Live, LiveAxis, LiveCycle, LiveDevice, LiveFormat, LiveProbe, LiveTemperature, Zone,
 };
 pub use location::{LocationError, LocationErrors};
+pub use method_list::{MethodLine, MethodList, MethodListFormat};
 pub use nc_program::{NcProgram, NcProgramFormat};
-pub use page_status::{CycleGrid, GridPose, PageFormat, PageStatus, Serves};
+pub use page_status::{CycleGrid, GridPose, PageCycle, PageFormat, PageStatus, Serves};
 pub use plan::{Considered, Goal, LeftOpen, NextPlanned, Plan, PlanFormat};
 pub use plausibility::{Check, CheckFormat, Plausibility, Question};
 pub use prediction::{Prediction, PredictionFormat, RunPrediction};
@@ -93,6 +96,7 @@ pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, Shift
 pub use run_record::{RunAnswer, RunRecord, RunRecordFormat, RunResult, RunState};
 pub use schema::{schema_text, schemas};
 pub use service_status::{Condition, CycleNow, DeviceNow, Health, PartHealth, Presence, ServiceStatus};
+pub use set_up_state::{SetUpFormat, SetUpState, SetUpStep};
 pub use setting_up::{
     CalibratedProbe, Jog, NestCalibrated, NestFormat, SignFinding, SignTest, SignTestFormat,
 };

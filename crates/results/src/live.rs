@@ -128,6 +128,10 @@ pub struct LiveCycle {
     pub done: usize,
     /// Poses or passes planned.
     pub planned: usize,
+    /// Gaps so far.
+    pub gaps: usize,
+    /// The newest of them as sentences, the newest first.
+    pub newest_gaps: Vec<String>,
 }
 
 /// Half of the range is the centre zone: from anywhere in it the ball can move by a quarter of the range both ways, which

@@ -15,8 +15,10 @@ pub struct PageStatus {
     pub serves: Serves,
     /// Name of the machine tool or of the recording.
     pub name: String,
-    /// The cycle that is measured here; null where nothing is measured, or no grid of poses.
-    pub cycle: Option<CycleGrid>,
+    /// The cycles that are measured here, in the order of the configuration; none where nothing is measured.
+    pub cycles: Vec<PageCycle>,
+    /// True where this page chooses, begins and ends cycles.
+    pub operates: bool,
     /// The topics of the service (docs/design/protocols.md §5), with the texts that MQTT gets.
     pub topics: BTreeMap<String, serde_json::Value>,
 }
@@ -43,11 +45,22 @@ pub enum Serves {
     Demo,
 }
 
+/// A cycle that can be measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PageCycle {
+    /// Its name.
+    pub name: String,
+    /// Programs that begin it, `*` for anything; empty: every program that no other cycle names.
+    pub program: String,
+    /// How each of its setups is mounted, in their order.
+    pub mounting: Vec<String>,
+    /// Its poses; null for one on the fly, or one that does not turn two axes.
+    pub grid: Option<CycleGrid>,
+}
+
 /// The poses of a cycle over its two rotary axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CycleGrid {
-    /// Name of the cycle.
-    pub name: String,
     /// The rotary axis of the rows, and that of the columns.
     pub axes: [String; 2],
     /// Names of the setups.

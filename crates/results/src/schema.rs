@@ -3,9 +3,9 @@
 use crate::{
     Added, AxisErrors, Check, Comparison, Correction, CorrectionJudged, Demo, DevicesChecked, DevicesFound,
     Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported, Joined, Ladder, Linear, Live,
-    MachineHistory, NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed, Report,
-    RunList, RunRecord, Scrubbed, ServiceStatus, SignTest, Simulation, Story, TimeQuality, Trial, Volumetric,
-    to_json,
+    MachineHistory, MethodList, NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed,
+    Report, RunList, RunRecord, Scrubbed, ServiceStatus, SetUpState, SignTest, Simulation, Story,
+    TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -50,6 +50,8 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("history", schema_for!(MachineHistory)),
         ("status", schema_for!(ServiceStatus)),
         ("sign-test", schema_for!(SignTest)),
+        ("set-up", schema_for!(SetUpState)),
+        ("methods", schema_for!(MethodList)),
     ]
 }
 

@@ -131,6 +131,8 @@ pub struct RunLine {
     pub began: String,
     /// Why it cannot be read; empty otherwise.
     pub trouble: String,
+    /// When and why its samples were removed; its report stays. Empty while they are there.
+    pub removed: String,
     /// What the last analysis found; null before the first.
     pub found: Option<RunFound>,
 }

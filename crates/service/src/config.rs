@@ -3,6 +3,7 @@
 use crate::analysis::AnalysisLimits;
 use crate::mqtt::{MqttConfig, MqttTls};
 use crate::page;
+use crate::page::{AddressError, Lan};
 use crate::storage::StorageConfig;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -37,13 +38,22 @@ pub struct Config {
     /// Broker, if any.
     pub mqtt: Option<MqttConfig>,
     /// Where the page listens; there is none without it.
-    pub page: Option<SocketAddr>,
+    pub page: Option<PageConfig>,
     /// What the recordings may take of the disk.
     pub storage: StorageConfig,
     /// What the analysis of a run may take.
     pub analysis: AnalysisLimits,
     /// The file as read, for the recording.
     pub text: String,
+}
+
+/// Where the page is, and for whom.
+#[derive(Clone, Debug)]
+pub struct PageConfig {
+    /// Where it listens.
+    pub listen: SocketAddr,
+    /// What other computers need; they are not let in without it.
+    pub lan: Option<Lan>,
 }
 
 /// One `[[program]]`: what is measured when the controller runs it.
@@ -204,12 +214,16 @@ fn read_mqtt(table: &Table<'_>, machine: &str) -> Option<MqttConfig> {
     Some(MqttConfig { host: host?, port: port? as u16, machine: machine.into(), login, tls })
 }
 
-fn read_page(table: &Table<'_>) -> Option<SocketAddr> {
+fn read_page(table: &Table<'_>) -> Option<PageConfig> {
     let listen = table.optional_string("listen").unwrap_or_else(|| page::USUAL_ADDRESS.into());
+    let lan = Lan::read(table);
     table.no_other_keys();
-    match page::address(&listen) {
-        Ok(address) => Some(address),
-        Err(refused) => {
+    match (page::address(&listen), lan) {
+        (Ok(listen), lan) => Some(PageConfig { listen, lan }),
+        (Err(AddressError::NotThisComputer(listen)), Some(lan)) => {
+            Some(PageConfig { listen, lan: Some(lan) })
+        }
+        (Err(refused), _) => {
             table.problem("listen", refused, "an address of this computer, such as 127.0.0.1:8460", "");
             None
         }

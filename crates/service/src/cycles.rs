@@ -2,10 +2,12 @@
 
 use crate::analysis::JudgedBy;
 use crate::live::{Plan, PlanError, check};
+use crate::page::page_cycle;
 use crate::recording::Texts;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use trunnion::Model;
+use trunnion::results::PageCycle;
 use trunnion_core::names::{allowed, distance};
 use trunnion_sync::cycle_bounds::Pattern;
 
@@ -74,6 +76,12 @@ impl Choice {
     pub fn judged_by(&self) -> JudgedBy {
         JudgedBy { model: Some(self.model.clone()), file: self.model_file.clone() }
     }
+
+    /// For the page.
+    pub fn shown(&self) -> PageCycle {
+        let program = self.program.as_ref().map_or("", Pattern::as_str);
+        page_cycle(&self.plan.machine, &self.plan.cycle, program)
+    }
 }
 
 impl Cycles {
@@ -122,6 +130,11 @@ impl Cycles {
         let of_every = || self.0.iter().find(|choice| choice.program.is_none());
         let refused = || Refused::NoProgram { program: program.into(), allowed: self.programs(program) };
         self.0.iter().find(is_named).or_else(of_every).ok_or_else(refused)
+    }
+
+    /// All.
+    pub fn all(&self) -> impl Iterator<Item = &Choice> {
+        self.0.iter()
     }
 
     /// What runs of a cycle of this name are judged by.

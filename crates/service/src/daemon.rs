@@ -16,10 +16,10 @@ pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, Unfinished, measure_
 pub use analyst::{Analyst, COMMAND, end_with_parent, limit_memory};
 pub use report::{Report, analyse_recording, report_at_once, write_report};
 pub use states::{CycleState, States};
-pub use status::publish_status;
+pub use status::{publish_live, publish_status};
 
 use crate::analysis::JudgedBy;
-use crate::config::Config;
+use crate::config::{Config, PageConfig};
 use crate::cycles::{Choice, Cycles};
 use crate::error::chain;
 use crate::latest::Mounted;
@@ -27,14 +27,15 @@ use crate::live::{Live, Measured, Start};
 use crate::mqtt;
 use crate::mqtt::Board;
 use crate::page;
+use crate::page::Access;
 use crate::run_record;
 use crate::run_record::Known;
+use crate::set_up::SetUp;
 use crate::storage::{FolderLock, LockError, Storage};
 use analyses::Analyses;
 use disk::Disk;
 use serde_json::json;
-use status::{publish_live, report_systemd};
-use std::net::SocketAddr;
+use status::report_systemd;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -99,7 +100,9 @@ pub async fn serve_on(
     states.begin(CycleState::Ready, "", json!({ "cycles": names, "waits_for": config.cycle_start.about() }));
     let broker = config.mqtt.clone().map(|mqtt| tokio::spawn(mqtt::run(mqtt, board.clone(), cancel.clone())));
     let bounds = CycleBounds::new(config.cycle_start.clone());
-    let mut live = Live::start(config.devices.clone(), bounds, clock.clone(), cancel.clone());
+    let live = Live::start(config.devices.clone(), bounds, clock.clone(), cancel.clone());
+    let set_up = SetUp::new(&board, cycles.first().map(|choice| &choice.plan));
+    let mut live = live.led_by(board.operator()).setting_up(&set_up);
     if let Some(first) = cycles.first() {
         live.latest().set_mounted(Mounted::of(&first.plan));
     }
@@ -115,8 +118,8 @@ pub async fn serve_on(
         clock: clock.clone(),
     };
     let watched = tokio::spawn(disk.clone().watch(cancel.clone()));
-    let page = match config.page {
-        Some(address) => page(address, &config, &cycles, &board, &clock, &cancel).await,
+    let page = match &config.page {
+        Some(place) => page(place, &set_up, &config, &cycles, &board, &clock, &cancel).await,
         None => None,
     };
     report_systemd(&[sd_notify::NotifyState::Ready]);
@@ -128,7 +131,7 @@ pub async fn serve_on(
     reports.spawn(analyses.clone().resume(config.recordings.clone(), known, cycles.clone(), usual, turn));
     info!(machine = config.name, cycles = names.join(", "), "waiting for {}", config.cycle_start.about());
     while let Some(start) = live.wait_for_start().await {
-        let found = cycles.find(&start.program, board.take_chosen().as_deref());
+        let found = cycles.find(&start.program, board.operator().take_chosen().as_deref());
         let found = match found.map_err(|refused| refused.to_string()) {
             Ok(choice) => disk.make_room(choice).await.map(|()| choice),
             Err(refused) => Err(refused),
@@ -177,32 +180,44 @@ pub fn cycle_under_way(now: Progress) -> serde_json::Value {
 
 /// Starts the page; measuring goes on without it where it cannot listen.
 async fn page(
-    address: SocketAddr,
+    place: &PageConfig,
+    set_up: &SetUp,
     config: &Config,
     cycles: &Cycles,
     board: &Board,
     clock: &Arc<dyn Clock>,
     cancel: &CancellationToken,
 ) -> Option<JoinHandle<()>> {
-    let listener = match tokio::net::TcpListener::bind(address).await {
-        Ok(listener) => listener,
-        Err(error) => {
-            warn!(%error, %address, "there is no page: the address cannot be listened on");
+    let access = match place.lan.as_ref().map_or_else(|| Ok(Access::this_computer()), Access::of_lan) {
+        Ok(access) => access,
+        Err(failure) => {
+            warn!("there is no page: {}", chain(&failure));
             return None;
         }
     };
+    let address = place.listen;
+    let listening = tokio::net::TcpListener::bind(address).await;
+    let (listener, address) =
+        match listening.and_then(|listener| listener.local_addr().map(|address| (listener, address))) {
+            Ok(listening) => listening,
+            Err(error) => {
+                warn!(%error, %address, "there is no page: the address cannot be listened on");
+                return None;
+            }
+        };
     let shared = page::Shared {
         serves: Serves::Service,
         name: config.name.clone(),
         runs: Arc::new(page::Runs::of_folder(&config.recordings, config.model.clone())),
         board: board.clone(),
-        cycle: cycles.first().and_then(|choice| page::grid_of(&choice.plan.machine, &choice.plan.cycle)),
+        cycles: cycles.all().map(Choice::shown).collect(),
         clock: clock.clone(),
+        set_up: Some(set_up.clone()),
     };
-    info!("the page is at http://{address}");
+    info!("the page is at {}://{address}", access.scheme());
     let cancel = cancel.clone();
     Some(tokio::spawn(async move {
-        if let Err(error) = page::serve(listener, Arc::new(shared), cancel).await {
+        if let Err(error) = page::serve(listener, Arc::new(shared), access, cancel).await {
             warn!(%error, "the page ended");
         }
     }))

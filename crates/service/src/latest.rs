@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::watch;
 use trunnion::Machine;
+use trunnion::page::losses;
 use trunnion::results::{
     BallOffset, Live, LiveAxis, LiveCycle, LiveDevice, LiveFormat, LiveProbe, LiveTemperature, Zone,
 };
@@ -23,7 +24,7 @@ use trunnion_acquire::config::channels;
 use trunnion_acquire::{DeviceConfig, DeviceState, DeviceStatus};
 use trunnion_core::channel::instrument_channels;
 use trunnion_core::reading::{AxisReading, Message, Reading};
-use trunnion_core::{Channel, Clock, HostTime, Joint, NestSide, Role, convert};
+use trunnion_core::{Channel, Clock, Gap, HostTime, Joint, NestSide, Role, convert};
 use trunnion_protocol::mtconnect::timestamp;
 use trunnion_record::{RecordSender, RecorderStatus};
 use trunnion_sync::plan::Plan;
@@ -31,6 +32,9 @@ use trunnion_sync::{NestCalibration, Progress};
 
 /// A value older than this is none, s; the slowest indicators speak every second.
 const OLD_S: f64 = 2.5;
+
+/// Gaps of the cycle under way that are shown; all are in its recording.
+const SHOWN_GAPS: usize = 5;
 
 /// How the probes stand in the machine.
 #[derive(Clone, Debug)]
@@ -106,12 +110,14 @@ impl Latest {
     }
 
     /// A cycle of this name is being measured, and how far it is; or none is.
-    pub fn set_cycle(&self, cycle: Option<(&str, Progress)>) {
-        self.lock().cycle = cycle.map(|(name, now)| LiveCycle {
+    pub fn set_cycle(&self, cycle: Option<(&str, Progress, &[Gap])>) {
+        self.lock().cycle = cycle.map(|(name, now, gaps)| LiveCycle {
             name: name.into(),
             state: "measuring".into(),
             done: now.done,
             planned: now.total,
+            gaps: gaps.len(),
+            newest_gaps: newest(gaps),
         });
     }
 
@@ -296,6 +302,12 @@ impl Latest {
     fn lock(&self) -> MutexGuard<'_, Values> {
         self.values.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// The newest gaps in words, the newest first.
+fn newest(gaps: &[Gap]) -> Vec<String> {
+    let newest = &gaps[gaps.len().saturating_sub(SHOWN_GAPS)..];
+    losses(newest, 0).into_iter().rev().collect()
 }
 
 fn live_axes(axes: &AxisReading) -> Vec<LiveAxis> {

@@ -9,6 +9,7 @@ mod tls;
 pub use tls::MqttTls;
 
 use crate::clock::{SystemClock, moment};
+use crate::operator::Operator;
 use rumqttc::{
     AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet, QoS,
 };
@@ -52,7 +53,7 @@ pub struct Board {
 #[derive(Default)]
 struct Shared {
     topics: Mutex<BTreeMap<String, Topic>>,
-    chosen: Mutex<Option<String>>,
+    operator: Operator,
     /// For the connection to the broker.
     changed: Notify,
     /// Counts the changes, for everybody else.
@@ -93,22 +94,6 @@ impl Board {
         serde_json::from_str(&self.lock().get(topic)?.payload).ok()
     }
 
-    /// The operator chooses the cycle that begins next, whatever program runs; an empty name takes the choice back.
-    pub fn choose(&self, cycle: &str) {
-        let cycle = cycle.trim();
-        *self.chosen() = Some(cycle.to_owned()).filter(|cycle| !cycle.is_empty());
-    }
-
-    /// What was chosen, once.
-    pub fn take_chosen(&self) -> Option<String> {
-        self.chosen().take()
-    }
-
-    /// What is chosen.
-    pub fn peek_chosen(&self) -> Option<String> {
-        self.chosen().clone()
-    }
-
     /// Why the broker cannot be reached: empty when it can, `None` without a broker.
     pub fn broker(&self) -> Option<String> {
         self.shared.broker.lock().unwrap_or_else(PoisonError::into_inner).clone()
@@ -118,8 +103,9 @@ impl Board {
         *self.shared.broker.lock().unwrap_or_else(PoisonError::into_inner) = Some(why.into());
     }
 
-    fn chosen(&self) -> std::sync::MutexGuard<'_, Option<String>> {
-        self.shared.chosen.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Who chooses, begins and ends cycles.
+    pub fn operator(&self) -> &Operator {
+        &self.shared.operator
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, Topic>> {
@@ -183,7 +169,7 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
                 {
                     let cycle = String::from_utf8_lossy(&choice.payload);
                     info!(?cycle, "the operator chose");
-                    board.choose(&cycle);
+                    board.operator().choose(&cycle);
                 }
                 // An acknowledgement frees the queue for what did not fit.
                 Ok(Event::Incoming(Packet::PubAck(_))) => publish_news(&client, &config, &board),

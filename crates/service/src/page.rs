@@ -4,18 +4,26 @@
 //! `runs`. A page that is attacked slows no sample: one analysis at a time, and nothing here waits for a device.
 
 mod accept;
+mod access;
 mod address;
 mod answer;
 mod assets;
 mod calls;
+mod context;
+mod cycle_calls;
 mod grid;
 mod guard;
 mod live;
+mod login;
+mod method_calls;
+mod places;
 mod runs;
+mod set_up_calls;
 mod shared;
 
 pub use accept::serve;
+pub use access::{Access, AccessError, Lan};
 pub use address::{AddressError, USUAL_ADDRESS, address};
-pub use grid::grid_of;
+pub use grid::page_cycle;
 pub use runs::Runs;
 pub use shared::Shared;

@@ -78,6 +78,19 @@ pub fn file_name(path: &Path) -> Option<String> {
     path.file_name().map(|name| name.to_string_lossy().into_owned())
 }
 
+/// Runs of a folder whose samples were removed: where the recording was, when and why.
+pub fn removed_from(folder: &Path) -> Vec<(PathBuf, String)> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let state_of = |path: PathBuf| {
+        let name = path.file_name()?.to_str()?.strip_suffix(ENDING)?.strip_suffix('.')?.to_owned();
+        let recording = path.with_file_name(name + ".mcap");
+        // One that is there again was put back.
+        let why = (!recording.exists()).then(|| read(&recording)).flatten()?.removed?;
+        Some((recording, why))
+    };
+    entries.filter_map(|entry| state_of(entry.path())).collect()
+}
+
 /// Every recording of a folder with its state, the newest first.
 pub struct Known {
     /// The newest first.

@@ -116,6 +116,14 @@ impl CycleBounds {
         }
     }
 
+    /// A person began the cycle: its end is recognised like that of any other. The name of the program that the controller
+    /// shows; empty when it shows none.
+    pub fn begun_otherwise(&mut self) -> String {
+        // A program that the controller already runs ends it; one that begins later is seen to run then.
+        (self.running, self.program_ran) = (true, self.was_there == Some(true));
+        self.shown.clone()
+    }
+
     /// The program waits for a person, or for what stopped it: standing still is not its end.
     pub fn is_held(&self) -> bool {
         self.program.is_held()

@@ -124,7 +124,7 @@ fn measure_ladder(
     first: usize,
     date: &str,
 ) -> Result<Identification, AnalysisError> {
-    let shorter = Model { machine: model.machine.clone(), effects: model.effects[..first].to_vec() };
+    let shorter = Model::of(&model.machine, model.effects[..first].to_vec());
     let mut before = Problem::new(experiment, &shorter)?;
     for entry in &mut model.effects[first..] {
         let after = before.with(std::slice::from_ref(entry))?;

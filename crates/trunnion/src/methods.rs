@@ -55,6 +55,21 @@ impl Experiment {
         let method = recipes::find(name)?;
         Ok((&(method.run)(self.runs(), options)?).into())
     }
+
+    /// Every named method, with what the runs lack for it.
+    pub fn methods(&self) -> results::MethodList {
+        let line = |method: &&Method| {
+            let done = (method.run)(self.runs(), &MethodOptions::default());
+            results::MethodLine {
+                name: method.name.into(),
+                title: method.title.into(),
+                source: method.source.into(),
+                problem: done.err().map_or_else(String::new, |refused| refused.to_string()),
+            }
+        };
+        let methods = recipes::REGISTRY.iter().map(line).collect();
+        results::MethodList { methods, ..results::MethodList::default() }
+    }
 }
 
 impl Fit {

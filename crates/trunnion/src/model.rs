@@ -3,7 +3,7 @@
 use crate::{Error, files};
 use std::path::Path;
 use trunnion_effects as effects;
-use trunnion_effects::{LadderRow, ModelEffect};
+use trunnion_effects::{LadderRow, ModelEffect, Removal};
 use trunnion_results as results;
 
 /// Name of a model in problems of its edited text, which is read again so that the model always is what its file will hold.
@@ -87,9 +87,10 @@ impl Model {
         Self::parse(EDITED, effects::Model::with_ladder_row(&self.text, id, row)?)
     }
 
-    /// Without the entry `id`.
-    pub(crate) fn without(&self, id: &str) -> Result<Self, Error> {
-        Self::parse(EDITED, effects::Model::without(&self.text, id)?)
+    /// Without an entry, and with who took it out and when.
+    pub(crate) fn without(&self, removal: &Removal) -> Result<Self, Error> {
+        let text = effects::Model::without(&self.text, &removal.effect)?;
+        Self::parse(EDITED, effects::Model::with_removal(&text, removal)?)
     }
 }
 

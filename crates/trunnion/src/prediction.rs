@@ -147,7 +147,7 @@ pub(crate) fn without_model(
     experiment: &trunnion_engine::Experiment,
 ) -> Result<DVector<f64>, Error> {
     let settings: Vec<_> = model.effects.iter().filter(|entry| is_setting(&entry.id)).cloned().collect();
-    let nominal = effects::Model { machine: model.machine.clone(), effects: settings };
+    let nominal = effects::Model::of(&model.machine, settings);
     Ok(trunnion_engine::identify(experiment, &nominal, &quick())?.residual_mm)
 }
 
@@ -180,7 +180,7 @@ impl<'v> Frozen<'v> {
         values: &'v FittedValues,
         experiment: &trunnion_engine::Experiment,
     ) -> Result<Self, Error> {
-        let mut frozen = effects::Model { machine: model.machine.clone(), effects: Vec::new() };
+        let mut frozen = effects::Model::of(&model.machine, Vec::new());
         let (mut held, mut known, mut settings) = (Vec::new(), Vec::new(), Vec::new());
         for entry in &model.effects {
             let instance =

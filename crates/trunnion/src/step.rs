@@ -3,7 +3,7 @@
 use crate::analysis::{FormulaText, Put};
 use crate::{Diagnosed, Error, Experiment, Fit, Model, analysis};
 use trunnion_effects::catalogue::BASE;
-use trunnion_effects::{Formula, LadderRow, ModelEffect};
+use trunnion_effects::{Formula, LadderRow, ModelEffect, Removal};
 use trunnion_results as results;
 
 /// An effect added to a model.
@@ -40,14 +40,16 @@ impl Fit {
         }
     }
 
-    /// Takes an effect out of the model, fits again and measures the ladder rows after it again; `date` goes into them.
+    /// Takes an effect out of the model, fits again and measures the ladder rows after it again; `date` goes into them, and with the
+    /// name of who removes it into the model.
     ///
     /// # Errors
     /// An effect that is not in the model, or is in every model.
-    pub fn remove(&self, effect: &str, date: &str) -> Result<Self, Error> {
+    pub fn remove(&self, effect: &str, date: &str, by: Option<&str>) -> Result<Self, Error> {
         let entries = self.model().entries();
         let (smaller, fit) = analysis::remove(self.experiment().points(), entries, effect, date)?;
-        let mut model = self.model().without(effect)?;
+        let removal = Removal { effect: effect.into(), date: date.into(), by: by.map(String::from) };
+        let mut model = self.model().without(&removal)?;
         for entry in &smaller.effects {
             let old = entries.effects.iter().find(|old| old.id == entry.id);
             if let Some(row) =

@@ -31,8 +31,9 @@ use trunnion_hil_sim::{HiddenChoice, SimSetup, Truth, VirtualMachine, scenario};
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::daemon;
-use trunnion_service::daemon::{CycleState, NewRun, Recorded, States, Texts};
-use trunnion_service::live::{CycleBounds, Live, Plan, Progress};
+use trunnion_service::daemon::{CycleState, NewRun, Recorded, States, Texts, publish_live};
+use trunnion_service::latest::Mounted;
+use trunnion_service::live::{CycleBounds, Live, Plan, Progress, check};
 use trunnion_service::mqtt::Board;
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
@@ -105,7 +106,11 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     let board = Board::default();
     let served = match args.page {
         true => {
-            let served = DemoPage::start(&args.output, &machine, &static_cycle, &board).await?;
+            let mut cycles = vec![static_cycle.clone()];
+            if !args.static_only {
+                cycles.push(Cycle::parse("demo-sweep-c.toml", SWEEP_CYCLE)?);
+            }
+            let served = DemoPage::start(&args.output, &machine, &cycles, &board).await?;
             show(&format!("Watch it at {}\n\n", served.address()))?;
             Some(served)
         }
@@ -250,7 +255,11 @@ async fn measure(
 
     let cancel = CancellationToken::new();
     let names = config.devices.iter().map(|device| device.name.clone()).collect();
-    let mut live = Live::start(config.devices, CycleBounds::default(), clock, cancel.clone());
+    let live = Live::start(config.devices, CycleBounds::default(), clock, cancel.clone());
+    let mut live = live.led_by(board.operator());
+    live.latest().set_mounted(Mounted::of(&plan));
+    let shown = publish_live(live.latest().clone(), check(&plan)?, board.clone(), cancel.clone());
+    let shown = tokio::spawn(shown);
     let states = States::new(board.clone());
     let status = daemon::publish_status(names, live.states(), board.clone(), states.clone(), cancel.clone());
     let status = tokio::spawn(status);
@@ -275,6 +284,7 @@ async fn measure(
     cancel.cancel();
     live.stop().await;
     status.await.context("the status ended badly")?;
+    shown.await.context("the live values ended badly")?;
     board.set("status", &serde_json::json!({ "state": "offline", "devices": {} }));
     cell.shutdown().await;
     std::fs::remove_dir_all(&ports).with_context(|| format!("cannot remove {}", ports.display()))?;

@@ -48,7 +48,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             name,
             runs: Arc::new(runs),
             board: Board::default(),
-            cycle: None,
+            cycles: Vec::new(),
+            set_up: None,
             clock: Arc::new(SystemClock::start()) as Arc<dyn Clock>,
         };
         serve_until_interrupted(listen(&args.listen).await?, shared).await?;
@@ -73,7 +74,8 @@ pub async fn listen(text: &str) -> anyhow::Result<TcpListener> {
 pub async fn serve_until_interrupted(listener: TcpListener, shared: page::Shared) -> anyhow::Result<()> {
     terminal::print(&format!("The page is at http://{}   (Ctrl-C ends it)\n", listener.local_addr()?))?;
     let cancel = CancellationToken::new();
-    let serving = tokio::spawn(page::serve(listener, Arc::new(shared), cancel.clone()));
+    let serving =
+        tokio::spawn(page::serve(listener, Arc::new(shared), page::Access::this_computer(), cancel.clone()));
     tokio::signal::ctrl_c().await.context("cannot listen for Ctrl-C")?;
     cancel.cancel();
     serving.await.context("the page ended badly")?.context("the page ended")

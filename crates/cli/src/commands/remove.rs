@@ -21,6 +21,9 @@ pub struct Args {
     /// Model file; everything but the effect and the ladder rows after it stays as it is written
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
+    /// Who removes it; kept in the model file
+    #[arg(long, value_name = "NAME")]
+    by: Option<String>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -29,7 +32,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let model = Model::load(&args.model)?;
     let Loaded { experiment, outcome } = load::runs(&args.runs)?;
-    let without = experiment.fit(&model)?.remove(&args.effect, &today()?)?;
+    let without = experiment.fit(&model)?.remove(&args.effect, &today()?, args.by.as_deref())?;
     without.model().save(&args.model)?;
     if args.json {
         terminal::print_json(&Removed {

@@ -1,7 +1,7 @@
 //! Model files: what is written is read, what is added comes out again.
 
 use super::*;
-use crate::{FittedRun, FittedValue};
+use crate::{FittedRun, FittedValue, Removal};
 
 fn formula() -> ModelEffect {
     ModelEffect {
@@ -49,6 +49,21 @@ fn appending_keeps_comments_and_hand_edits() {
     let model = Model::parse("m.toml", &appended).unwrap();
     assert_eq!(model.effects[0].fixed, [("EX0B".to_string(), 3.0)]);
     assert_eq!(model.effects[1], formula());
+}
+
+#[test]
+fn who_removed_an_effect_and_when_is_kept() {
+    let base = Model::base("table-bc").to_text();
+    let text = Model::without(&Model::append(&base, &formula()).unwrap(), "formula:hose").unwrap();
+    let removal =
+        Removal { effect: "formula:hose".into(), date: "2026-03-02".into(), by: Some("Ada".into()) };
+    let kept = Model::with_removal(&text, &removal).unwrap();
+    let model = Model::parse("m.toml", &kept).unwrap();
+    assert_eq!(model.removed, [removal], "{kept}");
+    assert_eq!(Model::parse("m.toml", &model.to_text()).unwrap(), model);
+    // Entries after it are still the model's.
+    let again = Model::parse("m.toml", &Model::append(&kept, &formula()).unwrap()).unwrap();
+    assert_eq!((again.effects.len(), again.removed.len()), (3, 1));
 }
 
 #[test]

@@ -24,10 +24,8 @@ fn every_effect_of_the_catalogue_is_in_the_tables_as_it_moves_or_left_out_with_a
         // Held at 3 µm, 3 µrad, …: nothing depends on the data.
         let fixed = parameters.iter().map(|parameter| (parameter.name.clone(), 3.0)).collect();
         let shape = instance.shapes(&experiment.scene).grid.swap_remove(0);
-        let model = Model {
-            machine: "table-bc".into(),
-            effects: vec![ModelEffect { id: instance.id(), fixed, shape, ..ModelEffect::default() }],
-        };
+        let entry = ModelEffect { id: instance.id(), fixed, shape, ..ModelEffect::default() };
+        let model = Model::of("table-bc", vec![entry]);
         let fit = identify(&experiment, &model, &Options::quick()).unwrap();
         let errors = AxisErrors::new(&experiment, &model, &fit).unwrap();
         if errors.effects.is_empty() {
@@ -62,7 +60,7 @@ fn every_effect_of_the_catalogue_is_in_the_tables_as_it_moves_or_left_out_with_a
 fn a_model_that_reports_nothing_of_the_axes_gives_no_table() {
     let experiment = Experiment::new(&[common::points_run("points-nothing-hidden")]).unwrap();
     let entry = |id: &str| ModelEffect { id: id.into(), ..ModelEffect::default() };
-    let model = Model { machine: "table-bc".into(), effects: vec![entry("ball-setting")] };
+    let model = Model::of("table-bc", vec![entry("ball-setting")]);
     let fit = identify(&experiment, &model, &Options::quick()).unwrap();
     let errors = AxisErrors::new(&experiment, &model, &fit).unwrap();
     assert!(errors.axes.is_empty() && errors.left_out.len() == 1);

@@ -1,6 +1,6 @@
 //! What a named method found, as a page.
 
-use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row};
+use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row, verdict};
 use crate::markup::{element, escape, table};
 use crate::number::unit_on_screen;
 use crate::svg::{
@@ -11,17 +11,18 @@ use trunnion_core::convert::{mm_from_um, rad_from_deg};
 use trunnion_results::{AxisName, Chart, Curve, Findings, MapPlace, NamedAmount, Plot};
 
 pub fn sections(findings: &Findings, label: &str) -> String {
-    let mut html = element("h1", &format!("{} on machine {}", findings.method, findings.machine));
-    let facts = [&findings.source, &findings.runs.join(", "), label].map(escape);
-    html += &format!(
-        "\n<p class=\"soft\">Source: {}. Runs: {}. Signs: {}. {}</p>\n",
-        facts[0], facts[1], findings.convention, facts[2]
-    );
+    let said = verdict(findings);
+    let title = format!("Machine {}, {}: {}", findings.machine, findings.method, said[0]);
+    let mut html = element("h1", &title) + "\n";
+    html += &said[1..].iter().map(|sentence| element("p", sentence)).collect::<String>();
     let rows: Vec<_> = findings.values.iter().map(value_row).collect();
     html += &table("Values with standard uncertainties", &VALUE_HEADS, &[1, 2], &rows);
     if !findings.notes.is_empty() {
         let notes = findings.notes.iter().map(|note| element("li", note));
-        html += &format!("<ul>{}</ul>\n", notes.collect::<String>());
+        let notes = notes.collect::<String>();
+        html += &format!(
+            "<section><h2>What it assumes, and what these runs could not show</h2>\n<ul>{notes}</ul></section>\n"
+        );
     }
     html += &charts(&findings.charts);
     if !findings.tables.is_empty() {
@@ -34,7 +35,11 @@ pub fn sections(findings: &Findings, label: &str) -> String {
         }
         html += "</section>\n";
     }
-    html
+    let facts = [&findings.source, &findings.runs.join(", "), label].map(escape);
+    html + &format!(
+        "<section><h2>Method and source</h2>\n<p>Source: {}. Signs: {}.</p>\n<p class=\"soft\">Runs: {}. {}</p></section>\n",
+        facts[0], findings.convention, facts[1], facts[2]
+    )
 }
 
 fn charts(charts: &[Chart]) -> String {

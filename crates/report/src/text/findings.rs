@@ -1,7 +1,7 @@
 //! What a named method found, for the terminal.
 
 use super::table::{clean, columns, paragraph};
-use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row};
+use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row, verdict};
 use trunnion_results::Findings;
 
 /// Values, notes and tables; charts are on the page.
@@ -10,6 +10,10 @@ pub fn findings_text(findings: &Findings) -> String {
         format!("Machine {}, runs: {}\n", clean(&findings.machine), clean(&findings.runs.join(", ")));
     out += &format!("Method: {} [{}]\n", findings.method, clean(&findings.source));
     out += &format!("Signs: {}\n\n", findings.convention);
+    for sentence in verdict(findings) {
+        out += &paragraph(&sentence);
+    }
+    out += "\n";
     let mut rows = vec![VALUE_HEADS.map(String::from).to_vec()];
     rows.extend(findings.values.iter().map(value_row));
     out += &columns(&rows, &[1, 2]);

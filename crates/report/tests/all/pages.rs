@@ -127,6 +127,12 @@ fn the_page_of_a_named_method_shows_values_charts_and_tables() {
     }
     let findings = Findings::from(&(method.run)(&[run], &MethodOptions::default()).unwrap());
     let page = findings_html(&findings, "Trunnion <test>");
+    let (verdict, source) =
+        (page.find(" stands out most: ").unwrap(), page.find("Method and source").unwrap());
+    assert!(
+        verdict < page.find("<table").unwrap() && source > page.rfind("<table").unwrap(),
+        "the verdict first, the source last"
+    );
     check_page(&page);
     let order = [
         "<h1>",

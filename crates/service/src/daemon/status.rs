@@ -39,7 +39,7 @@ pub async fn publish_status(
             health: Some(health(names.iter().zip(&states), &board)),
             devices,
             cycle: Some(cycles.now()),
-            chosen: board.peek_chosen(),
+            chosen: board.operator().peek_chosen(),
         };
         if last.as_ref() == Some(&status) {
             continue;
@@ -65,7 +65,7 @@ fn now(status: &DeviceStatus) -> DeviceNow {
 
 /// Publishes the latest values once a second, and whether a cycle may begin when that changes; the board keeps the newest alone,
 /// however slow the broker is.
-pub(super) async fn publish_live(latest: Latest, needed: Vec<u16>, board: Board, cancel: CancellationToken) {
+pub async fn publish_live(latest: Latest, needed: Vec<u16>, board: Board, cancel: CancellationToken) {
     let mut readiness = Readiness::default();
     let mut period = tokio::time::interval(STATUS_PERIOD);
     loop {

@@ -150,6 +150,6 @@ fn what_stands_against_a_cycle_is_said_once_and_again_when_it_changes() {
     assert_eq!(asked(1.99), Some(vec![("p2".into(), Zone::NearEnd)]));
     assert_eq!(asked(1.98), None, "the same, with another number");
     assert_eq!(asked(1.0), Some(vec![]));
-    bench.latest.set_cycle(Some(("c", Progress { done: 0, total: 3, seconds_left: None })));
+    bench.latest.set_cycle(Some(("c", Progress { done: 0, total: 3, seconds_left: None }, &[])));
     assert_eq!(asked(1.99), None, "a cycle moves the probes");
 }

@@ -12,7 +12,9 @@ pub enum AddressError {
     #[error("\"{0}\" is no address")]
     NoAddress(String),
     /// An address that others reach.
-    #[error("{0} can be reached from other computers, and the page has neither a token nor TLS yet")]
+    #[error(
+        "{0} can be reached from other computers; only the service lets them in, with certificate, key_file and token_file in [page]"
+    )]
     NotThisComputer(SocketAddr),
 }
 

@@ -23,6 +23,18 @@ pub enum Refusal {
     /// Nothing is done with runs that cannot be judged.
     #[error("nothing was done, because the runs are not plausible or not whole: {0}")]
     NotTrusted(String),
+    /// A run whose samples are gone.
+    #[error("its samples were removed ({why}); its report stays")]
+    Removed {
+        /// When and why.
+        why: String,
+    },
+    /// Not who may call.
+    #[error("this is not the token of the page")]
+    WrongToken,
+    /// Nothing to be done at this moment.
+    #[error("{0}")]
+    NotNow(&'static str),
     /// The analysis failed.
     #[error("the analysis failed")]
     Failed(#[from] trunnion::Error),
@@ -39,7 +51,9 @@ impl Refusal {
         match self {
             Self::Unknown { .. } => StatusCode::NOT_FOUND,
             Self::Wrong(_) => StatusCode::BAD_REQUEST,
-            Self::NotTrusted(_) => StatusCode::CONFLICT,
+            Self::Removed { .. } => StatusCode::GONE,
+            Self::WrongToken => StatusCode::UNAUTHORIZED,
+            Self::NotTrusted(_) | Self::NotNow(_) => StatusCode::CONFLICT,
             Self::Failed(_) => StatusCode::UNPROCESSABLE_ENTITY,
             Self::Busy => StatusCode::SERVICE_UNAVAILABLE,
             Self::Broken(_) => StatusCode::INTERNAL_SERVER_ERROR,

@@ -8,7 +8,7 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 const CSS: &str = "text/css; charset=utf-8";
 
 /// Name below `/assets/`, type, content.
-const ASSETS: [(&str, &str, &str); 12] = [
+const ASSETS: [(&str, &str, &str); 17] = [
     ("page.css", CSS, include_str!("assets/page.css")),
     ("report.css", CSS, trunnion::report::PAGE_CSS),
     ("main.js", SCRIPT, include_str!("assets/main.js")),
@@ -16,6 +16,11 @@ const ASSETS: [(&str, &str, &str); 12] = [
     ("calls.js", SCRIPT, include_str!("assets/calls.js")),
     ("result.js", SCRIPT, include_str!("assets/result.js")),
     ("measure.js", SCRIPT, include_str!("assets/measure.js")),
+    ("login.js", SCRIPT, include_str!("assets/login.js")),
+    ("live.js", SCRIPT, include_str!("assets/live.js")),
+    ("set-up.js", SCRIPT, include_str!("assets/set-up.js")),
+    ("poses.js", SCRIPT, include_str!("assets/poses.js")),
+    ("pose-map.js", SCRIPT, include_str!("assets/pose-map.js")),
     ("what-if.js", SCRIPT, include_str!("assets/what-if.js")),
     ("history.js", SCRIPT, include_str!("assets/history.js")),
     ("heat-map.js", SCRIPT, include_str!("assets/heat-map.js")),

@@ -1,38 +1,25 @@
 //! The calls (docs/use/page.md), each with the command that does the same.
 
+use super::access::Access;
 use super::answer::{Refusal, json_of, report};
-use super::runs::Runs;
+use super::context::{Answer, Page, status_of, wrong};
 use super::shared::Shared;
-use super::{assets, live};
+use super::{assets, cycle_calls, live, login, method_calls, set_up_calls};
 use crate::clock::day;
 use axum::extract::rejection::JsonRejection;
 use axum::extract::{Path, State};
-use axum::http::{StatusCode, Uri};
-use axum::response::Response;
+use axum::http::Uri;
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use serde::Deserialize;
 use serde_json::json;
 use std::sync::Arc;
-use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
-use trunnion::results::{PageFormat, PageStatus};
-use trunnion::{FormulaText, page::label};
-
-/// What the calls share.
-#[derive(Clone)]
-struct Page {
-    shared: Arc<Shared>,
-    runs: Arc<Runs>,
-    watchers: Arc<Semaphore>,
-    cancel: CancellationToken,
-}
-
-type Answer = Result<Response, Refusal>;
+use trunnion::FormulaText;
 
 /// Every call.
-pub fn routes(shared: Arc<Shared>, cancel: CancellationToken) -> Router {
-    let page = Page { runs: shared.runs.clone(), shared, watchers: live::places(), cancel };
+pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) -> Router {
+    let page = Page { runs: shared.runs.clone(), shared, access, watchers: live::places(), cancel };
     Router::new()
         .route("/", get(|| async { assets::index() }))
         .route("/assets/{name}", get(asset))
@@ -50,6 +37,10 @@ pub fn routes(shared: Arc<Shared>, cancel: CancellationToken) -> Router {
         .route("/api/runs/{name}/linear", get(linear))
         .route("/api/runs/{name}/model/{effect}", post(add).delete(remove))
         .route("/api/formula", post(formula))
+        .merge(cycle_calls::routes())
+        .merge(set_up_calls::routes())
+        .merge(login::routes())
+        .merge(method_calls::routes())
         .fallback(|uri: Uri| async move { Refusal::Unknown { what: "call", name: uri.path().into() } })
         .with_state(page)
 }
@@ -59,16 +50,7 @@ async fn asset(Path(name): Path<String>) -> Answer {
 }
 
 async fn status(State(page): State<Page>) -> Answer {
-    let shared = &page.shared;
-    let value = |text: String| serde_json::from_str(&text).unwrap_or_default();
-    json_of(&PageStatus {
-        format: PageFormat::V1,
-        program: label(),
-        serves: shared.serves,
-        name: shared.name.clone(),
-        cycle: shared.cycle.clone(),
-        topics: shared.board.now().into_iter().map(|(topic, text)| (topic, value(text))).collect(),
-    })
+    status_of(&page)
 }
 
 async fn watch(State(page): State<Page>) -> Answer {
@@ -109,6 +91,9 @@ async fn ladder(State(page): State<Page>, Path(name): Path<String>) -> Answer {
 }
 
 async fn compare_page(State(page): State<Page>, Path(name): Path<String>) -> Answer {
+    if let Some(left) = page.runs.left_report(&name) {
+        return Ok(report(left));
+    }
     Ok(report(page.runs.open(&name).await?.compared.page()))
 }
 
@@ -129,7 +114,7 @@ async fn linear(State(page): State<Page>, Path(name): Path<String>) -> Answer {
     json_of(&linear)
 }
 
-/// Who adds.
+/// Who adds or removes.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Who {
@@ -139,25 +124,36 @@ struct Who {
 /// Longest name in a ladder.
 const LONGEST_NAME: usize = 60;
 
+impl Who {
+    fn name(&self, does: &str) -> Result<String, Refusal> {
+        let by = self.by.trim();
+        let fits = !by.is_empty() && by.chars().count() <= LONGEST_NAME && !by.chars().any(char::is_control);
+        let refused =
+            || Refusal::Wrong(format!("who {does} it? a name of at most {LONGEST_NAME} characters"));
+        fits.then(|| by.to_owned()).ok_or_else(refused)
+    }
+}
+
 async fn add(
     State(page): State<Page>,
     Path((name, effect)): Path<(String, String)>,
     body: Result<Json<Who>, JsonRejection>,
 ) -> Answer {
-    let by = body.map_err(wrong)?.0.by.trim().to_string();
-    let fits = !by.is_empty() && by.chars().count() <= LONGEST_NAME && !by.chars().any(char::is_control);
-    if !fits {
-        return Err(Refusal::Wrong(format!("who adds it? a name of at most {LONGEST_NAME} characters")));
-    }
+    let by = body.map_err(wrong)?.0.name("adds")?;
     let date = day(page.shared.clock.wall_ns());
     let open = page.runs.add(&name, effect.clone(), by, date).await?;
     changed(&page, &name, &effect, "added");
     json_of(&open.compared.story())
 }
 
-async fn remove(State(page): State<Page>, Path((name, effect)): Path<(String, String)>) -> Answer {
+async fn remove(
+    State(page): State<Page>,
+    Path((name, effect)): Path<(String, String)>,
+    body: Result<Json<Who>, JsonRejection>,
+) -> Answer {
+    let by = body.map_err(wrong)?.0.name("removes")?;
     let date = day(page.shared.clock.wall_ns());
-    let open = page.runs.remove(&name, effect.clone(), date).await?;
+    let open = page.runs.remove(&name, effect.clone(), by, date).await?;
     changed(&page, &name, &effect, "removed");
     json_of(&open.compared.story())
 }
@@ -188,11 +184,4 @@ async fn formula(State(page): State<Page>, body: Result<Json<Typed>, JsonRejecti
         grid: Vec::new(),
     };
     json_of(&open.compared.diagnosed().fit().experiment().check_formula(&text))
-}
-
-fn wrong(rejection: JsonRejection) -> Refusal {
-    match rejection.status() {
-        StatusCode::PAYLOAD_TOO_LARGE => Refusal::Wrong("the body is larger than any call needs".into()),
-        _ => Refusal::Wrong(rejection.body_text()),
-    }
 }

@@ -4,11 +4,16 @@
 //! - *Origin* and *Sec-Fetch-Site*, where a browser sends them, must be ours: no other page reads or writes.
 //! - What changes something needs the header `x-trunnion`: a form of another page cannot send it, and a script of one is asked first
 //!   (CORS), which nothing here answers.
+//! - From other computers only who knows the token (`access`).
 //! - Scripts and styles come from our own files alone.
 
+use super::access::Access;
 use super::answer::refused;
+use super::login::LOGIN;
 use axum::extract::{Request, State};
-use axum::http::header::{CONTENT_SECURITY_POLICY, HOST, ORIGIN, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS};
+use axum::http::header::{
+    AUTHORIZATION, CONTENT_SECURITY_POLICY, COOKIE, HOST, ORIGIN, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS,
+};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::Response;
@@ -32,6 +37,7 @@ const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; style-src '
 pub struct Guard {
     /// `localhost:8460`, `127.0.0.1:8460` and the like.
     hosts: Vec<String>,
+    access: Access,
     calls: Mutex<Calls>,
 }
 
@@ -43,11 +49,10 @@ struct Calls {
 
 impl Guard {
     /// For a page on this address.
-    pub fn new(address: SocketAddr) -> Self {
-        let port = address.port();
-        let names = ["localhost".into(), "127.0.0.1".into(), "[::1]".into(), shown_ip(address)];
+    pub fn new(address: SocketAddr, access: Access) -> Self {
         Self {
-            hosts: names.iter().map(|name: &String| format!("{name}:{port}")).collect(),
+            hosts: access.hosts(address),
+            access,
             calls: Mutex::new(Calls { left: CALLS_AT_ONCE, at: Instant::now() }),
         }
     }
@@ -77,7 +82,8 @@ impl Guard {
             return Some((StatusCode::MISDIRECTED_REQUEST, "Host is no address of this page"));
         }
         let ours = |origin: &str| {
-            origin.strip_prefix("http://").is_some_and(|host| self.hosts.iter().any(|known| known == host))
+            let host = origin.split_once("://").filter(|(scheme, _)| *scheme == self.access.scheme());
+            host.is_some_and(|(_, host)| self.hosts.iter().any(|known| known == host))
         };
         if text(&ORIGIN).is_some_and(|origin| !ours(origin)) {
             return Some((StatusCode::FORBIDDEN, "Origin is another page"));
@@ -91,14 +97,12 @@ impl Guard {
         if !reads && !headers.contains_key(OWN_HEADER) {
             return Some((StatusCode::FORBIDDEN, "what changes something needs the header x-trunnion"));
         }
+        let (authorization, cookie) = (text(&AUTHORIZATION), text(&COOKIE));
+        let is_open = path == "/" || path.starts_with("/assets/") || path == LOGIN;
+        if !is_open && !self.access.lets_in(authorization.unwrap_or_default(), cookie.unwrap_or_default()) {
+            return Some((StatusCode::UNAUTHORIZED, "the token of the page is asked for"));
+        }
         None
-    }
-}
-
-fn shown_ip(address: SocketAddr) -> String {
-    match address {
-        SocketAddr::V4(address) => address.ip().to_string(),
-        SocketAddr::V6(address) => format!("[{}]", address.ip()),
     }
 }
 

@@ -82,6 +82,7 @@ impl Runs {
                 RunLine { found, ..self.line(name, path) }
             })
             .collect();
+        runs.extend(self.removed().into_iter().map(|(name, path, why)| list::removed(name, &path, why)));
         runs.sort_by(|a, b| (a.began_s, &a.name).cmp(&(b.began_s, &b.name)));
         RunList { format: RunListFormat::V1, runs }
     }
@@ -106,8 +107,27 @@ impl Runs {
     }
 
     fn path(&self, name: &str) -> Result<PathBuf, Refusal> {
-        let known = self.paths().into_iter().find(|(known, _)| known == name);
-        known.map(|(_, path)| path).ok_or_else(|| Refusal::Unknown { what: "run", name: name.into() })
+        if let Some((_, path)) = self.paths().into_iter().find(|(known, _)| known == name) {
+            return Ok(path);
+        }
+        match self.removed().into_iter().find(|(known, ..)| known == name) {
+            Some((.., why)) => Err(Refusal::Removed { why }),
+            None => Err(Refusal::Unknown { what: "run", name: name.into() }),
+        }
+    }
+
+    /// Runs whose samples were removed: name, where the recording was, when and why.
+    fn removed(&self) -> Vec<(String, PathBuf, String)> {
+        match &self.place {
+            Place::Folder(folder) => list::removed_from(folder),
+            Place::Files(_) => Vec::new(),
+        }
+    }
+
+    /// The report that a run left when its samples were removed; `None` for any other.
+    pub fn left_report(&self, name: &str) -> Option<String> {
+        let (_, path, _) = self.removed().into_iter().find(|(known, ..)| known == name)?;
+        std::fs::read_to_string(path.with_extension("html")).ok()
     }
 
     /// The run of this name, analysed unless it is already.
@@ -143,14 +163,15 @@ impl Runs {
         self: &Arc<Self>,
         name: &str,
         effect: String,
+        by: String,
         date: String,
     ) -> Result<Arc<Open>, Refusal> {
         let path = self.path(name)?;
         self.alone(move |runs| {
             let open = runs.trusted(&path)?;
-            let smaller = open.compared.diagnosed().fit().remove(&effect, &date)?;
+            let smaller = open.compared.diagnosed().fit().remove(&effect, &date, Some(&by))?;
             smaller.model().save(&open.model_path)?;
-            tracing::info!(model = %open.model_path.display(), effect, "removed from the page");
+            tracing::info!(model = %open.model_path.display(), effect, by, "removed from the page");
             runs.analyse(path)
         })
         .await

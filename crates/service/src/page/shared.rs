@@ -2,8 +2,9 @@
 
 use super::runs::Runs;
 use crate::mqtt::Board;
+use crate::set_up::SetUp;
 use std::sync::Arc;
-use trunnion::results::{CycleGrid, Serves};
+use trunnion::results::{PageCycle, Serves};
 use trunnion_core::Clock;
 
 /// What the page shows.
@@ -16,8 +17,10 @@ pub struct Shared {
     pub runs: Arc<Runs>,
     /// What the service publishes.
     pub board: Board,
-    /// The cycle that is measured here.
-    pub cycle: Option<CycleGrid>,
+    /// The cycles that are measured here.
+    pub cycles: Vec<PageCycle>,
+    /// Setting up at the machine; `None` where nothing is measured.
+    pub set_up: Option<SetUp>,
     /// For the dates of what is added.
     pub clock: Arc<dyn Clock>,
 }

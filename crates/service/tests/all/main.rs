@@ -2,4 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod attempts;
 mod page;
+#[allow(dead_code, reason = "the tests of this crate use a part")]
+#[path = "../../../../tests/src/section.rs"]
+mod section;

@@ -34,7 +34,7 @@ fn the_missing_effect_is_found_added_and_saved() {
     assert_eq!(run.fit(&loaded).unwrap().results(), step.fit().results());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside the model");
 
-    let without = step.fit().remove(&effect, "2026-03-02").unwrap();
+    let without = step.fit().remove(&effect, "2026-03-02", None).unwrap();
     assert_eq!(without.results(), base.results());
     assert!(without.model().text().starts_with("# by hand\n"));
 }

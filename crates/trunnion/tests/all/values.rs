@@ -51,9 +51,9 @@ fn a_model_file_predicts_like_the_fit_that_left_its_values() {
     assert!(matches!(base.model().predict(&run), Err(Error::NoValues { .. })));
     let longer = run.fit(&kept).unwrap().add("backlash:C").unwrap().dated("2026-03-02").unwrap();
     assert_eq!(longer.model().predict(&run).unwrap().fitted_on, "2026-03-02");
-    let without = longer.fit().remove("backlash:C", "2026-03-03").unwrap();
+    let without = longer.fit().remove("backlash:C", "2026-03-03", None).unwrap();
     assert_eq!(without.model().text(), kept.text(), "removing undoes adding, values and all");
-    let middle = longer.fit().remove("gravity-sag:B", "2026-03-03").unwrap();
+    let middle = longer.fit().remove("gravity-sag:B", "2026-03-03", None).unwrap();
     assert_eq!(middle.model().predict(&run).unwrap().fitted_on, "2026-03-03", "fitted again");
 }
 

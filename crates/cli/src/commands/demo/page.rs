@@ -27,7 +27,7 @@ impl DemoPage {
     pub async fn start(
         folder: &Path,
         machine: &Machine,
-        cycle: &Cycle,
+        cycles: &[Cycle],
         board: &Board,
     ) -> anyhow::Result<Self> {
         let listener = listen(page::USUAL_ADDRESS).await?;
@@ -37,11 +37,17 @@ impl DemoPage {
             name: "demo".into(),
             runs: Arc::new(page::Runs::of_folder(folder, None)),
             board: board.clone(),
-            cycle: page::grid_of(machine, cycle),
+            cycles: cycles.iter().map(|cycle| page::page_cycle(machine, cycle, "")).collect(),
+            set_up: None,
             clock: Arc::new(SystemClock::start()),
         };
         let cancel = CancellationToken::new();
-        let serving = tokio::spawn(page::serve(listener, Arc::new(shared), cancel.clone()));
+        let serving = tokio::spawn(page::serve(
+            listener,
+            Arc::new(shared),
+            page::Access::this_computer(),
+            cancel.clone(),
+        ));
         Ok(Self { address, cancel, serving })
     }
 

@@ -9,16 +9,17 @@ async function call(path, options = {}) {
   } catch {
     throw new Error(`${path}: ${answer.status} without an answer that can be read`);
   }
-  if (!answer.ok) throw new Error(value.error || `${path}: ${answer.status}`);
+  if (!answer.ok) throw Object.assign(new Error(value.error || `${path}: ${answer.status}`), { status: answer.status });
   return value;
 }
 
 const changing = { "x-trunnion": "page" };
-const posting = (body) => ({
-  method: "POST",
+const sending = (method, body) => ({
+  method,
   headers: { ...changing, "content-type": "application/json" },
   body: JSON.stringify(body),
 });
+const posting = (body) => sending("POST", body);
 const run = (name) => `/api/runs/${encodeURIComponent(name)}`;
 const inModel = (name, effect) => `${run(name)}/model/${encodeURIComponent(effect)}`;
 
@@ -28,7 +29,18 @@ export const history = () => call("/api/history");
 export const story = (name) => call(run(name));
 export const linear = (name) => call(`${run(name)}/linear`);
 export const add = (name, effect, by) => call(inModel(name, effect), posting({ by }));
-export const remove = (name, effect) => call(inModel(name, effect), { method: "DELETE", headers: changing });
+export const remove = (name, effect, by) => call(inModel(name, effect), sending("DELETE", { by }));
+export const choose = (cycle) => call("/api/cycle/choose", posting({ cycle }));
+export const begin = (cycle) => call("/api/cycle/begin", posting({ cycle }));
+const setUp = (step) => call(`/api/set-up/${step}`, { method: "POST", headers: changing });
+export const beginNest = () => setUp("nest");
+export const finishNest = () => setUp("nest/finish");
+export const beginSignTest = () => setUp("sign-test");
+export const stopSetUp = () => setUp("stop");
+export const login = (token) => call("/api/login", posting({ token }));
+export const abort = () => call("/api/cycle/abort", { method: "POST", headers: changing });
 export const formula = (typed) => call("/api/formula", posting(typed));
+export const methods = (name) => call(`${run(name)}/methods`);
+export const methodAddress = (name, method) => `${run(name)}/method/${encodeURIComponent(method)}`;
 export const reportAddress = (name) => `${run(name)}/report`;
 export const trialAddress = (name, effect) => `${run(name)}/trial/${encodeURIComponent(effect)}`;

@@ -5,17 +5,19 @@ import { colour, el, plain } from "./dom.js";
 const CELL = 28;
 const EDGE = { left: 52, top: 8, right: 8, bottom: 40 };
 
-export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Âµm" }) {
+// `onPoint` is told the cell that is pointed at or reached by arrow keys.
+export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Âµm", onPoint = () => {} }) {
   const width = EDGE.left + columns.length * CELL + EDGE.right;
   const height = EDGE.top + rows.length * CELL + EDGE.bottom;
   const scale = window.devicePixelRatio || 1;
-  const canvas = el("canvas", { width: width * scale, height: height * scale, role: "img" });
+  const canvas = el("canvas", { width: width * scale, height: height * scale, role: "img", tabindex: "0" });
   canvas.style.maxWidth = `${width * 1.6}px`;
-  const under = el("p", { class: "soft" }, "Point at a cell to read its value.");
+  const under = el("p", { class: "soft" }, "Point at a cell, or use the arrow keys, to read its value.");
   const scaleLine = el("span", {});
   const figure = el("figure", { class: "map" }, el("figcaption", {}, title, ". ", scaleLine), canvas, under);
   let values = [];
   let limit = 1;
+  let marked = null;
 
   function draw() {
     const ctx = canvas.getContext("2d");
@@ -39,6 +41,11 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Â
     ctx.fillText(columnsName, EDGE.left + (columns.length * CELL) / 2, height - 10);
     ctx.textAlign = "left";
     ctx.fillText(rowsName, 2, height - EDGE.bottom + 12);
+    if (marked) {
+      ctx.strokeStyle = colour("--ink");
+      ctx.lineWidth = 3;
+      ctx.strokeRect(EDGE.left + marked[1] * CELL + 1, EDGE.top + marked[0] * CELL + 1, CELL - 2, CELL - 2);
+    }
   }
 
   function cell(ctx, x, y, value) {
@@ -66,11 +73,23 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Â
     const box = canvas.getBoundingClientRect();
     const j = Math.floor(((event.clientX - box.left) * (width / box.width) - EDGE.left) / CELL);
     const i = Math.floor(((event.clientY - box.top) * (height / box.height) - EDGE.top) / CELL);
+    if (rows[i] !== undefined && columns[j] !== undefined) onPoint(i, j);
+  });
+  canvas.addEventListener("keydown", (event) => {
+    const step = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    const [i, j] = marked ? [marked[0] + step[0], marked[1] + step[1]] : [0, 0];
+    if (rows[i] !== undefined && columns[j] !== undefined) onPoint(i, j);
+  });
+
+  function say() {
+    if (!marked) return;
+    const [i, j] = marked;
     const value = values[i]?.[j];
-    if (rows[i] === undefined || columns[j] === undefined) return;
     const figures = Number.isFinite(value) ? `${signed(value)} ${unit}` : "nothing was read";
     under.textContent = `${rowsName} ${degrees(rows[i])}, ${columnsName} ${degrees(columns[j])}: ${figures}`;
-  });
+  }
 
   return {
     figure,
@@ -79,6 +98,13 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Â
       canvas.setAttribute("aria-label", `${title}: ${summary(rows, columns, values, rowsName, columnsName, unit)}`);
       scaleLine.textContent = `Full colour: ${plain(limit)} ${unit}; orange positive, blue negative.`;
       draw();
+      say();
+    },
+    // Frames a cell, the same in every map.
+    mark(i, j) {
+      marked = [i, j];
+      draw();
+      say();
     },
   };
 }

@@ -7,7 +7,7 @@ export async function make(page) {
   await page.reload();
   const runs = page.runs;
   if (!runs.length) return [el("h1", {}, "History"), el("p", {}, "There is no recording yet.")];
-  const open = runs.filter((run) => !run.found && !run.trouble);
+  const open = runs.filter((run) => !run.found && !run.trouble && !run.removed);
   const analyse = el("button", { type: "button", class: "main" }, `Analyse ${open.length} more`);
   analyse.addEventListener("click", () => analyseAll(page, open, analyse));
   const history = await calls.history();
@@ -47,8 +47,9 @@ function table(page, runs) {
     });
     const { found } = run;
     const verdict = found ? [VERDICTS[found.verdict] ?? found.verdict, found.candidate].filter(Boolean).join(": ") : run.trouble || "not analysed yet";
+    const gone = run.removed ? el("small", { class: "soft" }, ` samples removed ${run.removed}`) : null;
     return el("tr", {}, el("td", {}, pick), el("td", {}, run.began || "—"), el("td", {}, run.machine || "—"),
-      el("td", { class: "n" }, found ? `${plain(found.rms_um)} µm` : "—"), el("td", {}, verdict),
+      el("td", { class: "n" }, found ? `${plain(found.rms_um)} µm` : "—"), el("td", {}, verdict, gone),
       el("td", {}, found ? found.effects.slice(2).join(", ") || "none" : "—"));
   };
   const head = ["run", "began", "machine", "residual, rms", "verdict", "effects added"].map((text) => el("th", { scope: "col" }, text));

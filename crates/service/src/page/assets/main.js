@@ -6,8 +6,10 @@ import * as result from "./result.js";
 import * as measure from "./measure.js";
 import * as whatIf from "./what-if.js";
 import * as history from "./history.js";
+import * as setUp from "./set-up.js";
+import { login } from "./login.js";
 
-const views = { result, measure, "what-if": whatIf, history };
+const views = { "set-up": setUp, result, measure, "what-if": whatIf, history };
 const page = { status: null, runs: [], run: null, topics: {}, show, choose, reload };
 const place = document.getElementById("view");
 const select = document.getElementById("run");
@@ -55,7 +57,7 @@ async function show() {
 
 function listen() {
   const events = new EventSource("/api/live");
-  for (const topic of ["status", "cycle", "quality", "result", "live", "model"]) {
+  for (const topic of ["status", "cycle", "quality", "ready", "set-up", "result", "live", "model"]) {
     events.addEventListener(topic, (event) => take(topic, JSON.parse(event.data)));
   }
   events.onerror = () => notice("The program does not answer; the page tries again.", true);
@@ -90,7 +92,14 @@ window.addEventListener("hashchange", async () => {
   window.scrollTo(0, 0);
 });
 
-page.status = await calls.status();
+try {
+  page.status = await calls.status();
+} catch (failure) {
+  if (failure.status !== 401) throw failure;
+  await login(place);
+  page.status = await calls.status();
+}
+document.querySelector('[data-view="set-up"]').hidden = page.status.serves !== "service";
 page.topics = page.status.topics;
 document.getElementById("name").textContent = page.status.name;
 document.getElementById("program").textContent = page.status.program;

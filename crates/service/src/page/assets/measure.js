@@ -1,7 +1,9 @@
 // What is measured now: probes in their range, devices with their remedy, the poses of the cycle filling a map.
 
-import { colour, el } from "./dom.js";
-import { degrees, nearest, stations } from "./heat-map.js";
+import * as calls from "./calls.js";
+import { el, notice } from "./dom.js";
+import { deviceRows, probeBar } from "./live.js";
+import { poseMap } from "./pose-map.js";
 
 let parts = null;
 
@@ -17,32 +19,121 @@ export async function make(page) {
   parts = {
     headline: el("h1", { id: "cycle-state" }, "Waiting for the cycle"),
     say: el("p", { class: "lead", role: "status" }),
+    prompt: el("p", { class: "todo", role: "status", id: "prompt" }),
     progress: el("progress", { max: "1", value: "0", "aria-label": "Poses read" }),
     left: el("p", {}),
+    gaps: el("ul", { "aria-label": "Gaps" }),
     probes: el("div", { class: "two" }),
     devices: el("ul", { class: "steps" }),
     axes: el("p", {}),
-    map: status.cycle ? poseMap(status.cycle) : null,
+    map: null, mapOf: null,
+    maps: el("section", {}),
+    controls: controls(page),
   };
   parts.values = el("section", {}, el("h2", {}, "Probes"), parts.probes, el("h2", {}, "Axes"), parts.axes);
   changed(page, "all");
   return [
-    parts.headline, parts.say, parts.progress, parts.left,
-    status.cycle ? el("h2", {}, `Poses of ${status.cycle.name}`) : null,
-    parts.map?.figure,
-    parts.values,
+    parts.headline, parts.prompt, parts.controls.form, parts.progress, parts.left, parts.gaps, parts.say,
+    parts.maps, parts.values,
     el("h2", {}, "Devices"), parts.devices,
-  ].filter(Boolean);
+  ];
 }
 
 export function changed(page, topic) {
   if (!parts) return;
-  const { cycle, status, live } = page.topics;
-  if (topic === "all" || topic === "cycle") showCycle(cycle);
+  const { cycle, status, live, ready } = page.topics;
+  if (topic === "all" || topic === "cycle" || topic === "status") {
+    showMap(page);
+    showCycle(cycle);
+    parts.controls.show(cycle, status);
+  }
   if (topic === "all" || topic === "live" || topic === "status") {
     showProbes(live);
-    showDevices(live, status);
+    parts.devices.replaceChildren(...deviceRows(live, status));
+    parts.gaps.replaceChildren(...(live?.cycle?.newest_gaps ?? []).map((gap) => el("li", {}, gap)));
   }
+  showPrompt(page, cycle, ready);
+}
+
+// Which cycle is next, begin and abort; the answer comes with the topics.
+function controls(page) {
+  const { cycles, operates } = page.status;
+  const name = ({ name, program }) => el("option", { value: name }, program ? `${name} (program ${program})` : name);
+  const select = el("select", { id: "choose" }, el("option", { value: "" }, "as the program says"), ...cycles.map(name));
+  const begin = el("button", { type: "button", class: "main", id: "begin" }, "Begin now");
+  const abort = el("button", { type: "button", id: "abort" }, "Abort the cycle");
+  const ask = async (call, done) => {
+    try {
+      await call();
+      notice(done);
+    } catch (failure) {
+      notice(failure.message, true);
+    }
+  };
+  select.addEventListener("change", () => ask(() => calls.choose(select.value), select.value ? `${select.value} is next.` : "The program says which cycle is next."));
+  begin.addEventListener("click", () => ask(() => calls.begin(select.value), "The cycle begins."));
+  // Twice, as a glove touches what it does not mean.
+  let sure = null;
+  const calm = () => {
+    clearTimeout(sure);
+    sure = null;
+    abort.textContent = "Abort the cycle";
+  };
+  abort.addEventListener("click", () => {
+    if (sure) {
+      calm();
+      ask(calls.abort, "The cycle is ended; what was read is kept.");
+    } else {
+      abort.textContent = "Press again to abort";
+      sure = setTimeout(calm, 5000);
+    }
+  });
+  const waiting = el("div", { class: "row" }, el("label", {}, "Next cycle", select), begin);
+  const form = el("section", { "aria-label": "The cycle" }, operates ? waiting : null, el("p", {}, abort));
+  const show = (cycle, status) => {
+    const measuring = cycle?.state === "measuring";
+    waiting.hidden = measuring;
+    abort.hidden = !measuring;
+    if (document.activeElement !== select) select.value = status?.chosen ?? "";
+  };
+  return { form, show };
+}
+
+// What a person does next.
+function showPrompt(page, cycle, ready) {
+  const known = cycleOf(page);
+  const texts = [];
+  if (cycle?.state === "measuring") {
+    const poses = known?.grid?.poses ?? [];
+    const done = cycle.done ?? 0;
+    const [before, next] = [poses[done - 1]?.setup, poses[done]?.setup];
+    if (next != null && next !== before && known.mounting[next]) texts.push(`${known.mounting[next]} Then let the program go on.`);
+  } else if (page.status.operates) {
+    if (ready && !ready.ready) texts.push(...ready.why.map((why) => `Not ready: ${why}.`));
+    if (known?.mounting.length) texts.push(known.mounting[0]);
+    const waits = cycle?.waits_for ?? page.waits;
+    texts.push(waits ? `Then start the program (the service waits for ${waits}), or press Begin now.` : "Then start the program, or press Begin now.");
+  }
+  page.waits = cycle?.waits_for ?? page.waits;
+  parts.prompt.hidden = !texts.length;
+  parts.prompt.replaceChildren(...texts.flatMap((text, i) => (i ? [el("br"), text] : [text])));
+}
+
+// The cycle that runs, else the chosen one, else that of every program.
+function cycleOf(page) {
+  const { cycle, status } = page.topics;
+  const wanted = [cycle?.state === "ready" ? null : cycle?.cycle, status?.chosen].filter(Boolean);
+  const order = cycle?.state === "measuring" ? wanted : wanted.reverse();
+  const { cycles } = page.status;
+  return order.map((name) => cycles.find((known) => known.name === name)).find(Boolean) ?? cycles.find(({ program }) => !program) ?? cycles[0];
+}
+
+function showMap(page) {
+  const known = cycleOf(page);
+  if (parts.mapOf === known?.name) return;
+  parts.mapOf = known?.name;
+  parts.map = known?.grid ? poseMap(known.grid) : null;
+  parts.maps.replaceChildren(...(known ? [el("h2", {}, `Poses of ${known.name}`), parts.map?.figure ?? el("p", { class: "soft" }, "On the fly, or not over two rotary axes: there is no map of poses.")] : []));
 }
 
 function showCycle(cycle) {
@@ -59,7 +150,7 @@ function showCycle(cycle) {
   if (total) parts.progress.max = total;
   if (over) parts.progress.value = parts.progress.max;
   else parts.progress.value = done;
-  // The map is of one cycle; what is done stays on it.
+  // What is done stays on the map.
   if (whole) parts.map?.fill(Infinity);
   else if (!over && (!total || total === parts.map?.poses)) parts.map?.fill(done);
   else if (!parts.map?.filled) parts.map?.fill(0);
@@ -80,89 +171,8 @@ function showProbes(live) {
   if (!probes.length) {
     parts.probes.replaceChildren(el("p", { class: "soft" }, "No live values yet."));
   } else {
-    parts.probes.replaceChildren(...probes.map(bar));
+    parts.probes.replaceChildren(...probes.map(probeBar));
   }
   const axes = live?.axes ?? [];
   parts.axes.textContent = axes.length ? axes.map(({ name, value, unit }) => `${name} ${value.toFixed(3)} ${unit === "deg" ? "°" : unit}`).join("   ") : "The controller reports no position yet.";
-}
-
-function bar({ name, value_mm: value, range_mm: range, zone, say }) {
-  const known = value != null && range;
-  const good = zone === "centre" || zone === "inside" || zone === "unknown";
-  return el("div", { class: "card" },
-    el("h3", {}, name, " ", el("span", { class: `state ${good ? "ok" : "bad"}` }, zone.replace("-", " "))),
-    known ? el("meter", { min: range[0], max: range[1], value, "aria-label": `${name} in its range` }) : null,
-    el("p", { class: "falls" }, value == null ? "—" : `${value.toFixed(4)} mm`),
-    say ? el("p", {}, say) : null);
-}
-
-function showDevices(live, status) {
-  const remedies = Object.fromEntries((live?.devices ?? []).map((device) => [device.name, device]));
-  const devices = Object.entries(status?.devices ?? {});
-  const row = ([name, device]) => {
-    const good = device.state === "Streaming";
-    const remedy = remedies[name]?.remedy ?? (good ? null : device.last_end);
-    return el("li", {},
-      el("span", { class: "name" }, el("b", {}, name), device.identity ? ` ${device.identity}` : ""),
-      el("span", { class: `state ${good ? "ok" : "bad"}` }, device.state),
-      device.lost_messages ? el("span", {}, `${device.lost_messages} messages lost`) : null,
-      remedy ? el("span", {}, remedy) : null);
-  };
-  parts.devices.replaceChildren(...(devices.length ? devices.map(row) : [el("li", {}, "No device yet.")]));
-}
-
-// One map for each setup; a pose that was read is filled, the next one framed.
-function poseMap({ axes, setups, poses }) {
-  const rows = stations(poses.map((pose) => pose.at_deg[0]));
-  const columns = stations(poses.map((pose) => pose.at_deg[1]));
-  const visits = poses.map((pose) => ({ setup: pose.setup, row: nearest(rows, pose.at_deg[0]), column: nearest(columns, pose.at_deg[1]) }));
-  const cells = setups.map(() => rows.map(() => columns.map(() => [])));
-  visits.forEach((visit, i) => cells[visit.setup][visit.row][visit.column].push(i));
-  const CELL = 22;
-  const scale = window.devicePixelRatio || 1;
-  const canvases = setups.map(() => {
-    const [width, height] = [columns.length * CELL + 50, rows.length * CELL + 26];
-    const canvas = el("canvas", { width: width * scale, height: height * scale, role: "img" });
-    canvas.style.maxWidth = `${width * 1.4}px`;
-    return { canvas, width, height };
-  });
-  const figure = el("div", { class: "maps" }, setups.map((name, k) =>
-    el("figure", { class: "map" }, el("figcaption", {}, `Setup ${name}: ${axes[0]} down, ${axes[1]} across`), canvases[k].canvas)));
-  function fill(done) {
-    setups.forEach((name, k) => {
-      const { canvas, width, height } = canvases[k];
-      const ctx = canvas.getContext("2d");
-      ctx.setTransform(scale, 0, 0, scale, 0, 0);
-      ctx.clearRect(0, 0, width, height);
-      ctx.font = "10px system-ui, sans-serif";
-      let [read, all] = [0, 0];
-      rows.forEach((row, i) => {
-        const y = i * CELL;
-        ctx.fillStyle = colour("--ink");
-        ctx.fillText(degrees(row), 2, y + CELL / 2 + 3);
-        columns.forEach((column, j) => {
-          const here = cells[k][i][j];
-          const taken = here.filter((index) => index < done).length;
-          [read, all] = [read + taken, all + here.length];
-          ctx.globalAlpha = here.length ? 0.85 * (taken / here.length) : 0;
-          ctx.fillStyle = colour("--blue");
-          ctx.fillRect(46 + j * CELL, y, CELL, CELL);
-          ctx.globalAlpha = 1;
-          ctx.strokeStyle = here.includes(done) ? colour("--orange") : colour("--line");
-          ctx.lineWidth = here.includes(done) ? 3 : 1;
-          ctx.strokeRect(46 + j * CELL + 1, y + 1, CELL - 2, CELL - 2);
-        });
-      });
-      ctx.fillStyle = colour("--ink");
-      const every = Math.ceil(columns.length / 8);
-      columns.forEach((column, j) => j % every === 0 && ctx.fillText(degrees(column), 46 + j * CELL, height - 8));
-      canvas.setAttribute("aria-label", `Setup ${name}: ${read} of ${all} poses read`);
-    });
-  }
-  const map = { figure, poses: poses.length, filled: false };
-  map.fill = (done) => {
-    map.filled = true;
-    fill(done);
-  };
-  return map;
 }

@@ -30,6 +30,7 @@ const measureLink = () => el("p", {}, el("a", { href: "#measure", class: "button
 
 function parts(page, story) {
   const section = (id) => story.sections.find((part) => part.id === id)?.html;
+  const who = el("input", { id: "who", autocomplete: "name", maxlength: "60", value: remembered() });
   const detail = ([id, title]) => section(id) && fold(title, () => markup(section(id)));
   return [
     el("h1", {}, story.headline),
@@ -38,26 +39,28 @@ function parts(page, story) {
     el("div", { class: "two" },
       el("section", {}, el("h2", {}, "How sure this is"), list(story.sure)),
       el("section", {}, el("h2", {}, "What to do"), el("ol", { class: "todo" }, story.to_do.map((text) => el("li", {}, text))))),
-    el("section", {}, el("h2", {}, "Which effect, and why"), candidates(page, story)),
-    el("section", {}, el("h2", {}, "The model: what was added"), ladder(page, story), ...chart(section("ladder"))),
+    el("section", {}, el("h2", {}, "Which effect, and why"),
+      story.candidates.length || story.removable.length ? el("p", { class: "row" }, el("label", {}, "Your name, kept with what you add or remove", who)) : null,
+      candidates(page, story, who)),
+    el("section", {}, el("h2", {}, "The model: what was added"), ladder(page, story, who), ...chart(section("ladder"))),
     ...WHERE.map(section).filter(Boolean).map(markup),
     el("section", {}, el("h2", {}, "Complete?"), list(story.complete.length ? story.complete : ["Nothing was planned that could be missing."])),
     unseen(story),
     ...DETAILS.map(detail).filter(Boolean),
+    fold("By a recipe of the literature", () => methods(page.run)),
     el("p", {}, el("a", { class: "button", href: calls.reportAddress(page.run), target: "_blank" }, "The report on one page, to be printed")),
   ];
 }
 
 const fact = ({ name, value, remark }) => el("div", {}, el("dt", {}, name), el("dd", {}, value, el("small", {}, remark)));
 
-function candidates(page, story) {
+function candidates(page, story, who) {
   if (story.withheld) return el("p", { class: "warn" }, story.withheld);
   if (!story.candidates.length) return el("p", {}, "No effect is proposed: the answer above says why.");
-  const who = el("input", { id: "who", autocomplete: "name", maxlength: "60", value: remembered() });
   const cards = story.candidates.map((candidate, index) => card(page, candidate, who, index === 0));
   const [best, ...others] = cards;
   return [
-    el("p", { class: "row" }, el("label", {}, "Your name, kept with what you add", who)), best,
+    best,
     others.length ? el("details", {}, el("summary", {}, el("h3", {}, `Other candidates (${others.length})`)), ...others) : null,
   ].filter(Boolean);
 }
@@ -85,17 +88,33 @@ function card(page, candidate, who, first) {
     el("details", { open: first }, el("summary", {}, "Why, and how large"), ...more.filter(Boolean)));
 }
 
-function ladder(page, story) {
+const NOTHING_ADDED = "Nothing yet: the model has location errors and ball setting alone.";
+
+function ladder(page, story, who) {
   const rows = story.ladder.rows.filter((row) => row.ladder);
-  if (!rows.length) return el("p", {}, "Nothing yet: the model has location errors and ball setting alone.");
+  if (!rows.length && !story.ladder.removed.length) return el("p", {}, NOTHING_ADDED);
   const step = ({ effect, ladder: row }) => {
     const remove = el("button", { type: "button", "data-remove": effect }, `Remove ${effect}`);
-    remove.addEventListener("click", () => change(page, remove, null, () => calls.remove(page.run, effect), effect, "removed"));
-    const who = [row.by, row.date].filter(Boolean).join(", ");
-    return el("li", {}, el("span", { class: "name" }, el("b", {}, effect), who ? ` added by ${who}` : ""),
+    remove.addEventListener("click", () => change(page, remove, who, () => calls.remove(page.run, effect, who.value.trim()), effect, "removed"));
+    const by = [row.by, row.date].filter(Boolean).join(", ");
+    return el("li", {}, el("span", { class: "name" }, el("b", {}, effect), by ? ` added by ${by}` : ""),
       story.removable.includes(effect) ? remove : null);
   };
-  return el("ul", { class: "steps" }, rows.map(step));
+  const gone = ({ effect, by, date }) => el("li", { class: "soft" }, `${effect} removed${by ? ` by ${by}` : ""}, ${date}`);
+  const removed = story.ladder.removed.map(gone);
+  return [rows.length ? null : el("p", {}, NOTHING_ADDED), el("ul", { class: "steps" }, rows.map(step), removed)].filter(Boolean);
+}
+
+// The same run by named methods, each a page of its own; what a method lacks is said.
+function methods(run) {
+  const place = el("div", {}, el("p", { class: "soft" }, "Asking each method …"));
+  const line = ({ name, title, source, problem }) => el("li", {},
+    problem ? el("b", {}, name) : el("a", { class: "button", href: calls.methodAddress(run, name), target: "_blank" }, name),
+    ` ${title}. `, el("small", { class: "soft" }, problem ? `Not from this run: ${problem}` : source));
+  calls.methods(run).then(
+    (list) => place.replaceChildren(el("ul", {}, list.methods.map(line))),
+    (failure) => place.replaceChildren(el("p", { class: "warn" }, failure.message)));
+  return [place];
 }
 
 // The chart of the report under our heading.
@@ -119,7 +138,7 @@ function unseen(story) {
 
 async function change(page, button, who, call, effect, done) {
   if (who && !who.value.trim()) {
-    notice("Who adds it? Write your name first.", true);
+    notice("Who does it? Write your name first.", true);
     who.focus();
     return;
   }

@@ -2,7 +2,8 @@
 
 import * as calls from "./calls.js";
 import { el, fold, notice, plain } from "./dom.js";
-import { degrees, heatMap, nearest, signed, stations } from "./heat-map.js";
+import { heatMap, nearest, stations } from "./heat-map.js";
+import { posesOf } from "./poses.js";
 
 export async function make(page) {
   if (!page.run) return [el("h1", {}, "What if"), el("p", {}, "There is no recording yet.")];
@@ -12,9 +13,18 @@ export async function make(page) {
   const state = prepare(linear);
   const figure = el("p", { class: "big", role: "status", id: "rms" });
   const remark = el("p", { class: "soft" });
-  const maps = mapsOf(state);
-  const table = el("tbody");
-  const update = () => compute(state, { figure, remark, maps, table });
+  // One selection for all plots: a cell of the maps, or a pose.
+  const atCell = (i, j) => {
+    maps.drawn.forEach((map) => map.mark(i, j));
+    poses.choose(linear.points.map((_, k) => k).filter((k) => maps.where[k][0] === i && maps.where[k][1] === j));
+  };
+  const atPose = (k) => {
+    maps?.drawn.forEach((map) => map.mark(...maps.where[k]));
+    poses.choose([k]);
+  };
+  const maps = mapsOf(state, atCell);
+  const poses = posesOf(state, atPose);
+  const update = () => compute(state, { figure, remark, maps, poses });
   const parts = [
     el("h1", {}, "What if"),
     el("p", {}, "Switch effects on and off: residual and maps follow at once. Nothing is changed in the model."),
@@ -27,12 +37,12 @@ export async function make(page) {
       choices("Directions", state.directions.map((name, i) => ({ text: name, checked: true, value: name, set: (on) => (state.ways[i] = on) })), update)),
     el("h2", {}, "Residual, rms"), figure, remark,
     el("div", { class: "maps" }, maps ? maps.drawn.map((map) => map.figure) : el("p", {}, "No map: fewer than two rotary axes moved.")),
-    fold("The largest residuals, pose by pose", () => el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Residual of poses" },
-      el("table", {}, el("thead", {}, el("tr", {}, ["pose", "setup", "residual, µm", "time, s"].map((head) => el("th", { scope: "col" }, head)))), table))),
+    el("h2", {}, "The selected poses"), poses.said,
+    poses.chart, poses.arrows, poses.table,
     fold("Try an expression", () => editor(page)),
   ];
   update();
-  return parts;
+  return parts.filter(Boolean);
 }
 
 function choices(title, items, update) {
@@ -70,11 +80,11 @@ function prepare(linear) {
     on: changes.map(() => false),
     setups: linear.setups.map(() => true),
     ways: directions.map(() => true),
-    residual: new Float64Array(linear.residual_um.length),
+    residual: Float64Array.from(linear.residual_um),
   };
 }
 
-function mapsOf({ linear, rotary }) {
+function mapsOf({ linear, rotary }, onPoint) {
   const moved = rotary.map((axis) => ({ ...axis, at: stations(linear.points.map((point) => point.position[axis.i])) })).filter((axis) => axis.at.length > 1);
   if (moved.length < 2) return null;
   moved.sort((a, b) => a.at.length - b.at.length);
@@ -83,7 +93,7 @@ function mapsOf({ linear, rotary }) {
   const where = linear.points.map((point) => [nearest(tilting.at, point.position[tilting.i]), nearest(turning.at, point.position[turning.i])]);
   const drawn = names.map((name) => heatMap({
     title: `Residual of component ${name}, measured − predicted, mean over setups and directions`,
-    rows: tilting.at, columns: turning.at, rowsName: tilting.name, columnsName: turning.name,
+    rows: tilting.at, columns: turning.at, rowsName: tilting.name, columnsName: turning.name, onPoint,
   }));
   return { names, drawn, where, rows: tilting.at.length, columns: turning.at.length, limit: 0 };
 }
@@ -112,7 +122,7 @@ function compute(state, shown) {
     : exact ? `The fit of this set of effects gives ${exact.rms}.`
     : "Several effects at once: each was fitted with the others as they are, so a fit of all of them may give somewhat less.";
   if (shown.maps) drawMaps(state, takes, excluded, shown.maps);
-  fillTable(state, takes, shown.table);
+  shown.poses.update(takes);
 }
 
 function drawMaps({ linear, firstRow, residual }, takes, excluded, maps) {
@@ -132,20 +142,6 @@ function drawMaps({ linear, firstRow, residual }, takes, excluded, maps) {
   // The scale grows and stays: what is switched off and on can be compared.
   maps.limit = Math.max(maps.limit, largest);
   maps.drawn.forEach((map, k) => map.show(all[k], maps.limit));
-}
-
-const LISTED = 50;
-
-function fillTable({ linear, firstRow, residual }, takes, body) {
-  const size = (i) => Math.hypot(...residual.subarray(firstRow[i], firstRow[i + 1]));
-  const worst = linear.points.map((_, i) => i).filter((i) => takes[i]).map((i) => [size(i), i]).sort((a, b) => b[0] - a[0]).slice(0, LISTED);
-  body.replaceChildren(...worst.map(([, i]) => {
-    const point = linear.points[i];
-    const pose = linear.axes.map((axis, k) => (axis.rotary ? `${axis.name} ${degrees(Number(point.position[k].toFixed(3)))}` : null)).filter(Boolean).join(" ");
-    const setup = linear.setups[point.setup];
-    const values = setup.components.map((name, k) => `${name} ${signed(residual[firstRow[i] + k])}`).join("  ");
-    return el("tr", {}, el("td", {}, pose), el("td", {}, setup.name), el("td", {}, values), el("td", { class: "n" }, point.time_s == null ? "—" : point.time_s.toFixed(1)));
-  }));
 }
 
 function editor(page) {

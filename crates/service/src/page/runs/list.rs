@@ -1,10 +1,12 @@
 //! What a list says of a recording: from its header, and from the answers that the service wrote next to it.
 
+use crate::run_record;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 use trunnion::results::{
     Comparison, Diagnosis, Identification, Parameter, RunFound, RunLine, sentences::is_location,
 };
+use trunnion_protocol::mtconnect::parse_timestamp;
 
 /// Newest recordings of a folder that are listed.
 const MOST_RUNS: usize = 1000;
@@ -55,6 +57,45 @@ pub fn read(name: String, path: &Path) -> RunLine {
     }
 }
 
+/// Runs of a folder whose samples were removed: name, where the recording was, when and why.
+pub fn removed_from(folder: &Path) -> Vec<(String, PathBuf, String)> {
+    let named = |(path, why): (PathBuf, String)| (name_of(&path), path, why);
+    let mut removed: Vec<_> = run_record::removed_from(folder).into_iter().map(named).collect();
+    removed.sort();
+    removed.drain(..removed.len().saturating_sub(MOST_RUNS));
+    removed
+}
+
+/// The line of a run whose samples were removed, from the answers that stayed.
+pub fn removed(name: String, path: &Path, why: String) -> RunLine {
+    let fit: Option<Identification> = answer(&path.with_extension("identification.json"));
+    let began_ns = began_ns(&name);
+    RunLine {
+        machine: fit.map_or_else(String::new, |fit| fit.machine),
+        began_s: began_ns.map(|ns| ns / 1_000_000_000),
+        began: began_ns.and_then(trunnion::moment::minute).unwrap_or_default(),
+        found: written(path),
+        removed: why,
+        name,
+        ..RunLine::default()
+    }
+}
+
+/// When a run began, from its name: `CYCLE-YYYYMMDDThhmmssZ`, with a number behind it where two began in a second.
+fn began_ns(name: &str) -> Option<i64> {
+    name.split('-')
+        .filter_map(|part| {
+            let (date, time) = part.strip_suffix('Z')?.split_once('T')?;
+            let cut = |text: &str, ends: [usize; 2]| {
+                let [a, b] = ends;
+                Some([text.get(..a)?.to_owned(), text.get(a..b)?.to_owned(), text.get(b..)?.to_owned()])
+            };
+            let (date, time) = (cut(date, [4, 6])?.join("-"), cut(time, [2, 4])?.join(":"));
+            parse_timestamp(&format!("{date}T{time}Z"))
+        })
+        .next()
+}
+
 /// What the service found when it was recorded.
 pub fn written(path: &Path) -> Option<RunFound> {
     let fit: Identification = answer(&path.with_extension("identification.json"))?;
@@ -81,4 +122,18 @@ fn in_short(fit: &Identification, diagnosis: &Diagnosis) -> RunFound {
 
 fn answer<T: DeserializeOwned>(path: &Path) -> Option<T> {
     serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_whose_samples_are_gone_is_dated_by_its_name() {
+        let expected = parse_timestamp("2026-11-23T14:10:58Z");
+        assert!(expected.is_some());
+        assert_eq!(began_ns("r-test-static-20261123T141058Z"), expected);
+        assert_eq!(began_ns("r-test-static-20261123T141058Z-2"), expected);
+        assert_eq!(began_ns("monday"), None);
+    }
 }

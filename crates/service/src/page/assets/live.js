@@ -1,0 +1,36 @@
+// What is read at this moment: a probe in its range, a device with its remedy.
+
+import { el } from "./dom.js";
+
+export function probeBar({ name, value_mm: value, range_mm: range, zone, say }) {
+  const known = value != null && range;
+  const good = zone === "centre" || zone === "inside" || zone === "unknown";
+  return el("div", { class: "card" },
+    el("h3", {}, name, " ", el("span", { class: `state ${good ? "ok" : "bad"}` }, zone.replace("-", " "))),
+    known ? gauge(name, value, range) : null,
+    el("p", { class: "falls" }, value == null ? "—" : `${value.toFixed(4)} mm`),
+    say ? el("p", {}, say) : null);
+}
+
+// The measuring range with its centre zone, and where the probe is.
+function gauge(name, value, [from, to]) {
+  const mark = el("span", { class: "mark" });
+  mark.style.left = `${100 * Math.max(0, Math.min(1, (value - from) / (to - from)))}%`;
+  return el("div", { class: "gauge", role: "meter", "aria-label": `${name} in its range`, "aria-valuemin": from, "aria-valuemax": to, "aria-valuenow": value.toFixed(4) },
+    el("span", { class: "zone" }), mark);
+}
+
+export function deviceRows(live, status) {
+  const remedies = Object.fromEntries((live?.devices ?? []).map((device) => [device.name, device]));
+  const devices = Object.entries(status?.devices ?? {});
+  const row = ([name, device]) => {
+    const good = device.state === "Streaming";
+    const remedy = remedies[name]?.remedy ?? (good ? null : device.last_end);
+    return el("li", {},
+      el("span", { class: "name" }, el("b", {}, name), device.identity ? ` ${device.identity}` : ""),
+      el("span", { class: `state ${good ? "ok" : "bad"}` }, device.state),
+      device.lost_messages ? el("span", {}, `${device.lost_messages} messages lost`) : null,
+      remedy ? el("span", {}, remedy) : null);
+  };
+  return devices.length ? devices.map(row) : [el("li", {}, "No device yet.")];
+}

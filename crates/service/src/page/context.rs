@@ -1,0 +1,50 @@
+//! What the calls share: the page behind them, and the answers that several give.
+
+use super::access::Access;
+use super::answer::{Refusal, json_of};
+use super::runs::Runs;
+use super::shared::Shared;
+use axum::extract::rejection::JsonRejection;
+use axum::http::StatusCode;
+use axum::response::Response;
+use serde_json::Value;
+use std::sync::Arc;
+use tokio::sync::Semaphore;
+use tokio_util::sync::CancellationToken;
+use trunnion::page::label;
+use trunnion::results::{PageFormat, PageStatus, Serves};
+
+/// What the calls share.
+#[derive(Clone)]
+pub(super) struct Page {
+    pub(super) shared: Arc<Shared>,
+    pub(super) runs: Arc<Runs>,
+    pub(super) access: Access,
+    pub(super) watchers: Arc<Semaphore>,
+    pub(super) cancel: CancellationToken,
+}
+
+pub(super) type Answer = Result<Response, Refusal>;
+
+/// What the page shows before anything is asked.
+pub(super) fn status_of(page: &Page) -> Answer {
+    let shared = &page.shared;
+    let value = |text: String| serde_json::from_str::<Value>(&text).unwrap_or_default();
+    json_of(&PageStatus {
+        format: PageFormat::V1,
+        program: label(),
+        serves: shared.serves,
+        name: shared.name.clone(),
+        cycles: shared.cycles.clone(),
+        operates: shared.serves == Serves::Service,
+        topics: shared.board.now().into_iter().map(|(topic, text)| (topic, value(text))).collect(),
+    })
+}
+
+/// A body that is not what the call takes.
+pub(super) fn wrong(rejection: JsonRejection) -> Refusal {
+    match rejection.status() {
+        StatusCode::PAYLOAD_TOO_LARGE => Refusal::Wrong("the body is larger than any call needs".into()),
+        _ => Refusal::Wrong(rejection.body_text()),
+    }
+}

@@ -1,0 +1,71 @@
+//! The calls that a person makes at the machine: which cycle is next, begin it, end it (docs/use/page.md).
+
+use super::answer::Refusal;
+use super::context::{Answer, Page, status_of, wrong};
+use axum::extract::State;
+use axum::extract::rejection::JsonRejection;
+use axum::routing::post;
+use axum::{Json, Router};
+use serde::Deserialize;
+use trunnion::results::Serves;
+use trunnion_core::names::allowed;
+
+/// Their routes.
+pub(super) fn routes() -> Router<Page> {
+    Router::new()
+        .route("/api/cycle/choose", post(choose))
+        .route("/api/cycle/begin", post(begin))
+        .route("/api/cycle/abort", post(abort))
+}
+
+/// Which cycle; empty: that of the program.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Chosen {
+    cycle: String,
+}
+
+async fn choose(State(page): State<Page>, body: Result<Json<Chosen>, JsonRejection>) -> Answer {
+    page.chooses(&body.map_err(wrong)?.0.cycle)?;
+    status_of(&page)
+}
+
+async fn begin(State(page): State<Page>, body: Result<Json<Chosen>, JsonRejection>) -> Answer {
+    let chosen = body.map_err(wrong)?.0.cycle;
+    if page.is_measuring() {
+        return Err(Refusal::NotNow("a cycle is being measured; abort it first, or wait for its end"));
+    }
+    page.chooses(&chosen)?;
+    tracing::info!(cycle = chosen, "begun from the page");
+    page.shared.board.operator().begin();
+    status_of(&page)
+}
+
+async fn abort(State(page): State<Page>) -> Answer {
+    if !page.is_measuring() {
+        return Err(Refusal::NotNow("no cycle is being measured"));
+    }
+    tracing::info!("the cycle was aborted from the page");
+    page.shared.board.operator().abort();
+    status_of(&page)
+}
+
+impl Page {
+    fn chooses(&self, cycle: &str) -> Result<(), Refusal> {
+        if self.shared.serves != Serves::Service {
+            return Err(Refusal::NotNow("nothing waits for a cycle behind this page"));
+        }
+        let names = || self.shared.cycles.iter().map(|cycle| cycle.name.as_str());
+        if !cycle.is_empty() && !names().any(|name| name == cycle) {
+            let allowed = allowed(cycle, names());
+            return Err(Refusal::Wrong(format!("there is no cycle \"{cycle}\"; allowed: {allowed}")));
+        }
+        self.shared.board.operator().choose(cycle);
+        Ok(())
+    }
+
+    fn is_measuring(&self) -> bool {
+        let cycle = self.shared.board.get("cycle").unwrap_or_default();
+        cycle["state"] == crate::daemon::CycleState::Measuring.as_str()
+    }
+}

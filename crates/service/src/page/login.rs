@@ -1,0 +1,35 @@
+//! The token, once: the browser keeps a cookie then.
+
+use super::answer::Refusal;
+use super::context::{Answer, Page, wrong};
+use axum::extract::State;
+use axum::extract::rejection::JsonRejection;
+use axum::http::header::SET_COOKIE;
+use axum::response::IntoResponse;
+use axum::routing::post;
+use axum::{Json, Router};
+use serde::Deserialize;
+
+/// The call that needs no token yet.
+pub(super) const LOGIN: &str = "/api/login";
+
+/// Its route.
+pub(super) fn routes() -> Router<Page> {
+    Router::new().route(LOGIN, post(login))
+}
+
+/// What a person types.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Typed {
+    token: String,
+}
+
+async fn login(State(page): State<Page>, body: Result<Json<Typed>, JsonRejection>) -> Answer {
+    let typed = body.map_err(wrong)?.0.token;
+    if !page.access.is_token(&typed) {
+        tracing::warn!("somebody gave a wrong token to the page");
+        return Err(Refusal::WrongToken);
+    }
+    Ok(([(SET_COOKIE, page.access.cookie())], "{}").into_response())
+}

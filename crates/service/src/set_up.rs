@@ -1,0 +1,177 @@
+//! Setting up at the machine in guided steps: directions of the probes, then whether they follow (docs/use/setting-up.md).
+//!
+//! The service has the devices, so the steps take what it reads while no cycle is measured; `trunnion calibrate-nest` and
+//! `trunnion watch --sign-test` do the same without a service.
+
+use crate::error::chain;
+use crate::mqtt::Board;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use trunnion::nest::NestSteps;
+use trunnion::results::{SetUpState, SetUpStep, SignFinding};
+use trunnion_core::channel::instrument_channels;
+use trunnion_core::{Joint, NestSide};
+use trunnion_sync::plan::Plan;
+use trunnion_sync::{NestCalibration, Timed};
+
+/// The topic of the state.
+pub const TOPIC: &str = "set-up";
+/// Dwells from which a calibration may succeed: three directions, both ways, and where they began.
+const FEWEST_DWELLS: usize = 7;
+const STEP_ON: &str = "Step X, Y and Z by 0.1 mm and more, both ways; stand for a second after each step. Twelve steps are good.";
+const JOG_ON: &str = "Jog X by 0.1 mm, then Y and Z; wait a second after each.";
+
+/// Shared by the page, which begins steps, and by who reads the devices.
+#[derive(Clone)]
+pub struct SetUp {
+    plan: Option<Arc<Plan>>,
+    board: Board,
+    under_way: Arc<Mutex<Option<UnderWay>>>,
+}
+
+struct UnderWay {
+    step: SetUpStep,
+    steps: NestSteps,
+    nest: NestCalibration,
+    seen: usize,
+    /// Why the last attempt to finish gave nothing.
+    problem: String,
+}
+
+/// Why a step cannot be done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoSetUp {
+    /// A ball bar has no nest.
+    #[error("the configuration lacks probe-1, probe-2, probe-3, or a cycle that names the machine")]
+    NoProbes,
+    /// There is nothing to finish.
+    #[error("no calibration of the nest is under way")]
+    NotUnderWay,
+}
+
+impl SetUp {
+    /// Of the probes as this plan has them.
+    pub fn new(board: &Board, plan: Option<&Plan>) -> Self {
+        let plan = plan.cloned().map(Arc::new);
+        Self { plan, board: board.clone(), under_way: Arc::default() }
+    }
+
+    /// Begins a step; another one ends.
+    ///
+    /// # Errors
+    /// Without three probes.
+    pub fn begin(&self, step: SetUpStep) -> Result<(), NoSetUp> {
+        let plan = self.plan.as_ref().ok_or(NoSetUp::NoProbes)?;
+        let channels = instrument_channels(&plan.channels, false).ok_or(NoSetUp::NoProbes)?;
+        let side: NestSide = plan.cycle.setups[0].nest;
+        let steps = NestSteps::new(plan.machine.clone(), side, &channels);
+        *self.lock() = Some(UnderWay { step, steps, nest: plan.nest, seen: 0, problem: String::new() });
+        self.publish(SetUpState { step: Some(step), to_do: to_do(step).into(), ..SetUpState::default() });
+        Ok(())
+    }
+
+    /// Calibrates the nest from the steps so far, or gives the reason why not; the step goes on then.
+    ///
+    /// # Errors
+    /// Without a calibration under way.
+    pub fn finish_nest(&self) -> Result<(), NoSetUp> {
+        let mut under_way = self.lock();
+        let now = under_way.as_mut().filter(|now| now.step == SetUpStep::Nest).ok_or(NoSetUp::NotUnderWay)?;
+        let (calibrated, state) = (now.steps.calibrate(false), now.state());
+        match calibrated {
+            Ok(nest) => {
+                *under_way = None;
+                let to_do = "Put these lines into the configuration in place of its [nest], restart the service, and do the sign test.";
+                self.publish(SetUpState {
+                    step: None,
+                    nest: Some(nest),
+                    problem: String::new(),
+                    to_do: to_do.into(),
+                    ..state
+                });
+            }
+            Err(failure) => {
+                now.problem = chain(&failure);
+                self.publish(now.state());
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends what is under way.
+    pub fn stop(&self) {
+        *self.lock() = None;
+        self.publish(SetUpState::default());
+    }
+
+    /// Takes what a device read.
+    pub(crate) fn take(&self, timed: &Timed) {
+        let mut under_way = self.lock();
+        let Some(now) = under_way.as_mut() else { return };
+        match timed {
+            Timed::Probe(sample) => now.steps.probe(sample),
+            Timed::Axes(sample) => now.steps.axes(sample),
+            _ => return,
+        }
+        if std::mem::replace(&mut now.seen, now.steps.count()) == now.steps.count() {
+            return;
+        }
+        let state = now.state();
+        let found = state.sign_test.as_ref().map(|test| test.finding);
+        if matches!(found, Some(SignFinding::AsNest | SignFinding::OtherWay)) {
+            *under_way = None;
+            self.publish(SetUpState { step: None, ..state });
+        } else {
+            self.publish(state);
+        }
+    }
+
+    fn publish(&self, state: SetUpState) {
+        match serde_json::to_value(state) {
+            Ok(state) => self.board.set(TOPIC, &state),
+            Err(failure) => tracing::debug!(%failure, "the step of setting up is no JSON"),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<UnderWay>> {
+        self.under_way.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl UnderWay {
+    fn state(&self) -> SetUpState {
+        let dwells = self.steps.count();
+        let last = self.steps.last().map_or_else(String::new, |dwell| {
+            let [x, y, z] = [Joint::X, Joint::Y, Joint::Z].map(|axis| dwell.position[axis]);
+            let [a, b, c] = dwell.probes_mm;
+            format!("X {x:.3} Y {y:.3} Z {z:.3} mm, probes {a:.4} {b:.4} {c:.4} mm")
+        });
+        let sign_test = match self.step {
+            SetUpStep::Nest => None,
+            SetUpStep::SignTest => self.steps.sign_test(&self.nest),
+        };
+        let to_do = match (self.step, sign_test.as_ref().map(|test| test.finding)) {
+            (SetUpStep::Nest, _) if dwells >= FEWEST_DWELLS => "Step on, or finish.",
+            (_, Some(SignFinding::AsNest)) => "Bring the ball to the centre, then begin a cycle.",
+            (_, Some(SignFinding::OtherWay | SignFinding::None)) => {
+                "Mend what it says, then do the sign test again."
+            }
+            (step, _) => to_do(step),
+        };
+        SetUpState {
+            step: Some(self.step),
+            dwells,
+            last,
+            sign_test,
+            problem: self.problem.clone(),
+            to_do: to_do.into(),
+            ..SetUpState::default()
+        }
+    }
+}
+
+fn to_do(step: SetUpStep) -> &'static str {
+    match step {
+        SetUpStep::Nest => STEP_ON,
+        SetUpStep::SignTest => JOG_ON,
+    }
+}
