@@ -3,9 +3,11 @@
 use crate::commands::daemon::prepare;
 use crate::outcome::Outcome;
 use crate::terminal;
+use anyhow::Context;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use trunnion_core::secret::holds_secret;
+use trunnion_service::page::Access;
 
 /// Check a configuration and the files it names
 ///
@@ -22,6 +24,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let devices = prepared.config.devices.len();
     if let Some(remark) = open_to_others(&args.config, &prepared.config.text)? {
         terminal::remark(&remark);
+    }
+    if let Some(lan) = prepared.config.page.as_ref().and_then(|page| page.lan.as_ref()) {
+        Access::of_lan(lan).context("[page] cannot let other computers in")?;
     }
     let cycles: Vec<&str> = prepared.cycles.names().collect();
     let several = if cycles.len() == 1 { "cycle" } else { "cycles" };

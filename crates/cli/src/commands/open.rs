@@ -40,7 +40,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         [folder] if folder.is_dir() => page::Runs::of_folder(folder, args.model.clone()),
         files => page::Runs::of_files(files.to_vec(), args.model.clone()),
     };
-    let name = args.runs.iter().map(|run| run.display().to_string()).collect::<Vec<_>>().join(", ");
+    let file_name = |run: &PathBuf| run.file_name().map(|name| name.to_string_lossy().into_owned());
+    let name = args.runs.iter().filter_map(file_name).collect::<Vec<_>>().join(", ");
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
     runtime.block_on(async {
         let shared = page::Shared {

@@ -8,7 +8,7 @@ use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio_util::sync::CancellationToken;
-use trunnion::results::Serves;
+use trunnion::results::{RunRecord, Serves};
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::mqtt::Board;
@@ -196,6 +196,27 @@ async fn what_two_browsers_add_at_once_is_both_in_the_model() {
     assert!(text.contains("gravity-sag:B") && text.contains("backlash:C"), "{text}");
     let steps = [first, second].map(|story| story["ladder"]["rows"].as_array().unwrap().len());
     assert_eq!(steps[0].abs_diff(steps[1]), 1, "the later one sees both");
+}
+
+#[test]
+fn a_run_whose_samples_were_removed_stays_on_the_list_with_its_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = "low-20261123T141058Z";
+    let recording = folder.path().join(format!("{name}.mcap"));
+    let why = "2026-12-24T00:00:00Z: it was older than 30 days (keep_days of [storage])";
+    let record = RunRecord { removed: Some(why.into()), ..RunRecord::default() };
+    trunnion_service::run_record::write(&recording, &record).unwrap();
+    std::fs::write(recording.with_extension("html"), "<h1>the report</h1>").unwrap();
+    let runs = Runs::of_folder(folder.path(), None);
+    let list = runs.list();
+    let [line] = list.runs.as_slice() else { panic!("{list:?}") };
+    assert_eq!((line.name.as_str(), line.removed.as_str()), (name, why));
+    assert_eq!(line.began, "2026-11-23 14:10 UTC");
+    assert_eq!(runs.left_report(name).unwrap(), "<h1>the report</h1>");
+    assert!(runs.left_report("../low").is_none());
+    // Put back, it is a run like any other.
+    std::fs::write(&recording, "").unwrap();
+    assert!(runs.list().runs[0].removed.is_empty() && runs.left_report(name).is_none());
 }
 
 #[test]

@@ -166,7 +166,7 @@ function arrowMap({ linear, rotary }, names, value) {
   const largest = linear.points.reduce((most, _, i) => Math.max(most, ...names.map((name) => Math.abs(value(i, name) ?? 0))), 0);
   if (largest > 0) slider.value = String(Math.max(0, Math.min(100, 25 * (Math.log10(40 / largest) + 1))));
   const section = el("section", {}, el("h2", {}, "Residual as arrows"),
-    el("p", { class: "row" }, el("label", {}, "Components", pair), el("label", {}, "Magnification", slider)), canvas, legend);
+    el("p", { class: "row" }, el("label", {}, "Components", pair), el("label", {}, "Magnification", slider)), el("figure", { class: "map" }, canvas), legend);
   return {
     section,
     draw(takesNow, selectedNow) {
