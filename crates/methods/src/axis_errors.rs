@@ -13,6 +13,8 @@
 
 mod representative;
 
+pub use representative::Confounded;
+
 use representative::{confounded, representative};
 use std::collections::BTreeSet;
 use trunnion_core::{AxisValues, Joint, Slot, State, Twist, convert};
@@ -52,15 +54,6 @@ pub struct AxisErrors {
     pub left_out: Vec<NotTabulated>,
     /// Parameters of which only a combination is known, and what stands for it in the tables.
     pub confounded: Vec<Confounded>,
-}
-
-/// Parameters of which the data determine only a combination.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Confounded {
-    /// Those in the tables, which stand for all.
-    pub entered: Vec<String>,
-    /// Those that are zero in the tables.
-    pub zero: Vec<String>,
 }
 
 /// The errors of one axis.
@@ -133,6 +126,7 @@ impl AxisErrors {
             }
             tabulated.push(fitted);
         }
+        let held = |j: usize| tabulated.iter().any(|fitted: &Fitted| fitted.id == fit.parameters[j].effect);
         let axes = scene.machine.axes().map(|axis| table(scene, &tabulated, axis.letter));
         Ok(Self {
             machine: fit.machine.clone(),
@@ -140,7 +134,7 @@ impl AxisErrors {
             axes: axes
                 .filter(|table| table.location != Twist::default() || !table.errors.is_empty())
                 .collect(),
-            confounded: confounded(fit, &solution, &tabulated),
+            confounded: confounded(fit, &solution, held),
             effects: tabulated.into_iter().map(|fitted| fitted.id).collect(),
             left_out,
         })

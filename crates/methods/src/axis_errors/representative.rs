@@ -4,12 +4,20 @@
 //! instrument, what was set by hand must not go into the machine: x is moved along these directions, x − d x_j / d_j, until one
 //! machine error j of each is zero and the settings hold its share. The readings stay the same.
 
-use super::{Confounded, Fitted};
 use std::collections::BTreeSet;
 use trunnion_engine::{Identification, Unobservable};
 
 /// Share of the largest coefficient of a direction (screen units) below which a parameter takes no part.
 const TAKES_PART: f64 = 1e-9;
+
+/// Parameters of which the data determine only a combination.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Confounded {
+    /// Those in the tables, which stand for all.
+    pub entered: Vec<String>,
+    /// Those that are zero in the tables.
+    pub zero: Vec<String>,
+}
 
 /// The solution to enter, inside units. `settings`: ids of the effects that are set by hand.
 pub(super) fn representative(fit: &Identification, settings: &BTreeSet<&str>) -> Vec<f64> {
@@ -49,9 +57,12 @@ fn dense(direction: &Unobservable, width: usize) -> Vec<f64> {
     row
 }
 
-/// The null directions of which a parameter without a number of its own is in the tables.
-pub(super) fn confounded(fit: &Identification, solution: &[f64], tabulated: &[Fitted]) -> Vec<Confounded> {
-    let held = |j: usize| tabulated.iter().any(|fitted| fitted.id == fit.parameters[j].effect);
+/// The null directions of which a parameter without a number of its own is in the tables: `held` there.
+pub(super) fn confounded(
+    fit: &Identification,
+    solution: &[f64],
+    held: impl Fn(usize) -> bool,
+) -> Vec<Confounded> {
     let without_number = |j: usize| held(j) && fit.parameters[j].value.is_none();
     let of_direction = |direction: &Unobservable| {
         let names = |which: &dyn Fn(usize) -> bool| -> Vec<String> {

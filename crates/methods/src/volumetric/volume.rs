@@ -69,7 +69,7 @@ pub enum VolumeError {
     Empty,
     /// Nothing to see.
     #[error(
-        "--volume: by this model nothing moves tool against table over {0}: its effects are those of axes that stand still there. Give these axes a range, e.g. B=-90..90, or add effects of the axes that move"
+        "--volume: by this model nothing moves tool against table over {0}: its effects are those of axes that are at rest there. Give these axes a range, e.g. B=-90..90, or add effects of the axes that move"
     )]
     Nothing(String),
 }

@@ -138,7 +138,7 @@ fn several_errors_together_are_distinguished_in_noise() {
 #[test]
 fn a_run_without_speed_keeps_backlash_and_spikes_clear_of_the_servo_mismatch() {
     let feed = 1000.0 / 60.0;
-    let displaced = |s: &State| (-1.0 * UM * s.direction[X] - 0.4e-3 * s.velocity[X], 0.0);
+    let displaced = |s: &State| (-UM * s.direction[X] - 0.4e-3 * s.velocity[X], 0.0);
     let mut run = circle(displaced, 0.2, false);
     run.kind = RunKind::Static;
     for point in &mut run.points {

@@ -7,14 +7,18 @@ use trunnion_effects::Unit;
 
 pub(super) fn charts(fit: &Fitted<'_>) -> Vec<Chart> {
     let [a, b] = fit.trace.plane;
-    let group = format!("Circle in {} ({a} to the right at 0°, {b} at 90°)", fit.trace.name);
+    let group = format!(
+        "Circle in {}: circular deviation {:.1} µm ({a} to the right at 0°, {b} at 90°; ↺ counter-clockwise, ↻ clockwise)",
+        fit.trace.name,
+        um_from_mm(fit.iso.of_the_trace_mm())
+    );
     let curves = |k: usize, around: bool| -> Vec<Curve> {
         let drawn = |contour: &Contour| if around { closed(contour) } else { contour.clone() };
         fit.contours.iter().map(|(way, contours)| Curve::new(name(*way), drawn(&contours[k]))).collect()
     };
     let mut charts = vec![Chart {
         group: group.clone(),
-        title: format!("Circularity {:.1} µm: what makes it", um_from_mm(fit.centred_circularity_mm)),
+        title: "What makes it: circularity of each error, and its share".into(),
         plot: Plot::Bars { unit: Unit::UM, bars: bars(fit) },
     }];
     for (k, title) in
@@ -49,7 +53,7 @@ fn bars(fit: &Fitted<'_>) -> Vec<NamedAmount> {
 }
 
 fn name(way: f64) -> &'static str {
-    if way < 0.0 { "↻ − (clockwise)" } else { "↺ + (counter-clockwise)" }
+    if way < 0.0 { "↻ −" } else { "↺ +" }
 }
 
 /// The first point once more.

@@ -164,6 +164,11 @@ impl<'a> Fitted<'a> {
 }
 
 impl Iso {
+    /// G(b), or G of the only direction.
+    pub fn of_the_trace_mm(&self) -> f64 {
+        self.g_b_mm.unwrap_or_else(|| self.g_mm.iter().map(|(_, g_mm)| *g_mm).fold(0.0, f64::max))
+    }
+
     fn of(method: &Method, trace: &Trace, as_read: &[(f64, Contour)]) -> Result<Self, MethodError> {
         let r_mm = trace.radius_mm;
         let place =
