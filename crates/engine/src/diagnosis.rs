@@ -17,7 +17,6 @@ pub mod options;
 mod refine;
 mod refits;
 mod rivals;
-mod rows;
 mod scan;
 mod scored;
 mod search;

@@ -20,7 +20,7 @@ use crate::fit::gauss_newton::{Converged, converge};
 use crate::fit::holdout::holdout;
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification, Outlier};
 use crate::fit::shape::search_shapes;
-use crate::fit::structured::structured;
+use crate::fit::structured::{Structured, structured};
 use crate::fit::uncertainty::{covariance, sums};
 use crate::noise::outliers::excluded;
 use crate::noise::repeatability::repeatability;
@@ -50,6 +50,16 @@ pub fn identify(
     model: &Model,
     options: &Options,
 ) -> Result<Identification, IdentifyError> {
+    identify_beside(experiment, model, options, None)
+}
+
+/// The same next to another fit of the same points, of which it takes what depends on the points alone.
+pub(crate) fn identify_beside(
+    experiment: &Experiment,
+    model: &Model,
+    options: &Options,
+    other: Option<&Identification>,
+) -> Result<Identification, IdentifyError> {
     let mut joint = SideBySide::place(experiment, model)?;
     let everything = vec![true; experiment.points.len()];
     let mut weights = Weights::even(experiment);
@@ -68,7 +78,7 @@ pub fn identify(
         search_shapes(experiment, &mut joint, &used, &weights, options)?;
         (used, fit) = converge_robustly(&Design::new(experiment, &joint, &weights), options)?;
     }
-    Ok(gather(&Design::new(experiment, &joint, &weights), &used, fit, options))
+    Ok(gather(&Design::new(experiment, &joint, &weights), &used, fit, options, other))
 }
 
 fn converge_robustly(
@@ -83,17 +93,27 @@ fn converge_robustly(
     excluded(design.experiment, |used| converge(design, used, options), |fit| &fit.weighted_mm)
 }
 
-fn gather(design: &Design<'_>, used: &[bool], fit: Converged, options: &Options) -> Identification {
+fn gather(
+    design: &Design<'_>,
+    used: &[bool],
+    fit: Converged,
+    options: &Options,
+    other: Option<&Identification>,
+) -> Identification {
     let (experiment, joint) = (design.experiment, design.joint);
     let passes = passes(experiment);
     let sums = sums(design, &passes, &fit, used);
     let determined = &fit.datum.determined;
     let structured = match options.uncertainties {
-        Uncertainties::NoiseParts => structured(design, &passes, &fit, used),
+        Uncertainties::NoiseParts => {
+            structured(design, &fit, used, other.and_then(|other| other.noise.as_ref()))
+        }
         Uncertainties::Clusters => None,
     };
-    let (small, noise_parts) =
-        structured.unwrap_or_else(|| (covariance(&fit, &sums, design.weights), Vec::new()));
+    let (small, noise_parts, noise) = match structured {
+        Some(Structured { covariance, parts, noise }) => (covariance, parts, Some(noise)),
+        None => (covariance(&fit, &sums, design.weights), Vec::new(), None),
+    };
     let mut covariance = DMatrix::zeros(joint.width(), joint.width());
     for (a, &i) in determined.iter().enumerate() {
         for (b, &j) in determined.iter().enumerate() {
@@ -137,6 +157,7 @@ fn gather(design: &Design<'_>, used: &[bool], fit: Converged, options: &Options)
             HeldOut::Skipped => None,
         },
         noise_parts,
+        noise,
         row_weights: design.weights.root.clone(),
         noise_by_run,
         rms_mm: (squares / fit.rows_used as f64).sqrt(),

@@ -10,6 +10,7 @@ pub(crate) mod folds;
 pub(crate) mod off_nominal;
 pub mod passes;
 pub(crate) mod poses;
+pub(crate) mod rows;
 pub mod runs;
 pub(crate) mod sequence;
 pub(crate) mod side_by_side;
@@ -17,8 +18,8 @@ pub(crate) mod stream;
 pub(crate) mod taken;
 
 use crate::fit::identification::Identification;
-use crate::fit::identify;
 use crate::fit::options::{IdentifyError, Options};
+use crate::fit::{identify, identify_beside};
 use crate::problem::experiment::Experiment;
 use credible::credible_columns;
 use nalgebra::DMatrix;
@@ -55,7 +56,8 @@ impl<'a> Problem<'a> {
     pub fn with(&self, added: &[ModelEffect]) -> Result<Self, IdentifyError> {
         let mut model = self.model().clone();
         model.effects.extend_from_slice(added);
-        Self::new(self.experiment, &model)
+        let fit = identify_beside(self.experiment, &model, &Options::default(), Some(&self.fit))?;
+        Ok(Self { experiment: self.experiment, model: Cow::Owned(model), fit: Cow::Owned(fit) })
     }
 
     /// Columns of the free parameters of the model at the shapes fitted, of points of the same scene; rows × columns.

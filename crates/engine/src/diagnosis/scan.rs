@@ -2,31 +2,23 @@
 //! from it.
 
 use crate::diagnosis::options::DiagnoseError;
-use crate::diagnosis::rows::Rows;
 use crate::diagnosis::vocabulary::Vocabulary;
 use crate::evidence::{beside, log_mean_exp, orthonormal, turned};
 use crate::noise::learned::display::Display;
 use crate::noise::learned::kernels::Kernels;
-use crate::noise::learned::mode::{Effort, Mode, Readings};
+use crate::noise::learned::mode::{Mode, Readings};
+use crate::noise::learned::remainder::{Fitted, Remainder};
 use crate::noise::learned::{Real, tails};
-use crate::noise::outliers::median;
 use crate::problem::Problem;
 use crate::problem::credible::credible_columns;
+use crate::problem::rows::Rows;
 use crate::spectrum::free_waves;
 use crate::spectrum::left::Left;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+use std::sync::Arc;
 use trunnion_effects::catalogue::BASE;
 use trunnion_effects::{Instance, Role, Shapes};
-
-/// Median of |x| for a standard normal x.
-const MEDIAN_LENGTH: f64 = 0.6745;
-/// Of the robust size of the residual, what is white to begin with.
-const WHITE_FIRST: f64 = 0.7;
-/// Readings are never trusted below this, mm: ten times under the resolution of any probe.
-const FINEST_MM: f64 = 1e-6;
-/// Rounds of learning the weights of points.
-const WEIGHINGS: usize = 2;
 
 /// Everything a search needs.
 pub struct Scan<'a> {
@@ -50,7 +42,7 @@ pub struct Scan<'a> {
     pub unit_mm: f64,
     /// The display of the readings where its step is coarser than the residual.
     pub coarse_display: Option<Display>,
-    pub kernels: Kernels,
+    pub kernels: Arc<Kernels>,
     white: DVector<f64>,
     least_ln: f64,
     /// Root of the weight of each row: base, readings and every column are multiplied by it.
@@ -82,35 +74,27 @@ impl Named {
 impl<'a> Scan<'a> {
     pub fn new(problem: &Problem<'a>, without: &[String]) -> Result<Self, DiagnoseError> {
         let (experiment, fit) = (problem.experiment(), problem.fit());
-        let rows = Rows::new(experiment);
-        let of_rows = |columns: DMatrix<f64>| rows.of(columns);
-        let root = rows.of_vector(fit.row_weights.clone());
-        let mut base = weighted(of_rows(problem.columns(experiment)?), &root);
-        let residual = rows.of_vector(fit.residual_mm.clone()).component_mul(&root);
-        let sizes: Vec<f64> = residual.iter().map(|r| r.abs()).collect();
-        let unit_mm = (median(&sizes) / MEDIAN_LENGTH).max(FINEST_MM);
-        let display = Display::of(experiment);
-        let least_mm = display.as_ref().map_or(0.0, |display| display.hidden_mm()).max(FINEST_MM);
-        let least_ln = (least_mm / unit_mm).ln();
-        let coarse_display = display.filter(|display| display.step_mm > unit_mm);
-        if let Some(display) = &coarse_display {
-            base = beside(&base, &weighted(of_rows(display.saw(experiment, &fit.predicted_mm)), &root));
+        let fitted = Fitted {
+            row_weights: &fit.row_weights,
+            residual_mm: &fit.residual_mm,
+            predicted_mm: &fit.predicted_mm,
+            used: &fit.used,
+            other: fit.noise.as_ref(),
+        };
+        let remainder = Remainder::new(experiment, &fitted, |rows, root| {
+            Ok::<_, DiagnoseError>(weighted(rows.of(problem.columns(experiment)?), root))
+        })?;
+        let (rows, parameters) = (remainder.rows.points.rows(), remainder.basis.ncols());
+        if rows < 2 * parameters {
+            return Err(DiagnoseError::TooFewReadings { rows, parameters });
         }
+        let noise = fit.noise.clone().or_else(|| Some(remainder.learn()?.0)).ok_or(DiagnoseError::NoNoise)?;
+        let first = remainder.mode_from(&noise).ok_or(DiagnoseError::NoNoise)?;
+        let white = noise.white;
+        let Remainder { rows, root, base, y, unit_mm, coarse_display, kernels, least_ln, .. } = remainder;
         let left = Left::of(problem)?;
         let (named, columns, widths, out_of_reach) = competitors(problem, &left, &rows, &root, without);
         let vocabulary = Vocabulary::new(&rows.points, &root, &free_waves(&left));
-        let basis = orthonormal(&base);
-        if rows.points.rows() < 2 * basis.ncols() {
-            let (rows, parameters) = (rows.points.rows(), basis.ncols());
-            return Err(DiagnoseError::TooFewReadings { rows, parameters });
-        }
-        let kernels = Kernels::new(&rows.points, &root, rows.readings_of_one().sqrt());
-        let y = (residual / unit_mm).cast::<Real>();
-        let used: Vec<bool> = (0..rows.points.points.len())
-            .map(|node| rows.points_of(node).iter().all(|&point| fit.used[point]))
-            .collect();
-        let (white, first) = learned(&kernels, &y, &basis.cast::<Real>(), &used, least_ln);
-        let first = first.ok_or(DiagnoseError::NoNoise)?;
         Ok(Self {
             residual: left,
             rows,
@@ -155,30 +139,6 @@ impl<'a> Scan<'a> {
     pub fn columns_of(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
         weighted(self.rows.of(credible_columns(self.rows.whole(), instance, shape)), &self.root)
     }
-}
-
-/// The noise when nothing is added, with the weights of points that it asks for.
-fn learned(
-    kernels: &Kernels,
-    y: &DVector<Real>,
-    basis: &DMatrix<Real>,
-    used: &[bool],
-    least_ln: f64,
-) -> (DVector<f64>, Option<Mode>) {
-    let of_point = |i: &usize| if used[*i] { 1.0 } else { tails::NOTHING };
-    let mut white = DVector::from_iterator(y.len(), kernels.point_of_row.iter().map(of_point));
-    let mut x: Vec<f64> = std::iter::once(WHITE_FIRST.ln()).chain(kernels.means()).collect();
-    let mut effort = Effort::FULL;
-    let mut mode = None;
-    for round in 0..=WEIGHINGS {
-        let readings = Readings { kernels, y, white: &white, least_ln };
-        mode = readings.sigma(&x).and_then(|start| readings.learn(basis, start, effort));
-        let Some(found) = mode.as_ref().filter(|_| round < WEIGHINGS) else { break };
-        let Some(weights) = tails::weights(found, &kernels.rows_of_point, &white, used) else { break };
-        x = found.x().to_vec();
-        (white, effort) = (weights, Effort { steps: Effort::FULL.steps / 2, ..Effort::FULL });
-    }
-    (white, mode)
 }
 
 type Competitors = (Vec<Named>, DMatrix<Real>, Vec<usize>, Vec<String>);

@@ -11,14 +11,13 @@
 //! 89 to 100 %.
 
 use crate::fit::identification::Identification;
+use crate::solve::normal::COVERAGE_95;
 use crate::solve::normal::within;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Grid of λ: sixths of a decade, a fifth in s. Its ends hardly matter: an s below does not show, an s above is a rare guess with two runs.
 const DECADES: [i32; 2] = [-3, 5];
 const PER_DECADE: i32 = 6;
-/// Two-sided 95 % of a normal distribution, in standard uncertainties [GUM, table G.1].
-const COVERAGE_95: f64 = 1.96;
 /// Variance inflation, the diagonal of the inverse correlation, above which the others nearly determine a parameter [Belsley 1980 §3.2].
 const INFLATION: f64 = 10.0;
 /// Halvings of the interval in which the half width of the mixture lies.

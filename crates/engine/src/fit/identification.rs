@@ -3,6 +3,7 @@
 //! Inside units throughout (mm, rad, s, K); [`FittedParameter::screen_value`] converts.
 //! `residual = measured − predicted`.
 
+use crate::noise::learned::remainder::Learned;
 use crate::problem::folds::LeftOut;
 use crate::solve::combinations::Combination;
 use crate::solve::direction::{Status, Unobservable};
@@ -47,6 +48,8 @@ pub struct Identification {
     /// Parts of the noise from which the uncertainties follow; empty when they follow from clusters (pass × position of the
     /// slow axis) of the residual instead.
     pub noise_parts: Vec<NoisePart>,
+    /// The noise that was learned, where the uncertainties follow from it: a diagnosis goes on from there.
+    pub(crate) noise: Option<Learned>,
     /// Root of the weight of each row in the fit; mean square 1 over the rows used.
     pub row_weights: DVector<f64>,
     /// Noise of each run and instrument, as the readings were weighted.

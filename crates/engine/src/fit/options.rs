@@ -36,8 +36,8 @@ pub enum HeldOut {
 /// Where the uncertainties of the parameters come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncertainties {
-    /// From the parts of a machine's noise: white, offsets of passes, positioning, drift, small repeatable motions. Where these
-    /// cannot be distinguished (on the fly, few readings, very long runs), from clusters.
+    /// From the noise that the run itself shows, the one of a diagnosis: white, offsets of passes, positioning, drift, a pattern over
+    /// the poses. With few readings, from clusters.
     NoiseParts,
     /// From how alike the residuals of a cluster (pass × position of the slow axis) are: quick, and too narrow where
     /// errors last longer than a cluster.

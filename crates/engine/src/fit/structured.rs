@@ -1,86 +1,247 @@
-//! Covariance of the parameters under noise as machines make it.
+//! Covariance of the parameters under the noise that the run itself shows.
 //!
 //! The estimate was x̂ = H r, H = (AᵀA + P)⁻¹ Aᵀ with weighted rows A and the priors P of the model. Whatever Σ is, its covariance is
 //! the sandwich H Σ Hᵀ:
 //!
-//! C = N (σ_w² AᵀA + Σ_k v_k (AᵀZ_k)(AᵀZ_k)ᵀ + v_L AᵀL LᵀA + Π) N,   N = (AᵀA + P)⁻¹
+//! C = N (Σ_i s²W_i a_i a_iᵀ + Σ_k v_k AᵀK_kA + Π) N,   N = (AᵀA + P)⁻¹
 //!
-//! σ_w², v_k, v_L from [`crate::noise::variances`]; Z_k, L from [`crate::noise::random_columns`], multiplied by the same weights ω as the readings (the
-//! white part of Σ is then diag(σ_w²/ω²)); Π: the u² of the priors. Structure is counted once: the white variance is what
-//! the structure leaves.
-//! Limits: readings at rest. On the fly neighbours err alike for more reasons than these; long runs cost too much; with few
-//! readings there is no saying what is noise. There the clusters of [`crate::fit::uncertainty`] serve.
+//! s, W, K_k: the noise that a diagnosis learns (`noise::learned`, docs/design/statistics.md §1); v_k: posterior means of s²ρ_k²; Π: the
+//! u² of the priors. a_i: rows of A. Where neighbours are averaged for learning, those of one mean share what is not white, and the
+//! white variance of one is that of the mean times their number.
+//! Limits: with few readings there is no saying what is noise. There the clusters of [`crate::fit::uncertainty`] serve.
 
 use crate::fit::gauss_newton::Converged;
 use crate::fit::identification::NoisePart;
-use crate::noise::likelihood::Residual;
-use crate::noise::machine_noise::Order;
-use crate::noise::random_columns::{Levers, kinds};
-use crate::noise::variances::variances;
-use crate::problem::design::Design;
-use crate::problem::passes::Passes;
-use nalgebra::DMatrix;
-use trunnion_cycles::RunKind;
+use crate::noise::learned::Real;
+use crate::noise::learned::display::Display;
+use crate::noise::learned::kernels::{Kernel, Kernels, Over, Part};
+use crate::noise::learned::posterior::{Size, sizes};
+use crate::noise::learned::remainder::{Fitted, Learned, Remainder};
+use crate::problem::design::{Design, unused_rows};
+use crate::problem::rows::Rows;
+use crate::solve::normal::{COVERAGE_95, within};
+use nalgebra::{DMatrix, DVector};
+use std::convert::Infallible;
 
-const MOST_ROWS: usize = 20_000;
-const MOST_COLUMNS: usize = 600;
 const FEWEST_DEGREES_OF_FREEDOM: usize = 20;
+/// Draws of the sizes: the half-width of a mixture of 128 normal distributions errs by less than 2 %.
+const DRAWS: usize = 128;
+const COVERED: f64 = 0.95;
+const BISECTIONS: usize = 30;
+const ROOT_STEPS: usize = 40;
+/// Parts as a person tells them apart.
+const PARTS: [(Part, &str); 4] = [
+    (Part::Pass, "offsets of passes"),
+    (Part::Station, "positioning"),
+    (Part::Drift, "drift"),
+    (Part::Pattern, "pattern over the poses"),
+];
 
-/// Covariance of the determined parameters and the parts of the noise behind it; `None` outside the limits.
+/// What the learned noise says of a fit.
+pub(crate) struct Structured {
+    /// Of the determined parameters.
+    pub covariance: DMatrix<f64>,
+    pub parts: Vec<NoisePart>,
+    pub noise: Learned,
+}
+
+/// `None` outside the limits. `other`: the noise of another fit of the same points.
 pub(crate) fn structured(
     design: &Design<'_>,
-    passes: &Passes,
     fit: &Converged,
     used: &[bool],
-) -> Option<(DMatrix<f64>, Vec<NoisePart>)> {
-    let experiment = design.experiment;
-    if experiment.kinds.contains(&RunKind::OnTheFly)
-        || experiment.rows() > MOST_ROWS
-        || fit.degrees_of_freedom() < FEWEST_DEGREES_OF_FREEDOM
-        || fit.datum.determined.is_empty()
-    {
+    other: Option<&Learned>,
+) -> Option<Structured> {
+    let determined = &fit.datum.determined;
+    if fit.degrees_of_freedom() < FEWEST_DEGREES_OF_FREEDOM || determined.is_empty() {
         return None;
     }
-    let mut root = design.weights.root.clone();
-    let mut residual_mm = fit.weighted_mm.clone();
-    let mut fitted = DMatrix::zeros(experiment.rows(), fit.datum.determined.len());
-    design.blocks(&mut |_, rows, columns| {
-        let chosen = columns.select_columns(&fit.datum.determined);
-        fitted.rows_mut(rows.start, rows.len()).copy_from(&chosen);
-    });
-    for row in crate::problem::design::unused_rows(experiment, used) {
-        (root[row], residual_mm[row]) = (0.0, 0.0);
-        fitted.row_mut(row).fill(0.0);
-    }
-    let order = Order::new(experiment);
-    let kinds = kinds(experiment, &order, passes, &root);
-    if kinds.iter().map(|kind| kind.columns.ncols()).sum::<usize>() > MOST_COLUMNS {
+    let fitted = Fitted {
+        row_weights: &design.weights.root,
+        residual_mm: &fit.residual_mm,
+        predicted_mm: &fit.predicted_mm,
+        used,
+        other,
+    };
+    let means = |rows: &Rows<'_>, _: &_| Ok::<_, Infallible>(means(design, rows, determined));
+    let Ok(remainder) = Remainder::new(design.experiment, &fitted, means);
+    if remainder.y.len() < 2 * remainder.basis.ncols() {
         return None;
     }
-    let levers = Levers::new(&order, &root);
-    let found = variances(&Residual {
-        fitted: &fitted,
-        residual_mm: &residual_mm,
-        kinds: &kinds,
-        levers: &levers,
-        degrees_of_freedom: fit.degrees_of_freedom(),
-    });
-
-    let mut noise_of_scores = fitted.tr_mul(&fitted) * found.white + prior_scores(design, fit);
-    let mut parts = vec![NoisePart { name: "white", sigma_mm: found.white.sqrt() }];
-    for (kind, &variance) in kinds.iter().zip(&found.kinds) {
-        let score = fitted.tr_mul(&kind.columns);
-        noise_of_scores += &score * score.transpose() * variance;
-        parts.push(NoisePart { name: kind.name, sigma_mm: variance.sqrt() });
-    }
-    if !levers.is_empty() {
-        let score = levers.seen_by(&fitted);
-        noise_of_scores += score.tr_mul(&score) * found.levers;
-        parts.push(NoisePart { name: Levers::NAME, sigma_mm: found.levers.sqrt() });
-    }
+    let (noise, mode) = remainder.learn()?;
+    let (kernels, unit_mm) = (&remainder.kernels, remainder.unit_mm);
+    let sizes = sizes(&mode, kernels);
+    let white_mm = mode.white() * unit_mm;
+    let (of_nodes, of_white) = sums(design, &remainder.rows, determined, used, &noise);
     let cofactor = fit.solver.cofactor();
-    let covariance = &cofactor * noise_of_scores * &cofactor;
-    Some(((&covariance + covariance.transpose()) * 0.5, parts))
+    let constant = &cofactor * (of_white * white_mm.powi(2) + prior_scores(design, fit)) * &cofactor;
+    let influence = of_nodes * &cofactor;
+    let constant = constant + of_display(&remainder, &influence, &fit.predicted_mm);
+    let of_kernels = of_kernels(kernels, &(influence * unit_mm));
+    let covariance = covariance(&constant, &of_kernels, &sizes);
+    let sigma_mm = |part: Part| {
+        let own = sizes.iter().filter(|size| size.part == part);
+        unit_mm * own.map(|size| size.mean).sum::<f64>().sqrt()
+    };
+    let white = NoisePart { name: "white", sigma_mm: white_mm };
+    let parts = PARTS.map(|(part, name)| NoisePart { name, sigma_mm: sigma_mm(part) });
+    let parts = std::iter::once(white).chain(parts.into_iter().filter(|part| part.sigma_mm > 0.0)).collect();
+    Some(Structured { covariance, parts, noise })
+}
+
+/// Mean covariance of all sizes of the noise that the run allows, each parameter with the u of which ± 1.96 u holds 95 % of their
+/// mixture: a few sizes that may be large widen the mean more than the interval.
+fn covariance(constant: &DMatrix<f64>, of_kernels: &[DMatrix<f64>], sizes: &[Size]) -> DMatrix<f64> {
+    let mut mean = constant.clone();
+    of_kernels.iter().zip(sizes).for_each(|(of_kernel, size)| mean += of_kernel * size.mean);
+    let draws = draws(sizes);
+    let scale: Vec<f64> = (0..mean.nrows())
+        .map(|j| {
+            let of_draw = |draw: &Vec<f64>| {
+                let of_kernels =
+                    draw.iter().zip(of_kernels).map(|(variance, of_kernel)| variance * of_kernel[(j, j)]);
+                (constant[(j, j)] + of_kernels.sum::<f64>()).max(0.0).sqrt()
+            };
+            let u: Vec<f64> = draws.iter().map(of_draw).collect();
+            if mean[(j, j)] > 0.0 { half_width(&u) / COVERAGE_95 / mean[(j, j)].sqrt() } else { 1.0 }
+        })
+        .collect();
+    DMatrix::from_fn(mean.nrows(), mean.ncols(), |i, j| {
+        0.5 * (mean[(i, j)] + mean[(j, i)]) * scale[i] * scale[j]
+    })
+}
+
+/// Variances of all kernels drawn together, independent, at places that fill the unit cube evenly: multiples of the powers of 1/g,
+/// g^(d+1) = g + 1, modulo 1 [Roberts 2018]. Whether the machine has a part is drawn once for all its kernels.
+fn draws(sizes: &[Size]) -> Vec<Vec<f64>> {
+    let parts = PARTS.len();
+    let power = 1.0 / ((sizes.len() + parts) as f64 + 1.0);
+    let g = (0..ROOT_STEPS).fold(1.5_f64, |g, _| (1.0 + g).powf(power));
+    let place = |m: usize, k: usize| (0.5 + m as f64 * g.powi(-(k as i32 + 1))).fract();
+    let of = |m: usize| {
+        let at = |(k, size): (usize, &Size)| {
+            let of_part = PARTS.iter().position(|(part, _)| *part == size.part).unwrap_or(0);
+            if size.is_there(place(m, of_part)) { size.quantile(place(m, parts + k)) } else { 0.0 }
+        };
+        sizes.iter().enumerate().map(at).collect()
+    };
+    (1..=DRAWS).map(of).collect()
+}
+
+/// What 95 % of a mixture of normal distributions of these standard deviations lie within.
+fn half_width(u: &[f64]) -> f64 {
+    let largest = u.iter().copied().fold(0.0, f64::max);
+    let (mut low, mut high) = (0.0, COVERAGE_95 * largest);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        let inside = u.iter().map(|u| within(middle / u.max(f64::MIN_POSITIVE))).sum::<f64>();
+        if inside < COVERED * u.len() as f64 { low = middle } else { high = middle }
+    }
+    high
+}
+
+/// The columns on the rows that are looked at, weighted.
+fn means(design: &Design<'_>, rows: &Rows<'_>, determined: &[usize]) -> DMatrix<f64> {
+    let mut shares = vec![0.0; design.experiment.points.len()];
+    for node in 0..rows.points.points.len() {
+        let points = rows.points_of(node);
+        points.iter().for_each(|&point| shares[point] = 1.0 / points.len() as f64);
+    }
+    on_nodes(design, rows, determined, |point| shares[point])
+}
+
+/// The columns of the points summed for each node, each point with its share.
+fn on_nodes(
+    design: &Design<'_>,
+    rows: &Rows<'_>,
+    determined: &[usize],
+    share: impl Fn(usize) -> f64,
+) -> DMatrix<f64> {
+    let node_of_point = rows.node_of_points();
+    let mut summed = DMatrix::zeros(rows.points.rows(), determined.len());
+    design.blocks(&mut |points, of_points, columns| {
+        for point in points.filter(|&point| share(point) > 0.0) {
+            let of_node = rows.points.rows_of(node_of_point[point]);
+            for (to, from) in of_node.zip(design.experiment.rows_of(point)) {
+                for (k, &j) in determined.iter().enumerate() {
+                    summed[(to, k)] += share(point) * columns[(from - of_points.start, j)];
+                }
+            }
+        }
+    });
+    summed
+}
+
+/// Sums of the used rows of A for each node, and Σ W_i a_i a_iᵀ over all used rows in units of the white variance of a node.
+fn sums(
+    design: &Design<'_>,
+    rows: &Rows<'_>,
+    determined: &[usize],
+    used: &[bool],
+    noise: &Learned,
+) -> (DMatrix<f64>, DMatrix<f64>) {
+    let experiment = design.experiment;
+    let of_nodes = on_nodes(design, rows, determined, |point| f64::from(u8::from(used[point])));
+    let node_of_point = rows.node_of_points();
+    let averaged: Vec<f64> =
+        (0..rows.points.points.len()).map(|node| (rows.points_of(node).len() as f64).sqrt()).collect();
+    let mut root = vec![0.0; experiment.rows()];
+    for (point, &node) in node_of_point.iter().enumerate() {
+        for (row, of_node) in experiment.rows_of(point).zip(rows.points.rows_of(node)) {
+            root[row] = averaged[node] * noise.white[of_node].sqrt();
+        }
+    }
+    unused_rows(experiment, used).for_each(|row| root[row] = 0.0);
+    let mut of_white = DMatrix::zeros(determined.len(), determined.len());
+    design.blocks(&mut |_, rows, columns| {
+        let mut chosen = columns.select_columns(determined);
+        for (k, row) in rows.enumerate() {
+            chosen.row_mut(k).scale_mut(root[row]);
+        }
+        of_white.gemm_tr(1.0, &chosen, &chosen, 1.0);
+    });
+    (of_nodes, of_white)
+}
+
+/// H K_k Hᵀ of every kernel; `influence`: Hᵀ summed for each node.
+fn of_kernels(kernels: &Kernels, influence: &DMatrix<f64>) -> Vec<DMatrix<f64>> {
+    let folded: Vec<Vec<DMatrix<Real>>> = kernels
+        .frames
+        .iter()
+        .map(|frame| kernels.folded_columns(frame, influence).into_iter().map(DMatrix::cast).collect())
+        .collect();
+    let of_kernel = |kernel: &Kernel| {
+        let mut sum = DMatrix::zeros(influence.ncols(), influence.ncols());
+        for of_direction in &folded[kernel.frame] {
+            let product = match &kernel.over {
+                Over::Own => of_direction.transpose() * of_direction,
+                Over::Pairs(pairs) => of_direction.transpose() * (pairs * of_direction),
+            };
+            sum += product.cast::<f64>();
+        }
+        sum
+    };
+    kernels.list.iter().map(of_kernel).collect()
+}
+
+/// What a coarse display adds, which errs alike at like readings: the saw of its step d has the amplitude d/πn in its harmonic n.
+/// Learning takes it off (docs/design/statistics.md §1.1), the fit does not.
+fn of_display(
+    remainder: &Remainder<'_>,
+    influence: &DMatrix<f64>,
+    predicted_mm: &DVector<f64>,
+) -> DMatrix<f64> {
+    let mut sum = DMatrix::zeros(influence.ncols(), influence.ncols());
+    let Some(display) = &remainder.coarse_display else { return sum };
+    let mut weighted = influence.clone();
+    weighted.column_iter_mut().for_each(|mut column| column.component_mul_assign(&remainder.root));
+    let saw = remainder.rows.of(display.saw(remainder.rows.whole(), predicted_mm));
+    let seen = weighted.transpose() * saw;
+    for (k, column) in seen.column_iter().enumerate() {
+        let amplitude_mm = display.step_mm / (std::f64::consts::PI * Display::harmonic(k));
+        sum += column * column.transpose() * (0.5 * amplitude_mm.powi(2));
+    }
+    sum
 }
 
 /// Π: a prior enters as a reading w x = w x₀ that errs by w u.

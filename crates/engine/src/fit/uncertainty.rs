@@ -1,6 +1,6 @@
 //! Covariance from clusters of the residual, and the sums over the data from which it and the held-out error follow.
 //!
-//! For runs on the fly, very long ones and those with few readings, and for quick fits; else [`crate::fit::structured`] knows better.
+//! For runs with few readings and for quick fits; else [`crate::fit::structured`] knows better.
 //!
 //! Classical: C = s² (AᵀWA)⁻¹, s² not below the variance that the weights stand for. Cluster-robust:
 //! C' = (AᵀA)⁻¹ (Σ_c g_c g_cᵀ) (AᵀA)⁻¹ · m/(m−1), g_c = A_cᵀ r_c over the m clusters (pass × position of the slow axis). Given: C with

@@ -8,8 +8,11 @@
 
 mod dense;
 pub(crate) mod display;
+mod field;
 pub(crate) mod kernels;
 pub(crate) mod mode;
+pub(crate) mod posterior;
+pub(crate) mod remainder;
 pub(crate) mod sigma;
 pub(crate) mod tails;
 

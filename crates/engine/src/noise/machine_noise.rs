@@ -1,7 +1,6 @@
 //! Noise as real machines make it, and how to whiten it in one pass over time.
 //!
-//! For the plan of a next cycle, whose readings nobody has yet, and for the uncertainties of a fit; a diagnosis learns its noise
-//! (`noise::learned`).
+//! For the plan of a next cycle, whose readings nobody has yet; fits and diagnoses learn their noise (`noise::learned`).
 //!
 //! Σ = σ² (I + a·K_pass + c·K_axis + w·K_drift)                                    [docs/design/statistics.md §1.1, §1.2]
 //! - K_pass: the slow rotary axis is positioned again with an angle of its own, constant until it moves again;
@@ -16,8 +15,6 @@ mod motions;
 mod order;
 mod whitener;
 
-pub(crate) use motions::motion_harmonic;
-pub use motions::{modulated, repeatable_motions, unit_columns};
-pub(crate) use order::Visit;
+pub use motions::{modulated, unit_columns};
 pub use order::{Noise, Order, ground_joint};
 pub use whitener::Whitener;

@@ -40,6 +40,11 @@ impl Display {
         self.step_mm / 12f64.sqrt()
     }
 
+    /// Harmonic of a column of the saw.
+    pub fn harmonic(column: usize) -> f64 {
+        (column / 2 % HARMONICS + 1) as f64
+    }
+
     /// Columns of the saw at the fitted readings, rows × columns.
     pub fn saw(&self, experiment: &Experiment, fitted_mm: &DVector<f64>) -> DMatrix<f64> {
         let shown_mm =

@@ -6,6 +6,7 @@
 //! degrees of freedom, such as two passes. Where a row is a mean of many readings its white noise is smaller than theirs; what machines do is not.
 
 use super::Real;
+use super::field::Axes;
 use crate::Experiment;
 use crate::noise::machine_noise::{ground_joint, unit_columns};
 use crate::problem::taken::Taken;
@@ -32,8 +33,6 @@ const SMOOTH_DRIFT: [f64; 2] = [0.7, 1.0];
 const SPREAD_OF_SMOOTH_LN: f64 = 1.0;
 /// Poses that come back at least this often on average make a pattern without any smoothness visible.
 const REPEATED: f64 = 1.25;
-/// A rotary axis that covers this much is taken as closed, rad.
-const CLOSED_RAD: f64 = 5.2;
 /// Kernels of one frame whose pairs are this much alike are one.
 const SAME: f64 = 0.999;
 
@@ -80,6 +79,10 @@ pub(crate) enum Part {
     Pattern,
 }
 
+impl Part {
+    pub const ALL: [Self; 4] = [Self::Pass, Self::Station, Self::Drift, Self::Pattern];
+}
+
 /// Points that a kernel moves alike.
 pub(crate) enum Over {
     /// Point × point.
@@ -94,6 +97,13 @@ pub(crate) struct Frame {
     lever: DMatrix<Real>,
     /// lever · leverᵀ.
     pub gram: DMatrix<Real>,
+}
+
+impl Frame {
+    fn of(lever: DMatrix<Real>) -> Self {
+        let gram = &lever * lever.transpose();
+        Self { lever, gram }
+    }
 }
 
 impl Kernels {
@@ -155,6 +165,39 @@ impl Kernels {
         kernels
     }
 
+    /// The same kernels on some of the points.
+    pub fn on(&self, chosen: &[usize]) -> Self {
+        let rows: Vec<usize> = chosen.iter().flat_map(|&point| self.rows_of_point[point].clone()).collect();
+        let over = |over: &Over| match over {
+            Over::Pairs(pairs) => Over::Pairs(DMatrix::from_fn(chosen.len(), chosen.len(), |i, j| {
+                pairs[(chosen[i], chosen[j])]
+            })),
+            Over::Own => Over::Own,
+        };
+        let mut next = 0;
+        let rows_of_point: Vec<Range<usize>> = chosen
+            .iter()
+            .map(|&point| {
+                let first = next;
+                next += self.rows_of_point[point].len();
+                first..next
+            })
+            .collect();
+        let point_of_row =
+            rows_of_point.iter().enumerate().flat_map(|(i, rows)| rows.clone().map(move |_| i)).collect();
+        let frame = |frame: &Frame| Frame::of(frame.lever.select_rows(&rows));
+        let list = self.list.iter().map(|kernel| Kernel { over: over(&kernel.over), ..*kernel }).collect();
+        Self {
+            list,
+            frames: self.frames.iter().map(frame).collect(),
+            points: chosen.len(),
+            point_of_row,
+            rows_of_point,
+            components: self.components,
+            single: self.single,
+        }
+    }
+
     /// Σ over the rows of each pair of points of `matrix` ∘ gram.
     pub fn contracted(&self, frame: &Frame, matrix: &DMatrix<Real>) -> DMatrix<Real> {
         let (rows, points) = (matrix.nrows(), self.points);
@@ -202,6 +245,21 @@ impl Kernels {
         sums
     }
 
+    /// The same of several columns: point × column for each direction.
+    pub fn folded_columns(&self, frame: &Frame, columns: &DMatrix<f64>) -> Vec<DMatrix<f64>> {
+        let of_direction = |k: usize| {
+            let mut sums = DMatrix::zeros(self.points, columns.ncols());
+            for (row, &point) in self.point_of_row.iter().enumerate() {
+                let lever = f64::from(frame.lever[(row, k)]);
+                for j in 0..columns.ncols() {
+                    sums[(point, j)] += lever * columns[(row, j)];
+                }
+            }
+            sums
+        };
+        (0..frame.lever.ncols()).map(of_direction).collect()
+    }
+
     /// Back to rows: lever · values of the row's point.
     pub fn unfolded(&self, frame: &Frame, values: &DMatrix<Real>) -> DVector<Real> {
         let of_row = |(row, &point): (usize, &usize)| {
@@ -246,9 +304,7 @@ impl<'a> In<'a> {
         if size < 1e-9 {
             return Self { kernels, frame: None };
         }
-        let lever = (lever / size).cast::<Real>();
-        let gram = &lever * lever.transpose();
-        kernels.frames.push(Frame { lever, gram });
+        kernels.frames.push(Frame::of((lever / size).cast::<Real>()));
         let frame = Some(kernels.frames.len() - 1);
         Self { kernels, frame }
     }
@@ -329,61 +385,4 @@ fn of_axis(experiment: &Experiment, letter: Joint) -> DMatrix<f64> {
         }
     }
     lever
-}
-
-/// The rotary axes over which a pattern may repeat. On linear axes a smooth pattern is a component error, which has a name.
-struct Axes {
-    /// Positions of each point, rad, and whether the axis closes; slow axis first.
-    turning: Vec<(Vec<f64>, bool)>,
-}
-
-impl Axes {
-    fn new(experiment: &Experiment, taken: &Taken) -> Self {
-        let positions = |letter: Joint| {
-            let of_points: Vec<f64> =
-                experiment.points.iter().map(|point| point.state.position[letter]).collect();
-            let (low, high) = experiment.scene.position_range[letter];
-            (of_points, high - low > CLOSED_RAD)
-        };
-        Self { turning: [taken.slow, taken.fast].into_iter().flatten().map(positions).collect() }
-    }
-
-    /// exp(−½ Σ (d/ℓ)²); d a chord on an axis that closes; no length: alike along that axis.
-    fn field(&self, lengths: &[Option<f64>]) -> DMatrix<Real> {
-        let points = self.turning.first().map_or(0, |(positions, _)| positions.len());
-        DMatrix::from_fn(points, points, |i, j| {
-            let of_axis = |((positions, closes), length): (&(Vec<f64>, bool), &Option<f64>)| {
-                let Some(length) = length else { return 0.0 };
-                let turn = positions[i] - positions[j];
-                let distance = if *closes { 2.0 * (0.5 * turn).sin() } else { turn };
-                (distance / length).powi(2)
-            };
-            (-0.5 * self.turning.iter().zip(lengths).map(of_axis).sum::<f64>()).exp() as Real
-        })
-    }
-
-    /// Mean sizes and lengths (rad, for the slow and the fast axis): round, long along one axis, of one axis alone.
-    fn lengths_of_readings(&self) -> Vec<(f64, Vec<Option<f64>>)> {
-        match self.turning.len() {
-            0 => Vec::new(),
-            1 => [0.35, 0.7, 1.4].map(|length| (0.12, vec![Some(length)])).into(),
-            _ => [
-                (0.12, Some(0.45), Some(0.45)),
-                (0.12, Some(1.1), Some(1.1)),
-                (0.1, Some(0.35), Some(1.4)),
-                (0.1, Some(1.4), Some(0.35)),
-                (0.1, None, Some(0.7)),
-            ]
-            .map(|(mean, slow, fast)| (mean, vec![slow, fast]))
-            .into(),
-        }
-    }
-
-    fn lengths_of_machine(&self) -> Vec<(f64, Vec<Option<f64>>)> {
-        match self.turning.len() {
-            0 => Vec::new(),
-            1 => vec![(0.1, vec![Some(0.7)])],
-            _ => vec![(0.1, vec![Some(0.8), Some(0.8)]), (0.1, vec![Some(0.7), None])],
-        }
-    }
 }

@@ -41,6 +41,8 @@ pub(crate) struct Effort {
 impl Effort {
     /// From the prior's mean.
     pub const FULL: Self = Self { steps: 12, gain_ln: 0.1 };
+    /// From what some of the points say, for sizes alone: a tenth in a size is less than their own uncertainty.
+    pub const SIZES: Self = Self { steps: 3, gain_ln: 0.5 };
     /// From a mode nearby.
     pub const AGAIN: Self = Self { steps: 5, gain_ln: 0.25 };
 }
@@ -53,6 +55,21 @@ pub(crate) struct Mode {
     pub posterior: f64,
     /// ln|H(x̂)|.
     pub log_information: f64,
+    /// What the readings say of every kernel there.
+    pub seen: Vec<Seen>,
+    /// H(x̂).
+    pub information: DMatrix<f64>,
+}
+
+/// What the readings say of the variance v = s²ρ² of one kernel.
+#[derive(Clone, Copy)]
+pub(crate) struct Seen {
+    /// v tr PK.
+    pub trace: f64,
+    /// v yᵀPKPy.
+    pub square: f64,
+    /// Average information of ln ρ, 2v² yᵀPKPKPy.
+    pub information: f64,
 }
 
 impl Mode {
@@ -89,7 +106,7 @@ impl Readings<'_> {
             if start.x[0] < self.least_ln { self.sigma(&self.shown(start.x.clone()))? } else { start };
         let mut here = Projected::new(start, self.y, basis)?;
         let mut posterior = self.posterior(&here);
-        let (mut gradient, mut information) = self.slope(&here, basis.ncols());
+        let (mut gradient, mut information, mut seen) = self.slope(&here, basis.ncols());
         for _ in 0..effort.steps {
             let Some(mut step) = self.newton_step(&here, &gradient, &information) else { break };
             if 0.5 * gradient.dot(&step) < effort.gain_ln {
@@ -100,12 +117,13 @@ impl Readings<'_> {
             let climbed = self.climb(&here, posterior, basis, step, promised_ln / effort.gain_ln);
             let Some((next, reached)) = climbed else { break };
             (here, posterior) = (next, reached);
-            (gradient, information) = self.slope(&here, basis.ncols());
+            (gradient, information, seen) = self.slope(&here, basis.ncols());
         }
         let log_information = information
+            .clone()
             .cholesky()
             .map_or(f64::INFINITY, |f| f.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum());
-        Some(Mode { here, posterior, log_information })
+        Some(Mode { here, posterior, log_information, seen, information })
     }
 
     /// Newton's step; without ln s where that is at its least and would fall.
@@ -156,8 +174,8 @@ impl Readings<'_> {
         }
     }
 
-    /// Gradient and average information at one place.
-    fn slope(&self, here: &Projected, columns: usize) -> (DVector<f64>, DMatrix<f64>) {
+    /// Gradient and average information at one place, and what they say of every kernel.
+    fn slope(&self, here: &Projected, columns: usize) -> (DVector<f64>, DMatrix<f64>, Vec<Seen>) {
         let (kernels, x) = (self.kernels, &here.sigma.x);
         let precision = here.precision();
         let rows = self.y.len();
@@ -169,6 +187,7 @@ impl Readings<'_> {
         gradient[0] = here.quadratic - (rows - columns) as f64;
         let mut directions: DMatrix<Real> = DMatrix::zeros(rows, x.len());
         directions.set_column(0, &(self.y * 2.0));
+        let mut of_kernels = Vec::with_capacity(kernels.list.len());
         for (k, kernel) in kernels.list.iter().enumerate() {
             let frame: &Frame = &kernels.frames[kernel.frame];
             let variance = (2.0 * (x[0] + x[1 + k])).exp();
@@ -185,6 +204,8 @@ impl Readings<'_> {
             let square: f64 =
                 seen.iter().zip(here.py.iter()).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
             gradient[1 + k] = variance * (square - trace) - kernel.precision() * (x[1 + k] - kernel.mean_ln);
+            let (trace, square) = (variance * trace, variance * square);
+            of_kernels.push(Seen { trace, square, information: 0.0 });
             directions.set_column(1 + k, &(seen * (2.0 * variance) as Real));
         }
         let mut along = &precision * &directions;
@@ -195,8 +216,9 @@ impl Readings<'_> {
         information = (&information + information.transpose()) * 0.5;
         information[(0, 0)] += RIDGE;
         for (k, kernel) in kernels.list.iter().enumerate() {
+            of_kernels[k].information = information[(1 + k, 1 + k)];
             information[(1 + k, 1 + k)] += kernel.precision() + RIDGE;
         }
-        (gradient, information)
+        (gradient, information, of_kernels)
     }
 }

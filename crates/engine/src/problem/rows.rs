@@ -1,6 +1,6 @@
-//! The rows that a scan looks at: readings as they are, or means of neighbours where there are many.
+//! The rows from which noise is learned and which a scan looks at: readings as they are, or means of neighbours where there are many.
 //!
-//! The matrices of a scan have a row for each reading, so their number is bounded. Points on the fly, and others that lie close together, are averaged with
+//! Their matrices have a row for each reading, so their number is bounded. Points on the fly, and others that lie close together, are averaged with
 //! their neighbours of the same pass; points far apart are thinned. A mean hides what repeats within it: the answer judges the size of the residual on all points.
 
 use crate::Experiment;
@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use trunnion_cycles::RunKind;
 
-/// Readings that a scan looks at: a covariance of that size takes some 30 ms to invert.
+/// Readings that are looked at: a covariance of that size takes some 30 ms to invert.
 const MOST_ROWS: usize = 1200;
 /// Neighbours closer than this in every rotary axis may be averaged, rad.
 const CLOSE_RAD: f64 = 0.09;
@@ -21,9 +21,27 @@ pub struct Rows<'a> {
     /// One point for each group: the middle one.
     pub points: Cow<'a, Experiment>,
     /// Points of the whole experiment that each stands for; `None` where each stands for itself.
-    groups: Option<Vec<Vec<usize>>>,
+    groups: Option<Vec<Group>>,
     /// Of the whole experiment.
     all: &'a Experiment,
+}
+
+/// Neighbours that one row stands for.
+struct Group {
+    averaged: Vec<usize>,
+    /// Left out between this and the next: they are far apart.
+    thinned: Vec<usize>,
+}
+
+impl Group {
+    fn of(point: usize) -> Self {
+        Self { averaged: vec![point], thinned: Vec::new() }
+    }
+
+    /// The point that stands for it.
+    fn middle(&self) -> usize {
+        self.averaged[self.averaged.len() / 2]
+    }
 }
 
 impl<'a> Rows<'a> {
@@ -33,10 +51,9 @@ impl<'a> Rows<'a> {
             return Self { points: Cow::Borrowed(all), groups: None, all };
         }
         let mut groups = stretches(all, step);
-        let middle = |group: &Vec<usize>| group[group.len() / 2];
-        groups.sort_by_key(middle);
+        groups.sort_by_key(Group::middle);
         let mut keep = vec![false; all.points.len()];
-        groups.iter().for_each(|group| keep[middle(group)] = true);
+        groups.iter().for_each(|group| keep[group.middle()] = true);
         Self { points: Cow::Owned(all.kept(&keep)), groups: Some(groups), all }
     }
 
@@ -58,7 +75,16 @@ impl<'a> Rows<'a> {
 
     /// The points of each row group.
     pub fn points_of(&self, node: usize) -> Vec<usize> {
-        self.groups.as_ref().map_or_else(|| vec![node], |groups| groups[node].clone())
+        self.groups.as_ref().map_or_else(|| vec![node], |groups| groups[node].averaged.clone())
+    }
+
+    /// The row group that is nearest to each point in the order taken.
+    pub fn node_of_points(&self) -> Vec<usize> {
+        let mut node_of_point: Vec<usize> = (0..self.all.points.len()).collect();
+        for (node, group) in self.groups.iter().flatten().enumerate() {
+            group.averaged.iter().chain(&group.thinned).for_each(|&point| node_of_point[point] = node);
+        }
+        node_of_point
     }
 
     /// Columns (rows of all readings × columns) on these rows.
@@ -66,8 +92,8 @@ impl<'a> Rows<'a> {
         let Some(groups) = &self.groups else { return columns };
         let mut reduced = DMatrix::zeros(self.points.rows(), columns.ncols());
         for (node, group) in groups.iter().enumerate() {
-            let share = 1.0 / group.len() as f64;
-            for &point in group {
+            let share = 1.0 / group.averaged.len() as f64;
+            for &point in &group.averaged {
                 for (to, from) in self.points.rows_of(node).zip(self.all.rows_of(point)) {
                     for j in 0..columns.ncols() {
                         reduced[(to, j)] += share * columns[(from, j)];
@@ -86,7 +112,7 @@ impl<'a> Rows<'a> {
 }
 
 /// Stretches of up to `step` neighbours of one pass that read alike.
-fn stretches(all: &Experiment, step: usize) -> Vec<Vec<usize>> {
+fn stretches(all: &Experiment, step: usize) -> Vec<Group> {
     let taken = Taken::new(all);
     let sequence = in_order_taken(all);
     let close = |i: usize, j: usize| {
@@ -94,17 +120,16 @@ fn stretches(all: &Experiment, step: usize) -> Vec<Vec<usize>> {
         let letters = all.machine().rotary();
         letters.iter().all(|axis| (position(i)[axis.letter] - position(j)[axis.letter]).abs() < CLOSE_RAD)
     };
-    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     let mut since = 0;
     for (k, &i) in sequence.iter().enumerate() {
         let alike = |j: usize| taken.pass[i] == taken.pass[j] && all.rows_of(i).len() == all.rows_of(j).len();
         let neighbour = k > 0 && alike(sequence[k - 1]);
         since = if neighbour && since + 1 < step { since + 1 } else { 0 };
         match groups.last_mut() {
-            Some(group) if since > 0 && close(i, sequence[k - 1]) => group.push(i),
-            // Far from its neighbour: thinned.
-            Some(_) if since > 0 => {}
-            _ => groups.push(vec![i]),
+            Some(group) if since > 0 && close(i, sequence[k - 1]) => group.averaged.push(i),
+            Some(group) if since > 0 => group.thinned.push(i),
+            _ => groups.push(Group::of(i)),
         }
     }
     groups

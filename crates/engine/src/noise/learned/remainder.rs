@@ -1,0 +1,159 @@
+//! What a fit leaves, laid out so that the noise can be learned from it: the one place where fits and diagnoses get their noise.
+
+use super::Real;
+use super::display::Display;
+use super::kernels::Kernels;
+use super::mode::{Effort, Mode, Readings};
+use super::tails;
+use crate::Experiment;
+use crate::evidence::{beside, orthonormal};
+use crate::noise::outliers::median;
+use crate::problem::rows::Rows;
+use nalgebra::{DMatrix, DVector};
+use std::fmt;
+use std::sync::Arc;
+
+/// Median of |x| for a standard normal x.
+const MEDIAN_LENGTH: f64 = 0.6745;
+/// Of the robust size of the residual, what is white to begin with.
+const WHITE_FIRST: f64 = 0.7;
+/// Readings are never trusted below this, mm: ten times under the resolution of any probe.
+const FINEST_MM: f64 = 1e-6;
+/// Readings from which a first idea of the noise is learned: a covariance of that size takes a fortieth of the largest.
+const FEW_ROWS: usize = 350;
+/// Rounds of learning the weights of points.
+const WEIGHINGS: usize = 2;
+
+/// A fit, as far as its noise needs it. Rows are those of the experiment.
+pub(crate) struct Fitted<'a> {
+    pub row_weights: &'a DVector<f64>,
+    /// Without weights.
+    pub residual_mm: &'a DVector<f64>,
+    pub predicted_mm: &'a DVector<f64>,
+    pub used: &'a [bool],
+    /// The noise of another fit of the same points.
+    pub other: Option<&'a Learned>,
+}
+
+/// What a fit leaves.
+pub(crate) struct Remainder<'a> {
+    /// The rows that are looked at.
+    pub rows: Rows<'a>,
+    /// Root of the weight of each row: base, readings and every column are multiplied by it.
+    pub root: DVector<f64>,
+    /// Columns of the model, weighted.
+    pub base: DMatrix<f64>,
+    /// Orthonormal ones that span them.
+    pub basis: DMatrix<Real>,
+    /// What the fit leaves, weighted, in units of `unit_mm`: exact, so that nothing of second order is taken for noise or effect.
+    pub y: DVector<Real>,
+    pub unit_mm: f64,
+    /// The display of the readings where its step is coarser than the residual.
+    pub coarse_display: Option<Display>,
+    pub kernels: Arc<Kernels>,
+    /// ln of the least white standard deviation.
+    pub least_ln: f64,
+    /// Nodes of which every point took part in the fit.
+    used: Vec<bool>,
+}
+
+/// The noise of one fit.
+#[derive(Clone)]
+pub(crate) struct Learned {
+    /// White standard deviation, mm, and ln ρ of every kernel.
+    white_mm: f64,
+    rho_ln: Vec<f64>,
+    /// Multiple of the white variance of every row.
+    pub white: DVector<f64>,
+    /// Shared by all fits of the same points with the same weights: they depend on nothing else.
+    kernels: Arc<Kernels>,
+    root: DVector<f64>,
+}
+
+impl<'a> Remainder<'a> {
+    /// `columns`: those of the model on the rows that are looked at, weighted, from the rows and their roots.
+    pub fn new<E>(
+        experiment: &'a Experiment,
+        fitted: &Fitted<'_>,
+        columns: impl FnOnce(&Rows<'a>, &DVector<f64>) -> Result<DMatrix<f64>, E>,
+    ) -> Result<Self, E> {
+        let rows = Rows::new(experiment);
+        let root = rows.of_vector(fitted.row_weights.clone());
+        let mut base = columns(&rows, &root)?;
+        let residual = rows.of_vector(fitted.residual_mm.clone()).component_mul(&root);
+        let sizes: Vec<f64> = residual.iter().map(|r| r.abs()).collect();
+        let unit_mm = (median(&sizes) / MEDIAN_LENGTH).max(FINEST_MM);
+        let display = Display::of(experiment);
+        let least_mm = display.as_ref().map_or(0.0, |display| display.hidden_mm()).max(FINEST_MM);
+        let coarse_display = display.filter(|display| display.step_mm > unit_mm);
+        if let Some(display) = &coarse_display {
+            let mut saw = rows.of(display.saw(experiment, fitted.predicted_mm));
+            saw.column_iter_mut().for_each(|mut column| column.component_mul_assign(&root));
+            base = beside(&base, &saw);
+        }
+        let nodes = 0..rows.points.points.len();
+        let used = nodes.map(|node| rows.points_of(node).iter().all(|&point| fitted.used[point])).collect();
+        let kernels = match fitted.other.filter(|other| other.root == root) {
+            Some(other) => other.kernels.clone(),
+            None => Arc::new(Kernels::new(&rows.points, &root, rows.readings_of_one().sqrt())),
+        };
+        let (y, basis) = ((residual / unit_mm).cast::<Real>(), orthonormal(&base).cast::<Real>());
+        let least_ln = (least_mm / unit_mm).ln();
+        Ok(Self { rows, root, base, basis, y, unit_mm, coarse_display, kernels, least_ln, used })
+    }
+
+    /// The noise beside the columns of the model, with the weights of points that it asks for; near the mode, as sizes need it.
+    pub fn learn(&self) -> Option<(Learned, Mode)> {
+        let of_point = |i: &usize| if self.used[*i] { 1.0 } else { tails::NOTHING };
+        let kernels = &self.kernels;
+        let mut white = DVector::from_iterator(self.y.len(), kernels.point_of_row.iter().map(of_point));
+        let mut x = self.start(&white);
+        let mut mode = self.mode(&white, &x, Effort::SIZES)?;
+        for _ in 0..WEIGHINGS {
+            let weights = tails::weights(&mode, &kernels.rows_of_point, &white, &self.used);
+            let Some(weights) = weights else { break };
+            x = mode.x().to_vec();
+            white = weights;
+            mode = self.mode(&white, &x, Effort::SIZES)?;
+        }
+        let white_mm = mode.white() * self.unit_mm;
+        let (kernels, root) = (self.kernels.clone(), self.root.clone());
+        Some((Learned { white_mm, rho_ln: mode.x()[1..].to_vec(), white, kernels, root }, mode))
+    }
+
+    /// The mode from the noise that was learned for sizes alone.
+    pub fn mode_from(&self, learned: &Learned) -> Option<Mode> {
+        let x: Vec<f64> = std::iter::once((learned.white_mm / self.unit_mm).ln())
+            .chain(learned.rho_ln.iter().copied())
+            .collect();
+        self.mode(&learned.white, &x, Effort::FULL)
+    }
+
+    /// Where to begin: what some of the points say, as many as cost nothing, from the means of the prior.
+    fn start(&self, white: &DVector<f64>) -> Vec<f64> {
+        let kernels = &self.kernels;
+        let x = std::iter::once(WHITE_FIRST.ln()).chain(kernels.means()).collect::<Vec<f64>>();
+        let chosen: Vec<usize> = (0..kernels.points).step_by(self.y.len().div_ceil(FEW_ROWS)).collect();
+        let rows: Vec<usize> = chosen.iter().flat_map(|&i| kernels.rows_of_point[i].clone()).collect();
+        let basis = orthonormal(&self.base.select_rows(&rows)).cast::<Real>();
+        if chosen.len() == kernels.points || rows.len() < 2 * basis.ncols() {
+            return x;
+        }
+        let some = kernels.on(&chosen);
+        let (y, white) = (self.y.select_rows(&rows), white.select_rows(&rows));
+        let readings = Readings { kernels: &some, y: &y, white: &white, least_ln: self.least_ln };
+        let mode = readings.sigma(&x).and_then(|start| readings.learn(&basis, start, Effort::FULL));
+        mode.map_or(x, |mode| mode.x().to_vec())
+    }
+
+    fn mode(&self, white: &DVector<f64>, x: &[f64], effort: Effort) -> Option<Mode> {
+        let readings = Readings { kernels: &self.kernels, y: &self.y, white, least_ln: self.least_ln };
+        readings.learn(&self.basis, readings.sigma(x)?, effort)
+    }
+}
+
+impl fmt::Debug for Learned {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Learned").field("white_mm", &self.white_mm).field("rho_ln", &self.rho_ln).finish()
+    }
+}
