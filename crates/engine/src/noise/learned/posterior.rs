@@ -132,12 +132,12 @@ impl Size {
 mod tests {
     use super::*;
 
-    /// Many directions of which it makes up nearly all: the chi-square law alone speaks, E[v] = q/(n − 2) for ln v flat.
+    /// Many directions of which it makes up nearly all: the chi-square law speaks, E[v] = q/(n − 2) for ln v flat, and the prior is wide.
     #[test]
     fn a_kernel_that_is_well_seen_has_the_mean_of_its_likelihood() {
         let n = 60.0;
         let seen = Seen { trace: n, square: n, information: 2.0 * n };
-        let size = Size::new(Part::Drift, 2.0, &Densities::new(&seen, 0.0, 1e-2), 0.0);
+        let size = Size::new(Part::Drift, 2.0, &Densities::new(&seen, 0.0, 0.7), 0.0);
         assert!((size.mean / 2.0 - n / (n - 2.0)).abs() < 1e-2, "{}", size.mean);
         assert!(size.quantile(0.02) < size.mean && size.mean < size.quantile(0.98));
     }
