@@ -4,12 +4,13 @@
 //! machine has. Source of the words: [`trunnion_protocol::linuxcncrsh`].
 
 use super::clock::TimeOrigin;
-use super::faults::{Fault, FaultSource, ScheduledFault, damage};
+use super::faults::{Fault, FaultSource, ReplyFault, ScheduledFault, damage};
 use super::handle::{Address, DeviceError, FAULT_QUEUE, Handle};
 use super::world::World;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::mpsc;
@@ -40,6 +41,8 @@ pub struct ServerConfig {
     /// Every so many answers to positions is cut to two joints, as the real one does when two connections ask at once;
     /// 0 for none.
     pub mixed_every: u64,
+    /// What happens to the reply of this number, counted from 0 over all connections.
+    pub reply_fault: Option<(u64, ReplyFault)>,
 }
 
 impl Default for ServerConfig {
@@ -52,6 +55,7 @@ impl Default for ServerConfig {
             joints: vec![X, Y, Z, B, C],
             cycle_s: 0.01,
             mixed_every: 0,
+            reply_fault: None,
         }
     }
 }
@@ -85,6 +89,7 @@ pub async fn spawn(
         origin,
         ills: Mutex::default(),
         positions_answered: AtomicU64::default(),
+        replied: AtomicU64::default(),
     });
     let task = tokio::spawn(run(server, listener, address, faults, stop.clone()));
     let lost_bytes = Arc::new(AtomicU64::new(0));
@@ -102,6 +107,7 @@ struct Server {
     origin: TimeOrigin,
     ills: Mutex<Ills>,
     positions_answered: AtomicU64,
+    replied: AtomicU64,
 }
 
 /// Faults under way; times of the cell, s.
@@ -192,6 +198,7 @@ impl Server {
         let (mut lines, mut bytes) = (Lines::default(), [0; 1024]);
         // Requests are repeated after hello, unless that is switched off.
         let (mut known, mut echo) = (false, true);
+        let mut held = Vec::new();
         loop {
             let count = stream.read(&mut bytes).await?;
             if count == 0 {
@@ -206,10 +213,29 @@ impl Server {
                 known |= matches!(request, Some(Request::Hello { .. }));
                 echo &= request != Some(Request::EchoOff);
                 let reply = self.reply(request, echo, &line).map(|reply| write_reply(&reply));
-                let answer = repeated + &reply.unwrap_or_default();
-                stream.write_all(&self.outgoing(answer.into_bytes())).await?;
+                let mut answer = std::mem::take(&mut held);
+                answer.extend(repeated.into_bytes());
+                if let Some(reply) = reply {
+                    match self.reply_fault() {
+                        None => answer.extend(reply.into_bytes()),
+                        Some(ReplyFault::Doubled) => answer.extend(reply.repeat(2).into_bytes()),
+                        Some(ReplyFault::Dropped) => {}
+                        Some(ReplyFault::Merged) => held = reply.into_bytes(),
+                        Some(ReplyFault::Late(by_s)) => {
+                            answer.extend(reply.into_bytes());
+                            tokio::time::sleep(Duration::from_secs_f64(by_s)).await;
+                        }
+                    }
+                }
+                stream.write_all(&self.outgoing(answer)).await?;
             }
         }
+    }
+
+    /// What happens to the reply that is written now.
+    fn reply_fault(&self) -> Option<ReplyFault> {
+        let number = self.replied.fetch_add(1, Ordering::Relaxed);
+        self.config.reply_fault.filter(|(of, _)| *of == number).map(|(_, fault)| fault)
     }
 
     fn reply(&self, request: Option<Request>, echo: bool, line: &str) -> Option<Reply> {

@@ -10,7 +10,7 @@ use trunnion_core::reading::{AxisReading, Execution, Reading, SourceGap};
 use trunnion_hil_sim::devices::linuxcncrsh::ServerConfig;
 use trunnion_hil_sim::devices::mtconnect::AgentConfig;
 use trunnion_hil_sim::devices::{
-    DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, World, linuxcncrsh, mtconnect,
+    DeviceClock, Fault, Handle, ReplyFault, SimulatedCell, TimeOrigin, World, linuxcncrsh, mtconnect,
 };
 use trunnion_hil_sim::motion::Step;
 
@@ -235,4 +235,37 @@ async fn positions_that_stick_while_the_program_goes_on_are_reported_and_recorde
         assert!(gap.to.seconds_since(gap.from) > 2.0, "{gap:?}");
         bench.status(|status| status.state == DeviceState::Streaming).await;
     }
+}
+
+/// Every reply from the first on, each late, doubled, missing and together with the next: the controller streams in the end, and no
+/// answer is taken for that of the question before.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn no_reply_of_linuxcnc_that_is_late_doubled_lost_or_merged_disables_it_or_is_taken_for_another() {
+    let faults = [ReplyFault::Late(0.5), ReplyFault::Doubled, ReplyFault::Dropped, ReplyFault::Merged];
+    // hello, echo, units; then positions with status, line and name of the program, and positions alone.
+    let cases = (0..8).flat_map(|number| faults.map(|fault| (number, fault)));
+    let mut running = tokio::task::JoinSet::new();
+    for fault in cases {
+        running.spawn(async move {
+            let config = ServerConfig { reply_fault: Some(fault), ..ServerConfig::default() };
+            // An answer of the question before is 50 ms old.
+            let keys = "joints = \"XYZBC\"\nsilence_ms = 300\nrate_hz = 20\n";
+            let mut bench = bench(config, keys).await;
+            let mut seen = 0;
+            while seen < 40 {
+                let axes = bench.axes().await;
+                let t_s = axes.stamp_ns as f64 / 1e9;
+                let held_up_s = (axes.arrival.0 - axes.stamp_ns) as f64 / 1e9;
+                // C turns forward. A position bears the middle between two questions, and is that of the later one, up to a
+                // task cycle of 10 ms old; that of the question before would be 25 ms behind its stamp.
+                let ahead_rad = axes.position[C] - bench.world.axes(t_s)[C];
+                assert!(ahead_rad > -0.012 - held_up_s, "{fault:?}: {ahead_rad} rad, {held_up_s} s");
+                seen += 1;
+            }
+            let status = bench.status(|status| status.state == DeviceState::Streaming).await;
+            assert!(status.ends.iter().sum::<u64>() <= 1, "{fault:?}: {status:?}");
+            bench.acquisition.stop().await;
+        });
+    }
+    running.join_all().await;
 }

@@ -117,7 +117,7 @@ impl Exchange {
         self.ask(request, link).await
     }
 
-    /// Requests that were made again.
+    /// Requests that were made again, and answers that nobody had asked for.
     pub(super) fn repeated(&self) -> u64 {
         self.repeated
     }
@@ -147,7 +147,19 @@ impl Exchange {
         }
     }
 
+    /// Answers that came without a question would pass for those of the next one, and every later answer for that of the
+    /// question before.
+    fn drop_unasked(&mut self) {
+        let mut bytes = [0; 2048];
+        while let Ok(count @ 1..) = self.stream.try_read(&mut bytes) {
+            self.waiting.extend(self.lines.push(&bytes[..count]));
+        }
+        let is_reply = |line: &String| matches!(parse_reply(line), Ok(Some(_)));
+        self.repeated += self.waiting.drain(..).filter(is_reply).count() as u64;
+    }
+
     async fn send(&mut self, request: &Request) -> Result<(), SessionEnd> {
+        self.drop_unasked();
         let line = write_request(request);
         match timeout(self.silence, self.stream.write_all(line.as_bytes())).await {
             Err(_) => Err(self.silent()),
