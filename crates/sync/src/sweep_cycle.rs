@@ -135,7 +135,7 @@ impl SweepCycle {
         self.pace.forget_before(state.time_s);
         let Some(motion) = self.pace.motion(state.time_s) else { return self.close() };
         (state.velocity, state.acceleration) = (motion.velocity, motion.acceleration);
-        let angle = self.course.angle(&state.position, self.pace.last_angle());
+        let angle = motion.angle;
         let Some(feed) = self.rules.feed_of(&motion) else {
             if self.rules.is_asked(&motion) && self.rules.holds(angle + self.turns_rad) {
                 self.counts.other_speed += 1;

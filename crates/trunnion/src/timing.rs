@@ -42,12 +42,16 @@ impl Timing {
     }
 
     /// The positions at the time the controller took them.
-    pub fn axes(&self, mut sample: AxisSample) -> AxisSample {
-        if let Some(time_s) = self.retiming.time_s(Stream::Axes, &sample.stamp) {
-            sample.time_s = time_s;
-        }
-        sample
+    pub fn axes(&self, sample: AxisSample) -> AxisSample {
+        retimed(sample, &self.retiming)
     }
+}
+
+fn retimed(mut sample: AxisSample, retiming: &Retiming) -> AxisSample {
+    if let Some(time_s) = retiming.time_s(Stream::Axes, &sample.stamp) {
+        sample.time_s = time_s;
+    }
+    sample
 }
 
 /// Reads the stamps of a recording; `None` when it holds none (an import, a simulation, a recording of an older version).
@@ -57,23 +61,16 @@ impl Timing {
 /// A file that cannot be read.
 pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, RecordError> {
     let mut survey = Survey::default();
-    let mut finder = SyncMoveFinder::default();
-    let (mut sync_moves, mut gaps, mut stamped) = (Vec::new(), Vec::new(), false);
-    let mut at_sync_move = AxisValues::default();
+    let (mut gaps, mut stamped) = (Vec::new(), false);
     let (header, _) = visit_samples(path, &mut |item| {
         match item {
             Item::Probe(sample) => {
                 stamped |= !sample.stamp.arrival_s.is_nan();
                 survey.probe(&sample);
-                finder.probe(&sample);
             }
             Item::Axes(sample) => {
                 stamped |= !sample.stamp.arrival_s.is_nan();
                 survey.axes(&sample);
-                if let Some(sync_move) = finder.axes(&sample) {
-                    at_sync_move = sample.position;
-                    sync_moves.push(sync_move);
-                }
             }
             Item::Gap(gap) if gap.to_s > BEGIN_S => gaps.push(gap),
             _ => {}
@@ -84,6 +81,7 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, Record
         return Ok(None);
     }
     let (retiming, mut streams) = survey.finish();
+    let (sync_moves, at_sync_move) = sync_moves(path, &retiming)?;
     let mut notes = Vec::new();
     let delays = mean_delays(&sync_moves);
     for (stream, timing) in &mut streams {
@@ -117,6 +115,33 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, Record
         TimeQuality { run: header.name.clone(), streams: streams.into_values().collect(), sync_moves, notes };
     let delays_s = delays.into_iter().map(|(channel, delay)| (channel, delay.delay_s)).collect();
     Ok(Some(Timing { quality, retiming, delays_s, usual_delay_s }))
+}
+
+/// The synchronisation moves, and where the axes were at the last. Times are those of the lines of the whole run, because what is
+/// formed with the delays has them: stamps that jitter push such a line to the latest of them, 2 ms at 0.6 ms (rms), and a delay against
+/// the times of the live run would leave that in.
+fn sync_moves(path: &Path, retiming: &Retiming) -> Result<(Vec<SyncMove>, AxisValues<f64>), RecordError> {
+    let (mut found, mut at) = (Vec::new(), AxisValues::default());
+    let mut finder = SyncMoveFinder::default();
+    visit_samples(path, &mut |item| {
+        match item {
+            Item::Probe(mut sample) => {
+                let stream = Stream::Probe(sample.channel);
+                sample.time_s = retiming.time_s(stream, &sample.stamp).unwrap_or(sample.time_s);
+                finder.probe(&sample);
+            }
+            Item::Axes(sample) => {
+                let sample = retimed(sample, retiming);
+                if let Some(sync_move) = finder.axes(&sample) {
+                    at = sample.position;
+                    found.push(sync_move);
+                }
+            }
+            _ => {}
+        }
+        true
+    })?;
+    Ok((found, at))
 }
 
 fn name(stream: Stream, header: &RunHeader) -> String {

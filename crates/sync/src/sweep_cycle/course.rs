@@ -44,8 +44,8 @@ impl Course {
         self.axis.is_none()
     }
 
-    /// Where the axes of a setup are on the course: at the rotary axes of `position`, or at an angle of the curve. `None` when
-    /// the machine cannot get there.
+    /// Where the axes of a setup are at an angle of the course, the other rotary axes as in `position`. `None` when the machine
+    /// cannot get there.
     pub(super) fn position(
         &self,
         setup: usize,
@@ -53,7 +53,11 @@ impl Course {
         position: &AxisValues<f64>,
     ) -> Option<AxisValues<f64>> {
         match self.axis {
-            Some(_) => self.cycle.position(&self.machine, setup, position),
+            Some(axis) => {
+                let mut at = *position;
+                at[axis] = angle;
+                self.cycle.position(&self.machine, setup, &at)
+            }
             None => self.cycle.curve_position(&self.machine, setup, angle, position),
         }
     }
