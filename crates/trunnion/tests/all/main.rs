@@ -6,6 +6,7 @@ mod examples;
 mod joined;
 mod library;
 mod linear;
+mod nest;
 mod one_answer;
 mod plausible;
 mod replayed;
