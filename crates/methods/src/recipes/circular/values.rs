@@ -160,8 +160,8 @@ fn ranking(fit: &Fitted<'_>) -> FoundTable {
 
 fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String> {
     let mut notes = vec![
-        "All errors of the list are fitted together to both ways; circularities of errors do not add up to that of the trace. A share is \
-         that of an error in the sum of all of them and of what is unexplained beyond noise (as the range of a sine of that rms)."
+        "All errors of the list are fitted together to both ways; circularities of errors do not add up to that of the trace. A share is part of the sum of all of them and of \
+         what is unexplained beyond noise. The latter counts as the range of a sine of its rms."
             .to_string(),
         "To enter: correction = −error, added to what stands in the control. Measure again: a wrong sign doubles the error.".into(),
     ];

@@ -143,13 +143,12 @@ fn compared(locations: &Locations) -> FoundTable {
 fn map_of_tilting(grid: &Grid<'_>, b_errors: &BErrors) -> FoundTable {
     let components = components(grid.tilting);
     let mut columns = vec![Column::of(grid.tilting.as_str(), Unit::DEG)];
-    for (name, unit, _) in &components {
-        columns.extend([name.clone(), format!("u {name}")].map(|name| Column::of(name, *unit)));
-    }
+    columns.extend(components.iter().map(|(name, unit, _)| Column::of(name.clone(), *unit)));
+    columns.extend(components.iter().map(|(name, unit, _)| Column::of(format!("u {name}"), *unit)));
     let row = |((angle, twist), u): ((&f64, &Twist), &Twist)| {
-        let mut row = vec![Cell::Number(*angle)];
-        row.extend(components.iter().flat_map(|(.., of)| [of(twist), of(u)]).map(Cell::Number));
-        row
+        let numbers =
+            [twist, u].into_iter().flat_map(|of_row| components.iter().map(move |(.., of)| of(of_row)));
+        std::iter::once(*angle).chain(numbers).map(Cell::Number).collect()
     };
     let rows = grid.tilts_rad.iter().zip(&b_errors.at_tilt).zip(&b_errors.u_at_tilt).map(row).collect();
     FoundTable { caption: format!("Errors of {} (S1 Fig. 6)", grid.tilting), columns, rows }
