@@ -87,7 +87,10 @@ fn the_ladder_reports_what_moved_and_removing_an_effect_undoes_adding_it() {
     );
 
     trunnion(&["remove", "thermal-drift", &run, "--model", &model]);
-    assert_eq!(std::fs::read_to_string(&model).unwrap(), with_backlash);
+    let without = std::fs::read_to_string(&model).unwrap();
+    let (left, removal) = without.split_once("\n[[removed]]\n").unwrap();
+    assert_eq!(left, with_backlash);
+    assert!(removal.starts_with("effect = \"thermal-drift\"\ndate = \""), "{removal}");
 
     // Taking out a lower rung measures the ones above it again.
     std::fs::write(&model, &both).unwrap();

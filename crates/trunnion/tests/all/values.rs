@@ -52,7 +52,9 @@ fn a_model_file_predicts_like_the_fit_that_left_its_values() {
     let longer = run.fit(&kept).unwrap().add("backlash:C").unwrap().dated("2026-03-02").unwrap();
     assert_eq!(longer.model().predict(&run).unwrap().fitted_on, "2026-03-02");
     let without = longer.fit().remove("backlash:C", "2026-03-03", None).unwrap();
-    assert_eq!(without.model().text(), kept.text(), "removing undoes adding, values and all");
+    let (left, removal) = without.model().text().split_once("\n[[removed]]\n").unwrap();
+    assert_eq!(left, kept.text(), "removing undoes adding, values and all");
+    assert_eq!(removal, "effect = \"backlash:C\"\ndate = \"2026-03-03\"\n");
     let middle = longer.fit().remove("gravity-sag:B", "2026-03-03", None).unwrap();
     assert_eq!(middle.model().predict(&run).unwrap().fitted_on, "2026-03-03", "fitted again");
 }
