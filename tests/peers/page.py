@@ -374,6 +374,20 @@ def history(browser, folder):
         check("the change is the engine's", engine["change"]["words"][0] in tab.text("#changes"), engine["change"]["words"][0])
         check("the alarm is there", "outside its control limits: EA0B" in tab.text("#changes"), engine["runs"][-1]["alarms"])
         check("its chart is shown first", "EA0B" in tab.text("#parameter option[selected]"))
+        # What the service leaves of a run when it makes room: the answers, and why.
+        gone = runs / "day-0-20251123T141058Z"
+        gone.with_name(gone.name + ".state.json").write_text((DATA / "state-removed.json").read_text())
+        gone.with_name(gone.name + ".html").write_text("<h1>the report of day 0</h1>")
+        tab.page.reload()
+        tab.ready()
+        tab.page.get_by_role("button", name=gone.name).click()
+        tab.until("document.querySelector('#view .button')?.innerText === 'Its report'")
+        check("a run whose samples are gone says so and has its report", "keep_days" in tab.text("main"), tab.text("main").splitlines()[-1])
+        report = tab.page.request.get(f"{address}/api/runs/{gone.name}/report", headers={"host": address.split("//")[1]})
+        check("which opens", "the report of day 0" in report.text(), report.status)
+        tab.errors = [error for error in tab.errors if "410" not in error]
+        tab.view("history")
+        tab.page.wait_for_selector("#parameter")
         tab.picture("history-limits")
         tab.guide("history", "#parameter")
         tab.close()

@@ -50,7 +50,9 @@ async function show() {
     place.replaceChildren(...parts);
     views[name].shown?.(page);
   } catch (failure) {
-    if (number === shown) place.replaceChildren(el("h1", {}, "This cannot be shown"), el("p", {}, failure.message));
+    // Samples that were removed left their report.
+    const left = failure.status === 410 ? [el("p", {}, el("a", { class: "button", href: calls.reportAddress(page.run), target: "_blank" }, "Its report"))] : [];
+    if (number === shown) place.replaceChildren(el("h1", {}, "This cannot be shown"), el("p", {}, failure.message), ...left);
   }
   if (number === shown) place.setAttribute("aria-busy", "false");
 }
