@@ -54,9 +54,11 @@ class Served:
 class Floor:
     """Simulated devices, and the service that reads them, until the end of the block."""
 
-    def __init__(self, folder, khz=1):
+    def __init__(self, folder, khz=1, token=None):
         self.floor = subprocess.Popen([SHOP_FLOOR, folder, str(khz)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.config = self.floor.stdout.readline().strip()
+        if token:
+            self.let_others_in(token)
         self.log = open(folder / "service.log", "w+")
         self.service = subprocess.Popen([TRUNNION, "daemon", "--config", self.config], stderr=self.log)
         end = time.monotonic() + 60
@@ -64,8 +66,16 @@ class Floor:
         while not self.address and time.monotonic() < end:
             time.sleep(0.1)
             said = (folder / "service.log").read_text()
-            self.address = next((word for word in said.split() if word.startswith("http://127.0.0.1:")), None)
+            self.address = next((word for word in said.split() if word.startswith(("http://127.0.0.1:", "https://127.0.0.1:"))), None)
         check("the service says where its page is", self.address, self.address)
+
+    def let_others_in(self, token):
+        config = pathlib.Path(self.config)
+        for name in ["page.crt", "page.key"]:
+            (config.parent / name).write_bytes((DATA.parents[1] / "crates/service/tests/data" / name).read_bytes())
+        (config.parent / "page-token").write_text(token)
+        page = '[page]\ncertificate = "page.crt"\nkey_file = "page.key"\ntoken_file = "page-token"\n'
+        config.write_text(config.read_text().replace("[page]\n", page))
 
     def obey(self, line):
         self.floor.stdin.write(line + "\n")
@@ -86,7 +96,7 @@ class Tab:
     """A page whose errors fail the test."""
 
     def __init__(self, browser, address, width=1280, height=800, scheme="light"):
-        self.context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
+        self.context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme, ignore_https_errors=True)
         self.page = self.context.new_page()
         self.page.set_default_timeout(LIMIT_MS)
         self.errors = []
@@ -428,6 +438,29 @@ def many_poses(browser, folder):
         tab.close()
 
 
+def by_token(browser, folder):
+    """A page for other computers: nothing before the token, everything after it, also when the page is opened again."""
+    token = "a-token-of-a-test-0123456789"
+    with Floor(folder, token=token) as floor:
+        check("the page is encrypted", floor.address.startswith("https://"), floor.address)
+        tab = Tab(browser, floor.address, 390, 844)
+        tab.view("measure")
+        tab.page.wait_for_selector("#token")
+        check("nothing is shown before the token", "probe-1" not in tab.text("body"), tab.text("h1"))
+        tab.picture("login-390")
+        tab.page.keyboard.type("guess")
+        tab.page.keyboard.press("Enter")
+        tab.until("document.getElementById('notice').innerText.includes('not the token')")
+        tab.page.fill("#token", token)
+        tab.page.keyboard.press("Enter")
+        tab.until("document.querySelectorAll('[role=meter]').length === 3")
+        tab.page.reload()
+        tab.until("document.querySelectorAll('[role=meter]').length === 3")
+        check("the browser keeps that it was let in", tab.page.evaluate("document.cookie") == "", "and no script reads the cookie")
+        tab.errors = [error for error in tab.errors if "401" not in error]
+        tab.close()
+
+
 def cpu_s(processes):
     """Processor time of processes so far, s."""
     ticks = 0
@@ -494,6 +527,8 @@ with sync_playwright() as playwright, tempfile.TemporaryDirectory() as temporary
     every_width(chromium, folder)
     history(chromium, folder)
     many_poses(chromium, folder)
+    with tempfile.TemporaryDirectory() as other:
+        by_token(chromium, pathlib.Path(other))
     with tempfile.TemporaryDirectory() as load:
         under_load(chromium, pathlib.Path(load))
     with tempfile.TemporaryDirectory() as demo:
