@@ -33,7 +33,7 @@ const fn with(cycle: &'static str, model: &'static str) -> Case {
 }
 
 /// Every instrument and every way of measuring that ships.
-pub const CASES: [Case; 34] = [
+pub const CASES: [Case; 37] = [
     base("ball-bar-c"),
     with("ball-plate", "volume"),
     with("ball-plate-self", "self-calibration"),
@@ -52,8 +52,11 @@ pub const CASES: [Case; 34] = [
     base("head-c"),
     base("hybrid-static"),
     with("laser-ball-bar", "straight-lines-bc"),
+    with("linear-x", "straight-lines"),
     base("machined-column"),
     with("passive-arm", "straight-lines-xy-bc"),
+    base("r-test-head-a-table-c"),
+    base("r-test-head-bc"),
     base("r-test-interleaved"),
     base("r-test-static"),
     base("r-test-sweep-b"),

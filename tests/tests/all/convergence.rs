@@ -6,8 +6,9 @@ use trunnion_tests::workspace_root;
 
 /// Trials of each cycle; the bin `convergence-trial` does any number.
 const TRIALS: u64 = 3;
-/// Cycles that scatter still changes, with the reason.
-const NOT_YET: [(&str, &str); 2] = [
+/// Cycles that are left out, most because scatter still changes them, with the reason.
+const NOT_YET: [(&str, &str); 3] = [
+    ("linear-x", "one axis alone, for the method `positioning`: no model of a machine is fitted to it"),
     (
         "ball-plate",
         "polynomials over the travel magnify scatter: nothing gets a number where exact positions give some",

@@ -8,7 +8,9 @@
 //! s, W, K_k: the noise that a diagnosis learns (`noise::learned`, docs/design/statistics.md §1); v_k: posterior means of s²ρ_k²; Π: the
 //! u² of the priors. a_i: rows of A. Where neighbours are averaged for learning, those of one mean share what is not white, and the
 //! white variance of one is that of the mean times their number.
-//! Limits: with few readings there is no saying what is noise. There the clusters of [`crate::fit::uncertainty`] serve.
+//! Limits: with few readings there is no saying what is noise. Runs on the fly fitted together with others of another noise: the sizes
+//! of the parts are learned for all runs together, and those of a coarse instrument would widen what a fine one knows. There the
+//! clusters of [`crate::fit::uncertainty`] serve.
 
 use crate::fit::gauss_newton::Converged;
 use crate::fit::identification::NoisePart;
@@ -22,6 +24,7 @@ use crate::problem::rows::Rows;
 use crate::solve::normal::{COVERAGE_95, within};
 use nalgebra::{DMatrix, DVector};
 use std::convert::Infallible;
+use trunnion_cycles::RunKind;
 
 const FEWEST_DEGREES_OF_FREEDOM: usize = 20;
 /// Draws of the sizes: the half-width of a mixture of 128 normal distributions errs by less than 2 %.
@@ -53,7 +56,11 @@ pub(crate) fn structured(
     other: Option<&Learned>,
 ) -> Option<Structured> {
     let determined = &fit.datum.determined;
-    if fit.degrees_of_freedom() < FEWEST_DEGREES_OF_FREEDOM || determined.is_empty() {
+    let on_the_fly = design.experiment.kinds.contains(&RunKind::OnTheFly);
+    if fit.degrees_of_freedom() < FEWEST_DEGREES_OF_FREEDOM
+        || determined.is_empty()
+        || (on_the_fly && !design.weights.even)
+    {
         return None;
     }
     let fitted = Fitted {

@@ -47,12 +47,12 @@ fn locations_by_maps_agree_with_the_joint_fit_where_nothing_is_hidden() {
 }
 
 /// What is hidden goes into the constants of both ways, a little differently: the joint fit weighs all readings alike, the map all
-/// angles of B.
+/// angles of B. Beyond their u by half of what the sag leaves, and by 1 µrad.
 #[test]
 fn hidden_effects_move_both_alike_within_two_to_three_u() {
-    check_agrees("points-gravity", 2.0, 0.0);
+    check_agrees("points-gravity", 2.0, 0.5);
     check_agrees("points-backlash-and-drift", 1.0, 0.0);
-    check_agrees("points-unnamed", 3.0, 0.0);
+    check_agrees("points-unnamed", 3.0, 1.0);
 }
 
 /// S1 §5.3: the table sinks when it is tilted; here 6 µm were put in, none of it at B = 0.

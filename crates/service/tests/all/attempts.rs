@@ -87,12 +87,17 @@ fn lan(folder: &Path, token: &str) -> Result<Access, String> {
         std::fs::copy(data.join(file), folder.join(file)).unwrap();
     }
     std::fs::write(folder.join("page-token"), format!("{token}\n")).unwrap();
-    let text = include_str!("../../../../config/trunnion.toml")
+    // The example has the lines of the table behind remarks.
+    let example = include_str!("../../../../config/trunnion.toml");
+    let (before, page) = example.split_once("[page]").unwrap();
+    let (page, behind) = page.split_at(page.find("\n[").unwrap_or(page.len()));
+    let page = page
         .replace("listen = \"127.0.0.1:8460\"", "listen = \"192.168.1.20:8460\"")
         .replace("# names =", "names =")
         .replace("# certificate =", "certificate =")
         .replace("# key_file =", "key_file =")
         .replace("# token_file =", "token_file =");
+    let text = format!("{before}[page]{page}{behind}");
     let config = Config::parse(&folder.join("trunnion.toml"), &text).unwrap();
     Access::of_lan(&config.page.unwrap().lan.unwrap()).map_err(|error| error.to_string())
 }
