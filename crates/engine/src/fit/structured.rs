@@ -8,10 +8,11 @@
 //! s, W, K_k: the noise that a diagnosis learns (`noise::learned`, docs/design/statistics.md §1); v_k: posterior means of s²ρ_k²; Π: the
 //! u² of the priors. a_i: rows of A. Where neighbours are averaged for learning, those of one mean share what is not white, and the
 //! white variance of one is that of the mean times their number.
-//! Limits: with few readings there is no saying what is noise. Runs on the fly fitted together with others of another noise: the sizes
-//! of the parts are learned for all runs together, and those of a coarse instrument would widen what a fine one knows. There the
+//! Limits: with few readings there is no saying what is noise. The sizes of the parts are learned for all runs together: where runs on
+//! the fly are fitted with others of another instrument or at rest, what one of them shows would widen what another knows. There the
 //! clusters of [`crate::fit::uncertainty`] serve.
 
+use crate::Experiment;
 use crate::fit::gauss_newton::Converged;
 use crate::fit::identification::NoisePart;
 use crate::noise::learned::Real;
@@ -56,10 +57,9 @@ pub(crate) fn structured(
     other: Option<&Learned>,
 ) -> Option<Structured> {
     let determined = &fit.datum.determined;
-    let on_the_fly = design.experiment.kinds.contains(&RunKind::OnTheFly);
     if fit.degrees_of_freedom() < FEWEST_DEGREES_OF_FREEDOM
         || determined.is_empty()
-        || (on_the_fly && !design.weights.even)
+        || is_mixed(design.experiment)
     {
         return None;
     }
@@ -94,6 +94,15 @@ pub(crate) fn structured(
     let parts = PARTS.map(|(part, name)| NoisePart { name, sigma_mm: sigma_mm(part) });
     let parts = std::iter::once(white).chain(parts.into_iter().filter(|part| part.sigma_mm > 0.0)).collect();
     Some(Structured { covariance, parts, noise })
+}
+
+/// Whether a run on the fly is fitted with one that was measured in another way.
+fn is_mixed(experiment: &Experiment) -> bool {
+    let way = |i: usize| {
+        let instrument = experiment.setups[experiment.points[i].state.setup].instrument;
+        (experiment.kinds[experiment.run_of_point[i]], instrument)
+    };
+    experiment.kinds.contains(&RunKind::OnTheFly) && (1..experiment.points.len()).any(|i| way(i) != way(0))
 }
 
 /// Mean covariance of all sizes of the noise that the run allows, each parameter with the u of which ± 1.96 u holds 95 % of their
