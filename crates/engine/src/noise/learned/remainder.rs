@@ -107,14 +107,14 @@ impl<'a> Remainder<'a> {
         let of_point = |i: &usize| if self.used[*i] { 1.0 } else { tails::NOTHING };
         let kernels = &self.kernels;
         let mut white = DVector::from_iterator(self.y.len(), kernels.point_of_row.iter().map(of_point));
-        let mut x = self.start(&white);
-        let mut mode = self.mode(&white, &x, Effort::SIZES)?;
+        // What some points say may have no covariance of all: white noise that is nothing beside the rest.
+        let begun = self.mode(&white, &self.start(&white), Effort::SIZES);
+        let mut mode = begun.or_else(|| self.mode(&white, &self.first(), Effort::SIZES))?;
         for _ in 0..WEIGHINGS {
             let weights = tails::weights(&mode, &kernels.rows_of_point, &white, &self.used);
             let Some(weights) = weights else { break };
-            x = mode.x().to_vec();
-            white = weights;
-            mode = self.mode(&white, &x, Effort::SIZES)?;
+            let Some(next) = self.mode(&weights, mode.x(), Effort::SIZES) else { break };
+            (white, mode) = (weights, next);
         }
         let white_mm = mode.white() * self.unit_mm;
         let (kernels, root) = (self.kernels.clone(), self.root.clone());
@@ -126,13 +126,19 @@ impl<'a> Remainder<'a> {
         let x: Vec<f64> = std::iter::once((learned.white_mm / self.unit_mm).ln())
             .chain(learned.rho_ln.iter().copied())
             .collect();
-        self.mode(&learned.white, &x, Effort::FULL)
+        let found = self.mode(&learned.white, &x, Effort::FULL);
+        found.or_else(|| self.mode(&learned.white, &self.first(), Effort::FULL))
+    }
+
+    /// The means of the prior.
+    fn first(&self) -> Vec<f64> {
+        std::iter::once(WHITE_FIRST.ln()).chain(self.kernels.means()).collect()
     }
 
     /// Where to begin: what some of the points say, as many as cost nothing, from the means of the prior.
     fn start(&self, white: &DVector<f64>) -> Vec<f64> {
         let kernels = &self.kernels;
-        let x = std::iter::once(WHITE_FIRST.ln()).chain(kernels.means()).collect::<Vec<f64>>();
+        let x = self.first();
         let chosen: Vec<usize> = (0..kernels.points).step_by(self.y.len().div_ceil(FEW_ROWS)).collect();
         let rows: Vec<usize> = chosen.iter().flat_map(|&i| kernels.rows_of_point[i].clone()).collect();
         let basis = orthonormal(&self.base.select_rows(&rows)).cast::<Real>();
