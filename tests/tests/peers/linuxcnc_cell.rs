@@ -152,9 +152,6 @@ fn operate(program: &Path) {
     assert_eq!(operator.answer("get error", "ERROR"), "OK");
 }
 
-/// Between poses: the simulated drives follow any speed, mm/s.
-const TRANSFER_MM_PER_S: f64 = 400.0;
-
 /// What is measured in this cell.
 pub struct Task<'a> {
     pub cnc: &'a LinuxCnc,
@@ -165,6 +162,8 @@ pub struct Task<'a> {
     pub dwell_s: Option<f64>,
     /// False where the readings are too few for the service to analyse: then the recording is waited for.
     pub analysed: bool,
+    /// Between poses, mm/s.
+    pub transfer_mm_per_s: f64,
 }
 
 /// The setups of a cycle as the simulated machine has them.
@@ -180,8 +179,8 @@ pub async fn measure(folder: &Path, world: Arc<Followed>, task: &Task<'_>) -> Pa
     let cycle = Cycle::parse("c.toml", task.cycle_text).unwrap();
     let rules = CourseRules {
         dwell_s: task.dwell_s,
-        transfer_mm_per_s: TRANSFER_MM_PER_S,
-        transfer_rad_per_s: convert::rad_from_deg(1.8 * TRANSFER_MM_PER_S),
+        transfer_mm_per_s: task.transfer_mm_per_s,
+        transfer_rad_per_s: convert::rad_from_deg(1.8 * task.transfer_mm_per_s),
         ..CourseRules::default()
     };
     let program = Program::of_cycle(&cycle, task.machine, &rules).unwrap();

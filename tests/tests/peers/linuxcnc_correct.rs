@@ -26,6 +26,9 @@ const MODEL: &str = "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[ef
 /// Long enough for the probes to settle and be read, s.
 const DWELL_S: f64 = 0.8;
 
+/// The simulated drives follow any speed, mm/s.
+const TRANSFER_MM_PER_S: f64 = 400.0;
+
 /// The component of LinuxCNC, installed; taken away with this.
 struct Installed;
 
@@ -52,7 +55,8 @@ impl Drop for Installed {
 
 /// The cycle, as the service measures and analyses it.
 fn whole<'a>(cnc: &'a LinuxCnc, drives: Drives, machine: &'a Machine, cycle_text: &'a str) -> Task<'a> {
-    Task { cnc, drives, machine, cycle_text, dwell_s: Some(DWELL_S), analysed: true }
+    let (dwell_s, transfer_mm_per_s) = (Some(DWELL_S), TRANSFER_MM_PER_S);
+    Task { cnc, drives, machine, cycle_text, dwell_s, analysed: true, transfer_mm_per_s }
 }
 
 /// Four poses, too few to be analysed.

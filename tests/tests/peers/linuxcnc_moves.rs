@@ -34,6 +34,7 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
         cycle_text: &cycle_text,
         dwell_s: Some(0.5),
         analysed: true,
+        transfer_mm_per_s: 100.0,
     };
     let report = measure(folder.path(), world, &task).await.with_extension("identification.json");
     drop(cnc);
