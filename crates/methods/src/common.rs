@@ -7,6 +7,7 @@ pub(crate) mod relative;
 pub(crate) mod stations;
 pub(crate) mod turning;
 
+use crate::recipes::{Method, MethodError};
 use trunnion_core::{Point, Setup};
 use trunnion_cycles::Run;
 
@@ -31,4 +32,44 @@ pub(crate) fn mounted(runs: &[Run]) -> Vec<Mounted<'_>> {
     }
     all.retain(|mounted| !mounted.points.is_empty());
     all
+}
+
+/// What a method recognised, setup by setup.
+pub(crate) struct Recognised<T> {
+    pub all: Vec<T>,
+    /// What was left out, one sentence each.
+    pub left_out: Vec<String>,
+}
+
+impl<T> Recognised<T> {
+    /// What `of` makes of every setup that was read; it is given what was recognised before, and says why it takes a setup not.
+    /// `what` and `next`: where nothing is recognised, in which words that is reported, and what to do.
+    ///
+    /// # Errors
+    /// Nothing is recognised.
+    pub fn of<'a>(
+        method: &Method,
+        runs: &'a [Run],
+        (what, next): (&str, &str),
+        of: impl Fn(&Mounted<'a>, &[T]) -> Result<T, String>,
+    ) -> Result<Self, MethodError> {
+        let mut found = Self { all: Vec::new(), left_out: Vec::new() };
+        for mounted in mounted(runs) {
+            match of(&mounted, &found.all) {
+                Ok(one) => found.all.push(one),
+                Err(why) => found.left_out.push(format!("setup {}: {why}", mounted.name)),
+            }
+        }
+        if found.all.is_empty() {
+            let why =
+                if found.left_out.is_empty() { "no readings".into() } else { found.left_out.join("; ") };
+            return Err(method.lacks(format!("{what} ({why})"), next));
+        }
+        Ok(found)
+    }
+
+    /// For the notes of the findings.
+    pub fn left_out_notes(&self) -> impl Iterator<Item = String> + '_ {
+        self.left_out.iter().map(|left| format!("Left out: {left}."))
+    }
 }

@@ -30,7 +30,7 @@ use found::Found;
 use super::{Method, MethodError, MethodOptions, one_machine};
 use crate::Findings;
 use shape::{AxisShapes, Shape};
-use track::Tracks;
+use track::recognised;
 use trunnion_cycles::Run;
 
 pub(super) static METHOD: Method = Method {
@@ -47,8 +47,8 @@ pub(super) static METHOD: Method = Method {
 };
 
 fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
-    let machine = one_machine(runs)?;
-    let tracks = Tracks::of(&METHOD, runs, options.axis)?;
+    one_machine(runs)?;
+    let tracks = recognised(&METHOD, runs, options.axis)?;
     let shapes = Shape::of_all(&METHOD, &tracks.all)?;
     let axes = AxisShapes::of_all(&shapes);
     let location = location::locations(&shapes, &axes);
@@ -57,5 +57,5 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
         false => joint_fit::locations_of(&METHOD, runs, options.axis)?,
     };
     let found = Found { tracks: &tracks, shapes: &shapes, axes: &axes, location, by_joint_fit };
-    Ok(values::findings(&METHOD, &machine.name, runs, &found, options.convention))
+    Ok(values::findings(&METHOD, runs, &found, options.convention))
 }

@@ -24,7 +24,7 @@ mod values;
 use super::{Method, MethodError, MethodOptions, one_machine};
 use crate::Findings;
 use fit::Fitted;
-use trace::Traces;
+use trace::recognised;
 use trunnion_cycles::Run;
 
 pub(super) static METHOD: Method = Method {
@@ -41,7 +41,7 @@ pub(super) static METHOD: Method = Method {
 
 fn run(runs: &[Run], _: &MethodOptions) -> Result<Findings, MethodError> {
     let machine = one_machine(runs)?;
-    let traces = Traces::of(&METHOD, runs)?;
+    let traces = recognised(&METHOD, runs)?;
     let fits: Vec<Fitted<'_>> =
         traces.all.iter().map(|trace| Fitted::of(&METHOD, machine, trace)).collect::<Result<_, _>>()?;
     Ok(values::findings(&METHOD, machine, runs, &traces, &fits))

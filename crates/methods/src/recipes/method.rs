@@ -66,6 +66,21 @@ pub enum MethodError {
 }
 
 impl Method {
+    /// Findings of these runs of one machine, without anything found yet.
+    pub(crate) fn findings(&self, runs: &[Run], convention: Convention) -> Findings {
+        Findings {
+            method: self.name,
+            source: self.source,
+            convention,
+            machine: runs.first().map_or_else(String::new, |run| run.machine.name.clone()),
+            runs: runs.iter().map(|run| run.name.clone()).collect(),
+            values: Vec::new(),
+            tables: Vec::new(),
+            charts: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
     /// The error of runs that lack something. `found`: what is wrong, without a full stop; `next`: what to do, a sentence.
     pub fn lacks(&self, found: impl Into<String>, next: impl Into<String>) -> MethodError {
         MethodError::Lacks { method: self.name, found: found.into(), needs: self.needs, next: next.into() }

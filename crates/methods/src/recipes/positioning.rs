@@ -15,7 +15,7 @@ mod targets;
 
 use super::{Method, MethodError, MethodOptions, one_machine};
 use crate::Findings;
-use targets::Traces;
+use targets::recognised;
 use trunnion_cycles::Run;
 
 pub(super) static METHOD: Method = Method {
@@ -31,7 +31,7 @@ pub(super) static METHOD: Method = Method {
 };
 
 fn run(runs: &[Run], _: &MethodOptions) -> Result<Findings, MethodError> {
-    let machine = one_machine(runs)?;
-    let traces = Traces::of(&METHOD, runs)?;
-    Ok(report::findings(&METHOD, machine, runs, &traces))
+    one_machine(runs)?;
+    let traces = recognised(&METHOD, runs)?;
+    Ok(report::findings(&METHOD, runs, &traces))
 }

@@ -4,7 +4,7 @@
 
 use super::location::{Location, locations};
 use super::shape::{AxisShapes, Shape};
-use super::track::Tracks;
+use super::track::recognised;
 use crate::recipes::{Method, MethodError};
 use trunnion_core::{Joint, Point};
 use trunnion_cycles::{Run, RunKind};
@@ -34,7 +34,7 @@ pub(super) fn locations_of(
         channels: Vec::new(),
         points: experiment.points.iter().enumerate().map(predicted).collect(),
     };
-    let tracks = Tracks::of(method, &[predicted_run], asked)?;
+    let tracks = recognised(method, &[predicted_run], asked)?;
     let shapes = Shape::of_all(method, &tracks.all)?;
     Ok(locations(&shapes, &AxisShapes::of_all(&shapes)))
 }

@@ -1,6 +1,6 @@
 //! What a ball bar read in each setup, and which measurement of S4 that is: by how the bar lies and what moves, not by name.
 
-use crate::common::{Mounted, mounted};
+use crate::common::{Mounted, Recognised};
 use crate::geometry;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Point3, Vector2, Vector3};
@@ -21,11 +21,7 @@ const ALONG: f64 = 0.999;
 const LEAST_READINGS: usize = 12;
 
 /// The measurements that were recognised.
-pub(super) struct Tracks {
-    pub all: Vec<Track>,
-    /// What was left out, one sentence each.
-    pub left_out: Vec<String>,
-}
+pub(super) type Tracks = Recognised<Track>;
 
 /// One setup of one run.
 pub(super) struct Track {
@@ -93,36 +89,23 @@ pub(super) struct Sample {
     pub bar_in_table: Vector3<f64>,
 }
 
-impl Tracks {
-    /// Every setup that is a measurement; of `asked` alone when given.
-    ///
-    /// # Errors
-    /// No setup that the method can use.
-    pub fn of(method: &Method, runs: &[Run], asked: Option<Joint>) -> Result<Self, MethodError> {
-        let mut tracks = Self { all: Vec::new(), left_out: Vec::new() };
-        for Mounted { name, run, setup, points } in mounted(runs) {
-            match Seen::of(&run.machine, setup, &points)
-                .and_then(|seen| seen.track(&name, run.kind == RunKind::OnTheFly))
-            {
-                Ok(track)
-                    if asked.is_none_or(|asked| track.kind.axis().is_some_and(|a| a.letter == asked)) =>
-                {
-                    tracks.all.push(track);
-                }
-                Ok(_) => tracks.left_out.push(format!("setup {name}: another axis than the one asked for")),
-                Err(why) => tracks.left_out.push(format!("setup {name}: {why}")),
-            }
+/// Every setup that is a measurement; of `asked` alone when given.
+///
+/// # Errors
+/// No setup that the method can use.
+pub(super) fn recognised(method: &Method, runs: &[Run], asked: Option<Joint>) -> Result<Tracks, MethodError> {
+    let wanted = asked.map_or("a rotary axis".into(), |letter| format!("axis {letter}"));
+    let what = format!("in no setup does a ball bar read {wanted} turning");
+    let next =
+        "Run a cycle such as config/cycles/s4-c.toml; circles of linear axes are for --method circular.";
+    Tracks::of(method, runs, (&what, next), |Mounted { name, run, setup, points }, _| {
+        let seen = Seen::of(&run.machine, setup, points)?;
+        let track = seen.track(name, run.kind == RunKind::OnTheFly)?;
+        match asked.is_none_or(|asked| track.kind.axis().is_some_and(|axis| axis.letter == asked)) {
+            true => Ok(track),
+            false => Err("another axis than the one asked for".into()),
         }
-        if tracks.all.is_empty() {
-            let wanted = asked.map_or("a rotary axis".into(), |letter| format!("axis {letter}"));
-            let why =
-                if tracks.left_out.is_empty() { "no readings".into() } else { tracks.left_out.join("; ") };
-            let found = format!("in no setup does a ball bar read {wanted} turning ({why})");
-            let next = "Run a cycle such as config/cycles/s4-c.toml; circles of linear axes are for --method circular.";
-            return Err(method.lacks(found, next));
-        }
-        Ok(tracks)
-    }
+    })
 }
 
 impl Kind {

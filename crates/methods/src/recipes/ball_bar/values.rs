@@ -14,13 +14,7 @@ use trunnion_core::convert::{deg_from_rad, um_from_mm};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
-pub(super) fn findings(
-    method: &Method,
-    machine: &str,
-    runs: &[Run],
-    found: &Found<'_>,
-    convention: Convention,
-) -> Findings {
+pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convention: Convention) -> Findings {
     let mut values: Vec<FoundValue> = found.location.iter().map(|l| location(l, convention)).collect();
     let mut of_motions = Vec::new();
     for motion in found.axes.iter().flat_map(error_motions) {
@@ -66,15 +60,11 @@ pub(super) fn findings(
         tables.push(comparison(found, convention));
     }
     Findings {
-        method: method.name,
-        source: method.source,
-        convention,
-        machine: machine.into(),
-        runs: runs.iter().map(|run| run.name.clone()).collect(),
         values,
         tables,
         charts: charts(found),
         notes: notes(found),
+        ..method.findings(runs, convention)
     }
 }
 
@@ -211,6 +201,6 @@ fn notes(found: &Found<'_>) -> Vec<String> {
             ));
         }
     }
-    notes.extend(found.tracks.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes.extend(found.tracks.left_out_notes());
     notes
 }

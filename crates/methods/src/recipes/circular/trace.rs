@@ -1,6 +1,6 @@
 //! Circles among the readings: bar in a coordinate plane, two linear axes moving, nothing else.
 
-use crate::common::{Mounted, mounted};
+use crate::common::{Mounted, Recognised};
 use crate::recipes::{Method, MethodError};
 use nalgebra::Vector3;
 use trunnion_core::{InstrumentKind, Joint, Point, Setup};
@@ -20,11 +20,7 @@ const LEAST_READINGS: usize = 60;
 const PLANES: [[Joint; 2]; 3] = [[Joint::X, Joint::Y], [Joint::Y, Joint::Z], [Joint::Z, Joint::X]];
 
 /// The circles.
-pub(super) struct Traces {
-    pub all: Vec<Trace>,
-    /// What was left out, one sentence each.
-    pub left_out: Vec<String>,
-}
+pub(super) type Traces = Recognised<Trace>;
 
 /// One setup of one run.
 pub(super) struct Trace {
@@ -65,32 +61,19 @@ pub(super) struct Sample {
     pub speed_mm_per_s: f64,
 }
 
-impl Traces {
-    /// Every circle of the runs.
-    ///
-    /// # Errors
-    /// No circle.
-    pub fn of(method: &Method, runs: &[Run]) -> Result<Self, MethodError> {
-        let mut traces = Self { all: Vec::new(), left_out: Vec::new() };
-        for Mounted { name, run, setup, points } in mounted(runs) {
-            match circle(&run.machine, setup, &points) {
-                Ok(trace) => {
-                    let on_the_fly = run.kind == RunKind::OnTheFly;
-                    let taken = traces.all.iter().any(|other| other.plane == trace.plane);
-                    let name = if taken { format!("{} {name}", trace.name) } else { trace.name };
-                    traces.all.push(Trace { name, on_the_fly, ..trace });
-                }
-                Err(why) => traces.left_out.push(format!("setup {name}: {why}")),
-            }
-        }
-        if traces.all.is_empty() {
-            let why =
-                if traces.left_out.is_empty() { "no readings".into() } else { traces.left_out.join("; ") };
-            let next = "Run a cycle such as config/cycles/circle-xy.toml; rotary axes under a ball bar are for --method ball-bar.";
-            return Err(method.lacks(format!("no setup holds a circle of two linear axes ({why})"), next));
-        }
-        Ok(traces)
-    }
+/// Every circle of the runs.
+///
+/// # Errors
+/// No circle.
+pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Traces, MethodError> {
+    let what = "no setup holds a circle of two linear axes";
+    let next = "Run a cycle such as config/cycles/circle-xy.toml; rotary axes under a ball bar are for --method ball-bar.";
+    Traces::of(method, runs, (what, next), |Mounted { name, run, setup, points }, others| {
+        let trace = circle(&run.machine, setup, points)?;
+        let taken = others.iter().any(|other| other.plane == trace.plane);
+        let name = if taken { format!("{} {name}", trace.name) } else { trace.name };
+        Ok(Trace { name, on_the_fly: run.kind == RunKind::OnTheFly, ..trace })
+    })
 }
 
 fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, String> {

@@ -36,15 +36,11 @@ pub(super) fn findings(
             .note(note)
     }));
     Findings {
-        method: method.name,
-        source: method.source,
-        convention: Convention::RightHanded,
-        machine: machine.name.clone(),
-        runs: runs.iter().map(|run| run.name.clone()).collect(),
         values,
         tables: fits.iter().map(ranking).collect(),
         charts: fits.iter().flat_map(charts).collect(),
         notes: notes(machine, traces, fits),
+        ..method.findings(runs, Convention::RightHanded)
     }
 }
 
@@ -201,6 +197,6 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
             }
         }
     }
-    notes.extend(traces.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes.extend(traces.left_out_notes());
     notes
 }

@@ -41,15 +41,11 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
     let mut notes = notes(grid, b_errors);
     notes.push(calibration.note.clone());
     Findings {
-        method: method.name,
-        source: method.source,
-        convention,
-        machine: grid.machine.name.clone(),
-        runs: runs.iter().map(|run| run.name.clone()).collect(),
         values,
         tables,
         charts: charts(grid, b_errors, c_errors),
         notes,
+        ..method.findings(runs, convention)
     }
 }
 

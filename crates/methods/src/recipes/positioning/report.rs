@@ -6,7 +6,6 @@ use crate::recipes::{Convention, Method};
 use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
-use trunnion_machine::Machine;
 
 /// Names of the ways.
 const WAYS: [&str; 2] = ["↑", "↓"];
@@ -14,7 +13,7 @@ const WAYS: [&str; 2] = ["↑", "↓"];
 /// A number with its variance.
 type Known = (f64, f64);
 
-pub(super) fn findings(method: &Method, machine: &Machine, runs: &[Run], traces: &Traces) -> Findings {
+pub(super) fn findings(method: &Method, runs: &[Run], traces: &Traces) -> Findings {
     let mut notes = vec![
         "Extended by twice the standard deviation, as ISO 230-2 asks. Air, material temperature and the alignment of the beam are in no value.".to_string(),
     ];
@@ -27,17 +26,13 @@ pub(super) fn findings(method: &Method, machine: &Machine, runs: &[Run], traces:
             .filter(few)
             .map(|t| format!("{}: ISO 230-2 asks for five approaches from each side.", t.name)),
     );
-    notes.extend(traces.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes.extend(traces.left_out_notes());
     Findings {
-        method: method.name,
-        source: method.source,
-        convention: Convention::RightHanded,
-        machine: machine.name.clone(),
-        runs: runs.iter().map(|run| run.name.clone()).collect(),
         values: traces.all.iter().flat_map(values).collect(),
         tables: traces.all.iter().map(table).collect(),
         charts: traces.all.iter().map(chart).collect(),
         notes,
+        ..method.findings(runs, Convention::RightHanded)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Approaches of the targets of one axis, by direction.
 
-use crate::common::{Mounted, mounted};
+use crate::common::{Mounted, Recognised};
 use crate::recipes::{Method, MethodError};
 use trunnion_core::{InstrumentKind, Joint, Point, Setup};
 use trunnion_cycles::Run;
@@ -14,11 +14,7 @@ const STILL_RAD: f64 = 1e-4;
 const ONE_TARGET_MM: f64 = 0.05;
 
 /// What was measured.
-pub(super) struct Traces {
-    pub all: Vec<Trace>,
-    /// What was left out, one sentence each.
-    pub left_out: Vec<String>,
-}
+pub(super) type Traces = Recognised<Trace>;
 
 /// One axis in one setup.
 pub(super) struct Trace {
@@ -65,31 +61,19 @@ impl Approaches {
     }
 }
 
-impl Traces {
-    /// Every axis of the runs.
-    ///
-    /// # Errors
-    /// No axis was measured alone, along the beam, more than once.
-    pub fn of(method: &Method, runs: &[Run]) -> Result<Self, MethodError> {
-        let mut traces = Self { all: Vec::new(), left_out: Vec::new() };
-        for Mounted { name, run, setup, points } in mounted(runs) {
-            match trace(&run.machine, setup, &points) {
-                Ok(trace) => {
-                    let taken = traces.all.iter().any(|other| other.name == trace.name);
-                    let name = if taken { format!("{} {name}", trace.name) } else { trace.name };
-                    traces.all.push(Trace { name, ..trace });
-                }
-                Err(why) => traces.left_out.push(format!("setup {name}: {why}")),
-            }
-        }
-        if traces.all.is_empty() {
-            let why =
-                if traces.left_out.is_empty() { "no readings".into() } else { traces.left_out.join("; ") };
-            let next = "Run a cycle such as config/cycles/linear-x.toml.";
-            return Err(method.lacks(format!("no setup holds targets of one linear axis ({why})"), next));
-        }
-        Ok(traces)
-    }
+/// Every axis of the runs.
+///
+/// # Errors
+/// No axis was measured alone, along the beam, more than once.
+pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Traces, MethodError> {
+    let what = "no setup holds targets of one linear axis";
+    let next = "Run a cycle such as config/cycles/linear-x.toml.";
+    Traces::of(method, runs, (what, next), |Mounted { name, run, setup, points }, others| {
+        let trace = trace(&run.machine, setup, points)?;
+        let taken = others.iter().any(|other| other.name == trace.name);
+        let name = if taken { format!("{} {name}", trace.name) } else { trace.name };
+        Ok(Trace { name, ..trace })
+    })
 }
 
 fn trace(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, String> {

@@ -46,15 +46,11 @@ pub(super) fn findings(
         return Err(method.lacks(found, "Run config/cycles/rotary-values-c.toml."));
     }
     Ok(Findings {
-        method: method.name,
-        source: method.source,
-        convention,
-        machine: runs.first().map_or(String::new(), |run| run.machine.name.clone()),
-        runs: runs.iter().map(|run| run.name.clone()).collect(),
         values: judged.iter().flat_map(values).collect(),
         tables: std::iter::once(table(&judged)).chain(harmonics::table(&harmonics(&judged))).collect(),
         charts: judged.iter().flat_map(|signal| charts(turning, signal)).collect(),
         notes: notes(turning, &judged, &stations),
+        ..method.findings(runs, convention)
     })
 }
 

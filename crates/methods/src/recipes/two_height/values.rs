@@ -28,15 +28,11 @@ pub(super) fn findings(
         |motion: &ErrorMotion| Some((motion.name.clone(), motion.unit, Harmonics::of(&motion.points)?));
     let harmonics: Vec<_> = motions.iter().filter_map(around).collect();
     Findings {
-        method: method.name,
-        source: method.source,
-        convention,
-        machine: runs.first().map_or(String::new(), |run| run.machine.name.clone()),
-        runs: runs.iter().map(|run| run.name.clone()).collect(),
         values,
         tables: std::iter::once(passes(turning, heights)).chain(harmonics::table(&harmonics)).collect(),
         charts: charts(turning, heights, &signs),
         notes: notes(turning, heights),
+        ..method.findings(runs, convention)
     }
 }
 
