@@ -33,8 +33,8 @@ const SHOWN: f64 = 0.005;
 /// Answers for the model of `problem`, unless a named effect that was found cannot be the cause.
 pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Result<Answer, DiagnoseError> {
     let found = search(scan, options.claim_ln, options.look_ahead).ok_or(DiagnoseError::NoNoise)?;
-    let all_found_mm = scan.left(&columns_of(found.items.iter(), scan.y.len()));
-    let alone_mm = scan.left(&DMatrix::zeros(scan.y.len(), 0));
+    let all_found_mm = scan.left(&columns_of(found.items.iter(), scan.remainder.y.len()));
+    let alone_mm = scan.left(&DMatrix::zeros(scan.remainder.y.len(), 0));
     let is_constant = is_constant(scan, &found, options.claim_ln);
     let context =
         Context { problem, scan, options, found: &found, floor_mm: all_found_mm, alone_mm, is_constant };
@@ -205,7 +205,7 @@ impl Context<'_> {
         found.find_map(|((group, _), refit)| {
             let instance = &self.scan.named[*group].instance;
             let refit = refit.as_ref()?;
-            let display = self.scan.coarse_display.as_ref();
+            let display = self.scan.remainder.coarse_display.as_ref();
             let within_display = || refit.within_step(instance, scene, display?.step_mm);
             let why = refit.beyond_physical(instance, scene).or_else(within_display)?;
             Some((instance.id(), why))
@@ -271,7 +271,7 @@ impl Context<'_> {
             _ => false,
         };
         let like_all_found = || {
-            let readings = self.scan.y.len() as f64;
+            let readings = self.scan.remainder.y.len() as f64;
             readings * (self.scan.left(&item.columns) / self.floor_mm).ln() < CONFUSED_LN
         };
         self.found.complete

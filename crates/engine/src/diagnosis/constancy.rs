@@ -36,22 +36,24 @@ pub fn is_constant(scan: &Scan<'_>, found: &Found, claim_ln: f64) -> bool {
 /// What an item explains with the others in the model, weighted.
 fn signal(scan: &Scan<'_>, found: &Found, item: &Item) -> Option<DVector<f64>> {
     let others = found.items.iter().filter(|other| other.what != item.what);
-    let others = beside(&columns_of(others, scan.y.len()), &found.further);
-    let basis = orthonormal(&beside(&scan.base, &others)).cast::<Real>();
-    let alone = Projected::new(found.last.null.here.sigma.clone(), &scan.y, &basis)?;
+    let others = beside(&columns_of(others, scan.remainder.y.len()), &found.further);
+    let basis = orthonormal(&beside(&scan.remainder.base, &others)).cast::<Real>();
+    let alone = Projected::new(found.last.null.here.sigma.clone(), &scan.remainder.y, &basis)?;
     Some(fitted(&alone, &turned(&item.columns)))
 }
 
 /// Turned columns of a signal that changes.
 fn block(scan: &Scan<'_>, signal: &DVector<f64>, change: &[Vec<f64>]) -> DMatrix<f64> {
-    let columns: Vec<DVector<f64>> =
-        change.iter().map(|factor| modulated(&scan.rows.points, signal, |point| factor[point])).collect();
+    let columns: Vec<DVector<f64>> = change
+        .iter()
+        .map(|factor| modulated(&scan.remainder.rows.points, signal, |point| factor[point]))
+        .collect();
     turned(&DMatrix::from_columns(&columns))
 }
 
 /// Factors of every change, one list of values for each: time, and the place on every axis that moves.
 fn changes(scan: &Scan<'_>) -> Vec<Vec<Vec<f64>>> {
-    let experiment = &scan.rows.points;
+    let experiment = &scan.remainder.rows.points;
     let points = 0..experiment.points.len();
     let mut changes = vec![vec![centred(points.clone().map(|i| run_and_time(experiment, i).1).collect())]];
     let scene = &experiment.scene;

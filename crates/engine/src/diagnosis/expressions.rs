@@ -44,7 +44,7 @@ pub fn best_term(scan: &Scan<'_>, view: &View, beat_ln: [f64; 2]) -> Option<Scor
 
 /// The best terms on the grid, bundles included, best first.
 fn finalists(scan: &Scan<'_>, view: &View, beat_ln: [f64; 2]) -> Vec<Screened> {
-    let points = &scan.rows.points;
+    let points = &scan.remainder.rows.points;
     let price = |screened: &Screened| {
         let family = &scan.vocabulary.families[screened.term.family];
         term_price_ln(scan, &screened.term, &[]) - (family.grid.len().max(1) as f64).ln()
@@ -86,7 +86,7 @@ fn finalists(scan: &Scan<'_>, view: &View, beat_ln: [f64; 2]) -> Vec<Screened> {
 }
 
 fn columns(scan: &Scan<'_>, term: &Term, shape: &[f64]) -> Option<DMatrix<f64>> {
-    let columns = scan.vocabulary.columns(&scan.rows.points, term, shape);
+    let columns = scan.vocabulary.columns(&scan.remainder.rows.points, term, shape);
     columns.iter().all(|x| x.is_finite()).then_some(columns)
 }
 

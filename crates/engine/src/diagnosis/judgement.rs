@@ -31,9 +31,9 @@ const PRICE_OF_SIZE: f64 = 2.0;
 
 /// Sizes at x = (ln s, ln ρ).
 pub fn noise_sizes(scan: &Scan<'_>, x: &[f64]) -> LearnedNoise {
-    let white_um = um_from_mm(x[0].exp() * scan.unit_mm);
+    let white_um = um_from_mm(x[0].exp() * scan.remainder.unit_mm);
     let of = |part: Part| {
-        let own = scan.kernels.list.iter().zip(&x[1..]).filter(|(kernel, _)| kernel.part == part);
+        let own = scan.remainder.kernels.list.iter().zip(&x[1..]).filter(|(kernel, _)| kernel.part == part);
         white_um * own.map(|(_, ln)| (2.0 * ln).exp()).sum::<f64>().sqrt()
     };
     LearnedNoise {
@@ -100,7 +100,8 @@ pub fn within_repeats(fit: &Identification, rms_mm: f64) -> bool {
 /// effect without a name does at every stop of an axis looks like either.
 pub fn remainder_is_natural(scan: &Scan<'_>, found: &Found) -> bool {
     let sizes = noise_sizes(scan, found.last.null.x());
-    sizes.pattern_um.max(sizes.stations_um) <= NATURAL_PATTERN * sizes.white_um * scan.kernels.single
+    sizes.pattern_um.max(sizes.stations_um)
+        <= NATURAL_PATTERN * sizes.white_um * scan.remainder.kernels.single
 }
 
 /// Effects with something to say for them that is worth more than a bare mention, where together they are worth more than that.
@@ -155,5 +156,5 @@ pub fn noticeable_um(scan: &Scan<'_>, found: &Found, claim_ln: f64) -> Option<f6
             (information > 0.0).then(|| (2.0 * price * seen / information).sqrt())
         })
         .collect();
-    (!sizes.is_empty()).then(|| um_from_mm(ALMOST_ALWAYS * median(&sizes) * scan.unit_mm))
+    (!sizes.is_empty()).then(|| um_from_mm(ALMOST_ALWAYS * median(&sizes) * scan.remainder.unit_mm))
 }

@@ -95,7 +95,7 @@ fn beside(scan: &Scan<'_>, view: &View, group: usize) -> Option<Scored> {
 /// Share of the white variance up to which a repeatable motion is natural.
 pub fn natural_share(scan: &Scan<'_>, view: &View) -> f64 {
     let of_single = if view.chosen.ncols() == 0 { NATURAL_SHARE } else { NATURAL_SHARE_BESIDE };
-    of_single * scan.kernels.single.powi(2)
+    of_single * scan.remainder.kernels.single.powi(2)
 }
 
 /// Shape numbers moved from the grid to where the evidence is best.
@@ -111,7 +111,7 @@ fn best_shape(
         let columns = scan.columns_of(&named.instance, shape);
         columns.iter().all(|x| x.is_finite()).then_some(columns)
     };
-    let first = columns(&shape).unwrap_or_else(|| DMatrix::zeros(scan.y.len(), 0));
+    let first = columns(&shape).unwrap_or_else(|| DMatrix::zeros(scan.remainder.y.len(), 0));
     if !named.shapes.continuous || named.shapes.grid.len() < 2 || first.ncols() == 0 {
         return (shape, first);
     }

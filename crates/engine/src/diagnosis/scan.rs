@@ -4,19 +4,15 @@
 use crate::diagnosis::options::DiagnoseError;
 use crate::diagnosis::vocabulary::Vocabulary;
 use crate::evidence::{beside, log_mean_exp, orthonormal, turned};
-use crate::noise::learned::display::Display;
-use crate::noise::learned::kernels::Kernels;
 use crate::noise::learned::mode::{Mode, Readings};
 use crate::noise::learned::remainder::{Fitted, Remainder};
 use crate::noise::learned::{Real, tails};
 use crate::problem::Problem;
 use crate::problem::credible::credible_columns;
-use crate::problem::rows::Rows;
 use crate::spectrum::free_waves;
 use crate::spectrum::left::Left;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-use std::sync::Arc;
 use trunnion_effects::catalogue::BASE;
 use trunnion_effects::{Instance, Role, Shapes};
 
@@ -24,8 +20,8 @@ use trunnion_effects::{Instance, Role, Shapes};
 pub struct Scan<'a> {
     /// What the model leaves, for spectra.
     pub residual: Left,
-    /// The rows that are looked at.
-    pub rows: Rows<'a>,
+    /// What the fit of the problem leaves, and the columns of the model.
+    pub remainder: Remainder<'a>,
     /// Named effects that compete.
     pub named: Vec<Named>,
     /// Their columns at all shapes, turned, side by side.
@@ -35,18 +31,7 @@ pub struct Scan<'a> {
     /// Effects this scene cannot have.
     pub out_of_reach: Vec<String>,
     pub vocabulary: Vocabulary,
-    /// Columns of the model, weighted.
-    pub base: DMatrix<f64>,
-    /// What the fit of the problem leaves, weighted, in units of `unit_mm`: exact, so that nothing of second order is taken for an effect.
-    pub y: DVector<Real>,
-    pub unit_mm: f64,
-    /// The display of the readings where its step is coarser than the residual.
-    pub coarse_display: Option<Display>,
-    pub kernels: Arc<Kernels>,
     white: DVector<f64>,
-    least_ln: f64,
-    /// Root of the weight of each row: base, readings and every column are multiplied by it.
-    pub root: DVector<f64>,
     /// The noise when nothing is added.
     pub first: Mode,
 }
@@ -90,27 +75,19 @@ impl<'a> Scan<'a> {
         }
         let noise = fit.noise.clone().or_else(|| Some(remainder.learn()?.0)).ok_or(DiagnoseError::NoNoise)?;
         let first = remainder.mode_from(&noise).ok_or(DiagnoseError::NoNoise)?;
-        let white = noise.white;
-        let Remainder { rows, root, base, y, unit_mm, coarse_display, kernels, least_ln, .. } = remainder;
         let left = Left::of(problem)?;
-        let (named, columns, widths, out_of_reach) = competitors(problem, &left, &rows, &root, without);
-        let vocabulary = Vocabulary::new(&rows.points, &root, &free_waves(&left));
+        let (named, columns, widths, out_of_reach) = competitors(problem, &left, &remainder, without);
+        let waves = free_waves(&left);
+        let vocabulary = Vocabulary::new(&remainder.rows.points, &remainder.root, &waves);
         Ok(Self {
             residual: left,
-            rows,
+            remainder,
             named,
             columns,
             widths,
             out_of_reach,
             vocabulary,
-            base,
-            y,
-            unit_mm,
-            coarse_display,
-            kernels,
-            white,
-            least_ln,
-            root,
+            white: noise.white,
             first,
         })
     }
@@ -124,20 +101,22 @@ impl<'a> Scan<'a> {
     /// Root mean square in units of a reading of what the model and `chosen` leave of the points that count, plain least squares.
     pub fn left(&self, chosen: &DMatrix<f64>) -> f64 {
         let counts = |row: &usize| self.white[*row] < tails::NOTHING;
-        let rows: Vec<usize> = (0..self.y.len()).filter(counts).collect();
-        let basis = orthonormal(&beside(&self.base, chosen).select_rows(&rows));
-        let y = self.y.select_rows(&rows).cast::<f64>();
+        let Remainder { base, y, unit_mm, .. } = &self.remainder;
+        let rows: Vec<usize> = (0..y.len()).filter(counts).collect();
+        let basis = orthonormal(&beside(base, chosen).select_rows(&rows));
+        let y = y.select_rows(&rows).cast::<f64>();
         let left = &y - &basis * basis.tr_mul(&y);
-        (left.norm_squared() / rows.len().max(1) as f64).sqrt() * self.unit_mm
+        (left.norm_squared() / rows.len().max(1) as f64).sqrt() * unit_mm
     }
 
     pub fn readings(&self) -> Readings<'_> {
-        Readings { kernels: &self.kernels, y: &self.y, white: &self.white, least_ln: self.least_ln }
+        self.remainder.readings(&self.white)
     }
 
     /// Columns of an instance at a shape; rows count with their weights.
     pub fn columns_of(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
-        weighted(self.rows.of(credible_columns(self.rows.whole(), instance, shape)), &self.root)
+        let Remainder { rows, root, .. } = &self.remainder;
+        weighted(rows.of(credible_columns(rows.whole(), instance, shape)), root)
     }
 }
 
@@ -147,11 +126,11 @@ type Competitors = (Vec<Named>, DMatrix<Real>, Vec<usize>, Vec<String>);
 fn competitors(
     problem: &Problem<'_>,
     left: &Left,
-    rows: &Rows<'_>,
-    root: &DVector<f64>,
+    remainder: &Remainder<'_>,
     without: &[String],
 ) -> Competitors {
     let (experiment, model) = (problem.experiment(), problem.model());
+    let Remainder { rows, root, .. } = remainder;
     let in_model = |id: &str| BASE.contains(&id) || model.effects.iter().any(|entry| entry.id == id);
     let (mut named, mut blocks, mut out_of_reach) = (Vec::new(), Vec::new(), Vec::new());
     for instance in Instance::all(experiment.machine()) {

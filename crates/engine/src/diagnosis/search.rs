@@ -41,7 +41,7 @@ pub struct Found {
 
 /// Searches next to the model, at most `most` additions. `None` where the noise cannot be learned.
 pub fn search(scan: &Scan<'_>, claim_ln: f64, most: usize) -> Option<Found> {
-    let rows = scan.y.len();
+    let rows = scan.remainder.y.len();
     let none = DMatrix::zeros(rows, 0);
     let mut state =
         State { scan, claim_ln, items: Vec::new(), further: none.clone(), views: Views::default() };
@@ -106,7 +106,7 @@ struct State<'a> {
 
 impl State<'_> {
     fn chosen(&self) -> DMatrix<f64> {
-        beside(&columns_of(self.items.iter(), self.scan.y.len()), &self.further)
+        beside(&columns_of(self.items.iter(), self.scan.remainder.y.len()), &self.further)
     }
 
     /// What could come next. Effects that are in may come again with a further shape, where they have shapes to choose from.
@@ -144,7 +144,7 @@ impl State<'_> {
         let mut sigma = sigma.clone();
         for i in 0..self.items.len() - 1 {
             let others = self.items.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, item)| item);
-            let chosen = beside(&columns_of(others, self.scan.y.len()), &self.further);
+            let chosen = beside(&columns_of(others, self.scan.remainder.y.len()), &self.further);
             let Some(view) = self.views.of(self.scan, chosen, &sigma) else { continue };
             let taken: Vec<usize> = (0..self.items.len())
                 .filter(|j| *j != i)

@@ -85,17 +85,17 @@ impl View {
     /// `start`: a noise near by.
     pub fn of(scan: &Scan<'_>, chosen: DMatrix<f64>, start: &Arc<Sigma>) -> Option<Self> {
         let readings = scan.readings();
-        let basis = orthonormal(&beside(&scan.base, &chosen)).cast::<Real>();
+        let basis = orthonormal(&beside(&scan.remainder.base, &chosen)).cast::<Real>();
         let null = if chosen.ncols() == 0 {
             scan.first.clone()
         } else {
             readings.learn(&basis, start.clone(), Effort::AGAIN)?
         };
         let mut x = null.x().to_vec();
-        for (x, mean) in x[1..].iter_mut().zip(scan.kernels.means()) {
-            *x = (x.min((QUIET * scan.kernels.single).ln()) - QUIETER_LN).max((*x).min(mean - 1.0));
+        for (x, mean) in x[1..].iter_mut().zip(scan.remainder.kernels.means()) {
+            *x = (x.min((QUIET * scan.remainder.kernels.single).ln()) - QUIETER_LN).max((*x).min(mean - 1.0));
         }
-        let quiet = Projected::new(readings.sigma(&x)?, &scan.y, &basis)?;
+        let quiet = Projected::new(readings.sigma(&x)?, &scan.remainder.y, &basis)?;
         let at = [&null.here, &quiet];
         let mut grams = parallel(at.len(), |i| at[i].grams(&scan.columns, &scan.widths));
         let [at_null, at_quiet] = [0, 1].map(|i| weigh_grams(at[i], &scan.columns, &grams[i]));
@@ -111,10 +111,10 @@ impl View {
     /// Learns the noise beside columns.
     pub fn beside(&self, scan: &Scan<'_>, columns: &DMatrix<f64>) -> Option<Beside> {
         let readings = scan.readings();
-        let all = beside(&beside(&scan.base, &self.chosen), columns);
+        let all = beside(&beside(&scan.remainder.base, &self.chosen), columns);
         let basis = orthonormal(&all).cast::<Real>();
         let mode = readings.learn(&basis, self.null.here.sigma.clone(), Effort::AGAIN)?;
-        let alone = Projected::new(mode.here.sigma.clone(), &scan.y, &self.basis)?;
+        let alone = Projected::new(mode.here.sigma.clone(), &scan.remainder.y, &self.basis)?;
         let offset_ln = readings.posterior(&alone) - 0.5 * mode.log_information - self.null.evidence();
         Some(Beside { mode, alone, offset_ln })
     }
@@ -124,7 +124,7 @@ impl View {
         let fitted = fitted(&beside.alone, columns);
         let basis = self.basis.map(f64::from);
         let left = &fitted - &basis * basis.tr_mul(&fitted);
-        left.norm_squared() / scan.y.len() as f64 / beside.mode.white().powi(2)
+        left.norm_squared() / scan.remainder.y.len() as f64 / beside.mode.white().powi(2)
     }
 }
 
@@ -143,7 +143,7 @@ pub fn fitted(here: &Projected, columns: &DMatrix<f64>) -> DVector<f64> {
 
 fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, at_null: &[Weighed], at_quiet: &[Weighed]) -> Vec<OnGrid> {
     let on_basis = basis.transpose() * &scan.columns;
-    let total = scan.y.len() as Real;
+    let total = scan.remainder.y.len() as Real;
     let left: Vec<Real> =
         on_basis.column_iter().map(|shadow| (total - shadow.norm_squared()).max(0.0) / total).collect();
     let first_column: Vec<usize> = scan

@@ -101,13 +101,14 @@ fn mean(covered: &[(String, f64, f64)]) -> f64 {
     covered.iter().map(|(_, share, _)| share).sum::<f64>() / covered.len() as f64
 }
 
-/// `narrowest`: least rms of error over u.
-fn check(drift: Drift, narrowest: f64) {
+/// `too_wide`: parameters whose u is known to be up to twice as large as it need be.
+fn check(drift: Drift, too_wide: &[&str]) {
     let covered = cover(drift, Uncertainties::NoiseParts);
     println!("{covered:?} mean {:.3}", mean(&covered));
     assert_eq!(covered.len(), 8, "the minimum set of location errors has numbers in every draw");
     for (name, share, rms_pull) in &covered {
         assert!(*share > 0.95 - 4.0 * SPREAD, "{name}: {share}");
+        let narrowest = if too_wide.contains(&name.as_str()) { 0.5 } else { 0.75 };
         assert!((narrowest..1.25).contains(rms_pull), "{name}: errors are {rms_pull} of what u says");
     }
     assert!((mean(&covered) - 0.95).abs() < 2.0 * SPREAD, "{}", mean(&covered));
@@ -117,12 +118,12 @@ fn check(drift: Drift, narrowest: f64) {
 fn intervals_hold_the_truth_when_the_noise_is_white() {
     // Ten minutes do not exclude a drift of a seventh of the noise, and the prior expects one (docs/design/statistics.md §1.1): what an
     // offset moves most has a u that a machine without any drift does not need.
-    check(NONE, 0.5);
+    check(NONE, &["EX0B", "EZ0B", "EY0C"]);
 }
 
 #[test]
 fn intervals_hold_the_truth_when_the_machine_drifts() {
-    check(SLOW, 0.75);
+    check(SLOW, &[]);
     let covered = cover(SLOW, Uncertainties::Clusters);
     println!("clusters: {covered:?} mean {:.3}", mean(&covered));
     assert!(mean(&covered) < 0.95 - 6.0 * SPREAD, "clusters do not see drift that outlasts them");

@@ -52,7 +52,7 @@ pub(crate) struct Remainder<'a> {
     pub coarse_display: Option<Display>,
     pub kernels: Arc<Kernels>,
     /// ln of the least white standard deviation.
-    pub least_ln: f64,
+    least_ln: f64,
     /// Nodes of which every point took part in the fit.
     used: Vec<bool>,
 }
@@ -152,8 +152,13 @@ impl<'a> Remainder<'a> {
         mode.map_or(x, |mode| mode.x().to_vec())
     }
 
+    /// The readings with these multiples of the white variance.
+    pub fn readings<'r>(&'r self, white: &'r DVector<f64>) -> Readings<'r> {
+        Readings { kernels: &self.kernels, y: &self.y, white, least_ln: self.least_ln }
+    }
+
     fn mode(&self, white: &DVector<f64>, x: &[f64], effort: Effort) -> Option<Mode> {
-        let readings = Readings { kernels: &self.kernels, y: &self.y, white, least_ln: self.least_ln };
+        let readings = self.readings(white);
         readings.learn(&self.basis, readings.sigma(x)?, effort)
     }
 }
