@@ -95,7 +95,9 @@ pub use preview::{Alias, OutOfReach, Preview, PreviewFormat, SeenBy, SeparatedBy
 pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, ShiftedPlace};
 pub use run_record::{RunAnswer, RunRecord, RunRecordFormat, RunResult, RunState};
 pub use schema::{schema_text, schemas};
-pub use service_status::{Condition, CycleNow, DeviceNow, Health, PartHealth, Presence, ServiceStatus};
+pub use service_status::{
+    Condition, CycleNow, CycleState, DeviceNow, Health, PartHealth, Presence, ServiceStatus,
+};
 pub use set_up_state::{SetUpFormat, SetUpState, SetUpStep};
 pub use setting_up::{
     CalibratedProbe, Jog, NestCalibrated, NestFormat, SignFinding, SignTest, SignTestFormat,

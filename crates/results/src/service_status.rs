@@ -97,8 +97,41 @@ pub struct DeviceNow {
 /// The newest cycle, in short.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CycleNow {
-    /// `ready`, `refused`, `measuring`, `analysing`, `done` or `failed`.
-    pub state: String,
+    /// Where it is.
+    pub state: CycleState,
     /// Name of its run; null without one.
     pub run: Option<String>,
+}
+
+/// Where the newest cycle is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum CycleState {
+    /// The service waits for the first.
+    #[default]
+    Ready,
+    /// A program runs for which there is no cycle.
+    Refused,
+    /// A cycle runs.
+    Measuring,
+    /// It is over; its recording is analysed.
+    Analysing,
+    /// Its report is written.
+    Done,
+    /// It could not be measured or analysed.
+    Failed,
+}
+
+impl CycleState {
+    /// Its name on every surface.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Ready => "ready",
+            Self::Refused => "refused",
+            Self::Measuring => "measuring",
+            Self::Analysing => "analysing",
+            Self::Done => "done",
+            Self::Failed => "failed",
+        }
+    }
 }

@@ -15,17 +15,17 @@ pub use crate::error::ServiceError;
 pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, Unfinished, measure_cycle, record_cycle};
 pub use analyst::{Analyst, COMMAND, end_with_parent, limit_memory};
 pub use report::{Report, analyse_recording, report_at_once, write_report};
-pub use states::{CycleState, States};
+pub use states::States;
 pub use status::{publish_live, publish_status};
 
 use crate::analysis::JudgedBy;
+use crate::board::Board;
 use crate::config::{Config, PageConfig};
 use crate::cycles::{Choice, Cycles};
 use crate::error::chain;
 use crate::latest::Mounted;
 use crate::live::{Live, Measured, Start};
 use crate::mqtt;
-use crate::mqtt::Board;
 use crate::page;
 use crate::page::Access;
 use crate::run_record;
@@ -43,7 +43,7 @@ use tokio::sync::Semaphore;
 use tokio::task::{JoinHandle, JoinSet};
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
-use trunnion::results::Serves;
+use trunnion::results::{CycleState, Serves};
 use trunnion_core::Clock;
 use trunnion_sync::{CycleBounds, Progress};
 

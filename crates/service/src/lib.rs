@@ -1,6 +1,7 @@
 //! The service: configuration, wiring of devices to recording to analysis, MQTT status.
 
 pub mod analysis;
+pub mod board;
 pub mod clock;
 pub mod config;
 pub mod cycles;

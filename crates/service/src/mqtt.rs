@@ -8,19 +8,15 @@ mod tls;
 
 pub use tls::MqttTls;
 
-use crate::clock::{SystemClock, moment};
-use crate::operator::Operator;
+use crate::board::{Board, offline};
 use rumqttc::{
     AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet, QoS,
 };
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use tokio::sync::{Notify, watch};
 use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 use trunnion_acquire::credentials;
-use trunnion_core::{Clock, Secret};
+use trunnion_core::Secret;
 
 /// How to reach the broker.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,91 +39,6 @@ const BACK_OFF: (Duration, Duration) = (Duration::from_millis(250), Duration::fr
 const FAREWELL: Duration = Duration::from_secs(2);
 /// Messages the client may hold; only latest values are queued, so this bounds the number of topics.
 const QUEUE: usize = 64;
-
-/// Latest value of each topic, shared with the polling task.
-#[derive(Clone, Default)]
-pub struct Board {
-    shared: Arc<Shared>,
-}
-
-#[derive(Default)]
-struct Shared {
-    topics: Mutex<BTreeMap<String, Topic>>,
-    operator: Operator,
-    /// For the connection to the broker.
-    changed: Notify,
-    /// Counts the changes, for everybody else.
-    changes: watch::Sender<u64>,
-    /// Why the broker cannot be reached; empty when it can.
-    broker: Mutex<Option<String>>,
-}
-
-#[derive(Clone)]
-struct Topic {
-    payload: String,
-    /// What MQTT gets: the same with time and version.
-    stamped: String,
-    sent: bool,
-}
-
-impl Board {
-    /// Sets the value of a topic below `trunnion/<machine>/`. Never waits; an unsent older value is replaced.
-    pub fn set(&self, topic: &str, value: &serde_json::Value) {
-        let topic_value = Topic { payload: value.to_string(), stamped: stamped(value), sent: false };
-        self.lock().insert(topic.into(), topic_value);
-        self.shared.changed.notify_one();
-        self.shared.changes.send_modify(|changes| *changes += 1);
-    }
-
-    /// The present value of every topic, as text.
-    pub fn now(&self) -> BTreeMap<String, String> {
-        self.lock().iter().map(|(name, topic)| (name.clone(), topic.payload.clone())).collect()
-    }
-
-    /// Changes when a topic changes; several changes at once may be seen as one.
-    pub fn changes(&self) -> watch::Receiver<u64> {
-        self.shared.changes.subscribe()
-    }
-
-    /// The present value of a topic, as JSON.
-    pub fn get(&self, topic: &str) -> Option<serde_json::Value> {
-        serde_json::from_str(&self.lock().get(topic)?.payload).ok()
-    }
-
-    /// Why the broker cannot be reached: empty when it can, `None` without a broker.
-    pub fn broker(&self) -> Option<String> {
-        self.shared.broker.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    fn set_broker(&self, why: &str) {
-        *self.shared.broker.lock().unwrap_or_else(PoisonError::into_inner) = Some(why.into());
-    }
-
-    /// Who chooses, begins and ends cycles.
-    pub fn operator(&self) -> &Operator {
-        &self.shared.operator
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, Topic>> {
-        self.shared.topics.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The last words: what was not sent yet, and that there is no present any more.
-    fn farewell(&self) -> Vec<(String, String)> {
-        let gone = |name: &String| OF_THE_PRESENT.contains(&name.as_str());
-        let topics = self.lock();
-        let words = topics.iter().filter(|(name, topic)| gone(name) || !topic.sent);
-        words
-            .map(|(name, topic)| {
-                (name.clone(), if gone(name) { offline("stopped") } else { topic.stamped.clone() })
-            })
-            .collect()
-    }
-
-    fn forget_what_was_sent(&self) {
-        self.lock().values_mut().for_each(|topic| topic.sent = false);
-    }
-}
 
 /// Runs until `cancel`; connects, keeps the retained topics current, reconnects with back-off.
 pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
@@ -186,7 +97,7 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
                     }
                 }
             },
-            () = board.shared.changed.notified(), if connected => publish_news(&client, &config, &board),
+            () = board.changed(), if connected => publish_news(&client, &config, &board),
         }
     }
     if connected
@@ -263,9 +174,6 @@ fn publish_news(client: &AsyncClient, config: &MqttConfig, board: &Board) {
     }
 }
 
-/// Topics of the present, which a service that has stopped has not.
-const OF_THE_PRESENT: [&str; 5] = ["status", "cycle", "live", "ready", "storage"];
-
 async fn farewell(client: &AsyncClient, events: &mut EventLoop, config: &MqttConfig, board: &Board) {
     let mut under_way = 0;
     for (name, value) in board.farewell() {
@@ -292,18 +200,4 @@ fn choose_topic(config: &MqttConfig) -> String {
 
 fn status_topic(config: &MqttConfig) -> String {
     format!("trunnion/{}/status", config.machine)
-}
-
-fn offline(reason: &str) -> String {
-    stamped(&serde_json::json!({ "state": "offline", "reason": reason }))
-}
-
-/// With the time (UTC) and the version of the program.
-fn stamped(value: &serde_json::Value) -> String {
-    let mut value = value.clone();
-    if let serde_json::Value::Object(fields) = &mut value {
-        fields.insert("time".into(), moment(SystemClock::start().wall_ns()).into());
-        fields.insert("version".into(), env!("CARGO_PKG_VERSION").into());
-    }
-    value.to_string()
 }

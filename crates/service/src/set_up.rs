@@ -3,8 +3,8 @@
 //! The service has the devices, so the steps take what it reads while no cycle is measured; `trunnion calibrate-nest` and
 //! `trunnion watch --sign-test` do the same without a service.
 
+use crate::board::Board;
 use crate::error::chain;
-use crate::mqtt::Board;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use trunnion::nest::NestSteps;
 use trunnion::results::{SetUpState, SetUpStep, SignFinding};

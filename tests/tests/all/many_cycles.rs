@@ -13,12 +13,12 @@ use trunnion_hil_sim::devices::cell::CellConfig;
 use trunnion_hil_sim::devices::{CycleState, Later, SimulatedCell, World, cell};
 use trunnion_hil_sim::scenario;
 use trunnion_machine::shipped;
+use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::{Config, ProgramCycle};
 use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon::{Analyst, Texts, serve_on};
 use trunnion_service::live::Plan;
-use trunnion_service::mqtt::Board;
 use trunnion_tests::{reports, show_log, three_probes};
 
 /// One world after the other, each with the program it names.

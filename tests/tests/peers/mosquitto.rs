@@ -14,12 +14,13 @@ use trunnion_hil_sim::devices::cell::CellConfig;
 use trunnion_hil_sim::devices::{SimulatedCell, cell, orthogonal_nest};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
 use trunnion_machine::shipped;
+use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
-use trunnion_service::mqtt::{Board, MqttConfig, MqttTls, run};
+use trunnion_service::mqtt::{MqttConfig, MqttTls, run};
 use trunnion_tests::{SILENCE_MS, three_probes};
 
 fn free_port() -> u16 {
@@ -186,6 +187,25 @@ impl std::io::Write for Log {
 }
 
 impl Log {
+    /// Takes what this thread logs, as long as the guard is there.
+    fn begin() -> (Self, tracing::subscriber::DefaultGuard) {
+        let log = Self::default();
+        let writer = log.clone();
+        let subscriber = tracing_subscriber::fmt().with_writer(move || writer.clone()).with_ansi(false);
+        (log, tracing::subscriber::set_default(subscriber.finish()))
+    }
+
+    /// Waits until these words were logged.
+    async fn until(&self, words: &str) {
+        let waited = async {
+            while !self.text().contains(words) {
+                tokio::time::sleep(Duration::from_millis(50)).await;
+            }
+        };
+        let found = tokio::time::timeout(Duration::from_secs(30), waited).await;
+        assert!(found.is_ok(), "{words:?} is not in the log:\n{}", self.text());
+    }
+
     fn text(&self) -> String {
         String::from_utf8_lossy(&self.0.lock().expect("not poisoned")).into_owned()
     }
@@ -219,33 +239,20 @@ async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file
         .spawn()
         .expect("mosquitto starts");
 
-    let log = Log::default();
-    let writer = log.clone();
-    let subscriber = tracing_subscriber::fmt().with_writer(move || writer.clone()).with_ansi(false).finish();
-    let _logging = tracing::subscriber::set_default(subscriber);
+    let (log, _logging) = Log::begin();
     let secret = Secret::File { name: "password".into(), folder: folder.path().into() };
     let login = Some(("cell".to_owned(), Some(secret)));
     let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m3".into(), login, tls: None };
-    let logged = async |words: &str| {
-        let waited = async {
-            while !log.text().contains(words) {
-                tokio::time::sleep(Duration::from_millis(50)).await;
-            }
-        };
-        let found = tokio::time::timeout(Duration::from_secs(30), waited).await;
-        assert!(found.is_ok(), "{words:?} is not in the log:\n{}", log.text());
-    };
-
     let cancel = CancellationToken::new();
     let service = tokio::spawn(run(config, Board::default(), cancel.clone()));
-    logged("the password file").await;
+    log.until("the password file").await;
     std::fs::write(file("password"), "wrong\n").expect("written");
-    logged("it does not let this user in; check `user` and `password_file`").await;
+    log.until("it does not let this user in; check `user` and `password_file`").await;
     tokio::time::sleep(Duration::from_secs(3)).await;
     assert_eq!(log.text().matches("does not let this user in").count(), 1, "{}", log.text());
 
     std::fs::write(file("password"), "hunter2\n").expect("written");
-    logged("connected to the MQTT broker").await;
+    log.until("connected to the MQTT broker").await;
     assert!(!log.text().contains("hunter2"), "{}", log.text());
     cancel.cancel();
     service.await.expect("the service ends");
@@ -305,10 +312,7 @@ async fn a_broker_that_encrypts_is_reached_with_its_authority_and_our_certificat
         .spawn()
         .expect("mosquitto starts");
 
-    let log = Log::default();
-    let writer = log.clone();
-    let subscriber = tracing_subscriber::fmt().with_writer(move || writer.clone()).with_ansi(false).finish();
-    let _logging = tracing::subscriber::set_default(subscriber);
+    let (log, _logging) = Log::begin();
     let key = |name: &str| Secret::File { name: name.into(), folder: folder.path().into() };
     // Who signed, and with which certificate we come: what is logged.
     for (ca, client, expected) in [
@@ -324,13 +328,7 @@ async fn a_broker_that_encrypts_is_reached_with_its_authority_and_our_certificat
         let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m4".into(), login: None, tls };
         let cancel = CancellationToken::new();
         let service = tokio::spawn(run(config, Board::default(), cancel.clone()));
-        let said = async {
-            while !log.text().contains(expected) {
-                tokio::time::sleep(Duration::from_millis(20)).await;
-            }
-        };
-        let said = tokio::time::timeout(Duration::from_secs(30), said).await;
-        assert!(said.is_ok(), "{expected:?} is not in the log:\n{}", log.text());
+        log.until(expected).await;
         let is_in = log.text().contains("connected to the MQTT broker");
         assert_eq!(is_in, expected.starts_with("connected"), "{}", log.text());
         cancel.cancel();

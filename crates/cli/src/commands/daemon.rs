@@ -12,13 +12,13 @@ use tracing_subscriber::prelude::*;
 use trunnion::Model;
 use trunnion::cycles::Cycle;
 use trunnion_acquire::config::channels;
+use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::{Config, ProgramCycle};
 use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon;
 use trunnion_service::daemon::{Analyst, Texts};
 use trunnion_service::live::{Pattern, Plan};
-use trunnion_service::mqtt::Board;
 
 /// Run as a service: wait for a cycle, record it, analyse it, report
 ///

@@ -20,7 +20,7 @@ use tokio_util::sync::CancellationToken;
 use trunnion::cycles::{Cycle, Motion};
 use trunnion::results::number::um;
 use trunnion::results::sentences::repeatability;
-use trunnion::results::{Demo, DemoFormat, DemoStep, TimeQuality};
+use trunnion::results::{CycleState, Demo, DemoFormat, DemoStep, TimeQuality};
 use trunnion::{Model, page as pages};
 use trunnion_acquire::config::channels;
 use trunnion_core::Clock;
@@ -28,13 +28,13 @@ use trunnion_hil_sim::devices::{Later, SimulatedCell, World, cell};
 use trunnion_hil_sim::physics::hidden;
 use trunnion_hil_sim::scenario::{Pace, Station};
 use trunnion_hil_sim::{HiddenChoice, SimSetup, Truth, VirtualMachine, scenario};
+use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::daemon;
-use trunnion_service::daemon::{CycleState, NewRun, Recorded, States, Texts, publish_live};
+use trunnion_service::daemon::{NewRun, Recorded, States, Texts, publish_live};
 use trunnion_service::latest::Mounted;
 use trunnion_service::live::{CycleBounds, Live, Plan, Progress, check};
-use trunnion_service::mqtt::Board;
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
 ///

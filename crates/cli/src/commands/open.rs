@@ -9,8 +9,8 @@ use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 use trunnion::results::Serves;
 use trunnion_core::Clock;
+use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
-use trunnion_service::mqtt::Board;
 use trunnion_service::page;
 
 /// Show recordings on a page for the browser of this computer

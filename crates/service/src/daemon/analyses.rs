@@ -4,11 +4,11 @@
 
 use super::analyst::{Analyst, Task, Unanswered};
 use super::joining;
-use super::states::{CycleState, States};
+use super::states::States;
 use crate::analysis::{AnalysisLimits, JudgedBy};
+use crate::board::Board;
 use crate::clock::{day, moment};
 use crate::error::{ServiceError, chain};
-use crate::mqtt::Board;
 use crate::run_record;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
-use trunnion::results::{RunAnswer, RunRecord, RunState};
+use trunnion::results::{CycleState, RunAnswer, RunRecord, RunState};
 use trunnion_core::Clock;
 
 /// Analyses of a running service.

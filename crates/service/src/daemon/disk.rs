@@ -1,8 +1,8 @@
 //! The disk while the service runs: room before a cycle, what is removed, and a recorder that cannot write, each said at once.
 
+use crate::board::Board;
 use crate::cycles::Choice;
 use crate::latest::Latest;
-use crate::mqtt::Board;
 use crate::storage::{Need, Removed, Room, Storage};
 use serde_json::json;
 use std::sync::Arc;

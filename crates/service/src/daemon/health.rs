@@ -1,6 +1,6 @@
 //! How the service does: the worst of devices, recorder, disk, analysis and broker.
 
-use crate::mqtt::Board;
+use crate::board::Board;
 use std::collections::BTreeMap;
 use tokio::sync::watch;
 use trunnion::results::{Condition, Health, PartHealth};

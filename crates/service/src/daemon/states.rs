@@ -2,42 +2,10 @@
 //!
 //! A cycle is analysed while the next one is measured: what comes of it then stands in `result` alone.
 
-use crate::mqtt::Board;
+use crate::board::Board;
 use serde_json::{Map, Value};
 use std::sync::{Arc, Mutex, PoisonError};
-use trunnion::results::CycleNow;
-
-/// State of the newest cycle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CycleState {
-    /// Waits for the first cycle.
-    #[default]
-    Ready,
-    /// A program runs for which there is no cycle.
-    Refused,
-    /// A cycle runs.
-    Measuring,
-    /// It is over; its recording is analysed.
-    Analysing,
-    /// Its report is written.
-    Done,
-    /// It could not be measured or analysed.
-    Failed,
-}
-
-impl CycleState {
-    /// Its name on every surface.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Ready => "ready",
-            Self::Refused => "refused",
-            Self::Measuring => "measuring",
-            Self::Analysing => "analysing",
-            Self::Done => "done",
-            Self::Failed => "failed",
-        }
-    }
-}
+use trunnion::results::{CycleNow, CycleState};
 
 /// The newest cycle, shared with the tasks that analyse.
 #[derive(Clone)]
@@ -80,7 +48,7 @@ impl States {
     pub fn now(&self) -> CycleNow {
         let newest = self.lock();
         let run = Some(newest.run.clone()).filter(|run| !run.is_empty());
-        CycleNow { state: newest.state.as_str().into(), run }
+        CycleNow { state: newest.state, run }
     }
 
     fn publish(&self, newest: &mut Newest, state: CycleState, details: Value) {
@@ -118,6 +86,6 @@ mod tests {
         states.begin(CycleState::Measuring, "b", json!({ "cycle": "high" }));
         states.go_on(CycleState::Done, "a", json!({}));
         assert_eq!(board.get("cycle").unwrap(), json!({ "state": "measuring", "run": "b", "cycle": "high" }));
-        assert_eq!(states.now(), CycleNow { state: "measuring".into(), run: Some("b".into()) });
+        assert_eq!(states.now(), CycleNow { state: CycleState::Measuring, run: Some("b".into()) });
     }
 }

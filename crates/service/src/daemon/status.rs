@@ -2,8 +2,8 @@
 
 use super::health::health;
 use super::states::States;
+use crate::board::Board;
 use crate::latest::{Latest, Readiness};
-use crate::mqtt::Board;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::time::Duration;

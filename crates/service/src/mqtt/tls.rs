@@ -61,11 +61,11 @@ impl MqttTls {
 /// A failure of the encryption, with what to do.
 pub(super) fn cause(error: &TlsError) -> String {
     let text = error.to_string();
-    let told = match text.contains("UnknownIssuer") || text.contains("NotValidForName") {
+    let advice = match text.contains("UnknownIssuer") || text.contains("NotValidForName") {
         true => {
             "; `ca` of [mqtt.tls] must have signed the broker's certificate, and `host` must be a name in it"
         }
         false => "",
     };
-    format!("encryption: {text}{told}")
+    format!("encryption: {text}{advice}")
 }

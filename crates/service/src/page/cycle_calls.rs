@@ -7,7 +7,7 @@ use axum::extract::rejection::JsonRejection;
 use axum::routing::post;
 use axum::{Json, Router};
 use serde::Deserialize;
-use trunnion::results::Serves;
+use trunnion::results::{CycleState, Serves};
 use trunnion_core::names::allowed;
 
 /// Their routes.
@@ -66,6 +66,6 @@ impl Page {
 
     fn is_measuring(&self) -> bool {
         let cycle = self.shared.board.get("cycle").unwrap_or_default();
-        cycle["state"] == crate::daemon::CycleState::Measuring.as_str()
+        cycle["state"] == CycleState::Measuring.as_str()
     }
 }

@@ -1,6 +1,6 @@
 //! What changes, as server-sent events: each is the value of one topic.
 
-use crate::mqtt::Board;
+use crate::board::Board;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;

@@ -1,7 +1,7 @@
 //! What the page is given.
 
 use super::runs::Runs;
-use crate::mqtt::Board;
+use crate::board::Board;
 use crate::set_up::SetUp;
 use std::sync::Arc;
 use trunnion::results::{PageCycle, Serves};

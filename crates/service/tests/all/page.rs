@@ -9,9 +9,9 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio_util::sync::CancellationToken;
 use trunnion::results::{RunRecord, Serves};
+use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
-use trunnion_service::mqtt::Board;
 use trunnion_service::page::{Access, AddressError, Runs, Shared, address, serve};
 
 /// Longest wait for an answer of unoptimised code on a busy computer.

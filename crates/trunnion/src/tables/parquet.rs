@@ -30,7 +30,6 @@ const TEXT: [&str; 12] = [
 const ROWS_OF_A_GROUP: usize = 1 << 20;
 
 /// Rows of many recordings. Where one lacks a column of another, it is empty.
-#[derive(Default)]
 pub struct Rows {
     columns: Vec<Column>,
     count: usize,
@@ -53,7 +52,7 @@ impl Rows {
     /// # Errors
     /// A program that was built without Parquet.
     pub fn begin() -> Result<Self, Error> {
-        Ok(Self::default())
+        Ok(Self { columns: Vec::new(), count: 0 })
     }
 
     /// The rows of a table that was exported from a recording.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use trunnion::cycles::{Cycle, RunKind};
+use trunnion::cycles::Cycle;
 use trunnion::join::join;
-use trunnion_core::{AxisSample, AxisValues, HostTime, Point, ProbeSample, Quality, Role, Stamp};
+use trunnion_core::{AxisSample, AxisValues, HostTime, Point, ProbeSample, Quality, Stamp};
 use trunnion_machine::shipped;
 use trunnion_record::{Item, RunHeader, RunWriter};
 use trunnion_sync::EndReason;
@@ -44,23 +44,9 @@ impl World {
 
     /// What was recorded from when to when of a program that began at `began_s`, as the live run does it.
     pub fn record(&self, path: &Path, recorded_s: Range<f64>, began_s: f64) -> PathBuf {
-        let machine = shipped::machine("table-bc").unwrap();
-        let cycle = Cycle::parse("c.toml", &self.text).unwrap();
-        let header = RunHeader {
-            name: "part".into(),
-            kind: RunKind::Static,
-            machine_text: trunnion::files::machine_text(&machine.name).unwrap(),
-            machine_name: machine.name,
-            setups: cycle.setups,
-            temperature_channels: vec![],
-            probes: (1..=3).map(|k| format!("probe-{k}")).collect(),
-            probe_roles: (0..3).map(Role::Probe).collect(),
-            cycle_text: self.text.clone(),
-            config_text: String::new(),
-            software_version: "0".into(),
-            wall_start_ns: 1_790_000_000_000_000_000 + (recorded_s.start * 1e9) as i64,
-            host_start: HostTime(5),
-        };
+        let wall_start_ns = 1_790_000_000_000_000_000 + (recorded_s.start * 1e9) as i64;
+        let header =
+            RunHeader { wall_start_ns, host_start: HostTime(5), ..crate::header("part", &self.text) };
         let mut forming = Forming::new(&trunnion::recorded::plan_of(&header).unwrap(), 0).unwrap();
         let mut writer = RunWriter::create(path, &header).unwrap();
         let mut formed = Vec::new();

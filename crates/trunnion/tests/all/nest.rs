@@ -1,12 +1,10 @@
 //! The nest from recorded samples: steps of the linear axes at one pose among others, and what is too little of them.
 
 use std::path::{Path, PathBuf};
-use trunnion::cycles::{Cycle, RunKind};
 use trunnion::nest::calibrate_nest;
 use trunnion_core::axis::iso::{C, X, Y, Z};
-use trunnion_core::{AxisSample, AxisValues, HostTime, Joint, ProbeSample, Role, Stamp};
-use trunnion_machine::shipped;
-use trunnion_record::{Item, RunHeader, RunWriter};
+use trunnion_core::{AxisSample, AxisValues, Joint, ProbeSample, Stamp};
+use trunnion_record::{Item, RunWriter};
 
 const STATIC: &str = include_str!("../../../../config/cycles/demo-static.toml");
 /// Unit directions of the probes, and their gains.
@@ -18,23 +16,7 @@ const WAY_S: f64 = 0.1;
 /// Stands at `places` one after the other (an axis, and by how much it stepped from the ball), read at 200 Hz; C stands elsewhere
 /// at first.
 fn record(path: &Path, places: &[(Joint, f64)]) -> PathBuf {
-    let machine = shipped::machine("table-bc").unwrap();
-    let cycle = Cycle::parse("c.toml", STATIC).unwrap();
-    let mut header = RunHeader {
-        name: "steps".into(),
-        kind: RunKind::Static,
-        machine_text: trunnion::files::machine_text(&machine.name).unwrap(),
-        machine_name: machine.name,
-        setups: cycle.setups,
-        temperature_channels: vec![],
-        probes: (1..=3).map(|k| format!("probe-{k}")).collect(),
-        probe_roles: (0..3).map(Role::Probe).collect(),
-        cycle_text: STATIC.into(),
-        config_text: String::new(),
-        software_version: "0".into(),
-        wall_start_ns: 0,
-        host_start: HostTime(0),
-    };
+    let mut header = crate::header("steps", STATIC);
     header.setups.truncate(1);
     let stands: Vec<AxisValues<f64>> = std::iter::once((X, 0.0, 0.5))
         .chain(places.iter().map(|(axis, by_mm)| (*axis, *by_mm, 0.0)))

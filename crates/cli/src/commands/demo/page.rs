@@ -11,8 +11,8 @@ use tokio_util::sync::CancellationToken;
 use trunnion::Machine;
 use trunnion::cycles::Cycle;
 use trunnion::results::Serves;
+use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
-use trunnion_service::mqtt::Board;
 use trunnion_service::page;
 
 /// A page that is served next to the demo.

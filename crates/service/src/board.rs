@@ -1,0 +1,120 @@
+//! What the service says of itself: the present value of every topic, for the page and the broker.
+
+use crate::clock::{SystemClock, moment};
+use crate::operator::Operator;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tokio::sync::{Notify, watch};
+use trunnion_core::Clock;
+
+/// Topics of the present, which a service that has stopped has not.
+const OF_THE_PRESENT: [&str; 5] = ["status", "cycle", "live", "ready", "storage"];
+
+/// Latest value of each topic, shared with who shows them.
+#[derive(Clone, Default)]
+pub struct Board {
+    shared: Arc<Shared>,
+}
+
+#[derive(Default)]
+struct Shared {
+    topics: Mutex<BTreeMap<String, Topic>>,
+    operator: Operator,
+    /// For the connection to the broker.
+    changed: Notify,
+    /// Counts the changes, for everybody else.
+    changes: watch::Sender<u64>,
+    /// Why the broker cannot be reached; empty when it can.
+    broker: Mutex<Option<String>>,
+}
+
+/// The value of a topic.
+#[derive(Clone)]
+pub(crate) struct Topic {
+    payload: String,
+    /// What MQTT gets: the same with time and version.
+    pub stamped: String,
+    /// The broker has it.
+    pub sent: bool,
+}
+
+impl Board {
+    /// Sets the value of a topic below `trunnion/<machine>/`. Never waits; an unsent older value is replaced.
+    pub fn set(&self, topic: &str, value: &serde_json::Value) {
+        let topic_value = Topic { payload: value.to_string(), stamped: stamped(value), sent: false };
+        self.lock().insert(topic.into(), topic_value);
+        self.shared.changed.notify_one();
+        self.shared.changes.send_modify(|changes| *changes += 1);
+    }
+
+    /// The present value of every topic, as text.
+    pub fn now(&self) -> BTreeMap<String, String> {
+        self.lock().iter().map(|(name, topic)| (name.clone(), topic.payload.clone())).collect()
+    }
+
+    /// Changes when a topic changes; several changes at once may be seen as one.
+    pub fn changes(&self) -> watch::Receiver<u64> {
+        self.shared.changes.subscribe()
+    }
+
+    /// The present value of a topic, as JSON.
+    pub fn get(&self, topic: &str) -> Option<serde_json::Value> {
+        serde_json::from_str(&self.lock().get(topic)?.payload).ok()
+    }
+
+    /// Waits until a topic changes; for the connection to the broker. Cancel safe.
+    pub(crate) async fn changed(&self) {
+        self.shared.changed.notified().await;
+    }
+
+    /// Why the broker cannot be reached: empty when it can, `None` without a broker.
+    pub fn broker(&self) -> Option<String> {
+        self.shared.broker.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Empty: it is reached.
+    pub(crate) fn set_broker(&self, why: &str) {
+        *self.shared.broker.lock().unwrap_or_else(PoisonError::into_inner) = Some(why.into());
+    }
+
+    /// Who chooses, begins and ends cycles.
+    pub fn operator(&self) -> &Operator {
+        &self.shared.operator
+    }
+
+    pub(crate) fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Topic>> {
+        self.shared.topics.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The last words: what was not sent yet, and that there is no present any more.
+    pub(crate) fn farewell(&self) -> Vec<(String, String)> {
+        let gone = |name: &String| OF_THE_PRESENT.contains(&name.as_str());
+        let topics = self.lock();
+        let words = topics.iter().filter(|(name, topic)| gone(name) || !topic.sent);
+        words
+            .map(|(name, topic)| {
+                (name.clone(), if gone(name) { offline("stopped") } else { topic.stamped.clone() })
+            })
+            .collect()
+    }
+
+    /// The broker has nothing of it any more.
+    pub(crate) fn forget_what_was_sent(&self) {
+        self.lock().values_mut().for_each(|topic| topic.sent = false);
+    }
+}
+
+/// A topic of a service that is not there.
+pub(crate) fn offline(reason: &str) -> String {
+    stamped(&serde_json::json!({ "state": "offline", "reason": reason }))
+}
+
+/// With the time (UTC) and the version of the program.
+fn stamped(value: &serde_json::Value) -> String {
+    let mut value = value.clone();
+    if let serde_json::Value::Object(fields) = &mut value {
+        fields.insert("time".into(), moment(SystemClock::start().wall_ns()).into());
+        fields.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+    }
+    value.to_string()
+}
