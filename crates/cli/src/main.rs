@@ -11,7 +11,7 @@ mod terminal;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, analyse_run, attribute, calibrate_nest, check, check_config, compare, correct, daemon, demo,
+    add, analyse_run, attribute, calibrate_nest, check, check_config, compare, correct, cycle, daemon, demo,
     devices, diagnose, export, history, identify, import, join, ladder, nc_program, open, plan, predict,
     record, remove, replay, report, scrub, simulate, volumetric, watch,
 };
@@ -39,6 +39,7 @@ enum Command {
     CalibrateNest(calibrate_nest::Args),
     Check(check::Args),
     CheckConfig(check_config::Args),
+    Cycle(cycle::Args),
     Record(record::Args),
     Import(import::Args),
     Export(export::Args),
@@ -79,6 +80,7 @@ fn main() -> ExitCode {
         Command::CalibrateNest(args) => calibrate_nest::run(&args),
         Command::Check(args) => check::run(&args),
         Command::CheckConfig(args) => check_config::run(&args),
+        Command::Cycle(args) => cycle::run(&args),
         Command::Record(args) => record::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Export(args) => export::run(&args),

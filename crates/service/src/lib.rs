@@ -2,6 +2,7 @@
 
 pub mod analysis;
 pub mod board;
+pub mod caller;
 pub mod clock;
 pub mod config;
 pub mod cycles;

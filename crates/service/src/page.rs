@@ -25,5 +25,6 @@ pub use accept::serve;
 pub use access::{Access, AccessError, Lan};
 pub use address::{AddressError, USUAL_ADDRESS, address};
 pub use grid::page_cycle;
+pub use guard::OWN_HEADER;
 pub use runs::Runs;
 pub use shared::Shared;

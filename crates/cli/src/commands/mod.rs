@@ -8,6 +8,7 @@ pub mod check;
 pub mod check_config;
 pub mod compare;
 pub mod correct;
+pub mod cycle;
 pub mod daemon;
 pub mod demo;
 pub mod devices;

@@ -11,10 +11,10 @@ use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio_rustls::TlsConnector;
-use trunnion_service::config::Config;
+use trunnion_service::config::{Config, PageConfig};
 use trunnion_service::page::Access;
 
-const TOKEN: &str = "cW5vdGhlci10b2tlbi1mb3ItdGVzdHM";
+pub const TOKEN: &str = "cW5vdGhlci10b2tlbi1mb3ItdGVzdHM";
 const NAME: &str = "cell-4.lan";
 const LIMIT: Duration = Duration::from_secs(60);
 
@@ -82,6 +82,11 @@ async fn every_attempt_is_refused_and_the_model_stays_as_it_is() {
 
 /// Who other computers' calls are let in by, from a configuration in a folder of its own.
 fn lan(folder: &Path, token: &str) -> Result<Access, String> {
+    Access::of_lan(&page_of_lan(folder, token).lan.unwrap()).map_err(|error| error.to_string())
+}
+
+/// The table `[page]` of the example for other computers.
+pub fn page_of_lan(folder: &Path, token: &str) -> PageConfig {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
     for file in ["page.crt", "page.key"] {
         std::fs::copy(data.join(file), folder.join(file)).unwrap();
@@ -98,8 +103,7 @@ fn lan(folder: &Path, token: &str) -> Result<Access, String> {
         .replace("# key_file =", "key_file =")
         .replace("# token_file =", "token_file =");
     let text = format!("{before}[page]{page}{behind}");
-    let config = Config::parse(&folder.join("trunnion.toml"), &text).unwrap();
-    Access::of_lan(&config.page.unwrap().lan.unwrap()).map_err(|error| error.to_string())
+    Config::parse(&folder.join("trunnion.toml"), &text).unwrap().page.unwrap()
 }
 
 /// Status and answer of a request over TLS that trusts the page's certificate.

@@ -8,7 +8,7 @@ use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio_util::sync::CancellationToken;
-use trunnion::results::{RunRecord, Serves};
+use trunnion::results::{PageCycle, RunRecord, Serves};
 use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
@@ -32,6 +32,11 @@ impl Page {
 
     /// The same for whom `access` lets in.
     pub async fn open_for(access: Access) -> Self {
+        Self::serving(Serves::Recordings, &[], access).await
+    }
+
+    /// The page of something that serves cycles of these names.
+    pub async fn serving(serves: Serves, cycles: &[&str], access: Access) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let run = folder.path().join("points-gravity");
         std::fs::create_dir(&run).unwrap();
@@ -43,11 +48,11 @@ impl Page {
         let (listener, board) = (TcpListener::bind("127.0.0.1:0").await.unwrap(), Board::default());
         let at = listener.local_addr().unwrap();
         let shared = Shared {
-            serves: Serves::Recordings,
+            serves,
             name: "test".into(),
             runs: Arc::new(Runs::of_files(vec![run.join("points.csv")], None)),
             board: board.clone(),
-            cycles: Vec::new(),
+            cycles: cycles.iter().map(|name| cycle(name)).collect(),
             set_up: None,
             clock: Arc::new(SystemClock::start()),
         };
@@ -78,6 +83,10 @@ impl Page {
         assert_eq!(status, 200, "{line}: {answer}");
         serde_json::from_str(answer.split_once("\r\n\r\n").unwrap().1).unwrap()
     }
+}
+
+fn cycle(name: &str) -> PageCycle {
+    PageCycle { name: name.into(), ..PageCycle::default() }
 }
 
 impl Drop for Page {

@@ -1,0 +1,83 @@
+//! `trunnion cycle`: what a person does at the machine, to the service that runs there.
+
+use crate::outcome::Outcome;
+use crate::{load, terminal};
+use anyhow::Context;
+use serde_json::Value;
+use std::path::PathBuf;
+use trunnion::results::PageStatus;
+use trunnion_service::caller::Caller;
+use trunnion_service::config::Config;
+
+/// Choose, begin or abort a cycle of the service that runs on this computer, or see where it is
+///
+/// The service has the devices; `record` needs them for itself. It is called where `[page]` of its configuration listens.
+///
+/// Example: trunnion cycle begin low --config config/trunnion.toml
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    call: Call,
+    /// Configuration with which the service runs
+    #[arg(long, value_name = "FILE", default_value = "config/trunnion.toml", global = true)]
+    config: PathBuf,
+    /// Print JSON
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(clap::Subcommand)]
+enum Call {
+    /// Where the service is with its cycle
+    Status,
+    /// Which cycle begins next, whatever program runs
+    Choose {
+        /// Name of the cycle; nothing: as the program says
+        #[arg(default_value = "")]
+        cycle: String,
+    },
+    /// Begin a cycle without waiting for its program
+    Begin {
+        /// Name of the cycle; nothing: the one that serves every program
+        #[arg(default_value = "")]
+        cycle: String,
+    },
+    /// End the cycle that is measured; what was read is kept
+    Abort,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let config = Config::parse(&args.config, &load::read(&args.config)?)?;
+    let page = config.page.with_context(|| {
+        format!("{} has no table [page], so the service takes no calls", args.config.display())
+    })?;
+    let caller = Caller::new(&page)?;
+    let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
+    let status = runtime.block_on(async {
+        match &args.call {
+            Call::Status => caller.status().await,
+            Call::Choose { cycle } => caller.choose(cycle).await,
+            Call::Begin { cycle } => caller.begin(cycle).await,
+            Call::Abort => caller.abort().await,
+        }
+    })?;
+    match args.json {
+        true => terminal::print_json(&status)?,
+        false => terminal::print(&text(&status))?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn text(status: &PageStatus) -> String {
+    let cycle = status.topics.get("cycle").unwrap_or(&Value::Null);
+    let words = |key: &str| cycle[key].as_str().unwrap_or_default();
+    let mut text =
+        format!("{}: {}", status.name, if words("state").is_empty() { "no cycle" } else { words("state") });
+    for (key, before) in [("cycle", " "), ("run", ", run "), ("why", ": ")] {
+        if !words(key).is_empty() {
+            text += &format!("{before}{}", words(key));
+        }
+    }
+    let names: Vec<&str> = status.cycles.iter().map(|cycle| cycle.name.as_str()).collect();
+    text + &format!("\n  cycles: {}\n", names.join(", "))
+}
