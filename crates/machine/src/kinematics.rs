@@ -84,8 +84,8 @@ impl Axis {
 
 /// `Dx Dy Dz Da Db Dc` of a twist.
 fn displacement(error: &Twist) -> Isometry3<f64> {
-    let about = |axis: &Vector3<f64>, angle: f64| UnitQuaternion::from_scaled_axis(axis * angle);
+    let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
     let [a, b, c] = [error.rotation_rad.x, error.rotation_rad.y, error.rotation_rad.z];
-    let rotation = about(&Vector3::x(), a) * about(&Vector3::y(), b) * about(&Vector3::z(), c);
+    let rotation = about(Vector3::x_axis(), a) * about(Vector3::y_axis(), b) * about(Vector3::z_axis(), c);
     Isometry3::from_parts(Translation3::from(error.translation_mm), rotation)
 }
