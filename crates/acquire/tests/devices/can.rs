@@ -1,12 +1,13 @@
 //! CAN sessions against the virtual bus, and what is reported where there is none.
 
-use crate::shop::{SinceStart, find, gap_of_the_next_connection, read, state, until, until_message};
+use crate::replies;
+use crate::shop::{SinceStart, find, gap_of_the_next_connection, next, read, state, until, until_message};
 use std::sync::Arc;
 use std::time::Instant;
 use trunnion_acquire::{Acquisition, DeviceState, SessionEnd};
 use trunnion_core::AxisValues;
 use trunnion_core::reading::{Message, ProbeReading, Reading, TemperatureReading};
-use trunnion_hil_sim::devices::canopen::{BusConfig, NodeConfig, NodeKind};
+use trunnion_hil_sim::devices::canopen::{BusConfig, NodeConfig, NodeKind, SdoFault};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, canopen};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
 use trunnion_protocol::canopen::NodeId;
@@ -47,12 +48,18 @@ fn world() -> Arc<SimulatedCell> {
 
 /// A bus of three probes, a bar and a thermometer, its driver, and the folder of its port.
 fn bus() -> (Handle, Acquisition, tempfile::TempDir) {
+    bus_with(None)
+}
+
+/// The same with something that happens to one SDO answer.
+fn bus_with(sdo_fault: Option<(u64, SdoFault)>) -> (Handle, Acquisition, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let port = folder.path().join("can");
     let clock = DeviceClock::default();
     let mut config = BusConfig::ball_bar_and_probes(clock);
     let (id, kind) = (NodeId::new(9).unwrap(), NodeKind::Thermometer { digits: 2 });
     config.nodes.push(NodeConfig { id, kind, serial: 9001, heartbeat_ms: 500, event_timer_ms: 0, clock });
+    config.sdo_fault = sdo_fault;
     let origin = TimeOrigin(tokio::time::Instant::now());
     let handle = canopen::spawn(world(), &config, &port, origin, &[]).unwrap();
     let text = format!(
@@ -153,4 +160,43 @@ async fn a_node_exchanged_for_another_kind_is_reported_and_not_retried() {
     let reported = status.last_end.unwrap().to_string();
     assert!(reported.contains("I/O module") && reported.contains("CiA 404 or CiA 406"), "{reported}");
     acquisition.stop().await;
+}
+
+/// Buses at once; the others wait, for a busy computer makes devices silent.
+const AT_ONCE: usize = 8;
+
+/// Every SDO answer of the start, each late, doubled, missing and together with the next, and a node that begins again instead: the bus
+/// streams in the end, in its first session, and every value is that of its node.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn no_sdo_answer_that_is_late_doubled_lost_or_merged_and_no_node_that_boots_disables_a_bus() {
+    let of_replies = replies::CANOPEN.faults().map(|(number, fault)| (number, SdoFault::Reply(fault)));
+    let cases = of_replies.chain((0..replies::CANOPEN.count).map(|number| (number, SdoFault::BootUp)));
+    let room = Arc::new(tokio::sync::Semaphore::new(AT_ONCE));
+    let mut running = tokio::task::JoinSet::new();
+    for case in cases {
+        let room = Arc::clone(&room);
+        running.spawn(async move {
+            let _place = room.acquire().await.unwrap();
+            let (_bus, mut acquisition, _folder) = bus_with(Some(case));
+            let mut read = [None; 4];
+            while read.iter().any(Option::is_none) {
+                let message = next(&mut acquisition).await;
+                if let Some(reading) = probe(&message) {
+                    read[usize::from(reading.channel)].get_or_insert(reading.value_mm);
+                }
+            }
+            let status = state(&acquisition, |status| status.state == DeviceState::Streaming).await;
+            // A node that had said what it is and then begins again may be another: all are read again.
+            let most_ends = u64::from(case.1 == SdoFault::BootUp);
+            assert!(status.ends.iter().sum::<u64>() <= most_ends, "{case:?}: {status:?}");
+            // As in the test of the range.
+            let expected_mm =
+                [0.1 * (2.0_f64 / 3.0).sqrt(), -0.1 / 6.0_f64.sqrt(), -0.1 / 6.0_f64.sqrt(), 10.5];
+            for (value_mm, expected_mm) in read.into_iter().flatten().zip(expected_mm) {
+                assert!((value_mm - expected_mm).abs() < 1e-4, "{case:?}: {read:?}");
+            }
+            acquisition.stop().await;
+        });
+    }
+    running.join_all().await;
 }

@@ -1,5 +1,6 @@
 //! Controllers that are asked over the network: positions with true stamps, and what each fault leads to.
 
+use crate::replies;
 use crate::shop::{PROGRAM, SinceStart, find, program, read, state, turning};
 use std::sync::Arc;
 use std::time::Instant;
@@ -10,7 +11,7 @@ use trunnion_core::reading::{AxisReading, Execution, Reading, SourceGap};
 use trunnion_hil_sim::devices::linuxcncrsh::ServerConfig;
 use trunnion_hil_sim::devices::mtconnect::AgentConfig;
 use trunnion_hil_sim::devices::{
-    DeviceClock, Fault, Handle, ReplyFault, SimulatedCell, TimeOrigin, World, linuxcncrsh, mtconnect,
+    DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, World, linuxcncrsh, mtconnect,
 };
 use trunnion_hil_sim::motion::Step;
 
@@ -241,11 +242,8 @@ async fn positions_that_stick_while_the_program_goes_on_are_reported_and_recorde
 /// answer is taken for that of the question before.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_reply_of_linuxcnc_that_is_late_doubled_lost_or_merged_disables_it_or_is_taken_for_another() {
-    let faults = [ReplyFault::Late(0.5), ReplyFault::Doubled, ReplyFault::Dropped, ReplyFault::Merged];
-    // hello, echo, units; then positions with status, line and name of the program, and positions alone.
-    let cases = (0..8).flat_map(|number| faults.map(|fault| (number, fault)));
     let mut running = tokio::task::JoinSet::new();
-    for fault in cases {
+    for fault in replies::LINUXCNC.faults() {
         running.spawn(async move {
             let config = ServerConfig { reply_fault: Some(fault), ..ServerConfig::default() };
             // An answer of the question before is 50 ms old.

@@ -4,6 +4,9 @@
 
 mod can;
 mod controllers;
+mod replies;
+#[path = "../../../../tests/src/section.rs"]
+mod section;
 mod serial;
 mod sessions;
 mod shop;

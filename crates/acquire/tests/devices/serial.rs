@@ -1,10 +1,11 @@
 //! Drivers of serial indicators and boxes against virtual ones, through real pseudo-terminals.
 
+use crate::replies;
 use crate::shop::{Bench, MOVING, RESTING, Shop, TRUTH_DEGC, find, is_good, state, until};
 use trunnion_acquire::{DeviceState, SessionEnd};
 use trunnion_core::reading::{ProbeReading, Reading};
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
-use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, ReplyFault, ascii, keyence, optoncdt};
+use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, ascii, keyence, optoncdt};
 use trunnion_protocol::ascii::{PRESETS, Preset, Unit};
 
 fn probe(reading: &Reading) -> Option<ProbeReading> {
@@ -241,12 +242,6 @@ async fn an_optoncdt_without_target_leaves_a_gap_and_its_clock_and_counter_are_f
     acquisition.stop().await;
 }
 
-/// Every reply from the first on, each late, doubled, missing and together with the next.
-fn reply_faults(late_s: f64) -> impl Iterator<Item = (u64, ReplyFault)> {
-    let faults = [ReplyFault::Late(late_s), ReplyFault::Doubled, ReplyFault::Dropped, ReplyFault::Merged];
-    (0..6).flat_map(move |number| faults.map(|fault| (number, fault)))
-}
-
 /// Reads on through the fault: no session ends, and no value is that of a request before.
 async fn reads_through(shop: Shop, text: &str, channel: usize, what: String) {
     let mut acquisition = shop.start(text);
@@ -268,7 +263,7 @@ const SLOW: Bench = Bench(1.0);
 #[tokio::test(flavor = "multi_thread")]
 async fn no_reply_of_a_box_that_is_late_doubled_lost_or_merged_disables_it_or_is_taken_for_another() {
     let mut cases = tokio::task::JoinSet::new();
-    for fault in reply_faults(0.4) {
+    for fault in replies::KEYENCE.faults() {
         cases.spawn(async move {
             let shop = Shop::new(SLOW);
             let config =
@@ -283,7 +278,7 @@ async fn no_reply_of_a_box_that_is_late_doubled_lost_or_merged_disables_it_or_is
 #[tokio::test(flavor = "multi_thread")]
 async fn no_answer_of_an_indicator_that_is_late_doubled_lost_or_merged_disables_it_or_is_taken_for_another() {
     let mut cases = tokio::task::JoinSet::new();
-    for fault in reply_faults(0.7) {
+    for fault in replies::ASCII.faults() {
         cases.spawn(async move {
             let shop = Shop::new(SLOW);
             let preset = *Preset::named("mahr-c1202").unwrap();

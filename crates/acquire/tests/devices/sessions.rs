@@ -1,5 +1,6 @@
 //! Sessions under their supervisor, time bases, alignment and a whole cycle on a floor of virtual devices.
 
+use crate::replies;
 use crate::shop::{
     LIMIT, PROGRAM, SinceStart, deflection_mm, gap_of_the_next_connection, next, program, read_queued, state,
     state_of, turning, until_message,
@@ -15,9 +16,7 @@ use trunnion_core::{AxisValues, HostTime, Point, Quality};
 use trunnion_cycles::cycle::{Pose, Settle};
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
-use trunnion_hil_sim::devices::{
-    DeviceClock, Fault, ReplyFault, SimulatedCell, World, cell, orthogonal_nest,
-};
+use trunnion_hil_sim::devices::{DeviceClock, Fault, SimulatedCell, World, cell, orthogonal_nest};
 use trunnion_hil_sim::motion::Step;
 use trunnion_sync::align::{AlignLimits, Aligner};
 use trunnion_sync::{CycleEvent, EndReason, StaticCycle, StaticRules, TimeBase, Timed};
@@ -371,26 +370,21 @@ async fn a_static_cycle_is_read_live_and_its_replay_gives_the_same_bytes() {
 /// Every reply of the start, each late, doubled, missing and together with the next: the probe streams in the end.
 #[tokio::test(flavor = "multi_thread")]
 async fn no_reply_that_is_late_doubled_lost_or_merged_disables_a_probe() {
-    // OUTPUT NONE, GETINFO, MEASRATE, OUTADD_RS422, GETOUTINFO_RS422, OUTPUT RS422.
-    let steps = 6;
-    let faults = [ReplyFault::Late(0.9), ReplyFault::Doubled, ReplyFault::Dropped, ReplyFault::Merged];
     let mut cases = tokio::task::JoinSet::new();
-    for step in 0..steps {
-        for fault in faults {
-            cases.spawn(async move {
-                let floor = floor(|config| {
-                    only_probe(config);
-                    config.probes[0].0.reply_fault = Some((step, fault));
-                })
-                .await;
-                let mut acquisition = floor.start(PROBE, QUEUE_LENGTH);
-                until_message(&mut acquisition, is_probe).await;
-                let status = state(&acquisition, |status| status.state == DeviceState::Streaming).await;
-                let ends: u64 = status.ends.iter().sum();
-                assert_eq!(ends, 0, "reply {step} {fault:?}: {status:?}");
-                acquisition.stop().await;
-            });
-        }
+    for fault in replies::OPTONCDT.faults() {
+        cases.spawn(async move {
+            let floor = floor(|config| {
+                only_probe(config);
+                config.probes[0].0.reply_fault = Some(fault);
+            })
+            .await;
+            let mut acquisition = floor.start(PROBE, QUEUE_LENGTH);
+            until_message(&mut acquisition, is_probe).await;
+            let status = state(&acquisition, |status| status.state == DeviceState::Streaming).await;
+            let ends: u64 = status.ends.iter().sum();
+            assert_eq!(ends, 0, "reply {fault:?}: {status:?}");
+            acquisition.stop().await;
+        });
     }
     while let Some(ended) = cases.join_next().await {
         ended.unwrap();

@@ -99,6 +99,13 @@ impl NodeStartup {
         self.transfer.key()
     }
 
+    /// Asks again when an answer stays out; send both frames. A transfer begins from its beginning: which of its segments was lost,
+    /// nobody knows.
+    pub fn ask_again(&mut self) -> [CanFrame; 2] {
+        let (transfer, request) = SdoTransfer::upload(self.node, self.transfer.key());
+        [std::mem::replace(&mut self.transfer, transfer).give_up(), request]
+    }
+
     /// Ends the procedure when an answer stays out; send the frame.
     pub fn give_up(self) -> CanFrame {
         self.transfer.give_up()

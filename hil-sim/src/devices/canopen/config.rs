@@ -1,6 +1,7 @@
 //! What is on the bus.
 
 use super::super::clock::DeviceClock;
+use super::super::faults::ReplyFault;
 use trunnion_protocol::canopen::NodeId;
 
 /// What a node measures.
@@ -51,4 +52,15 @@ pub struct BusConfig {
     pub nodes: Vec<NodeConfig>,
     /// Clock of the adapter, which stamps frames in ms modulo 60 000.
     pub adapter_clock: DeviceClock,
+    /// What happens to the SDO answer of a number, counted from 0 over all nodes.
+    pub sdo_fault: Option<(u64, SdoFault)>,
+}
+
+/// What happens to an SDO answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SdoFault {
+    /// On its way.
+    Reply(ReplyFault),
+    /// Its node loses its supply for a moment and begins again, instead of answering.
+    BootUp,
 }

@@ -9,19 +9,19 @@ mod node;
 mod nodes;
 mod objects;
 
-pub use config::{BusConfig, NodeConfig, NodeKind};
+pub use config::{BusConfig, NodeConfig, NodeKind, SdoFault};
 
 pub use nodes::Nodes;
 
 use super::clock::{DeviceClock, TimeOrigin};
 use super::faults::{Fault, ScheduledFault};
 use super::handle::{DeviceError, Handle};
-use super::serial::{self, SerialDevice};
+use super::serial::{self, Outbox, SerialDevice};
 use super::world::World;
 use std::path::Path;
 use std::sync::Arc;
 use trunnion_protocol::can::CanFrame;
-use trunnion_protocol::canopen::NodeId;
+use trunnion_protocol::canopen::{Message, NmtCommand, NodeId};
 use trunnion_protocol::slcan::{Adapter, AdapterDecoder, AdapterMessage, HostCommand, StatusFlags};
 
 impl BusConfig {
@@ -30,7 +30,7 @@ impl BusConfig {
         let id = NodeId::new(5).expect("5 is in 1..=127");
         let kind = NodeKind::BallBar { step_nm: 100, zero_mm: 10.0 };
         let node = NodeConfig { id, kind, serial: 4711, heartbeat_ms: 500, event_timer_ms: 10, clock };
-        Self { nodes: vec![node], adapter_clock: clock }
+        Self { nodes: vec![node], adapter_clock: clock, sdo_fault: None }
     }
 
     /// The ball bar and three probes of ±1 mm as nodes 1 to 3, read by SYNC.
@@ -85,6 +85,12 @@ pub fn spawn(
         adapter: Adapter::default(),
         commands: AdapterDecoder::default(),
         adapter_clock: config.adapter_clock,
+        sdo_answers: Outbox::with_fault(config.sdo_fault.and_then(|(number, fault)| match fault {
+            SdoFault::Reply(fault) => Some((number, fault)),
+            SdoFault::BootUp => None,
+        })),
+        sdo_count: 0,
+        boots_at: config.sdo_fault.and_then(|(number, fault)| (fault == SdoFault::BootUp).then_some(number)),
     };
     serial::spawn("CANopen bus", bus, port, origin, faults)
 }
@@ -96,9 +102,35 @@ struct Bus {
     adapter: Adapter,
     commands: AdapterDecoder,
     adapter_clock: DeviceClock,
+    /// Lines of SDO answers on their way.
+    sdo_answers: Outbox,
+    /// SDO answers so far, and the number of that instead of which a node begins again.
+    sdo_count: u64,
+    boots_at: Option<u64>,
 }
 
 impl Bus {
+    /// Lines of what the nodes answer at once; those of SDO answers leave by way of their faults.
+    fn answers(&mut self, frame: &CanFrame, now_s: f64) -> Vec<u8> {
+        let mut lines = Vec::new();
+        for answer in self.nodes.on_frame(frame, now_s) {
+            let Some(Message::SdoAnswer(node)) = Message::from_frame(&answer) else {
+                lines.extend(self.lines(vec![answer], now_s));
+                continue;
+            };
+            if self.boots_at == Some(self.sdo_count) {
+                let boot_up = self.nodes.on_frame(&NmtCommand::ResetNode.frame(Some(node)), now_s);
+                lines.extend(self.lines(boot_up, now_s));
+            } else {
+                let answer = self.lines(vec![answer], now_s);
+                self.sdo_answers.put(now_s, answer);
+                lines.extend(self.sdo_answers.take_due(now_s));
+            }
+            self.sdo_count += 1;
+        }
+        lines
+    }
+
     /// The adapter's lines for frames seen on the bus.
     fn lines(&self, frames: Vec<CanFrame>, now_s: f64) -> Vec<u8> {
         let clock_ms = (self.adapter_clock.device_s(now_s) * 1e3).max(0.0) as u64;
@@ -117,25 +149,25 @@ impl SerialDevice for Bus {
             let (answer, frame) = self.adapter.answer(command);
             lines.extend(answer.iter().flat_map(AdapterMessage::encode));
             if let Some(frame) = frame {
-                let answers = self.nodes.on_frame(&frame, now_s);
-                lines.extend(self.lines(answers, now_s));
+                lines.extend(self.answers(&frame, now_s));
             }
         }
         lines
     }
 
     fn next_due_s(&self) -> Option<f64> {
-        self.nodes.next_due_s()
+        [self.nodes.next_due_s(), self.sdo_answers.next_due_s()].into_iter().flatten().min_by(f64::total_cmp)
     }
 
     fn send_due(&mut self, now_s: f64) -> Vec<u8> {
         let frames = self.nodes.frames_due(now_s);
-        self.lines(frames, now_s)
+        [self.lines(frames, now_s), self.sdo_answers.take_due(now_s)].concat()
     }
 
     fn plugged_in(&mut self) {
         self.adapter = Adapter::default();
         self.commands = AdapterDecoder::default();
+        self.sdo_answers.clear();
     }
 
     fn has(fault: &Fault) -> bool {

@@ -8,10 +8,12 @@ use std::time::Duration;
 use tokio::time::Instant;
 use trunnion_core::HostTime;
 use trunnion_protocol::can::CanFrame;
-use trunnion_protocol::canopen::{NodeDescription, NodeId, NodeStartup, StartupProgress};
+use trunnion_protocol::canopen::{Message, NmtState, NodeDescription, NodeId, NodeStartup, StartupProgress};
 
 /// Longest wait for one SDO answer.
 const SDO_LIMIT: Duration = Duration::from_millis(500);
+/// Times that one object is asked for, and that a node may begin again: an answer is rarely lost, and not twice in a row.
+const TRIES: u32 = 3;
 
 /// What happened on the bus, in the order in which it happened.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,28 +73,33 @@ pub(super) fn explain(end: SessionEnd, bus: &impl Bus) -> SessionEnd {
     }
 }
 
-/// Reads what the node says about itself.
+/// Reads what the node says about itself. `known`: what the nodes before have said.
 pub(super) async fn describe(
     bus: &mut impl Bus,
     node: NodeId,
+    known: &[NodeDescription],
     link: &mut Link,
 ) -> Result<NodeDescription, SessionEnd> {
     let (mut startup, request) = NodeStartup::new(node);
     bus.send(request).await?;
     let mut deadline = Instant::now() + SDO_LIMIT;
+    let (mut asked, mut booted) = (1, 0);
     loop {
         let left = deadline.saturating_duration_since(Instant::now());
         let events = bus.receive(left, link).await?;
         if left.is_zero() && events.is_empty() {
-            let who = format!(
-                "CANopen node {} does not answer for {}; check its supply, its number and the bit rate",
-                node.get(),
-                startup.reading()
+            if asked == TRIES {
+                return Err(no_answer(bus, startup, node, link).await?);
+            }
+            asked += 1;
+            link.log(
+                false,
+                format!("node {} did not answer for {}; it is asked again", node.get(), startup.reading()),
             );
-            bus.send(startup.give_up()).await?;
-            bus.tend().await?;
-            bus.receive(SDO_LIMIT, link).await?;
-            return Err(explain(SessionEnd::Silent { who, waited: SDO_LIMIT }, bus));
+            for frame in startup.ask_again() {
+                bus.send(frame).await?;
+            }
+            deadline = Instant::now() + SDO_LIMIT;
         }
         for event in events {
             let frame = match event {
@@ -103,10 +110,26 @@ pub(super) async fn describe(
                 }
                 BusEvent::SyncSent { .. } | BusEvent::SyncRefused => continue,
             };
+            if let Some(Message::Heartbeat(id, NmtState::BootUp)) = Message::from_frame(&frame) {
+                // What a node has said is true until it begins again: another may be in its place.
+                if known.iter().any(|known| known.node == id) || id == node && booted == TRIES {
+                    let what = format!("node {} booted while the nodes were read", id.get());
+                    return Err(SessionEnd::Restarted(what));
+                }
+                if id == node {
+                    booted += 1;
+                    let (fresh, request) = NodeStartup::new(node);
+                    bus.send(std::mem::replace(&mut startup, fresh).give_up()).await?;
+                    bus.send(request).await?;
+                    deadline = Instant::now() + SDO_LIMIT;
+                }
+                continue;
+            }
             match startup.on_frame(&frame) {
                 StartupProgress::NotMine => {}
                 StartupProgress::Send(next) => {
                     bus.send(next).await?;
+                    asked = 1;
                     deadline = Instant::now() + SDO_LIMIT;
                 }
                 StartupProgress::Done(description) => return Ok(*description),
@@ -123,4 +146,22 @@ pub(super) async fn describe(
             }
         }
     }
+}
+
+/// How a session ends whose node does not answer; the transport is asked what it knows.
+async fn no_answer(
+    bus: &mut impl Bus,
+    startup: NodeStartup,
+    node: NodeId,
+    link: &Link,
+) -> Result<SessionEnd, SessionEnd> {
+    let who = format!(
+        "CANopen node {} does not answer for {}; check its supply, its number and the bit rate",
+        node.get(),
+        startup.reading()
+    );
+    bus.send(startup.give_up()).await?;
+    bus.tend().await?;
+    bus.receive(SDO_LIMIT, link).await?;
+    Ok(explain(SessionEnd::Silent { who, waited: TRIES * SDO_LIMIT }, bus))
 }

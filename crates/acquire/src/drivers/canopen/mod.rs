@@ -77,7 +77,7 @@ impl Network {
         bus.send(NmtCommand::EnterPreOperational.frame(None)).await?;
         let mut descriptions = Vec::new();
         for node in &self.nodes {
-            let description = bus::describe(bus, node.id, link).await?;
+            let description = bus::describe(bus, node.id, &descriptions, link).await?;
             nodes::check(node, &description)?;
             descriptions.push(description);
         }

@@ -1,10 +1,16 @@
-//! Client side of one SDO transfer. Frames go in and out through the caller, who also watches the time: after an
-//! answer stays out, send [`SdoTransfer::give_up`].
+//! Client side of one SDO transfer. Frames go in and out through the caller, who also watches the time: when an answer stays
+//! out, send [`SdoTransfer::give_up`] and begin another transfer.
+//!
+//! An answer says which object or which segment it is of. One of another was late or came twice: it is of a request before
+//! and changes nothing.
 
 use super::message::*;
 use crate::can::CanFrame;
 use crate::canopen::network::{CobId, NodeId, frame};
 use crate::canopen::objects::ObjectKey;
+
+/// Command specifiers of answers: 0 and 1 of segments, 2 and 3 of the beginning (CiA 301 §7.2.4.3); above are aborts and blocks.
+const LAST_ANSWER: u8 = 3;
 
 /// One reading or writing of one object.
 #[derive(Debug, Clone)]
@@ -85,40 +91,50 @@ impl SdoTransfer {
             return self.aborted(answer);
         }
         match std::mem::replace(&mut self.state, State::Over) {
-            State::UploadAsked if answer[0] >> 5 == 2 => self.begin_upload(answer),
-            State::Uploading { toggle, announced, data } if answer[0] >> 5 == 0 => {
+            State::UploadAsked if answer[0] >> 5 == 2 && key_of(answer) == self.key => {
+                self.begin_upload(answer)
+            }
+            State::Uploading { toggle, announced, data }
+                if answer[0] >> 5 == 0 && toggle_of(answer[0]) == toggle =>
+            {
                 self.take_segment(answer, toggle, announced, data)
             }
-            State::DownloadAsked { data, segmented } if answer[0] >> 5 == 3 => {
-                self.begin_download(answer, data, segmented)
-            }
-            State::Downloading { toggle, data, sent } if answer[0] >> 5 == 1 => {
-                if toggle_of(answer[0]) != toggle {
-                    return self.fail(SdoError::Toggle(self.key), AbortCode::TOGGLE);
+            State::DownloadAsked { data, segmented } if answer[0] >> 5 == 3 && key_of(answer) == self.key => {
+                if segmented {
+                    self.send_segment(false, data, 0)
+                } else {
+                    SdoProgress::Done(Vec::new())
                 }
+            }
+            State::Downloading { toggle, data, sent }
+                if answer[0] >> 5 == 1 && toggle_of(answer[0]) == toggle =>
+            {
                 if sent == data.len() {
                     return SdoProgress::Done(Vec::new());
                 }
                 self.send_segment(!toggle, data, sent)
             }
             State::Over => SdoProgress::NotMine,
+            waiting if answer[0] >> 5 <= LAST_ANSWER => {
+                self.state = waiting;
+                SdoProgress::NotMine
+            }
             _ => self.fail(self.out_of_place(answer[0], 8), AbortCode::COMMAND),
         }
     }
 
     fn aborted(&mut self, answer: &[u8; 8]) -> SdoProgress {
-        if matches!(self.state, State::Over) {
+        // Some nodes name no object.
+        let of = key_of(answer);
+        if matches!(self.state, State::Over) || of != self.key && of != ObjectKey::new(0, 0) {
             return SdoProgress::NotMine;
         }
         self.state = State::Over;
-        let error = SdoError::Aborted { key: key_of(answer), code: AbortCode(number_of(answer)) };
+        let error = SdoError::Aborted { key: self.key, code: AbortCode(number_of(answer)) };
         SdoProgress::Failed { error, abort: None }
     }
 
     fn begin_upload(&mut self, answer: &[u8; 8]) -> SdoProgress {
-        if key_of(answer) != self.key {
-            return self.wrong_object(answer);
-        }
         let size_given = answer[0] & SIZE_GIVEN != 0;
         if answer[0] & EXPEDITED != 0 {
             let unused = if size_given { usize::from(answer[0] >> 2 & 0b11) } else { 0 };
@@ -139,9 +155,6 @@ impl SdoTransfer {
         announced: Option<usize>,
         mut data: Vec<u8>,
     ) -> SdoProgress {
-        if toggle_of(answer[0]) != toggle {
-            return self.fail(SdoError::Toggle(self.key), AbortCode::TOGGLE);
-        }
         let (chunk, last) = segment_of(answer);
         data.extend_from_slice(chunk);
         if data.len() > announced.unwrap_or(MAX_OBJECT_BYTES)
@@ -160,13 +173,6 @@ impl SdoTransfer {
         self.ask_segment(!toggle)
     }
 
-    fn begin_download(&mut self, answer: &[u8; 8], data: Vec<u8>, segmented: bool) -> SdoProgress {
-        if key_of(answer) != self.key {
-            return self.wrong_object(answer);
-        }
-        if segmented { self.send_segment(false, data, 0) } else { SdoProgress::Done(Vec::new()) }
-    }
-
     fn ask_segment(&self, toggle: bool) -> SdoProgress {
         let mut request = [0; 8];
         request[0] = 0x60 | toggle_bit(toggle);
@@ -178,10 +184,6 @@ impl SdoTransfer {
         let segment = segment_frame(toggle, &data[sent..end], end == data.len());
         self.state = State::Downloading { toggle, data, sent: end };
         SdoProgress::Send(self.request(segment))
-    }
-
-    fn wrong_object(&mut self, answer: &[u8; 8]) -> SdoProgress {
-        self.fail(SdoError::WrongObject { asked: self.key, answered: key_of(answer) }, AbortCode::GENERAL)
     }
 
     fn out_of_place(&self, command: u8, length: usize) -> SdoError {
@@ -279,24 +281,44 @@ mod tests {
     }
 
     #[test]
-    fn a_repeated_segment_a_foreign_object_and_a_short_answer_end_the_transfer() {
-        let check = |answers: &[&str], expected: SdoError, code: u32| {
-            let (mut transfer, _) = SdoTransfer::upload(node(), ObjectKey::new(0x1008, 0));
-            let mut last = SdoProgress::NotMine;
-            for text in answers {
-                last = transfer.on_frame(&answer(text));
-            }
-            let SdoProgress::Failed { error, abort: Some(abort) } = last else { panic!("{last:?}") };
+    fn answers_of_requests_before_change_nothing() {
+        let key = ObjectKey::new(0x1008, 0);
+        let (begin, first, last) = ("4108100009000000", "00522D7465737420", "1B31320000000000");
+        let foreign = ["4F001A0002000000", "8018100400000206", "6017100000000000"];
+        let (mut transfer, _) = SdoTransfer::upload(node(), key);
+        for stale in foreign.into_iter().chain([first, last]) {
+            assert_eq!(
+                transfer.on_frame(&answer(stale)),
+                SdoProgress::NotMine,
+                "{stale} before the beginning"
+            );
+        }
+        assert!(matches!(transfer.on_frame(&answer(begin)), SdoProgress::Send(_)));
+        for stale in foreign.into_iter().chain([begin, last]) {
+            assert_eq!(
+                transfer.on_frame(&answer(stale)),
+                SdoProgress::NotMine,
+                "{stale} before the first segment"
+            );
+        }
+        assert!(matches!(transfer.on_frame(&answer(first)), SdoProgress::Send(_)));
+        assert_eq!(transfer.on_frame(&answer(first)), SdoProgress::NotMine);
+        assert_eq!(transfer.on_frame(&answer(last)), SdoProgress::Done(b"R-test 12".to_vec()));
+    }
+
+    #[test]
+    fn a_short_answer_and_one_that_is_too_long_end_the_transfer() {
+        let key = ObjectKey::new(0x1008, 0);
+        let check = |text: &str, expected: SdoError, code: u32| {
+            let (mut transfer, _) = SdoTransfer::upload(node(), key);
+            let SdoProgress::Failed { error, abort: Some(abort) } = transfer.on_frame(&answer(text)) else {
+                panic!("{text} ends nothing")
+            };
             assert_eq!(error, expected);
             assert_eq!(abort.data()[4..], code.to_le_bytes());
             assert_eq!(transfer.on_frame(&answer("00522D7465737420")), SdoProgress::NotMine);
         };
-        let key = ObjectKey::new(0x1008, 0);
-        let (begin, first) = ("4108100018000000", "00522D7465737420");
-        check(&[begin, first, first], SdoError::Toggle(key), 0x0503_0000);
-        let other = ObjectKey::new(0x1009, 0);
-        check(&["4109100018000000"], SdoError::WrongObject { asked: key, answered: other }, 0x0800_0000);
-        check(&["41081000"], SdoError::OutOfPlace { key, command: 0x41, length: 4 }, 0x0504_0001);
-        check(&["41081000FFFFFFFF"], SdoError::TooLong(key), 0x0504_0005);
+        check("41081000", SdoError::OutOfPlace { key, command: 0x41, length: 4 }, 0x0504_0001);
+        check("41081000FFFFFFFF", SdoError::TooLong(key), 0x0504_0005);
     }
 }

@@ -93,17 +93,6 @@ pub enum SdoError {
         /// The node's reason.
         code: AbortCode,
     },
-    /// The node answered about another object.
-    #[error("asked for {asked}, node answered about {answered}: is another master on the bus?")]
-    WrongObject {
-        /// The object asked for.
-        asked: ObjectKey,
-        /// The object answered.
-        answered: ObjectKey,
-    },
-    /// The toggle bit did not alternate: a segment was lost or repeated.
-    #[error("segment lost or repeated while transferring {0}")]
-    Toggle(ObjectKey),
     /// The answer does not belong to the request.
     #[error("node gave the answer {command:02X}h of {length} bytes, out of place while transferring {key}")]
     OutOfPlace {
