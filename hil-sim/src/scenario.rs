@@ -86,7 +86,7 @@ pub fn static_cycle(
 }
 
 /// One rotary axis turns forward and back at each feed while the linear axes follow the ball of setup 0; strokes of X before and
-/// after.
+/// after. The other rotary axes go from the first to the second of their angles in step with it.
 ///
 /// # Errors
 /// Feeds or angles no machine can keep.
@@ -96,13 +96,19 @@ pub fn sweep_cycle(
     axis: Joint,
     from_to_rad: (f64, f64),
     feeds_rad_per_s: &[f64],
-    others: &AxisValues<f64>,
+    others: &AxisValues<(f64, f64)>,
 ) -> Result<SimulatedCell, ScenarioError> {
-    let follow = follow(machine.machine(), &machine, 0);
     let (from, to) = from_to_rad;
-    let mut rotary = *others;
-    rotary[axis] = from;
-    let start = at_ball(machine.machine(), &machine, 0, &rotary);
+    let (of_follow, others) = (Arc::clone(&machine), *others);
+    let at = move |angle_rad: f64| {
+        let share = (angle_rad - from) / (to - from);
+        let mut rotary =
+            AxisValues::from_fn(|letter| others[letter].0 + share * (others[letter].1 - others[letter].0));
+        rotary[axis] = angle_rad;
+        at_ball(of_follow.machine(), &of_follow, 0, &rotary)
+    };
+    let start = at(from);
+    let follow = Follow::new(move |axes| at(axes[axis]));
     let mut steps = sync_move(&start);
     for &feed in feeds_rad_per_s {
         for (from, to) in [(from, to), (to, from)] {

@@ -110,6 +110,11 @@ impl<'d> Table<'d> {
         self.get(key).is_some()
     }
 
+    /// True when the key is present with an array; counts as asked.
+    pub fn is_array(&self, key: &str) -> bool {
+        self.get(key).is_some_and(|value| matches!(value.get_ref(), DeValue::Array(_)))
+    }
+
     /// Keys in file order, without counting them as asked.
     pub fn keys(&self) -> Vec<String> {
         let mut keys: Vec<_> =

@@ -18,7 +18,7 @@
 //! from_deg = 0
 //! to_deg = 360
 //! feeds_deg_per_min = [1800, 3600]
-//! b_deg = 0
+//! b_deg = 0                           # or [-30, 30]: from first to last, in step with C
 //!
 //! [rounds]                            # may be left out: once, one setup after the other
 //! count = 3                           # the whole cycle three times
@@ -166,6 +166,20 @@ impl Cycle {
                 of(*from_to_rad, &|leg| feeds_mm_per_s[leg.feed] / path::radius_mm(&self.setups[leg.setup]))
             }
         }
+    }
+
+    /// The rotary axes when the turning axis of a sweep is at an angle; `None` for a cycle that sweeps no axis.
+    pub fn rotary_at(&self, angle_rad: f64) -> Option<AxisValues<f64>> {
+        let Motion::OnTheFly { axis, from_to_rad: (from, to), others, .. } = &self.motion else {
+            return None;
+        };
+        let share = if to == from { 0.0 } else { (angle_rad - from) / (to - from) };
+        let mut rotary = AxisValues::from_fn(|letter| {
+            let (first, last) = others[letter];
+            first + share * (last - first)
+        });
+        rotary[*axis] = angle_rad;
+        Some(rotary)
     }
 
     /// All axes at an angle of the curve that a cycle follows; `near`: where the rotary axes stood before. `None` when the

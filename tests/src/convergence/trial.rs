@@ -33,7 +33,7 @@ const fn with(cycle: &'static str, model: &'static str) -> Case {
 }
 
 /// Every instrument and every way of measuring that ships.
-pub const CASES: [Case; 37] = [
+pub const CASES: [Case; 38] = [
     base("ball-bar-c"),
     with("ball-plate", "volume"),
     with("ball-plate-self", "self-calibration"),
@@ -41,6 +41,7 @@ pub const CASES: [Case; 37] = [
     base("bk1-b"),
     base("bk2-c"),
     base("bk2-c-of-ac"),
+    base("bk3-bc"),
     base("bk4-cone"),
     with("circle-xy", "straight-lines-xy"),
     with("circle-yz", "straight-lines-yz"),

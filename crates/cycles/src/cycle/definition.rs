@@ -36,7 +36,7 @@ pub enum Motion {
         /// +1: from first to last angle; −1: back.
         passes: Vec<f64>,
     },
-    /// One rotary axis turning while sampled.
+    /// One rotary axis turning while sampled, others standing or turning in step with it.
     OnTheFly {
         /// The turning axis.
         axis: Joint,
@@ -46,8 +46,9 @@ pub enum Motion {
         feeds_rad_per_s: Vec<f64>,
         /// +1: from first to last angle; −1: back.
         passes: Vec<f64>,
-        /// Positions of the other rotary axes, rad.
-        others: AxisValues<f64>,
+        /// Positions of the other rotary axes at the first and the last angle, rad: one whose two are equal stands
+        /// [ISO 10791-6 BK3: two rotary axes at constant speeds].
+        others: AxisValues<(f64, f64)>,
     },
 }
 

@@ -236,15 +236,30 @@ fn read_on_the_fly(root: &Table<'_>) -> Option<Motion> {
     let feeds = read_feeds(&table, "feeds_deg_per_min");
     let mut others = AxisValues::default();
     for letter in Joint::ROTARY {
-        let key = format!("{}_deg", letter.lower());
-        if let Some(deg) = table.optional_number(&key, -FARTHEST_DEG..=FARTHEST_DEG) {
-            others[letter] = convert::rad_from_deg(deg);
+        if let Some((first, last)) = read_other(&table, &format!("{}_deg", letter.lower())) {
+            others[letter] = (convert::rad_from_deg(first), convert::rad_from_deg(last));
         }
     }
     table.no_other_keys();
     let feeds_rad_per_s = feeds?.into_iter().map(|feed| convert::rad_from_deg(feed) / 60.0).collect();
     let from_to_rad = (convert::rad_from_deg(from?), convert::rad_from_deg(to?));
     Some(Motion::OnTheFly { axis: axis?, from_to_rad, feeds_rad_per_s, passes: passes?, others })
+}
+
+/// Where another axis stands, or its first and last angle, degrees.
+fn read_other(table: &Table<'_>, key: &str) -> Option<(f64, f64)> {
+    if !table.is_array(key) {
+        return table.optional_number(key, -FARTHEST_DEG..=FARTHEST_DEG).map(|deg| (deg, deg));
+    }
+    let deg = table.optional_numbers(key)?;
+    match deg[..] {
+        [first, last] if first.abs() <= FARTHEST_DEG && last.abs() <= FARTHEST_DEG => Some((first, last)),
+        _ => {
+            let allowed = "one angle, or the first and the last, in -36000..=36000";
+            table.problem(key, format!("= {deg:?}"), allowed, "");
+            None
+        }
+    }
 }
 
 fn read_letter(table: &Table<'_>, key: &str) -> Option<Joint> {

@@ -199,15 +199,14 @@ fn any_motion() -> impl Strategy<Value = Motion> {
     };
     let at_rest = (prop::collection::vec(any_grid_axis(), 1..3), passes())
         .prop_map(move |(grid, passes)| Motion::Static { grid, passes, settle });
-    let sweep = (prop::collection::vec(1u32..20_000, 1..4), passes(), -360i32..360, -90i32..90).prop_map(
-        |(feeds, passes, to, b)| {
+    let sweep = (prop::collection::vec(1u32..20_000, 1..4), passes(), -360i32..360, (-90i32..90, -90i32..90))
+        .prop_map(|(feeds, passes, to, (first, last))| {
             let mut others = AxisValues::default();
-            others[Joint::B] = rad_from_deg(f64::from(b));
+            others[Joint::B] = (rad_from_deg(f64::from(first)), rad_from_deg(f64::from(last)));
             let feeds_rad_per_s = feeds.into_iter().map(|f| rad_from_deg(f64::from(f)) / 60.0).collect();
             let from_to_rad = (0.0, rad_from_deg(f64::from(to)));
             Motion::OnTheFly { axis: Joint::C, from_to_rad, feeds_rad_per_s, passes, others }
-        },
-    );
+        });
     let line = (1u32..2000, 1usize..50, prop::bool::ANY, passes()).prop_map(
         move |(length, steps, in_turn, passes)| {
             let line = Line { length_mm: f64::from(length), steps, in_turn };
@@ -265,7 +264,7 @@ proptest! {
                 all
             }
             Motion::OnTheFly { from_to_rad, feeds_rad_per_s, passes, others, .. } => {
-                let mut all = vec![from_to_rad.0, from_to_rad.1, others[Joint::B]];
+                let mut all = vec![from_to_rad.0, from_to_rad.1, others[Joint::B].0, others[Joint::B].1];
                 all.extend(feeds_rad_per_s.iter().chain(passes));
                 all
             }

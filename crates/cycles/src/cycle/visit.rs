@@ -221,11 +221,7 @@ impl Cycle {
     ) -> Option<AxisValues<f64>> {
         match &self.motion {
             Motion::Static { .. } | Motion::Line { .. } => None,
-            Motion::OnTheFly { axis, others, .. } => {
-                let mut rotary = *others;
-                rotary[*axis] = angle;
-                self.position(machine, setup, &rotary)
-            }
+            Motion::OnTheFly { .. } => self.position(machine, setup, &self.rotary_at(angle)?),
             Motion::Path { path, .. } => path.position(machine, &self.setups[setup], angle, near),
         }
     }

@@ -164,7 +164,7 @@ fn sweep_text(
     axis: Joint,
     (from, to): (f64, f64),
     feeds_rad_per_s: &[f64],
-    others: &AxisValues<f64>,
+    others: &AxisValues<(f64, f64)>,
 ) -> String {
     let feeds: Vec<f64> = feeds_rad_per_s.iter().map(|feed| deg(feed * 60.0)).collect();
     let mut text = format!(
@@ -173,8 +173,10 @@ fn sweep_text(
         deg(to),
         list(&feeds)
     );
-    for letter in Joint::ROTARY.into_iter().filter(|&letter| others[letter] != 0.0) {
-        writeln!(text, "{}_deg = {}", letter.lower(), deg(others[letter])).expect("a string takes all");
+    for letter in Joint::ROTARY.into_iter().filter(|&letter| others[letter] != (0.0, 0.0)) {
+        let (first, last) = (deg(others[letter].0), deg(others[letter].1));
+        let angles = if first == last { format!("{first}") } else { format!("[{first}, {last}]") };
+        writeln!(text, "{}_deg = {angles}", letter.lower()).expect("a string takes all");
     }
     text
 }

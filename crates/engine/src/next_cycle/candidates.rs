@@ -277,7 +277,7 @@ impl Shop<'_> {
             from_to_rad,
             feeds_rad_per_s: feeds.into(),
             passes: vec![1.0, -1.0],
-            others,
+            others: AxisValues::from_fn(|letter| (others[letter], others[letter])),
         };
         self.candidate(name, what, setups, motion, Rounds::default())
     }

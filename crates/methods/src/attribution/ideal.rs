@@ -126,12 +126,10 @@ fn commanded(
     angle: f64,
     near: &AxisValues<f64>,
 ) -> Option<AxisValues<f64>> {
-    let cycle::Motion::OnTheFly { axis, others, .. } = &cycle.motion else {
-        return cycle.curve_position(machine, sweep.setup, angle, near);
-    };
-    let mut rotary = *others;
-    rotary[*axis] = angle;
-    cycle.position(machine, sweep.setup, &rotary)
+    match cycle.rotary_at(angle) {
+        Some(rotary) => cycle.position(machine, sweep.setup, &rotary),
+        None => cycle.curve_position(machine, sweep.setup, angle, near),
+    }
 }
 
 fn cannot_follow(motion: &Motion<'_>, cycle: &Cycle, sweep: &Sweep) -> AttributionError {

@@ -193,13 +193,9 @@ impl<'a> Guide<'a> {
         let Sweeping { from_to_rad: (from, to), feed, .. } = self.cycle.sweeping(leg)?;
         let (first, last) = if leg.pass < 0.0 { (to, from) } else { (from, to) };
         let run_in = 0.5 * feed * self.rules.pace.ramp_s * (last - first).signum();
-        let at = |angle_rad: f64| match &self.cycle.motion {
-            Motion::OnTheFly { axis, others, .. } => {
-                let mut asked = *others;
-                asked[*axis] = angle_rad;
-                Place::asked(asked)
-            }
-            _ => Place { asked: AxisValues::default(), angle_rad },
+        let at = |angle_rad: f64| match self.cycle.rotary_at(angle_rad) {
+            Some(asked) => Place::asked(asked),
+            None => Place { asked: AxisValues::default(), angle_rad },
         };
         Some((at(first - run_in), at(last + run_in)))
     }
