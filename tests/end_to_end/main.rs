@@ -15,6 +15,8 @@ mod long_lists;
 mod methods;
 mod nc_program;
 mod outside_data;
+#[path = "../src/page_status.rs"]
+mod page_status;
 mod plan;
 mod program;
 mod record;

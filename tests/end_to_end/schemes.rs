@@ -1,6 +1,8 @@
 //! Every measurement scheme of the sources, from the command line on files that ship: simulated with one truth, identified, and
 //! every number compared with the truth. The table of docs/measured/schemes.md is written from these rows.
 
+#[path = "../src/carried.rs"]
+mod carried;
 mod rows;
 
 use rows::{ROWS, Row};
@@ -78,17 +80,7 @@ fn run(row: &Row, folder: &Path, wrong: &mut Vec<String>) -> Outcome {
     let found: Value = serde_json::from_str(&trunnion(folder, &args)).unwrap();
     let truth = truth(row);
     let true_value = |name: &str| truth.get(name).copied().unwrap_or(0.0);
-    // A parameter that convention sets to zero is carried by the others of its direction.
-    let carried = |name: &str| -> f64 {
-        let of_direction = |direction: &Value| {
-            let terms = direction["terms"].as_array().unwrap();
-            let term =
-                |k: usize| (terms[k]["name"].as_str().unwrap(), terms[k]["coefficient"].as_f64().unwrap());
-            let own = (1..terms.len()).map(term).find(|(other, _)| *other == name)?;
-            Some(-true_value(term(0).0) * own.1)
-        };
-        found["unobservable"].as_array().unwrap().iter().filter_map(of_direction).sum()
-    };
+    let carried = |name: &str| carried::carried(&found, name, &true_value);
     let (mut numbers, mut worst_u, mut wanted) = (0, 0f64, Vec::new());
     for parameter in found["parameters"].as_array().unwrap() {
         let name = name_of(parameter);

@@ -1,5 +1,7 @@
 //! `trunnion daemon` that is killed, and analyses that hang or take too much: every recording gets a report, or says why not.
 
+use super::page_status::{free_address, status};
+use super::program::{json, refused};
 use super::three_probes;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -136,6 +138,24 @@ async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_nex
         );
         assert!(events.unwrap().events.iter().any(|event| event.kind == "joined"));
         drop(again);
+
+        // By hand the parts give the same.
+        let by_hand = recording.with_file_name("by-hand.mcap").display().to_string();
+        let parts: Vec<String> = whole
+            .joined_from
+            .iter()
+            .map(|name| recording.with_file_name(name).display().to_string())
+            .collect();
+        let joined = json(&["join", &parts[0], &parts[1], "-o", &by_hand, "--json"]);
+        assert_eq!(joined["read"], complete.read, "{joined}");
+        let read = |part: usize| joined["parts"][part]["read"].as_u64().unwrap();
+        assert!(read(0).max(read(1)) < complete.read as u64, "{joined}");
+        let points = |run: &Path| trunnion_record::read_run(run, &shipped::machine).unwrap().run.points;
+        let of_service = recording.with_file_name(format!("{stem}-joined.mcap"));
+        assert_eq!(points(Path::new(&by_hand)), points(&of_service));
+        let again = recording.with_file_name("again.mcap").display().to_string();
+        let said = refused(&["join", &parts[1], &parts[0], "-o", &again]);
+        assert!(said.contains("in order of time") && !Path::new(&again).exists(), "{said}");
     })
     .await
     .unwrap();
@@ -203,20 +223,4 @@ fn an_analysis_that_hangs_or_takes_too_much_memory_is_ended_and_tried_only_so_of
     assert_eq!(shown["topics"]["result"]["run"], "run.mcap");
     assert_eq!(shown["topics"]["result"]["verdict"], "missing-effect");
     drop(service);
-}
-
-fn free_address() -> String {
-    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
-    listener.local_addr().unwrap().to_string()
-}
-
-/// What the page says of the service; `None` while there is none.
-fn status(page: &str) -> Option<serde_json::Value> {
-    use std::io::{Read, Write};
-    let mut stream = std::net::TcpStream::connect(page).ok()?;
-    let request = format!("GET /api/status HTTP/1.1\r\nHost: {page}\r\nConnection: close\r\n\r\n");
-    stream.write_all(request.as_bytes()).ok()?;
-    let mut text = String::new();
-    stream.read_to_string(&mut text).ok()?;
-    serde_json::from_str(text.split("\r\n\r\n").nth(1)?).ok()
 }

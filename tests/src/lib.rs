@@ -2,7 +2,11 @@
 
 pub mod alignment;
 pub mod baselines;
+#[expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+pub mod carried;
 pub mod convergence;
+pub mod in_turn;
+pub mod page_status;
 pub mod pauses;
 pub mod peer;
 pub mod section;

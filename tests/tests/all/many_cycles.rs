@@ -10,7 +10,7 @@ use trunnion_cycles::Cycle;
 use trunnion_cycles::cycle::Motion;
 use trunnion_effects::Model;
 use trunnion_hil_sim::devices::cell::CellConfig;
-use trunnion_hil_sim::devices::{CycleState, Later, SimulatedCell, World, cell};
+use trunnion_hil_sim::devices::{Later, cell};
 use trunnion_hil_sim::scenario;
 use trunnion_machine::shipped;
 use trunnion_service::board::Board;
@@ -19,54 +19,9 @@ use trunnion_service::config::{Config, ProgramCycle};
 use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon::{Analyst, Texts, serve_on};
 use trunnion_service::live::Plan;
+use trunnion_tests::in_turn::InTurn;
+use trunnion_tests::page_status::{free_address, status};
 use trunnion_tests::{reports, show_log, three_probes};
-
-/// One world after the other, each with the program it names.
-struct InTurn {
-    worlds: Vec<SimulatedCell>,
-    /// Standing between two programs, s.
-    pause_s: f64,
-}
-
-impl InTurn {
-    /// The world at a time, and its own time.
-    fn at(&self, t_s: f64) -> (&SimulatedCell, f64) {
-        let mut own_s = t_s;
-        for world in &self.worlds[..self.worlds.len() - 1] {
-            let lasts_s = world.trajectory.duration_s() + self.pause_s;
-            if own_s < lasts_s {
-                return (world, own_s);
-            }
-            own_s -= lasts_s;
-        }
-        (&self.worlds[self.worlds.len() - 1], own_s)
-    }
-}
-
-impl World for InTurn {
-    fn axes(&self, t_s: f64) -> trunnion_core::AxisValues<f64> {
-        let (world, own_s) = self.at(t_s);
-        world.axes(own_s)
-    }
-
-    fn probe_readings_mm(&self, t_s: f64) -> [f64; 3] {
-        let (world, own_s) = self.at(t_s);
-        world.probe_readings_mm(own_s)
-    }
-
-    fn bar_reading_mm(&self, _: f64) -> f64 {
-        0.0
-    }
-
-    fn temperature_degc(&self, _: f64) -> f64 {
-        20.0
-    }
-
-    fn cycle(&self, t_s: f64) -> CycleState {
-        let (world, own_s) = self.at(t_s);
-        world.cycle(own_s)
-    }
-}
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
@@ -99,8 +54,10 @@ async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
     let cell = cell::start(Arc::new(world), floor, tokio::time::Instant::now()).await.unwrap();
     let url = cell.controller.as_ref().and_then(|agent| agent.url()).unwrap().to_string();
     let agent = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
+    let page = free_address();
     let programs = "[[program]]\nname = \"*rtest*\"\ncycle = \"s.toml\"\n[[program]]\nname = \"sweep*\"\ncycle = \"w.toml\"\n";
-    let text = three_probes(folder.path(), SILENCE_MS, programs, &agent).replace("cycle = \"c.toml\"\n", "");
+    let tables = format!("{programs}[page]\nlisten = \"{page}\"\n");
+    let text = three_probes(folder.path(), SILENCE_MS, &tables, &agent).replace("cycle = \"c.toml\"\n", "");
     let config = Config::parse(&folder.path().join("trunnion.toml"), &text).unwrap();
     let choice = |of: &ProgramCycle, text: &str| {
         let cycle = Cycle::parse("c.toml", text).unwrap();
@@ -124,6 +81,7 @@ async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
 
     // The states in order, as a reader of the topic sees them.
     let mut seen: Vec<(String, String)> = Vec::new();
+    let mut refused = None;
     let ended = tokio::time::timeout(REPORT_LIMIT, async {
         loop {
             // Nothing is on the board before the service's first word.
@@ -135,6 +93,11 @@ async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
             let state = (text("state"), text("program"));
             if seen.last() != Some(&state) {
                 seen.push(state.clone());
+                if state.0 == "refused" {
+                    let page = page.clone();
+                    let shown = tokio::task::spawn_blocking(move || status(&page)).await.unwrap();
+                    refused = Some((text("why"), shown.unwrap()));
+                }
             }
             if state == ("done".into(), "SWEEP-C".into()) {
                 return now;
@@ -160,6 +123,11 @@ async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
     ];
     assert!(order.is_sorted() && at("analysing", "RTEST") < order[2], "{seen:?}");
     assert_eq!(last["cycle"], "demo-sweep-c");
+    let (why, shown) = refused.unwrap();
+    let words = ["\"WARMUP\"", "allowed: ", "*rtest* (cycle demo-static)", "sweep* (cycle demo-sweep-c)"];
+    assert!(words.iter().all(|words| why.contains(words)), "{why}");
+    let cycle = &shown["topics"]["cycle"];
+    assert_eq!((&cycle["state"], &cycle["why"]), (&"refused".into(), &why.into()), "{shown:#}");
     let names: Vec<String> =
         recordings.iter().map(|path| path.file_name().unwrap().to_string_lossy().into_owned()).collect();
     assert!(names[0].starts_with("demo-static-") && names[1].starts_with("demo-sweep-c-"), "{names:?}");

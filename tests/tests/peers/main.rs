@@ -13,6 +13,7 @@ mod linuxcnc_moves;
 mod linuxcnc_process;
 mod mcap;
 mod mosquitto;
+mod mosquitto_choice;
 mod opcua;
 mod socketcan;
 #[path = "../../../crates/cycles/tests/all/nc/visited.rs"]

@@ -23,12 +23,12 @@ use trunnion_service::live::Plan;
 use trunnion_service::mqtt::{MqttConfig, MqttTls, run};
 use trunnion_tests::{SILENCE_MS, three_probes};
 
-fn free_port() -> u16 {
+pub fn free_port() -> u16 {
     let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
     listener.local_addr().expect("bound").port()
 }
 
-fn broker(port: u16) -> Child {
+pub fn broker(port: u16) -> Child {
     let program = if std::path::Path::new("/usr/sbin/mosquitto").exists() {
         "/usr/sbin/mosquitto"
     } else {
@@ -42,7 +42,7 @@ fn broker(port: u16) -> Child {
 }
 
 /// Latest payloads of all `trunnion/#` topics once `enough` holds; fails after a minute.
-async fn wait_for(port: u16, name: &str, enough: impl Fn(&BTreeMap<String, serde_json::Value>) -> bool) {
+pub async fn wait_for(port: u16, name: &str, enough: impl Fn(&BTreeMap<String, serde_json::Value>) -> bool) {
     let mut topics = BTreeMap::new();
     let watching = async {
         loop {
