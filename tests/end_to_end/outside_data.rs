@@ -88,3 +88,32 @@ fn export_gives_the_points_back() {
     let first = table.lines().nth(1).unwrap();
     assert!(first.contains("-21.4") && first.contains("15.1") && first.contains("17.5"), "{first}");
 }
+
+#[test]
+fn what_each_effect_takes_adds_up_to_the_prediction() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = import("points-gravity", folder.path());
+    let model = folder.path().join("model.toml").display().to_string();
+    trunnion(&["add", "gravity-sag:B", &run, "--model", &model]);
+    let export = |what: &str| -> Vec<Vec<String>> {
+        let table = trunnion(&["export", "csv", &run, "--model", &model, "--what", what]);
+        table.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let (by_effect, residuals) = (export("effects"), export("residuals"));
+    // The ball is set by hand: its place is confounded with that of the axes, and not with the sag.
+    let parts: Vec<&str> = by_effect[1..4].iter().map(|row| row[7].as_str()).collect();
+    assert_eq!(parts, ["positions", "location-errors + ball-setting", "gravity-sag:B"]);
+    assert_eq!(by_effect.len() - 1, 3 * (residuals.len() - 1));
+    let number = |cell: &String| cell.parse::<f64>().unwrap();
+    let mut of_sag_um = 0f64;
+    for (of_point, residual) in by_effect[1..].chunks(3).zip(&residuals[1..]) {
+        assert_eq!(of_point[0][..7], residual[..7]);
+        for k in 0..3 {
+            let sum_um: f64 = of_point.iter().map(|row| number(&row[8 + k])).sum();
+            // Squares of errors of 60 µrad over 300 mm are some nm.
+            assert!((sum_um - number(&residual[10 + k])).abs() < 0.01, "{of_point:?} {residual:?}");
+            of_sag_um = of_sag_um.max(number(&of_point[2][8 + k]).abs());
+        }
+    }
+    assert!(of_sag_um > 1.0, "{of_sag_um}");
+}

@@ -29,7 +29,7 @@ def read_back(folder):
         points = DATA / run
         trunnion("import", points / "points.csv", "--setup", points / "setup.toml", "-o", folder / f"{run}.mcap")
     recordings = [folder / f"{run}.mcap" for run in RUNS]
-    for what in ["points", "residuals", "parameters", "runs"]:
+    for what in ["points", "residuals", "effects", "parameters", "runs"]:
         file = folder / f"{what}.parquet"
         trunnion("export", "parquet", *recordings, "--what", what, "-o", file)
         csv = [pandas.read_csv(io.StringIO(trunnion("export", "csv", path, "--what", what))) for path in recordings]

@@ -31,7 +31,7 @@ pub use filed::report_html;
 pub use html::{PAGE_CSS, compare_html, findings_html, ladder_html, trial_html, volumetric_html};
 pub use language::Language;
 pub use parameters::{parameters_csv, run_csv};
-pub use residuals::residuals_csv;
+pub use residuals::{by_effect_csv, residuals_csv};
 pub use story::story;
 pub use text::{
     check_text, compare_text, correction_judged_text, correction_text, diagnosis_text, findings_text,

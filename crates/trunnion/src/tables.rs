@@ -3,6 +3,10 @@
 #[cfg_attr(not(feature = "parquet"), path = "tables/without_parquet.rs")]
 pub mod parquet;
 
+mod by_effect;
+
+pub use by_effect::by_effect_csv;
+
 use crate::experiment::read;
 use crate::{Error, files};
 use std::path::Path;

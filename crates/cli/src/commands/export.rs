@@ -8,13 +8,14 @@ use std::path::{Path, PathBuf};
 use trunnion::report::{parameters_csv, residuals_csv, run_csv};
 use trunnion::results::Comparison;
 use trunnion::tables::parquet::Rows;
-use trunnion::tables::{Exported, export};
+use trunnion::tables::{Exported, by_effect_csv, export};
 
 /// Export recordings as a table
 ///
 /// points: the good points, as `import` reads them. every-point: unsettled points and those without a reading too, with a column
 /// `quality`. samples: what each probe sent, with raw numbers and ticks. axes: positions of the axes. residuals: measured, predicted
-/// and residual reading of every pose, as --model fits it. parameters: what that fit found. runs: the fit in one row.
+/// and residual reading of every pose, as --model fits it. effects: what each effect of the model makes of each reading; effects
+/// that are confounded in the run are one. parameters: what that fit found. runs: the fit in one row.
 ///
 /// Parquet takes many recordings in one table, with machine, serial number, run and its beginning in front.
 ///
@@ -40,7 +41,7 @@ pub struct Args {
 }
 
 /// The parts that are computed, not recorded.
-const COMPUTED: [&str; 3] = ["residuals", "parameters", "runs"];
+const COMPUTED: [&str; 4] = ["residuals", "effects", "parameters", "runs"];
 
 fn parts() -> Vec<&'static str> {
     Exported::NAMES.into_iter().map(|(name, _)| name).chain(COMPUTED).collect()
@@ -78,6 +79,7 @@ fn table(args: &Args, run: &Path) -> anyhow::Result<(String, Outcome)> {
     let table = match args.what.as_str() {
         "parameters" => parameters_csv(&fit.results()),
         "runs" => run_csv(&fit.results()),
+        "effects" => by_effect_csv(&fit),
         _ => {
             residuals_csv(&Comparison::new(loaded.experiment.points(), fit.identification(), None).residuals)
         }
