@@ -47,9 +47,9 @@ pub struct SweepCycle {
     block_pass: usize,
     passes: Passes,
     counts: SampleCounts,
-    /// On a curve: turns added to the angle, and feed and angle of the last sample at a feed.
+    /// On a curve: turns added to the angle, and feed, angle and time of the last sample at a feed.
     turns_rad: f64,
-    last_at_feed: Option<(f64, f64)>,
+    last_at_feed: Option<(f64, f64, f64)>,
 }
 
 /// A sample that counts.
@@ -142,7 +142,7 @@ impl SweepCycle {
             }
             return self.close();
         };
-        let angle = self.on_course(feed, angle);
+        let angle = self.on_course(feed, angle, state.time_s);
         if !self.rules.holds(angle) {
             return self.close();
         }
@@ -163,19 +163,22 @@ impl SweepCycle {
         point
     }
 
-    /// On a curve: the angle with its turns, which a new pass takes from where it begins.
-    fn on_course(&mut self, feed: f64, angle: f64) -> f64 {
+    /// On a curve: the angle with its turns, which a new pass takes from where it begins. Behind the end of a pass only a stop
+    /// separates the run-out from the beginning of another.
+    fn on_course(&mut self, feed: f64, angle: f64, time_s: f64) -> f64 {
         if self.course.is_modulo() {
             let here = angle + self.turns_rad;
             let (low, high) = self.rules.span();
             let (begin, end) = if feed > 0.0 { (low, high) } else { (high, low) };
-            let goes_on = self.last_at_feed.is_some_and(|(last_feed, last)| {
-                last_feed == feed && (here - last).abs() < GOES_ON_RAD && (end - last).abs() > GOES_ON_RAD
+            let goes_on = self.last_at_feed.is_some_and(|(last_feed, last, last_s)| {
+                last_feed == feed
+                    && (here - last).abs() < GOES_ON_RAD
+                    && ((end - last).abs() > GOES_ON_RAD || time_s - last_s <= self.rules.sample_gap_s)
             });
             if !goes_on {
                 self.turns_rad = nearest_turn(angle, begin) - angle;
             }
-            self.last_at_feed = Some((feed, angle + self.turns_rad));
+            self.last_at_feed = Some((feed, angle + self.turns_rad, time_s));
         }
         angle + self.turns_rad
     }

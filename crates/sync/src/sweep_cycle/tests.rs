@@ -128,3 +128,37 @@ fn a_missing_value_breaks_the_average_and_is_counted_with_its_share() {
     assert!(summary.contains("1 excluded (0.0 %): a channel had no value"), "{summary}");
     assert_eq!(sweep.counts().used, points.iter().map(|point| u64::from(point.samples)).sum::<u64>());
 }
+
+/// A curve has no encoder: what follows the end of a pass looks like the beginning of another.
+#[test]
+fn the_run_out_of_a_circle_is_no_sample_of_a_pass() {
+    let text = "format = \"trunnion-cycle/1\"\nname = \"c\"\nmachine = \"table-bc\"\nkind = \"on-the-fly\"\n\
+                passes = [\"+\", \"-\"]\n[[setup]]\nname = \"xy\"\ninstrument = \"ball-bar\"\nbar_length_mm = 100\n\
+                ball_in_table_mm = [30.0, 0.0, 60.0]\n\
+                [circle]\nplane = \"XY\"\nfrom_deg = 0\nto_deg = 360\nfeeds_mm_per_min = [6000]\n";
+    let (cycle, machine) = (Cycle::parse("c.toml", text).unwrap(), machine());
+    // 1 rad/s, every 5 ms; 0.15 rad before and after each pass, and a second of standing.
+    let (step_rad, step_s, run_in_rad) = (5e-3, 5e-3, 0.15);
+    let forward = (0..).map(|k| f64::from(k) * step_rad - run_in_rad);
+    let forward: Vec<f64> = forward.take_while(|angle| *angle < std::f64::consts::TAU + run_in_rad).collect();
+    let stand = |angle: f64| std::iter::repeat_n(angle, 200);
+    let angles = stand(forward[0])
+        .chain(forward.iter().copied())
+        .chain(stand(forward[forward.len() - 1]))
+        .chain(forward.iter().rev().copied())
+        .chain(stand(forward[0]));
+    let (mut aligner, mut steps) = (Aligner::new(&[0], AlignLimits::default()), Vec::new());
+    for (k, angle) in angles.enumerate() {
+        let time_s = k as f64 * step_s;
+        let position = cycle.curve_position(&machine, 0, angle, &AxisValues::default()).unwrap();
+        aligner.push_axes(&AxisSample { time_s, position, ..AxisSample::default() }, &mut steps);
+        aligner.push_probe(&ProbeSample { time_s, ..ProbeSample::default() }, &mut steps);
+    }
+    aligner.finish(&mut steps);
+    let (sweep, _) = swept(&cycle, &steps);
+    let counts = sweep.counts();
+    assert_eq!(counts.unplanned, 0, "{counts:?}");
+    let in_passes = 2.0 * std::f64::consts::TAU / step_rad;
+    assert!((counts.used as f64 / in_passes - 1.0).abs() < 0.01, "{counts:?} of {in_passes}");
+    assert_eq!((sweep.progress().done, sweep.progress().total), (2, 2));
+}
