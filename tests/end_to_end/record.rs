@@ -4,7 +4,7 @@ use super::three_probes;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use trunnion_core::InstrumentKind;
 use trunnion_cycles::Cycle;
 use trunnion_hil_sim::devices::cell::CellConfig;
@@ -93,6 +93,7 @@ async fn a_cycle_that_is_reset_is_kept_counted_and_not_judged() {
     assert!(config.contains("user = \"cell\"") && !config.contains(SECRET), "{config}");
     exports(run, stations.len(), read);
     forms_again(run, read);
+    goes_through_again(run);
 }
 
 const SECRET: &str = "hunter2";
@@ -144,6 +145,24 @@ fn exports(run: &Path, planned: usize, read: usize) {
             assert!((cells[k] - cells[3 + k] - cells[6 + k]).abs() < 2e-4, "{line}");
         }
     }
+}
+
+/// The cycle in its own time, and then what a replay says without it.
+fn goes_through_again(run: &Path) {
+    let replay = |speed: &[&str]| {
+        let begun = Instant::now();
+        let (_, answer, said) = trunnion(&[&["replay", run.to_str().unwrap()], speed].concat());
+        (answer, said, begun.elapsed().as_secs_f64())
+    };
+    let (at_once, nothing, _) = replay(&[]);
+    let (shown, said, took_s) = replay(&["--speed", "4"]);
+    assert_eq!(shown, at_once);
+    assert!(!nothing.contains(" s: ") && said.contains(" s: "), "{nothing}\n{said}");
+    let (_, axes, _) = trunnion(&["export", "csv", run.to_str().unwrap(), "--what", "axes"]);
+    let last_s: f64 = axes.lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
+    assert!(last_s > 2.0 && took_s > 0.9 * last_s / 4.0, "{took_s} s for {last_s} s: {said}");
+    let (code, _, said) = trunnion(&["replay", run.to_str().unwrap(), "--speed", "0"]);
+    assert!(code == Some(2) && said.contains("0.01..=1000000"), "{said}");
 }
 
 /// The points of the samples under other settings.

@@ -150,9 +150,12 @@ async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_nex
         assert_eq!(joined["read"], complete.read, "{joined}");
         let read = |part: usize| joined["parts"][part]["read"].as_u64().unwrap();
         assert!(read(0).max(read(1)) < complete.read as u64, "{joined}");
-        let points = |run: &Path| trunnion_record::read_run(run, &shipped::machine).unwrap().run.points;
+        // As text, for what has no value is not equal to itself.
+        let points = |run: &Path| {
+            format!("{:?}", trunnion_record::read_run(run, &shipped::machine).unwrap().run.points)
+        };
         let of_service = recording.with_file_name(format!("{stem}-joined.mcap"));
-        assert_eq!(points(Path::new(&by_hand)), points(&of_service));
+        assert!(points(Path::new(&by_hand)) == points(&of_service), "other points than those of the service");
         let again = recording.with_file_name("again.mcap").display().to_string();
         let said = refused(&["join", &parts[1], &parts[0], "-o", &again]);
         assert!(said.contains("in order of time") && !Path::new(&again).exists(), "{said}");
