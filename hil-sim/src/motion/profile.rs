@@ -1,5 +1,6 @@
-//! How far along its path a step is: u(t) from 0 to 1 with u̇ and ü continuous, at rest at both ends.
+//! How far along its path a step is: u(t) from 0 to 1, with u̇ and ü continuous and at rest at both ends but for the uniform one.
 //! rest to rest: u = 10 τ³ − 15 τ⁴ + 6 τ⁵, τ = t/T (minimum jerk: Flash & Hogan, J. Neurosci. 5 (1985) 1688)
+//! uniform: u = t/T
 //! cruise: speed (1 − cos(π t/r))/2 · v during ramps of r, v between; T = 1/v + r.
 //! T duration, s; r ramp, s; v cruising speed, 1/s.
 
@@ -10,6 +11,7 @@ use std::f64::consts::PI;
 pub(super) enum Profile {
     Still { duration_s: f64 },
     RestToRest { duration_s: f64 },
+    Uniform { duration_s: f64 },
     Cruise { speed_per_s: f64, ramp_s: f64 },
 }
 
@@ -31,7 +33,9 @@ impl Profile {
 
     pub fn duration_s(self) -> f64 {
         match self {
-            Self::Still { duration_s } | Self::RestToRest { duration_s } => duration_s,
+            Self::Still { duration_s } | Self::RestToRest { duration_s } | Self::Uniform { duration_s } => {
+                duration_s
+            }
             Self::Cruise { speed_per_s, ramp_s } => 1.0 / speed_per_s + ramp_s,
         }
     }
@@ -46,6 +50,9 @@ impl Profile {
                     u_dot: 30.0 * tau * tau * (1.0 - tau).powi(2) / duration_s,
                     u_ddot: 60.0 * tau * (1.0 - tau) * (1.0 - 2.0 * tau) / duration_s.powi(2),
                 }
+            }
+            Self::Uniform { duration_s } => {
+                Progress { u: (t_s / duration_s).clamp(0.0, 1.0), u_dot: 1.0 / duration_s, u_ddot: 0.0 }
             }
             Self::Cruise { speed_per_s: v, ramp_s: r } => {
                 let duration_s = self.duration_s();

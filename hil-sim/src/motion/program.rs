@@ -24,6 +24,13 @@ pub enum Step {
         /// How long it takes, s.
         duration_s: f64,
     },
+    /// All axes go straight to a position at constant speed: a block that the controller runs without stopping before or after it.
+    Line {
+        /// Where to, mm and rad.
+        target: AxisValues<f64>,
+        /// How long it takes, s.
+        duration_s: f64,
+    },
     /// Rotary axes go straight to the target while the linear axes keep the ball in the nest; from rest to rest.
     Carry {
         /// Where the rotary axes go, rad; the linear entries are not used.

@@ -173,6 +173,11 @@ fn lay_out(index: usize, step: &Step, position: &AxisValues<f64>) -> Result<(Pat
             let duration_s = positive("duration_s", *duration_s)?;
             Ok((Path::straight(*position, *target), Profile::RestToRest { duration_s }))
         }
+        Step::Line { target, duration_s } => {
+            check_finite(index, target)?;
+            let duration_s = positive("duration_s", *duration_s)?;
+            Ok((Path::straight(*position, *target), Profile::Uniform { duration_s }))
+        }
         Step::Carry { target, duration_s, follow } => {
             let to = AxisValues::from_fn(|axis| if axis.is_rotary() { target[axis] } else { position[axis] });
             check_finite(index, &to)?;
@@ -295,6 +300,16 @@ mod tests {
         assert_eq!((dwell.direction[X], dwell.since_reversal[X], dwell.direction[C]), (1.0, 100.0, 0.0));
         let end = motion.at(1e6);
         assert!(!end.running && end.step == 4 && end.direction[B] == 1.0 && end.direction[C] == -1.0);
+    }
+
+    #[test]
+    fn lines_in_a_row_are_travelled_at_their_speeds_without_a_stop_between() {
+        let line = |x, duration_s| Step::Line { target: axes(&[(X, x)]), duration_s };
+        let program = Program { start: axes(&[]), steps: vec![line(1.0, 0.5), line(2.0, 0.25)] };
+        let motion = Trajectory::compile(&program).unwrap();
+        let velocity = |t_s: f64| motion.at(t_s).velocity[X];
+        assert_eq!([velocity(0.0), velocity(0.49), velocity(0.51), velocity(0.74)], [2.0, 2.0, 4.0, 4.0]);
+        assert_eq!((motion.at(0.25).position[X], motion.duration_s()), (0.5, 0.75));
     }
 
     #[test]

@@ -1,20 +1,19 @@
 //! Every ball-bar cycle is read live: its NC program, samples of axes and bar, points, and the base model fitted to them, against
 //! a virtual machine.
 
-use crate::interpreter::{Event, interpret};
-use trunnion_core::{AxisSample, AxisValues, Channel, Point, ProbeSample, Quality, Role, State, convert};
-use trunnion_cycles::nc::{Block, DIALECTS, Program};
+use crate::bar_program::{BarProgram, mounted};
+use trunnion_core::{AxisSample, Channel, Point, ProbeSample, Quality, Role};
 use trunnion_cycles::{CourseRules, Cycle, Run};
 use trunnion_effects::Model;
 use trunnion_engine::Experiment;
-use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine};
+use trunnion_hil_sim::{Truth, VirtualMachine};
 use trunnion_machine::{Machine, shipped};
 use trunnion_sync::forming::Forming;
 use trunnion_sync::plan::Plan;
 use trunnion_sync::{CycleEvent, EndReason, NestCalibration};
 use trunnion_tests::workspace_root;
 
-const CYCLES: [&str; 13] = [
+const CYCLES: [&str; 14] = [
     "ball-bar-c",
     "bk1-a",
     "bk1-b",
@@ -27,6 +26,7 @@ const CYCLES: [&str; 13] = [
     "circle-xy",
     "circle-yz",
     "circle-zx",
+    "bk3-bc",
     "bk4-cone",
 ];
 /// Axis samples and bar samples, s.
@@ -49,13 +49,7 @@ fn measured(name: &str) -> Measured {
     let path = workspace_root().join(format!("config/cycles/{name}.toml"));
     let cycle = Cycle::parse(name, &std::fs::read_to_string(path).unwrap()).unwrap();
     let machine = shipped::machine(&cycle.machine).unwrap();
-    let sim = |setup: &trunnion_core::Setup| {
-        let bar = Instrument::ball_bar(setup.bar_length_mm.unwrap());
-        let sim = SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, bar);
-        SimSetup { ball_in_tool_mm: setup.ball_in_tool_mm, ..sim }
-    };
-    let setups: Vec<SimSetup> = cycle.setups.iter().map(sim).collect();
-    let truth = Truth::draw(&machine, &setups, &[], 600.0, 7).unwrap();
+    let truth = Truth::draw(&machine, &mounted(&cycle), &[], 600.0, 7).unwrap();
     let world = VirtualMachine::new(machine.clone(), truth).unwrap();
 
     let mut rows = NestCalibration::orthogonal();
@@ -63,45 +57,16 @@ fn measured(name: &str) -> Measured {
     let channels = vec![Channel { device: 0, name: "bar".into(), role: Role::Bar }];
     let plan = Plan { machine: machine.clone(), cycle: cycle.clone(), nest: rows, channels };
     let mut forming = Forming::new(&plan, 0).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let program = Program::of_cycle(&cycle, &machine, &CourseRules::default()).unwrap();
-    let dialect = DIALECTS[0];
-    let events = interpret(dialect.name, &(dialect.write)(&program, dialect.decimals));
-    let (mut at, mut begins_s, mut ticks, mut out) = (AxisValues::<f64>::default(), 0.0, 0u32, Vec::new());
-    let mut setup = None;
-    let mut stops = program.blocks.iter().filter_map(|block| match block {
-        Block::Stop(message) => Some(message),
-        _ => None,
-    });
-    for event in &events {
-        let (to, seconds) = match event {
-            Event::Move { to, seconds } => (*to, *seconds),
-            Event::Dwell { seconds } => (at, *seconds),
-            Event::Stop(_) => {
-                // The message names the setup whose bar is put in, or taken out.
-                let message = stops.next().unwrap();
-                let named = cycle.setups.iter().position(|s| message.contains(&format!("Setup {}:", s.name)));
-                setup = named.filter(|_| !message.contains("take the bar out"));
-                (at, OPERATOR_S)
-            }
-        };
-        let ends_s = begins_s + seconds;
-        while f64::from(ticks) * STEP_S < ends_s {
-            let time_s = f64::from(ticks) * STEP_S;
-            let share = (time_s - begins_s) / seconds;
-            let position = AxisValues::from_fn(|letter| {
-                let edge = at[letter] + (to[letter] - at[letter]) * share;
-                if letter.is_rotary() { convert::rad_from_deg(edge) } else { edge }
-            });
-            forming.axes(&AxisSample { time_s, position, ..AxisSample::default() }, &mut out);
-            if let Some(setup) = setup {
-                let state = State { position, setup, ..State::default() };
-                let value_mm = world.ideal_reading_mm(setup, &state)[0];
-                forming
-                    .probe(&ProbeSample { channel: 0, time_s, value_mm, ..ProbeSample::default() }, &mut out);
-            }
-            ticks += 1;
+    let program = BarProgram::of(&cycle, &machine, &CourseRules::default(), OPERATOR_S);
+    let mut out = Vec::new();
+    for tick in 0..(program.trajectory.duration_s() / STEP_S) as u32 {
+        let time_s = f64::from(tick) * STEP_S;
+        let here = program.trajectory.at(time_s);
+        forming.axes(&AxisSample { time_s, position: here.position, ..AxisSample::default() }, &mut out);
+        if let Some(setup) = program.setup_of_step[here.step] {
+            let value_mm = world.ideal_reading_mm(setup, &here.state(time_s, Vec::new(), setup))[0];
+            forming.probe(&ProbeSample { channel: 0, time_s, value_mm, ..ProbeSample::default() }, &mut out);
         }
-        (at, begins_s) = (to, ends_s);
     }
     forming.finish(EndReason::ControllerEnded, &mut out);
     let points = out.into_iter().filter_map(|event| match event {

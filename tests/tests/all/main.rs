@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod bar_program;
+mod bars_in_service;
 mod bars_live;
 mod circles;
 mod citations;
