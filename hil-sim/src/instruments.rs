@@ -5,7 +5,9 @@ mod ball_bar;
 mod centre;
 mod cut;
 mod face;
+mod laser_tracker;
 mod length;
+mod level;
 mod line;
 mod on_artefact;
 mod passive_arm;
@@ -25,7 +27,9 @@ static REGISTRY: &[&VirtualInstrument] = &[
     &r_test::INSTRUMENT,
     &ball_bar::INSTRUMENT,
     &length::INSTRUMENT,
+    &laser_tracker::INSTRUMENT,
     &passive_arm::INSTRUMENT,
+    &level::INSTRUMENT,
     &line::INSTRUMENT,
     &centre::INSTRUMENT,
     &face::INSTRUMENT,

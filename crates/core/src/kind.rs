@@ -9,11 +9,15 @@ pub enum InstrumentKind {
     BallBar,
     /// Tracking interferometer: change of the distance from a station on the table to a reflector in the spindle.
     Tracker,
+    /// Laser tracker: x, y, z of a reflector in the spindle or on a flange, in the axes of the tracker.
+    LaserTracker,
     /// Laser ball bar, or one leg of a passive parallel link: length between two balls, far apart or near.
     LaserBallBar,
     /// Passive serial link of two arms: its two joint angles.
     PassiveArm,
-    /// Laser interferometer along a body diagonal.
+    /// Level, autocollimator or angular interferometer: turn about one direction.
+    Level,
+    /// Laser interferometer along a line, for example a body diagonal.
     Diagonal,
     /// Laser interferometer with a flat mirror while X, Y and Z step in turn.
     StepDiagonal,
@@ -32,7 +36,7 @@ pub enum InstrumentKind {
 pub enum ReadingColumn {
     /// Deviation, µm: `dx_um` …
     Deviation(&'static str),
-    /// Length, mm: `l_mm`.
+    /// Length or coordinate, mm: `l_mm`, `reflector_x_mm` …
     Length(&'static str),
     /// Joint angle of an arm of known length, degrees: `j1_deg`; inside the arc at the end of that arm, mm.
     Angle(&'static str),
@@ -53,6 +57,12 @@ const XYZ: &[ReadingColumn] = &[
     ReadingColumn::Deviation("dz_um"),
 ];
 const LENGTH: &[ReadingColumn] = &[ReadingColumn::Length("l_mm")];
+const REFLECTOR: &[ReadingColumn] = &[
+    ReadingColumn::Length("reflector_x_mm"),
+    ReadingColumn::Length("reflector_y_mm"),
+    ReadingColumn::Length("reflector_z_mm"),
+];
+const TURN: &[ReadingColumn] = &[ReadingColumn::Deviation("angle_um_per_m")];
 const ANGLES: &[ReadingColumn] = &[ReadingColumn::Angle("j1_deg"), ReadingColumn::Angle("j2_deg")];
 const NORMAL: &[ReadingColumn] = &[ReadingColumn::Deviation("dn_um")];
 
@@ -89,8 +99,10 @@ const ROWS: &[Row] = &[
     row(InstrumentKind::RTest, "r-test", &["x", "y", "z"], XYZ, &[]),
     row(InstrumentKind::BallBar, "ball-bar", &["r"], &[ReadingColumn::Deviation("dr_um")], &[Key::BarLength]),
     row(InstrumentKind::Tracker, "tracker", &["l"], LENGTH, &[]),
+    row(InstrumentKind::LaserTracker, "laser-tracker", &["x", "y", "z"], REFLECTOR, &[]),
     row(InstrumentKind::LaserBallBar, "laser-ball-bar", &["l"], LENGTH, &[]),
     row(InstrumentKind::PassiveArm, "passive-arm", &["j1", "j2"], ANGLES, &[Key::Arms]),
+    row(InstrumentKind::Level, "level", &["angle"], TURN, &[Key::Direction]),
     row(InstrumentKind::Diagonal, "diagonal", &["l"], LENGTH, &[Key::Direction]),
     row(InstrumentKind::StepDiagonal, "step-diagonal", &["l"], LENGTH, &[Key::Direction]),
     row(InstrumentKind::BallPlate, "ball-plate", &["x", "y", "z"], XYZ, &[Key::Targets]),
@@ -154,7 +166,12 @@ impl InstrumentKind {
         self.needs(Key::BarLength)
     }
 
-    /// True when it reads along a direction of its setup.
+    /// True when it reads a turn: µm are then those at the end of one metre.
+    pub fn reads_turn(self) -> bool {
+        self == Self::Level
+    }
+
+    /// True when it reads along or about a direction of its setup.
     pub fn has_direction(self) -> bool {
         self.needs(Key::Direction)
     }

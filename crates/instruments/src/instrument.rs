@@ -3,7 +3,7 @@
 use crate::Setting;
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use trunnion_core::{InstrumentKind, Setup, State};
-use trunnion_machine::{Errors, MOST_INNER, Machine};
+use trunnion_machine::{Errors, JointErrors, MOST_INNER, Machine};
 
 /// One kind of instrument.
 pub struct Instrument {
@@ -15,6 +15,8 @@ pub struct Instrument {
     pub(crate) reading: fn(&Setup, &Contact, &Inner) -> Vector3<f64>,
     /// Linear change of the reading for a relative displacement of tool against table, machine axes, mm.
     pub(crate) seen: fn(&Setup, &Contact, &Vector3<f64>) -> Vector3<f64>,
+    /// Linear change of the reading for a turn of tool against table, machine axes, rad.
+    pub(crate) turned: fn(&Setup, &Vector3<f64>) -> Vector3<f64>,
     /// Axes in which it reads.
     pub(crate) frame: fn(&Setup) -> Frame,
     /// Linear change of the reading for a unit of inner unknown `k`.
@@ -40,6 +42,11 @@ pub(crate) fn none(_: &Setup, _: &Contact, _: usize) -> Vector3<f64> {
     Vector3::zeros()
 }
 
+/// For instruments that see displacements only.
+pub(crate) fn unturned(_: &Setup, _: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::zeros()
+}
+
 /// Where both ends of the instrument are.
 pub(crate) struct Contact {
     pub machine_from_table: Isometry3<f64>,
@@ -50,6 +57,8 @@ pub(crate) struct Contact {
     pub spindle_ball_in_tool_mm: Point3<f64>,
     /// Outward normal of the face that is measured, table axes.
     pub normal_in_table: Option<Unit<Vector3<f64>>>,
+    /// Turn of tool against table, actual against nominal, machine axes, rad; zero for instruments that read none.
+    pub tool_against_table_rad: Vector3<f64>,
 }
 
 impl Contact {
@@ -59,9 +68,23 @@ impl Contact {
         let turn = UnitQuaternion::from_scaled_axis(errors.table_ball.rotation_rad);
         let arm_mm = setup.target_in_table_mm(state.target) - origin;
         let normal = setup.artefact.as_ref().and_then(|artefact| artefact.normal_in_table(state.target));
+        let machine_from_table = machine.machine_from_table(&state.position, &errors.joints);
+        let machine_from_tool = machine.machine_from_tool(&state.position, &errors.joints);
+        let tool_against_table_rad = match setup.instrument.reads_turn() {
+            false => Vector3::zeros(),
+            true => {
+                let none = JointErrors::default();
+                let turned = |actual: &Isometry3<f64>, nominal: Isometry3<f64>| {
+                    (actual.rotation * nominal.rotation.inverse()).scaled_axis()
+                };
+                turned(&machine_from_tool, machine.machine_from_tool(&state.position, &none))
+                    - turned(&machine_from_table, machine.machine_from_table(&state.position, &none))
+            }
+        };
         Self {
-            machine_from_table: machine.machine_from_table(&state.position, &errors.joints),
-            machine_from_tool: machine.machine_from_tool(&state.position, &errors.joints),
+            machine_from_table,
+            machine_from_tool,
+            tool_against_table_rad,
             table_ball_in_table_mm: origin + errors.table_ball.translation_mm + turn * arm_mm,
             spindle_ball_in_tool_mm: setup.ball_in_tool_mm + errors.spindle_ball_mm,
             normal_in_table: normal.map(|normal| turn * normal),

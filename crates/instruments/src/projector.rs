@@ -56,6 +56,11 @@ impl<'a> Projector<'a> {
             Site::SpindleBall => self.contact.machine_from_tool.rotation * twist.translation_mm,
             Site::Joint(letter) => match &self.joints[letter] {
                 None => return Vector3::zeros(),
+                Some((side, frame)) if self.setup.instrument.reads_turn() => {
+                    let turned_rad = frame.turned(twist).rotation_rad;
+                    let tool_against_table_rad = if *side == Side::Table { -turned_rad } else { turned_rad };
+                    return (self.instrument.turned)(self.setup, &tool_against_table_rad);
+                }
                 Some((Side::Table, frame)) => -frame.displacement_mm(&self.point(Frame::Table), twist),
                 Some((Side::Tool, frame)) => frame.displacement_mm(&self.point(Frame::Tool), twist),
             },

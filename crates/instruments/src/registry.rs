@@ -4,6 +4,8 @@ mod ball_bar;
 mod ball_plate;
 mod diagonal;
 mod laser_ball_bar;
+mod laser_tracker;
+mod level;
 mod machined_surface;
 mod passive_arm;
 mod r_test;
@@ -20,8 +22,10 @@ pub static REGISTRY: &[Instrument] = &[
     r_test::INSTRUMENT,
     ball_bar::INSTRUMENT,
     tracker::INSTRUMENT,
+    laser_tracker::INSTRUMENT,
     laser_ball_bar::INSTRUMENT,
     passive_arm::INSTRUMENT,
+    level::INSTRUMENT,
     diagonal::INSTRUMENT,
     step_diagonal::INSTRUMENT,
     ball_plate::INSTRUMENT,

@@ -117,6 +117,22 @@ fn every_instrument_file_is_registered() {
     }
 }
 
+/// 1 µrad is 1 µm at the end of one metre, by the definition of µm/m.
+#[test]
+fn a_level_reads_the_turn_about_its_direction_wherever_the_tool_is() {
+    let machine = shipped::machine("three-axis").unwrap();
+    let about = |direction: [f64; 3]| Setup {
+        direction: Some(Unit::new_normalize(Vector3::from(direction))),
+        ..Setup::new("pitch", InstrumentKind::Level, NestSide::Table, Point3::origin())
+    };
+    let mut errors = Errors::default();
+    errors.joints[Joint::X].rotation_rad = Vector3::new(0.0, 10e-6, 0.0);
+    let mut state = State::default();
+    state.position[Joint::Z] = 250.0;
+    assert!((predict(&machine, &about([0.0, 1.0, 0.0]), &state, &errors).x - 10e-3).abs() < 1e-12);
+    assert!(predict(&machine, &about([1.0, 0.0, 0.0]), &state, &errors).x.abs() < 1e-9);
+}
+
 /// Textbook case: arms of 3 and 4 at a right angle reach 5 away.
 #[test]
 fn a_passive_arm_reads_the_angles_of_the_3_4_5_triangle() {

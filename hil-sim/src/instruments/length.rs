@@ -8,7 +8,7 @@ use rand::RngExt;
 use trunnion_core::InstrumentKind;
 
 /// Where a station or a foot ends up, mm.
-const STATION_MM: f64 = 1.0;
+pub(super) const STATION_MM: f64 = 1.0;
 /// Largest dead path, mm.
 pub(super) const DEAD_PATH_MM: f64 = 300.0;
 

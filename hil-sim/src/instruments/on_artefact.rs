@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 /// How far an artefact is off its place and how far it is turned.
 const ARTEFACT_MM: f64 = 0.1;
-const ARTEFACT_RAD: f64 = 300e-6;
+pub(super) const ARTEFACT_RAD: f64 = 300e-6;
 /// Radius of a stylus or a tool.
 pub(super) const RADIUS_MM: f64 = 5e-3;
 

@@ -112,7 +112,7 @@ pub struct PlacedSetup {
 /// What is off about an instrument and its mounting other than its place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Own {
-    /// Turn of an artefact about its origin, table axes, rad.
+    /// Turn of an artefact or of the axes of a tracker about its origin, table axes, rad.
     pub turn_rad: Vector3<f64>,
     /// Zero of a length or radius of a stylus or tool, mm.
     pub zero_mm: f64,
@@ -120,6 +120,8 @@ pub struct Own {
     pub arms_mm: [f64; 2],
     /// Zeros of joint angles, rad.
     pub joints_rad: [f64; 2],
+    /// Place of a reflector, actual minus nominal, tool axes, mm.
+    pub reflector_mm: Vector3<f64>,
     /// Small turn of beam and of mirror, machine axes, rad.
     pub beam_rad: Vector3<f64>,
     /// Of the mirror.

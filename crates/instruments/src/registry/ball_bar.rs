@@ -2,7 +2,7 @@
 //!
 //! Limits: the bar must have a direction, i.e. the balls must be apart at every position.
 
-use crate::instrument::{Contact, Frame, Inner, Instrument, none};
+use crate::instrument::{Contact, Frame, Inner, Instrument, none, unturned};
 use crate::settings::{known, offset, place};
 use nalgebra::Vector3;
 use trunnion_core::{InstrumentKind, Setup};
@@ -12,6 +12,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
     settings: |setup| known(setup, place(), offset("length", -1.0)),
     reading,
     seen,
+    turned: unturned,
     frame: |_| Frame::Machine,
     inner: none,
 };

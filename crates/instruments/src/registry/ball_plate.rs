@@ -4,7 +4,7 @@
 //! artefact has six unknowns; the form of an uncalibrated one is the effect `artefact-form`.
 //! Limits: a rigid artefact; length at 20 °C.
 
-use crate::instrument::{Contact, Frame, Inner, Instrument, none};
+use crate::instrument::{Contact, Frame, Inner, Instrument, none, unturned};
 use crate::settings::placement;
 use nalgebra::Vector3;
 use trunnion_core::{InstrumentKind, Setup};
@@ -14,6 +14,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
     settings: |_| placement(),
     reading,
     seen,
+    turned: unturned,
     frame: |_| Frame::Machine,
     inner: none,
 };

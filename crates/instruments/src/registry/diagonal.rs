@@ -4,7 +4,7 @@
 //! cosine error, of second order: the fit says that it is not observable.
 //! Limits: retroreflector, so that angles of the tool do not count except by their arm.
 
-use crate::instrument::{Contact, Frame, Instrument};
+use crate::instrument::{Contact, Frame, Instrument, unturned};
 use crate::settings::{Quantity, inner, offset};
 use nalgebra::{Unit, Vector3};
 use trunnion_core::{InstrumentKind, Setup};
@@ -19,6 +19,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
         Vector3::new(beam.dot(&contact.apart_in_machine_mm()), 0.0, 0.0)
     },
     seen,
+    turned: unturned,
     frame: |_| Frame::Machine,
     inner: |setup, contact, k| {
         let lateral = laterals(setup).get(k).map_or(0.0, |side| side.dot(&contact.apart_in_machine_mm()));

@@ -5,7 +5,7 @@
 //! Limits: ideal balls, a straight bar.
 
 use super::ball_bar::{reading, seen};
-use crate::instrument::{Frame, Instrument, none};
+use crate::instrument::{Frame, Instrument, none, unturned};
 use crate::settings::{known, offset, place};
 use trunnion_core::InstrumentKind;
 
@@ -14,6 +14,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
     settings: |setup| known(setup, place(), offset("zero", -1.0)),
     reading,
     seen,
+    turned: unturned,
     frame: |_| Frame::Machine,
     inner: none,
 };

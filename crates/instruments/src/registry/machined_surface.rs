@@ -4,7 +4,7 @@
 //! is at the pose of cutting. The alignment of the workpiece on the measuring machine has six unknowns.
 //! Limits: no deflection by cutting forces; the surface is what the last cut left.
 
-use crate::instrument::{Contact, Frame, Inner, Instrument, none};
+use crate::instrument::{Contact, Frame, Inner, Instrument, none, unturned};
 use crate::settings::{known, offset, placement};
 use nalgebra::Vector3;
 use trunnion_core::{InstrumentKind, Setup};
@@ -14,6 +14,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
     settings: |setup| known(setup, placement(), offset("tool-radius", -1.0)),
     reading,
     seen,
+    turned: unturned,
     frame: |_| Frame::Table,
     inner: none,
 };

@@ -5,7 +5,7 @@
 //! (θ₂ ≥ 0). Differentials: dθ = J⁻¹ (dp − ∂p/∂l dl).
 //! Limits: joint axes parallel to the table's Z; Z is not seen; not stretched and not folded.
 
-use crate::instrument::{Contact, Frame, Inner, Instrument};
+use crate::instrument::{Contact, Frame, Inner, Instrument, unturned};
 use crate::settings::{Quantity, inner as unknown, place};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use trunnion_core::{InstrumentKind, Setup};
@@ -26,6 +26,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
         let in_table = contact.machine_from_table.rotation.inverse() * tool_against_table;
         arcs(setup, &turned_by(setup, contact, &in_table.xy()))
     },
+    turned: unturned,
     frame: |_| Frame::Table,
     inner,
 };

@@ -4,7 +4,7 @@
 //! nest in the spindle [S0]: ball sits on the table, reading in tool axes (machine axes when no head turns).
 //! Limits: probe directions and gains are calibrated before (S1 §3.2); cosine errors of the probe tips ignored.
 
-use crate::instrument::{Contact, Frame, Inner, Instrument, none};
+use crate::instrument::{Contact, Frame, Inner, Instrument, none, unturned};
 use crate::settings::place;
 use nalgebra::Vector3;
 use trunnion_core::{InstrumentKind, NestSide, Setup};
@@ -14,6 +14,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
     settings: |_| place(),
     reading,
     seen,
+    turned: unturned,
     frame: |setup| match setup.nest {
         NestSide::Table => Frame::Table,
         NestSide::Spindle => Frame::Tool,

@@ -5,7 +5,7 @@
 //! Limits: mirror flat over the lateral travel.
 
 use super::diagonal::{laterals, seen, tilted};
-use crate::instrument::{Frame, Instrument};
+use crate::instrument::{Frame, Instrument, unturned};
 use crate::settings::{Quantity, inner, offset};
 use nalgebra::Vector3;
 use trunnion_core::InstrumentKind;
@@ -26,6 +26,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
         Vector3::new(mirror.dot(&contact.apart_in_machine_mm()) / mirror.dot(&beam), 0.0, 0.0)
     },
     seen,
+    turned: unturned,
     frame: |_| Frame::Machine,
     inner: |setup, contact, k| {
         let lateral = laterals(setup).get(k).map_or(0.0, |side| side.dot(&contact.apart_in_machine_mm()));

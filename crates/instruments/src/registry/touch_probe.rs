@@ -4,7 +4,7 @@
 //! Limits: the stylus is calibrated; scatter of the trigger is noise.
 
 use super::ball_plate::{reading, seen};
-use crate::instrument::{Frame, Instrument, none};
+use crate::instrument::{Frame, Instrument, none, unturned};
 use crate::settings::place;
 use trunnion_core::InstrumentKind;
 
@@ -13,6 +13,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
     settings: |_| place(),
     reading,
     seen,
+    turned: unturned,
     frame: |_| Frame::Machine,
     inner: none,
 };

@@ -5,7 +5,7 @@
 //! Limits: plane faces, small tilts: a face is met at its nominal point.
 
 use super::machined_surface;
-use crate::instrument::{Contact, Frame, Inner, Instrument, none};
+use crate::instrument::{Contact, Frame, Inner, Instrument, none, unturned};
 use crate::settings::{known, offset, placement};
 use nalgebra::Vector3;
 use trunnion_core::{InstrumentKind, Setup};
@@ -15,6 +15,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
     settings: |setup| known(setup, placement(), offset("radius", 1.0)),
     reading,
     seen,
+    turned: unturned,
     frame: |_| Frame::Table,
     inner: none,
 };

@@ -5,7 +5,7 @@
 //! Limits: an ideal sphere as the station's reference; air and wavelength compensated before.
 
 use super::ball_bar::{reading, seen};
-use crate::instrument::{Frame, Instrument, none};
+use crate::instrument::{Frame, Instrument, none, unturned};
 use crate::settings::{offset, place};
 use trunnion_core::InstrumentKind;
 
@@ -14,6 +14,7 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
     settings: |_| place().into_iter().chain([offset("dead-path", -1.0)]).collect(),
     reading,
     seen,
+    turned: unturned,
     frame: |_| Frame::Machine,
     inner: none,
 };
