@@ -3,6 +3,7 @@
 use crate::artefact::{Artefact, read_artefact};
 use crate::input::{Document, Table};
 use crate::kind::{InstrumentKind, ReadingColumn};
+use crate::renamed::{Renamed, read_columns};
 use crate::{Problems, convert};
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -36,8 +37,8 @@ pub struct Setup {
     pub direction: Option<Unit<Vector3<f64>>>,
     /// Lengths of the two arms of a passive link, from the table outward, mm.
     pub arms_mm: Option<[f64; 2]>,
-    /// True when the length of a bar (the zero of a laser ball bar, the radius of a stylus or tool, the form of an artefact) is
-    /// calibrated: known, not an unknown.
+    /// True when the length of a bar (the zero of a laser ball bar, the axes of a laser tracker, the radius of a stylus or tool,
+    /// the form of an artefact) is calibrated: known, not an unknown.
     pub calibrated: bool,
     /// What is measured at several places.
     pub artefact: Option<Artefact>,
@@ -106,6 +107,8 @@ pub struct SetupFile {
     pub machine: String,
     /// The setups, in file order.
     pub setups: Vec<Setup>,
+    /// Which columns of a table of another program hold what; empty for a points file.
+    pub columns: Vec<Renamed>,
 }
 
 /// Reads `setup.toml`, `format = "trunnion-points/1"`.
@@ -118,9 +121,14 @@ pub fn parse_setup_file(file: &str, text: &str) -> Result<SetupFile, Problems> {
     let format = root.format("trunnion-points/1");
     let machine = root.string("machine");
     let setups = read_setups(&root);
+    let columns = read_columns(&root);
     root.no_other_keys();
     drop(root);
-    let parsed = format.zip(machine).zip(setups).map(|((_, machine), setups)| SetupFile { machine, setups });
+    let parsed = format.and(machine).zip(setups).zip(columns).map(|((machine, setups), columns)| SetupFile {
+        machine,
+        setups,
+        columns,
+    });
     document.finish(parsed)
 }
 

@@ -5,6 +5,7 @@
 
 mod header;
 mod notes;
+mod renamed;
 mod row;
 
 use crate::column::Column;
@@ -12,9 +13,10 @@ use crate::motion::{Motion, Taken};
 use crate::rows::{Row, rows};
 use header::{Known, read_header, wanted};
 use notes::Notes;
+use renamed::Renaming;
 use row::read_row;
 use trunnion_core::setup::parse_setup_file;
-use trunnion_core::{AxisSample, Point, Problem, Problems, Setup};
+use trunnion_core::{AxisSample, Point, Problem, Problems, Renamed, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::Machine;
 
@@ -35,7 +37,7 @@ pub fn import(
     let mut run = empty(name, RunKind::Static, setups, machine);
     let mut points = Vec::new();
     run.channels =
-        read(file, text, Known::of(&run), &mut |_, point, _| points.push(point)).map_err(Problems)?;
+        read(file, text, &[], Known::of(&run), &mut |_, point, _| points.push(point)).map_err(Problems)?;
     Ok(Run { points, ..run })
 }
 
@@ -78,14 +80,15 @@ pub fn visit_files(
         }
         machine
     });
-    let setups = setup.map(|setup| setup.setups);
+    let (setups, columns) = setup.map_or((None, Vec::new()), |setup| (Some(setup.setups), setup.columns));
     let (Some(setups), Some(machine)) = (&setups, &machine) else {
         let known = Known { kind, run: None, setups: setups.as_deref(), machine: machine.as_ref() };
-        problems.extend(read(points_file, points_text, known, &mut |_, _, _| {}).err().into_iter().flatten());
+        let read = read(points_file, points_text, &columns, known, &mut |_, _, _| {});
+        problems.extend(read.err().into_iter().flatten());
         return Err(Problems(problems));
     };
     let run = empty(name, kind, setups.clone(), machine.clone());
-    let channels = read(points_file, points_text, Known::of(&run), on_row).map_err(Problems)?;
+    let channels = read(points_file, points_text, &columns, Known::of(&run), on_row).map_err(Problems)?;
     Ok(Run { channels, ..run })
 }
 
@@ -106,13 +109,21 @@ fn unknown_machine(file: &str, text: &str, name: &str) -> Problem {
 }
 
 /// Reads the points; gives the names of the temperature channels.
-fn read(file: &str, text: &str, known: Known<'_>, on_row: OnRow<'_>) -> Result<Vec<String>, Vec<Problem>> {
+fn read(
+    file: &str,
+    text: &str,
+    renamed: &[Renamed],
+    known: Known<'_>,
+    on_row: OnRow<'_>,
+) -> Result<Vec<String>, Vec<Problem>> {
     let mut notes = Notes::of(file);
     let mut rows = rows(text);
     let Some(Row { line: header_line, cells: header }) = rows.next() else {
         notes.add(0, 0, "the file is empty", "a header row and a row for each point", "");
         return Err(notes.finish());
     };
+    let cells_of_row = header.len();
+    let (renaming, header) = Renaming::of(&mut notes, header_line, header, renamed, known.setups);
     let columns = read_header(&mut notes, header_line, &header, known);
     let channels: Vec<String> = columns
         .iter()
@@ -126,12 +137,13 @@ fn read(file: &str, text: &str, known: Known<'_>, on_row: OnRow<'_>) -> Result<V
     let mut motion = Motion::new(wanted(&columns, known));
     let (mut points, mut last_s) = (0_u64, f64::NEG_INFINITY);
     for Row { line, cells } in rows {
-        if cells.len() != columns.len() {
+        if cells.len() != cells_of_row {
             let found = format!("{} cells", cells.len());
             let advice = "A decimal mark must be a point; cells are separated by commas.";
-            notes.add(line, 1, &found, &format!("{}, as in the header", columns.len()), advice);
+            notes.add(line, 1, &found, &format!("{cells_of_row}, as in the header"), advice);
             continue;
         }
+        let cells = renaming.row(cells);
         let Some(taken) = read_row(&mut notes, line, &columns, &cells, known.setups) else { continue };
         if let (RunKind::OnTheFly, Some(time_s)) = (known.kind, taken.point.state.time_s) {
             if time_s < last_s {

@@ -23,6 +23,12 @@ pub fn machine(name: &str) -> Result<Machine, Error> {
     })
 }
 
+/// The machine that a file names: by a path from the folder of that file where there is one, else as it is.
+pub fn beside(file: &Path, machine: &str) -> String {
+    let near = file.with_file_name(machine);
+    if machine.ends_with(".toml") && near.is_file() { near.display().to_string() } else { machine.into() }
+}
+
 /// The text of a machine by the name or path in a file, for the recording.
 ///
 /// # Errors

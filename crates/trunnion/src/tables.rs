@@ -28,7 +28,8 @@ pub fn import(kind: RunKind, points: &Path, setup: &Path, output: &Path) -> Resu
     let not_written = |source| Error::NotRecorded { path: output.into(), source: Box::new(source) };
     let begin = |run: &Run| -> Result<RunWriter, Error> {
         let machine = parse_setup_file(&setup_file, &setup_text)?.machine;
-        let header = RunHeader::of_run(run, &files::machine_text(&machine)?, env!("CARGO_PKG_VERSION"), 0);
+        let machine_text = files::machine_text(&files::beside(setup, &machine))?;
+        let header = RunHeader::of_run(run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
         RunWriter::create(output, &header).map_err(not_written)
     };
     let (mut writer, mut count) = (None, 0_u64);
@@ -44,7 +45,7 @@ pub fn import(kind: RunKind, points: &Path, setup: &Path, output: &Path) -> Resu
         &name,
         (&points_file, &points_text),
         (&setup_file, &setup_text),
-        &|machine| files::machine(machine).ok(),
+        &|machine| files::machine(&files::beside(setup, machine)).ok(),
         &mut on_row,
     );
     match (read, writer) {

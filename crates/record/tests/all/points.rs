@@ -114,7 +114,7 @@ fn a_ball_bar_run_has_one_reading_a_point_and_none_of_the_other_instrument() {
     assert!(shown.contains("points.csv:3:15: dx_um = 1; allowed: an empty cell"), "{shown}");
 }
 
-const ROBOT: &str = include_str!("../../../machine/tests/data/robot.toml");
+const ROBOT: &str = include_str!("../../../../config/robots/ur5.toml");
 const ROBOT_SETUP: &str = r#"
 format = "trunnion-points/1"
 machine = "robot"
@@ -176,4 +176,47 @@ fn a_passive_arm_on_a_machine_with_joints_of_its_names_is_refused() {
         ROBOT_SETUP.replace("tracker", "passive-arm").replace("bar_length_mm = 0", "arms_mm = [200, 200]");
     let shown = import_of(ROBOT, ROBOT_POINTS, &setup).unwrap_err().to_string();
     assert!(shown.contains("j1_deg is a reading of an instrument and the position of a joint"), "{shown}");
+}
+
+/// A table as a program of a laser tracker writes it: targets and differences, joints of its own names.
+const FOREIGN: &str = "step,x_t,y_t,z_t,x_dif,y_dif,z_dif,joint_1,joint_2,joint_3,joint_4,joint_5,joint_6
+0,-430.5,-6,-98,-2.25,-3.5,0.5,10,-20,30,-40,50,-60
+";
+const FOREIGN_SETUP: &str = r#"
+format = "trunnion-points/1"
+machine = "robot"
+[columns]
+j1_deg = ["joint_1"]
+j2_deg = ["joint_2"]
+j3_deg = ["joint_3"]
+j4_deg = ["joint_4"]
+j5_deg = ["joint_5"]
+j6_deg = ["joint_6"]
+reflector_x_mm = ["x_t", "x_dif"]
+reflector_y_mm = ["y_t", "y_dif"]
+reflector_z_mm = ["z_t", "z_dif"]
+[[setup]]
+name = "tracker"
+instrument = "laser-tracker"
+ball_in_table_mm = [0, 0, 0]
+"#;
+
+#[test]
+fn a_table_of_another_program_is_read_by_the_names_of_its_columns() {
+    let run = import_of(ROBOT, FOREIGN, FOREIGN_SETUP).unwrap();
+    assert_eq!(run.points[0].reading_mm, [-432.75, -9.5, -97.5]);
+    let j6 = run.machine.joint("j6").unwrap();
+    assert_eq!(run.points[0].state.position[j6], (-60f64).to_radians());
+}
+
+#[test]
+fn a_column_that_the_table_lacks_and_a_cell_that_is_no_number_are_named_where_they_stand() {
+    let setup = FOREIGN_SETUP.replace("\"joint_4\"", "\"joint_44\"");
+    let shown = import_of(ROBOT, FOREIGN, &setup).unwrap_err().to_string();
+    assert!(shown.contains("points.csv:1:1: column \"joint_44\" of [columns] is missing"), "{shown}");
+    let shown = import_of(ROBOT, &FOREIGN.replace("-3.5", "n/a"), FOREIGN_SETUP).unwrap_err().to_string();
+    assert!(shown.contains("points.csv:2:23: reflector_y_mm = \"n/a\""), "{shown}");
+    let setup = FOREIGN_SETUP.replace("[\"joint_4\"]", "[]");
+    let shown = import_of(ROBOT, FOREIGN, &setup).unwrap_err().to_string();
+    assert!(shown.contains("setup.toml:8:10: columns.j4_deg = []"), "{shown}");
 }
