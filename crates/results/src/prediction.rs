@@ -56,6 +56,8 @@ pub struct RunPrediction {
     pub without_model_rms_um: f64,
     /// Largest |measured − predicted|, µm.
     pub largest_um: f64,
+    /// Mean length of measured − predicted over the points, µm, where every point reads x, y and z: what robot makers call mean error.
+    pub mean_distance_um: Option<f64>,
     /// Share of the readings inside the 95 % band of the prediction, 0…1.
     pub inside_95_fraction: f64,
     /// Half width of that band, µm (rms over the readings).

@@ -130,6 +130,7 @@ fn predict_run(
         rms_um: rms(residual),
         without_model_rms_um: rms(&without_model(model, experiment)?),
         largest_um: um_from_mm(residual.amax()),
+        mean_distance_um: mean_distance_mm(experiment, residual).map(um_from_mm),
         inside_95_fraction: inside as f64 / readings.max(1) as f64,
         band_95_um: rms(&band),
         fitted_settings: settled
@@ -139,6 +140,19 @@ fn predict_run(
             .map(|p| p.name.clone())
             .collect(),
     })
+}
+
+/// Mean length of the residual of a point, mm; `None` unless every point reads three components.
+fn mean_distance_mm(experiment: &trunnion_engine::Experiment, residual_mm: &DVector<f64>) -> Option<f64> {
+    let lengths: Option<Vec<f64>> = (0..experiment.points.len())
+        .map(|point| {
+            let rows = experiment.rows_of(point);
+            (rows.len() == 3).then(|| residual_mm.rows(rows.start, rows.len()).norm())
+        })
+        .collect();
+    lengths
+        .filter(|lengths| !lengths.is_empty())
+        .map(|lengths| lengths.iter().sum::<f64>() / lengths.len() as f64)
 }
 
 /// What remains of the readings when the machine is taken to be nominal.

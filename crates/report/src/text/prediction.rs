@@ -38,6 +38,13 @@ pub fn prediction_text(prediction: &Prediction) -> String {
     let rows: Vec<_> = once(head).chain(prediction.runs.iter().map(row)).collect();
     out += &columns(&rows, &[1, 2, 3, 4, 5, 6]);
     out += "\n";
+    for run in &prediction.runs {
+        if let Some(distance_um) = run.mean_distance_um {
+            let name = clean(&run.run);
+            out +=
+                &paragraph(&format!("{name}: mean distance of measured from predicted {}.", um(distance_um)));
+        }
+    }
     out += &paragraph(differences(prediction));
     if !prediction.not_determined.is_empty() {
         let names = prediction.not_determined.join(", ");
