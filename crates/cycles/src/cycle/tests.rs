@@ -47,7 +47,7 @@ fn a_cycle_refuses_joints_it_cannot_move() {
     let shown = Cycle::parse("c.toml", &text).unwrap_err().to_string();
     assert!(shown.contains("= \"j1\"") && shown.contains("move no other joint"), "{shown}");
 
-    let robot = include_str!("../../../machine/tests/data/robot.toml");
+    let robot = include_str!("../../../../config/robots/ur5.toml");
     let robot = Machine::parse("robot", "robot.toml", robot).unwrap();
     let cycle = Cycle::parse("s1.toml", STATIC).unwrap();
     let visits = cycle.visits(&robot, &Pace::default()).unwrap_err().to_string();

@@ -58,7 +58,7 @@ fn parameters_that_enter_linearly_are_distinguished_from_those_that_do_not() {
 
 #[test]
 fn joints_of_other_names_are_symbols_of_their_machine() {
-    let robot = include_str!("../../../machine/tests/data/robot.toml");
+    let robot = include_str!("../../../../config/robots/ur5.toml");
     let robot = Machine::parse("robot", "robot.toml", robot).unwrap();
     let sag = entry("axis:j2", "dz", "a*cos(j2) + b*sin(j2 + j3) + c*dirj6 + d*U");
     let formula = Formula::from_model_effect(&ModelEffect { shape: vec![1.0], ..sag.clone() }, &robot);

@@ -7,7 +7,7 @@ use trunnion_machine::{Machine, Site, shipped};
 
 pub fn machines() -> Vec<Machine> {
     let other = [
-        ("robot", include_str!("../../../machine/tests/data/robot.toml")),
+        ("robot", include_str!("../../../../config/robots/ur5.toml")),
         ("two-carriages", include_str!("../../../machine/tests/data/two-carriages.toml")),
     ]
     .map(|(name, text)| Machine::parse(name, name, text).expect("a machine of other joints"));

@@ -27,7 +27,7 @@ const POSES: usize = 40;
 const NOISE_MM: f64 = 0.5e-3;
 
 fn robot() -> Machine {
-    let text = include_str!("../../../machine/tests/data/robot.toml");
+    let text = include_str!("../../../../config/robots/ur5.toml");
     Machine::parse("robot", "robot.toml", text).unwrap()
 }
 

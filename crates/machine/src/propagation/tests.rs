@@ -39,7 +39,7 @@ fn disagreement_mm(
 }
 
 fn robot() -> Machine {
-    Machine::parse("robot", "robot.toml", include_str!("../../tests/data/robot.toml")).unwrap()
+    Machine::parse("robot", "robot.toml", include_str!("../../../../config/robots/ur5.toml")).unwrap()
 }
 
 fn two_carriages() -> Machine {

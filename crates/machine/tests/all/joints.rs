@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use trunnion_core::{AxisValues, Joint};
 use trunnion_machine::{JointErrors, Machine};
 
-const ROBOT: &str = include_str!("../data/robot.toml");
+const ROBOT: &str = include_str!("../../../../config/robots/ur5.toml");
 const TWO_CARRIAGES: &str = include_str!("../data/two-carriages.toml");
 
 fn parse(text: &str) -> Machine {
