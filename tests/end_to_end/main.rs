@@ -21,6 +21,7 @@ mod plan;
 mod program;
 mod record;
 mod report;
+mod robot;
 mod schemes;
 mod service_killed;
 mod setting_up;
