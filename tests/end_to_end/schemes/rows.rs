@@ -17,6 +17,8 @@ pub struct Row {
 
 pub const LOCATIONS: &[&str] = &["EX0B", "EZ0B", "EA0B", "EB0B", "EC0B", "EX0C", "EY0C", "EA0C"];
 pub const SQUARE: &[&str] = &["EC0Y", "EB0Z", "EA0Z"];
+pub const SQUARE_AND_SCALES: &[&str] =
+    &["EC0Y", "EB0Z", "EA0Z", "linear-scale:X.scale", "linear-scale:Y.scale", "linear-scale:Z.scale"];
 
 pub const ROWS: &[Row] = &[
     Row {
@@ -210,6 +212,16 @@ pub const ROWS: &[Row] = &[
         also: &[],
     },
     Row {
+        scheme: "Both diagonals of each face, laser interferometer",
+        source: "ISO 230-6",
+        cycle: "face-diagonal",
+        truth: "three-axis-square",
+        model: Some("straight-lines"),
+        identifies: SQUARE_AND_SCALES,
+        cannot: "straightness and angular errors one by one; tilt of the beam (second order)",
+        also: &[],
+    },
+    Row {
         scheme: "Step diagonals, flat mirror",
         source: "S2 §3.2",
         cycle: "step-diagonal",
@@ -240,6 +252,16 @@ pub const ROWS: &[Row] = &[
         also: &[],
     },
     Row {
+        scheme: "Scale bar in nine placements, balls of unknown radius",
+        source: "S2 §3.3",
+        cycle: "scale-bar",
+        truth: "three-axis-square",
+        model: Some("straight-lines"),
+        identifies: SQUARE_AND_SCALES,
+        cannot: "straightness and angular errors one by one; how the bar lies",
+        also: &[],
+    },
+    Row {
         scheme: "Passive serial link, two arms",
         source: "S2 §3.4",
         cycle: "passive-arm",
@@ -255,14 +277,7 @@ pub const ROWS: &[Row] = &[
         cycle: "laser-ball-bar",
         truth: "table-bc-linear",
         model: Some("straight-lines-bc"),
-        identifies: &[
-            "EC0Y",
-            "EB0Z",
-            "EA0Z",
-            "linear-scale:X.scale",
-            "linear-scale:Y.scale",
-            "linear-scale:Z.scale",
-        ],
+        identifies: SQUARE_AND_SCALES,
         cannot: "rotary axes (stationary)",
         also: &[],
     },
