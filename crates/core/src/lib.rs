@@ -30,7 +30,7 @@ pub use channel::{Channel, Role};
 pub use kind::{InstrumentKind, ReadingColumn};
 pub use point::{Point, Quality};
 pub use problem::{Problem, Problems};
-pub use renamed::Renamed;
+pub use renamed::{Part, Renamed};
 pub use sample::{AxisSample, Event, Gap, ProbeSample, Stamp};
 pub use secret::Secret;
 pub use setup::{NestSide, Setup};

@@ -3,7 +3,7 @@
 use super::notes::Notes;
 use crate::rows::Cell;
 use trunnion_core::names::allowed;
-use trunnion_core::{Renamed, Setup};
+use trunnion_core::{Part, Renamed, Setup};
 
 /// How the cells of a row become those of a points file.
 pub(super) enum Renaming {
@@ -17,8 +17,8 @@ pub(super) enum Renaming {
 pub(super) enum Source {
     /// The name of the only setup.
     Setup(String),
-    /// Sum of the cells in these places.
-    Sum(Vec<usize>),
+    /// Sum of the cells in these places, each with its factor.
+    Sum(Vec<(usize, f64)>),
 }
 
 impl Renaming {
@@ -33,16 +33,17 @@ impl Renaming {
         if columns.is_empty() {
             return (Self::None, header);
         }
-        let place = |name: &String| header.iter().position(|(_, cell)| cell == name);
+        let place = |part: &Part| header.iter().position(|(_, cell)| *cell == part.column);
         let (mut sources, mut renamed) = (Vec::new(), Vec::new());
         for Renamed { name, sum_of } in columns {
-            let places: Vec<usize> = sum_of.iter().filter_map(place).collect();
-            for missing in sum_of.iter().filter(|name| place(name).is_none()) {
+            let places: Vec<(usize, f64)> =
+                sum_of.iter().filter_map(|part| Some((place(part)?, part.factor))).collect();
+            for missing in sum_of.iter().filter(|part| place(part).is_none()).map(|part| &part.column) {
                 let names = allowed(missing, header.iter().map(|(_, cell)| cell.as_str()));
                 let found = format!("column \"{missing}\" of [columns] is missing");
                 notes.add(line, 1, &found, &names, "Name a column of this table in the setup file.");
             }
-            renamed.push((places.first().map_or(1, |&first| header[first].0), name.clone()));
+            renamed.push((places.first().map_or(1, |&(first, _)| header[first].0), name.clone()));
             sources.push(Source::Sum(places));
         }
         // A table of one setup has no reason to name it in each row.
@@ -66,17 +67,23 @@ const SETUP: &str = "setup";
 
 impl Source {
     fn cell(&self, cells: &[Cell]) -> Cell {
-        let parts: Vec<&Cell> = match self {
+        let parts = match self {
             Self::Setup(name) => return (1, name.clone()),
-            Self::Sum(places) => places.iter().map(|&place| &cells[place]).collect(),
+            Self::Sum(parts) => parts,
         };
-        let numbers: Vec<Option<f64>> = parts.iter().map(|(_, text)| text.parse().ok()).collect();
-        match (&parts[..], numbers.iter().position(Option::is_none)) {
-            ([], _) => (1, String::new()),
-            ([only], _) => (*only).clone(),
-            // What is no number is reported where it stands.
-            (_, Some(wrong)) => parts[wrong].clone(),
-            (parts, None) => (parts[0].0, numbers.iter().flatten().sum::<f64>().to_string()),
+        // A column as it stands may hold a name, of a setup or of a target.
+        if let [(place, 1.0)] = parts[..] {
+            return cells[place].clone();
         }
+        let mut sum = 0.0;
+        for &(place, factor) in parts {
+            match cells[place].1.parse::<f64>() {
+                Ok(number) => sum += factor * number,
+                // What is no number is reported where it stands.
+                Err(_) => return cells[place].clone(),
+            }
+        }
+        let begins = parts.first().map_or(1, |&(first, _)| cells[first].0);
+        (begins, sum.to_string())
     }
 }

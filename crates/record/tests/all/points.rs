@@ -207,6 +207,11 @@ fn a_table_of_another_program_is_read_by_the_names_of_its_columns() {
     assert_eq!(run.points[0].reading_mm, [-432.75, -9.5, -97.5]);
     let j6 = run.machine.joint("j6").unwrap();
     assert_eq!(run.points[0].state.position[j6], (-60f64).to_radians());
+
+    // Differences in µm that run from measured to target.
+    let setup = FOREIGN_SETUP.replace("\"y_dif\"", "\"-0.001 * y_dif\"");
+    let run = import_of(ROBOT, FOREIGN, &setup).unwrap();
+    assert!((run.points[0].reading_mm[1] - -5.9965).abs() < 1e-12, "{:?}", run.points[0].reading_mm);
 }
 
 #[test]
