@@ -101,6 +101,11 @@ impl Fit {
         answer
     }
 
+    /// Measured against predicted, point by point.
+    pub fn residuals(&self) -> results::Residuals {
+        results::Comparison::new(self.experiment.points(), self.identification(), None).residuals
+    }
+
     /// What is planned, read, missing, and excluded by the fit too.
     pub(crate) fn complete(&self) -> results::Complete {
         self.experiment.complete().with_outliers(self.identification().outliers.len())

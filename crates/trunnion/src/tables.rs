@@ -8,7 +8,7 @@ mod by_effect;
 pub use by_effect::by_effect_csv;
 
 use crate::experiment::read;
-use crate::{Error, files};
+use crate::{Error, Experiment, files};
 use std::path::Path;
 use trunnion_core::setup::parse_setup_file;
 use trunnion_core::{AxisSample, Point};
@@ -89,6 +89,14 @@ pub fn export_csv(path: &Path) -> Result<(String, Option<String>), Error> {
     }
     let damage = recording.damage.map(|damage| format!("{}: {damage}", path.display()));
     Ok((trunnion_record::export::points_csv_with_axes(&recording.run, &axes), damage))
+}
+
+impl Experiment {
+    /// The good points of each run as a table, with its name: long runs on the fly as the blocks that are fitted.
+    pub fn points_csv(&self) -> Vec<(String, String)> {
+        let table = |run: &Run| (run.name.clone(), trunnion_record::export::points_csv(run));
+        self.runs().iter().map(table).collect()
+    }
 }
 
 /// What of a recording is exported.

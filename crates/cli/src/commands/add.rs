@@ -93,6 +93,5 @@ pub fn today() -> anyhow::Result<String> {
     let since_1970 = std::time::SystemTime::now()
         .duration_since(std::time::UNIX_EPOCH)
         .context("the clock is before 1970")?;
-    let stamp = trunnion_protocol::mtconnect::format_timestamp(i64::try_from(since_1970.as_nanos())?);
-    Ok(stamp.chars().take(10).collect())
+    trunnion::moment::day(since_1970.as_nanos().try_into()?).context("the clock is at 1970")
 }

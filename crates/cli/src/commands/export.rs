@@ -6,7 +6,6 @@ use crate::{load, output, terminal};
 use anyhow::bail;
 use std::path::{Path, PathBuf};
 use trunnion::report::{parameters_csv, residuals_csv, run_csv};
-use trunnion::results::Comparison;
 use trunnion::tables::parquet::Rows;
 use trunnion::tables::{Exported, by_effect_csv, export};
 
@@ -80,9 +79,7 @@ fn table(args: &Args, run: &Path) -> anyhow::Result<(String, Outcome)> {
         "parameters" => parameters_csv(&fit.results()),
         "runs" => run_csv(&fit.results()),
         "effects" => by_effect_csv(&fit),
-        _ => {
-            residuals_csv(&Comparison::new(loaded.experiment.points(), fit.identification(), None).residuals)
-        }
+        _ => residuals_csv(&fit.residuals()),
     };
     Ok((table, loaded.stated_judgement()))
 }

@@ -1,0 +1,23 @@
+//! Errors as exceptions, in the sentence that the command line prints.
+
+use pyo3::exceptions::PyException;
+use pyo3::{PyErr, create_exception};
+use std::error::Error as _;
+
+create_exception!(
+    trunnion,
+    Error,
+    PyException,
+    "Why there is no answer: what was done to what, and the causes behind it."
+);
+
+/// The error with its chain of causes.
+pub fn raised(error: trunnion::Error) -> PyErr {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(behind) = cause {
+        text += &format!(": {behind}");
+        cause = behind.source();
+    }
+    Error::new_err(text)
+}

@@ -1,0 +1,114 @@
+//! An effect added to a model.
+
+use crate::answer::dictionary;
+use crate::diagnosed::Diagnosed;
+use crate::error::{Error, raised};
+use crate::experiment::Experiment;
+use crate::fit::Fit;
+use crate::model::{Model, ladder_table};
+use crate::prediction::Prediction;
+use pyo3::prelude::*;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// An effect added to a model: the fits without and with it. `print` shows it as text.
+#[pyclass(frozen, module = "trunnion")]
+pub struct Step {
+    inner: trunnion::Step,
+}
+
+impl Step {
+    /// With date and name in its ladder row, as the command line writes it.
+    pub fn added(
+        py: Python<'_>,
+        add: impl FnOnce() -> Result<trunnion::Step, trunnion::Error> + Send,
+        date: Option<&str>,
+        by: Option<&str>,
+    ) -> PyResult<Self> {
+        let date = date.map_or_else(today, |date| Ok(date.to_owned()))?;
+        let step = py.detach(|| {
+            let step = add()?.dated(&date)?;
+            match by {
+                Some(name) => step.by(name),
+                None => Ok(step),
+            }
+        });
+        Ok(Self { inner: step.map_err(raised)? })
+    }
+}
+
+#[pymethods]
+impl Step {
+    /// The effect.
+    #[getter]
+    fn effect(&self) -> &str {
+        self.inner.effect()
+    }
+
+    /// The fit without it.
+    #[getter]
+    fn before(&self) -> Fit {
+        Fit { inner: self.inner.before().clone() }
+    }
+
+    /// The fit with it.
+    #[getter]
+    fn fit(&self) -> Fit {
+        Fit { inner: self.inner.fit().clone() }
+    }
+
+    /// The model with it, and with the values of the fit: `save` it to predict later runs.
+    #[getter]
+    fn model(&self) -> Model {
+        Model { inner: self.inner.model().clone() }
+    }
+
+    /// The answer: the JSON of `trunnion add`; `model` is the name of the model file in it.
+    #[pyo3(signature = (model=""))]
+    fn results<'py>(&self, py: Python<'py>, model: &str) -> PyResult<Bound<'py, PyAny>> {
+        dictionary(py, &py.detach(|| self.inner.results(model)))
+    }
+
+    /// The answer as text: the ladder, then the fit.
+    fn summary(&self, py: Python<'_>) -> String {
+        py.detach(|| self.inner.summary())
+    }
+
+    /// The ladder as a table: what adding each effect did.
+    fn ladder<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        ladder_table(py, &self.inner.ladder())
+    }
+
+    /// What the model still lacks.
+    fn diagnose(&self, py: Python<'_>) -> PyResult<Diagnosed> {
+        Ok(Diagnosed { inner: py.detach(|| self.inner.diagnose()).map_err(raised)? })
+    }
+
+    /// Adds one more effect; as `Fit.add`.
+    #[pyo3(signature = (effect, *, date=None, by=None))]
+    fn add(&self, py: Python<'_>, effect: &str, date: Option<&str>, by: Option<&str>) -> PyResult<Self> {
+        Self::added(py, || self.inner.add(effect), date, by)
+    }
+
+    /// Predicts other runs with the values of the fit.
+    fn predict(&self, py: Python<'_>, other: &Experiment) -> PyResult<Prediction> {
+        let answer = py.detach(|| self.inner.predict(&other.inner)).map_err(raised)?;
+        Ok(Prediction { answer })
+    }
+
+    fn __str__(&self, py: Python<'_>) -> String {
+        self.summary(py)
+    }
+
+    fn __repr__(&self) -> String {
+        let row = self.inner.row();
+        let (before, after) = (row.error_before_um, row.error_after_um);
+        format!("<trunnion.Step + {}: {before:.2} -> {after:.2} µm>", self.inner.effect())
+    }
+}
+
+/// Today, UTC, as `YYYY-MM-DD`.
+fn today() -> PyResult<String> {
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).ok();
+    let day = since_1970.and_then(|since| trunnion::moment::day(since.as_nanos().try_into().ok()?));
+    day.ok_or_else(|| Error::new_err("the clock is before 1970; give a date"))
+}
