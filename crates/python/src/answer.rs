@@ -5,6 +5,7 @@ use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyAny};
 use serde::Serialize;
+use trunnion::results::{Ladder, LadderRow};
 
 /// An answer as dictionaries and lists: the JSON that `--json` prints, read by Python's own reader.
 pub fn dictionary<'py>(py: Python<'py>, answer: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
@@ -32,6 +33,21 @@ pub fn joined<'py>(py: Python<'py>, tables: Vec<(String, Bound<'py, PyAny>)>) ->
     }
     let counted = [("ignore_index", true)].into_py_dict(py)?;
     pandas(py)?.call_method("concat", (all,), Some(&counted))
+}
+
+/// One effect that was added: its columns are the fields of its ladder row.
+#[derive(Serialize)]
+struct Added<'l> {
+    effect: &'l str,
+    #[serde(flatten)]
+    row: &'l LadderRow,
+}
+
+/// The effects that were added, one row each; the effects of every model have no ladder row.
+pub fn ladder_table<'py>(py: Python<'py>, ladder: &Ladder) -> PyResult<Bound<'py, PyAny>> {
+    let added = |(effect, row)| Added { effect, row };
+    let rows = ladder.rows.iter().filter_map(|entry| Some((entry.effect.as_str(), entry.ladder.as_ref()?)));
+    table(py, &rows.map(added).collect::<Vec<_>>())
 }
 
 fn pandas(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {

@@ -1,18 +1,10 @@
 //! A fit together with its diagnosis.
 
 use crate::answer::{dictionary, table};
+use crate::classes::{Diagnosed, Experiment, Fit, Prediction, Step};
 use crate::error::{Error, raised};
-use crate::experiment::Experiment;
-use crate::fit::Fit;
-use crate::prediction::Prediction;
-use crate::step::Step;
+use crate::step::added;
 use pyo3::prelude::*;
-
-/// A fit, and what its model lacks. `print` shows it as text.
-#[pyclass(frozen, module = "trunnion")]
-pub struct Diagnosed {
-    pub inner: trunnion::Diagnosed,
-}
 
 #[pymethods]
 impl Diagnosed {
@@ -63,7 +55,7 @@ impl Diagnosed {
         let Some(effect) = effect.or(best.as_deref()) else {
             return Err(Error::new_err("the diagnosis names no effect to add; name one"));
         };
-        Step::added(py, || self.inner.add(effect), date, by)
+        added(py, || self.inner.add(effect), date, by)
     }
 
     /// Predicts other runs with the values of the fit.

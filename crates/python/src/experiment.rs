@@ -1,9 +1,8 @@
 //! Runs opened together.
 
 use crate::answer::{dictionary, joined, table_of_csv};
+use crate::classes::{Experiment, Fit, Model};
 use crate::error::raised;
-use crate::fit::Fit;
-use crate::model::Model;
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use std::ffi::CString;
@@ -21,12 +20,6 @@ pub fn open(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Experiment> {
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
     }
     Ok(Experiment { inner })
-}
-
-/// Runs of one machine, opened together by `open`.
-#[pyclass(frozen, module = "trunnion")]
-pub struct Experiment {
-    pub inner: trunnion::Experiment,
 }
 
 #[pymethods]

@@ -1,20 +1,11 @@
 //! A model fitted to runs.
 
 use crate::answer::{dictionary, table_of_csv};
-use crate::diagnosed::Diagnosed;
+use crate::classes::{Diagnosed, Experiment, Fit, Model, Prediction, Step};
 use crate::error::raised;
-use crate::experiment::Experiment;
-use crate::model::Model;
-use crate::prediction::Prediction;
-use crate::step::Step;
+use crate::step::added;
 use pyo3::prelude::*;
 use trunnion::report::{parameters_csv, residuals_csv};
-
-/// A model fitted to runs. `print` shows it as text.
-#[pyclass(frozen, module = "trunnion")]
-pub struct Fit {
-    pub inner: trunnion::Fit,
-}
 
 #[pymethods]
 impl Fit {
@@ -58,7 +49,7 @@ impl Fit {
     /// Adds an effect to the model and fits again; `by` goes into the ladder, `date` too: without one, today (UTC).
     #[pyo3(signature = (effect, *, date=None, by=None))]
     fn add(&self, py: Python<'_>, effect: &str, date: Option<&str>, by: Option<&str>) -> PyResult<Step> {
-        Step::added(py, || self.inner.add(effect), date, by)
+        added(py, || self.inner.add(effect), date, by)
     }
 
     /// Predicts other runs with the values of this fit: everything of the machine frozen, only the ball setting fitted.

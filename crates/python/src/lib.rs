@@ -6,6 +6,7 @@
 //! What Python sees of it is written in `python/trunnion/__init__.pyi`; a test compares the two.
 
 mod answer;
+mod classes;
 mod diagnosed;
 mod error;
 mod experiment;
@@ -19,19 +20,21 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _trunnion {
     #[pymodule_export]
-    use crate::diagnosed::Diagnosed;
+    use crate::classes::Diagnosed;
+    #[pymodule_export]
+    use crate::classes::Experiment;
+    #[pymodule_export]
+    use crate::classes::Fit;
+    #[pymodule_export]
+    use crate::classes::Model;
+    #[pymodule_export]
+    use crate::classes::Prediction;
+    #[pymodule_export]
+    use crate::classes::Step;
     #[pymodule_export]
     use crate::error::Error;
     #[pymodule_export]
-    use crate::experiment::{Experiment, open};
-    #[pymodule_export]
-    use crate::fit::Fit;
-    #[pymodule_export]
-    use crate::model::Model;
-    #[pymodule_export]
-    use crate::prediction::Prediction;
-    #[pymodule_export]
-    use crate::step::Step;
+    use crate::experiment::open;
     use pyo3::prelude::*;
 
     #[pymodule_init]

@@ -1,19 +1,10 @@
 //! The effects that explain a machine.
 
-use crate::answer::{dictionary, table};
+use crate::answer::{dictionary, ladder_table};
+use crate::classes::{Experiment, Model, Prediction};
 use crate::error::raised;
-use crate::experiment::Experiment;
-use crate::prediction::Prediction;
 use pyo3::prelude::*;
-use serde::Serialize;
 use std::path::PathBuf;
-use trunnion::results::{Ladder, LadderRow};
-
-/// The effects that explain a machine, in the order they were added: a model file.
-#[pyclass(frozen, module = "trunnion")]
-pub struct Model {
-    pub inner: trunnion::Model,
-}
 
 #[pymethods]
 impl Model {
@@ -59,19 +50,4 @@ impl Model {
     fn __repr__(&self) -> String {
         format!("<trunnion.Model {}>", self.inner.effects().join(", "))
     }
-}
-
-/// One effect that was added: its columns are the fields of its ladder row.
-#[derive(Serialize)]
-struct Added<'l> {
-    effect: &'l str,
-    #[serde(flatten)]
-    row: &'l LadderRow,
-}
-
-/// The effects that were added, one row each; the effects of every model have no ladder row.
-pub fn ladder_table<'py>(py: Python<'py>, ladder: &Ladder) -> PyResult<Bound<'py, PyAny>> {
-    let added = |(effect, row)| Added { effect, row };
-    let rows = ladder.rows.iter().filter_map(|entry| Some((entry.effect.as_str(), entry.ladder.as_ref()?)));
-    table(py, &rows.map(added).collect::<Vec<_>>())
 }

@@ -1,14 +1,9 @@
 //! Frozen values of a model against other runs.
 
 use crate::answer::{dictionary, table};
+use crate::classes::Prediction;
 use pyo3::prelude::*;
-use trunnion::{report, results};
-
-/// Frozen values of a model against other runs. `print` shows it as text.
-#[pyclass(frozen, module = "trunnion")]
-pub struct Prediction {
-    pub answer: results::Prediction,
-}
+use trunnion::report;
 
 #[pymethods]
 impl Prediction {

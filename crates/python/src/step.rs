@@ -1,39 +1,27 @@
 //! An effect added to a model.
 
-use crate::answer::dictionary;
-use crate::diagnosed::Diagnosed;
+use crate::answer::{dictionary, ladder_table};
+use crate::classes::{Diagnosed, Experiment, Fit, Model, Prediction, Step};
 use crate::error::{Error, raised};
-use crate::experiment::Experiment;
-use crate::fit::Fit;
-use crate::model::{Model, ladder_table};
-use crate::prediction::Prediction;
 use pyo3::prelude::*;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// An effect added to a model: the fits without and with it. `print` shows it as text.
-#[pyclass(frozen, module = "trunnion")]
-pub struct Step {
-    inner: trunnion::Step,
-}
-
-impl Step {
-    /// With date and name in its ladder row, as the command line writes it.
-    pub fn added(
-        py: Python<'_>,
-        add: impl FnOnce() -> Result<trunnion::Step, trunnion::Error> + Send,
-        date: Option<&str>,
-        by: Option<&str>,
-    ) -> PyResult<Self> {
-        let date = date.map_or_else(today, |date| Ok(date.to_owned()))?;
-        let step = py.detach(|| {
-            let step = add()?.dated(&date)?;
-            match by {
-                Some(name) => step.by(name),
-                None => Ok(step),
-            }
-        });
-        Ok(Self { inner: step.map_err(raised)? })
-    }
+/// What was added, with date and name in its ladder row, as the command line writes it.
+pub fn added(
+    py: Python<'_>,
+    add: impl FnOnce() -> Result<trunnion::Step, trunnion::Error> + Send,
+    date: Option<&str>,
+    by: Option<&str>,
+) -> PyResult<Step> {
+    let date = date.map_or_else(today, |date| Ok(date.to_owned()))?;
+    let step = py.detach(|| {
+        let step = add()?.dated(&date)?;
+        match by {
+            Some(name) => step.by(name),
+            None => Ok(step),
+        }
+    });
+    Ok(Step { inner: step.map_err(raised)? })
 }
 
 #[pymethods]
@@ -86,7 +74,7 @@ impl Step {
     /// Adds one more effect; as `Fit.add`.
     #[pyo3(signature = (effect, *, date=None, by=None))]
     fn add(&self, py: Python<'_>, effect: &str, date: Option<&str>, by: Option<&str>) -> PyResult<Self> {
-        Self::added(py, || self.inner.add(effect), date, by)
+        added(py, || self.inner.add(effect), date, by)
     }
 
     /// Predicts other runs with the values of the fit.
