@@ -13,6 +13,17 @@ use trunnion_core::{AxisValues, Twist};
 /// Error twist at each joint, in the nominal axes of the component that carries it.
 pub type JointErrors = AxisValues<Twist>;
 
+/// A component of a machine against the one that carries it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// The component that carries.
+    pub carrier: String,
+    /// The component that is carried.
+    pub carried: String,
+    /// How the carried one stands; both coincide with the machine frame when every axis is at zero.
+    pub carrier_from_carried: Isometry3<f64>,
+}
+
 impl Machine {
     /// Pose of the table (its frame coincides with the machine frame when every axis is at zero).
     pub fn machine_from_table(&self, position: &AxisValues<f64>, errors: &JointErrors) -> Isometry3<f64> {
@@ -34,6 +45,27 @@ impl Machine {
         in_series.fold(self.platform(side, position, errors), |machine_from_carrier, axis| {
             machine_from_carrier * axis.carrier_from_carried(position[axis.letter], &errors[axis.letter])
         })
+    }
+
+    /// Every component against the one that carries it, its joint nominal: from the bed outward, table side first. A component is
+    /// called after the axis that moves it; `machine` is the bed, and `table` and `tool` are at the ends.
+    pub fn links(&self, position: &AxisValues<f64>) -> Vec<Link> {
+        let mut links = Vec::new();
+        for (side, tip) in [(Side::Table, "table"), (Side::Tool, "tool")] {
+            let mut carrier = "machine".to_owned();
+            let mut link = |carried: &str, carrier_from_carried| {
+                let carrier = std::mem::replace(&mut carrier, carried.into());
+                links.push(Link { carrier, carried: carried.into(), carrier_from_carried });
+            };
+            if side == Side::Tool && self.tripod.is_some() {
+                link("platform", self.platform(side, position, &JointErrors::default()));
+            }
+            for axis in self.from_bed(side).into_iter().filter(|axis| !self.is_leg(axis.letter)) {
+                link(axis.letter.as_str(), axis.motion(position[axis.letter]));
+            }
+            link(tip, Isometry3::identity());
+        }
+        links
     }
 
     /// What carries the first axis in series: the bed, or the platform of the legs against its pose at zero.

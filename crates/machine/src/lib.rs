@@ -17,7 +17,7 @@ pub mod tripod;
 
 pub use chain::{Axis, AxisFacts, Machine, Side};
 pub use file::QUANTITY_PREFIXES;
-pub use kinematics::JointErrors;
+pub use kinematics::{JointErrors, Link};
 pub use plate::{NamePlate, TOLERANCE_UM};
 pub use site::{Errors, MOST_INNER, Site};
 pub use tripod::{Leg, Tripod};

@@ -12,6 +12,7 @@ mod damage;
 mod error;
 pub mod export;
 mod finish;
+pub mod foxglove;
 mod handle;
 mod item;
 mod journal;

@@ -21,6 +21,8 @@ use crate::number::um;
 use trunnion_results::sentences::{complete, samples};
 use trunnion_results::{Comparison, ErrorMap, Findings, Ladder, Trial, Volumetric};
 
+pub use positions::magnification;
+
 /// The style of every page.
 pub const PAGE_CSS: &str = include_str!("html/style.css");
 

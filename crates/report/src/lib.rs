@@ -28,7 +28,9 @@ use trunnion_results::number;
 
 pub use dcc::{DccError, Issuer, dcc_xml};
 pub use filed::report_html;
-pub use html::{PAGE_CSS, compare_html, findings_html, ladder_html, trial_html, volumetric_html};
+pub use html::{
+    PAGE_CSS, compare_html, findings_html, ladder_html, magnification, trial_html, volumetric_html,
+};
 pub use language::Language;
 pub use parameters::{parameters_csv, run_csv};
 pub use residuals::{by_effect_csv, residuals_csv};

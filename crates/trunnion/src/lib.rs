@@ -31,6 +31,7 @@ pub mod files;
 mod filing;
 mod fit;
 mod formed;
+pub mod foxglove;
 pub mod history;
 mod identity;
 pub mod join;

@@ -2,3 +2,4 @@
 
 mod hybrid;
 mod joints;
+mod links;

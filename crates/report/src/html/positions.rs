@@ -77,7 +77,7 @@ fn picture(place: &ShiftedPlace, magnification: f64, (i, j): (usize, usize)) -> 
 }
 
 /// A round factor that makes the largest deviation visible without leaving the picture; at most S1's 10 000.
-fn magnification(points: &[&ResidualPoint]) -> f64 {
+pub fn magnification(points: &[&ResidualPoint]) -> f64 {
     let length = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let size = |p: &&ResidualPoint| length(&p.in_table_plane.commanded_mm);
     let extent_mm = points.iter().map(size).filter(|v| v.is_finite()).fold(0.0, f64::max);

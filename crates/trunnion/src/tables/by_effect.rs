@@ -10,7 +10,6 @@ use trunnion_core::convert::um_from_mm;
 use trunnion_effects::Instance;
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
-use trunnion_results::Comparison;
 
 /// The part that the recorded positions make without any effect.
 const POSITIONS: &str = "positions";
@@ -18,7 +17,7 @@ const POSITIONS: &str = "positions";
 /// The table: one line for a point and part of the model.
 pub fn by_effect_csv(fit: &Fit) -> String {
     let points = fit.experiment().points();
-    let residuals = Comparison::new(points, fit.identification(), None).residuals;
+    let residuals = fit.residuals();
     let listed = |part: &DVector<f64>| -> Vec<Vec<f64>> {
         let indices = (0..points.points.len()).step_by(residuals.every.max(1));
         indices.map(|i| points.rows_of(i).map(|row| um_from_mm(part[row])).collect()).collect()
