@@ -2,6 +2,7 @@
 
 use crate::analysis::AnalysisLimits;
 use crate::mqtt::{MqttConfig, MqttTls};
+use crate::mtconnect::MtConnectConfig;
 use crate::page;
 use crate::page::{AddressError, Lan};
 use crate::storage::StorageConfig;
@@ -37,6 +38,8 @@ pub struct Config {
     pub devices: Vec<DeviceConfig>,
     /// Broker, if any.
     pub mqtt: Option<MqttConfig>,
+    /// Where agents of MTConnect reach the service; nowhere without it.
+    pub mtconnect: Option<MtConnectConfig>,
     /// Where the page listens; there is none without it.
     pub page: Option<PageConfig>,
     /// What the recordings may take of the disk.
@@ -142,6 +145,7 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
     let (nest, has_nest) = (nest(&root, probes), root.has("nest"));
     let mqtt =
         root.optional_table("mqtt").map(|table| read_mqtt(&table, name.as_deref().unwrap_or("machine")));
+    let mtconnect = root.optional_table("mtconnect").map(|table| MtConnectConfig::read(&table));
     let page = root.optional_table("page").map(|table| read_page(&table));
     let storage = root.optional_table("storage").map(|table| StorageConfig::read(&table));
     let analysis = root.optional_table("analysis").map(|table| AnalysisLimits::read(&table));
@@ -150,6 +154,10 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
     let mqtt = match mqtt {
         None => None,
         Some(broker) => Some(broker?),
+    };
+    let mtconnect = match mtconnect {
+        None => None,
+        Some(adapter) => Some(adapter?),
     };
     let page = match page {
         None => None,
@@ -174,6 +182,7 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
         cycle_start: cycle_start?,
         devices: devices?,
         mqtt,
+        mtconnect,
         page,
         storage,
         analysis,

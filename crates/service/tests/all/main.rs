@@ -4,6 +4,7 @@
 
 mod attempts;
 mod caller;
+mod mtconnect;
 mod page;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../../tests/src/section.rs"]
