@@ -3,6 +3,7 @@
 use crate::analysis::AnalysisLimits;
 use crate::mqtt::{MqttConfig, MqttTls};
 use crate::mtconnect::MtConnectConfig;
+use crate::opcua::OpcUaConfig;
 use crate::page;
 use crate::page::{AddressError, Lan};
 use crate::storage::StorageConfig;
@@ -40,6 +41,8 @@ pub struct Config {
     pub mqtt: Option<MqttConfig>,
     /// Where agents of MTConnect reach the service; nowhere without it.
     pub mtconnect: Option<MtConnectConfig>,
+    /// Where clients of OPC UA reach the service; nowhere without it.
+    pub opcua: Option<OpcUaConfig>,
     /// Where the page listens; there is none without it.
     pub page: Option<PageConfig>,
     /// What the recordings may take of the disk.
@@ -146,6 +149,7 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
     let mqtt =
         root.optional_table("mqtt").map(|table| read_mqtt(&table, name.as_deref().unwrap_or("machine")));
     let mtconnect = root.optional_table("mtconnect").map(|table| MtConnectConfig::read(&table));
+    let opcua = root.optional_table("opcua").map(|table| OpcUaConfig::read(&table));
     let page = root.optional_table("page").map(|table| read_page(&table));
     let storage = root.optional_table("storage").map(|table| StorageConfig::read(&table));
     let analysis = root.optional_table("analysis").map(|table| AnalysisLimits::read(&table));
@@ -158,6 +162,10 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
     let mtconnect = match mtconnect {
         None => None,
         Some(adapter) => Some(adapter?),
+    };
+    let opcua = match opcua {
+        None => None,
+        Some(server) => Some(server?),
     };
     let page = match page {
         None => None,
@@ -183,6 +191,7 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
         devices: devices?,
         mqtt,
         mtconnect,
+        opcua,
         page,
         storage,
         analysis,

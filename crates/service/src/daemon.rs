@@ -5,6 +5,7 @@ mod analyst;
 mod disk;
 mod health;
 mod joining;
+mod plants;
 mod report;
 mod resume;
 mod states;
@@ -26,7 +27,6 @@ use crate::error::chain;
 use crate::latest::Mounted;
 use crate::live::{Live, Measured, Start};
 use crate::mqtt;
-use crate::mtconnect;
 use crate::page;
 use crate::page::Access;
 use crate::run_record;
@@ -123,10 +123,8 @@ pub async fn serve_on(
         Some(place) => page(place, &set_up, &config, &cycles, &board, &clock, &cancel).await,
         None => None,
     };
-    let adapter = match &config.mtconnect {
-        Some(place) => adapter(place, &board, &cancel).await,
-        None => None,
-    };
+    let adapter = plants::adapter(&config, &board, &cancel).await;
+    let opcua = plants::opcua_server(&config, &board, &cancel).await;
     report_systemd(&[sd_notify::NotifyState::Ready]);
     // Cycles are analysed while the next one is waited for and measured.
     let mut reports = JoinSet::new();
@@ -170,6 +168,7 @@ pub async fn serve_on(
         (shown, "live values"),
         (page, "page"),
         (adapter, "MTConnect adapter"),
+        (opcua, "OPC UA server"),
         (broker, "MQTT connection"),
     ] {
         if let Some(task) = task {
@@ -227,24 +226,6 @@ async fn page(
             warn!(%error, "the page ended");
         }
     }))
-}
-
-/// Starts the adapter for agents of MTConnect; measuring goes on without it where it cannot listen.
-async fn adapter(
-    place: &mtconnect::MtConnectConfig,
-    board: &Board,
-    cancel: &CancellationToken,
-) -> Option<JoinHandle<()>> {
-    match tokio::net::TcpListener::bind(place.listen).await {
-        Ok(listener) => {
-            info!(address = %place.listen, "agents of MTConnect are served");
-            Some(tokio::spawn(mtconnect::serve(listener, place.clone(), board.clone(), cancel.clone())))
-        }
-        Err(error) => {
-            warn!(%error, address = %place.listen, "agents of MTConnect are not served: the address cannot be listened on");
-            None
-        }
-    }
 }
 
 /// Measures one cycle and reports how it goes; the name of the run and what was measured, `None` when that failed.

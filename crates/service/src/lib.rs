@@ -12,6 +12,7 @@ pub mod latest;
 pub mod live;
 pub mod mqtt;
 pub mod mtconnect;
+pub mod opcua;
 pub mod operator;
 pub mod page;
 mod pem;

@@ -15,6 +15,7 @@ mod mcap;
 mod mosquitto;
 mod mosquitto_choice;
 mod opcua;
+mod opcua_results;
 mod shdr;
 mod socketcan;
 #[path = "../../../crates/cycles/tests/all/nc/visited.rs"]

@@ -5,6 +5,7 @@
 mod attempts;
 mod caller;
 mod mtconnect;
+mod opcua;
 mod page;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../../tests/src/section.rs"]
