@@ -85,5 +85,5 @@ fn read_target(table: &Table<'_>, kind: Option<InstrumentKind>) -> Option<Target
         table.problem("normal", "is missing or has no length", "the outward normal, e.g. [1, 0, 0]", "");
     }
     table.no_other_keys();
-    Some(Target { name: name?, at_mm: at_mm?, normal: normal.map(Unit::new_normalize) })
+    Some(Target { name: name?, at_mm: at_mm?, normal: normal.map(convert::unit) })
 }

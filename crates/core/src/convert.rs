@@ -1,10 +1,21 @@
 //! Conversions between the inside (mm, rad, s) and the edges (µm, µrad, degrees, per minute).
 
+use nalgebra::{Unit, Vector3};
+
 /// Micrometres in a millimetre.
 pub const UM_PER_MM: f64 = 1e3;
 /// Microradians in a radian.
 pub const URAD_PER_RAD: f64 = 1e6;
 
+/// A direction from a vector of any length but zero. One of unit length but for rounding stays as it is: what was written reads back the same.
+pub fn unit(vector: Vector3<f64>) -> Unit<Vector3<f64>> {
+    let rounding = 4.0 * f64::EPSILON;
+    if (vector.norm_squared() - 1.0).abs() <= rounding {
+        Unit::new_unchecked(vector)
+    } else {
+        Unit::new_normalize(vector)
+    }
+}
 /// mm from µm.
 pub const fn mm_from_um(um: f64) -> f64 {
     um / UM_PER_MM

@@ -196,7 +196,7 @@ fn read_setup(table: &Table<'_>) -> Option<Setup> {
     Some(Setup {
         bar_length_mm,
         ball_in_tool_mm: Point3::from(ball_in_tool),
-        direction: direction.filter(|along| along.norm() > 0.0).map(Unit::new_normalize),
+        direction: direction.filter(|along| along.norm() > 0.0).map(convert::unit),
         arms_mm,
         calibrated: calibrated?,
         artefact,

@@ -5,10 +5,10 @@ mod moves;
 
 use crate::{Axis, Machine, NamePlate};
 use moves::{FARTHEST_MM, moves};
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::{Point3, Vector3};
 use trunnion_core::input::{Document, Table};
 use trunnion_core::names::nearest;
-use trunnion_core::{Joint, Problems};
+use trunnion_core::{Joint, Problems, convert};
 
 /// What stands before the name of a joint in an expression for its velocity, acceleration, direction and travel since it
 /// turned round.
@@ -149,7 +149,7 @@ fn axis(tables: &Table<'_>, letter: Joint) -> Option<Axis> {
     }
     Some(Axis {
         letter,
-        direction: Unit::new_normalize(direction?),
+        direction: convert::unit(direction?),
         through_mm: Point3::from(through_mm),
         sense: moves.sense,
         travel: moves.travel,

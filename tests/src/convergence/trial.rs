@@ -33,7 +33,7 @@ const fn with(cycle: &'static str, model: &'static str) -> Case {
 }
 
 /// Every instrument and every way of measuring that ships.
-pub const CASES: [Case; 38] = [
+pub const CASES: [Case; 40] = [
     base("ball-bar-c"),
     with("ball-plate", "volume"),
     with("ball-plate-self", "self-calibration"),
@@ -49,6 +49,7 @@ pub const CASES: [Case; 38] = [
     base("demo-static"),
     base("demo-sweep-c"),
     with("diagonal", "straight-lines"),
+    with("face-diagonal", "straight-lines"),
     base("head-b"),
     base("head-c"),
     base("hybrid-static"),
@@ -65,6 +66,7 @@ pub const CASES: [Case; 38] = [
     base("rotary-values-c"),
     base("s4-b"),
     base("s4-c"),
+    with("scale-bar", "straight-lines"),
     with("step-diagonal", "straight-lines"),
     base("touch-probe"),
     base("touch-probe-column"),

@@ -258,6 +258,7 @@ async fn on_the_fly_the_delays_of_probes_and_axes_are_found_and_taken_out() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+#[ignore = "two minutes: tests/peers/run --long"]
 async fn a_live_sweep_of_a_good_machine_at_three_feeds_names_nothing() {
     let text = SWEEP.replace("[5400, 7200]", "[3600, 5400, 7200]");
     let cycle = Cycle::parse("c.toml", &text).unwrap();

@@ -2,7 +2,6 @@
 
 use super::definition::{Bar, BarFrame, GridAxis, Motion, Rounds, Settle};
 use super::{Cycle, Line, Path};
-use nalgebra::Unit;
 use trunnion_core::input::{Document, Table};
 use trunnion_core::setup::read_setups;
 use trunnion_core::{AxisValues, Joint, Problems, Setup, convert};
@@ -85,7 +84,7 @@ fn read_bar(table: &Table<'_>) -> Option<Bar> {
         table.problem("direction", "has no length", "a vector such as [1, 0, 0]", "");
         return None;
     }
-    Some(Bar { direction: Unit::new_normalize(direction), frame })
+    Some(Bar { direction: convert::unit(direction), frame })
 }
 
 fn read_passes(root: &Table<'_>) -> Option<Vec<f64>> {
