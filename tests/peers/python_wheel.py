@@ -34,6 +34,8 @@ def main(program, wheel):
         check("without pandas a table says what it needs", "ImportError: tables need pandas" in without.stderr, without.stderr)
         subprocess.run([python, "-m", "pip", "install", "--quiet", *NEEDS], check=True)
         types(python, pathlib.Path(place))
+        # The tests work in a folder of their own.
+        program = pathlib.Path(program).resolve()
         sys.exit(subprocess.run([python, __file__, program, "--inside", place]).returncode)
 
 
