@@ -21,25 +21,7 @@ const LOCATION: [(&str, usize, f64); 4] =
     [("j2", 3, 400e-6), ("j3", 0, 0.5), ("j4", 0, -0.3), ("j5", 3, -500e-6)];
 
 /// `setup.toml` for a table with columns of this tracker program.
-const SETUP: &str = r#"format = "trunnion-points/1"
-machine = "ur5.toml"
-[columns]
-j1_deg = ["joint_1"]
-j2_deg = ["joint_2"]
-j3_deg = ["joint_3"]
-j4_deg = ["joint_4"]
-j5_deg = ["joint_5"]
-j6_deg = ["joint_6"]
-reflector_x_mm = ["x_t", "x_dif"]
-reflector_y_mm = ["y_t", "y_dif"]
-reflector_z_mm = ["z_t", "z_dif"]
-[[setup]]
-name = "tracker"
-instrument = "laser-tracker"
-ball_in_table_mm = [0, 0, 0]
-ball_in_tool_mm = [-817.25, -222.45, -5.491]
-calibrated = true
-"#;
+const SETUP: &str = include_str!("../data/robot/setup.toml");
 
 /// The model of docs/use/robot.md: nothing of it is a setting, so that a prediction is wholly frozen.
 fn model(effects: &[String]) -> String {
@@ -148,10 +130,12 @@ fn the_encoder_of_a_robot_is_found_and_other_poses_are_predicted_to_the_noise() 
     assert!(value.abs() < 4.5 * u, "no second order was injected: {second}");
 }
 
-/// Where the folder of `serial_robots_datasets` [Jacobi 2025] is named, its files are read as they are: docs/measured/robot.md.
+/// Reads the files of `serial_robots_datasets` [Jacobi 2025] as they are: docs/measured/robot.md.
 #[test]
+#[ignore = "TRUNNION_ROBOT_DATA must name the folder of the published files"]
 fn random_poses_of_a_real_arm_are_predicted_better_with_its_encoders() {
-    let Some(data) = std::env::var_os("TRUNNION_ROBOT_DATA").map(PathBuf::from) else { return };
+    let data =
+        PathBuf::from(std::env::var_os("TRUNNION_ROBOT_DATA").expect("the folder of the published files"));
     let folder = tempfile::tempdir().unwrap();
     let at = folder_of(folder.path());
     let import = |table: &str, run: &str| {

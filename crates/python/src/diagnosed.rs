@@ -2,8 +2,8 @@
 
 use crate::answer::{dictionary, table};
 use crate::classes::{Diagnosed, Experiment, Fit, Prediction, Step};
-use crate::error::{Error, raised};
-use crate::step::added;
+use crate::computed::{added, predicted};
+use crate::error::Error;
 use pyo3::prelude::*;
 
 #[pymethods]
@@ -60,8 +60,7 @@ impl Diagnosed {
 
     /// Predicts other runs with the values of the fit.
     fn predict(&self, py: Python<'_>, other: &Experiment) -> PyResult<Prediction> {
-        let answer = py.detach(|| self.inner.predict(&other.inner)).map_err(raised)?;
-        Ok(Prediction { answer })
+        predicted(py, || self.inner.predict(&other.inner))
     }
 
     fn __str__(&self) -> String {

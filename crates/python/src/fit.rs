@@ -2,8 +2,7 @@
 
 use crate::answer::{dictionary, table_of_csv};
 use crate::classes::{Diagnosed, Experiment, Fit, Model, Prediction, Step};
-use crate::error::raised;
-use crate::step::added;
+use crate::computed::{added, diagnosed, predicted};
 use pyo3::prelude::*;
 use trunnion::report::{parameters_csv, residuals_csv};
 
@@ -43,7 +42,7 @@ impl Fit {
 
     /// Which effect the model lacks; where candidates are confounded, the cycle that separates them is planned too.
     fn diagnose(&self, py: Python<'_>) -> PyResult<Diagnosed> {
-        Ok(Diagnosed { inner: py.detach(|| self.inner.diagnose()).map_err(raised)? })
+        diagnosed(py, || self.inner.diagnose())
     }
 
     /// Adds an effect to the model and fits again; `by` goes into the ladder, `date` too: without one, today (UTC).
@@ -54,8 +53,7 @@ impl Fit {
 
     /// Predicts other runs with the values of this fit: everything of the machine frozen, only the ball setting fitted.
     fn predict(&self, py: Python<'_>, other: &Experiment) -> PyResult<Prediction> {
-        let answer = py.detach(|| self.inner.predict(&other.inner)).map_err(raised)?;
-        Ok(Prediction { answer })
+        predicted(py, || self.inner.predict(&other.inner))
     }
 
     fn __str__(&self, py: Python<'_>) -> String {

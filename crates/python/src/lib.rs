@@ -7,6 +7,7 @@
 
 mod answer;
 mod classes;
+mod computed;
 mod diagnosed;
 mod error;
 mod experiment;

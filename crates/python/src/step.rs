@@ -2,27 +2,8 @@
 
 use crate::answer::{dictionary, ladder_table};
 use crate::classes::{Diagnosed, Experiment, Fit, Model, Prediction, Step};
-use crate::error::{Error, raised};
+use crate::computed::{added, diagnosed, predicted};
 use pyo3::prelude::*;
-use std::time::{SystemTime, UNIX_EPOCH};
-
-/// What was added, with date and name in its ladder row, as the command line writes it.
-pub fn added(
-    py: Python<'_>,
-    add: impl FnOnce() -> Result<trunnion::Step, trunnion::Error> + Send,
-    date: Option<&str>,
-    by: Option<&str>,
-) -> PyResult<Step> {
-    let date = date.map_or_else(today, |date| Ok(date.to_owned()))?;
-    let step = py.detach(|| {
-        let step = add()?.dated(&date)?;
-        match by {
-            Some(name) => step.by(name),
-            None => Ok(step),
-        }
-    });
-    Ok(Step { inner: step.map_err(raised)? })
-}
 
 #[pymethods]
 impl Step {
@@ -68,7 +49,7 @@ impl Step {
 
     /// What the model still lacks.
     fn diagnose(&self, py: Python<'_>) -> PyResult<Diagnosed> {
-        Ok(Diagnosed { inner: py.detach(|| self.inner.diagnose()).map_err(raised)? })
+        diagnosed(py, || self.inner.diagnose())
     }
 
     /// Adds one more effect; as `Fit.add`.
@@ -79,8 +60,7 @@ impl Step {
 
     /// Predicts other runs with the values of the fit.
     fn predict(&self, py: Python<'_>, other: &Experiment) -> PyResult<Prediction> {
-        let answer = py.detach(|| self.inner.predict(&other.inner)).map_err(raised)?;
-        Ok(Prediction { answer })
+        predicted(py, || self.inner.predict(&other.inner))
     }
 
     fn __str__(&self, py: Python<'_>) -> String {
@@ -92,11 +72,4 @@ impl Step {
         let (before, after) = (row.error_before_um, row.error_after_um);
         format!("<trunnion.Step + {}: {before:.2} -> {after:.2} µm>", self.inner.effect())
     }
-}
-
-/// Today, UTC, as `YYYY-MM-DD`.
-fn today() -> PyResult<String> {
-    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).ok();
-    let day = since_1970.and_then(|since| trunnion::moment::day(since.as_nanos().try_into().ok()?));
-    day.ok_or_else(|| Error::new_err("the clock is before 1970; give a date"))
 }

@@ -12,7 +12,7 @@ use hyper::header::{AUTHORIZATION, CONTENT_TYPE, HOST};
 use hyper::{Method, Request, StatusCode};
 use hyper_util::rt::TokioIo;
 use rustls::client::danger::{HandshakeSignatureValid, ServerCertVerified, ServerCertVerifier};
-use rustls::crypto::{CryptoProvider, verify_tls12_signature, verify_tls13_signature};
+use rustls::crypto::{CryptoProvider, verify_tls13_signature};
 use rustls::pki_types::{CertificateDer, ServerName, UnixTime};
 use rustls::{CertificateError, ClientConfig, DigitallySignedStruct, Error, SignatureScheme};
 use serde_json::{Value, json};
@@ -170,7 +170,7 @@ impl Caller {
                 let answer: Value = serde_json::from_slice(&body).map_err(|error| self.stranger(&error))?;
                 if status == StatusCode::OK { Ok(answer) } else { Err(refusal(status, &answer)) }
             },
-            // What goes wrong with the connection is told by the request.
+            // The request reports what is wrong with the connection.
             async { drop(connection.await) },
         );
         response
@@ -231,12 +231,11 @@ impl ServerCertVerifier for ThisOne {
 
     fn verify_tls12_signature(
         &self,
-        message: &[u8],
-        certificate: &CertificateDer<'_>,
-        signature: &DigitallySignedStruct,
+        _: &[u8],
+        _: &CertificateDer<'_>,
+        _: &DigitallySignedStruct,
     ) -> Result<HandshakeSignatureValid, Error> {
-        let known = &self.provider.signature_verification_algorithms;
-        verify_tls12_signature(message, certificate, signature, known)
+        Err(Error::General("TLS 1.3 alone is offered".into()))
     }
 
     fn verify_tls13_signature(

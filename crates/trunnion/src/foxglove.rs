@@ -42,13 +42,12 @@ pub fn export(
 
     scene::setups(&mut writer, &header.setups).map_err(not_written)?;
     let mut moved = moved::Moved::new(&machine, &header.setups);
-    let (mut points, mut failed) = (0_u64, None);
+    let (mut points, mut failed) = (0, None);
     let mut draw = |item: Item| -> Result<(), RecordError> {
         match item {
             Item::Axes(sample) => moved.axes(&mut writer, &sample),
             Item::Point(point) if point.quality == Quality::Good => {
-                // A run without time stamps shows a point a second.
-                let time_s = point.state.time_s.unwrap_or(points as f64);
+                let time_s = scene::shown_s(point.state.time_s, points);
                 points += 1;
                 moved.point(&mut writer, time_s, &point.state)
             }

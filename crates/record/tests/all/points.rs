@@ -182,24 +182,7 @@ fn a_passive_arm_on_a_machine_with_joints_of_its_names_is_refused() {
 const FOREIGN: &str = "step,x_t,y_t,z_t,x_dif,y_dif,z_dif,joint_1,joint_2,joint_3,joint_4,joint_5,joint_6
 0,-430.5,-6,-98,-2.25,-3.5,0.5,10,-20,30,-40,50,-60
 ";
-const FOREIGN_SETUP: &str = r#"
-format = "trunnion-points/1"
-machine = "robot"
-[columns]
-j1_deg = ["joint_1"]
-j2_deg = ["joint_2"]
-j3_deg = ["joint_3"]
-j4_deg = ["joint_4"]
-j5_deg = ["joint_5"]
-j6_deg = ["joint_6"]
-reflector_x_mm = ["x_t", "x_dif"]
-reflector_y_mm = ["y_t", "y_dif"]
-reflector_z_mm = ["z_t", "z_dif"]
-[[setup]]
-name = "tracker"
-instrument = "laser-tracker"
-ball_in_table_mm = [0, 0, 0]
-"#;
+const FOREIGN_SETUP: &str = include_str!("../../../../tests/data/robot/setup.toml");
 
 #[test]
 fn a_table_of_another_program_is_read_by_the_names_of_its_columns() {
@@ -223,5 +206,5 @@ fn a_column_that_the_table_lacks_and_a_cell_that_is_no_number_are_named_where_th
     assert!(shown.contains("points.csv:2:23: reflector_y_mm = \"n/a\""), "{shown}");
     let setup = FOREIGN_SETUP.replace("[\"joint_4\"]", "[]");
     let shown = import_of(ROBOT, FOREIGN, &setup).unwrap_err().to_string();
-    assert!(shown.contains("setup.toml:8:10: columns.j4_deg = []"), "{shown}");
+    assert!(shown.contains("setup.toml:7:10: columns.j4_deg = []"), "{shown}");
 }

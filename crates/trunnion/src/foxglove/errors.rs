@@ -2,7 +2,7 @@
 //!
 //! tip = commanded + M·d    d the measured shift, or what the model leaves of it; M the magnification
 
-use super::scene::metadata;
+use super::scene::{metadata, shown_s};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use trunnion_core::convert::mm_from_um;
 use trunnion_record::RecordError;
@@ -29,8 +29,7 @@ pub fn arrows(
     let used: Vec<&ResidualPoint> = residuals.points.iter().filter(|point| !point.excluded).collect();
     let magnification = asked.unwrap_or_else(|| trunnion_report::magnification(&used));
     for (k, point) in residuals.points.iter().enumerate() {
-        // A run without time stamps shows a point a second.
-        let time_s = point.time_s.unwrap_or((k * residuals.every) as f64);
+        let time_s = shown_s(point.time_s, k * residuals.every);
         let setup = residuals.setups.get(point.setup).map_or("", |setup| &setup.name);
         let shifts = [
             (MEASURED, BLUE, point.in_machine.measured_um),

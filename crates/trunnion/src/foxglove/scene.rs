@@ -98,6 +98,11 @@ fn span(
     writer.write(EVENTS, from_s, &messages::Event { start_time, end_time, metadata })
 }
 
+/// When a point is shown, s: where the run has no time stamps, a point a second.
+pub fn shown_s(time_s: Option<f64>, index: usize) -> f64 {
+    time_s.unwrap_or(index as f64)
+}
+
 pub fn metadata(pairs: &[(&str, &str)]) -> Vec<KeyValuePair> {
     pairs.iter().map(|(key, value)| KeyValuePair { key: (*key).into(), value: (*value).into() }).collect()
 }
