@@ -1,6 +1,6 @@
 //! Numbers of a fit that a person should doubt, and why.
 
-use crate::number::{plain, with_unit};
+use crate::number::{plain, um, with_unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_engine::fit::doubts as engine;
@@ -8,8 +8,9 @@ use trunnion_engine::fit::doubts as engine;
 /// Numbers of a fit to doubt.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Doubt {
-    /// Effect id.
-    pub effect: String,
+    /// Effect id; left out where the readings themselves are doubted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effect: Option<String>,
     /// Names of its parameters or shape numbers.
     pub names: Vec<String>,
     /// What is wrong with them.
@@ -28,6 +29,8 @@ pub enum DoubtReason {
     BeyondPhysical,
     /// A time constant longer than the longest run.
     LongerThanRun,
+    /// Readings of one pose scatter more than those of a machining centre in order.
+    Scatter,
 }
 
 impl From<&engine::Doubt> for Doubt {
@@ -56,6 +59,14 @@ impl From<&engine::Doubt> for Doubt {
                     "{names} of {} is longer than the longest run ({}): its course was not seen to the end.",
                     with_unit(tau_s.round(), "s"),
                     with_unit(longest_s.round(), "s")
+                ),
+            ),
+            engine::DoubtReason::Scatter { noise_um } => (
+                DoubtReason::Scatter,
+                format!(
+                    "the readings of one pose scatter by {}, unusually large for probes at rest on a machining centre. Check the units of \
+                     the readings (tenths of a µm?), the ball, the nest and the probes.",
+                    um(noise_um)
                 ),
             ),
         };

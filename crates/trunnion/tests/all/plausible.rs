@@ -1,7 +1,7 @@
 //! Gross mistakes of users are named before any physics is blamed, and good runs raise no doubt.
 
 use std::path::PathBuf;
-use trunnion::results::Verdict;
+use trunnion::results::{DoubtReason, Verdict};
 
 const SETS: [&str; 4] =
     ["points-gravity", "points-backlash-and-drift", "points-nothing-hidden", "points-unnamed"];
@@ -168,6 +168,20 @@ fn what_is_not_plausible_is_not_judged_and_says_why_on_every_surface() {
         let words = surface.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains("the sense of C reversed"), "{surface}");
     }
+}
+
+#[test]
+fn readings_ten_times_too_large_are_doubted_where_they_repeat() {
+    let mut files = Files::committed("points-gravity");
+    let doubts = |files: &Files| {
+        let run = files.open();
+        run.fit(&run.base_model()).unwrap().results().doubts
+    };
+    assert_eq!(doubts(&files), []);
+    ["dx_um", "dy_um", "dz_um"].iter().for_each(|column| files.change(column, |value| 10.0 * value));
+    let [doubt] = &doubts(&files)[..] else { panic!("one doubt") };
+    assert_eq!(doubt.reason, DoubtReason::Scatter);
+    assert!(doubt.words.contains("2.95 µm") && doubt.words.contains("units of the readings"), "{}", doubt.words);
 }
 
 #[test]
