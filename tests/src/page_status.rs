@@ -2,13 +2,21 @@
 
 use std::io::{Read, Write};
 
+/// A port of this computer where nothing listens.
+///
+/// # Panics
+/// When there is none.
+pub fn free_port() -> u16 {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+    listener.local_addr().expect("bound").port()
+}
+
 /// An address of this computer where nothing listens.
 ///
 /// # Panics
 /// When there is none.
 pub fn free_address() -> String {
-    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
-    listener.local_addr().expect("bound").to_string()
+    format!("127.0.0.1:{}", free_port())
 }
 
 /// The present of a service by its page; `None` while there is none.

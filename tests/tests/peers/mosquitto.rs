@@ -21,24 +21,11 @@ use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
 use trunnion_service::mqtt::{MqttConfig, MqttTls, run};
+use trunnion_tests::page_status::free_port;
 use trunnion_tests::{SILENCE_MS, three_probes};
 
-pub fn free_port() -> u16 {
-    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
-    listener.local_addr().expect("bound").port()
-}
-
 pub fn broker(port: u16) -> Child {
-    let program = if std::path::Path::new("/usr/sbin/mosquitto").exists() {
-        "/usr/sbin/mosquitto"
-    } else {
-        "mosquitto"
-    };
-    Command::new(program)
-        .args(["-p", &port.to_string()])
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("mosquitto starts")
+    trunnion_tests::mosquitto::broker(port).expect("mosquitto starts")
 }
 
 /// Latest payloads of all `trunnion/#` topics once `enough` holds; fails after a minute.

@@ -1,6 +1,6 @@
 //! The operator at a real broker: a refused program on its topic, and the topic that chooses a cycle.
 
-use crate::mosquitto::{broker, free_port, wait_for};
+use crate::mosquitto::{broker, wait_for};
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet, QoS};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,6 +21,7 @@ use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
 use trunnion_tests::in_turn::InTurn;
+use trunnion_tests::page_status::free_port;
 use trunnion_tests::{SILENCE_MS, three_probes};
 
 /// Steps of a program that nobody chose, long enough to be seen to run.

@@ -1,7 +1,6 @@
 //! Our OPC UA driver reads asyncua servers: SINUMERIK's node ids without encryption, OPC 40502 by browsing with
 //! Basic256Sha256 and a user; and says what to do when a server is wrong, silent, or gone.
 
-use std::net::TcpListener;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,6 +12,7 @@ use trunnion_core::Joint;
 use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, SourceGap};
 use trunnion_service::clock::SystemClock;
+use trunnion_tests::page_status::free_port;
 use trunnion_tests::peer::PythonPeer;
 
 /// Longest wait for anything; the build machine may be busy.
@@ -28,10 +28,6 @@ fn asyncua(port: u16, layout: &str, security: &str, folder: &Path) -> PythonPeer
     );
     assert_eq!(peer.reported, "ready");
     peer
-}
-
-fn free_port() -> u16 {
-    TcpListener::bind("127.0.0.1:0").expect("a port is free").local_addr().expect("it has one").port()
 }
 
 /// As in opcua_server.py; mm and rad.

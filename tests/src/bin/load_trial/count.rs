@@ -101,6 +101,49 @@ pub struct Counts {
     pub file_mb: f64,
 }
 
+/// A recording against what the devices sent.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// Length of the program, s.
+    pub seconds: f64,
+    /// What is in the recording.
+    pub counts: Counts,
+    /// Values the encoder sent during the program; `None` where nobody counted.
+    pub encoder_sent: Option<u64>,
+}
+
+impl Judged {
+    /// Samples of a stream that must be there, and those that are.
+    pub fn compared(&self, stream: &Stream) -> (u64, u64) {
+        match (stream.expected, self.encoder_sent) {
+            (Some(expected), _) => (expected, stream.recorded),
+            // The values sent are counted from the start of the program to its end: a service that was late has seen less.
+            (None, Some(sent)) if !self.is_late() => (sent, stream.inside),
+            (None, _) => (stream.inside, stream.inside),
+        }
+    }
+
+    /// True when the service began after the program.
+    pub fn is_late(&self) -> bool {
+        self.counts.length_s < self.seconds - EDGE_S
+    }
+
+    /// Samples that are missing, and those of them that no gap reports.
+    pub fn missing(&self) -> (u64, u64) {
+        let missing = |stream: &Stream| {
+            let (expected, recorded) = self.compared(stream);
+            expected.saturating_sub(recorded + EDGE_SAMPLES)
+        };
+        let streams = &self.counts.streams;
+        let unreported = |stream: &Stream| missing(stream).saturating_sub(stream.reported_lost());
+        let unreported_of_all = streams.iter().map(unreported).sum::<u64>();
+        (streams.iter().map(missing).sum(), unreported_of_all.saturating_sub(self.counts.lost_of_any))
+    }
+}
+
+/// The clock of the run and that of the devices differ by some ms, which may move samples over the edges of a count.
+const EDGE_SAMPLES: u64 = 2;
+
 /// Time of the device's own clock, s.
 fn seconds(stamp: &Stamp) -> f64 {
     stamp.ticks as f64 * stamp.tick_s

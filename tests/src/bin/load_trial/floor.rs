@@ -44,6 +44,24 @@ const SILENT_FOR_S: f64 = 1.0;
 /// Left out at both ends when the encoder's values are counted, s.
 pub const EDGE_S: f64 = 1.0;
 
+/// What the floor does.
+#[derive(Clone, Copy, Debug)]
+pub struct Order<'a> {
+    /// About the length of the program, s.
+    pub seconds: f64,
+    /// How fast the devices are.
+    pub rates: Rates,
+    /// One probe is silent for a second.
+    pub is_faulty: bool,
+    /// The program begins again after so long, s; it runs once where there is none.
+    pub pause_s: Option<f64>,
+    /// Tables of the configuration in addition to nest and devices.
+    pub tables: &'a str,
+}
+
+/// Programs that are counted apart; what the encoder sends in later ones is not judged.
+const MOST_PROGRAMS: usize = 1000;
+
 /// The running shop floor.
 pub struct Floor {
     cell: Cell,
@@ -52,55 +70,71 @@ pub struct Floor {
     pub config: PathBuf,
     /// From the start of the program to its end, s.
     pub duration_s: f64,
+    /// From the start of the program to its next start, s; infinite where it runs once.
+    pub period_s: f64,
 }
 
-/// A world that counts what the encoder asks of it, once for every value it sends.
+/// A world that begins again after each period, and counts what the encoder asks of it, once for every value it sends.
 struct Counted {
     cell: SimulatedCell,
+    period_s: f64,
     from_to_s: (f64, f64),
-    bar: AtomicU64,
+    bar: Vec<AtomicU64>,
+}
+
+impl Counted {
+    /// Which program a time belongs to, and its own time.
+    fn own(&self, t_s: f64) -> (usize, f64) {
+        match t_s >= self.period_s {
+            true => ((t_s / self.period_s) as usize, t_s % self.period_s),
+            false => (0, t_s),
+        }
+    }
 }
 
 impl World for Counted {
     fn axes(&self, t_s: f64) -> AxisValues<f64> {
-        self.cell.axes(t_s)
+        self.cell.axes(self.own(t_s).1)
     }
 
     fn probe_readings_mm(&self, t_s: f64) -> [f64; 3] {
-        self.cell.probe_readings_mm(t_s)
+        self.cell.probe_readings_mm(self.own(t_s).1)
     }
 
     fn bar_reading_mm(&self, t_s: f64) -> f64 {
-        if (self.from_to_s.0..self.from_to_s.1).contains(&t_s) {
-            self.bar.fetch_add(1, Ordering::Relaxed);
+        let (program, own_s) = self.own(t_s);
+        if let Some(sent) = self.bar.get(program)
+            && (self.from_to_s.0..self.from_to_s.1).contains(&own_s)
+        {
+            sent.fetch_add(1, Ordering::Relaxed);
         }
-        self.cell.bar_reading_mm(t_s)
+        self.cell.bar_reading_mm(own_s)
     }
 
     fn temperature_degc(&self, t_s: f64) -> f64 {
-        self.cell.temperature_degc(t_s)
+        self.cell.temperature_degc(self.own(t_s).1)
     }
 
     fn cycle(&self, t_s: f64) -> CycleState {
-        self.cell.cycle(t_s)
+        self.cell.cycle(self.own(t_s).1)
     }
 }
 
 impl Floor {
-    /// Switches on; the program of about `seconds` starts after the warm-up.
-    pub async fn start(
-        seconds: f64,
-        rates: Rates,
-        is_faulty: bool,
-        folder: &Path,
-        recordings: &Path,
-    ) -> anyhow::Result<Self> {
+    /// Switches on; the program starts after the warm-up.
+    pub async fn start(order: Order<'_>, folder: &Path, recordings: &Path) -> anyhow::Result<Self> {
+        let Order { seconds, rates, is_faulty, pause_s, tables } = order;
         let seconds_per_deg: f64 = FEEDS_DEG_PER_MIN.iter().map(|feed| 2.0 * 60.0 / feed).sum();
         let to_deg = (seconds / seconds_per_deg).floor();
         let world = world(to_deg)?;
         let duration_s = world.trajectory.duration_s();
         let from_to_s = (EDGE_S, duration_s - EDGE_S);
-        let world = Arc::new(Counted { cell: world, from_to_s, bar: AtomicU64::new(0) });
+        let (period_s, programs) = match pause_s {
+            Some(pause_s) => (duration_s + pause_s, MOST_PROGRAMS),
+            None => (f64::INFINITY, 1),
+        };
+        let bar = std::iter::repeat_with(AtomicU64::default).take(programs).collect();
+        let world = Arc::new(Counted { cell: world, period_s, from_to_s, bar });
 
         let wall_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as i64;
         let mut devices = CellConfig::new(folder, wall_ns);
@@ -123,8 +157,8 @@ impl Floor {
         let url = cell.controller.as_ref().and_then(|agent| agent.url()).context("the cell has an agent")?;
         std::fs::write(folder.join("cycle.toml"), cycle_text(to_deg))?;
         let config = folder.join("trunnion.toml");
-        std::fs::write(&config, config_text(rates, folder, recordings, url))?;
-        Ok(Self { cell, world, config, duration_s })
+        std::fs::write(&config, config_text(rates, folder, recordings, url) + tables)?;
+        Ok(Self { cell, world, config, duration_s, period_s })
     }
 
     /// Waits for the start of the program.
@@ -132,9 +166,9 @@ impl Floor {
         tokio::time::sleep_until(self.cell.origin.instant_of(0.0)).await;
     }
 
-    /// Values the encoder sent during the cycle, its edges left out.
-    pub fn encoder_sent(&self) -> u64 {
-        self.world.bar.load(Ordering::Relaxed)
+    /// Values the encoder sent during the program of this number, its edges left out; `None` where nobody counted.
+    pub fn encoder_sent(&self, program: usize) -> Option<u64> {
+        self.world.bar.get(program).map(|sent| sent.load(Ordering::Relaxed))
     }
 
     /// Bytes nobody took in time.

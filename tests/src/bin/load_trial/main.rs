@@ -2,17 +2,22 @@
 //! to 3600 °/min. Simulated devices live in this process, the service in another, so that its time and memory are its own.
 //!
 //! `floor` has the devices, `service` is the other process, `watch` reads its time and memory from /proc, `count` what is
-//! in the finished recording, `table` writes `docs/measured/load.md`.
+//! in the finished recording, `table` writes `docs/measured/load.md`. `soak` runs one cycle after the other for hours, with `readers` of
+//! page and broker; `soak_table` writes `docs/measured/soak.md`.
 
 mod count;
 mod floor;
+mod readers;
 mod service;
+mod soak;
+mod soak_table;
 mod table;
 mod watch;
 
 use anyhow::{Context, bail};
 use clap::{Parser, Subcommand};
-use floor::{Floor, Rates};
+use count::Judged;
+use floor::{Floor, Order, Rates};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -47,6 +52,8 @@ enum Part {
         /// Its configuration
         config: PathBuf,
     },
+    /// One cycle after the other, each analysed, with somebody at the page and at the broker
+    Soak(soak::SoakArgs),
 }
 
 /// Exit codes: samples are missing and the recording does not say so; it does; it does, and this computer paused so long that
@@ -60,14 +67,10 @@ const TOO_LONG: Duration = Duration::from_millis(57);
 
 /// What came out.
 pub struct Trial {
-    /// Length of the cycle, s.
-    pub seconds: f64,
     /// Rates of the devices.
     pub rates: Rates,
-    /// What is in the recording.
-    pub counts: count::Counts,
-    /// Values the encoder sent during the cycle.
-    pub encoder_sent: u64,
+    /// What is in the recording, against what was sent.
+    pub judged: Judged,
     /// Bytes the simulated devices could not hand to the system.
     pub bytes_not_taken: u64,
     /// Time and memory of the service.
@@ -78,39 +81,12 @@ pub struct Trial {
     pub release: bool,
 }
 
-impl Trial {
-    /// Samples of a stream that must be there, and those that are.
-    pub fn compared(&self, stream: &count::Stream) -> (u64, u64) {
-        match stream.expected {
-            Some(expected) => (expected, stream.recorded),
-            // The values sent are counted from the start of the program to its end: a service that was late has seen less.
-            None if self.is_late() => (stream.inside, stream.inside),
-            None => (self.encoder_sent, stream.inside),
-        }
-    }
-
-    /// True when the service began after the program.
-    fn is_late(&self) -> bool {
-        self.counts.length_s < self.seconds - floor::EDGE_S
-    }
-
-    /// Samples that are missing, and those of them that no gap reports.
-    fn missing(&self) -> (u64, u64) {
-        let missing = |stream: &count::Stream| {
-            let (expected, recorded) = self.compared(stream);
-            expected.saturating_sub(recorded + EDGE_SAMPLES)
-        };
-        let streams = &self.counts.streams;
-        let unreported = |stream: &count::Stream| missing(stream).saturating_sub(stream.reported_lost());
-        let unreported_of_all = streams.iter().map(unreported).sum::<u64>();
-        (streams.iter().map(missing).sum(), unreported_of_all.saturating_sub(self.counts.lost_of_any))
-    }
-}
-
 fn main() -> anyhow::Result<()> {
     let args = Args::parse();
-    if let Some(Part::Service { config }) = &args.part {
-        return service::run(config);
+    match &args.part {
+        Some(Part::Service { config }) => return service::run(config),
+        Some(Part::Soak(soak)) => return soak::run(soak),
+        None => {}
     }
     if !(10.0..=7200.0).contains(&args.seconds) {
         bail!("--seconds {} is not possible; allowed: 10..=7200", args.seconds);
@@ -126,10 +102,10 @@ fn main() -> anyhow::Result<()> {
     if let Some(path) = &args.markdown {
         std::fs::write(path, &text).with_context(|| format!("cannot write {}", path.display()))?;
     }
-    if trial.is_late() {
+    if trial.judged.is_late() {
         eprintln!("the service began after the program: the encoder is not judged");
     }
-    let ((missing, unreported), lost) = (trial.missing(), trial.counts.lost);
+    let ((missing, unreported), lost) = (trial.judged.missing(), trial.judged.counts.lost);
     if missing == 0 && lost == 0 {
         return Ok(());
     }
@@ -148,8 +124,6 @@ fn main() -> anyhow::Result<()> {
     })
 }
 
-/// The clock of the run and that of the devices differ by some ms, which may move samples over the edges of a count.
-const EDGE_SAMPLES: u64 = 2;
 /// After the cycle: rewriting the recording and reading it back.
 const FINISH_LIMIT: Duration = Duration::from_secs(300);
 /// From the finished file to the line in the log.
@@ -157,7 +131,12 @@ const LINE_LIMIT: Duration = Duration::from_secs(300);
 
 async fn trial(seconds: f64, is_low: bool, folder: &Path, recordings: &Path) -> anyhow::Result<Trial> {
     let rates = if is_low { Rates::LOW } else { Rates::FULL };
-    let floor = Floor::start(seconds, rates, is_low, folder, recordings).await?;
+    let floor = Floor::start(
+        Order { seconds, rates, is_faulty: is_low, pause_s: None, tables: "" },
+        folder,
+        recordings,
+    )
+    .await?;
     let program = std::env::current_exe().context("where is this program?")?;
     let log = folder.join("service.log");
     let output = std::fs::File::create(&log).with_context(|| format!("cannot write {}", log.display()))?;
@@ -192,13 +171,13 @@ async fn trial(seconds: f64, is_low: bool, folder: &Path, recordings: &Path) -> 
     let reported = std::fs::read_to_string(&log).unwrap_or_default();
     let queues = queues.with_context(|| format!("the service said:\n{reported}"))?;
     let path = finished.with_context(|| format!("the service said:\n{reported}"))?;
-    let (encoder_sent, bytes_not_taken) = (floor.encoder_sent(), floor.bytes_not_taken());
+    let (encoder_sent, bytes_not_taken) = (floor.encoder_sent(0), floor.bytes_not_taken());
     let counts = count::count(&path, rates, floor.duration_s)?;
-    let seconds = floor.duration_s;
+    let judged = Judged { seconds: floor.duration_s, counts, encoder_sent };
     floor.shutdown().await;
     drop(child);
     let release = !cfg!(debug_assertions);
-    Ok(Trial { seconds, rates, counts, encoder_sent, bytes_not_taken, watch, queues, release })
+    Ok(Trial { rates, judged, bytes_not_taken, watch, queues, release })
 }
 
 async fn finished(folder: &Path, child: &mut Stopped) -> anyhow::Result<PathBuf> {

@@ -16,7 +16,7 @@ pub fn document(trial: &Trial) -> String {
          build, a cycle of {:.0} s.\n\n",
         FEEDS_DEG_PER_MIN.map(|feed| feed.to_string()).join(", "),
         if trial.release { "Optimised" } else { "Development" },
-        trial.seconds,
+        trial.judged.seconds,
     );
     text += &streams(trial);
     text += &cost(trial);
@@ -29,9 +29,9 @@ fn streams(trial: &Trial) -> String {
          when it is asked, what the device sent against what is in the recording, a second at both ends left out.\n\n\
          | stream | expected | recorded | missing | rate, Hz | longest step, ms |\n|---|---:|---:|---:|---:|---:|\n",
     );
-    for stream in &trial.counts.streams {
-        let (expected, recorded) = trial.compared(stream);
-        let rate_hz = stream.inside as f64 / (trial.seconds - 2.0 * crate::floor::EDGE_S);
+    for stream in &trial.judged.counts.streams {
+        let (expected, recorded) = trial.judged.compared(stream);
+        let rate_hz = stream.inside as f64 / (trial.judged.seconds - 2.0 * crate::floor::EDGE_S);
         text += &format!(
             "| {} | {expected} | {recorded} | {} | {rate_hz:.1} | {:.2} |\n",
             stream.name,
@@ -42,13 +42,13 @@ fn streams(trial: &Trial) -> String {
     text += &format!(
         "\n{} points were made of them; {} gaps, {} samples recorded as lost; {} bytes not taken from the devices in time. \
          The finished recording has {:.1} MB.\n",
-        trial.counts.points,
-        trial.counts.gaps.len(),
-        trial.counts.lost,
+        trial.judged.counts.points,
+        trial.judged.counts.gaps.len(),
+        trial.judged.counts.lost,
         trial.bytes_not_taken,
-        trial.counts.file_mb,
+        trial.judged.counts.file_mb,
     );
-    for gap in trial.counts.gaps.iter().take(10) {
+    for gap in trial.judged.counts.gaps.iter().take(10) {
         text += &format!("- {gap}\n");
     }
     text
@@ -56,7 +56,7 @@ fn streams(trial: &Trial) -> String {
 
 fn cost(trial: &Trial) -> String {
     let watch = &trial.watch;
-    let minute_s = (trial.seconds / 4.0).min(60.0);
+    let minute_s = (trial.judged.seconds / 4.0).min(60.0);
     let end_s = watch.samples.last().map_or(0.0, |sample| sample.at_s);
     let peak = watch.samples.last().map_or(f64::NAN, |sample| sample.peak_mib);
     let mut text = format!(

@@ -27,6 +27,10 @@ pub struct Sample {
     pub resident_mib: f64,
     /// The most ever in use, MiB.
     pub peak_mib: f64,
+    /// Open descriptors.
+    pub descriptors: usize,
+    /// Threads.
+    pub threads: usize,
     /// Processor time so far by name of thread, s.
     pub threads_s: BTreeMap<String, f64>,
 }
@@ -45,6 +49,8 @@ impl Watch {
         let read = |path: String| fs::read_to_string(&path).with_context(|| format!("cannot read {path}"));
         let (_, cpu_s) = times(&read(format!("{folder}/stat"))?).context("/proc/…/stat has no times")?;
         let status = read(format!("{folder}/status"))?;
+        let descriptors = fs::read_dir(format!("{folder}/fd"))?.count();
+        let threads = fs::read_dir(format!("{folder}/task"))?.count();
         let mut threads_s = BTreeMap::new();
         for task in fs::read_dir(format!("{folder}/task"))? {
             // A thread may end between listing and reading.
@@ -52,18 +58,28 @@ impl Watch {
             let Some((name, seconds)) = times(&text) else { continue };
             *threads_s.entry(name).or_insert(0.0) += seconds;
         }
-        let kib = |key: &str| -> Option<f64> {
-            status.lines().find_map(|line| line.strip_prefix(key))?.split_whitespace().next()?.parse().ok()
-        };
-        let mib = |key| kib(key).map(|kib| kib / 1024.0).context("/proc/…/status has no memory");
+        let mib = |key| kib(&status, key).map(|kib| kib / 1024.0).context("/proc/…/status has no memory");
         self.samples.push(Sample {
             at_s: self.begun.elapsed().as_secs_f64(),
             cpu_s,
             resident_mib: mib("VmRSS:")?,
             peak_mib: mib("VmHWM:")?,
+            descriptors,
+            threads,
             threads_s,
         });
         Ok(())
+    }
+
+    /// Most memory that one of its children ever used, MiB; 0 without children.
+    pub fn children_mib(&self) -> f64 {
+        let tasks = fs::read_dir(format!("/proc/{}/task", self.process)).into_iter().flatten().flatten();
+        let children = tasks.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
+        let children = children.collect::<String>();
+        // A child may end between listing and reading.
+        let status = |id| fs::read_to_string(format!("/proc/{id}/status")).ok();
+        let memory = |id| kib(&status(id)?, "VmHWM:").map(|kib| kib / 1024.0);
+        children.split_whitespace().filter_map(memory).fold(0.0, f64::max)
     }
 
     /// Processor time per second over all looks.
@@ -96,6 +112,11 @@ impl Watch {
             .collect();
         inside.iter().sum::<f64>() / inside.len() as f64
     }
+}
+
+/// A line of `status`.
+fn kib(status: &str, key: &str) -> Option<f64> {
+    status.lines().find_map(|line| line.strip_prefix(key))?.split_whitespace().next()?.parse().ok()
 }
 
 /// Name and processor time of a `stat` line; the name is in parentheses and may hold anything.
