@@ -50,7 +50,7 @@ pub enum Condition {
 pub struct Health {
     /// The worst.
     pub state: Condition,
-    /// `devices`, `recorder`, `disk`, `analysis`, and `broker` where there is one.
+    /// `devices`, `recorder`, `disk`, `analysis`; `broker`, `page`, `mtconnect` and `opcua` where the configuration has them.
     pub parts: BTreeMap<String, PartHealth>,
 }
 

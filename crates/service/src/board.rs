@@ -24,8 +24,8 @@ struct Shared {
     changed: Notify,
     /// Counts the changes, for everybody else.
     changes: watch::Sender<u64>,
-    /// Why the broker cannot be reached; empty when it can.
-    broker: Mutex<Option<String>>,
+    /// Connections and ports of the configuration, each with why it does not work; empty when it does.
+    connections: Mutex<BTreeMap<&'static str, String>>,
 }
 
 /// The value of a topic.
@@ -67,14 +67,14 @@ impl Board {
         self.shared.changed.notified().await;
     }
 
-    /// Why the broker cannot be reached: empty when it can, `None` without a broker.
-    pub fn broker(&self) -> Option<String> {
-        self.shared.broker.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// Broker, page and servers of the configuration, each with why it does not work: empty when it does.
+    pub fn connections(&self) -> BTreeMap<&'static str, String> {
+        self.shared.connections.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Empty: it is reached.
-    pub(crate) fn set_broker(&self, why: &str) {
-        *self.shared.broker.lock().unwrap_or_else(PoisonError::into_inner) = Some(why.into());
+    /// Empty: it works.
+    pub(crate) fn set_connection(&self, name: &'static str, why: &str) {
+        self.shared.connections.lock().unwrap_or_else(PoisonError::into_inner).insert(name, why.into());
     }
 
     /// Who chooses, begins and ends cycles.

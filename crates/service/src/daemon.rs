@@ -5,6 +5,7 @@ mod analyst;
 mod disk;
 mod health;
 mod joining;
+mod listening;
 mod plants;
 mod report;
 mod resume;
@@ -35,6 +36,7 @@ use crate::set_up::SetUp;
 use crate::storage::{FolderLock, LockError, Storage};
 use analyses::Analyses;
 use disk::Disk;
+use listening::listening;
 use serde_json::json;
 use status::report_systemd;
 use std::path::Path;
@@ -120,11 +122,11 @@ pub async fn serve_on(
     };
     let watched = tokio::spawn(disk.clone().watch(cancel.clone()));
     let page = match &config.page {
-        Some(place) => page(place, &set_up, &config, &cycles, &board, &clock, &cancel).await,
+        Some(place) => page(place, &set_up, &config, &cycles, &board, &clock, &cancel),
         None => None,
     };
-    let adapter = plants::adapter(&config, &board, &cancel).await;
-    let opcua = plants::opcua_server(&config, &board, &cancel).await;
+    let adapter = plants::adapter(&config, &board, &cancel);
+    let opcua = plants::opcua_server(&config, &board, &cancel);
     report_systemd(&[sd_notify::NotifyState::Ready]);
     // Cycles are analysed while the next one is waited for and measured.
     let mut reports = JoinSet::new();
@@ -183,8 +185,8 @@ pub fn cycle_under_way(now: Progress) -> serde_json::Value {
     json!({ "done": now.done, "total": now.total, "seconds_left": now.seconds_left })
 }
 
-/// Starts the page; measuring goes on without it where it cannot listen.
-async fn page(
+/// Starts the page; measuring goes on without it where its certificate cannot be read.
+fn page(
     place: &PageConfig,
     set_up: &SetUp,
     config: &Config,
@@ -197,19 +199,10 @@ async fn page(
         Ok(access) => access,
         Err(failure) => {
             warn!("there is no page: {}", chain(&failure));
+            board.set_connection("page", &chain(&failure));
             return None;
         }
     };
-    let address = place.listen;
-    let listening = tokio::net::TcpListener::bind(address).await;
-    let (listener, address) =
-        match listening.and_then(|listener| listener.local_addr().map(|address| (listener, address))) {
-            Ok(listening) => listening,
-            Err(error) => {
-                warn!(%error, %address, "there is no page: the address cannot be listened on");
-                return None;
-            }
-        };
     let shared = page::Shared {
         serves: Serves::Service,
         name: config.name.clone(),
@@ -219,11 +212,15 @@ async fn page(
         clock: clock.clone(),
         set_up: Some(set_up.clone()),
     };
-    info!("the page is at {}://{address}", access.scheme());
-    let cancel = cancel.clone();
+    let (address, board, cancel) = (place.listen, board.clone(), cancel.clone());
     Some(tokio::spawn(async move {
+        let Some(listener) = listening("page", address, &board, &cancel).await else { return };
+        // The system chooses the port where the configuration leaves it open.
+        let address = listener.local_addr().unwrap_or(address);
+        info!("the page is at {}://{address}", access.scheme());
         if let Err(error) = page::serve(listener, Arc::new(shared), access, cancel).await {
             warn!(%error, "the page ended");
+            board.set_connection("page", &format!("it ended: {error}"));
         }
     }))
 }

@@ -44,13 +44,13 @@ const QUEUE: usize = 64;
 pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
     let mut failures = Failures::default();
     let mut wait = BACK_OFF.0;
-    board.set_broker("not reached yet");
+    board.set_connection("broker", "not reached yet");
     let (client, mut events) = loop {
         match connect(&config) {
             Ok(connection) => break connection,
             Err(why) => {
                 failures.tell(&config, false, &why);
-                board.set_broker(&why);
+                board.set_connection("broker", &why);
             }
         }
         tokio::select! {
@@ -67,7 +67,7 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
                 Ok(Event::Incoming(Packet::ConnAck(_))) => {
                     info!(host = config.host, port = config.port, "connected to the MQTT broker");
                     (connected, wait, failures) = (true, BACK_OFF.0, Failures::default());
-                    board.set_broker("");
+                    board.set_connection("broker", "");
                     board.forget_what_was_sent();
                     if let Err(error) = client.try_subscribe(choose_topic(&config), QoS::AtLeastOnce) {
                         warn!(%error, "the broker was not asked for choices of a cycle");
@@ -89,7 +89,7 @@ pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
                     // The file of a password or a certificate may have been mended.
                     let why = log_in(&config, &mut events.mqtt_options).err().unwrap_or_else(|| cause(&error));
                     failures.tell(&config, connected, &why);
-                    board.set_broker(&why);
+                    board.set_connection("broker", &why);
                     connected = false;
                     tokio::select! {
                         () = cancel.cancelled() => break,

@@ -1,4 +1,4 @@
-//! How the service does: the worst of devices, recorder, disk, analysis and broker.
+//! How the service does: the worst of devices, recorder, disk, analysis, and of broker, page and servers where there are any.
 
 use crate::board::Board;
 use std::collections::BTreeMap;
@@ -17,9 +17,10 @@ pub(super) fn health<'a>(
         ("disk".to_owned(), of_topic(board, "storage", "low", Condition::Limited)),
         ("analysis".to_owned(), of_topic(board, "result", "failed", Condition::Limited)),
     ]);
-    if let Some(why) = board.broker() {
+    // Measuring goes on without them.
+    for (name, why) in board.connections() {
         let state = if why.is_empty() { Condition::Good } else { Condition::Limited };
-        parts.insert("broker".into(), PartHealth { state, why });
+        parts.insert(name.into(), PartHealth { state, why });
     }
     Health::of(parts)
 }
@@ -78,6 +79,13 @@ mod tests {
         send.send_modify(|status| status.state = DeviceState::Streaming);
         assert_eq!(of(&board).state, Condition::Good);
         assert!(!of(&board).parts.contains_key("broker"), "there is none");
+
+        board.set_connection("opcua", "");
+        board.set_connection("mtconnect", "127.0.0.1:7878 cannot be listened on");
+        assert_eq!(of(&board).parts["opcua"].state, Condition::Good);
+        assert_eq!(of(&board).parts["mtconnect"].why, "127.0.0.1:7878 cannot be listened on");
+        assert_eq!(of(&board).state, Condition::Limited);
+        board.set_connection("mtconnect", "");
 
         board.set("result", &json!({ "state": "failed", "why": "out of memory" }));
         assert_eq!(of(&board).parts["analysis"], PartHealth::new(Condition::Limited, "out of memory"));
