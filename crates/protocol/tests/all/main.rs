@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod canopen_startup;
+mod codecs;
 mod fuzz;
 mod linuxcncrsh_lines;
 mod mtconnect_documents;
