@@ -3,11 +3,14 @@
 
 #[path = "../src/carried.rs"]
 mod carried;
+#[path = "../src/schemes/judged.rs"]
+mod judged;
+#[path = "../src/schemes/rows.rs"]
 mod rows;
 
+use judged::{Found, found, injected};
 use rows::{ROWS, Row};
 use serde_json::Value;
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
@@ -28,44 +31,14 @@ fn config(kind: &str, name: &str) -> String {
     format!("{ROOT}/config/{kind}/{name}.toml")
 }
 
-/// True values by parameter name, screen units.
-fn truth(row: &Row) -> BTreeMap<String, f64> {
-    let text = std::fs::read_to_string(config("truths", row.truth)).unwrap();
-    let file: toml::Table = text.parse().unwrap();
-    let number = |value: &toml::Value| value.as_float().unwrap();
-    let mut truth = BTreeMap::new();
-    for (key, value) in file["location"].as_table().unwrap() {
-        truth.insert(key.split('_').next().unwrap().to_string(), number(value));
-    }
-    for hidden in file.get("hidden").and_then(|h| h.as_array()).into_iter().flatten() {
-        let size = number(&hidden["amplitude"]) * 1e6 * hidden["shape"].get("sign").map_or(1.0, number);
-        let id = hidden["id"].as_str().unwrap();
-        let name = match id {
-            "squareness:XY" => "EC0Y".into(),
-            "squareness:ZX" => "EB0Z".into(),
-            "squareness:YZ" => "EA0Z".into(),
-            _ => format!("{id}.scale"),
-        };
-        truth.insert(name, size);
-    }
-    truth.extend(row.also.iter().map(|(name, value)| (name.to_string(), *value)));
-    truth
-}
-
-/// Names as sentences use them: `scale` alone says nothing.
-fn name_of(parameter: &Value) -> String {
-    let name = parameter["name"].as_str().unwrap();
-    if name == "scale" { format!("{}.scale", parameter["effect"].as_str().unwrap()) } else { name.into() }
-}
-
 /// What was found against the injected values.
 struct Outcome {
     points: u64,
     rms_um: f64,
     numbers: usize,
     worst_u: f64,
-    /// The wanted numbers with their standard uncertainties.
-    wanted: Vec<(String, f64, String)>,
+    /// The wanted numbers.
+    wanted: Vec<Found>,
 }
 
 fn run(row: &Row, folder: &Path, wrong: &mut Vec<String>) -> Outcome {
@@ -77,39 +50,28 @@ fn run(row: &Row, folder: &Path, wrong: &mut Vec<String>) -> Outcome {
     if let Some(model) = &model {
         args.extend(["--model", model]);
     }
-    let found: Value = serde_json::from_str(&trunnion(folder, &args)).unwrap();
-    let truth = truth(row);
-    let true_value = |name: &str| truth.get(name).copied().unwrap_or(0.0);
-    let carried = |name: &str| carried::carried(&found, name, &true_value);
-    let (mut numbers, mut worst_u, mut wanted) = (0, 0f64, Vec::new());
-    for parameter in found["parameters"].as_array().unwrap() {
-        let name = name_of(parameter);
-        let number = parameter["value"].as_f64().zip(parameter["u"].as_f64());
-        if parameter["effect"] == "ball-setting" || parameter["effect"] == "artefact-form" {
-            continue;
-        }
-        if let Some((value, u)) = number {
-            let off = (value - true_value(&name) - carried(&name)).abs();
-            worst_u = worst_u.max((off - SECOND_ORDER).max(0.0) / u);
-            numbers += 1;
-            if off > ALLOWED_U * u + SECOND_ORDER {
-                let (own, carried) = (true_value(&name), carried(&name));
-                wrong.push(format!("{}: {name} = {value} ± {u}, injected {own} + {carried}", row.scheme));
-            }
-            if row.identifies.contains(&name.as_str()) {
-                wanted.push((name, u, parameter["unit"].as_str().unwrap().to_string()));
-            }
+    let answer: Value = serde_json::from_str(&trunnion(folder, &args)).unwrap();
+    let injected = injected(row, &std::fs::read_to_string(&truth_file).unwrap());
+    let numbers = found(&answer, &injected);
+    let mut worst_u = 0f64;
+    for Found { name, value, u, expected, .. } in &numbers {
+        let off = (value - expected).abs();
+        worst_u = worst_u.max((off - SECOND_ORDER).max(0.0) / u);
+        if off > ALLOWED_U * u + SECOND_ORDER {
+            wrong.push(format!("{}: {name} = {value} ± {u}, injected {expected}", row.scheme));
         }
     }
+    let is_wanted = |found: &&Found| row.identifies.contains(&found.name.as_str());
+    let wanted: Vec<Found> = numbers.iter().filter(is_wanted).cloned().collect();
     for name in row.identifies {
-        if !wanted.iter().any(|(found, _, _)| found == name) {
+        if !wanted.iter().any(|found| found.name == *name) {
             wrong.push(format!("{}: {name} has no number", row.scheme));
         }
     }
     Outcome {
-        points: found["points"].as_u64().unwrap(),
-        rms_um: found["rms_um"].as_f64().unwrap(),
-        numbers,
+        points: answer["points"].as_u64().unwrap(),
+        rms_um: answer["rms_um"].as_f64().unwrap(),
+        numbers: numbers.len(),
         worst_u,
         wanted,
     }
@@ -126,8 +88,8 @@ fn line(row: &Row, outcome: &Outcome) -> String {
         outcome
             .wanted
             .iter()
-            .filter(|w| w.2 == unit)
-            .map(|w| w.1)
+            .filter(|found| found.unit == unit)
+            .map(|found| found.u)
             .fold(None, |most: Option<f64>, u| Some(most.map_or(u, |most| most.max(u))))
     };
     let u: Vec<String> = [("um", "µm"), ("urad", "µrad"), ("um/m", "µm/m")]

@@ -10,6 +10,7 @@ pub mod mosquitto;
 pub mod page_status;
 pub mod pauses;
 pub mod peer;
+pub mod schemes;
 pub mod section;
 #[expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 pub mod sweeps;

@@ -3,6 +3,7 @@
 //! A kind says what a unit of it does to the machine at a state; drawing chooses its shape (phases, time
 //! constants, directions) and then its amplitude, so that a unit `sigma` gives [`TYPICAL_RMS_MM`] in the readings.
 
+mod angular_motion;
 mod axial_error_motion;
 mod backlash;
 mod cable_drag;
@@ -41,7 +42,8 @@ use trunnion_machine::Machine;
 pub const TYPICAL_RMS_MM: f64 = 5e-3;
 
 /// The registry.
-pub const KINDS: [&Kind; 23] = [
+pub const KINDS: [&Kind; 24] = [
+    &angular_motion::KIND,
     &axial_error_motion::KIND,
     &backlash::KIND,
     &cable_drag::KIND,

@@ -33,7 +33,7 @@ const fn with(cycle: &'static str, model: &'static str) -> Case {
 }
 
 /// Every instrument and every way of measuring that ships.
-pub const CASES: [Case; 40] = [
+pub const CASES: [Case; 41] = [
     base("ball-bar-c"),
     with("ball-plate", "volume"),
     with("ball-plate-self", "self-calibration"),
@@ -54,6 +54,7 @@ pub const CASES: [Case; 40] = [
     base("head-c"),
     base("hybrid-static"),
     with("laser-ball-bar", "straight-lines-bc"),
+    with("level", "volume"),
     with("linear-x", "straight-lines"),
     base("machined-column"),
     with("passive-arm", "straight-lines-xy-bc"),

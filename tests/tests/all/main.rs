@@ -21,4 +21,5 @@ mod many_cycles;
 mod named_methods;
 mod nc_program_measured;
 mod opcua_controller;
+mod schemes;
 mod service;

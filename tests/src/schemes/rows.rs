@@ -2,10 +2,15 @@
 
 /// One scheme.
 pub struct Row {
+    /// What is measured with what.
     pub scheme: &'static str,
+    /// Where it is described.
     pub source: &'static str,
+    /// File in `config/cycles`.
     pub cycle: &'static str,
+    /// File in `config/truths`.
     pub truth: &'static str,
+    /// File in `config/models`; the base model without one.
     pub model: Option<&'static str>,
     /// What must be among the numbers.
     pub identifies: &'static [&'static str],
@@ -15,11 +20,15 @@ pub struct Row {
     pub also: &'static [(&'static str, f64)],
 }
 
+/// Location errors of a table B-C.
 pub const LOCATIONS: &[&str] = &["EX0B", "EZ0B", "EA0B", "EB0B", "EC0B", "EX0C", "EY0C", "EA0C"];
+/// Squarenesses.
 pub const SQUARE: &[&str] = &["EC0Y", "EB0Z", "EA0Z"];
+/// Squarenesses and scales.
 pub const SQUARE_AND_SCALES: &[&str] =
     &["EC0Y", "EB0Z", "EA0Z", "linear-scale:X.scale", "linear-scale:Y.scale", "linear-scale:Z.scale"];
 
+/// Every scheme.
 pub const ROWS: &[Row] = &[
     Row {
         scheme: "R-test, nest on the table, grid of poses",
@@ -162,6 +171,16 @@ pub const ROWS: &[Row] = &[
         also: &[],
     },
     Row {
+        scheme: "BK3: both rotary axes at constant speeds, three bar directions",
+        source: "ISO 10791-6",
+        cycle: "bk3-bc",
+        truth: "table-bc",
+        model: None,
+        identifies: &["EA0B", "EB0B", "EC0B", "EX0C", "EA0C"],
+        cannot: "EX0B, EZ0B, EY0C against the length of the bar and the settings; EB0B to some 8 µrad only",
+        also: &[],
+    },
+    Row {
         scheme: "BK4: cone-frustum path, five axes at once",
         source: "NAS 979; ISO 10791-6; S4",
         cycle: "bk4-cone",
@@ -293,5 +312,22 @@ pub const ROWS: &[Row] = &[
         ],
         cannot: "roll of Z and yaw of Y (no tool off the spindle line); rotary axes (stationary)",
         also: &[("EXX.P1", 3.6), ("EYY.P1", -2.4)],
+    },
+    Row {
+        scheme: "Level in the spindle against one on the table, two directions",
+        source: "ISO 230-1",
+        cycle: "level",
+        truth: "three-axis-angles",
+        model: Some("volume"),
+        identifies: &["EAX.P1", "EBX.P1", "EAY.P1", "EBY.P1", "EAZ.P1", "EBZ.P1"],
+        cannot: "turns about the vertical (ECX, ECY, ECZ); all that shifts and does not turn",
+        also: &[
+            ("EAX.P1", 20.0),
+            ("EBX.P1", -14.0),
+            ("EAY.P1", -12.0),
+            ("EBY.P1", 15.0),
+            ("EAZ.P1", 9.0),
+            ("EBZ.P1", -18.0),
+        ],
     },
 ];
