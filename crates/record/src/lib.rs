@@ -6,6 +6,7 @@
 //! [`recover_orphans`] does the same for journals left behind. [`read_run`] and [`visit`] read any of them,
 //! damaged or not; [`visit_points`] reads the points alone, however many there are. [`points_csv`] and [`export`] are the ways in and out as tables.
 
+pub mod b5r;
 mod column;
 mod container;
 mod damage;

@@ -43,6 +43,14 @@ pub enum Error {
         /// Why.
         why: String,
     },
+    /// The file of another program that says nothing of these runs.
+    #[error("{} is no second opinion: {why}", path.display())]
+    NoSecondOpinion {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
     /// Problems of a hand-written file, each with line, what was found and what is allowed.
     #[error(transparent)]
     Problems(#[from] Problems),

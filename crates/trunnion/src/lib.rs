@@ -45,6 +45,7 @@ mod prediction;
 pub mod recorded;
 pub mod recording;
 pub mod replay;
+pub mod second_opinion;
 mod step;
 pub mod tables;
 pub mod timing;

@@ -8,6 +8,7 @@ use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use std::path::PathBuf;
 use trunnion::report::{identification_text, location_text, timing_text};
+use trunnion::second_opinion::add_bar_result;
 use trunnion::{Convention, EVERY_METHOD, MethodOptions, Notation, method};
 
 /// Identify the machine's errors from recordings
@@ -41,6 +42,9 @@ pub struct Args {
     /// Signs of the method's values: right-handed, or source (as its source prints them)
     #[arg(long, value_name = "NAME", requires = "method", default_value = "right-handed", value_parser = convention)]
     convention: Convention,
+    /// Result file of a Renishaw QC20-W (.b5r) of the same circles: its numbers next to ours
+    #[arg(long, value_name = "FILE.B5R", requires = "method")]
+    against: Option<PathBuf>,
     /// Page with the method's charts
     #[arg(long, value_name = "FILE", requires = "method")]
     html: Option<PathBuf>,
@@ -94,7 +98,10 @@ fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
     let Loaded { experiment, outcome } = load::runs_for_method(&args.runs)?;
     let axis = args.axis.as_deref().map(|name| experiment.rotary_joint(name)).transpose()?;
     let options = MethodOptions { axis, convention: args.convention };
-    let findings = experiment.by_method(name, &options)?;
+    let mut findings = experiment.by_method(name, &options)?;
+    if let Some(path) = &args.against {
+        add_bar_result(&mut findings, path)?;
+    }
     output::findings(&findings, args.html.as_deref(), args.json)?;
     Ok(outcome)
 }

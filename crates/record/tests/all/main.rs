@@ -6,6 +6,7 @@ use trunnion_core::HostTime;
 use trunnion_cycles::RunKind;
 use trunnion_record::RunHeader;
 
+mod b5r;
 mod damage;
 mod full_disk;
 mod kill;
