@@ -11,9 +11,9 @@ mod terminal;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    add, analyse_run, attribute, calibrate_nest, check, check_config, compare, correct, cycle, daemon, demo,
-    devices, diagnose, export, history, identify, import, join, ladder, nc_program, open, plan, predict,
-    record, remove, replay, report, scrub, simulate, volumetric, watch,
+    add, analyse_run, answer_page, attribute, calibrate_nest, check, check_config, compare, correct, cycle,
+    daemon, demo, devices, diagnose, export, history, identify, import, join, ladder, nc_program, open, plan,
+    predict, record, remove, replay, report, scrub, simulate, volumetric, watch,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -64,6 +64,8 @@ enum Command {
     Volumetric(volumetric::Args),
     #[command(hide = true)]
     AnalyseRun(analyse_run::Args),
+    #[command(hide = true)]
+    AnswerPage(answer_page::Args),
 }
 
 fn main() -> ExitCode {
@@ -103,6 +105,7 @@ fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Volumetric(args) => volumetric::run(&args),
         Command::AnalyseRun(args) => analyse_run::run(&args),
+        Command::AnswerPage(args) => answer_page::run(&args),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

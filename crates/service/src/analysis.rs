@@ -1,9 +1,18 @@
-//! What an analysis is given: a model, time, memory.
+//! Who analyses, and what an analysis is given: a model, time, memory.
 
 use std::path::PathBuf;
 use std::time::Duration;
 use trunnion::Model;
 use trunnion_core::input::Table;
+
+/// Who analyses.
+#[derive(Clone, Debug)]
+pub enum Analyst {
+    /// This process, without limits.
+    Here,
+    /// This program, as a process of its own with limits of time and memory.
+    Program(PathBuf),
+}
 
 /// What one analysis may take: `[analysis]` of the configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,12 +15,11 @@ mod status;
 pub use crate::clock::{day, file_stamp, moment};
 pub use crate::error::ServiceError;
 pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, Unfinished, measure_cycle, record_cycle};
-pub use analyst::{Analyst, COMMAND, end_with_parent, limit_memory};
 pub use report::{Report, analyse_recording, report_at_once, write_report};
 pub use states::States;
 pub use status::{publish_live, publish_status};
 
-use crate::analysis::JudgedBy;
+use crate::analysis::{Analyst, JudgedBy};
 use crate::board::Board;
 use crate::config::{Config, PageConfig};
 use crate::cycles::{Choice, Cycles};
@@ -29,7 +28,7 @@ use crate::latest::Mounted;
 use crate::live::{Live, Measured, Start};
 use crate::mqtt;
 use crate::page;
-use crate::page::Access;
+use crate::page::{Access, PageAnalyst};
 use crate::run_record;
 use crate::run_record::Known;
 use crate::set_up::SetUp;
@@ -122,7 +121,10 @@ pub async fn serve_on(
     };
     let watched = tokio::spawn(disk.clone().watch(cancel.clone()));
     let page = match &config.page {
-        Some(place) => page(place, &set_up, &config, &cycles, &board, &clock, &cancel),
+        Some(place) => {
+            let analyst = PageAnalyst::new(analyses.analyst.clone(), analyses.limits, clock.clone());
+            page(place, &set_up, &config, &cycles, analyst, &analyses)
+        }
         None => None,
     };
     let adapter = plants::adapter(&config, &board, &cancel);
@@ -191,9 +193,8 @@ fn page(
     set_up: &SetUp,
     config: &Config,
     cycles: &Cycles,
-    board: &Board,
-    clock: &Arc<dyn Clock>,
-    cancel: &CancellationToken,
+    analyst: PageAnalyst,
+    Analyses { board, clock, cancel, .. }: &Analyses,
 ) -> Option<JoinHandle<()>> {
     let access = match place.lan.as_ref().map_or_else(|| Ok(Access::this_computer()), Access::of_lan) {
         Ok(access) => access,
@@ -206,7 +207,7 @@ fn page(
     let shared = page::Shared {
         serves: Serves::Service,
         name: config.name.clone(),
-        runs: Arc::new(page::Runs::of_folder(&config.recordings, config.model.clone())),
+        runs: Arc::new(page::Runs::of_folder(&config.recordings, config.model.clone(), analyst)),
         board: board.clone(),
         cycles: cycles.all().map(Choice::shown).collect(),
         clock: clock.clone(),

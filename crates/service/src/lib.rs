@@ -3,6 +3,7 @@
 pub mod analysis;
 pub mod board;
 pub mod caller;
+pub mod child;
 pub mod clock;
 pub mod config;
 pub mod cycles;

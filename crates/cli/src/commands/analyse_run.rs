@@ -7,6 +7,7 @@ use anyhow::Context;
 use std::path::PathBuf;
 use trunnion::Model;
 use trunnion::results::{Verdict, to_json_line};
+use trunnion_service::child;
 use trunnion_service::daemon::{self, Report};
 
 /// Analyse a recording and write its report next to it; the answer in short goes to standard output
@@ -34,9 +35,9 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     log_to_stderr();
     if args.with_parent {
-        daemon::end_with_parent();
+        child::end_with_parent();
     }
-    daemon::limit_memory(args.memory_mb).context("cannot limit the memory")?;
+    child::limit_memory(args.memory_mb).context("cannot limit the memory")?;
     let model = args.model.as_ref().map(Model::load).transpose()?;
     let Report { answer, .. } = daemon::write_report(&args.run, model.as_ref(), &args.date)?;
     terminal::print_verbatim(&to_json_line(&answer)?)?;

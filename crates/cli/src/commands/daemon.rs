@@ -12,12 +12,13 @@ use tracing_subscriber::prelude::*;
 use trunnion::Model;
 use trunnion::cycles::Cycle;
 use trunnion_acquire::config::channels;
+use trunnion_service::analysis::Analyst;
 use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::{Config, ProgramCycle};
 use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon;
-use trunnion_service::daemon::{Analyst, Texts};
+use trunnion_service::daemon::Texts;
 use trunnion_service::live::{Pattern, Plan};
 
 /// Run as a service: wait for a cycle, record it, analyse it, report
@@ -92,12 +93,16 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             stop.cancel();
         });
         let clock = Arc::new(SystemClock::start());
-        // What analyses is this program, whatever path it was started by.
-        let analyst = Analyst::Program(std::env::current_exe().context("cannot find the program itself")?);
+        let analyst = analyst()?;
         let Prepared { config, cycles } = prepared;
         daemon::serve_on(config, cycles, clock, cancel, Board::default(), analyst).await?;
         Ok(Outcome::Done)
     })
+}
+
+/// What analyses is this program, whatever path it was started by.
+pub fn analyst() -> anyhow::Result<Analyst> {
+    Ok(Analyst::Program(std::env::current_exe().context("cannot find the program itself")?))
 }
 
 /// Log lines on standard error; `RUST_LOG` chooses, the usual level is info.

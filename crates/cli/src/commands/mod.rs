@@ -2,6 +2,7 @@
 
 pub mod add;
 pub mod analyse_run;
+pub mod answer_page;
 pub mod attribute;
 pub mod calibrate_nest;
 pub mod check;

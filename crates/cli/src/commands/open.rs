@@ -1,14 +1,17 @@
 //! `trunnion open`: recordings on the page, without a service.
 
+use super::daemon::analyst;
 use crate::outcome::Outcome;
 use crate::terminal;
 use anyhow::{Context, bail};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 use trunnion::results::Serves;
 use trunnion_core::Clock;
+use trunnion_service::analysis::AnalysisLimits;
 use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::page;
@@ -29,6 +32,12 @@ pub struct Args {
     /// Address of this computer and port; port 0 takes a free one
     #[arg(long, value_name = "ADDRESS:PORT", default_value = page::USUAL_ADDRESS)]
     listen: String,
+    /// Memory that the analyses may take
+    #[arg(long, value_name = "MB")]
+    memory_mb: Option<f64>,
+    /// Time that an analysis may take
+    #[arg(long, value_name = "SECONDS")]
+    time_s: Option<f64>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -36,9 +45,16 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(run) = missing {
         bail!("there is no {}", run.display());
     }
+    let usual = AnalysisLimits::default();
+    let limits = AnalysisLimits {
+        memory_mb: args.memory_mb.unwrap_or(usual.memory_mb),
+        time: args.time_s.map_or(Ok(usual.time), Duration::try_from_secs_f64).context("--time-s")?,
+        ..usual
+    };
+    let analyst = page_analyst(limits)?;
     let runs = match args.runs.as_slice() {
-        [folder] if folder.is_dir() => page::Runs::of_folder(folder, args.model.clone()),
-        files => page::Runs::of_files(files.to_vec(), args.model.clone()),
+        [folder] if folder.is_dir() => page::Runs::of_folder(folder, args.model.clone(), analyst),
+        files => page::Runs::of_files(files.to_vec(), args.model.clone(), analyst),
     };
     let file_name = |run: &PathBuf| run.file_name().map(|name| name.to_string_lossy().into_owned());
     let name = args.runs.iter().filter_map(file_name).collect::<Vec<_>>().join(", ");
@@ -56,6 +72,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         serve_until_interrupted(listen(&args.listen).await?, shared).await?;
         Ok(Outcome::Done)
     })
+}
+
+/// Who analyses for a page: this program, within limits.
+pub fn page_analyst(limits: AnalysisLimits) -> anyhow::Result<page::PageAnalyst> {
+    Ok(page::PageAnalyst::new(analyst()?, limits, Arc::new(SystemClock::start())))
 }
 
 /// Listens on an address of this computer; where the usual one is taken, a free port is.

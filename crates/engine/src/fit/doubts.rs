@@ -174,5 +174,9 @@ fn longer_than_run(experiment: &Experiment, effect: &FittedEffect) -> Option<Dou
         .filter(|(name, tau_s)| is_time_constant(name) && longest_s > 0.0 && **tau_s > longest_s);
     let (names, values): (Vec<String>, Vec<f64>) = long.map(|(name, tau_s)| (name.clone(), *tau_s)).unzip();
     let tau_s = values.into_iter().reduce(f64::max)?;
-    Some(Doubt { effect: Some(effect.id.clone()), names, reason: DoubtReason::LongerThanRun { tau_s, longest_s } })
+    Some(Doubt {
+        effect: Some(effect.id.clone()),
+        names,
+        reason: DoubtReason::LongerThanRun { tau_s, longest_s },
+    })
 }

@@ -2,11 +2,12 @@
 //!
 //! Before an analysis begins, the state of the run on disk counts it: what ends the program each time is not tried for ever.
 
-use super::analyst::{Analyst, Task, Unanswered};
+use super::analyst::{Task, analyse};
 use super::joining;
 use super::states::States;
-use crate::analysis::{AnalysisLimits, JudgedBy};
+use crate::analysis::{AnalysisLimits, Analyst, JudgedBy};
 use crate::board::Board;
+use crate::child::Unanswered;
 use crate::clock::{day, moment};
 use crate::error::{ServiceError, chain};
 use crate::run_record;
@@ -51,7 +52,7 @@ impl Analyses {
         let analysing = tokio::task::spawn_blocking(move || {
             let date = day(this.clock.wall_ns());
             let task = Task { recording: &path, judged_by: &judged_by, date: &date, limits: this.limits };
-            this.analyst.analyse(&task, this.clock.as_ref(), &this.cancel)
+            analyse(&this.analyst, &task, this.clock.as_ref(), &this.cancel)
         });
         let broken = |_| Err(Unanswered::Failed(ServiceError::Broken("analysis").to_string()));
         match analysing.await.unwrap_or_else(broken) {

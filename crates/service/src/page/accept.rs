@@ -40,6 +40,19 @@ pub async fn serve(
     access: Access,
     cancel: CancellationToken,
 ) -> std::io::Result<()> {
+    let runs = shared.runs.clone();
+    let served = accept(listener, shared, access, cancel).await;
+    // An analysis that nobody waits for ends with the page.
+    runs.stop();
+    served
+}
+
+async fn accept(
+    listener: TcpListener,
+    shared: Arc<Shared>,
+    access: Access,
+    cancel: CancellationToken,
+) -> std::io::Result<()> {
     let guard = Arc::new(Guard::new(listener.local_addr()?, access.clone()));
     let app: Router = calls::routes(shared, access.clone(), cancel.clone())
         .layer(DefaultBodyLimit::max(MOST_BODY))

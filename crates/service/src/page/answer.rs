@@ -3,6 +3,7 @@
 use axum::http::StatusCode;
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
+use hyper::body::Bytes;
 use serde::Serialize;
 use serde_json::json;
 
@@ -36,8 +37,8 @@ pub enum Refusal {
     #[error("{0}")]
     NotNow(&'static str),
     /// The analysis failed.
-    #[error("the analysis failed")]
-    Failed(#[from] trunnion::Error),
+    #[error("the analysis failed: {0}")]
+    Failed(String),
     /// Too much is asked at once.
     #[error("too many analyses are waiting; ask again in a moment")]
     Busy,
@@ -75,11 +76,16 @@ pub fn refused(status: StatusCode, why: &str) -> Response {
 /// An answer as JSON.
 pub fn json_of(answer: &impl Serialize) -> Result<Response, Refusal> {
     let text = serde_json::to_string(answer).map_err(|_| Refusal::Broken("writing of an answer"))?;
-    Ok(([(CONTENT_TYPE, "application/json"), (CACHE_CONTROL, "no-store")], text).into_response())
+    Ok(json(text.into()))
+}
+
+/// An answer that is JSON already.
+pub fn json(text: Bytes) -> Response {
+    ([(CONTENT_TYPE, "application/json"), (CACHE_CONTROL, "no-store")], text).into_response()
 }
 
 /// A report of its own: it brings its style and has no script.
-pub fn report(page: String) -> Response {
+pub fn report(page: Bytes) -> Response {
     const ALLOWED: &str =
         "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'; base-uri 'none'; sandbox";
     let headers = [

@@ -1,8 +1,9 @@
 //! The calls (docs/use/page.md), each with the command that does the same.
 
 use super::access::Access;
-use super::answer::{Refusal, json_of, report};
+use super::answer::{Refusal, json, json_of, report};
 use super::context::{Answer, Page, status_of, wrong};
+use super::question::{Asks, Step};
 use super::shared::Shared;
 use super::{assets, cycle_calls, live, login, method_calls, set_up_calls};
 use crate::clock::day;
@@ -12,10 +13,8 @@ use axum::http::Uri;
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use serde::Deserialize;
-use serde_json::json;
 use std::sync::Arc;
 use tokio_util::sync::CancellationToken;
-use trunnion::FormulaText;
 
 /// Every call.
 pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) -> Router {
@@ -71,47 +70,38 @@ async fn history(State(page): State<Page>) -> Answer {
 }
 
 async fn story(State(page): State<Page>, Path(name): Path<String>) -> Answer {
-    json_of(&page.runs.open(&name).await?.compared.story())
+    Ok(json(page.runs.ask(&name, Asks::Story).await?))
 }
 
 async fn identification(State(page): State<Page>, Path(name): Path<String>) -> Answer {
-    json_of(&page.runs.open(&name).await?.compared.diagnosed().fit().results())
+    Ok(json(page.runs.ask(&name, Asks::Identification).await?))
 }
 
 async fn diagnosis(State(page): State<Page>, Path(name): Path<String>) -> Answer {
-    json_of(&page.runs.open(&name).await?.compared.diagnosed().results())
+    Ok(json(page.runs.ask(&name, Asks::Diagnosis).await?))
 }
 
 async fn comparison(State(page): State<Page>, Path(name): Path<String>) -> Answer {
-    json_of(&page.runs.open(&name).await?.compared.results())
+    Ok(json(page.runs.ask(&name, Asks::Comparison).await?))
 }
 
 async fn ladder(State(page): State<Page>, Path(name): Path<String>) -> Answer {
-    json_of(&page.runs.open(&name).await?.compared.results().ladder)
+    Ok(json(page.runs.ask(&name, Asks::Ladder).await?))
+}
+
+async fn linear(State(page): State<Page>, Path(name): Path<String>) -> Answer {
+    Ok(json(page.runs.ask(&name, Asks::Linear).await?))
 }
 
 async fn compare_page(State(page): State<Page>, Path(name): Path<String>) -> Answer {
     if let Some(left) = page.runs.left_report(&name) {
-        return Ok(report(left));
+        return Ok(report(left.into()));
     }
-    Ok(report(page.runs.open(&name).await?.compared.page()))
+    Ok(report(page.runs.ask(&name, Asks::Report).await?))
 }
 
 async fn trial_page(State(page): State<Page>, Path((name, effect)): Path<(String, String)>) -> Answer {
-    let open = page.runs.open(&name).await?;
-    let tried = page
-        .runs
-        .alone(move |_| {
-            Ok(open.compared.diagnosed().fit().try_effect(&effect, &FormulaText::default())?.page())
-        })
-        .await?;
-    Ok(report(tried))
-}
-
-async fn linear(State(page): State<Page>, Path(name): Path<String>) -> Answer {
-    let open = page.runs.open(&name).await?;
-    let linear = page.runs.alone(move |_| Ok(open.compared.diagnosed().linear()?)).await?;
-    json_of(&linear)
+    Ok(report(page.runs.ask(&name, Asks::Trial { effect }).await?))
 }
 
 /// Who adds or removes.
@@ -141,9 +131,9 @@ async fn add(
 ) -> Answer {
     let by = body.map_err(wrong)?.0.name("adds")?;
     let date = day(page.shared.clock.wall_ns());
-    let open = page.runs.add(&name, effect.clone(), by, date).await?;
+    let story = page.runs.ask(&name, Asks::Add(Step { effect: effect.clone(), by, date })).await?;
     changed(&page, &name, &effect, "added");
-    json_of(&open.compared.story())
+    Ok(json(story))
 }
 
 async fn remove(
@@ -153,15 +143,17 @@ async fn remove(
 ) -> Answer {
     let by = body.map_err(wrong)?.0.name("removes")?;
     let date = day(page.shared.clock.wall_ns());
-    let open = page.runs.remove(&name, effect.clone(), by, date).await?;
+    let story = page.runs.ask(&name, Asks::Remove(Step { effect: effect.clone(), by, date })).await?;
     changed(&page, &name, &effect, "removed");
-    json_of(&open.compared.story())
+    Ok(json(story))
 }
 
 /// Other browsers show it at once.
 fn changed(page: &Page, run: &str, effect: &str, how: &str) {
     let at_ns = page.shared.clock.now().0;
-    page.shared.board.set("model", &json!({ "run": run, "effect": effect, "state": how, "at_ns": at_ns }));
+    page.shared
+        .board
+        .set("model", &serde_json::json!({ "run": run, "effect": effect, "state": how, "at_ns": at_ns }));
 }
 
 /// An expression as far as it is typed.
@@ -176,12 +168,5 @@ struct Typed {
 
 async fn formula(State(page): State<Page>, body: Result<Json<Typed>, JsonRejection>) -> Answer {
     let Typed { run, site, component, expression } = body.map_err(wrong)?.0;
-    let open = page.runs.open(&run).await?;
-    let text = FormulaText {
-        site: Some(site),
-        component: Some(component),
-        expression: Some(expression),
-        grid: Vec::new(),
-    };
-    json_of(&open.compared.diagnosed().fit().experiment().check_formula(&text))
+    Ok(json(page.runs.ask(&run, Asks::Formula { site, component, expression }).await?))
 }

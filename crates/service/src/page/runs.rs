@@ -1,20 +1,22 @@
-//! Recordings behind the page: found by listing, analysed when they are asked for.
+//! Recordings behind the page: found by listing, analysed by a process of its own when something is asked of them.
 //!
 //! A name from a call is compared with the names of the list and never becomes part of a path.
 
 mod list;
 
+use super::analyst::PageAnalyst;
 use super::answer::Refusal;
+use super::question::{Asks, NoAnswer, Question};
+use super::stamp::{Stamp, stamp};
+use hyper::body::Bytes;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::SystemTime;
 use tokio::sync::Semaphore;
-use trunnion::results::{RunFound, RunLine, RunList, RunListFormat, sentences};
-use trunnion::{Compared, Model};
+use trunnion::results::{RunFound, RunLine, RunList, RunListFormat};
 
-/// Analysed runs that are kept; a run of 10 000 points needs some 30 MB.
-const MOST_OPEN: usize = 4;
+/// Answers that are kept, bytes; what-if of 10 000 poses has 9 MB, a report 1 MB.
+const MOST_KEPT: usize = 64 << 20;
 /// Analyses that may wait for the one that runs.
 const MOST_WAITING: usize = 8;
 
@@ -23,12 +25,13 @@ pub struct Runs {
     place: Place,
     /// The model that a run without one of its own is judged by; the base model without it.
     model: Option<PathBuf>,
-    open: Mutex<VecDeque<(PathBuf, Arc<Open>)>>,
+    analyst: PageAnalyst,
+    kept: Mutex<VecDeque<KeptAnswer>>,
     lines: Mutex<BTreeMap<PathBuf, (Stamp, RunLine)>>,
     found: Mutex<BTreeMap<PathBuf, RunFound>>,
     /// One analysis at a time: the computer also measures.
-    analysing: Semaphore,
-    waiting: Semaphore,
+    analysing: Arc<Semaphore>,
+    waiting: Arc<Semaphore>,
 }
 
 /// Where the recordings are.
@@ -37,38 +40,35 @@ enum Place {
     Files(Vec<PathBuf>),
 }
 
-/// Changes when a file does.
-type Stamp = Option<(SystemTime, u64)>;
-
-/// An analysed run.
-pub struct Open {
-    /// The answer, with everything behind it.
-    pub compared: Compared,
-    /// The model file that belongs to the run alone.
-    pub model_path: PathBuf,
+/// An answer that is given again.
+struct KeptAnswer {
+    recording: PathBuf,
+    asks: Asks,
     stamps: [Stamp; 2],
+    text: Bytes,
 }
 
 impl Runs {
     /// All recordings of a folder, whenever they come.
-    pub fn of_folder(folder: impl Into<PathBuf>, model: Option<PathBuf>) -> Self {
-        Self::new(Place::Folder(folder.into()), model)
+    pub fn of_folder(folder: impl Into<PathBuf>, model: Option<PathBuf>, analyst: PageAnalyst) -> Self {
+        Self::new(Place::Folder(folder.into()), model, analyst)
     }
 
     /// These recordings alone.
-    pub fn of_files(files: Vec<PathBuf>, model: Option<PathBuf>) -> Self {
-        Self::new(Place::Files(files), model)
+    pub fn of_files(files: Vec<PathBuf>, model: Option<PathBuf>, analyst: PageAnalyst) -> Self {
+        Self::new(Place::Files(files), model, analyst)
     }
 
-    fn new(place: Place, model: Option<PathBuf>) -> Self {
+    fn new(place: Place, model: Option<PathBuf>, analyst: PageAnalyst) -> Self {
         Self {
             place,
             model,
-            open: Mutex::default(),
+            analyst,
+            kept: Mutex::default(),
             lines: Mutex::default(),
             found: Mutex::default(),
-            analysing: Semaphore::new(1),
-            waiting: Semaphore::new(MOST_WAITING),
+            analysing: Arc::new(Semaphore::new(1)),
+            waiting: Arc::new(Semaphore::new(MOST_WAITING)),
         }
     }
 
@@ -130,111 +130,64 @@ impl Runs {
         std::fs::read_to_string(path.with_extension("html")).ok()
     }
 
-    /// The run of this name, analysed unless it is already.
-    pub async fn open(self: &Arc<Self>, name: &str) -> Result<Arc<Open>, Refusal> {
+    /// Asks something of the run of this name.
+    pub async fn ask(self: &Arc<Self>, name: &str, asks: Asks) -> Result<Bytes, Refusal> {
         let path = self.path(name)?;
-        if let Some(open) = self.kept(&path) {
-            return Ok(open);
+        if let Some(text) = self.kept(&path, &asks) {
+            return Ok(text);
         }
-        self.alone(move |runs| runs.current(&path)).await
-    }
-
-    /// Puts an effect into the model of a run; `by` is who does it, `date` when.
-    pub async fn add(
-        self: &Arc<Self>,
-        name: &str,
-        effect: String,
-        by: String,
-        date: String,
-    ) -> Result<Arc<Open>, Refusal> {
-        let path = self.path(name)?;
-        self.alone(move |runs| {
-            let open = runs.trusted(&path)?;
-            let step = open.compared.diagnosed().add(&effect)?.dated(&date)?.by(&by)?;
-            step.model().save(&open.model_path)?;
-            tracing::info!(model = %open.model_path.display(), effect, by, "added from the page");
-            runs.analyse(path)
-        })
-        .await
-    }
-
-    /// Takes an effect out of the model of a run.
-    pub async fn remove(
-        self: &Arc<Self>,
-        name: &str,
-        effect: String,
-        by: String,
-        date: String,
-    ) -> Result<Arc<Open>, Refusal> {
-        let path = self.path(name)?;
-        self.alone(move |runs| {
-            let open = runs.trusted(&path)?;
-            let smaller = open.compared.diagnosed().fit().remove(&effect, &date, Some(&by))?;
-            smaller.model().save(&open.model_path)?;
-            tracing::info!(model = %open.model_path.display(), effect, by, "removed from the page");
-            runs.analyse(path)
-        })
-        .await
-    }
-
-    /// A run that a person may act on, with its model as it is now: another browser may have changed it while this one waited.
-    fn trusted(&self, path: &Path) -> Result<Arc<Open>, Refusal> {
-        let open = self.current(path)?;
-        let doubts = open.compared.diagnosed().fit().experiment().plausibility();
-        match doubts.is_empty() {
-            true => Ok(open),
-            false => Err(Refusal::NotTrusted(sentences::not_plausible(&doubts))),
-        }
-    }
-
-    fn current(&self, path: &Path) -> Result<Arc<Open>, Refusal> {
-        self.kept(path).map_or_else(|| self.analyse(path.into()), Ok)
-    }
-
-    /// Works on a thread of its own, one at a time.
-    pub async fn alone<T: Send + 'static>(
-        self: &Arc<Self>,
-        work: impl FnOnce(&Self) -> Result<T, Refusal> + Send + 'static,
-    ) -> Result<T, Refusal> {
-        let _waits = self.waiting.try_acquire().map_err(|_| Refusal::Busy)?;
-        let _runs = self.analysing.acquire().await.map_err(|_| Refusal::Broken("page"))?;
+        let waits = self.waiting.clone().try_acquire_owned().map_err(|_| Refusal::Busy)?;
+        let turn = self.analysing.clone().acquire_owned().await.map_err(|_| Refusal::Broken("page"))?;
         let runs = self.clone();
-        tokio::task::spawn_blocking(move || work(&runs)).await.map_err(|_| Refusal::Broken("analysis"))?
+        let answering = tokio::task::spawn_blocking(move || {
+            let answer = runs.answer(path, asks);
+            drop((turn, waits));
+            answer
+        });
+        answering.await.map_err(|_| Refusal::Broken("analysis"))?
     }
 
-    fn analyse(&self, path: PathBuf) -> Result<Arc<Open>, Refusal> {
-        let model_path = path.with_extension("model.toml");
-        let stamps = [stamp(&path), stamp(&model_path)];
-        let experiment = trunnion::open(&path)?;
-        let model = match &self.model {
-            _ if model_path.exists() => Model::load(&model_path)?,
-            Some(path) => Model::load(path)?,
-            None => experiment.base_model(),
-        };
-        let compared = experiment.fit(&model)?.compare()?;
-        lock(&self.found).insert(path.clone(), list::found(&compared.results()));
-        let open = Arc::new(Open { compared, model_path, stamps });
-        let mut kept = lock(&self.open);
-        kept.retain(|(known, _)| *known != path);
-        kept.push_back((path, open.clone()));
-        if kept.len() > MOST_OPEN {
-            kept.pop_front();
+    fn answer(&self, recording: PathBuf, asks: Asks) -> Result<Bytes, Refusal> {
+        let stamps = stamps(&recording);
+        let question = Question { recording, model: self.model.clone(), asks };
+        let told = self.analyst.ask(&question).map_err(|why| match why {
+            NoAnswer::Failed(why) => Refusal::Failed(why),
+            NoAnswer::NotTrusted(why) => Refusal::NotTrusted(why),
+        })?;
+        let Question { recording, asks, .. } = question;
+        lock(&self.found).insert(recording.clone(), told.found);
+        let text = Bytes::from(told.text);
+        if asks.is_kept() {
+            let mut kept = lock(&self.kept);
+            kept.retain(|answer| {
+                answer.recording != recording || (answer.asks != asks && answer.stamps == stamps)
+            });
+            kept.push_back(KeptAnswer { recording, asks, stamps, text: text.clone() });
+            while kept.iter().map(|answer| answer.text.len()).sum::<usize>() > MOST_KEPT {
+                kept.pop_front();
+            }
         }
-        Ok(open)
+        Ok(text)
     }
 
-    /// The analysis of a recording, unless recording or model changed since.
-    fn kept(&self, path: &Path) -> Option<Arc<Open>> {
-        let open = lock(&self.open).iter().find(|(known, _)| known == path)?.1.clone();
-        (open.stamps == [stamp(path), stamp(&open.model_path)]).then_some(open)
+    /// What the same question got, unless recording or model changed since.
+    fn kept(&self, recording: &Path, asks: &Asks) -> Option<Bytes> {
+        let kept = lock(&self.kept);
+        let known = kept.iter().find(|answer| answer.recording == recording && answer.asks == *asks)?;
+        (known.stamps == stamps(recording)).then(|| known.text.clone())
     }
+
+    /// Ends the analysis that is under way.
+    pub(super) fn stop(&self) {
+        self.analyst.stop();
+    }
+}
+
+/// Of a recording and the model that belongs to it alone.
+fn stamps(recording: &Path) -> [Stamp; 2] {
+    [stamp(recording), stamp(&recording.with_extension("model.toml"))]
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn stamp(path: &Path) -> Stamp {
-    let about = std::fs::metadata(path).ok()?;
-    Some((about.modified().ok()?, about.len()))
 }

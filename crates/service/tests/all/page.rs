@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use std::net::SocketAddr;
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,10 +10,11 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio_util::sync::CancellationToken;
 use trunnion::results::{PageCycle, RunRecord, Serves};
+use trunnion_service::analysis::{AnalysisLimits, Analyst};
 use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
-use trunnion_service::page::{Access, AddressError, Runs, Shared, address, serve};
+use trunnion_service::page::{Access, AddressError, PageAnalyst, Runs, Shared, address, serve};
 
 /// Longest wait for an answer of unoptimised code on a busy computer.
 const LIMIT: Duration = Duration::from_secs(300);
@@ -37,6 +39,10 @@ impl Page {
 
     /// The page of something that serves cycles of these names.
     pub async fn serving(serves: Serves, cycles: &[&str], access: Access) -> Self {
+        Self::analysed_by(here(), serves, cycles, access).await
+    }
+
+    async fn analysed_by(analyst: PageAnalyst, serves: Serves, cycles: &[&str], access: Access) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let run = folder.path().join("points-gravity");
         std::fs::create_dir(&run).unwrap();
@@ -50,7 +56,7 @@ impl Page {
         let shared = Shared {
             serves,
             name: "test".into(),
-            runs: Arc::new(Runs::of_files(vec![run.join("points.csv")], None)),
+            runs: Arc::new(Runs::of_files(vec![run.join("points.csv")], None, analyst)),
             board: board.clone(),
             cycles: cycles.iter().map(|name| cycle(name)).collect(),
             set_up: None,
@@ -83,6 +89,10 @@ impl Page {
         assert_eq!(status, 200, "{line}: {answer}");
         serde_json::from_str(answer.split_once("\r\n\r\n").unwrap().1).unwrap()
     }
+}
+
+fn here() -> PageAnalyst {
+    PageAnalyst::new(Analyst::Here, AnalysisLimits::default(), Arc::new(SystemClock::start()))
 }
 
 fn cycle(name: &str) -> PageCycle {
@@ -207,6 +217,39 @@ async fn what_two_browsers_add_at_once_is_both_in_the_model() {
     assert_eq!(steps[0].abs_diff(steps[1]), 1, "the later one sees both");
 }
 
+/// A page whose analyses are this script.
+async fn analysed_by_script(script: &str, time: Duration) -> (Page, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("program");
+    std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let limits = AnalysisLimits { time, ..AnalysisLimits::default() };
+    let analyst = PageAnalyst::new(Analyst::Program(program), limits, Arc::new(SystemClock::start()));
+    let page = Page::analysed_by(analyst, Serves::Recordings, &[], Access::this_computer()).await;
+    (page, folder)
+}
+
+#[tokio::test]
+async fn an_analysis_that_takes_too_much_is_ended_and_the_page_says_so() {
+    let ask = "GET /api/runs/points-gravity";
+    let (page, _program) = analysed_by_script("exec sleep 100", Duration::from_secs(1)).await;
+    let (status, answer) = page.ask(ask, "", "").await;
+    assert_eq!(status, 422, "{answer}");
+    assert!(answer.contains("it took more than 1 s (time_s of [analysis]) and was ended"), "{answer}");
+    let (page, _program) =
+        analysed_by_script("echo memory allocation of 9 bytes failed >&2; kill -ABRT $$", LIMIT).await;
+    let (status, answer) = page.ask(ask, "", "").await;
+    assert_eq!(status, 422, "{answer}");
+    assert!(answer.contains("it needed more than 4096 MB (memory_mb of [analysis])"), "{answer}");
+    // The next question starts another process; one that answers once and ends is started again.
+    let head = r#"{"no-answer":{"failed":"no"}}"#;
+    let (page, _program) = analysed_by_script(&format!("read line; echo '{head}'"), LIMIT).await;
+    for _ in 0..2 {
+        let (status, answer) = page.ask(ask, "", "").await;
+        assert_eq!((status, answer.contains("the analysis failed: no")), (422, true), "{answer}");
+    }
+}
+
 #[test]
 fn a_run_whose_samples_were_removed_stays_on_the_list_with_its_report() {
     let folder = tempfile::tempdir().unwrap();
@@ -216,7 +259,7 @@ fn a_run_whose_samples_were_removed_stays_on_the_list_with_its_report() {
     let record = RunRecord { removed: Some(why.into()), ..RunRecord::default() };
     trunnion_service::run_record::write(&recording, &record).unwrap();
     std::fs::write(recording.with_extension("html"), "<h1>the report</h1>").unwrap();
-    let runs = Runs::of_folder(folder.path(), None);
+    let runs = Runs::of_folder(folder.path(), None, here());
     let list = runs.list();
     let [line] = list.runs.as_slice() else { panic!("{list:?}") };
     assert_eq!((line.name.as_str(), line.removed.as_str()), (name, why));

@@ -181,7 +181,11 @@ fn readings_ten_times_too_large_are_doubted_where_they_repeat() {
     ["dx_um", "dy_um", "dz_um"].iter().for_each(|column| files.change(column, |value| 10.0 * value));
     let [doubt] = &doubts(&files)[..] else { panic!("one doubt") };
     assert_eq!(doubt.reason, DoubtReason::Scatter);
-    assert!(doubt.words.contains("2.95 µm") && doubt.words.contains("units of the readings"), "{}", doubt.words);
+    assert!(
+        doubt.words.contains("2.95 µm") && doubt.words.contains("units of the readings"),
+        "{}",
+        doubt.words
+    );
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The demo for a browser: what is measured while it is measured, then the recordings.
 
-use crate::commands::open::listen;
+use crate::commands::open::{listen, page_analyst};
 use crate::terminal;
 use anyhow::Context;
 use std::net::SocketAddr;
@@ -11,6 +11,7 @@ use tokio_util::sync::CancellationToken;
 use trunnion::Machine;
 use trunnion::cycles::Cycle;
 use trunnion::results::Serves;
+use trunnion_service::analysis::AnalysisLimits;
 use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::page;
@@ -35,7 +36,7 @@ impl DemoPage {
         let shared = page::Shared {
             serves: Serves::Demo,
             name: "demo".into(),
-            runs: Arc::new(page::Runs::of_folder(folder, None)),
+            runs: Arc::new(page::Runs::of_folder(folder, None, page_analyst(AnalysisLimits::default())?)),
             board: board.clone(),
             cycles: cycles.iter().map(|cycle| page::page_cycle(machine, cycle, "")).collect(),
             set_up: None,

@@ -1,11 +1,10 @@
 //! What a list says of a recording: from its header, and from the answers that the service wrote next to it.
 
+use super::super::found::in_short;
 use crate::run_record;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
-use trunnion::results::{
-    Comparison, Diagnosis, Identification, Parameter, RunFound, RunLine, sentences::is_location,
-};
+use trunnion::results::{Diagnosis, Identification, RunFound, RunLine};
 use trunnion_protocol::mtconnect::parse_timestamp;
 
 /// Newest recordings of a folder that are listed.
@@ -101,23 +100,6 @@ pub fn written(path: &Path) -> Option<RunFound> {
     let fit: Identification = answer(&path.with_extension("identification.json"))?;
     let diagnosis: Diagnosis = answer(&path.with_extension("diagnosis.json"))?;
     Some(in_short(&fit, &diagnosis))
-}
-
-/// An analysis in short.
-pub fn found(compared: &Comparison) -> RunFound {
-    let nothing = Diagnosis::default();
-    in_short(&compared.identification, compared.diagnosis.as_ref().unwrap_or(&nothing))
-}
-
-fn in_short(fit: &Identification, diagnosis: &Diagnosis) -> RunFound {
-    let location = |p: &&Parameter| is_location(&p.name) && p.value.is_some();
-    RunFound {
-        verdict: diagnosis.verdict,
-        candidate: diagnosis.best(),
-        rms_um: fit.rms_um,
-        effects: fit.effects.clone(),
-        location_errors: fit.parameters.iter().filter(location).cloned().collect(),
-    }
 }
 
 fn answer<T: DeserializeOwned>(path: &Path) -> Option<T> {

@@ -1,0 +1,161 @@
+//! A process of this program that analyses, with limits of time and memory: what it takes and how it ends is not the caller's.
+
+use crate::analysis::AnalysisLimits;
+use crate::error::ServiceError;
+use nix::sys::resource::{Resource, setrlimit};
+use nix::sys::signal::{Signal, killpg};
+use nix::unistd::Pid;
+use std::io::{BufRead, BufReader, Read};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use tokio_util::sync::CancellationToken;
+use trunnion_core::Clock;
+
+/// How long a look at the process may take: what is wanted of it stops, or its time is over.
+pub(crate) const LOOK: Duration = Duration::from_millis(50);
+/// What the runtime says before it aborts (`std::alloc::handle_alloc_error`).
+const NO_MEMORY: &str = "memory allocation of";
+
+/// Why there is no answer.
+pub(crate) enum Unanswered {
+    /// It is no longer wanted.
+    Stopped,
+    /// It failed; why.
+    Failed(String),
+}
+
+/// A running process. It ends with the program that started it: its input does.
+pub(crate) struct Process {
+    child: Child,
+    limits: AnalysisLimits,
+    log: JoinHandle<Log>,
+}
+
+/// What a process said last, and whether it had no memory.
+#[derive(Default)]
+struct Log {
+    last: String,
+    no_memory: bool,
+}
+
+impl Process {
+    /// Starts a command of the program within limits; its log goes to ours.
+    pub(crate) fn start(
+        program: &Path,
+        limits: AnalysisLimits,
+        arguments: impl FnOnce(&mut Command),
+    ) -> Result<Self, ServiceError> {
+        let mut command = Command::new(program);
+        arguments(&mut command);
+        command.arg("--memory-mb").arg(limits.memory_mb.to_string());
+        // One line an error, whatever the terminal.
+        command.env("COLUMNS", "100000").process_group(0);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().map_err(ServiceError::Analyst)?;
+        let err = child.stderr.take();
+        let log = std::thread::spawn(move || {
+            let mut log = Log::default();
+            for line in err.into_iter().flat_map(|err| BufReader::new(err).lines()).map_while(Result::ok) {
+                eprintln!("{line}");
+                log.no_memory |= line.starts_with(NO_MEMORY);
+                log.last = line;
+            }
+            log
+        });
+        Ok(Self { child, limits, log })
+    }
+
+    /// What it reads; `None` when it was taken. Whoever takes it keeps the process alive with it.
+    pub(crate) fn take_input(&mut self) -> Option<ChildStdin> {
+        self.child.stdin.take()
+    }
+
+    /// What it says; `None` when it was taken.
+    pub(crate) fn take_output(&mut self) -> Option<ChildStdout> {
+        self.child.stdout.take()
+    }
+
+    /// Looks until there is something; ends the process when its time is over or nobody wants it any more.
+    pub(crate) fn until<T>(
+        &mut self,
+        clock: &dyn Clock,
+        cancel: &CancellationToken,
+        mut look: impl FnMut(&mut Child) -> std::io::Result<Option<T>>,
+    ) -> Result<T, Unanswered> {
+        let began = clock.now();
+        loop {
+            match look(&mut self.child) {
+                Ok(Some(found)) => return Ok(found),
+                Ok(None) if cancel.is_cancelled() => {
+                    self.end();
+                    return Err(Unanswered::Stopped);
+                }
+                Ok(None) if clock.now() - began > self.limits.time => {
+                    self.end();
+                    let seconds = self.limits.time.as_secs_f64();
+                    return Err(Unanswered::Failed(format!(
+                        "it took more than {seconds} s (time_s of [analysis]) and was ended"
+                    )));
+                }
+                Ok(None) => {}
+                Err(error) => {
+                    self.end();
+                    return Err(Unanswered::Failed(format!("its process cannot be waited for: {error}")));
+                }
+            }
+        }
+    }
+
+    /// Ends the process and what it started.
+    fn end(&mut self) {
+        let group = i32::try_from(self.child.id()).map(Pid::from_raw);
+        if let Ok(group) = group
+            && let Err(error) = killpg(group, Signal::SIGKILL)
+        {
+            tracing::warn!(%error, "an analysis cannot be ended");
+        }
+        if let Err(error) = self.child.wait() {
+            tracing::warn!(%error, "an analysis cannot be waited for");
+        }
+    }
+
+    /// Why a process that ended so gave no answer.
+    pub(crate) fn why(self, status: ExitStatus) -> String {
+        let log = self.log.join().unwrap_or_default();
+        let last = log.last.trim_start_matches("trunnion: ");
+        match (status.code(), status.signal()) {
+            _ if log.no_memory => {
+                format!("it needed more than {} MB (memory_mb of [analysis])", self.limits.memory_mb)
+            }
+            (Some(code), _) if last.is_empty() => format!("it ended with exit code {code} and said nothing"),
+            (Some(_), _) => last.to_owned(),
+            (None, Some(9)) => "it was killed, by a person or because the computer had no memory left".into(),
+            (None, signal) => format!("it was ended by signal {}: {last}", signal.unwrap_or_default()),
+        }
+    }
+}
+
+/// What the process of an analysis does first: no more memory than this, and the first to go when the computer has none left.
+///
+/// # Errors
+/// When the system refuses.
+pub fn limit_memory(memory_mb: f64) -> std::io::Result<()> {
+    let bytes = (memory_mb * 1e6) as u64;
+    setrlimit(Resource::RLIMIT_DATA, bytes, bytes)?;
+    setrlimit(Resource::RLIMIT_CORE, 0, 0)?;
+    // Without /proc nothing is lost but the order in which processes are ended.
+    std::fs::write("/proc/self/oom_score_adj", "500").ok();
+    Ok(())
+}
+
+/// Ends this process when its input ends: with the program that started it, however that ended.
+pub fn end_with_parent() {
+    std::thread::spawn(|| {
+        let mut nothing = [0];
+        while std::io::stdin().read(&mut nothing).is_ok_and(|read| read > 0) {}
+        std::process::exit(1);
+    });
+}

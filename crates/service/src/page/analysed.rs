@@ -1,0 +1,175 @@
+//! Analysed recordings, which answer the questions of the page; in a process of their own unless a test has them here.
+
+use super::found;
+use super::question::{Asks, Head, NoAnswer, Question, Step, Told};
+use super::stamp::{Stamp, stamp};
+use std::collections::VecDeque;
+use std::io::{BufRead, Write};
+use std::path::PathBuf;
+use std::sync::mpsc;
+use trunnion::page::label;
+use trunnion::report::findings_html;
+use trunnion::results::{sentences, to_json_line};
+use trunnion::{Compared, FormulaText, MethodOptions, Model};
+
+/// Analysed runs that are kept; a run of 10 000 points needs some 30 MB.
+const MOST_OPEN: usize = 4;
+
+/// Analysed recordings, the latest last.
+#[derive(Default)]
+pub struct AnalysedRuns {
+    open: VecDeque<Open>,
+}
+
+/// An analysed run.
+struct Open {
+    recording: PathBuf,
+    /// The answer, with everything behind it.
+    compared: Compared,
+    /// The model file that belongs to the run alone.
+    model_path: PathBuf,
+    stamps: [Stamp; 2],
+}
+
+impl AnalysedRuns {
+    /// Answers a question; analyses first where recording or model changed since.
+    pub fn answer(&mut self, question: &Question) -> Result<Told, NoAnswer> {
+        let open = self.current(question)?;
+        let text = match &question.asks {
+            Asks::Add(step) => {
+                open.trusted()?.add(step)?;
+                return self.story_again(question);
+            }
+            Asks::Remove(step) => {
+                open.trusted()?.remove(step)?;
+                return self.story_again(question);
+            }
+            asks => open.text(asks)?,
+        };
+        Ok(Told { text, found: found::found(&open.compared.results()) })
+    }
+
+    fn story_again(&mut self, question: &Question) -> Result<Told, NoAnswer> {
+        let open = self.analyse(question)?;
+        Ok(Told { text: open.text(&Asks::Story)?, found: found::found(&open.compared.results()) })
+    }
+
+    fn current(&mut self, question: &Question) -> Result<&Open, NoAnswer> {
+        let known =
+            self.open.iter().position(|open| open.recording == question.recording && open.is_current());
+        match known {
+            Some(at) => Ok(&self.open[at]),
+            None => self.analyse(question),
+        }
+    }
+
+    fn analyse(&mut self, question: &Question) -> Result<&Open, NoAnswer> {
+        let recording = &question.recording;
+        // Room before the next one is in memory.
+        self.open.retain(|open| open.recording != *recording);
+        self.open.drain(..self.open.len().saturating_sub(MOST_OPEN - 1));
+        let model_path = recording.with_extension("model.toml");
+        let stamps = [stamp(recording), stamp(&model_path)];
+        let experiment = trunnion::open(recording)?;
+        let model = match &question.model {
+            _ if model_path.exists() => Model::load(&model_path)?,
+            Some(path) => Model::load(path)?,
+            None => experiment.base_model(),
+        };
+        let compared = experiment.fit(&model)?.compare()?;
+        self.open.push_back(Open { recording: recording.clone(), compared, model_path, stamps });
+        Ok(&self.open[self.open.len() - 1])
+    }
+}
+
+impl Open {
+    fn is_current(&self) -> bool {
+        self.stamps == [stamp(&self.recording), stamp(&self.model_path)]
+    }
+
+    /// A run that a person may act on.
+    fn trusted(&self) -> Result<&Self, NoAnswer> {
+        let doubts = self.compared.diagnosed().fit().experiment().plausibility();
+        match doubts.is_empty() {
+            true => Ok(self),
+            false => Err(NoAnswer::NotTrusted(sentences::not_plausible(&doubts))),
+        }
+    }
+
+    fn add(&self, Step { effect, by, date }: &Step) -> Result<(), NoAnswer> {
+        let step = self.compared.diagnosed().add(effect)?.dated(date)?.by(by)?;
+        step.model().save(&self.model_path)?;
+        tracing::info!(model = %self.model_path.display(), effect, by, "added from the page");
+        Ok(())
+    }
+
+    fn remove(&self, Step { effect, by, date }: &Step) -> Result<(), NoAnswer> {
+        let smaller = self.compared.diagnosed().fit().remove(effect, date, Some(by))?;
+        smaller.model().save(&self.model_path)?;
+        tracing::info!(model = %self.model_path.display(), effect, by, "removed from the page");
+        Ok(())
+    }
+
+    fn text(&self, asks: &Asks) -> Result<String, NoAnswer> {
+        let compared = &self.compared;
+        let (diagnosed, fit) = (compared.diagnosed(), compared.diagnosed().fit());
+        let text = match asks {
+            Asks::Story | Asks::Add(_) | Asks::Remove(_) => to_json_line(&compared.story()),
+            Asks::Identification => to_json_line(&fit.results()),
+            Asks::Diagnosis => to_json_line(&diagnosed.results()),
+            Asks::Comparison => to_json_line(&compared.results()),
+            Asks::Ladder => to_json_line(&compared.results().ladder),
+            Asks::Linear => to_json_line(&diagnosed.linear()?),
+            Asks::Methods => to_json_line(&fit.experiment().methods()),
+            Asks::Report => Ok(compared.page()),
+            Asks::Trial { effect } => Ok(fit.try_effect(effect, &FormulaText::default())?.page()),
+            Asks::Method { name } => {
+                let found = fit.experiment().clone().by_method(name, &MethodOptions::default())?;
+                Ok(findings_html(&found, &label()))
+            }
+            Asks::Formula { site, component, expression } => {
+                let text = FormulaText {
+                    site: Some(site.clone()),
+                    component: Some(component.clone()),
+                    expression: Some(expression.clone()),
+                    grid: Vec::new(),
+                };
+                to_json_line(&fit.experiment().check_formula(&text))
+            }
+        };
+        text.map_err(|failure| NoAnswer::Failed(format!("an answer cannot be written: {failure}")))
+    }
+}
+
+/// The work of the process: a question a line, a head and a text for each, until the questions end.
+///
+/// # Errors
+/// When an answer cannot be written.
+pub fn answer_questions(mut answers: impl Write) -> std::io::Result<()> {
+    let (asked, questions) = mpsc::channel();
+    // Read next to the work: who asks may be gone while a question is worked on.
+    std::thread::spawn(move || {
+        for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+            if asked.send(line).is_err() {
+                break;
+            }
+        }
+        std::process::exit(0);
+    });
+    let mut runs = AnalysedRuns::default();
+    for line in questions {
+        let answer = match serde_json::from_str::<Question>(&line) {
+            Ok(question) => runs.answer(&question),
+            Err(failure) => Err(NoAnswer::Failed(format!("a question cannot be read: {failure}"))),
+        };
+        let (head, text) = match answer {
+            Ok(Told { text, found }) => (Head::Told { bytes: text.len(), found }, text),
+            Err(no_answer) => (Head::NoAnswer(no_answer), String::new()),
+        };
+        let head = serde_json::to_string(&head).map_err(std::io::Error::other)?;
+        writeln!(answers, "{head}")?;
+        answers.write_all(text.as_bytes())?;
+        answers.flush()?;
+    }
+    Ok(())
+}

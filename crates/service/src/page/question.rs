@@ -1,0 +1,120 @@
+//! What the page asks of a recording, and what it gets: one line of JSON to the process that analyses, a head and a text back.
+
+use crate::error::chain;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use trunnion::results::RunFound;
+
+/// A question about one recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Question {
+    /// The recording.
+    pub recording: PathBuf,
+    /// The model of a recording without one of its own; the base model without it.
+    pub model: Option<PathBuf>,
+    /// What is asked.
+    pub asks: Asks,
+}
+
+/// What is asked of a recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Asks {
+    /// What the page shows.
+    Story,
+    /// `trunnion identify`.
+    Identification,
+    /// `trunnion diagnose`.
+    Diagnosis,
+    /// `trunnion compare`.
+    Comparison,
+    /// `trunnion ladder`.
+    Ladder,
+    /// The report, a page of its own.
+    Report,
+    /// Columns for what-if.
+    Linear,
+    /// What each named method lacks.
+    Methods,
+    /// An effect on trial, a page of its own.
+    Trial {
+        /// Its id.
+        effect: String,
+    },
+    /// A named method, a page of its own.
+    Method {
+        /// Its name.
+        name: String,
+    },
+    /// An expression as far as it is typed.
+    Formula {
+        /// Where it acts.
+        site: String,
+        /// What of it.
+        component: String,
+        /// The expression.
+        expression: String,
+    },
+    /// Puts an effect into the model.
+    Add(Step),
+    /// Takes an effect out of the model.
+    Remove(Step),
+}
+
+/// A change of the model of a recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// Id of the effect.
+    pub effect: String,
+    /// Who does it.
+    pub by: String,
+    /// When.
+    pub date: String,
+}
+
+impl Asks {
+    /// Whether the answer stays the same as long as recording and model do, and is worth keeping.
+    pub fn is_kept(&self) -> bool {
+        !matches!(self, Self::Formula { .. } | Self::Add(_) | Self::Remove(_))
+    }
+}
+
+/// JSON or a page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// The text.
+    pub text: String,
+    /// The analysis in short, for the list.
+    pub found: RunFound,
+}
+
+/// Why a question got no answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoAnswer {
+    /// The analysis failed.
+    Failed(String),
+    /// Nothing is done with runs that cannot be judged.
+    NotTrusted(String),
+}
+
+impl From<trunnion::Error> for NoAnswer {
+    fn from(failure: trunnion::Error) -> Self {
+        Self::Failed(chain(&failure))
+    }
+}
+
+/// What comes before the text.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Head {
+    /// Length of the text that follows.
+    Told {
+        /// Bytes.
+        bytes: usize,
+        /// The analysis in short.
+        found: RunFound,
+    },
+    /// No text follows.
+    NoAnswer(NoAnswer),
+}
