@@ -208,5 +208,5 @@ fn location_errors_in_both_notations() {
         near(&absolute, symbol, expected);
     }
     let text = done(&["identify", &runs[0], &runs[1], "--model", &model, "--notation", "relative"]);
-    assert!(text.contains("α_CB") && text.contains("S2 tables 4 and 5"));
+    assert!(text.contains("α_CB") && text.contains("Ibaraki and Knapp 2012, tables 4 and 5"));
 }

@@ -25,6 +25,7 @@ mod reading;
 mod removal;
 mod scene;
 mod scene_setup;
+pub mod sources;
 mod subjects;
 
 pub use effect::{About, Effect, Example, Role, View};
@@ -34,7 +35,7 @@ pub use golden::{ByAxis, Golden, Moment};
 pub use golden_check::Checked;
 pub use history::History;
 pub use instance::{Instance, UnknownEffect};
-pub use markdown::{SOURCES, catalogue_markdown};
+pub use markdown::catalogue_markdown;
 pub use model::Model;
 pub use model_effect::{LadderRow, ModelEffect, Moved, Prior};
 pub use need::Need;

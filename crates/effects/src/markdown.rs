@@ -1,20 +1,12 @@
 //! The catalogue as a document for people, `docs/design/catalogue.md`, with a picture of each effect in `docs/design/catalogue/`.
 
 use crate::catalogue::{BASE, REGISTRY};
+use crate::sources::SOURCES;
 use crate::{Effect, Instance, Need, PLACES_OF_A_VOLUME, Parameter, Scene, SceneSetup, Subject};
 use nalgebra::Point3;
 use std::fmt::Write;
 use trunnion_core::{AxisValues, Joint, State};
 use trunnion_machine::shipped;
-
-/// What the numbers in an effect's sources stand for.
-pub const SOURCES: [(&str, &str); 5] = [
-    ("S0", "Kenno 2020 (R-test, two heights)"),
-    ("S1", "Oyama (R-test error map)"),
-    ("S2", "Ibaraki & Knapp 2012 (review)"),
-    ("S3", "Hayashi 2021 (hybrid machine)"),
-    ("S4", "Ibaraki (ball bar DBB5)"),
-];
 
 const HEADER: &str = "\
 <!-- Generated: cargo run -p trunnion-effects --example catalogue -->
@@ -56,7 +48,7 @@ grid = { start = [0.2, 0.4, 0.6] }
 /// Text of `docs/design/catalogue.md`. Written with its pictures by `cargo run -p trunnion-effects --example catalogue`;
 /// a test compares them.
 pub fn catalogue_markdown() -> String {
-    let sources = SOURCES.map(|(number, source)| format!("{number} {source}")).join(", ");
+    let sources = SOURCES.map(|source| format!("{} {}", source.key, source.author)).join("; ");
     let mut text = HEADER.replace("@SOURCES@", &sources);
     line(&mut text, format_args!("\n| effect | what it is | typical | needs |\n|---|---|---|---|"));
     for effect in REGISTRY {

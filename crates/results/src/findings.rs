@@ -4,6 +4,7 @@ use crate::number::finite;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_effects::Unit;
+use trunnion_effects::sources::{sources, with_authors};
 use trunnion_methods::findings as found;
 
 /// `trunnion-findings/1`: what a method found; every number in the unit that it names.
@@ -202,19 +203,19 @@ impl From<&found::Findings> for Findings {
             value: finite(v.value * v.unit.per_inside),
             unit: v.unit.symbol.into(),
             u: v.u.map(|u| u * v.unit.per_inside).and_then(finite),
-            note: v.note.clone(),
+            note: with_authors(&v.note),
         };
         Self {
             format: FindingsFormat::V1,
             method: findings.method.into(),
-            source: findings.source.into(),
+            source: sources(findings.source),
             convention: findings.convention.name().into(),
             machine: findings.machine.clone(),
             runs: findings.runs.clone(),
             values: findings.values.iter().map(value).collect(),
             tables: findings.tables.iter().map(table).collect(),
             charts: findings.charts.iter().map(chart).collect(),
-            notes: findings.notes.clone(),
+            notes: findings.notes.iter().map(|note| with_authors(note)).collect(),
         }
     }
 }
@@ -223,13 +224,13 @@ fn table(table: &found::FoundTable) -> Table {
     let column =
         |c: &found::Column| Column { name: c.name.clone(), unit: c.unit.map(|unit| unit.symbol.into()) };
     let cell = |(cell, column): (&found::Cell, &found::Column)| match cell {
-        found::Cell::Text(text) => Cell::Text(text.clone()),
+        found::Cell::Text(text) => Cell::Text(with_authors(text)),
         found::Cell::Number(number) => finite(number * column.unit.map_or(1.0, |unit| unit.per_inside))
             .map_or(Cell::Missing, Cell::Number),
         found::Cell::Missing => Cell::Missing,
     };
     Table {
-        caption: table.caption.clone(),
+        caption: with_authors(&table.caption),
         columns: table.columns.iter().map(column).collect(),
         rows: table.rows.iter().map(|row| row.iter().zip(&table.columns).map(cell).collect()).collect(),
     }
@@ -252,7 +253,7 @@ fn chart(chart: &found::Chart) -> Chart {
             let bar = |bar: &found::NamedAmount| NamedAmount {
                 name: bar.name.clone(),
                 amount: bar.amount * unit.per_inside,
-                remark: bar.remark.clone(),
+                remark: with_authors(&bar.remark),
             };
             let drawn = bars.iter().filter(|bar| bar.amount.is_finite());
             Plot::Bars { unit: unit.symbol.into(), bars: drawn.map(bar).collect() }

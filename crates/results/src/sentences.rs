@@ -6,7 +6,8 @@ use crate::{
     PlannedCycle, Plausibility, Samples, ShapeNumber, Verdict,
 };
 use trunnion_effects::catalogue::effect;
-use trunnion_effects::{About, Role, SOURCES};
+pub use trunnion_effects::sources::{sources, with_authors};
+use trunnion_effects::{About, Role};
 
 /// A parameter is worth reporting when it exceeds this many standard uncertainties.
 const CLEAR_U: f64 = 3.0;
@@ -180,23 +181,13 @@ pub fn explanation(id: &str) -> Vec<(&'static str, String)> {
         let mut said = vec![
             ("What it is", about.explanation.to_string()),
             ("Likely cause", about.cause.into()),
-            ("Valid", about.validity.into()),
+            ("Valid", with_authors(about.validity)),
         ];
         if !source.is_empty() {
             said.push(("Source", source));
         }
         said
     })
-}
-
-/// The sources of an effect with their authors instead of the catalogue's numbers; empty where it has none of its own.
-pub fn sources(source: &str) -> String {
-    let public = source.split("; ").filter(|part| !part.starts_with("docs/"));
-    let named = |part: &str| {
-        let known = SOURCES.iter().find_map(|(number, author)| Some((author, part.strip_prefix(number)?)));
-        known.map_or(part.to_string(), |(author, rest)| format!("{author}{rest}"))
-    };
-    public.map(named).collect::<Vec<_>>().join("; ")
 }
 
 /// The same without the figures and the judgement that the page shows elsewhere.

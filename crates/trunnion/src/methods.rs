@@ -63,7 +63,7 @@ impl Experiment {
             results::MethodLine {
                 name: method.name.into(),
                 title: method.title.into(),
-                source: method.source.into(),
+                source: results::sentences::sources(method.source),
                 problem: done.err().map_or_else(String::new, |refused| refused.to_string()),
             }
         };

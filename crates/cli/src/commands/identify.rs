@@ -9,6 +9,7 @@ use crate::{load, output, terminal};
 use std::path::PathBuf;
 use trunnion::report::{identification_text, location_text, timing_text};
 use trunnion::second_opinion::add_bar_result;
+use trunnion::results::sentences::sources;
 use trunnion::{Convention, EVERY_METHOD, MethodOptions, Notation, method};
 
 /// Identify the machine's errors from recordings
@@ -54,8 +55,9 @@ pub struct Args {
 }
 
 fn method_help() -> String {
-    let lines =
-        EVERY_METHOD.iter().map(|method| format!("  {}: {} [{}]", method.name, method.title, method.source));
+    let lines = EVERY_METHOD
+        .iter()
+        .map(|method| format!("  {}: {} [{}]", method.name, method.title, sources(method.source)));
     format!("Named method instead of the joint fit:\n{}", lines.collect::<Vec<_>>().join("\n"))
 }
 

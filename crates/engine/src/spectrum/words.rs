@@ -17,8 +17,11 @@ impl Wave {
             "mm" => format!("every {value:.digits$} mm"),
             _ => format!("{value:.digits$} times per turn"),
         };
-        let spread =
-            if self.u < least { format!("u < {least:.digits$}") } else { format!("u = {:.digits$}", self.u) };
+        let each = if self.unit == "mm" { "mm" } else { "per turn" };
+        let spread = match self.u < least {
+            true => format!("u < {least:.digits$} {each}"),
+            false => format!("u = {:.digits$} {each}", self.u),
+        };
         let unit = if self.unit == "mm" { "µm" } else { "µrad" };
         let source = self.is.as_ref().map_or(String::new(), |is| format!(" ({is})"));
         let amplitude = self.amplitude.map_or(String::new(), |size| format!(", amplitude {size:.2} {unit}"));

@@ -36,7 +36,7 @@ use trunnion_cycles::Run;
 pub(super) static METHOD: Method = Method {
     name: "ball-bar",
     title: "Location errors and error motions of rotary axes from a ball bar",
-    source: "S4 (Ibaraki et al., DBB5), eq. 1-7; ISO 10791-6 BK2, BK4; docs/design/physics.md §5, §8",
+    source: "S4 eq. 1-7; ISO 10791-6 BK2, BK4; docs/design/physics.md §5, §8",
     about: "Each setup is recognised by how its bar lies and what moves: a rotary axis alone with the bar across or along it \
             (C-X, C-Y, C-Z, B-X, B-Z, B-Y); a rotary axis followed by linear ones with the bar along it (C-XY); any other path. \
             Means give location errors, shapes give error motions and circularities; next to them the joint fit.",

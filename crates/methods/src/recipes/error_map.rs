@@ -43,7 +43,7 @@ use trunnion_engine::{Experiment, identify};
 pub(super) static METHOD: Method = Method {
     name: "error-map",
     title: "Error map of both rotary axes of a tilting rotary table",
-    source: "S1 (Oyama et al.), eq. 1-23; docs/design/physics.md §4, §8",
+    source: "S1 eq. 1-23; docs/design/physics.md §4, §8",
     about: "Readings at rest over a grid of both rotary axes are taken at two nest positions. They give the six errors of the \
             tilting axis at each of its angles and five errors of the turning axis at each pose; next to it the joint fit of the same readings.",
     needs: "R-test readings at rest over a grid of two stacked rotary table axes (S1: B −90..90° and C 0..330° in steps of 30°) \

@@ -26,7 +26,7 @@ use trunnion_cycles::Run;
 pub(super) static METHOD: Method = Method {
     name: "two-height",
     title: "Error motions and location errors of one rotary axis from two heights",
-    source: "S0 (Kenno et al. 2020), eq. 1-3; docs/design/physics.md §3",
+    source: "S0 eq. 1-3; docs/design/physics.md §3",
     about: "Only one rotary axis turns, the ball sits near its line at two heights. Least squares separate \
             the circle of a ball set off the axis, the location of the axis line, and the residual (the error motions).",
     needs: "an R-test at two heights of the ball near the axis line; one rotary axis turning alone by 90° or more, best two \

@@ -21,8 +21,10 @@ pub fn volumetric_text(answer: &Volumetric, volume: &str) -> String {
 /// Location errors in a notation.
 pub fn location_text(errors: &LocationErrors) -> String {
     let source = match errors.notation.as_str() {
-        "absolute" => "lines of the axes in the machine coordinate system (ISO 230-1; S2 tables 2 and 3)",
-        _ => "lines of the axes against the axis that carries them (S2 tables 4 and 5)",
+        "absolute" => {
+            "lines of the axes in the machine coordinate system (ISO 230-1; Ibaraki and Knapp 2012, tables 2 and 3)"
+        }
+        _ => "lines of the axes against the axis that carries them (Ibaraki and Knapp 2012, tables 4 and 5)",
     };
     format!(
         "\nLocation errors, {}: {source}\n{}",
