@@ -19,6 +19,8 @@ pub struct SetUpState {
     pub sign_test: Option<SignTest>,
     /// The calibrated nest; null before it is.
     pub nest: Option<NestCalibrated>,
+    /// Where the calibrated nest was written, and what stays of the file before; empty before it is.
+    pub written: String,
     /// Why the last step gave no answer; empty otherwise.
     pub problem: String,
     /// The next thing to do.

@@ -49,6 +49,17 @@ pub struct CalibratedProbe {
 }
 
 impl NestCalibrated {
+    /// Directions for `[nest]`; with gains their lengths are those.
+    pub fn directions(&self, with_gains: bool) -> Option<[[f64; 3]; 3]> {
+        let of = |probe: &CalibratedProbe| {
+            probe.direction.map(|part| part * if with_gains { probe.gain } else { 1.0 })
+        };
+        match self.probes.as_slice() {
+            [first, second, third] => Some([first, second, third].map(of)),
+            _ => None,
+        }
+    }
+
     /// From a fit to so many steps; the table holds the gains where `with_gains`.
     pub fn new(fit: &NestFit, steps: usize, with_gains: bool) -> Self {
         let row = |k: usize| if with_gains { fit.directions[k] * fit.gains[k] } else { fit.directions[k] };

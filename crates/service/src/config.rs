@@ -51,6 +51,8 @@ pub struct Config {
     pub analysis: AnalysisLimits,
     /// The file as read, for the recording.
     pub text: String,
+    /// Where it was read.
+    pub file: PathBuf,
 }
 
 /// Where the page is, and for whom.
@@ -91,20 +93,6 @@ impl Config {
     }
 }
 
-/// A configuration with these directions of its probes; whatever else a person wrote in it stays.
-///
-/// # Errors
-/// A text that is no TOML.
-pub fn with_nest(text: &str, directions: [[f64; 3]; 3]) -> Result<String, toml_edit::TomlError> {
-    let mut document: toml_edit::DocumentMut = text.parse()?;
-    let nest = document.entry("nest").or_insert(toml_edit::Item::Table(toml_edit::Table::new()));
-    for (k, direction) in directions.into_iter().enumerate() {
-        let rounded = direction.map(|part| (part * 1e7).round() / 1e7);
-        nest[&format!("probe_{}", k + 1)] = toml_edit::value(toml_edit::Array::from_iter(rounded));
-    }
-    Ok(document.to_string())
-}
-
 /// Reads the table `[nest]`, given the root and whether there are probes.
 type ReadNest = fn(&Table<'_>, bool) -> Option<NestCalibration>;
 
@@ -126,11 +114,12 @@ fn stated_nest(root: &Table<'_>, _probes: bool) -> Option<NestCalibration> {
 fn parse_with(file: &Path, text: &str, nest: ReadNest) -> Result<Config, Problems> {
     let name = file.display().to_string();
     let document = Document::parse(&name, text)?;
-    let config = read(&document, file.parent().unwrap_or(Path::new("")), text, nest);
+    let config = read(&document, file, text, nest);
     document.finish(config)
 }
 
-fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> Option<Config> {
+fn read(document: &Document<'_>, file: &Path, text: &str, nest: ReadNest) -> Option<Config> {
+    let folder = file.parent().unwrap_or(Path::new(""));
     let root = document.root();
     let format = root.format("trunnion-config/1");
     let name = root.string("name");
@@ -196,6 +185,7 @@ fn read(document: &Document<'_>, folder: &Path, text: &str, nest: ReadNest) -> O
         storage,
         analysis,
         text: text.into(),
+        file: file.into(),
     })
 }
 
@@ -245,25 +235,5 @@ fn read_page(table: &Table<'_>) -> Option<PageConfig> {
             table.problem("listen", refused, "an address of this computer, such as 127.0.0.1:8460", "");
             None
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const TEXT: &str = "# of machine 1\nname = \"m\"\n\n# measured in May\n[nest]\nprobe_1 = [1, 0, 0] # front\nprobe_2 = [0, 1, 0]\n\
-                        probe_3 = [0, 0, 1]\n\n[cycle_start]\nby = \"execution\"\n";
-
-    #[test]
-    fn the_nest_is_written_and_what_a_person_wrote_stays() {
-        let up = 1.0 / 3.0_f64.sqrt();
-        let text = with_nest(TEXT, [[up, up, up], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).expect("it is TOML");
-        assert!(text.contains("probe_1 = [0.5773503, 0.5773503, 0.5773503]"), "{text}");
-        for kept in ["# of machine 1", "# measured in May", "[cycle_start]"] {
-            assert!(text.contains(kept), "{text}");
-        }
-        let without = with_nest("name = \"m\"\n", [[1.0, 0.0, 0.0]; 3]).expect("it is TOML");
-        assert!(without.contains("[nest]\nprobe_1 = [1.0, 0.0, 0.0]"), "{without}");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::analysis::JudgedBy;
 use crate::live::{Plan, PlanError, check};
+use crate::nest_file::with_nest;
 use crate::page::page_cycle;
 use crate::recording::Texts;
 use std::collections::BTreeSet;
@@ -9,6 +10,7 @@ use std::path::PathBuf;
 use trunnion::Model;
 use trunnion::results::PageCycle;
 use trunnion_core::names::{allowed, distance};
+use trunnion_sync::NestCalibration;
 use trunnion_sync::cycle_bounds::Pattern;
 
 /// A cycle that the service can measure.
@@ -75,6 +77,18 @@ impl Choice {
     /// What its runs are judged by.
     pub fn judged_by(&self) -> JudgedBy {
         JudgedBy { model: Some(self.model.clone()), file: self.model_file.clone() }
+    }
+
+    /// The same with these directions of the probes, where they were calibrated after the configuration was read.
+    pub fn with_nest(&self, directions: Option<[[f64; 3]; 3]>) -> Self {
+        let mut choice = self.clone();
+        if let Some(directions) = directions
+            && let Some(nest) = NestCalibration::along(directions)
+            && let Ok(text) = with_nest(&choice.texts.config, directions)
+        {
+            (choice.plan.nest, choice.texts.config) = (nest, text);
+        }
+        choice
     }
 
     /// For the page.

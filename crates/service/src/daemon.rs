@@ -104,6 +104,7 @@ pub async fn serve_on(
     let bounds = CycleBounds::new(config.cycle_start.clone());
     let live = Live::start(config.devices.clone(), bounds, clock.clone(), cancel.clone());
     let set_up = SetUp::new(&board, cycles.first().map(|choice| &choice.plan));
+    let set_up = set_up.writing(config.file.clone(), clock.clone(), live.latest().clone());
     let mut live = live.led_by(board.operator()).setting_up(&set_up);
     if let Some(first) = cycles.first() {
         live.latest().set_mounted(Mounted::of(&first.plan));
@@ -145,6 +146,7 @@ pub async fn serve_on(
         };
         match found {
             Ok(choice) => {
+                let choice = &choice.with_nest(set_up.written());
                 let unfinished = measure(&config, choice, &mut live, start, &states, clock.as_ref()).await;
                 if let Some((name, unfinished)) = unfinished {
                     let (cycle, judged_by) = (choice.plan.cycle.name.clone(), choice.judged_by());

@@ -13,6 +13,7 @@ pub mod latest;
 pub mod live;
 pub mod mqtt;
 pub mod mtconnect;
+pub mod nest_file;
 pub mod opcua;
 pub mod operator;
 pub mod page;

@@ -5,11 +5,14 @@
 
 use crate::board::Board;
 use crate::error::chain;
+use crate::latest::{Latest, Mounted};
+use crate::nest_file::write_nest;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use trunnion::nest::NestSteps;
-use trunnion::results::{SetUpState, SetUpStep, SignFinding};
+use trunnion::results::{NestCalibrated, SetUpState, SetUpStep, SignFinding};
 use trunnion_core::channel::instrument_channels;
-use trunnion_core::{Joint, NestSide};
+use trunnion_core::{Clock, Joint, NestSide};
 use trunnion_sync::plan::Plan;
 use trunnion_sync::{NestCalibration, Timed};
 
@@ -25,7 +28,25 @@ const JOG_ON: &str = "Jog X by 0.1 mm, then Y and Z; wait a second after each.";
 pub struct SetUp {
     plan: Option<Arc<Plan>>,
     board: Board,
-    under_way: Arc<Mutex<Option<UnderWay>>>,
+    inside: Arc<Mutex<Inside>>,
+    file: Option<ConfigFile>,
+}
+
+/// Where a calibrated nest goes.
+#[derive(Clone)]
+struct ConfigFile {
+    path: PathBuf,
+    clock: Arc<dyn Clock>,
+    latest: Latest,
+}
+
+#[derive(Default)]
+struct Inside {
+    under_way: Option<UnderWay>,
+    /// Calibrated, and not written.
+    calibrated: Option<NestCalibrated>,
+    /// Directions that were written since the service began.
+    written: Option<[[f64; 3]; 3]>,
 }
 
 struct UnderWay {
@@ -38,7 +59,7 @@ struct UnderWay {
 }
 
 /// Why a step cannot be done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum NoSetUp {
     /// A ball bar has no nest.
     #[error("the configuration lacks probe-1, probe-2, probe-3, or a cycle that names the machine")]
@@ -46,13 +67,54 @@ pub enum NoSetUp {
     /// There is nothing to finish.
     #[error("no calibration of the nest is under way")]
     NotUnderWay,
+    /// There is nothing to write.
+    #[error("no nest was calibrated since the last one was written")]
+    NotCalibrated,
+    /// The configuration stayed as it was.
+    #[error("{0}; trunnion calibrate-nest --write does the same for who may write it")]
+    NotWritten(String),
 }
 
 impl SetUp {
     /// Of the probes as this plan has them.
     pub fn new(board: &Board, plan: Option<&Plan>) -> Self {
         let plan = plan.cloned().map(Arc::new);
-        Self { plan, board: board.clone(), under_way: Arc::default() }
+        Self { plan, board: board.clone(), inside: Arc::default(), file: None }
+    }
+
+    /// The same with the configuration that a calibrated nest is written into; `latest` shows the ball by it then.
+    pub fn writing(self, path: PathBuf, clock: Arc<dyn Clock>, latest: Latest) -> Self {
+        Self { file: Some(ConfigFile { path, clock, latest }), ..self }
+    }
+
+    /// Directions that were written since the service began: the cycles were read before.
+    pub fn written(&self) -> Option<[[f64; 3]; 3]> {
+        self.lock().written
+    }
+
+    /// Writes the calibrated nest into the configuration; the next cycle is measured with it.
+    ///
+    /// # Errors
+    /// Without a calibrated nest, or when the file cannot be written; it stays as it was then.
+    pub fn write_nest(&self) -> Result<(), NoSetUp> {
+        let mut inside = self.lock();
+        let nest = inside.calibrated.clone().ok_or(NoSetUp::NotCalibrated)?;
+        let directions = nest.directions(false).ok_or(NoSetUp::NotCalibrated)?;
+        let file = self.file.as_ref().ok_or(NoSetUp::NoProbes)?;
+        let before = write_nest(&file.path, directions, file.clock.wall_ns());
+        let before = before.map_err(|failure| NoSetUp::NotWritten(chain(&failure)))?;
+        inside.calibrated = None;
+        inside.written = Some(directions);
+        if let (Some(plan), Some(nest)) = (&self.plan, NestCalibration::along(directions)) {
+            file.latest.set_mounted(Mounted { nest, ..Mounted::of(plan) });
+        }
+        self.publish(SetUpState {
+            written: format!("Written into {}; as it was it is {}.", file.path.display(), before.display()),
+            nest: Some(nest),
+            to_do: "Do the sign test; the next cycle is measured with this nest.".into(),
+            ..SetUpState::default()
+        });
+        Ok(())
     }
 
     /// Begins a step; another one ends.
@@ -64,7 +126,10 @@ impl SetUp {
         let channels = instrument_channels(&plan.channels, false).ok_or(NoSetUp::NoProbes)?;
         let side: NestSide = plan.cycle.setups[0].nest;
         let steps = NestSteps::new(plan.machine.clone(), side, &channels);
-        *self.lock() = Some(UnderWay { step, steps, nest: plan.nest, seen: 0, problem: String::new() });
+        let mut inside = self.lock();
+        let nest = inside.written.and_then(NestCalibration::along).unwrap_or(plan.nest);
+        inside.under_way = Some(UnderWay { step, steps, nest, seen: 0, problem: String::new() });
+        drop(inside);
         self.publish(SetUpState { step: Some(step), to_do: to_do(step).into(), ..SetUpState::default() });
         Ok(())
     }
@@ -74,13 +139,17 @@ impl SetUp {
     /// # Errors
     /// Without a calibration under way.
     pub fn finish_nest(&self) -> Result<(), NoSetUp> {
-        let mut under_way = self.lock();
-        let now = under_way.as_mut().filter(|now| now.step == SetUpStep::Nest).ok_or(NoSetUp::NotUnderWay)?;
+        let mut inside = self.lock();
+        let now = inside
+            .under_way
+            .as_mut()
+            .filter(|now| now.step == SetUpStep::Nest)
+            .ok_or(NoSetUp::NotUnderWay)?;
         let (calibrated, state) = (now.steps.calibrate(false), now.state());
         match calibrated {
             Ok(nest) => {
-                *under_way = None;
-                let to_do = "Put these lines into the configuration in place of its [nest], restart the service, and do the sign test.";
+                (inside.under_way, inside.calibrated) = (None, Some(nest.clone()));
+                let to_do = "Write the directions into the configuration, then do the sign test.";
                 self.publish(SetUpState {
                     step: None,
                     nest: Some(nest),
@@ -99,14 +168,14 @@ impl SetUp {
 
     /// Ends what is under way.
     pub fn stop(&self) {
-        *self.lock() = None;
+        self.lock().under_way = None;
         self.publish(SetUpState::default());
     }
 
     /// Takes what a device read.
     pub(crate) fn take(&self, timed: &Timed) {
-        let mut under_way = self.lock();
-        let Some(now) = under_way.as_mut() else { return };
+        let mut inside = self.lock();
+        let Some(now) = inside.under_way.as_mut() else { return };
         match timed {
             Timed::Probe(sample) => now.steps.probe(sample),
             Timed::Axes(sample) => now.steps.axes(sample),
@@ -118,7 +187,7 @@ impl SetUp {
         let state = now.state();
         let found = state.sign_test.as_ref().map(|test| test.finding);
         if matches!(found, Some(SignFinding::AsNest | SignFinding::OtherWay)) {
-            *under_way = None;
+            inside.under_way = None;
             self.publish(SetUpState { step: None, ..state });
         } else {
             self.publish(state);
@@ -132,8 +201,8 @@ impl SetUp {
         }
     }
 
-    fn lock(&self) -> MutexGuard<'_, Option<UnderWay>> {
-        self.under_way.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, Inside> {
+        self.inside.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -35,15 +35,22 @@ impl NestCalibration {
         let directions = ["probe_1", "probe_2", "probe_3"].map(|key| table.vector3(key));
         table.no_other_keys();
         let [Some(first), Some(second), Some(third)] = directions else { return None };
-        let probes_from_nest =
-            Matrix3::from_rows(&[first.transpose(), second.transpose(), third.transpose()]);
-        let nest_from_probes =
-            probes_from_nest.try_inverse().filter(|inverse| inverse.norm() < FLATTEST_NEST);
-        if nest_from_probes.is_none() {
+        let nest = Self::along([first, second, third].map(Into::into));
+        if nest.is_none() {
             let found = "and the others lie nearly in one plane";
             table.problem("probe_1", found, "three directions that span space", "Calibrate the nest again.");
         }
-        Some(Self { nest_from_probes: nest_from_probes?, zero_mm: Vector3::zeros() })
+        nest
+    }
+
+    /// The same from the directions; `None` where they lie nearly in one plane.
+    pub fn along(directions: [[f64; 3]; 3]) -> Option<Self> {
+        let [first, second, third] = directions.map(Vector3::from);
+        let probes_from_nest =
+            Matrix3::from_rows(&[first.transpose(), second.transpose(), third.transpose()]);
+        let nest_from_probes =
+            probes_from_nest.try_inverse().filter(|inverse| inverse.norm() < FLATTEST_NEST)?;
+        Some(Self { nest_from_probes, zero_mm: Vector3::zeros() })
     }
 
     /// The reading of these probes in nest axes, mm, minus its value at zero. NaN in, NaN out.

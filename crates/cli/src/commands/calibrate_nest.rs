@@ -2,7 +2,7 @@
 
 use super::setting_up::{Connected, SettingUp};
 use crate::outcome::Outcome;
-use crate::{load, output, terminal};
+use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -10,8 +10,9 @@ use tokio::time::{Instant, timeout_at};
 use trunnion::nest::calibrate_nest;
 use trunnion::report::nest_text;
 use trunnion::results::NestCalibrated;
-use trunnion_core::Joint;
-use trunnion_service::config::with_nest;
+use trunnion_core::{Clock, Joint};
+use trunnion_service::clock::SystemClock;
+use trunnion_service::nest_file::write_nest;
 
 /// Find the directions of the probes from known steps of X, Y and Z, and print the `[nest]` table
 ///
@@ -32,7 +33,7 @@ pub struct Args {
     /// Keep the gains of the probes in the lengths of the directions
     #[arg(long)]
     gains: bool,
-    /// Write the directions into the configuration
+    /// Write the directions into the configuration; as it was it stays next to it
     #[arg(long, requires = "config")]
     write: bool,
     /// End after so many seconds
@@ -69,12 +70,13 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         false => terminal::print(&nest_text(&found))?,
     }
     if let Some(path) = args.config.as_ref().filter(|_| args.write) {
-        let length = |gain: f64| if args.gains { gain } else { 1.0 };
-        let direction = |k: usize| found.probes[k].direction.map(|part| part * length(found.probes[k].gain));
-        let text = with_nest(&load::read(path)?, [0, 1, 2].map(direction))
-            .context("cannot edit the configuration")?;
-        output::write(path, &text)?;
-        terminal::remark(&format!("[nest] of {} was written", path.display()));
+        let directions = found.directions(args.gains).context("three probes are calibrated")?;
+        let before = write_nest(path, directions, SystemClock::start().wall_ns())?;
+        terminal::remark(&format!(
+            "[nest] of {} was written; as it was it is {}",
+            path.display(),
+            before.display()
+        ));
     }
     Ok(Outcome::Done)
 }

@@ -13,6 +13,7 @@ pub(super) fn routes() -> Router<Page> {
     Router::new()
         .route("/api/set-up/nest", post(nest))
         .route("/api/set-up/nest/finish", post(finish_nest))
+        .route("/api/set-up/nest/write", post(write_nest))
         .route("/api/set-up/sign-test", post(sign_test))
         .route("/api/set-up/stop", post(stop))
 }
@@ -27,6 +28,13 @@ async fn sign_test(State(page): State<Page>) -> Answer {
 
 async fn finish_nest(State(page): State<Page>) -> Answer {
     done(&page, SetUp::finish_nest)
+}
+
+async fn write_nest(State(page): State<Page>) -> Answer {
+    // A disk may be slow; other calls go on.
+    tokio::task::spawn_blocking(move || done(&page, SetUp::write_nest))
+        .await
+        .map_err(|_| Refusal::Broken("writing of the configuration"))?
 }
 
 async fn stop(State(page): State<Page>) -> Answer {

@@ -2,7 +2,8 @@
 //! at KHZ, 1 without it.
 //!
 //! Prints the path of the configuration, then obeys lines on standard input, each answered with `ok`: `run` starts the program, `unplug N`
-//! pulls the cable of probe N, which stays out for the seconds that follow (`unplug 2 8`). It ends with its input.
+//! pulls the cable of probe N, which stays out for the seconds that follow (`unplug 2 8`), `turn DEG` turns the nest about its Z as a person
+//! mounts it, `step X Y Z` moves the linear axes by so many mm from where they stand before the program. It ends with its input.
 
 use anyhow::{Context, bail};
 use std::io::{BufRead, Write};
@@ -11,7 +12,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 use tokio::time::Instant;
-use trunnion_core::AxisValues;
+use trunnion_core::convert::rad_from_deg;
+use trunnion_core::{AxisValues, Joint};
 use trunnion_cycles::Cycle;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
 use trunnion_hil_sim::devices::{CycleState, Fault, SimulatedCell, World, cell};
@@ -30,22 +32,49 @@ struct Waiting {
     world: SimulatedCell,
     /// When, s as bits; infinite before.
     at_s: AtomicU64,
+    by_hand: Mutex<ByHand>,
+}
+
+/// What a person did before the program.
+#[derive(Clone, Copy, Default)]
+struct ByHand {
+    stepped_mm: [f64; 3],
+    turned_rad: f64,
 }
 
 impl Waiting {
     fn inside_s(&self, t_s: f64) -> f64 {
         (t_s - f64::from_bits(self.at_s.load(Ordering::Relaxed))).max(-1.0)
     }
+
+    fn by_hand(&self) -> ByHand {
+        *self.by_hand.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn stepped(&self, mut position: AxisValues<f64>) -> AxisValues<f64> {
+        let ByHand { stepped_mm, .. } = self.by_hand();
+        for (axis, by_mm) in [Joint::X, Joint::Y, Joint::Z].into_iter().zip(stepped_mm) {
+            position[axis] += by_mm;
+        }
+        position
+    }
 }
 
 impl World for Waiting {
     fn axes(&self, t_s: f64) -> AxisValues<f64> {
-        self.world.axes(self.inside_s(t_s))
+        self.stepped(self.world.axes(self.inside_s(t_s)))
     }
 
     fn probe_readings_mm(&self, t_s: f64) -> [f64; 3] {
         let inside_s = self.inside_s(t_s);
-        let quiet_mm = self.world.probe_readings_mm(inside_s);
+        let mut state = self.world.state(inside_s);
+        state.position = self.stepped(state.position);
+        let [x, y, z] = (self.world.deflection_mm)(&state);
+        // Probes that turned one way see the ball turned the other way.
+        let (sin, cos) = self.by_hand().turned_rad.sin_cos();
+        let seen = [cos * x + sin * y, cos * y - sin * x, z];
+        let along = |direction: [f64; 3]| -> f64 { (0..3).map(|k| direction[k] * seen[k]).sum() };
+        let quiet_mm = self.world.probe_directions.map(along);
         // Before the start it is one moment for all times, and a probe that does not tremble is stuck.
         if inside_s <= -1.0 { quiet_mm.map(|mm| mm + 2e-4 * (1e3 * t_s).sin()) } else { quiet_mm }
     }
@@ -86,7 +115,11 @@ struct Floor {
 
 impl Floor {
     async fn start(folder: &Path, rate_khz: f64) -> anyhow::Result<Self> {
-        let world = Arc::new(Waiting { world: world()?, at_s: AtomicU64::new(f64::INFINITY.to_bits()) });
+        let world = Arc::new(Waiting {
+            world: world()?,
+            at_s: AtomicU64::new(f64::INFINITY.to_bits()),
+            by_hand: Mutex::default(),
+        });
         let wall_ns = SystemTime::now().duration_since(UNIX_EPOCH)?.as_nanos() as i64;
         let mut devices = CellConfig::new(folder, wall_ns);
         devices.can = None;
@@ -123,7 +156,15 @@ impl Floor {
                 let handle = cell.probes.get(probe - 1).context("there are three probes")?;
                 handle.inject(Fault::Unplug { duration_s })?;
             }
-            _ => bail!("\"{line}\": run, or unplug PROBE SECONDS"),
+            ["step", x, y, z] => {
+                let stepped_mm = [x.parse()?, y.parse()?, z.parse()?];
+                self.world.by_hand.lock().unwrap_or_else(PoisonError::into_inner).stepped_mm = stepped_mm;
+            }
+            ["turn", deg] => {
+                let turned_rad = rad_from_deg(deg.parse()?);
+                self.world.by_hand.lock().unwrap_or_else(PoisonError::into_inner).turned_rad = turned_rad;
+            }
+            _ => bail!("\"{line}\": run, unplug PROBE SECONDS, turn DEG, or step X Y Z"),
         }
         Ok(())
     }

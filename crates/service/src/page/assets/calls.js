@@ -35,6 +35,7 @@ export const begin = (cycle) => call("/api/cycle/begin", posting({ cycle }));
 const setUp = (step) => call(`/api/set-up/${step}`, { method: "POST", headers: changing });
 export const beginNest = () => setUp("nest");
 export const finishNest = () => setUp("nest/finish");
+export const writeNest = () => setUp("nest/write");
 export const beginSignTest = () => setUp("sign-test");
 export const stopSetUp = () => setUp("stop");
 export const login = (token) => call("/api/login", posting({ token }));

@@ -20,12 +20,14 @@ export async function make(page) {
     return { state, body, card: el("li", { class: "card" }, el("h2", {}, title, " ", state), el("p", {}, about), body, ...more) };
   };
   const finish = button("Finish the calibration", calls.finishNest);
+  const write = button("Write them into the configuration", calls.writeNest, "main");
   parts = {
     next: el("p", { class: "todo", role: "status", id: "next-step" }),
     finish,
+    write,
     devices: step("1. Devices", "Every device is connected and sends."),
     nest: step("2. Directions of the probes", "Known steps of X, Y and Z with the rotary axes at rest tell the direction of each probe. Once after the nest was mounted.",
-      el("p", { class: "row" }, button("Begin the calibration", calls.beginNest, "main"), finish, button("Stop", calls.stopSetUp))),
+      el("p", { class: "row" }, button("Begin the calibration", calls.beginNest, "main"), finish, write, button("Stop", calls.stopSetUp))),
     sign: step("3. Sign test", "Jogs show whether each probe follows as the configuration says, or is turned or exchanged.",
       el("p", { class: "row" }, button("Begin the sign test", calls.beginSignTest, "main"), button("Stop", calls.stopSetUp))),
     zero: step("4. Ball at the centre", "Every probe in the middle half of its range: errors and settings stay within it."),
@@ -71,11 +73,13 @@ function showNest(setUp) {
   const underWay = setUp?.step === "nest";
   parts.finish.hidden = !underWay;
   const nest = setUp?.nest;
+  parts.write.hidden = !nest || Boolean(setUp.written);
   const worst = nest ? Math.max(...nest.probes.map((probe) => probe.u_direction_mrad)) : null;
   show(parts.nest, Boolean(nest), underWay ? "under way" : nest ? "done" : "from the configuration",
     underWay ? el("p", {}, `${setUp.dwells} dwells. ${setUp.last}`) : null,
     setUp?.problem ? el("p", { class: "warn" }, setUp.problem) : null,
     nest ? el("p", {}, `Standard uncertainty of the directions: at most ${worst.toFixed(2)} mrad, from ${nest.steps} dwells.`) : null,
+    setUp?.written ? el("p", { class: "lead" }, setUp.written) : null,
     nest ? el("pre", { class: "scroll", tabindex: "0", "aria-label": "The table nest of the configuration" }, nest.lines) : null);
 }
 
