@@ -89,7 +89,7 @@ function nextStep({ measuring, connected, setUp, centred }) {
   if (!connected) return "Next: connect the devices; each says below what is wrong with it.";
   if (setUp?.nest) return setUp.to_do;
   if (setUp?.sign_test && setUp.sign_test.finding !== "as-nest") return setUp.to_do;
-  if (!setUp?.sign_test) return "Next: the sign test. Calibrate the nest first where it was mounted anew.";
+  if (!setUp?.sign_test) return "Next: the sign test. Calibrate the nest first where it was mounted again.";
   if (!centred) return "Next: bring the ball to the centre.";
   return "Ready: choose the cycle and measure.";
 }
