@@ -8,8 +8,8 @@ use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use std::path::PathBuf;
 use trunnion::report::{identification_text, location_text, timing_text};
-use trunnion::second_opinion::add_bar_result;
 use trunnion::results::sentences::sources;
+use trunnion::second_opinion::add_bar_result;
 use trunnion::{Convention, EVERY_METHOD, MethodOptions, Notation, method};
 
 /// Identify the machine's errors from recordings
