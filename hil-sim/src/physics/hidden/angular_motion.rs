@@ -10,7 +10,7 @@ pub(super) const KIND: Kind = Kind {
     about: "a carriage rolls, pitches and yaws",
     amplitude: "turn at the ends of the travel, rad",
     places: &[X, Y, Z],
-    seen_in: SeenIn::StaticGrid,
+    seen_in: SeenIn::Turns,
     at_encoder: false,
     catalogued: true,
     shape: &["middle_mm", "half_length_mm", "about_x", "about_y", "about_z"],

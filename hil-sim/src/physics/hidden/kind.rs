@@ -49,6 +49,8 @@ pub enum SeenIn {
     StaticGrid,
     /// Only while axes move.
     OnTheFly,
+    /// In readings of turns, a level or an autocollimator; a ball shows it at an arm only, and that of some axes not at all.
+    Turns,
 }
 
 /// What a draw may depend on.

@@ -57,7 +57,9 @@ fn travel(place: Place, states: &[State]) -> (f64, f64) {
 /// The cycle in which a kind shows.
 fn states(kind: &Kind, machine: &Machine, setups: &[SimSetup], run_duration_s: f64) -> Vec<State> {
     match kind.seen_in {
-        SeenIn::StaticGrid => grid::compressed(grid::standard_bc(machine, setups), run_duration_s),
+        SeenIn::StaticGrid | SeenIn::Turns => {
+            grid::compressed(grid::standard_bc(machine, setups), run_duration_s)
+        }
         SeenIn::OnTheFly => sweeps(machine, setups),
     }
 }
