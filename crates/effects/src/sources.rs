@@ -63,12 +63,8 @@ fn replaced(text: &str, name: impl Fn(&Source) -> String) -> String {
         });
         match found {
             Some((source, after)) => {
-                let comma =
-                    if after.starts_with(" §") || after.starts_with(" eq.") || after.starts_with(" table") {
-                        ","
-                    } else {
-                        ""
-                    };
+                let place = [" §", " eq.", " table", " Fig."].iter().any(|place| after.starts_with(place));
+                let comma = if place { "," } else { "" };
                 out += &name(source);
                 out += comma;
                 rest = after;
@@ -90,6 +86,10 @@ mod tests {
     #[test]
     fn a_key_becomes_author_year_and_title_and_nothing_else_changes() {
         assert_eq!(with_authors("ISO 230-7; S0 §3"), "ISO 230-7; Kenno et al. 2020, §3");
+        assert_eq!(
+            with_authors("Places (S1 Fig. 5, 8)"),
+            "Places (Oyama, Ibaraki and Otsubo, undated, Fig. 5, 8)"
+        );
         assert_eq!(with_authors("S1x, XS1, EB0S1 and µS1"), "S1x, XS1, EB0S1 and µS1");
         let list = sources("S2 eq. 1; docs/design/physics.md §5; ISO 230-2");
         assert!(list.starts_with("Ibaraki and Knapp 2012: Indirect"), "{list}");

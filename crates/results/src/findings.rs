@@ -264,7 +264,7 @@ fn chart(chart: &found::Chart) -> Chart {
             places: places.iter().map(map_place).collect(),
         },
     };
-    Chart { group: chart.group.clone(), title: chart.title.clone(), plot }
+    Chart { group: with_authors(&chart.group), title: with_authors(&chart.title), plot }
 }
 
 fn axis(axis: &found::AxisName) -> AxisName {
