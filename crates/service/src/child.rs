@@ -78,7 +78,8 @@ impl Process {
         self.child.stdout.take()
     }
 
-    /// Looks until there is something; ends the process when its time is over or nobody wants it any more.
+    /// Looks until there is something; ends the process when its time is over or nobody wants it any more. A look that finds nothing
+    /// waits for [`LOOK`].
     pub(crate) fn until<T>(
         &mut self,
         clock: &dyn Clock,

@@ -97,14 +97,16 @@ impl SetUp {
     /// # Errors
     /// Without a calibrated nest, or when the file cannot be written; it stays as it was then.
     pub fn write_nest(&self) -> Result<(), NoSetUp> {
-        let mut inside = self.lock();
-        let nest = inside.calibrated.clone().ok_or(NoSetUp::NotCalibrated)?;
+        let file =
+            self.file.as_ref().ok_or_else(|| NoSetUp::NotWritten("there is no configuration".into()))?;
+        // Taken, so that nobody writes it twice; samples wait for the lock, so the disk must not be waited for under it.
+        let nest = self.lock().calibrated.take().ok_or(NoSetUp::NotCalibrated)?;
         let directions = nest.directions(false).ok_or(NoSetUp::NotCalibrated)?;
-        let file = self.file.as_ref().ok_or(NoSetUp::NoProbes)?;
-        let before = write_nest(&file.path, directions, file.clock.wall_ns());
-        let before = before.map_err(|failure| NoSetUp::NotWritten(chain(&failure)))?;
-        inside.calibrated = None;
-        inside.written = Some(directions);
+        let before = write_nest(&file.path, directions, file.clock.wall_ns()).map_err(|failure| {
+            self.lock().calibrated = Some(nest.clone());
+            NoSetUp::NotWritten(chain(&failure))
+        })?;
+        self.lock().written = Some(directions);
         if let (Some(plan), Some(nest)) = (&self.plan, NestCalibration::along(directions)) {
             file.latest.set_mounted(Mounted { nest, ..Mounted::of(plan) });
         }

@@ -28,7 +28,7 @@ pub fn add_bar_result(findings: &mut Findings, path: &Path) -> Result<(), Error>
     ));
     findings.notes.push(
         "Header and ranking of the file are read by names that a public reader uses; names of its readings are not public. That A is the first axis of the \
-         plane, and the signs of its numbers, are not confirmed: compare sizes first."
+         plane, that its circularity is our G(b), and the signs of its numbers are not confirmed: compare sizes first."
             .into(),
     );
     Ok(())

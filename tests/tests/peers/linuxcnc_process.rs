@@ -15,6 +15,8 @@ pub const PORT: u16 = 5079;
 pub const JOINTS: [Joint; 5] = [X, Y, Z, B, C];
 /// Longest wait for LinuxCNC to do as commanded.
 pub const LIMIT: Duration = Duration::from_secs(60);
+/// An order without effect for so long was lost: linuxcncrsh mixes up requests of connections that speak at the same moment.
+const LOST_AFTER: Duration = Duration::from_secs(5);
 
 /// A running LinuxCNC; shut down with this.
 pub struct LinuxCnc {
@@ -196,12 +198,16 @@ impl Conversation {
         }
     }
 
-    /// Repeats an order until it is done.
+    /// Says an order until it is done. One that is only slow is not said again: LinuxCNC would keep "A file is already open" as its error.
     pub fn until(&mut self, order: &str, ask: &str, word: &str, wanted: &str) {
         let begun = Instant::now();
+        let mut said: Option<Instant> = None;
         while self.answer(ask, word) != wanted {
             assert!(begun.elapsed() < LIMIT, "{order}: not {wanted}");
-            self.say(order);
+            if said.is_none_or(|said| said.elapsed() > LOST_AFTER) {
+                self.say(order);
+                said = Some(Instant::now());
+            }
             std::thread::sleep(Duration::from_millis(50));
         }
     }

@@ -17,7 +17,7 @@ pub(super) async fn listening(
     board: &Board,
     cancel: &CancellationToken,
 ) -> Option<TcpListener> {
-    let mut told = String::new();
+    let mut reported = String::new();
     loop {
         match TcpListener::bind(address).await {
             Ok(listener) => {
@@ -26,10 +26,10 @@ pub(super) async fn listening(
             }
             Err(error) => {
                 let why = format!("{address} cannot be listened on: {error}");
-                if why != told {
+                if why != reported {
                     warn!("[{name}]: {why}");
                     board.set_connection(name, &why);
-                    told = why;
+                    reported = why;
                 }
             }
         }

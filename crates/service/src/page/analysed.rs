@@ -1,15 +1,15 @@
 //! Analysed recordings, which answer the questions of the page; in a process of their own unless a test has them here.
 
 use super::found;
-use super::question::{Asks, Head, NoAnswer, Question, Step, Told};
-use super::stamp::{Stamp, stamp};
+use super::question::{Asks, Head, NoAnswer, Question, Reply, Step};
+use super::stamp::{Stamp, own_model, stamps};
 use std::collections::VecDeque;
 use std::io::{BufRead, Write};
 use std::path::PathBuf;
 use std::sync::mpsc;
 use trunnion::page::label;
 use trunnion::report::findings_html;
-use trunnion::results::{sentences, to_json_line};
+use trunnion::results::{RunFound, sentences, to_json_line};
 use trunnion::{Compared, FormulaText, MethodOptions, Model};
 
 /// Analysed runs that are kept; a run of 10 000 points needs some 30 MB.
@@ -26,32 +26,27 @@ struct Open {
     recording: PathBuf,
     /// The answer, with everything behind it.
     compared: Compared,
-    /// The model file that belongs to the run alone.
-    model_path: PathBuf,
+    /// In short.
+    found: RunFound,
     stamps: [Stamp; 2],
 }
 
 impl AnalysedRuns {
     /// Answers a question; analyses first where recording or model changed since.
-    pub fn answer(&mut self, question: &Question) -> Result<Told, NoAnswer> {
+    pub fn answer(&mut self, question: &Question) -> Result<Reply, NoAnswer> {
         let open = self.current(question)?;
-        let text = match &question.asks {
+        let open = match &question.asks {
             Asks::Add(step) => {
                 open.trusted()?.add(step)?;
-                return self.story_again(question);
+                self.analyse(question)?
             }
             Asks::Remove(step) => {
                 open.trusted()?.remove(step)?;
-                return self.story_again(question);
+                self.analyse(question)?
             }
-            asks => open.text(asks)?,
+            _ => open,
         };
-        Ok(Told { text, found: found::found(&open.compared.results()) })
-    }
-
-    fn story_again(&mut self, question: &Question) -> Result<Told, NoAnswer> {
-        let open = self.analyse(question)?;
-        Ok(Told { text: open.text(&Asks::Story)?, found: found::found(&open.compared.results()) })
+        Ok(Reply { text: open.text(&question.asks)?, found: open.found.clone() })
     }
 
     fn current(&mut self, question: &Question) -> Result<&Open, NoAnswer> {
@@ -68,8 +63,7 @@ impl AnalysedRuns {
         // Room before the next one is in memory.
         self.open.retain(|open| open.recording != *recording);
         self.open.drain(..self.open.len().saturating_sub(MOST_OPEN - 1));
-        let model_path = recording.with_extension("model.toml");
-        let stamps = [stamp(recording), stamp(&model_path)];
+        let (stamps, model_path) = (stamps(recording), own_model(recording));
         let experiment = trunnion::open(recording)?;
         let model = match &question.model {
             _ if model_path.exists() => Model::load(&model_path)?,
@@ -77,14 +71,15 @@ impl AnalysedRuns {
             None => experiment.base_model(),
         };
         let compared = experiment.fit(&model)?.compare()?;
-        self.open.push_back(Open { recording: recording.clone(), compared, model_path, stamps });
+        let found = found::found(&compared.results());
+        self.open.push_back(Open { recording: recording.clone(), compared, found, stamps });
         Ok(&self.open[self.open.len() - 1])
     }
 }
 
 impl Open {
     fn is_current(&self) -> bool {
-        self.stamps == [stamp(&self.recording), stamp(&self.model_path)]
+        self.stamps == stamps(&self.recording)
     }
 
     /// A run that a person may act on.
@@ -98,16 +93,20 @@ impl Open {
 
     fn add(&self, Step { effect, by, date }: &Step) -> Result<(), NoAnswer> {
         let step = self.compared.diagnosed().add(effect)?.dated(date)?.by(by)?;
-        step.model().save(&self.model_path)?;
-        tracing::info!(model = %self.model_path.display(), effect, by, "added from the page");
+        self.save(step.model())?;
+        tracing::info!(run = %self.recording.display(), effect, by, "added from the page");
         Ok(())
     }
 
     fn remove(&self, Step { effect, by, date }: &Step) -> Result<(), NoAnswer> {
         let smaller = self.compared.diagnosed().fit().remove(effect, date, Some(by))?;
-        smaller.model().save(&self.model_path)?;
-        tracing::info!(model = %self.model_path.display(), effect, by, "removed from the page");
+        self.save(smaller.model())?;
+        tracing::info!(run = %self.recording.display(), effect, by, "removed from the page");
         Ok(())
+    }
+
+    fn save(&self, model: &Model) -> Result<(), NoAnswer> {
+        Ok(model.save(own_model(&self.recording))?)
     }
 
     fn text(&self, asks: &Asks) -> Result<String, NoAnswer> {
@@ -163,7 +162,7 @@ pub fn answer_questions(mut answers: impl Write) -> std::io::Result<()> {
             Err(failure) => Err(NoAnswer::Failed(format!("a question cannot be read: {failure}"))),
         };
         let (head, text) = match answer {
-            Ok(Told { text, found }) => (Head::Told { bytes: text.len(), found }, text),
+            Ok(Reply { text, found }) => (Head::Reply { bytes: text.len(), found }, text),
             Err(no_answer) => (Head::NoAnswer(no_answer), String::new()),
         };
         let head = serde_json::to_string(&head).map_err(std::io::Error::other)?;

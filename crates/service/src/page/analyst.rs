@@ -2,7 +2,7 @@
 //! takes too long or too much memory ends it, and the next question starts another.
 
 use super::analysed::AnalysedRuns;
-use super::question::{Head, NoAnswer, Question, Told};
+use super::question::{Head, NoAnswer, Question, Reply};
 use crate::analysis::{AnalysisLimits, Analyst};
 use crate::child::{LOOK, Process, Unanswered};
 use crate::error::chain;
@@ -38,7 +38,7 @@ struct AtWork {
 struct Answering {
     process: Process,
     questions: ChildStdin,
-    answers: Receiver<Result<Told, NoAnswer>>,
+    answers: Receiver<Result<Reply, NoAnswer>>,
     answered: usize,
 }
 
@@ -49,7 +49,7 @@ impl PageAnalyst {
     }
 
     /// Blocks until there is an answer.
-    pub(super) fn ask(&self, question: &Question) -> Result<Told, NoAnswer> {
+    pub(super) fn ask(&self, question: &Question) -> Result<Reply, NoAnswer> {
         let mut at_work = self.at_work.lock().unwrap_or_else(PoisonError::into_inner);
         match &self.analyst {
             Analyst::Here => at_work.here.answer(question),
@@ -99,11 +99,11 @@ impl Answering {
         let (Some(questions), Some(out)) = (questions, out) else {
             return Err(NoAnswer::Failed("its process cannot be spoken with".into()));
         };
-        let (told, answers) = mpsc::channel();
+        let (received, answers) = mpsc::channel();
         std::thread::spawn(move || {
             let mut out = BufReader::new(out);
             while let Some(answer) = read(&mut out) {
-                if told.send(answer).is_err() {
+                if received.send(answer).is_err() {
                     break;
                 }
             }
@@ -116,7 +116,7 @@ impl Answering {
         question: &Question,
         clock: &dyn Clock,
         cancel: &CancellationToken,
-    ) -> Result<Result<Told, NoAnswer>, Gone> {
+    ) -> Result<Result<Reply, NoAnswer>, Gone> {
         let text = serde_json::to_string(question).map_err(|failure| Gone::LetGo(failure.to_string()))?;
         // A process that is gone is noticed below.
         let asked = writeln!(self.questions, "{text}").and_then(|()| self.questions.flush());
@@ -144,16 +144,16 @@ impl Answering {
 }
 
 /// The next answer; `None` when there are no more.
-fn read(out: &mut BufReader<ChildStdout>) -> Option<Result<Told, NoAnswer>> {
+fn read(out: &mut BufReader<ChildStdout>) -> Option<Result<Reply, NoAnswer>> {
     let mut head = String::new();
     out.read_line(&mut head).ok()?;
     match serde_json::from_str(&head).ok()? {
         Head::NoAnswer(no_answer) => Some(Err(no_answer)),
-        Head::Told { bytes, found } if bytes <= LONGEST_TEXT => {
+        Head::Reply { bytes, found } if bytes <= LONGEST_TEXT => {
             let mut text = vec![0; bytes];
             out.read_exact(&mut text).ok()?;
-            Some(Ok(Told { text: String::from_utf8(text).ok()?, found }))
+            Some(Ok(Reply { text: String::from_utf8(text).ok()?, found }))
         }
-        Head::Told { .. } => None,
+        Head::Reply { .. } => None,
     }
 }

@@ -81,7 +81,7 @@ impl Asks {
 
 /// JSON or a page.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Told {
+pub struct Reply {
     /// The text.
     pub text: String,
     /// The analysis in short, for the list.
@@ -109,7 +109,7 @@ impl From<trunnion::Error> for NoAnswer {
 #[serde(rename_all = "kebab-case")]
 pub enum Head {
     /// Length of the text that follows.
-    Told {
+    Reply {
         /// Bytes.
         bytes: usize,
         /// The analysis in short.

@@ -7,7 +7,7 @@ mod list;
 use super::analyst::PageAnalyst;
 use super::answer::Refusal;
 use super::question::{Asks, NoAnswer, Question};
-use super::stamp::{Stamp, stamp};
+use super::stamp::{Stamp, stamp, stamps};
 use hyper::body::Bytes;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -150,13 +150,13 @@ impl Runs {
     fn answer(&self, recording: PathBuf, asks: Asks) -> Result<Bytes, Refusal> {
         let stamps = stamps(&recording);
         let question = Question { recording, model: self.model.clone(), asks };
-        let told = self.analyst.ask(&question).map_err(|why| match why {
+        let reply = self.analyst.ask(&question).map_err(|why| match why {
             NoAnswer::Failed(why) => Refusal::Failed(why),
             NoAnswer::NotTrusted(why) => Refusal::NotTrusted(why),
         })?;
         let Question { recording, asks, .. } = question;
-        lock(&self.found).insert(recording.clone(), told.found);
-        let text = Bytes::from(told.text);
+        lock(&self.found).insert(recording.clone(), reply.found);
+        let text = Bytes::from(reply.text);
         if asks.is_kept() {
             let mut kept = lock(&self.kept);
             kept.retain(|answer| {
@@ -181,11 +181,6 @@ impl Runs {
     pub(super) fn stop(&self) {
         self.analyst.stop();
     }
-}
-
-/// Of a recording and the model that belongs to it alone.
-fn stamps(recording: &Path) -> [Stamp; 2] {
-    [stamp(recording), stamp(&recording.with_extension("model.toml"))]
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
