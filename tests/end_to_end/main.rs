@@ -23,6 +23,9 @@ mod record;
 mod report;
 mod robot;
 mod schemes;
+#[allow(dead_code, reason = "the tests of this crate use a part")]
+#[path = "../src/section.rs"]
+mod section;
 mod service_killed;
 mod setting_up;
 mod story;

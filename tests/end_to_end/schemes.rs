@@ -8,13 +8,13 @@ mod judged;
 #[path = "../src/schemes/rows.rs"]
 mod rows;
 
+use crate::section::{Section, is_writing, workspace_root};
 use judged::{Found, found, injected};
 use rows::{ROWS, Row};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// Deviations allowed, in standard uncertainties: of some 300 numbers none should be farther off.
 const ALLOWED_U: f64 = 4.5;
 /// What the linear uncertainty leaves out: errors of second order, in the last printed digit.
@@ -28,7 +28,7 @@ fn trunnion(folder: &Path, args: &[&str]) -> String {
 }
 
 fn config(kind: &str, name: &str) -> String {
-    format!("{ROOT}/config/{kind}/{name}.toml")
+    workspace_root().join(format!("config/{kind}/{name}.toml")).display().to_string()
 }
 
 /// What was found against the injected values.
@@ -110,8 +110,7 @@ fn line(row: &Row, outcome: &Outcome) -> String {
     )
 }
 
-const BEGIN: &str = "<!-- rows written by the test `schemes` -->\n";
-const END: &str = "<!-- end of rows -->\n";
+const DOCUMENT: &str = "docs/measured/schemes.md";
 
 #[test]
 fn every_scheme_finds_what_was_put_in_and_names_what_it_cannot_see() {
@@ -119,23 +118,18 @@ fn every_scheme_finds_what_was_put_in_and_names_what_it_cannot_see() {
     let mut wrong = Vec::new();
     let rows: String = ROWS.iter().map(|row| line(row, &run(row, folder.path(), &mut wrong))).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    let path = format!("{ROOT}/docs/measured/schemes.md");
+    let path = workspace_root().join(DOCUMENT);
     let document = std::fs::read_to_string(&path).unwrap();
-    let (before, rest) = document.split_once(BEGIN).unwrap();
-    let (table, after) = rest.split_once(END).unwrap();
-    if std::env::var_os("TRUNNION_WRITE_DOCS").is_some() {
-        std::fs::write(&path, format!("{before}{BEGIN}{rows}{END}{after}")).unwrap();
+    let section = Section::of(&document, "rows").unwrap();
+    if is_writing() {
+        std::fs::write(&path, section.with(&rows)).unwrap();
         return;
     }
     // Figures may differ in the last digit between processors; all else must be current.
     let words = |table: &str| -> Vec<String> {
         table.lines().map(|line| line.split('|').take(6).collect::<Vec<_>>().join("|")).collect()
     };
-    assert_eq!(
-        words(table),
-        words(&rows),
-        "docs/measured/schemes.md: run this test with TRUNNION_WRITE_DOCS=1"
-    );
+    assert_eq!(words(section.inside), words(&rows), "{DOCUMENT}: run this test with TRUNNION_WRITE_DOCS=1");
 }
 
 /// Stations a millimetre off their places bend the prediction by more than the noise: no excuse to claim an effect.

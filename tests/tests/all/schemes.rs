@@ -16,7 +16,7 @@ fn every_scheme_has_its_line_of_seeds() {
     assert_eq!(schemes, rows, "run schemes-trial -- --write");
 }
 
-/// The one row of which the bin's table has a fair u in both noises and that takes seconds.
+/// A row that has a fair u in both noises and takes seconds; the others are in the table.
 #[test]
 fn standard_uncertainties_of_a_laser_ball_bar_are_fair_under_drift() {
     let row = ROWS.iter().find(|row| row.cycle == "laser-ball-bar").unwrap();
