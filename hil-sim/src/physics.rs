@@ -31,10 +31,18 @@ impl VirtualMachine {
     /// When the truth names another machine.
     pub fn new(machine: Machine, truth: Truth) -> Result<Self, OtherMachine> {
         if machine.name != truth.machine {
-            return Err(OtherMachine { truth: truth.machine, machine: machine.name });
+            return Err(OtherMachine::Name { truth: truth.machine, machine: machine.name });
+        }
+        let mut location = truth.location;
+        for error in &truth.named {
+            let Some((joint, twist)) = error.on(&machine) else {
+                let (joint, joints) = (error.joint.clone(), machine.joints_near(&error.joint));
+                return Err(OtherMachine::Joint { joint, machine: machine.name, joints });
+            };
+            location[joint] += twist;
         }
         let natural = natural::draw(&machine, truth.noise.natural_motion_mm, truth.seed);
-        Ok(Self { machine, truth, natural, compensation: None })
+        Ok(Self { machine, truth, location, natural, compensation: None })
     }
 
     /// The same machine with its controller compensating.
@@ -100,7 +108,7 @@ impl VirtualMachine {
     }
 
     fn disturbance(&self, setup: usize, state: &State) -> Disturbance {
-        let mut wrong = Disturbance::from_joints(self.truth.location);
+        let mut wrong = Disturbance::from_joints(self.location);
         for motion in &self.natural {
             wrong = wrong + motion.at(state);
         }

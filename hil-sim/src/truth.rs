@@ -14,4 +14,4 @@ pub use errors::{Noise, Truth};
 
 pub use setup::{Instrument, NestOn, Own, PlacedSetup, SimForm, SimSetup, SimTarget};
 
-pub use location::{LocationError, minimum_set};
+pub use location::{LocationError, NamedError, minimum_set};

@@ -28,6 +28,7 @@ mod schemes;
 mod section;
 mod service_killed;
 mod setting_up;
+mod spindle;
 mod story;
 mod streams;
 mod volumetric;

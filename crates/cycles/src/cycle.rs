@@ -65,14 +65,15 @@ pub struct Cycle {
 
 impl Cycle {
     /// The poses of a static cycle in order; empty for one on the fly. `None` when the machine cannot
-    /// follow the ball.
+    /// follow the ball, or lacks an axis.
     pub fn poses(&self, machine: &Machine) -> Option<Vec<Pose>> {
+        self.has_its_axes(machine).ok()?;
         let mut poses = Vec::new();
         for leg in self.legs() {
-            for station in self.stations(leg.setup, leg.pass) {
+            for station in self.stations(machine, leg.setup, leg.pass) {
                 let position = self.dwell_at(machine, leg.setup, &station)?;
                 let mut direction = AxisValues::default();
-                for axis in self.grid() {
+                for axis in self.grid(machine) {
                     direction[axis.letter] = leg.pass;
                 }
                 poses.push(Pose { setup: leg.setup, target: station.target, position, direction });
@@ -97,16 +98,22 @@ impl Cycle {
         }
     }
 
-    /// The axes of a grid; empty for other cycles.
-    fn grid(&self) -> &[GridAxis] {
+    /// The axes of a grid as joints of a machine; empty for other cycles.
+    fn grid(&self, machine: &Machine) -> Vec<GridAxis> {
         match &self.motion {
-            Motion::Static { grid, .. } => grid,
-            Motion::Line { .. } | Motion::Path { .. } | Motion::OnTheFly { .. } => &[],
+            Motion::Static { grid, .. } => grid.iter().map(|axis| axis.on(machine)).collect(),
+            Motion::Line { .. } | Motion::Path { .. } | Motion::OnTheFly { .. } => Vec::new(),
         }
     }
 
+    /// A joint that it turns and that is no letter of ISO 841: no NC program here turns one, and no driver reads it.
+    pub fn named_joint(&self) -> Option<Joint> {
+        let Motion::Static { grid, .. } = &self.motion else { return None };
+        grid.iter().map(|axis| axis.letter).find(|joint| !Joint::ISO.contains(joint))
+    }
+
     /// Where it stands in one pass of a setup, in order: every target at every place of the grid; none on the fly.
-    fn stations(&self, setup: usize, pass: f64) -> Vec<Station> {
+    fn stations(&self, machine: &Machine, setup: usize, pass: f64) -> Vec<Station> {
         let targets = self.setups[setup].targets();
         let at_target = |asked: AxisValues<f64>| (0..targets).map(move |target| Station { asked, target });
         let own = &self.setups[setup];
@@ -121,7 +128,9 @@ impl Cycle {
             Station { asked, target: 0 }
         };
         let mut stations: Vec<Station> = match &self.motion {
-            Motion::Static { grid, .. } => grid_positions(grid).into_iter().flat_map(at_target).collect(),
+            Motion::Static { .. } => {
+                grid_positions(&self.grid(machine)).into_iter().flat_map(at_target).collect()
+            }
             Motion::Line { line, .. } => line.places_mm(&along).into_iter().map(on_line).collect(),
             Motion::OnTheFly { .. } | Motion::Path { .. } => Vec::new(),
         };

@@ -11,7 +11,7 @@ mod settings;
 pub use instrument::Instrument;
 pub use projector::{Projector, predict};
 pub use registry::{REGISTRY, instrument};
-pub use settings::{Quantity, Setting};
+pub use settings::{Quantity, Setting, off_spindle};
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! Unknowns that come with every mounting of an instrument: where it really sits, its zero, its own geometry.
 
 use nalgebra::Vector3;
-use trunnion_core::{Setup, Twist};
+use trunnion_core::{InstrumentKind, Setup, Twist};
 use trunnion_machine::Site;
 
 /// One unknown of a mounting.
@@ -57,6 +57,21 @@ pub(crate) fn offset(name: &'static str, sign: f64) -> Setting {
 /// Inner unknown `k` of the instrument.
 pub(crate) fn inner(k: usize, name: &'static str, quantity: Quantity) -> Setting {
     Setting { name, quantity, site: Site::Instrument(k), twist: Twist::translation(Vector3::x()) }
+}
+
+/// Ball, nest or stylus off the line of a spindle that is a joint, tool axes with the spindle at zero: it goes round with the
+/// spindle, which tells it from the place of the spindle [S1 §3.2]. A reflector has its place on the tool already.
+pub fn off_spindle(kind: InstrumentKind) -> Vec<Setting> {
+    let clamped =
+        matches!(kind, InstrumentKind::RTest | InstrumentKind::BallBar | InstrumentKind::TouchProbe);
+    let across = |(k, name)| Setting {
+        name,
+        quantity: Quantity::Length,
+        site: Site::SpindleBall,
+        twist: Twist::translation(Vector3::ith(k, 1.0)),
+    };
+    let names = ["spindle-x", "spindle-y"];
+    names.into_iter().enumerate().filter(|_| clamped).map(across).collect()
 }
 
 /// `others` and, unless it is calibrated, `zero`.

@@ -15,6 +15,8 @@ pub struct Machine {
     pub tool: Vec<Axis>,
     /// The legs that the first three axes of `tool` are the strokes of, where they carry a platform in parallel.
     pub tripod: Option<Tripod>,
+    /// The spindle, where it is a joint: the last of `tool`. What is clamped in it turns with it.
+    pub spindle: Option<Joint>,
 }
 
 /// One axis of a machine.

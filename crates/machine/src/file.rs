@@ -46,6 +46,7 @@ fn read(name: &str, document: &Document<'_>) -> Option<Machine> {
         axes.extend(legs.iter().cloned().map(Some));
     }
     tables.no_other_keys();
+    let spindle = spindle(&root, chains[1].as_deref());
     root.no_other_keys();
     format?;
     let [table, tool] = chains;
@@ -58,7 +59,22 @@ fn read(name: &str, document: &Document<'_>) -> Option<Machine> {
             Some(read) => Some(read?.0),
             None => None,
         },
+        spindle,
     })
+}
+
+/// The joint that the file calls its spindle.
+fn spindle(root: &Table<'_>, tool: Option<&[Joint]>) -> Option<Joint> {
+    let name = root.optional_string("spindle")?;
+    let last = tool?.last().copied();
+    let found = last.filter(|joint| joint.is_rotary() && joint.as_str() == name);
+    if found.is_none() {
+        let allowed =
+            last.map_or("the last joint of tool".into(), |last| format!("\"{last}\", a rotary joint"));
+        let advice = "The spindle is the last joint of tool.";
+        root.problem("spindle", format!("= \"{name}\""), allowed, advice);
+    }
+    found
 }
 
 /// The joints of both chains; a letter of ISO 841 has its kind, of any other name the table of the axis says it.

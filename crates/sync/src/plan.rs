@@ -97,6 +97,11 @@ pub fn check(plan: &Plan) -> Result<Vec<u16>, PlanError> {
         }
     };
     let instrument = kind.name();
+    if let Some(joint) = plan.cycle.named_joint() {
+        // Drivers read axes by letter: the angle of C1 would be that of C.
+        let (cycle, what) = (plan.cycle.name.clone(), format!("the angle of joint {joint}"));
+        return Err(PlanError::NotLive { cycle, what });
+    }
     plan.cycle
         .poses(&plan.machine)
         .ok_or_else(|| PlanError::CannotFollow { machine: plan.machine.name.clone() })?;

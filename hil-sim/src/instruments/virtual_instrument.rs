@@ -43,7 +43,8 @@ pub(super) struct Seen<'a> {
 impl<'a> Seen<'a> {
     pub(super) fn new(placed: &'a PlacedSetup, target: usize, poses: &'a Poses) -> Self {
         let setup = &placed.setup;
-        let tool_in_machine = poses.machine_from_tool * setup.ball_in_tool_mm + poses.tool_in_machine_mm;
+        let in_tool_mm = setup.ball_in_tool_mm + placed.own.off_spindle_mm;
+        let tool_in_machine = poses.machine_from_tool * in_tool_mm + poses.tool_in_machine_mm;
         let setting = placed.setting_mm + poses.setting_in_table_mm;
         let origin = setup.ball_in_table_mm;
         let turn = Rotation3::from_scaled_axis(placed.own.turn_rad);

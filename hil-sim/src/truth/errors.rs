@@ -1,5 +1,6 @@
 //! What is wrong with one machine during one run.
 
+use super::NamedError;
 use super::setup::{PlacedSetup, SimSetup};
 use crate::physics::hidden::Hidden;
 use nalgebra::Vector3;
@@ -16,6 +17,10 @@ pub struct Truth {
     pub run_duration_s: f64,
     /// Location errors at the joints, constant, mm and rad (minimum set, others zero).
     pub location: JointErrors,
+    /// The same of joints that are called otherwise than by a letter.
+    pub named: Vec<NamedError>,
+    /// How far off the line of the spindle a person clamps a ball or nest in it, mm; for machines whose spindle is a joint.
+    pub off_spindle_mm: f64,
     /// Setups in the order of `State::setup`.
     pub setups: Vec<PlacedSetup>,
     /// Everything the readings suffer in addition.
@@ -85,6 +90,8 @@ impl Truth {
             seed: 0,
             run_duration_s,
             location: JointErrors::default(),
+            named: Vec::new(),
+            off_spindle_mm: 0.0,
             setups: setups.iter().map(place).collect(),
             noise: Noise::NONE,
             hidden: Vec::new(),

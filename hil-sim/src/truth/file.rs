@@ -1,7 +1,7 @@
 //! The sealed truth file, `format = "trunnion-truth/1"`. The program under test never reads it.
 
 use super::location::LocationError;
-use super::{Instrument, NestOn, Noise, PlacedSetup, SimSetup, Truth};
+use super::{Instrument, NamedError, NestOn, Noise, PlacedSetup, SimSetup, Truth};
 use crate::physics::hidden;
 use crate::physics::hidden::Hidden;
 use nalgebra::Point3;
@@ -26,7 +26,15 @@ impl Truth {
         // In quotes: TOML integers are signed, seeds are not.
         file["seed"] = value(self.seed.to_string());
         file["run_duration_s"] = value(self.run_duration_s);
-        file["location"] = Item::Table(location_table(&self.location));
+        if self.off_spindle_mm != 0.0 {
+            file["off_spindle_um"] = value(um_from_mm(self.off_spindle_mm));
+        }
+        let mut location = location_table(&self.location);
+        for NamedError { joint, direction, amount } in &self.named {
+            let (unit, edge) = edge(*direction, *amount);
+            location[&format!("E{direction}0{joint}_{unit}")] = value(edge);
+        }
+        file["location"] = Item::Table(location);
         file["noise"] = Item::Table(noise_table(&self.noise));
         // Other instruments are mounted again by every cycle.
         file["setup"] = Item::ArrayOfTables(self.setups.iter().filter_map(setup_table).collect());
@@ -53,11 +61,15 @@ fn location_table(location: &JointErrors) -> toml_edit::Table {
     for error in every_location_error() {
         let amount = error.of(location);
         if amount != 0.0 {
-            let edge = if error.direction.is_rotary() { urad_from_rad(amount) } else { um_from_mm(amount) };
-            table[&location_key(error)] = value(edge);
+            table[&location_key(error)] = value(edge(error.direction, amount).1);
         }
     }
     table
+}
+
+/// Unit and number of a location error in files.
+fn edge(direction: Joint, amount: f64) -> (&'static str, f64) {
+    if direction.is_rotary() { ("urad", urad_from_rad(amount)) } else { ("um", um_from_mm(amount)) }
 }
 
 fn noise_table(noise: &Noise) -> toml_edit::Table {
@@ -119,6 +131,7 @@ fn read(root: &Table<'_>) -> Option<Truth> {
         seed
     });
     let run_duration_s = root.number("run_duration_s", DURATION_S);
+    let off_spindle_um = root.optional_number("off_spindle_um", SIZE);
     let location = root.table("location").map(|table| read_location(&table));
     let noise = root.table("noise").and_then(|table| read_noise(&table));
     let setups: Vec<_> = root.tables("setup").iter().map(read_setup).collect();
@@ -128,18 +141,21 @@ fn read(root: &Table<'_>) -> Option<Truth> {
     let hidden: Vec<_> = root.tables("hidden").iter().map(read_hidden).collect();
     root.no_other_keys();
     format?;
+    let (location, named) = location?;
     Some(Truth {
         machine: machine?,
         seed: seed?,
         run_duration_s: run_duration_s?,
-        location: location?,
+        location,
+        named,
+        off_spindle_mm: mm_from_um(off_spindle_um.unwrap_or_default()),
         setups: setups.into_iter().collect::<Option<_>>()?,
         noise: noise?,
         hidden: hidden.into_iter().collect::<Option<_>>()?,
     })
 }
 
-fn read_location(table: &Table<'_>) -> JointErrors {
+fn read_location(table: &Table<'_>) -> (JointErrors, Vec<NamedError>) {
     let mut location = JointErrors::default();
     let present = table.keys();
     for error in every_location_error() {
@@ -148,11 +164,24 @@ fn read_location(table: &Table<'_>) -> JointErrors {
             continue;
         }
         let Some(edge) = table.optional_number(&key, -1e6..=1e6) else { continue };
-        let amount = if error.direction.is_rotary() { rad_from_urad(edge) } else { mm_from_um(edge) };
-        location[error.axis] += error.twist() * amount;
+        location[error.axis] += error.twist() * inside(error.direction, edge);
+    }
+    let letter = |joint: &str| Joint::ALL.iter().any(|letter| letter.as_str() == joint);
+    let mut named = Vec::new();
+    for key in &present {
+        let Some((joint, direction)) = NamedError::of_key(key).filter(|(joint, _)| !letter(joint)) else {
+            continue;
+        };
+        if let Some(edge) = table.optional_number(key, -1e6..=1e6) {
+            named.push(NamedError { joint, direction, amount: inside(direction, edge) });
+        }
     }
     table.no_other_keys();
-    location
+    (location, named)
+}
+
+fn inside(direction: Joint, edge: f64) -> f64 {
+    if direction.is_rotary() { rad_from_urad(edge) } else { mm_from_um(edge) }
 }
 
 fn read_noise(table: &Table<'_>) -> Option<Noise> {

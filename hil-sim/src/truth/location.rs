@@ -33,6 +33,33 @@ impl LocationError {
     }
 }
 
+/// A location error of a joint whose name is no letter, by name: which place the joint has is known to its machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedError {
+    /// Name of the joint, e.g. `C1`.
+    pub joint: String,
+    /// Direction of the error, as in [`LocationError`].
+    pub direction: Joint,
+    /// mm or rad.
+    pub amount: f64,
+}
+
+impl NamedError {
+    /// What `key` of a truth file names, e.g. `EX0C1_um`, and whether its unit fits.
+    pub(super) fn of_key(key: &str) -> Option<(String, Joint)> {
+        let (direction, rest) = key.strip_prefix('E')?.split_at_checked(1)?;
+        let direction = Joint::ALL.into_iter().find(|joint| joint.as_str() == direction)?;
+        let unit = if direction.is_rotary() { "_urad" } else { "_um" };
+        Some((rest.strip_prefix('0')?.strip_suffix(unit)?.into(), direction))
+    }
+
+    /// As an error of a joint of `machine`; `None` when it has no joint of that name.
+    pub(crate) fn on(&self, machine: &Machine) -> Option<(Joint, Twist)> {
+        let axis = machine.joint(&self.joint)?;
+        Some((axis, LocationError { axis, direction: self.direction }.twist() * self.amount))
+    }
+}
+
 /// The location errors that say all: two translations and two tilts across each rotary axis; of a carried axis the
 /// tilt about its carrier's line is called the zero position of the carrier (EB0B for EB0C). `table-bc`:
 /// EX0B EZ0B EA0B EB0B EC0B EX0C EY0C EA0C.

@@ -23,7 +23,10 @@ impl Truth {
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
                 rng.set_stream(SETTING_STREAM + (run << 8) + i as u64);
                 let setting_mm = normal_vector(&mut rng) * SETTING_MM;
-                PlacedSetup { form_mm: self.form_mm(setup), ..mounted_by_hand(setup, setting_mm, &mut rng) }
+                let mut placed = mounted_by_hand(setup, setting_mm, &mut rng);
+                let off = normal_vector(&mut rng) * self.off_spindle_mm;
+                placed.own.off_spindle_mm = Vector3::new(off.x, off.y, 0.0);
+                PlacedSetup { form_mm: self.form_mm(setup), ..placed }
             })
         };
         Self { setups: setups.iter().enumerate().map(place).collect(), ..self.clone() }

@@ -122,6 +122,8 @@ pub struct Own {
     pub joints_rad: [f64; 2],
     /// Place of a reflector, actual minus nominal, tool axes, mm.
     pub reflector_mm: Vector3<f64>,
+    /// What is clamped in a spindle that is a joint: off the spindle's line, tool axes with the spindle at zero, mm.
+    pub off_spindle_mm: Vector3<f64>,
     /// Small turn of beam and of mirror, machine axes, rad.
     pub beam_rad: Vector3<f64>,
     /// Of the mirror.

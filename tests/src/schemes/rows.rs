@@ -161,6 +161,16 @@ pub const ROWS: &[Row] = &[
         also: &[],
     },
     Row {
+        scheme: "R-test of a head whose spindle is indexed",
+        source: "S2 tables 2–3; S1 §3.2",
+        cycle: "r-test-head-bc-spindle",
+        truth: "head-bc-spindle",
+        model: None,
+        identifies: &["EA0C", "EB0C", "EX0B", "EA0B", "EX0C1", "EY0C1", "EA0C1", "EB0C1"],
+        cannot: "EX0C, EY0C, EZ0B against the setting of the ball; EB0B (EB0C1 is the lean of the spindle at B = 0); zero angles of C and spindle",
+        also: &[],
+    },
+    Row {
         scheme: "R-test of one axis in the head and one under the workpiece",
         source: "ISO 10791-6; S2 §4.2",
         cycle: "r-test-head-a-table-c",

@@ -63,6 +63,7 @@ pub fn trial(row: &Row, kind: NoiseKind, seed: u64) -> anyhow::Result<Vec<Found>
     for joint in machine.joints() {
         truth.location[joint] = truth.location[joint] * times;
     }
+    truth.named.iter_mut().for_each(|error| error.amount *= times);
     truth.hidden.iter_mut().for_each(|hidden| hidden.amplitude *= times);
     truth.noise = kind.noise(visits.duration_s);
 

@@ -41,6 +41,10 @@ impl Cycle {
             let what = "it touches surfaces or balls; use the probing cycles of the controller";
             return Err(VisitError::NoCourse { cycle: self.name.clone(), what });
         }
+        if self.named_joint().is_some() {
+            let what = "programs move X Y Z A B C, and it turns another joint; turn that by hand";
+            return Err(VisitError::NoCourse { cycle: self.name.clone(), what });
+        }
         let poses = self.visits(machine, &rules.pace)?.states;
         let home = self.home(machine, &poses);
         let mut guide = Guide::new(self, machine, rules, home, &poses)?;

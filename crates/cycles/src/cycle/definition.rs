@@ -3,6 +3,7 @@
 use super::path::{Line, Path};
 use nalgebra::{Unit, Vector3};
 use trunnion_core::{AxisValues, Joint};
+use trunnion_machine::Machine;
 
 /// What a cycle does.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,10 +97,20 @@ impl Default for Bar {
 /// One axis of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridAxis {
-    /// Which axis.
+    /// Which axis. Read from a file, one that is no letter has a name and no place yet: see [`GridAxis::on`].
     pub letter: Joint,
     /// Its stations in order, mm or rad.
     pub stations: Vec<f64>,
+}
+
+impl GridAxis {
+    /// The same with the joint of `machine` that has its name (docs/decisions/0011-joints-by-name.md: a machine says where its joints
+    /// have their places).
+    #[must_use]
+    pub fn on(&self, machine: &Machine) -> Self {
+        let letter = machine.joint(self.letter.as_str()).unwrap_or(self.letter);
+        Self { letter, stations: self.stations.clone() }
+    }
 }
 
 /// When a static point may be read.

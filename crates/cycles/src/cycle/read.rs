@@ -191,7 +191,7 @@ fn read_feeds(table: &Table<'_>, key: &str) -> Option<Vec<f64>> {
 }
 
 fn read_grid_axis(table: &Table<'_>) -> Option<GridAxis> {
-    let letter = read_axis(table, "axis", &Joint::ALL)?;
+    let letter = read_grid_joint(table)?;
     // Keys carry the unit of the axis.
     let unit = if letter.is_rotary() { "deg" } else { "mm" };
     let list = format!("stations_{unit}");
@@ -199,6 +199,26 @@ fn read_grid_axis(table: &Table<'_>) -> Option<GridAxis> {
     table.no_other_keys();
     let inside = |value: f64| if letter.is_rotary() { convert::rad_from_deg(value) } else { value };
     Some(GridAxis { letter, stations: stations?.into_iter().map(inside).collect() })
+}
+
+/// An axis, or a joint of another name, which is rotary (a spindle): stations of it are angles.
+fn read_grid_joint(table: &Table<'_>) -> Option<Joint> {
+    let name = table.string("axis")?;
+    if Joint::parse(&name).is_some() {
+        return read_axis(table, "axis", &Joint::ALL);
+    }
+    match Joint::chain(&[(&name, true)]) {
+        Ok(joints) => joints.first().copied(),
+        Err(error) => {
+            table.problem(
+                "axis",
+                format!("= \"{name}\": {error}"),
+                "X, Y, Z, A, B, C or the name of a spindle",
+                "",
+            );
+            None
+        }
+    }
 }
 
 fn read_stations(table: &Table<'_>, key: &str) -> Option<Vec<f64>> {

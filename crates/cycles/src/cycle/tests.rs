@@ -3,7 +3,7 @@ use super::visit::Pace;
 use super::*;
 use nalgebra::Unit;
 use proptest::prelude::*;
-use trunnion_core::convert::rad_from_deg;
+use trunnion_core::convert::{deg_from_rad, rad_from_deg};
 use trunnion_core::{Artefact, InstrumentKind, Target};
 use trunnion_machine::shipped;
 
@@ -43,9 +43,20 @@ fn a_broken_cycle_names_line_found_and_allowed() {
 
 #[test]
 fn a_cycle_refuses_joints_it_cannot_move() {
-    let text = STATIC.replacen("axis = \"B\"", "axis = \"j1\"", 1);
-    let shown = Cycle::parse("c.toml", &text).unwrap_err().to_string();
-    assert!(shown.contains("= \"j1\"") && shown.contains("move no other joint"), "{shown}");
+    let with = |axis: &str| STATIC.replacen("axis = \"B\"", &format!("axis = \"{axis}\""), 1);
+    for (axis, why) in [("U", "move no other joint"), ("1j", "is not a name for a joint")] {
+        let shown = Cycle::parse("c.toml", &with(axis)).unwrap_err().to_string();
+        assert!(shown.contains(&format!("= \"{axis}\"")) && shown.contains(why), "{shown}");
+    }
+    let sweep = SWEEP.replacen("axis = \"C\"", "axis = \"C1\"", 1);
+    let shown = Cycle::parse("c.toml", &sweep).unwrap_err().to_string();
+    assert!(shown.contains("= \"C1\"") && shown.contains("move no other joint"), "{shown}");
+    // Which other names there are is known to the machine.
+    let table = shipped::machine("table-bc").unwrap();
+    let unknown = Cycle::parse("c.toml", &with("C1")).unwrap();
+    let shown = unknown.visits(&table, &Pace::default()).unwrap_err().to_string();
+    assert!(shown.contains("moves axis C1, which machine table-bc does not have"), "{shown}");
+    assert_eq!(unknown.poses(&table), None);
 
     let robot = include_str!("../../../../config/robots/ur5.toml");
     let robot = Machine::parse("robot", "robot.toml", robot).unwrap();
@@ -275,6 +286,24 @@ proptest! {
             prop_assert!((a - b).abs() < 1e-11, "{} {}\n{}", a, b, text);
         }
     }
+}
+
+/// On this machine the spindle has the place that A has on others.
+#[test]
+fn a_grid_turns_the_spindle_of_its_machine_by_name() {
+    let text = include_str!("../../../../config/cycles/r-test-head-bc-spindle.toml");
+    let (cycle, machine) =
+        (Cycle::parse("c.toml", text).unwrap(), shipped::machine("head-bc-spindle").unwrap());
+    let spindle = machine.spindle.unwrap();
+    assert_eq!((cycle.named_joint().map(Joint::as_str), spindle.as_str()), (Some("C1"), "C1"));
+    let poses = cycle.poses(&machine).unwrap();
+    let deg = |pose: &Pose| deg_from_rad(pose.position[spindle]).round();
+    let first: Vec<f64> = poses.iter().take(5).map(deg).collect();
+    assert_eq!(first, [0.0, 90.0, 180.0, 270.0, 0.0]);
+    // A ball on the line of the spindle stays where it is.
+    assert!((0..3).all(|k| (poses[0].position.0[k] - poses[3].position.0[k]).abs() < 1e-9));
+    let course = cycle.course(&machine, &CourseRules::default()).unwrap_err().to_string();
+    assert!(course.contains("turns another joint"), "{course}");
 }
 
 #[test]

@@ -147,7 +147,7 @@ impl Cycle {
     /// An axis of the cycle that the machine has not.
     pub(super) fn has_its_axes(&self, machine: &Machine) -> Result<(), VisitError> {
         let moved: Vec<Joint> = match &self.motion {
-            Motion::Static { grid, .. } => grid.iter().map(|axis| axis.letter).collect(),
+            Motion::Static { .. } => self.grid(machine).iter().map(|axis| axis.letter).collect(),
             Motion::Line { .. } => Joint::LINEAR.to_vec(),
             Motion::Path { path, .. } => path.axes(),
             Motion::OnTheFly { axis, .. } => vec![*axis],
@@ -251,12 +251,12 @@ impl Tour<'_> {
     /// One pass of a grid or a line, read at rest.
     fn stand(&mut self, leg: &Leg) -> Result<(), VisitError> {
         let Some(settle) = self.cycle.settle() else { return Ok(()) };
-        let grid = self.cycle.grid();
+        let grid = self.cycle.grid(self.machine);
         let mut row_began = AxisValues::<f64>::default();
         let mut before: Option<AxisValues<f64>> = None;
-        for station in self.cycle.stations(leg.setup, leg.pass) {
+        for station in self.cycle.stations(self.machine, leg.setup, leg.pass) {
             let asked = station.asked;
-            for axis in grid {
+            for axis in &grid {
                 let back = |last: &AxisValues<f64>| (asked[axis.letter] - last[axis.letter]) * leg.pass < 0.0;
                 if before.as_ref().is_none_or(back) {
                     // Back to the beginning of a row, beyond it and forward again.
@@ -268,7 +268,7 @@ impl Tour<'_> {
             let position = self.cycle.dwell_at(self.machine, leg.setup, &station);
             let mut state = self.arrive(leg, position)?;
             state.target = station.target;
-            for axis in grid {
+            for axis in &grid {
                 state.direction[axis.letter] = leg.pass;
                 state.since_reversal[axis.letter] = (asked[axis.letter] - row_began[axis.letter]).abs();
             }

@@ -11,7 +11,7 @@ use crate::{
 };
 use nalgebra::Vector3;
 use trunnion_core::{Joint, State, Twist};
-use trunnion_machine::{Machine, Side, Site};
+use trunnion_machine::{Axis, Machine, Side, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "location-errors",
@@ -105,6 +105,19 @@ pub fn conventional_zeros(machine: &Machine) -> Vec<String> {
         names.push(format!("E{}0{}", Joint::LINEAR[k], axis.letter));
         names.push(format!("E{}0{}", Joint::ROTARY[k], axis.letter));
     }
+    // Across the line of a spindle only its distance from the line of another rotary axis shows: it is the spindle's own where an axis of
+    // the tool turns that distance, else it is booked on the table [S2 tables 2–3, with the zeros of X and Y as the control has them].
+    if let Some(spindle) = machine.spindle.and_then(|spindle| machine.axis(spindle)) {
+        let turned_about: Vec<usize> = machine
+            .tool
+            .iter()
+            .filter(|axis| axis.is_rotary() && axis.letter != spindle.letter)
+            .map(|axis| axis.direction.iamax())
+            .collect();
+        let along = spindle.direction.iamax();
+        let fixed = (0..3).filter(|&k| k != along && turned_about.iter().all(|&about| about == k));
+        names.extend(fixed.map(|k| format!("E{}0{}", Joint::LINEAR[k], spindle.letter)));
+    }
     // Relative notation: an error of an outer axis that the inner one can also make is booked on the inner axis
     // for rotations, on the outer for translations (EX0C, EY0C relative to B).
     let rotary = machine.rotary();
@@ -115,8 +128,8 @@ pub fn conventional_zeros(machine: &Machine) -> Vec<String> {
     }
     // One axis turns the table and one the tool: across both axis lines only the distance between the lines shows. It is
     // booked on the axis of the table.
-    let rotary_of =
-        |side| machine.from_bed(side).into_iter().filter(|axis| axis.is_rotary()).collect::<Vec<_>>();
+    let turns = |axis: &Axis| axis.is_rotary() && machine.spindle != Some(axis.letter);
+    let rotary_of = |side| machine.from_bed(side).into_iter().filter(|axis| turns(axis)).collect::<Vec<_>>();
     if let ([table], [tool]) = (&rotary_of(Side::Table)[..], &rotary_of(Side::Tool)[..]) {
         let along = [table, tool].map(|axis| axis.direction.iamax());
         let across = (0..3).filter(|k| !along.contains(k));

@@ -33,7 +33,9 @@ pub(super) fn candidates(
     states: &[State],
     pace: &Pace,
 ) -> Vec<Candidate> {
-    let rotary = machine.rotary();
+    // No sweep turns a spindle.
+    let mut rotary = machine.rotary();
+    rotary.retain(|axis| machine.spindle != Some(axis.letter));
     let (Some(first), Some(turning)) = (setups.first(), rotary.last()) else { return Vec::new() };
     let tilting = rotary[..rotary.len() - 1].last().copied();
     let shop = Shop { machine, pace, tilting, turning, states };

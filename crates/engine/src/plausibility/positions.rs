@@ -177,7 +177,11 @@ fn mistakes(run: &Run, claim: &Claim<'_>) -> Vec<(String, f64)> {
     tried.push(("lengths given in µm, not in mm".into(), scaled(&linear, 1e-3)));
     tried.extend(exchanged_setups(claim));
     for (name, _) in shipped::FILES {
-        if let Some(other) = shipped::machine(name).filter(|other| other.name != run.machine.name) {
+        let other = shipped::machine(name).filter(|other| other.name != run.machine.name);
+        // Without the angle of its spindle, a machine that has one is the same as that without.
+        let recorded = |joint: &Joint| run.machine.joint(joint.as_str()).is_some();
+        let other = other.filter(|other| other.spindle.as_ref().is_none_or(recorded));
+        if let Some(other) = other {
             let claim =
                 Claim { machine: &other, setups: claim.setups.clone(), positions: claim.positions.clone() };
             tried.push((format!("another machine, {name}, not {}", run.machine.name), claim.rms_mm()));

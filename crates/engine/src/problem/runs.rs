@@ -10,8 +10,8 @@ use std::borrow::{Borrow, Cow};
 use trunnion_core::{NestSide, Point, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{Model, Scene, SceneArtefact, SceneSetting, SceneSetup, Unit};
-use trunnion_instruments::{Quantity, instrument};
-use trunnion_machine::Side;
+use trunnion_instruments::{Quantity, instrument, off_spindle};
+use trunnion_machine::{Machine, Side};
 use trunnion_sync::blocks::Limits;
 
 /// Nominal readings up to this are those of positions a little off: three linear axes by [`OFF_MM`] each, rotary axes as much again.
@@ -123,7 +123,7 @@ impl Experiment {
                 },
                 ball_in_table_mm: setup.ball_in_table_mm,
                 run,
-                settings: settings(setup),
+                settings: settings(&first.machine, setup),
                 artefact: setup.artefact.as_ref().map(|artefact| SceneArtefact {
                     name: artefact.name.clone(),
                     targets: artefact.targets.iter().map(|target| target.name.clone()).collect(),
@@ -169,13 +169,15 @@ impl Experiment {
 }
 
 /// Unknowns of a mounting, as effects see them.
-fn settings(setup: &Setup) -> Vec<SceneSetting> {
+fn settings(machine: &Machine, setup: &Setup) -> Vec<SceneSetting> {
     let unit = |quantity: Quantity| match quantity {
         Quantity::Length => Unit::UM,
         Quantity::Angle => Unit::URAD,
     };
+    let in_spindle = machine.spindle.map(|_| off_spindle(setup.instrument));
     (instrument(setup.instrument).settings)(setup)
         .into_iter()
+        .chain(in_spindle.into_iter().flatten())
         .map(|s| SceneSetting { name: s.name, unit: unit(s.quantity), site: s.site, twist: s.twist })
         .collect()
 }

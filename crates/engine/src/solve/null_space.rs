@@ -316,7 +316,8 @@ pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]
         }
     };
     if direction.share == Share::Mounting {
-        let axis = pivot.chars().last().unwrap_or_default();
+        // A location error: direction, 0, name of the axis.
+        let axis = pivot.split_once('0').map_or(pivot.as_str(), |(_, axis)| axis);
         let why = format!("not observable: axis {axis} is at rest in these runs; taken as 0");
         return Unobservable { direction: pivot, terms, inside, why };
     }

@@ -72,6 +72,19 @@ fn second_axes_and_a_spindle_are_joints() {
 }
 
 #[test]
+fn the_spindle_is_the_last_joint_of_the_tool() {
+    let named =
+        |name: &str| TWO_CARRIAGES.replace("\n[axis.C]", &format!("spindle = \"{name}\"\n\n[axis.C]"));
+    let machine = parse(&named("spindle"));
+    assert_eq!(machine.spindle, machine.joint("spindle"));
+    assert_eq!(parse(TWO_CARRIAGES).spindle, None);
+    for other in ["C", "W", "S"] {
+        let text = problems(&named(other));
+        assert!(text.contains("The spindle is the last joint of tool"), "{text}");
+    }
+}
+
+#[test]
 fn a_joint_without_a_table_is_refused_with_the_nearest_name() {
     let text = problems(&ROBOT.replace("[axis.j6]", "[axis.joint6]"));
     assert!(text.contains("j6 is missing"), "{text}");

@@ -140,7 +140,11 @@ impl<'a> Guide<'a> {
         let place = match &self.cycle.motion {
             Motion::Path { .. } => self.ends(leg).map_or(Place::asked(self.home), |(began, _)| began),
             _ if self.cycle.names_linear() => {
-                let first = self.cycle.stations(leg.setup, leg.pass).first().map(|station| station.asked);
+                let first = self
+                    .cycle
+                    .stations(self.machine, leg.setup, leg.pass)
+                    .first()
+                    .map(|station| station.asked);
                 Place::asked(first.unwrap_or_default())
             }
             _ => Place::asked(self.home),
@@ -154,9 +158,9 @@ impl<'a> Guide<'a> {
         let Some(settle) = self.cycle.settle() else { return Ok(()) };
         let seconds = self.rules.dwell_s.unwrap_or(self.rules.pace.settle_s + 2.0 * settle.window_s);
         let mut before: Option<AxisValues<f64>> = None;
-        for station in self.cycle.stations(leg.setup, leg.pass) {
+        for station in self.cycle.stations(self.machine, leg.setup, leg.pass) {
             let mut beyond = station.asked;
-            for axis in self.cycle.grid() {
+            for axis in self.cycle.grid(self.machine) {
                 let letter = axis.letter;
                 if before.is_none_or(|last| (station.asked[letter] - last[letter]) * leg.pass < 0.0) {
                     let overrun = if letter.is_rotary() { OVERRUN_RAD } else { OVERRUN_MM };
