@@ -290,3 +290,43 @@ fn what_cannot_be_done_is_refused_with_what_can() {
     check(&["--method", "two-height", "--convention", "left"], 2, &["right-handed", "source"]);
     check(&["--convention", "source"], 2, &["--method"]);
 }
+
+/// The virtual machine's tool side grows along X with one time constant; its R-test sees the line of B go the other way.
+#[test]
+fn a_machine_that_warms_up_is_followed_round_by_round() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (tau_s, final_um) = (1500.0, 20.0);
+    let hidden = TRUTH.find("[[hidden]]").unwrap();
+    let grows = format!(
+        "[[hidden]]\nid = \"thermal-drift\"\namplitude = {}\nshape = {{ fast_s = {tau_s:.1}, slow_s = 9000.0, fast_x = 1.0, fast_y = 0.0, fast_z = 0.0, \
+         slow_x = 0.0, slow_y = 0.0, slow_z = 0.0 }}\n",
+        final_um * 1e-3
+    );
+    std::fs::write(path("truth.toml"), format!("{}{grows}", &TRUTH[..hidden])).unwrap();
+    let cycle = std::fs::read_to_string(root("config/cycles/r-test-static.toml")).unwrap();
+    let cycle = cycle.replace("step_deg = 30", "step_deg = 90");
+    let rounds = "\n[rounds]\ncount = 16\nwait_s = 120\ninterleave = true\n";
+    std::fs::write(path("cycle.toml"), cycle + rounds).unwrap();
+    done(&["simulate", &path("truth.toml"), "--cycle", &path("cycle.toml"), "-o", &path("warm.mcap")]);
+
+    let page = path("thermal.html");
+    let identify = ["identify", &path("warm.mcap"), "--method", "thermal", "--html", &page, "--json"];
+    let found: Value = serde_json::from_str(&done(&identify)).unwrap();
+    let value = |name: &str| {
+        let values = found["values"].as_array().unwrap();
+        let one = values.iter().find(|value| value["name"] == name).unwrap_or_else(|| panic!("no {name}"));
+        (one["value"].as_f64().unwrap(), one["u"].as_f64().unwrap())
+    };
+    let rows = found["tables"][0]["rows"].as_array().unwrap();
+    let time_s = |row: usize| rows[row][0].as_f64().unwrap();
+    let gone_um = |row: usize| -final_um * (1.0 - (-time_s(row) / tau_s).exp());
+    let (change, u) = value("EX0B change");
+    let expected = gone_um(rows.len() - 1) - gone_um(0);
+    assert!((change - expected).abs() < 4.5 * u + 0.1, "EX0B {change} ± {u}, true {expected}");
+    let (tau, u) = value("EX0B time constant");
+    assert!((tau - tau_s).abs() < 4.5 * u, "{tau} ± {u} s, true {tau_s}");
+    let (change, u) = value("EA0C change");
+    assert!(change.abs() < 4.5 * u, "EA0C {change} ± {u}, true 0");
+    assert!(std::fs::read_to_string(&page).unwrap().contains("Place of the axis lines"));
+}

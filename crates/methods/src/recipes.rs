@@ -10,6 +10,7 @@ mod error_map;
 mod method;
 mod positioning;
 mod rotary_values;
+mod thermal;
 mod two_height;
 
 pub use convention::Convention;
@@ -27,6 +28,7 @@ pub static REGISTRY: &[&Method] = &[
     &ball_bar::METHOD,
     &circular::METHOD,
     &positioning::METHOD,
+    &thermal::METHOD,
 ];
 
 /// The method of this name.

@@ -13,3 +13,4 @@ mod error_map;
 mod geometry;
 mod methods;
 mod positioning;
+mod thermal;
