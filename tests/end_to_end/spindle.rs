@@ -54,7 +54,7 @@ fn a_spindle_that_is_not_indexed_gets_no_line_and_the_answer_says_so() {
     let answer = identified(folder.path(), "run.mcap");
     let unseen = answer["unobservable"].to_string();
     for name in OF_SPINDLE {
-        assert_eq!(number(&answer, name), None, "{name} cannot be told from the ball off the spindle");
+        assert_eq!(number(&answer, name), None, "{name} cannot be separated from the ball off the spindle");
         assert!(unseen.contains(name), "{name}: {unseen}");
     }
     assert!(unseen.contains("axis C1 is at rest"), "{unseen}");

@@ -60,7 +60,7 @@ pub(crate) fn inner(k: usize, name: &'static str, quantity: Quantity) -> Setting
 }
 
 /// Ball, nest or stylus off the line of a spindle that is a joint, tool axes with the spindle at zero: it goes round with the
-/// spindle, which tells it from the place of the spindle [S1 §3.2]. A reflector has its place on the tool already.
+/// spindle, which separates it from the place of the spindle [S1 §3.2]. A reflector has its place on the tool already.
 pub fn off_spindle(kind: InstrumentKind) -> Vec<Setting> {
     let clamped =
         matches!(kind, InstrumentKind::RTest | InstrumentKind::BallBar | InstrumentKind::TouchProbe);

@@ -5,7 +5,7 @@
 //!     χ²(τ) = min over c, a of Σ (p_k − c − a (1 − e^(−(t_k − t_0)/τ)))² / u_k²
 //! and u(τ) half the width of χ² ≤ χ²_min + max(1, χ²_min/(n − 3)), where both ends are among the values tried and a > 3 u(a).
 //! Limits: what changes within a round is averaged, so τ of a few rounds and more is seen; one τ for each curve; one run, because each run
-//! has a clock of its own; what the base model cannot tell apart in one round it cannot in any.
+//! has a clock of its own; what the base model cannot separate in one round it cannot in any.
 
 mod curve;
 
@@ -57,7 +57,7 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
         return Err(METHOD.lacks(found, "Repeat the cycle: count in [rounds] of the cycle file."));
     }
     let rounds: Vec<Round> = rounds.iter().map(|points| fitted(run, points)).collect::<Result<_, _>>()?;
-    Ok(told(runs, run, &rounds, options))
+    Ok(described(runs, run, &rounds, options))
 }
 
 /// Points of each whole round; the last one counts when it has at least half the points of the first.
@@ -78,7 +78,7 @@ fn rounds(run: &Run) -> Vec<Vec<Point>> {
     rounds
 }
 
-/// What tells one pose from another: setup, target, rotary axes to a tenth of a degree and where they came from.
+/// What distinguishes one pose from another: setup, target, rotary axes to a tenth of a degree and where they came from.
 fn stand(run: &Run, point: &Point) -> (usize, usize, Vec<(i64, i64)>) {
     let state = &point.state;
     let of = |joint: Joint| {
@@ -142,7 +142,7 @@ fn followed(rounds: &[Round]) -> Vec<Followed> {
         .collect()
 }
 
-fn told(runs: &[Run], run: &Run, rounds: &[Round], options: &MethodOptions) -> Findings {
+fn described(runs: &[Run], run: &Run, rounds: &[Round], options: &MethodOptions) -> Findings {
     let mut findings = METHOD.findings(runs, options.convention);
     let followed = followed(rounds);
     for one in &followed {
