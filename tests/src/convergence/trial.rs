@@ -33,7 +33,7 @@ const fn with(cycle: &'static str, model: &'static str) -> Case {
 }
 
 /// Every instrument and every way of measuring that ships.
-pub const CASES: [Case; 41] = [
+pub const CASES: [Case; 42] = [
     base("ball-bar-c"),
     with("ball-plate", "volume"),
     with("ball-plate-self", "self-calibration"),
@@ -60,6 +60,7 @@ pub const CASES: [Case; 41] = [
     with("passive-arm", "straight-lines-xy-bc"),
     base("r-test-head-a-table-c"),
     base("r-test-head-bc"),
+    base("r-test-head-bc-spindle"),
     base("r-test-interleaved"),
     base("r-test-static"),
     base("r-test-sweep-b"),

@@ -78,7 +78,7 @@ impl Experiment {
     }
 
     /// Number of the pose of each point, by all joints; those of different setups differ.
-    pub(crate) fn poses(&self) -> Vec<usize> {
+    pub fn poses(&self) -> Vec<usize> {
         let setup = self.points.iter().map(|point| point.state.setup).collect();
         same_pose(setup, &self.all_positions(), &self.machine().joints())
     }

@@ -14,7 +14,7 @@ use crate::Findings;
 use crate::findings::{AxisName, Cell, Chart, Column, Curve, FoundTable, FoundValue, Plot};
 use curve::{Moment, settled};
 use std::collections::BTreeSet;
-use trunnion_core::{Joint, Point, convert};
+use trunnion_core::Point;
 use trunnion_cycles::Run;
 use trunnion_effects::{Model, Unit};
 use trunnion_engine::fit::Options;
@@ -51,7 +51,7 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     if !run.has_time() {
         return Err(METHOD.lacks("the points have no time", "Import them with time_s."));
     }
-    let rounds = rounds(run);
+    let rounds = rounds(run)?;
     if rounds.len() < FEWEST_ROUNDS {
         let found = format!("the poses are visited {} times", rounds.len());
         return Err(METHOD.lacks(found, "Repeat the cycle: count in [rounds] of the cycle file."));
@@ -61,31 +61,24 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
 }
 
 /// Points of each whole round; the last one counts when it has at least half the points of the first.
-fn rounds(run: &Run) -> Vec<Vec<Point>> {
+fn rounds(run: &Run) -> Result<Vec<Vec<Point>>, MethodError> {
+    let experiment = Experiment::new(std::slice::from_ref(run))?;
+    let joints = run.machine.joints();
+    let came_from = |point: &Point| -> Vec<i64> {
+        joints.iter().map(|&joint| point.state.direction[joint].signum() as i64).collect()
+    };
     let mut rounds: Vec<Vec<Point>> = vec![Vec::new()];
     let mut visited = BTreeSet::new();
-    for point in run.good_points() {
-        let stands = stand(run, point);
-        if visited.contains(&stands) {
-            visited.clear();
+    for (point, pose) in experiment.points.iter().zip(experiment.poses()) {
+        if !visited.insert((pose, point.state.target, came_from(point))) {
+            visited = BTreeSet::from([(pose, point.state.target, came_from(point))]);
             rounds.push(Vec::new());
         }
-        visited.insert(stands);
         rounds.last_mut().expect("there is one from the beginning").push(point.clone());
     }
     let whole = rounds[0].len();
     rounds.retain(|points| 2 * points.len() >= whole.max(1));
-    rounds
-}
-
-/// What distinguishes one pose from another: setup, target, rotary axes to a tenth of a degree and where they came from.
-fn stand(run: &Run, point: &Point) -> (usize, usize, Vec<(i64, i64)>) {
-    let state = &point.state;
-    let of = |joint: Joint| {
-        let tenths = (convert::deg_from_rad(state.position[joint]) * 10.0).round() as i64;
-        (tenths, state.direction[joint].signum() as i64)
-    };
-    (state.setup, state.target, run.machine.rotary_joints().into_iter().map(of).collect())
+    Ok(rounds)
 }
 
 fn fitted(run: &Run, points: &[Point]) -> Result<Round, MethodError> {
@@ -93,12 +86,19 @@ fn fitted(run: &Run, points: &[Point]) -> Result<Round, MethodError> {
     let mean = |of: &dyn Fn(&Point) -> f64| points.iter().map(of).sum::<f64>() / count;
     let round = Run { points: points.to_vec(), ..run.clone() };
     let experiment = Experiment::new(&[round])?;
+    // All rounds together may have a fit where one has too few poses for it.
+    let fit = identify(&experiment, &Model::base(&run.machine.name), &Options::default()).map_err(|why| {
+        METHOD.lacks(
+            format!("one round of {count} points has no fit of its own ({why})"),
+            "Measure more poses in each round.",
+        )
+    })?;
     Ok(Round {
         time_s: mean(&|point| point.state.time_s.unwrap_or_default()),
         degc: (0..run.channels.len())
             .map(|k| mean(&|point| point.state.temperature_degc.get(k).copied().unwrap_or(f64::NAN)))
             .collect(),
-        fit: identify(&experiment, &Model::base(&run.machine.name), &Options::default())?,
+        fit,
     })
 }
 
