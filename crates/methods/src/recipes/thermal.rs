@@ -62,6 +62,9 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
 
 /// Points of each whole round; the last one counts when it has at least half the points of the first.
 fn rounds(run: &Run) -> Result<Vec<Vec<Point>>, MethodError> {
+    if run.good_points().next().is_none() {
+        return Ok(Vec::new());
+    }
     let experiment = Experiment::new(std::slice::from_ref(run))?;
     let joints = run.machine.joints();
     let came_from = |point: &Point| -> Vec<i64> {
