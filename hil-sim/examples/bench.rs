@@ -7,7 +7,6 @@ use tokio::time::Instant;
 use trunnion_core::{AxisValues, Joint};
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
 use trunnion_hil_sim::devices::canopen::BusConfig;
-#[cfg(feature = "opcua")]
 use trunnion_hil_sim::devices::{
     CycleState, DeviceClock, TimeOrigin, World, ascii, canopen, keyence, linuxcncrsh, mtconnect, opcua,
     optoncdt,
@@ -63,7 +62,6 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
     let agent = mtconnect::AgentConfig::new(wall_ns, clock);
     devices.push(mtconnect::spawn(world.clone(), agent, origin, &[]).await?);
     devices.push(linuxcncrsh::spawn(world.clone(), linuxcncrsh::ServerConfig::default(), origin, &[]).await?);
-    #[cfg(feature = "opcua")]
     devices.push(opcua::spawn(world, opcua::ControllerConfig::new(wall_ns, clock), origin, &[]).await?);
     for device in &devices {
         println!("{}", device.address());
