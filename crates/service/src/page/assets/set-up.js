@@ -21,15 +21,18 @@ export async function make(page) {
   };
   const finish = button("Finish the calibration", calls.finishNest);
   const write = button("Write them into the configuration", calls.writeNest, "main");
+  // One for each of the two steps that can be stopped; shown while its step is under way.
+  const stop = { nest: button("Stop", calls.stopSetUp), sign: button("Stop", calls.stopSetUp) };
   parts = {
+    stop,
     next: el("p", { class: "todo", role: "status", id: "next-step" }),
     finish,
     write,
     devices: step("1. Devices", "Every device is connected and sends."),
     nest: step("2. Directions of the probes", "Known steps of X, Y and Z with the rotary axes at rest tell the direction of each probe. Once after the nest was mounted.",
-      el("p", { class: "row" }, button("Begin the calibration", calls.beginNest, "main"), finish, write, button("Stop", calls.stopSetUp))),
+      el("p", { class: "row" }, button("Begin the calibration", calls.beginNest, "main"), finish, write, stop.nest)),
     sign: step("3. Sign test", "Jogs show whether each probe follows as the configuration says, or is turned or exchanged.",
-      el("p", { class: "row" }, button("Begin the sign test", calls.beginSignTest, "main"), button("Stop", calls.stopSetUp))),
+      el("p", { class: "row" }, button("Begin the sign test", calls.beginSignTest, "main"), stop.sign)),
     zero: step("4. Ball at the centre", "Every probe in the middle half of its range: errors and settings stay within it."),
     measure: el("p", {}, el("a", { class: "button", href: "#measure" }, "5. Choose the cycle and measure")),
   };
@@ -58,6 +61,8 @@ export function changed(page, topic) {
   const devices = Object.values(status?.devices ?? {});
   const connected = devices.length > 0 && devices.every(({ state }) => state === "Streaming");
   show(parts.devices, connected, connected ? "done" : "not yet", el("ul", { class: "steps" }, deviceRows(live, status)));
+  parts.stop.nest.hidden = setUp?.step !== "nest";
+  parts.stop.sign.hidden = setUp?.step !== "sign-test";
   showNest(setUp);
   const followed = setUp?.sign_test?.finding === "as-nest";
   show(parts.sign, followed, setUp?.step === "sign-test" ? "under way" : followed ? "done" : "not done here",
@@ -80,7 +85,8 @@ function showNest(setUp) {
     setUp?.problem ? el("p", { class: "warn" }, setUp.problem) : null,
     nest ? el("p", {}, `Standard uncertainty of the directions: at most ${worst.toFixed(2)} mrad, from ${nest.steps} dwells.`) : null,
     setUp?.written ? el("p", { class: "lead" }, setUp.written) : null,
-    nest ? el("pre", { class: "scroll", tabindex: "0", "aria-label": "The table nest of the configuration" }, nest.lines) : null);
+    nest ? el("details", {}, el("summary", {}, "The lines for the configuration, to enter by hand"),
+      el("pre", { class: "scroll", tabindex: "0", "aria-label": "The table nest of the configuration" }, nest.lines)) : null);
 }
 
 function nextStep({ measuring, connected, setUp, centred }) {
