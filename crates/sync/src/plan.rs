@@ -107,3 +107,22 @@ pub fn check(plan: &Plan) -> Result<Vec<u16>, PlanError> {
         .ok_or_else(|| PlanError::CannotFollow { machine: plan.machine.name.clone() })?;
     instrument_channels(&plan.channels, bar).ok_or(PlanError::NoChannels { instrument, needed })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Plan, check};
+    use crate::NestCalibration;
+    use trunnion_cycles::Cycle;
+    use trunnion_machine::shipped;
+
+    #[test]
+    fn a_joint_that_no_driver_reads_is_refused_by_name() {
+        let text = include_str!("../../../config/cycles/r-test-head-bc-spindle.toml");
+        let cycle = Cycle::parse("c.toml", text).unwrap();
+        let machine = shipped::machine(&cycle.machine).unwrap();
+        let refused =
+            check(&Plan { machine, cycle, nest: NestCalibration::orthogonal(), channels: Vec::new() });
+        let said = refused.unwrap_err().to_string();
+        assert!(said.contains("the angle of joint C1, which is not read live"), "{said}");
+    }
+}
