@@ -81,6 +81,19 @@ fn points_with_the_angle_of_the_spindle_lose_nothing_on_their_way_through_a_tabl
 }
 
 #[test]
+fn a_control_without_a_place_for_the_spindle_gets_nothing_that_would_make_it_worse() {
+    let folder = tempfile::tempdir().unwrap();
+    simulated(folder.path(), &shipped_cycle());
+    let output = answer(folder.path(), &["correct", "run.mcap", "--control", "siemens", "-o", "file"]);
+    let said = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("the errors do not fall") && said.contains("EX0C1"), "{said}");
+    assert!(!folder.path().join("file").exists());
+    let taken = trunnion(folder.path(), &["correct", "run.mcap", "--control", "linuxcnc", "-o", "file.comp"]);
+    assert!(taken.contains("holds the corrections of C, B, C1"), "{taken}");
+}
+
+#[test]
 fn what_turns_the_spindle_by_hand_has_no_program() {
     let folder = tempfile::tempdir().unwrap();
     let cycle = config("cycles", "r-test-head-bc-spindle");

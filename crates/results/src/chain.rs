@@ -22,6 +22,9 @@ pub struct ChainJoint {
     pub axis: String,
     /// True for a rotary axis.
     pub rotary: bool,
+    /// True for a spindle that is a joint.
+    #[serde(default)]
+    pub spindle: bool,
     /// Direction of right-handed turning, or of travel, at zero, machine axes.
     pub direction: [f64; 3],
     /// A point of the line of a rotary axis at zero, machine coordinates, mm.
@@ -33,7 +36,11 @@ pub struct ChainJoint {
 impl Chain {
     /// The joints of a machine; `None` where legs in parallel carry the tool.
     pub fn of(machine: &Machine) -> Option<Self> {
-        let side = |side| machine.from_bed(side).into_iter().map(ChainJoint::from).collect();
+        let joint = |axis: &Axis| ChainJoint {
+            spindle: machine.spindle == Some(axis.letter),
+            ..ChainJoint::from(axis)
+        };
+        let side = |side| machine.from_bed(side).into_iter().map(joint).collect();
         machine.tripod.is_none().then(|| Self {
             machine: machine.name.clone(),
             table: side(Side::Table),
@@ -41,9 +48,10 @@ impl Chain {
         })
     }
 
-    /// Rotary joints that carry the workpiece, and those that carry the tool, each from the bed outward.
+    /// Rotary joints that carry the workpiece, and those that carry the tool, each from the bed outward; without the spindle.
     pub fn rotary(&self) -> [Vec<&ChainJoint>; 2] {
-        [&self.table, &self.tool].map(|side| side.iter().filter(|joint| joint.rotary).collect())
+        [&self.table, &self.tool]
+            .map(|side| side.iter().filter(|joint| joint.rotary && !joint.spindle).collect())
     }
 }
 
@@ -52,6 +60,7 @@ impl From<&Axis> for ChainJoint {
         Self {
             axis: axis.letter.to_string(),
             rotary: axis.is_rotary(),
+            spindle: false,
             direction: axis.direction.into_inner().into(),
             through_mm: axis.through_mm.coords.into(),
             sense: axis.sense,

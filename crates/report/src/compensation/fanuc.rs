@@ -34,7 +34,7 @@ pub(super) static FORMAT: Format = Format {
 };
 
 fn takes(chain: &Chain, errors: &AxisErrors) -> AxisErrors {
-    taken(errors, &|table, component| match component {
+    taken(chain, errors, &|table, component| match component {
         _ if kind(chain).is_none() => Some("the parameters are those of two rotary axes".into()),
         Component::Location(k) if table.rotary && k < 3 => None,
         Component::Location(_) => Some("the parameters hold places of rotary axes, no directions".into()),

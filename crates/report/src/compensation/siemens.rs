@@ -41,7 +41,7 @@ pub(super) static FORMAT: Format = Format {
 };
 
 fn takes(chain: &Chain, errors: &AxisErrors) -> AxisErrors {
-    taken(errors, &|table, component| why_not(chain, table, component))
+    taken(chain, errors, &|table, component| why_not(chain, table, component))
 }
 
 fn why_not(chain: &Chain, table: &AxisTable, component: Component) -> Option<String> {
