@@ -335,6 +335,9 @@ def nest_by_steps(floor, tab):
     tab.page.get_by_role("button", name="Finish the calibration").click()
     tab.page.get_by_text("The lines for the configuration").click()
     tab.page.wait_for_selector("pre")
+    # Longer than the readings take to come several times.
+    tab.page.wait_for_timeout(3000)
+    check("the lines stay open while readings come", tab.page.locator("pre").is_visible())
     check("the directions have an uncertainty with its unit", "mrad" in tab.text("main"), tab.text("pre"))
     tab.picture("set-up-nest")
     tab.page.get_by_role("button", name="Write them into the configuration").click()

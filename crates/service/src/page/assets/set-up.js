@@ -23,14 +23,19 @@ export async function make(page) {
   const write = button("Write them into the configuration", calls.writeNest, "main");
   // One for each of the two steps that can be stopped; shown while its step is under way.
   const stop = { nest: button("Stop", calls.stopSetUp), sign: button("Stop", calls.stopSetUp) };
+  const lines = el("pre", { class: "scroll", tabindex: "0", "aria-label": "The table nest of the configuration" });
+  // Made once: what is made again with every reading closes under the hand.
+  const byHand = el("details", {}, el("summary", {}, "The lines for the configuration, to enter by hand"), lines);
   parts = {
     stop,
+    lines,
+    byHand,
     next: el("p", { class: "todo", role: "status", id: "next-step" }),
     finish,
     write,
     devices: step("1. Devices", "Every device is connected and sends."),
     nest: step("2. Directions of the probes", "Known steps of X, Y and Z with the rotary axes at rest tell the direction of each probe. Once after the nest was mounted.",
-      el("p", { class: "row" }, button("Begin the calibration", calls.beginNest, "main"), finish, write, stop.nest)),
+      el("p", { class: "row" }, button("Begin the calibration", calls.beginNest, "main"), finish, write, stop.nest), byHand),
     sign: step("3. Sign test", "Jogs show whether each probe follows as the configuration says, or is turned or exchanged.",
       el("p", { class: "row" }, button("Begin the sign test", calls.beginSignTest, "main"), stop.sign)),
     zero: step("4. Ball at the centre", "Every probe in the middle half of its range: errors and settings stay within it."),
@@ -84,9 +89,9 @@ function showNest(setUp) {
     underWay ? el("p", {}, `${setUp.dwells} dwells. ${setUp.last}`) : null,
     setUp?.problem ? el("p", { class: "warn" }, setUp.problem) : null,
     nest ? el("p", {}, `Standard uncertainty of the directions: at most ${worst.toFixed(2)} mrad, from ${nest.steps} dwells.`) : null,
-    setUp?.written ? el("p", { class: "lead" }, setUp.written) : null,
-    nest ? el("details", {}, el("summary", {}, "The lines for the configuration, to enter by hand"),
-      el("pre", { class: "scroll", tabindex: "0", "aria-label": "The table nest of the configuration" }, nest.lines)) : null);
+    setUp?.written ? el("p", { class: "lead" }, setUp.written) : null);
+  parts.byHand.hidden = !nest;
+  if (nest && parts.lines.textContent !== nest.lines) parts.lines.textContent = nest.lines;
 }
 
 function nextStep({ measuring, connected, setUp, centred }) {
