@@ -36,10 +36,7 @@ pub struct ChainJoint {
 impl Chain {
     /// The joints of a machine; `None` where legs in parallel carry the tool.
     pub fn of(machine: &Machine) -> Option<Self> {
-        let joint = |axis: &Axis| ChainJoint {
-            spindle: machine.spindle == Some(axis.letter),
-            ..ChainJoint::from(axis)
-        };
+        let joint = |axis| ChainJoint::of(axis, machine);
         let side = |side| machine.from_bed(side).into_iter().map(joint).collect();
         machine.tripod.is_none().then(|| Self {
             machine: machine.name.clone(),
@@ -50,20 +47,24 @@ impl Chain {
 
     /// Rotary joints that carry the workpiece, and those that carry the tool, each from the bed outward; without the spindle.
     pub fn rotary(&self) -> [Vec<&ChainJoint>; 2] {
-        [&self.table, &self.tool]
-            .map(|side| side.iter().filter(|joint| joint.rotary && !joint.spindle).collect())
+        [&self.table, &self.tool].map(|side| side.iter().filter(|joint| joint.is_rotary_axis()).collect())
     }
 }
 
-impl From<&Axis> for ChainJoint {
-    fn from(axis: &Axis) -> Self {
+impl ChainJoint {
+    fn of(axis: &Axis, machine: &Machine) -> Self {
         Self {
             axis: axis.letter.to_string(),
             rotary: axis.is_rotary(),
-            spindle: false,
+            spindle: machine.spindle == Some(axis.letter),
             direction: axis.direction.into_inner().into(),
             through_mm: axis.through_mm.coords.into(),
             sense: axis.sense,
         }
+    }
+
+    /// True for a rotary axis that a control knows as one, which a spindle is not.
+    pub fn is_rotary_axis(&self) -> bool {
+        self.rotary && !self.spindle
     }
 }

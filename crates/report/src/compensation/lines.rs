@@ -58,7 +58,7 @@ pub(super) fn lines<'a>(chain: &'a Chain, errors: &AxisErrors) -> [Vec<Line<'a>>
             }
             Line { joint, moved_mm, turned }
         };
-        (0..side.len()).filter(|&k| side[k].rotary && !side[k].spindle).map(carried).collect()
+        (0..side.len()).filter(|&k| side[k].is_rotary_axis()).map(carried).collect()
     })
 }
 
