@@ -86,6 +86,37 @@ fn serial_and_tolerance_are_those_of_the_machine_file_and_no_tolerance_is_no_dec
     assert!(json(&["report", &run, "--json"])["conformity"].is_null());
 }
 
+/// A bar along X on the line of C: no error of an axis moves its readings by itself.
+#[test]
+fn a_bar_that_shows_no_error_of_an_axis_asks_for_nothing_to_be_entered_and_says_what_was_not_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    let config = |name: &str| format!("{}/../../config/{name}", env!("CARGO_MANIFEST_DIR"));
+    let (run, page) = (file("bar.mcap"), file("bar.html"));
+    let (truth, cycle) = (config("truths/table-bc.toml"), config("cycles/ball-bar-c.toml"));
+    trunnion(&["simulate", &truth, "--cycle", &cycle, "-o", &run]);
+    let answer = json(&["report", &run, "-o", &page, "--json"]);
+    let comparison = &answer["comparison"];
+    assert_eq!(comparison["diagnosis"]["verdict"], "noise-floor");
+    let parameters = comparison["identification"]["parameters"].as_array().unwrap();
+    let of_axes = parameters.iter().filter(|p| p["effect"] == "location-errors");
+    assert!(of_axes.clone().count() > 0 && of_axes.clone().all(|p| p["value"].is_null()), "{parameters:?}");
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(!page.contains("Enter the errors of the axes"), "nothing is known that could be entered");
+    let first = &page[..page.find("Machine and measurement").unwrap()];
+    for part in [
+        "Enter nothing into the control: these runs give a number to no error of an axis.",
+        "place of axis C along X/Y/Z",
+        "This cycle cannot show",
+        "Nothing significant was found in the residual",
+    ] {
+        assert!(first.contains(part), "{part} in {first}");
+    }
+    let correct = ["correct", run.as_str(), "--control", "csv", "-o", &file("c.csv")];
+    let (done, _, error) = output(&correct);
+    assert!(!done && error.contains("determine none of its numbers"), "the command agrees: {error}");
+}
+
 #[test]
 fn without_a_browser_the_page_is_written_and_the_command_says_what_is_missing() {
     let folder = tempfile::tempdir().unwrap();

@@ -4,7 +4,7 @@ use crate::number::{percent, um, um_or_dash};
 use crate::words::{
     beyond_figures, effect_name, evidence_words, formula_leads, left_out, noise_origin, repeatability,
 };
-use trunnion_results::{Candidate, Comparison, Diagnosis, Fact};
+use trunnion_results::{Candidate, Comparison, Diagnosis, Fact, Verdict};
 
 /// The figures at the top.
 pub(crate) fn facts(input: &Comparison) -> Vec<Fact> {
@@ -14,7 +14,7 @@ pub(crate) fn facts(input: &Comparison) -> Vec<Fact> {
         fact("Repeatability", um_or_dash(fit.noise_um), noise_origin(fit)),
         fact("Held-out error", um_or_dash(fit.holdout_rms_um), left_out(fit.holdout_unit)),
     ];
-    if let Some(fraction) = input.diagnosis.as_ref().and_then(|d| d.residual.unexplained_fraction) {
+    if let Some(fraction) = input.diagnosis.as_ref().and_then(Diagnosis::explained) {
         let remark = "of the mean square of the residual".into();
         facts.push(fact("Explained by what was found", percent(fraction), remark));
     }
@@ -56,11 +56,13 @@ pub(crate) fn sure(input: &Comparison) -> Vec<String> {
 
 fn noise(diagnosis: &Diagnosis) -> String {
     let known = repeatability(diagnosis.residual.noise_um);
-    match diagnosis.residual.unexplained_fraction.map(percent) {
-        Some(share) => {
+    match (diagnosis.explained().map(percent), diagnosis.verdict) {
+        (Some(share), _) => {
             format!("What was found explains {share} of the mean square of the residual; {known}.")
         }
-        None => format!("Nothing was weighed; {known}."),
+        (None, Verdict::NotJudged) => format!("Nothing was weighed; {known}."),
+        (None, Verdict::NoiseFloor) => format!("Nothing significant was found in the residual; {known}."),
+        (None, _) => format!("Nothing was found that could be named; {known}."),
     }
 }
 
@@ -82,8 +84,9 @@ fn held_out(diagnosis: &Diagnosis, best: &Candidate) -> Option<String> {
 
 fn rivals(best: &Candidate) -> Option<String> {
     let names: Vec<_> = best.confused_with.iter().map(|id| effect_name(id)).collect();
-    (!names.is_empty())
-        .then(|| format!("In these data {} is confounded with {}.", best.effect, names.join("; ")))
+    (!names.is_empty()).then(|| {
+        format!("In these data {} is confounded with {}.", effect_name(&best.effect), names.join("; "))
+    })
 }
 
 /// What to measure next; empty when nothing is asked for.

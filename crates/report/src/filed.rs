@@ -1,16 +1,17 @@
-//! A report to be filed: the first page says what is wrong, how large, how sure, what to do, and pass or fail; then whose report it
-//! is, where the model fails and why, what was not observable; every table at the end.
+//! A report to be filed: the first page says what is wrong, how large, how sure, what to do, what was not seen, and pass or fail;
+//! then whose report it is, where the model fails and why, what was not seen in full; every table at the end.
 
 mod annex;
 mod conformity;
 mod identity;
+mod not_seen;
 
 use crate::certainty;
 use crate::html::{self, PAGE_CSS};
 use crate::language::{Language, translated};
 use crate::markup::{element, escape, table};
 use crate::number::{MISSING, um, um_or_dash};
-use crate::story::to_do;
+use crate::to_do::to_do;
 use crate::words::{headline, verdict};
 use trunnion_results::{Comparison, Report};
 
@@ -28,7 +29,7 @@ pub fn report_html(report: &Report, language: Language) -> String {
     for (_, section) in shown {
         body += &section;
     }
-    body += &annex::not_seen(input);
+    body += &not_seen::in_full(input);
     body += "<h1 class=\"page\">Annex: every table</h1>\n";
     body += &annex::fit(&input.identification);
     for (_, section) in annexed {
@@ -73,12 +74,13 @@ fn first_page(report: &Report) -> String {
     .map(|(name, value)| format!("<div>{}{}</div>", element("dt", name), element("dd", &value)))
     .concat();
     format!(
-        "<header><p class=\"soft\">Trunnion report</p>\n<dl class=\"about\">{about}</dl>\n<h1>{}</h1>\n{}</header>\n{}{}{}{}",
+        "<header><p class=\"soft\">Trunnion report</p>\n<dl class=\"about\">{about}</dl>\n<h1>{}</h1>\n{}</header>\n{}{}{}{}{}",
         escape(&headline(input)),
         verdict(input).iter().map(|text| element("p", text)).collect::<String>(),
         conformity::section(report),
         listed("What to do", &to_do(input), "ol"),
         listed("How sure this is", &certainty::sure(input), "ul"),
+        listed("What was not seen", &not_seen::in_short(input), "ul"),
         before_and_after(input),
     )
 }

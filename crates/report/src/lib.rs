@@ -20,6 +20,7 @@ mod story;
 mod svg;
 mod text;
 mod time_quality;
+mod to_do;
 mod views;
 mod volumetric;
 mod words;

@@ -1,16 +1,16 @@
 //! One run in the order in which a person asks: sentences, figures, and the charts of the report.
 
-use crate::certainty::{facts, measure_next, sure};
+use crate::certainty::{facts, sure};
 use crate::html;
 use crate::number::{um, value_and_u};
+use crate::to_do::to_do;
 use crate::words::{
-    about, beyond_figures, effect_name, evidence_words, explanation, formula_leads, formula_shape,
-    formula_site, headline, planned_words, verdict,
+    beyond_figures, effect_name, evidence_words, explanation, formula_leads, formula_shape, formula_site,
+    headline, verdict,
 };
 use trunnion_results::sentences::complete;
 use trunnion_results::{
     Candidate, Comparison, Diagnosis, FormulaProposal, Parameter, Story, StoryCandidate, StorySection,
-    Verdict,
 };
 
 /// A comparison as the story of a page.
@@ -53,32 +53,6 @@ pub fn story(input: &Comparison) -> Story {
             .collect(),
         ..Story::default()
     }
-}
-
-pub(crate) fn to_do(input: &Comparison) -> Vec<String> {
-    let Some(diagnosis) = &input.diagnosis else {
-        return vec!["Ask which effect is missing: trunnion diagnose with the same runs and model.".into()];
-    };
-    let mut to_do = Vec::new();
-    if let Some(id) = diagnosis.best() {
-        if about(&id).is_some() {
-            to_do.push("Look for the likely cause at the machine.".into());
-        }
-        to_do.push(format!("Add {} to the model, and see whether the error falls.", effect_name(&id)));
-    }
-    let next = measure_next(diagnosis);
-    if !next.is_empty() {
-        to_do.push(next.into());
-    }
-    if let Some(cycle) = diagnosis.next_cycle.as_ref().and_then(|next| next.cycle.as_ref()) {
-        to_do.push(planned_words(cycle));
-    }
-    if diagnosis.verdict == Verdict::NoiseFloor {
-        to_do.push(
-            "Enter the errors of the axes into the control (trunnion correct), then measure again.".into(),
-        );
-    }
-    to_do
 }
 
 fn candidates(diagnosis: &Diagnosis) -> Vec<StoryCandidate> {

@@ -194,7 +194,7 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
     let input = Comparison { diagnosis: Some(diagnosis.clone()), ..Comparison::default() };
     let residual = &diagnosis.residual;
     let mut out = format!("{}\n", clean(&headline(&input)));
-    let explained = residual.unexplained_fraction.map_or(String::new(), |fraction| {
+    let explained = diagnosis.explained().map_or(String::new(), |fraction| {
         format!("; what was found explains {} of the mean square", percent(fraction))
     });
     out += &format!(

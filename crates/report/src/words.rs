@@ -73,7 +73,7 @@ pub fn verdict(input: &Comparison) -> Vec<String> {
     sentences
 }
 
-fn is_only_incomplete(input: &Comparison) -> bool {
+pub(crate) fn is_only_incomplete(input: &Comparison) -> bool {
     let asked = &input.identification.plausibility;
     !asked.is_empty() && asked.iter().all(|one| one.question == Question::Whole)
 }

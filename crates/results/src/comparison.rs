@@ -1,5 +1,6 @@
 //! Where a model fails, and what one more effect would do.
 
+use crate::correctable::Correctable;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::identification::{Identification, Parameter};
 use crate::ladder::{Ladder, Moved};
@@ -39,6 +40,9 @@ pub struct Comparison {
     pub frozen: Option<Prediction>,
     /// The best candidate put in for a trial.
     pub trial: Option<Trial>,
+    /// What a control could be given from this fit; null where that was not asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correctable: Option<Correctable>,
     /// What is missing from the recordings, one sentence each.
     pub losses: Vec<String>,
     /// Measured and predicted readings.

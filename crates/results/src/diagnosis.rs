@@ -161,6 +161,12 @@ pub struct NextCycle {
 }
 
 impl Diagnosis {
+    /// Share of the residual's mean square that what was found explains, where anything was found.
+    pub fn explained(&self) -> Option<f64> {
+        let found = !self.candidates.is_empty() || self.formula.is_some();
+        self.residual.unexplained_fraction.filter(|_| found)
+    }
+
     /// The effect or formula that leads, if the verdict names one.
     pub fn best(&self) -> Option<String> {
         match self.verdict {

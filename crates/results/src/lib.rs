@@ -8,6 +8,7 @@ mod chain;
 mod comparison;
 mod complete;
 mod conformity;
+mod correctable;
 mod correction;
 mod demo;
 mod devices;
@@ -52,6 +53,7 @@ pub use comparison::{
 };
 pub use complete::{Complete, Excluded, ExcludedSamples, Missing, Samples};
 pub use conformity::{Conformity, Decision, Judged};
+pub use correctable::Correctable;
 pub use correction::{
     CorrectedAxis, Correction, CorrectionFormat, CorrectionJudged, CorrectionJudgedFormat, CorrectionValues,
     Expected, SelfTest, SelfTestPose, SignCheck, SignVerdict,

@@ -70,6 +70,11 @@ pub fn effect_name(id: &str) -> String {
     about(id).map_or(id.into(), |about| format!("{} ({id})", about.title))
 }
 
+/// The title of an effect without its id, or the id where it has none.
+pub fn effect_title(id: &str) -> &str {
+    about(id).map_or(id, |about| about.title)
+}
+
 /// A verdict in a list of runs.
 pub fn verdict_in_short(verdict: Verdict) -> &'static str {
     match verdict {
@@ -79,6 +84,11 @@ pub fn verdict_in_short(verdict: Verdict) -> &'static str {
         Verdict::Undecided => "undecided",
         Verdict::NotJudged => "not judged",
     }
+}
+
+/// True for a number that is worth reporting.
+pub fn is_clear(parameter: &Parameter) -> bool {
+    parameter.value.zip(parameter.u).is_some_and(|(value, u)| value.abs() > CLEAR_U * u)
 }
 
 /// True when an expression leads the named effects.
@@ -91,9 +101,9 @@ pub fn location_sentence(parameters: &[Parameter], lead: &str) -> Option<String>
     let mut errors: Vec<(f64, String)> = parameters
         .iter()
         .filter_map(|p| {
-            let (value, u) = p.value.zip(p.u)?;
+            let value = p.value.filter(|_| is_clear(p))?;
             let size = if p.unit == "urad" { value.abs() * LEVER_MM * 1e-3 } else { value.abs() };
-            (value.abs() > CLEAR_U * u).then_some((size, location_words(&p.name, value)?))
+            Some((size, location_words(&p.name, value)?))
         })
         .collect();
     errors.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -123,6 +133,48 @@ fn location_words(name: &str, value: f64) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// What a symbol of ISO 230-1 stands for: `place of axis C along X` for `EX0C`, `error of axis B about Z` for `ECB`; `None` for what is
+/// none.
+pub fn error_in_words(symbol: &str) -> Option<String> {
+    let mut letters = symbol.strip_prefix('E')?.chars();
+    let direction = letters.next()?;
+    let rest = letters.as_str();
+    let (is_location, axis) = rest.strip_prefix('0').map_or((false, rest), |axis| (true, axis));
+    let is_axis =
+        axis.chars().next().is_some_and(char::is_alphabetic) && axis.chars().all(char::is_alphanumeric);
+    let (words, along) = match "ABC".find(direction) {
+        None if "XYZ".contains(direction) => (["place of", "error of"], format!("along {direction}")),
+        None => return None,
+        Some(_) if is_location && axis.strip_prefix(direction) == Some("") => {
+            return Some(format!("zero of {axis}"));
+        }
+        Some(about) => (["direction of", "error of"], format!("about {}", ["X", "Y", "Z"][about])),
+    };
+    is_axis.then(|| format!("{} axis {axis} {along}", words[usize::from(!is_location)]))
+}
+
+/// Location errors without a number, by axis: `place of axis B along X/Y`, `direction of axis C about X`, `zero of B`.
+pub fn unnumbered_locations(names: &[&str]) -> Vec<String> {
+    let mut groups: Vec<(String, Vec<char>)> = Vec::new();
+    for (direction, axis) in names.iter().filter_map(|name| name.strip_prefix('E')?.split_once('0')) {
+        let Some(direction) = direction.chars().next() else { continue };
+        let (of, along) = match "ABC".find(direction) {
+            None => (format!("place of axis {axis} along"), Some(direction)),
+            Some(_) if axis.strip_prefix(direction) == Some("") => (format!("zero of {axis}"), None),
+            Some(about) => (format!("direction of axis {axis} about"), "XYZ".chars().nth(about)),
+        };
+        match groups.iter_mut().find(|(group, _)| *group == of) {
+            Some((_, directions)) => directions.extend(along),
+            None => groups.push((of, along.into_iter().collect())),
+        }
+    }
+    let words = |(of, directions): (String, Vec<char>)| {
+        let directions: Vec<String> = directions.into_iter().map(String::from).collect();
+        format!("{of} {}", directions.join("/")).trim_end().into()
+    };
+    groups.into_iter().map(words).collect()
 }
 
 /// True for the parameter names of `location-errors`.
@@ -201,13 +253,14 @@ pub fn beyond_figures(candidate: &Candidate) -> String {
 
 /// What a planned cycle costs and settles.
 pub fn planned_words(cycle: &PlannedCycle) -> String {
-    let pairs: Vec<String> = cycle.separates.iter().map(|[a, b]| format!("{a} from {b}")).collect();
+    let pair = |[a, b]: &[String; 2]| format!("{} from {}", effect_name(a), effect_name(b));
+    let pairs: Vec<String> = cycle.separates.iter().map(pair).collect();
     format!(
         "Cycle \"{}\": about {:.0} minutes of machine time with mounting. It separates {}. The command \"trunnion plan\" with the \
          same recordings and model writes its file.",
         cycle.name,
         cycle.minutes,
-        pairs.join(", ")
+        pairs.join("; ")
     )
 }
 
@@ -253,4 +306,22 @@ pub fn left_out(unit: Option<LeftOut>) -> String {
         || "there is no unit to leave out".into(),
         |unit| format!("on {} left out of the fit", unit.plural()),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symbols_of_errors_are_said_in_words() {
+        let said = |symbol: &str| error_in_words(symbol).unwrap_or_default();
+        assert_eq!(said("EX0C"), "place of axis C along X");
+        assert_eq!(said("EA0C"), "direction of axis C about X");
+        assert_eq!(said("EB0B"), "zero of B");
+        assert_eq!(said("ECB"), "error of axis B about Z");
+        assert_eq!(said("EZ0C1"), "place of axis C1 along Z");
+        for other in ["E", "EX", "EX0", "left", "low.radial-x", "EQ0C", "Error"] {
+            assert_eq!(error_in_words(other), None, "{other}");
+        }
+    }
 }

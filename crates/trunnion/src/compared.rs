@@ -54,6 +54,7 @@ impl Diagnosed {
             spectra,
             time_quality: fit.experiment().time_quality(),
             ladder: fit.model().ladder(),
+            correctable: Some(fit.correctable()?),
             identification: fit.results(),
             ..results::Comparison::new(fit.experiment().points(), fit.identification(), Some(diagnosis))
         };

@@ -16,6 +16,9 @@ use trunnion_core::convert::um_from_mm;
 use trunnion_report::compensation::Format;
 use trunnion_results as results;
 
+/// Why a hybrid machine gets none.
+const LEGS_IN_PARALLEL: &str = "controls move legs in parallel by tables that are not public";
+
 /// A correction for one control.
 pub struct Corrected {
     fit: Fit,
@@ -27,6 +30,19 @@ pub struct Corrected {
 }
 
 impl Fit {
+    /// What a control could be given from this fit, in short.
+    ///
+    /// # Errors
+    /// A model that does not suit the runs.
+    pub fn correctable(&self) -> Result<results::Correctable, Error> {
+        if results::Chain::of(self.experiment().machine()).is_none() {
+            return Ok(results::Correctable::nothing(LEGS_IN_PARALLEL));
+        }
+        let (points, model) = (self.experiment().points(), self.model().entries());
+        let errors = trunnion_methods::AxisErrors::new(points, model, self.identification())?;
+        Ok(results::Correctable::new(&errors, &self.results()))
+    }
+
     /// What to enter into a control, with the verdict of a diagnosis of this fit.
     ///
     /// # Errors
@@ -38,9 +54,8 @@ impl Fit {
         verdict: results::Verdict,
     ) -> Result<Corrected, Error> {
         let machine = self.experiment().machine();
-        let chain = results::Chain::of(machine).ok_or(Error::NoCorrection {
-            why: "controls move legs in parallel by tables that are not public".into(),
-        })?;
+        let chain =
+            results::Chain::of(machine).ok_or(Error::NoCorrection { why: LEGS_IN_PARALLEL.into() })?;
         let all = self.axis_errors()?;
         let taken = (format.takes)(&chain, &all);
         if taken.axes.is_empty() {

@@ -1,41 +1,12 @@
-//! What could not be seen, and the tables of the end: the fit, what was excluded, every reading.
+//! The tables of the end: the fit, what was excluded, every reading.
 
-use crate::markup::{element, escape, table};
+use crate::markup::{element, table};
 use crate::number::{MISSING, minus, plain, um, um_or_dash};
-use crate::words::{effect_name, left_out, noise_origin};
-use trunnion_results::{Comparison, Identification, ResidualPoint, Residuals};
+use crate::words::{left_out, noise_origin};
+use trunnion_results::{Identification, ResidualPoint, Residuals};
 
 /// Readings listed: some thirty pages. `trunnion export` writes them all.
 const MOST_READINGS: usize = 1500;
-
-pub fn not_seen(input: &Comparison) -> String {
-    let fit = &input.identification;
-    let mut body = String::new();
-    let directions: String = fit
-        .unobservable
-        .iter()
-        .map(|row| format!("<li><b>{}</b>: {}</li>", escape(&row.direction), escape(&row.why)))
-        .collect();
-    if !directions.is_empty() {
-        body += &format!("<h3>What these readings leave confounded</h3>\n<ul>{directions}</ul>\n");
-    }
-    let diagnosis = input.diagnosis.iter();
-    for diagnosis in diagnosis {
-        for (title, ids) in [
-            ("This cycle cannot show", &diagnosis.not_visible),
-            ("Out of reach of these runs", &diagnosis.out_of_reach),
-        ] {
-            if !ids.is_empty() {
-                let names: String = ids.iter().map(|id| element("li", &effect_name(id))).collect();
-                body += &format!("<h3>{title}</h3>\n<ul class=\"columns\">{names}</ul>\n");
-            }
-        }
-    }
-    if body.is_empty() {
-        body = element("p", "Everything in the model is observable in these runs.");
-    }
-    format!("<section class=\"page\"><h2>What was not seen</h2>\n{body}</section>\n")
-}
 
 pub fn fit(fit: &Identification) -> String {
     let count = |number: usize| number.to_string();

@@ -8,3 +8,4 @@ mod pages;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../../tests/src/section.rs"]
 mod section;
+mod to_do;

@@ -1,0 +1,124 @@
+//! What to do after a run: no more than its data allow.
+
+use crate::certainty::measure_next;
+use crate::words::{about, effect_name, is_only_incomplete, planned_words};
+use trunnion_results::{Candidate, Comparison, Correctable, Diagnosis, Prediction, RunPrediction, Verdict};
+
+/// In the order in which it is done; never empty.
+pub(crate) fn to_do(input: &Comparison) -> Vec<String> {
+    let Some(diagnosis) = &input.diagnosis else { return vec![ask(input.frozen.as_ref()).into()] };
+    let mut to_do: Vec<String> = match diagnosis.verdict {
+        Verdict::NoiseFloor => correct(input),
+        Verdict::MissingEffect => diagnosis.candidates.first().map_or_else(Vec::new, look_and_add),
+        Verdict::UnnamedStructure => unnamed(input, diagnosis),
+        Verdict::Undecided => vec!["Change nothing at the machine or in the control on these data.".into()],
+        Verdict::NotJudged => vec![
+            "Change nothing at the machine or in the control on these runs.".into(),
+            match is_only_incomplete(input) {
+                true => "Measure the whole cycle again, or the part that is missing.".into(),
+                false => "Undo the mistake named above, or measure again.".into(),
+            },
+        ],
+    };
+    to_do.extend(Some(measure_next(diagnosis).to_string()).filter(|next| !next.is_empty()));
+    if let Some(cycle) = diagnosis.next_cycle.as_ref().and_then(|next| next.cycle.as_ref()) {
+        to_do.push(planned_words(cycle));
+    }
+    match diagnosis.verdict {
+        Verdict::MissingEffect | Verdict::UnnamedStructure => {
+            to_do.push("Enter nothing into the control before the model explains the readings.".into());
+        }
+        Verdict::Undecided if to_do.len() == 1 => {
+            to_do.push("Measure again, every pose twice.".into());
+        }
+        _ => {}
+    }
+    to_do
+}
+
+fn ask(frozen: Option<&Prediction>) -> &'static str {
+    match frozen.map(|frozen| frozen.runs.iter().all(RunPrediction::holds)) {
+        None => "Ask which effect is missing: trunnion diagnose with the same runs and model.",
+        Some(true) => "Change nothing: the kept values still describe the machine.",
+        Some(false) => {
+            "Ask what changed since the values were fitted: trunnion history with the runs of this machine."
+        }
+    }
+}
+
+fn look_and_add(best: &Candidate) -> Vec<String> {
+    let mut to_do = Vec::new();
+    if about(&best.effect).is_some() {
+        to_do.push(match best.confused_with.as_slice() {
+            [] => "Look for the likely cause at the machine.".into(),
+            rivals => format!(
+                "Look at the machine for the likely cause and for what these data do not separate from it: {}.",
+                rivals.iter().map(|id| effect_name(id)).collect::<Vec<_>>().join("; ")
+            ),
+        });
+    }
+    to_do.push(format!("Add {} to the model, and see whether the error falls.", effect_name(&best.effect)));
+    if !best.adequate {
+        to_do.push("Then diagnose again: a part remains that it does not explain.".into());
+    }
+    to_do
+}
+
+fn unnamed(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
+    let mut to_do = Vec::new();
+    if !input.places.is_empty() {
+        to_do.push("Look at the machine where the model fails most: the places are listed below.".into());
+    }
+    to_do.push(match diagnosis.best() {
+        Some(id) => format!("Add the expression to the model, and see whether the error falls ({id})."),
+        None => "Measure again with the ball in another place: what stays belongs to the machine.".into(),
+    });
+    to_do
+}
+
+/// What to enter where nothing is missing from the model.
+fn correct(input: &Comparison) -> Vec<String> {
+    let nothing = Correctable::default();
+    let correctable = input.correctable.as_ref().unwrap_or(&nothing);
+    let mut to_do = Vec::new();
+    if !correctable.clear.is_empty() {
+        to_do.push(
+            "Enter the errors of the axes into the control (trunnion correct), then measure again.".into(),
+        );
+        if !correctable.confounded.is_empty() {
+            to_do.push(
+                "Of other errors only a combination is known: as entered it is right at the measured poses, and may be wrong \
+                 at others."
+                    .into(),
+            );
+        }
+    } else if !correctable.why.is_empty() {
+        to_do.push(format!("Enter nothing into the control: {}.", correctable.why));
+    } else if !correctable.confounded.is_empty() {
+        to_do.push(
+            "Enter nothing into the control yet: of the errors of the axes only combinations are known, which are right at the \
+             measured poses and may be wrong at others."
+                .into(),
+        );
+        to_do.push(SCHEMES.into());
+    } else if !correctable.small.is_empty() {
+        to_do.push(
+            "Enter nothing into the control: no error of an axis is larger than three standard uncertainties."
+                .into(),
+        );
+    } else {
+        to_do.push("Enter nothing into the control: these runs give a number to no error of an axis.".into());
+        to_do.push(SCHEMES.into());
+    }
+    for left in &correctable.left_out {
+        to_do.push(format!(
+            "Look for the cause of {} at the machine: no table of an axis takes it.",
+            effect_name(&left.effect)
+        ));
+    }
+    to_do
+}
+
+/// Said where a person would like an error of an axis and these runs show none.
+const SCHEMES: &str = "To find errors of the axes, measure a cycle that shows them: the guide \"Measurement schemes\" lists cycles for each \
+                       instrument.";

@@ -1,0 +1,142 @@
+//! What to do after a run is what its data allow, for every verdict.
+
+use crate::filed::report;
+use trunnion_report::{Language, report_html, story};
+use trunnion_results::{
+    Candidate, Comparison, ConfoundedErrors, Correctable, Diagnosis, FormulaProposal, LeftOutEffect,
+    Parameter, Plausibility, Question, Verdict,
+};
+
+const ENTER: &str = "Enter the errors of the axes into the control";
+
+fn to_do(diagnosis: Diagnosis, correctable: Correctable) -> Vec<String> {
+    let (diagnosis, correctable) = (Some(diagnosis), Some(correctable));
+    story(&Comparison { diagnosis, correctable, ..Comparison::default() }).to_do
+}
+
+fn verdict(verdict: Verdict) -> Diagnosis {
+    Diagnosis { verdict, ..Diagnosis::default() }
+}
+
+fn seen() -> Correctable {
+    Correctable { clear: vec!["EX0C".into()], ..Correctable::default() }
+}
+
+fn combination() -> ConfoundedErrors {
+    ConfoundedErrors { entered: vec!["EX0C".into()], zero: vec!["EX0B".into()] }
+}
+
+#[test]
+fn errors_are_entered_only_where_the_model_explains_the_readings_and_an_error_is_clear() {
+    let candidate = Candidate { effect: "backlash:C".into(), adequate: true, ..Candidate::default() };
+    let missing = Diagnosis { candidates: vec![candidate], ..verdict(Verdict::MissingEffect) };
+    assert!(to_do(verdict(Verdict::NoiseFloor), seen())[0].starts_with(ENTER));
+    let small = Correctable { small: vec!["EX0C".into()], ..Correctable::default() };
+    let confounded = Correctable { confounded: vec![combination()], ..Correctable::default() };
+    let legs = Correctable::nothing("controls move legs in parallel by tables that are not public");
+    let others = [
+        (
+            verdict(Verdict::NoiseFloor),
+            Correctable::default(),
+            "Enter nothing into the control: these runs give",
+        ),
+        (verdict(Verdict::NoiseFloor), small, "Enter nothing into the control: no error of an axis"),
+        (verdict(Verdict::NoiseFloor), confounded, "Enter nothing into the control yet"),
+        (verdict(Verdict::NoiseFloor), legs, "Enter nothing into the control: controls move legs"),
+        (verdict(Verdict::Undecided), seen(), "Change nothing"),
+        (verdict(Verdict::NotJudged), seen(), "Change nothing"),
+        (verdict(Verdict::UnnamedStructure), seen(), "Enter nothing into the control before"),
+        (missing, seen(), "Enter nothing into the control before"),
+    ];
+    for (diagnosis, correctable, expected) in others {
+        let said = to_do(diagnosis, correctable);
+        assert!(said.iter().any(|item| item.starts_with(expected)), "{expected}: {said:?}");
+        assert!(!said.iter().any(|item| item.starts_with(ENTER)), "{said:?}");
+    }
+}
+
+#[test]
+fn nobody_is_left_without_the_next_step() {
+    let open = Diagnosis { why: "Something speaks for backlash:C.".into(), ..verdict(Verdict::Undecided) };
+    assert!(to_do(open, seen())[1].starts_with("Measure again"));
+    let formula = Some(FormulaProposal { name: "axis-b-ec".into(), ..FormulaProposal::default() });
+    let unnamed = Diagnosis { formula, ..verdict(Verdict::UnnamedStructure) };
+    let said = to_do(unnamed, seen());
+    assert!(
+        said[0].starts_with("Add the expression to the model") && said[0].ends_with("(formula:axis-b-ec).")
+    );
+    let nothing_to_add = to_do(verdict(Verdict::UnnamedStructure), seen());
+    assert!(
+        nothing_to_add[0].starts_with("Measure again with the ball in another place"),
+        "{nothing_to_add:?}"
+    );
+    let mut part = Comparison { diagnosis: Some(verdict(Verdict::NotJudged)), ..Comparison::default() };
+    assert!(story(&part).to_do[1].starts_with("Undo the mistake named above"));
+    part.identification.plausibility =
+        vec![Plausibility { question: Question::Whole, ..Plausibility::default() }];
+    assert!(story(&part).to_do[1].starts_with("Measure the whole cycle again"));
+    assert!(story(&Comparison::default()).to_do[0].starts_with("Ask which effect is missing"));
+}
+
+#[test]
+fn a_cause_is_not_looked_for_alone_where_others_are_confounded_with_it_or_a_part_remains() {
+    let candidate = Candidate {
+        effect: "backlash:B".into(),
+        confused_with: vec!["backlash:C".into()],
+        ..Candidate::default()
+    };
+    let missing = Diagnosis { candidates: vec![candidate], ..verdict(Verdict::MissingEffect) };
+    let said = to_do(missing, seen());
+    assert!(said[0].contains("do not separate from it") && said[0].contains("backlash:C"), "{said:?}");
+    assert!(said.iter().any(|item| item.contains("a part remains")), "{said:?}");
+}
+
+#[test]
+fn an_effect_that_no_table_takes_is_looked_for_at_the_machine() {
+    let left = LeftOutEffect { effect: "backlash:C".into(), why: "it depends on the direction of C".into() };
+    let said = to_do(verdict(Verdict::NoiseFloor), Correctable { left_out: vec![left], ..seen() });
+    assert!(said[1].contains("Backlash of the drive (backlash:C)"), "{said:?}");
+}
+
+#[test]
+fn the_first_page_says_what_was_not_seen() {
+    let mut report = report();
+    let diagnosis = report.comparison.diagnosis.as_mut().unwrap();
+    diagnosis.not_visible = ["backlash:X", "backlash:Y", "thermal-drift"].map(String::from).to_vec();
+    report.comparison.identification.parameters.clear();
+    for name in ["EX0B", "EZ0B", "EA0B", "EB0B"] {
+        report.comparison.identification.parameters.push(Parameter {
+            name: name.into(),
+            effect: "location-errors".into(),
+            ..Parameter::default()
+        });
+    }
+    let page = report_html(&report, Language::English);
+    let first = &page[..page.find("Machine and measurement").unwrap()];
+    for part in [
+        "<h2>What was not seen</h2>",
+        "place of axis B along X/Z; direction of axis B about X; zero of B",
+        "Backlash of the drive (X Y); Thermal drift of the tool side (thermal-drift)",
+    ] {
+        assert!(first.contains(part), "{part} in {first}");
+    }
+    let german = report_html(&report, Language::German);
+    let first = &german[..german.find("Maschine und Messung").unwrap()];
+    assert!(
+        first.contains("Ort der Achse B entlang X/Z; Richtung der Achse B um X; Nullpunkt von B"),
+        "{first}"
+    );
+    assert!(first.contains("Umkehrspiel des Antriebs (X Y)"), "{first}");
+}
+
+#[test]
+fn nothing_found_explains_no_share_of_anything() {
+    let mut diagnosis = verdict(Verdict::NoiseFloor);
+    diagnosis.residual.unexplained_fraction = Some(0.0);
+    let story = story(&Comparison { diagnosis: Some(diagnosis.clone()), ..Comparison::default() });
+    assert!(story.sure[0].starts_with("Nothing significant was found"), "{:?}", story.sure);
+    let text = trunnion_report::diagnosis_text(&diagnosis);
+    for said in story.sure.iter().chain(story.facts.iter().map(|fact| &fact.value)).chain([&text]) {
+        assert!(!said.contains("0 %"), "{said}");
+    }
+}
