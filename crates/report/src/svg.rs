@@ -6,6 +6,7 @@ mod bars;
 mod displaced;
 mod element;
 mod heat_map;
+mod key;
 mod lattice;
 mod path_chart;
 mod polar;

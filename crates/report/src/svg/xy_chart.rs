@@ -1,15 +1,17 @@
 //! Lines and marks over two axes with round ticks.
 
 use super::element::{figure, line, polyline, text};
+use super::key::{FIRST_ROW, keys, length};
 use super::scale::{Scale, extent};
 use crate::number::tick;
 
 const WIDTH: f64 = 360.0;
-const HEIGHT: f64 = 210.0;
 const LEFT: f64 = 40.0;
 const RIGHT: f64 = 352.0;
-const TOP: f64 = 26.0;
-const BOTTOM: f64 = 174.0;
+/// Of the first row of the key to the plot, and the height of the plot.
+const ABOVE: f64 = 13.0;
+const UP: f64 = 148.0;
+const HEIGHT_OF_REST: f64 = 36.0;
 
 /// How a series is drawn; shape and colour say the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +35,7 @@ impl Mark {
     pub const LINES: [(Self, &'static str); 4] =
         [(Self::Line, "l1"), (Self::Dashed, "l2"), (Self::Dotted, "l3"), (Self::Thin, "l4")];
 
-    fn line_class(self) -> Option<&'static str> {
+    pub(super) fn line_class(self) -> Option<&'static str> {
         Self::LINES.iter().find(|(mark, _)| *mark == self).map(|(_, class)| *class)
     }
 }
@@ -60,14 +62,17 @@ pub struct XyChart<'a> {
 /// The chart as a figure.
 pub fn xy_chart(chart: &XyChart<'_>) -> String {
     let all_x = chart.series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
+    // The name of the axis stands before the key, in the same row.
+    let entries: Vec<(Mark, &str)> = chart.series.iter().map(|s| (s.mark, s.name.as_str())).collect();
+    let (mut body, last_row) = keys(&entries, LEFT.max(8.0 + length(chart.y_name)), (LEFT, RIGHT));
+    let (top, bottom) = (last_row + ABOVE, last_row + ABOVE + UP);
     let x = Scale::new(extent(all_x).unwrap_or((0.0, 1.0)), (LEFT + 4.0, RIGHT - 4.0));
-    let y = Scale::new(chart.y, (BOTTOM, TOP));
-    let mut body = axes(&x, &y, chart.x_name, chart.y_name);
+    let y = Scale::new(chart.y, (bottom, top));
+    body += &axes(&x, &y, (top, bottom), [chart.x_name, chart.y_name]);
     for (at, name) in chart.marks_on_x.iter().filter(|(at, _)| at.is_finite()) {
-        body += &line((x.at(*at), TOP), (x.at(*at), BOTTOM), "guide");
-        body += &text(x.at(*at) + 2.0, BOTTOM - 4.0, "t", name);
+        body += &line((x.at(*at), top), (x.at(*at), bottom), "guide");
+        body += &text(x.at(*at) + 2.0, bottom - 4.0, "t", name);
     }
-    let mut key_x = LEFT;
     for series in chart.series {
         // A line ends where a value is no number, and begins again after it.
         for stretch in series.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
@@ -75,14 +80,11 @@ pub fn xy_chart(chart: &XyChart<'_>) -> String {
                 stretch.iter().map(|p| (x.at(p.0), y.at(p.1.clamp(chart.y.0, chart.y.1)))).collect();
             body += &drawn(series.mark, &places);
         }
-        body += &key(series.mark, key_x);
-        body += &text(key_x + 22.0, 13.0, "t", &series.name);
-        key_x += 34.0 + 5.6 * series.name.chars().count() as f64;
     }
-    figure(chart.title, WIDTH, HEIGHT, chart.title, &body)
+    figure(chart.title, WIDTH, bottom + HEIGHT_OF_REST, chart.title, &body)
 }
 
-fn axes(x: &Scale, y: &Scale, x_name: &str, y_name: &str) -> String {
+fn axes(x: &Scale, y: &Scale, (top, bottom): (f64, f64), [x_name, y_name]: [&str; 2]) -> String {
     let mut body = String::new();
     let (ticks, step) = y.ticks(5);
     for value in ticks {
@@ -92,13 +94,13 @@ fn axes(x: &Scale, y: &Scale, x_name: &str, y_name: &str) -> String {
     }
     let (ticks, step) = x.ticks(6);
     for value in ticks {
-        body += &line((x.at(value), BOTTOM), (x.at(value), BOTTOM + 4.0), "axis");
-        body += &text(x.at(value), BOTTOM + 15.0, "t mid", &tick(value, step));
+        body += &line((x.at(value), bottom), (x.at(value), bottom + 4.0), "axis");
+        body += &text(x.at(value), bottom + 15.0, "t mid", &tick(value, step));
     }
-    body += &line((LEFT, BOTTOM), (RIGHT, BOTTOM), "axis");
-    body += &line((LEFT, TOP), (LEFT, BOTTOM), "axis");
-    body += &text((LEFT + RIGHT) / 2.0, BOTTOM + 30.0, "t mid", x_name);
-    body += &text(2.0, 13.0, "t", y_name);
+    body += &line((LEFT, bottom), (RIGHT, bottom), "axis");
+    body += &line((LEFT, top), (LEFT, bottom), "axis");
+    body += &text((LEFT + RIGHT) / 2.0, bottom + 30.0, "t mid", x_name);
+    body += &text(2.0, FIRST_ROW, "t", y_name);
     body
 }
 
@@ -109,18 +111,28 @@ fn drawn(mark: Mark, places: &[(f64, f64)]) -> String {
     }
 }
 
-fn symbol(mark: Mark, x: f64, y: f64) -> String {
+pub(super) fn symbol(mark: Mark, x: f64, y: f64) -> String {
     if mark == Mark::Dot {
         return format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"1.8\" class=\"m1\"/>\n");
     }
     format!("<path d=\"M{:.1} {:.1}l2.6 4.4h-5.2z\" class=\"m2\"/>\n", x, y - 2.6)
 }
 
-/// The sample of a mark before its name.
-pub(super) fn key(mark: Mark, x: f64) -> String {
-    let x = x + 8.0;
-    match mark.line_class() {
-        Some(class) => line((x - 4.0, 9.5), (x + 10.0, 9.5), class),
-        None => symbol(mark, x + 5.0, 9.5),
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_key_begins_where_the_name_of_the_axis_has_ended() {
+        let series = [Series { name: "EX0C".into(), mark: Mark::Line, points: vec![(0.0, 0.0), (1.0, 1.0)] }];
+        let y_name = "change (µrad)";
+        let chart =
+            XyChart { title: "", x_name: "", y_name, series: &series, y: (-1.0, 1.0), marks_on_x: &[] };
+        let drawn = xy_chart(&chart);
+        let at = |text: &str| -> f64 {
+            let line = drawn.lines().find(|line| line.ends_with(&format!(">{text}</text>"))).unwrap();
+            line.split('"').nth(1).unwrap().parse().unwrap()
+        };
+        assert!(at("EX0C") > at(y_name) + length(y_name), "{} {}", at("EX0C"), at(y_name));
     }
 }
