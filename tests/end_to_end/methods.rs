@@ -47,7 +47,48 @@ fn trunnion(args: &[&str]) -> Output {
 fn done(args: &[&str]) -> String {
     let output = trunnion(args);
     assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
+    let text = String::from_utf8(output.stdout).unwrap();
+    if let Ok(found) = serde_json::from_str::<Value>(&text)
+        && found["format"] == "trunnion-findings/1"
+    {
+        numbers_have_units(&found);
+    }
+    text
+}
+
+/// Values of findings that are plain numbers, by the end of their names.
+const PLAIN: [&str; 1] = ["share"];
+
+/// Every value has a unit, and every decimal number of a remark is followed by one.
+fn numbers_have_units(found: &Value) {
+    for value in found["values"].as_array().unwrap() {
+        let name = value["name"].as_str().unwrap();
+        assert!(value["unit"] != "1" || PLAIN.iter().any(|end| name.ends_with(end)), "{value}");
+        let remark = value["note"].as_str().unwrap();
+        for bare in bare_decimals(remark) {
+            panic!("{name}: {bare} has no unit in {remark:?}");
+        }
+    }
+}
+
+/// Decimal numbers of a text without a unit behind them or behind the list that they are in.
+fn bare_decimals(text: &str) -> Vec<&str> {
+    let units = ["µm", "µrad", "°", "mm", "%", "s", "rad", "Hz"];
+    let words: Vec<&str> = text.split([' ', '(', ')', ';', ',']).filter(|word| !word.is_empty()).collect();
+    let is_decimal = |word: &&str| {
+        word.contains('.') && word.trim_start_matches(['−', '+']).parse::<f64>().is_ok_and(f64::is_finite)
+    };
+    let is_bare = |(at, word): &(usize, &&str)| {
+        let next = words[at + 1..].iter().find(|next| !is_decimal(next) && **next != "±" && **next != "of");
+        is_decimal(word) && !next.is_some_and(|next| units.iter().any(|unit| next.starts_with(unit)))
+    };
+    words.iter().enumerate().filter(is_bare).map(|(_, word)| *word).collect()
+}
+
+#[test]
+fn a_number_without_a_unit_is_noticed() {
+    assert_eq!(bare_decimals("u of one value at most 0.08"), ["0.08"]);
+    assert!(bare_decimals("1.2 ± 0.1 µm (0.5 µrad over 100 mm), −3.00 %").is_empty());
 }
 
 fn root(path: &str) -> String {

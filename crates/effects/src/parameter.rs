@@ -87,8 +87,18 @@ impl Unit {
     pub const MM: Self = Self { symbol: "mm", per_inside: 1.0 };
     /// Seconds.
     pub const S: Self = Self { symbol: "s", per_inside: 1.0 };
+    /// Radians as they are.
+    pub const RAD: Self = Self { symbol: "rad", per_inside: 1.0 };
+    /// Hertz for cycles per second.
+    pub const HZ: Self = Self { symbol: "Hz", per_inside: 1.0 };
     /// A plain number.
     pub const ONE: Self = Self { symbol: "1", per_inside: 1.0 };
+
+    /// The unit that the name of a shape number ends with, e.g. seconds of `tau_s`; a plain number where it names none.
+    pub fn in_name(name: &str) -> Self {
+        let ends = [("_s", Self::S), ("_mm", Self::MM), ("_rad", Self::RAD), ("_hz", Self::HZ)];
+        ends.into_iter().find(|(end, _)| name.ends_with(end)).map_or(Self::ONE, |(_, unit)| unit)
+    }
 
     /// The symbol as people write it, e.g. `µm/(m/s²)`; empty for a plain number.
     pub fn text(&self) -> String {
@@ -108,7 +118,7 @@ impl Unit {
 /// Grid of shape numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shapes {
-    /// Name and unit of each shape number, e.g. `tau_s`.
+    /// Name and unit ([`Unit::in_name`]) of each shape number, e.g. `tau_s`.
     pub names: Vec<String>,
     /// Grid points; one empty entry when the effect has no shape numbers.
     pub grid: Vec<Vec<f64>>,

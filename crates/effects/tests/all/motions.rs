@@ -4,8 +4,27 @@ use crate::scenes::{each_motion, machines, rich_states, scene};
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeSet;
 use trunnion_core::{State, Twist};
-use trunnion_effects::{Instance, r_test_reading};
+use trunnion_effects::{Instance, Unit, r_test_reading};
 use trunnion_machine::{Errors, JointErrors, Machine, Site};
+
+/// Shape numbers that count something.
+const COUNTS: [&str; 4] = ["lobes", "triad", "load", "cycles_per_turn"];
+
+#[test]
+fn every_number_of_an_effect_has_a_unit_or_counts() {
+    for machine in machines() {
+        let scene = scene(&machine, &rich_states(&machine));
+        for instance in Instance::all(&machine) {
+            for parameter in instance.parameters(&scene) {
+                assert_ne!(parameter.unit, Unit::ONE, "{} of {}", parameter.name, instance.id());
+            }
+            for name in instance.shapes(&scene).names {
+                let counts = COUNTS.contains(&name.as_str());
+                assert_eq!(Unit::in_name(&name) == Unit::ONE, counts, "{name} of {}", instance.id());
+            }
+        }
+    }
+}
 
 #[test]
 fn motions_are_finite_within_bounds_and_every_parameter_moves_something() {

@@ -119,7 +119,7 @@ impl Refit {
                     name: name.clone(),
                     value: Some(*value),
                     u: None,
-                    unit: Unit::ONE.symbol.into(),
+                    unit: Unit::in_name(name).symbol.into(),
                 }
             });
         fitted.chain(shapes).collect()

@@ -11,7 +11,7 @@ use crate::Experiment;
 use nalgebra::DMatrix;
 use trunnion_core::{AxisValues, Point, Quality, Setup, State};
 use trunnion_cycles::{Cycle, Run, RunKind};
-use trunnion_effects::{Instance, Model};
+use trunnion_effects::{Instance, Model, Unit};
 use trunnion_machine::Machine;
 
 /// Columns whose canonical correlation exceeds this coincide.
@@ -244,7 +244,10 @@ fn label(part: &Part<'_>, experiment: &Experiment) -> String {
     let shape: Vec<String> = names
         .iter()
         .zip(&part.shape)
-        .map(|(name, value)| format!("{name} {}", (value * 1e3).round() / 1e3))
+        .map(|(name, value)| {
+            let value = (value * 1e3).round() / 1e3;
+            format!("{name} {value} {}", Unit::in_name(name).text()).trim_end().to_string()
+        })
         .collect();
     format!("{id} ({})", shape.join(", "))
 }

@@ -65,9 +65,10 @@ fn variations(
         let u = b_errors.u_at_tilt.iter().map(of).fold(0.0, f64::max);
         let value = range(&mut b_errors.at_tilt.iter().zip(&locations.constants).map(|(t, c)| of(t) - of(c)));
         let note = format!(
-            "range over {} beyond location errors; u of one value at most {:.2}",
+            "range over {} beyond location errors; u of one value at most {:.2} {}",
             grid.tilting,
-            u * unit.per_inside
+            u * unit.per_inside,
+            unit.text()
         );
         values.push(
             FoundValue::new(format!("{name} variation"), value, unit, Some(u * std::f64::consts::SQRT_2))
