@@ -338,7 +338,8 @@ def nest_by_steps(floor, tab):
     # Longer than the readings take to come several times.
     tab.page.wait_for_timeout(3000)
     check("the lines stay open while readings come", tab.page.locator("pre").is_visible())
-    check("the directions have an uncertainty with its unit", "mrad" in tab.text("main"), tab.text("pre"))
+    shown = tab.text("main")
+    check("the directions have an uncertainty with its unit", "mrad" in shown, tab.text("pre"))
     tab.picture("set-up-nest")
     tab.page.get_by_role("button", name="Write them into the configuration").click()
     tab.until("document.body.innerText.includes('Written into')")
@@ -352,8 +353,9 @@ def nest_by_steps(floor, tab):
         truth = [flat * math.cos(math.radians(turn)), flat * math.sin(math.radians(turn)), up]
         found = [float(part) for part in re.search(rf"probe_{k + 1} = \[(.*)\]", text)[1].split(",")]
         off_mrad = 1e3 * math.dist(truth, found)
-        # The largest that the calibration lets pass is 5 mrad; errors of the simulated machine over 0.2 mm are far below.
-        check(f"probe {k + 1} looks where it was mounted", off_mrad < 5, f"{off_mrad:.2f} mrad off")
+        # Two angles across each of three directions: 3.5 u holds all of them in 99 % of the calibrations.
+        u_mrad = float(re.search(r"at most ([0-9.]+) mrad", shown)[1])
+        check(f"probe {k + 1} looks where it was mounted", off_mrad < 3.5 * u_mrad, f"{off_mrad:.2f} mrad off, u {u_mrad} mrad")
     tab.page.get_by_role("button", name="Begin the sign test").click()
     for step in ("0.2 0 0", "0.2 0.2 0", "0.2 0.2 0.2", "0 0 0"):
         floor.obey(f"step {step}")

@@ -3,7 +3,9 @@
 //! p_k reading of probe k, mm; s displacement of the ball in nest axes, mm; d_k unit direction, g_k gain, c_k reading
 //! at s = 0. Known steps of the linear axes give g_k·d_k by least squares, for each probe alone. Valid while the
 //! positioning error of the linear axes over the steps is small against what shall be measured.
-//! u² of a direction: σ²·½·tr(P (XᵀX)⁻¹ P)/g², P across the direction; of a gain σ²·dᵀ(XᵀX)⁻¹d; σ² = |r|²/(n − 4)  [GUM 5.1.2]
+//! u² of a direction: σ²·½·tr(P (XᵀX)⁻¹ P)/g² + a², P across the direction; of a gain σ²·dᵀ(XᵀX)⁻¹d; σ² = |r|²/(n − 4)  [GUM 5.1.2]
+//! a: the steps show directions in the axes of the travel; what carries the nest is turned against these by the location errors of the
+//! rotary axes between, which nobody has measured yet. A turn of all three probes together leaves no residual.
 
 mod indexing;
 
@@ -143,6 +145,8 @@ pub enum NestError {
     },
 }
 
+/// a above, rad: the typical location error of an axis [docs/design/catalogue.md, location-errors: 50 µrad] of two rotary axes.
+const AXES_RAD: f64 = std::f64::consts::SQRT_2 * 50e-6;
 /// Direction and gain of a probe, and its reading at zero.
 const UNKNOWNS: usize = 4;
 /// A ball 0.1 mm off, as far as it is set by hand, is then read 0.5 µm wrong across: about the resolution of an R-test.
@@ -184,7 +188,8 @@ pub fn calibrate(steps: &[NestStep]) -> Result<NestFit, NestError> {
             let g = gain_direction.norm();
             let d = Vector3::new(gain_direction[0], gain_direction[1], gain_direction[2]) / g;
             let across = Matrix3::identity() - d * d.transpose();
-            u_direction_rad[k] = sigma * (0.5 * (across * cofactor * across).trace()).sqrt() / g;
+            let by_scatter = sigma * (0.5 * (across * cofactor * across).trace()).sqrt() / g;
+            u_direction_rad[k] = by_scatter.hypot(AXES_RAD);
             u_gain[k] = sigma * (d.transpose() * cofactor * d)[0].sqrt();
         }
         probes_from_nest.set_row(k, &gain_direction.transpose());

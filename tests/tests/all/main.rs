@@ -20,6 +20,7 @@ mod load;
 mod many_cycles;
 mod named_methods;
 mod nc_program_measured;
+mod nest_uncertainty;
 mod opcua_controller;
 mod schemes;
 mod service;
