@@ -1,6 +1,7 @@
 //! What text and page of a named method share: numbers in their units, heads of tables.
 
 use crate::number::{MISSING, plain, signed, unit_on_screen, value_and_u};
+use trunnion_results::sentences::error_in_words;
 use trunnion_results::{Cell, Column, Findings, FoundValue, Table};
 
 /// Heads of the table of values.
@@ -26,7 +27,8 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
     let first = match most {
         Some(found) => {
             let (value, u) = value_and_u(found.value, found.u, &found.unit);
-            format!("{} stands out most: {value}, standard uncertainty {u}", found.name)
+            let (name, symbol) = in_words(&found.name);
+            format!("{name} stands out most: {value}, standard uncertainty {u}{symbol}")
         }
         None if with_u > 0 => "No value is significantly different from zero".into(),
         None if shown.is_empty() => "These runs show none of the values of this method".into(),
@@ -43,6 +45,16 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
         sentences.push(format!("These runs do not show {}.", names.join(", ")));
     }
     sentences
+}
+
+/// The name of a value in words, and its symbol in brackets: a headline begins with no symbol.
+fn in_words(name: &str) -> (String, String) {
+    let (symbol, what) = name.split_once(' ').unwrap_or((name, ""));
+    match error_in_words(symbol) {
+        Some(words) if what.is_empty() => (format!("The {words}"), format!(" ({symbol})")),
+        Some(words) => (format!("The {what} of the {words}"), format!(" ({symbol})")),
+        None => (name.into(), String::new()),
+    }
 }
 
 /// Heads with units.

@@ -31,7 +31,7 @@ use crate::words::{
     trial_verdict, verdict, wave,
 };
 use std::iter::once;
-use table::{bar, clean, columns, moved_table, paragraph};
+use table::{bar, clean, columns, moved_table, paragraph, with_bars};
 use trunnion_results::sentences::complete;
 use trunnion_results::{
     Candidate, Check, Comparison, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Moved,
@@ -129,18 +129,17 @@ pub fn compare_text(input: &Comparison) -> String {
         out += &format!("\nWhat repeats along the axes\n{waves}");
     }
     let cuts = cuts(&input.residuals);
-    let groups = cuts.iter().flat_map(|(_, groups)| groups);
-    let largest = groups.map(|group| group.rms_um).filter(|r| r.is_finite()).fold(0.0, f64::max);
-    let mut rows = vec![["residual by", "", "readings", "rms", ""].map(String::from).to_vec()];
+    let mut rows = vec![["residual by", "", "readings", "rms"].map(String::from).to_vec()];
+    let mut values = vec![f64::NAN];
     for (title, groups) in &cuts {
         for (i, group) in groups.iter().enumerate() {
             let title = if i == 0 { title.clone() } else { String::new() };
-            let bar = bar(group.rms_um, largest);
-            rows.push(vec![title, group.name.clone(), group.points.to_string(), um(group.rms_um), bar]);
+            rows.push(vec![title, group.name.clone(), group.points.to_string(), um(group.rms_um)]);
+            values.push(group.rms_um);
         }
     }
     out += "\n";
-    out += &columns(&rows, &[2, 3]);
+    out += &columns(&with_bars(rows, &values), &[2, 3]);
     out += &absent(&input.identification.complete);
     for loss in &input.losses {
         out += &format!("\nData loss: {}\n", clean(loss));

@@ -133,6 +133,11 @@ fn the_page_of_a_named_method_shows_values_charts_and_tables() {
         verdict < page.find("<table").unwrap() && source > page.rfind("<table").unwrap(),
         "the verdict first, the source last"
     );
+    let first = page.split("<h1>").nth(1).unwrap().split("</h1>").next().unwrap();
+    assert!(
+        first.contains("error-map: The ") && first.ends_with(")."),
+        "words first, the symbol last: {first}"
+    );
     check_page(&page);
     let order = [
         "<h1>",
@@ -169,6 +174,18 @@ fn poses_of_turning_round_make_no_maps_of_their_own() {
     let page = compare_html(&input, "");
     // 2 setups × 2 passes × 3 components, and one map for each place.
     assert_eq!(page.matches("B down, C across").count(), 12 + input.places.len());
+}
+
+#[test]
+fn every_row_of_a_comparison_fits_eighty_columns() {
+    let (_, input) = fitted();
+    let text = compare_text(&input);
+    let table = text.lines().skip_while(|line| !line.starts_with("residual by"));
+    let rows: Vec<&str> = table.take_while(|line| !line.is_empty()).collect();
+    assert!(rows.len() > 5 && rows.iter().any(|row| row.contains("########")), "{text}");
+    for row in rows {
+        assert!(row.chars().count() <= 80, "{row}");
+    }
 }
 
 #[test]

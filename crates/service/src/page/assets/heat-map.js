@@ -34,7 +34,8 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Â
     });
     ctx.fillStyle = colour("--ink");
     ctx.textAlign = "center";
-    const every = Math.ceil(columns.length / 12);
+    const widest = Math.max(...columns.map((column) => ctx.measureText(degrees(column)).width));
+    const every = Math.ceil((widest + 8) / CELL);
     columns.forEach((column, j) => {
       if (j % every === 0) ctx.fillText(degrees(column), EDGE.left + (j + 0.5) * CELL, height - EDGE.bottom + 12);
     });

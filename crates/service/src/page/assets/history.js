@@ -48,11 +48,12 @@ function table(page, runs) {
     const { found } = run;
     const verdict = found ? [VERDICTS[found.verdict] ?? found.verdict, found.candidate].filter(Boolean).join(": ") : run.trouble || "not analysed yet";
     const gone = run.removed ? el("small", { class: "soft" }, ` samples removed ${run.removed}`) : null;
-    return el("tr", {}, el("td", {}, pick), el("td", {}, run.began || "—"), el("td", {}, run.machine || "—"),
-      el("td", { class: "n" }, found ? `${plain(found.rms_um)} µm` : "—"), el("td", {}, verdict, gone),
+    // What a person looks for stands first: a small screen shows the first columns.
+    return el("tr", {}, el("td", {}, pick), el("td", {}, verdict, gone),
+      el("td", { class: "n" }, found ? `${plain(found.rms_um)} µm` : "—"), el("td", {}, run.began || "—"), el("td", {}, run.machine || "—"),
       el("td", {}, found ? found.effects.slice(2).join(", ") || "none" : "—"));
   };
-  const head = ["run", "began", "machine", "residual, rms", "verdict", "effects added"].map((text) => el("th", { scope: "col" }, text));
+  const head = ["run", "verdict", "residual, rms", "began", "machine", "effects added"].map((text) => el("th", { scope: "col" }, text));
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Runs" },
     el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, runs.toReversed().map(row))));
 }
@@ -78,10 +79,12 @@ function draw({ runs, watched }, parameter) {
     // The first limits are wide; the scale is that of the values and the last limits.
     const shown = [...one.points.map(({ value }) => value), ...(one.points.at(-1)?.limits ?? []).slice(1)];
     const margin = 0.05 * (Math.max(...shown) - Math.min(...shown)) || 1;
-    const range = [Math.min(...shown) - margin, Math.max(...shown) + margin];
+    // A residual is no less than nothing.
+    const least = name === "rms" ? 0 : -Infinity;
+    const range = [Math.max(least, Math.min(...shown) - margin), Math.max(...shown) + margin];
     return chart(title, x, dated, range, [
       { label: name === "rms" ? "residual, rms" : name, values: along(({ value }) => value), stroke: "--blue" },
-      { label: "lower limit", values: along(({ limits }) => limits?.[1] ?? null), stroke: "--grey", points: false },
+      { label: "lower limit", values: along(({ limits }) => limits && Math.max(least, limits[1])), stroke: "--grey", points: false },
       { label: "upper limit", values: along(({ limits }) => limits?.[2] ?? null), stroke: "--grey", points: false },
     ]);
   };

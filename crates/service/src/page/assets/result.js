@@ -67,7 +67,7 @@ function candidates(page, story, who) {
 
 function card(page, candidate, who, first) {
   const { effect, title, falls, evidence, about, rivals, separate_by: separates, sizes } = candidate;
-  const add = el("button", { class: first ? "main" : "", type: "button", "data-add": effect }, `Add ${effect}`);
+  const add = el("button", { class: first ? "main" : "", type: "button", "data-add": effect, "aria-label": `Add to the model: ${title}` }, "Add to the model");
   add.addEventListener("click", () => change(page, add, who, () => calls.add(page.run, effect, who.value.trim()), effect, "added"));
   const size = ([name, value, u]) => el("tr", {}, el("td", {}, name), el("td", { class: "n" }, value), el("td", { class: "n" }, u));
   const more = [
