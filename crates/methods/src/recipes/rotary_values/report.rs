@@ -143,7 +143,8 @@ fn differences(high: &Signal, low: &Signal) -> Signal {
 /// The larger of both directions, and how far they are apart.
 fn values(signal: &Judged) -> Vec<FoundValue> {
     let number = |value: Option<f64>| {
-        value.map_or("—".into(), |v| format!("{:.2}", v * signal.unit.per_inside).replace('-', "−"))
+        let (scale, unit) = (signal.unit.per_inside, signal.unit.text());
+        value.map_or("—".into(), |v| format!("{:.2} {unit}", v * scale).replace('-', "−"))
     };
     let mut values = Vec::new();
     let mut value = |what: &str, bound: bool, of: &dyn Fn(&Contour) -> Option<f64>| {
