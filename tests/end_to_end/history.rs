@@ -62,6 +62,24 @@ fn a_machine_that_leans_is_alarmed_about_with_how_much_and_where() {
 }
 
 #[test]
+fn a_correction_that_was_entered_is_kept_and_said() {
+    let folder = tempfile::tempdir().unwrap();
+    simulate(folder.path(), "day-1.mcap", 1, 25.0);
+    let name = folder.path().display().to_string();
+    let enter = ["history", "--folder", &name, "--corrected", "lines of B and C", "--by", "Ada"];
+    let text = trunnion(&enter);
+    assert!(
+        text.contains("Before and after a correction") && text.contains("Ada entered a correction"),
+        "{text}"
+    );
+    let again = history(folder.path(), &[]);
+    assert_eq!(again["corrections"][0]["machine"], "table-bc", "{again}");
+    assert_eq!(again["around_corrections"][0]["correction"]["what"], "lines of B and C", "{again}");
+    let (done, _, error) = output(&["history", "--folder", &name, "--corrected", "lines of B and C"]);
+    assert!(!done && error.contains("--by"), "{error}");
+}
+
+#[test]
 fn an_effect_that_is_new_is_named_and_other_parameters_do_not_take_its_place() {
     let folder = tempfile::tempdir().unwrap();
     for (name, set) in [("1", "points-nothing-hidden"), ("2", "points-gravity")] {

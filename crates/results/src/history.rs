@@ -1,5 +1,6 @@
 //! The runs of one machine in order of time: what was found, control limits, what changed.
 
+use crate::corrected::{AroundCorrection, CorrectionEntered};
 use crate::diagnosis::Verdict;
 use crate::identification::Parameter;
 use schemars::JsonSchema;
@@ -20,6 +21,12 @@ pub struct MachineHistory {
     pub watched: Vec<Watched>,
     /// What changed from the last run but one to the last; null where there are no two.
     pub change: Option<RunChange>,
+    /// Corrections that were entered into the control, oldest first; control limits begin again after each.
+    #[serde(default)]
+    pub corrections: Vec<CorrectionEntered>,
+    /// The runs before and after each correction, the latest first.
+    #[serde(default)]
+    pub around_corrections: Vec<AroundCorrection>,
     /// What a person should know of the list, one sentence each.
     pub notes: Vec<String>,
 }
@@ -67,6 +74,10 @@ pub struct Watched {
     pub unit: String,
     /// Its value in every run that has one, with the limits that held then.
     pub points: Vec<WatchedPoint>,
+    /// What the next run of an unchanged machine is expected to show: mean and ends of the 95 % interval; null before enough days were
+    /// measured.
+    #[serde(default)]
+    pub next: Option<[f64; 3]>,
 }
 
 /// A watched value in one run.

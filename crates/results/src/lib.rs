@@ -9,6 +9,7 @@ mod comparison;
 mod complete;
 mod conformity;
 mod correctable;
+mod corrected;
 mod correction;
 mod demo;
 mod devices;
@@ -54,6 +55,7 @@ pub use comparison::{
 pub use complete::{Complete, Excluded, ExcludedSamples, Missing, Samples};
 pub use conformity::{Conformity, Decision, Judged};
 pub use correctable::Correctable;
+pub use corrected::{AroundCorrection, CorrectionEntered};
 pub use correction::{
     CorrectedAxis, Correction, CorrectionFormat, CorrectionJudged, CorrectionJudgedFormat, CorrectionValues,
     Expected, SelfTest, SelfTestPose, SignCheck, SignVerdict,

@@ -27,6 +27,22 @@ pub enum Error {
         /// The cause.
         source: std::io::Error,
     },
+    /// A correction without who entered it, or what.
+    #[error("who entered a correction, and what? each at most {longest} characters")]
+    NotSaid {
+        /// Most characters.
+        longest: usize,
+    },
+    /// A line that is no correction.
+    #[error("{}:{line} is no correction: {why}", path.display())]
+    NoCorrectionLine {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line.
+        line: usize,
+        /// Why.
+        why: String,
+    },
     /// A recording that cannot be read.
     #[error("cannot read the recording {}", path.display())]
     Recording {

@@ -1,12 +1,17 @@
 //! The runs of one machine in order of time, each fitted with the same model.
 
 mod change;
+mod corrections;
 mod watch;
+
+pub use corrections::{corrections, enter_correction, entered};
 
 use crate::{Diagnosed, Error, Model, identity, moment};
 use std::path::{Path, PathBuf};
 use trunnion_results::sentences::{is_setting, not_plausible};
-use trunnion_results::{HistoryRun, MachineHistory, Parameter, RunFound, RunLine, Verdict};
+use trunnion_results::{
+    CorrectionEntered, HistoryRun, MachineHistory, Parameter, RunFound, RunLine, Verdict,
+};
 
 /// Which runs make a history.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +22,8 @@ pub struct Wanted {
     pub model: Option<Model>,
     /// Name of the first run after a correction or repair: limits begin with it.
     pub since: Option<String>,
+    /// Corrections that were entered, of any machine: limits begin again after each.
+    pub corrections: Vec<CorrectionEntered>,
 }
 
 /// A recording before it is read.
@@ -53,14 +60,14 @@ pub fn history(paths: &[PathBuf], wanted: &Wanted) -> Result<MachineHistory, Err
         history.effects = later.1.fit().model().effects().into_iter().map(str::to_owned).collect();
         history.change = earlier.as_ref().map(|earlier| change::change(earlier, later)).transpose()?;
     }
-    let first = index_of(&history.runs, wanted.since.as_deref())?;
-    watched(&mut history, first);
+    let since = index_of(&history.runs, wanted.since.as_deref())?;
+    watched(&mut history, since, &wanted.corrections);
     Ok(history)
 }
 
 /// The same from what analyses have found already, of the machine and the model of the newest: without the effect behind a change,
 /// which takes fits.
-pub fn of_found(lines: &[RunLine]) -> MachineHistory {
+pub fn of_found(lines: &[RunLine], corrections: &[CorrectionEntered]) -> MachineHistory {
     let analysed =
         |line: &RunLine| line.found.as_ref().is_some_and(|found| found.verdict != Verdict::NotJudged);
     let lines: Vec<&RunLine> = lines.iter().filter(|line| analysed(line)).collect();
@@ -84,7 +91,7 @@ pub fn of_found(lines: &[RunLine]) -> MachineHistory {
     if let [.., earlier, later] = history.runs.as_slice() {
         history.change = Some(change::of_values(earlier, later));
     }
-    watched(&mut history, 0);
+    watched(&mut history, 0, corrections);
     history
 }
 
@@ -101,12 +108,25 @@ fn of_line(line: &RunLine, found: &RunFound) -> HistoryRun {
     }
 }
 
-/// `first`: the run that limits begin with.
-fn watched(history: &mut MachineHistory, first: usize) {
-    history.watched = watch::watch(&mut history.runs, first);
+/// Limits begin with the run `since`, and again after every correction of this machine.
+fn watched(history: &mut MachineHistory, since: usize, corrections: &[CorrectionEntered]) {
+    let of_machine = corrections.iter().filter(|correction| correction.machine == history.machine);
+    history.corrections = of_machine.cloned().collect();
+    let mut begins = corrections::begins(&history.runs, &history.corrections);
+    begins.push(since);
+    history.watched = watch::watch(&mut history.runs, &begins);
+    history.around_corrections = corrections::around(&history.runs, &history.corrections);
     if history.runs.iter().any(|run| run.began_s.is_none()) {
         history.notes.push("Runs without a date come first, in order of their names.".into());
     }
+}
+
+/// The machine of the newest recording.
+pub fn newest_machine(paths: &[PathBuf]) -> Option<String> {
+    let headers = paths.iter().map(|path| header(path)).filter(|header| !header.machine.is_empty());
+    headers
+        .max_by(|a, b| (a.run.began_s, &a.run.run).cmp(&(b.run.began_s, &b.run.run)))
+        .map(|header| header.machine)
 }
 
 /// Index of the run of this name; of the first without one.

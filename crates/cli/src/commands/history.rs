@@ -6,7 +6,9 @@ use crate::terminal;
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion::Model;
-use trunnion::history::{Wanted, history};
+use trunnion::history::{Wanted, corrections, enter_correction, entered, history, newest_machine};
+use trunnion_core::Clock;
+use trunnion_service::clock::SystemClock;
 
 /// Runs of one machine in order of time: what changed since the last run, and which effect
 ///
@@ -15,7 +17,9 @@ use trunnion::history::{Wanted, history};
 ///
 /// Example: trunnion history --folder /var/lib/trunnion --model machine.model.toml
 ///
-/// After a correction: trunnion history table-bc --folder runs --since after-correction
+/// When a correction was entered: trunnion history --folder runs --corrected "axes B and C" --by Ada
+///
+/// From a run on: trunnion history table-bc --folder runs --since after-correction
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of the machine; without it, that of the newest recording
@@ -29,6 +33,13 @@ pub struct Args {
     /// First run after a correction or repair: control limits begin with it
     #[arg(long, value_name = "RUN")]
     since: Option<String>,
+    /// Keep in the folder that this correction was entered into the control now: limits begin again, and the runs before and after it are
+    /// compared
+    #[arg(long, value_name = "WHAT", requires = "by")]
+    corrected: Option<String>,
+    /// Who entered it
+    #[arg(long, value_name = "NAME", requires = "corrected")]
+    by: Option<String>,
     /// Print JSON (format trunnion-history/1)
     #[arg(long)]
     json: bool,
@@ -39,10 +50,18 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if paths.is_empty() {
         bail!("there is no recording (.mcap) in {}", args.folder.display());
     }
+    if let Some((what, by)) = args.corrected.as_deref().zip(args.by.as_deref()) {
+        let machine = args.machine.clone().or_else(|| newest_machine(&paths));
+        let machine = machine.context("no recording says which machine was corrected: name it")?;
+        let correction = entered(machine, SystemClock::start().wall_ns(), by, what)?;
+        let kept = enter_correction(&args.folder, &correction)?;
+        terminal::remark(&format!("{} keeps the correction of {}", kept.display(), correction.at));
+    }
     let wanted = Wanted {
         machine: args.machine.clone(),
         model: args.model.model.as_ref().map(Model::load).transpose()?,
         since: args.since.clone(),
+        corrections: corrections(&args.folder)?,
     };
     let answer = history(&paths, &wanted)?;
     if args.json {

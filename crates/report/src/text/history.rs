@@ -13,6 +13,11 @@ pub fn history_text(history: &MachineHistory) -> String {
         text += &change.words.iter().map(|words| paragraph(words)).collect::<String>();
         text.push('\n');
     }
+    for around in &history.around_corrections {
+        text += "Before and after a correction\n";
+        text += &around.words.iter().map(|words| paragraph(words)).collect::<String>();
+        text.push('\n');
+    }
     text += &format!("Machine {}; model: {}\n", history.machine, history.effects.join(" + "));
     text += &runs(history);
     let limits: String = values(history);
@@ -21,6 +26,7 @@ pub fn history_text(history: &MachineHistory) -> String {
         text += &limits;
         text += "At most one false alarm in 365 runs over all of these values together.\n";
     }
+    text += &forecast(history);
     history.notes.iter().fold(text, |text, note| text + note + "\n")
 }
 
@@ -59,6 +65,25 @@ fn runs(history: &MachineHistory) -> String {
     };
     rows.extend(history.runs.iter().map(row));
     columns(&rows, &[2, 3])
+}
+
+/// What the next run of an unchanged machine is expected to show; nothing before enough days were measured.
+fn forecast(history: &MachineHistory) -> String {
+    let row = |one: &Watched| {
+        let [mean, lower, upper] = one.next?;
+        let unit = unit_on_screen(&one.unit);
+        Some(vec![
+            one.name.clone(),
+            format!("{} {unit}", plain(mean)),
+            format!("{} … {} {unit}", plain(lower), plain(upper)),
+        ])
+    };
+    let mut rows = vec![["value", "", "95 % interval"].map(String::from).to_vec()];
+    rows.extend(history.watched.iter().filter_map(row));
+    match rows.len() {
+        1 => String::new(),
+        _ => format!("\nExpected of the next run, if the machine stays as it is\n{}", columns(&rows, &[1])),
+    }
 }
 
 /// Each value of the last compared run.

@@ -4,6 +4,7 @@ use super::access::Access;
 use super::answer::{Refusal, json, json_of, report};
 use super::context::{Answer, Page, status_of, wrong};
 use super::question::{Asks, Step};
+use super::runs::Runs;
 use super::shared::Shared;
 use super::{assets, cycle_calls, live, login, method_calls, set_up_calls};
 use crate::clock::day;
@@ -15,6 +16,7 @@ use axum::{Json, Router};
 use serde::Deserialize;
 use std::sync::Arc;
 use tokio_util::sync::CancellationToken;
+use trunnion::history::of_found;
 
 /// Every call.
 pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) -> Router {
@@ -26,6 +28,7 @@ pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) ->
         .route("/api/live", get(watch))
         .route("/api/runs", get(runs))
         .route("/api/history", get(history))
+        .route("/api/history/corrections", post(corrected))
         .route("/api/runs/{name}", get(story))
         .route("/api/runs/{name}/identification", get(identification))
         .route("/api/runs/{name}/diagnosis", get(diagnosis))
@@ -64,9 +67,34 @@ async fn runs(State(page): State<Page>) -> Answer {
 }
 
 async fn history(State(page): State<Page>) -> Answer {
-    let runs = page.runs.clone();
-    let history = tokio::task::spawn_blocking(move || trunnion::history::of_found(&runs.list().runs)).await;
-    json_of(&history.map_err(|_| Refusal::Broken("history of the machine"))?)
+    history_of(page.runs, |_| Ok(())).await
+}
+
+/// The history, after `first` did what it does with it.
+async fn history_of(
+    runs: Arc<Runs>,
+    first: impl FnOnce(&Runs) -> Result<(), Refusal> + Send + 'static,
+) -> Answer {
+    let history = move || {
+        first(&runs)?;
+        Ok::<_, Refusal>(of_found(&runs.list().runs, &runs.corrections()?))
+    };
+    let history = tokio::task::spawn_blocking(history).await;
+    json_of(&history.map_err(|_| Refusal::Broken("history of the machine"))??)
+}
+
+/// A correction that was entered into the control at this moment.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Corrected {
+    by: String,
+    what: String,
+}
+
+async fn corrected(State(page): State<Page>, body: Result<Json<Corrected>, JsonRejection>) -> Answer {
+    let Corrected { by, what } = body.map_err(wrong)?.0;
+    let wall_ns = page.shared.clock.wall_ns();
+    history_of(page.runs, move |runs| runs.enter_correction(wall_ns, &by, &what)).await
 }
 
 async fn story(State(page): State<Page>, Path(name): Path<String>) -> Answer {

@@ -8,12 +8,14 @@ use super::analyst::PageAnalyst;
 use super::answer::Refusal;
 use super::question::{Asks, NoAnswer, Question};
 use super::stamp::{Stamp, stamp, stamps};
+use crate::error::chain;
 use hyper::body::Bytes;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::Semaphore;
-use trunnion::results::{RunFound, RunLine, RunList, RunListFormat};
+use trunnion::history;
+use trunnion::results::{CorrectionEntered, RunFound, RunLine, RunList, RunListFormat};
 
 /// Answers that are kept, bytes; what-if of 10 000 poses has 9 MB, a report 1 MB.
 const MOST_KEPT: usize = 64 << 20;
@@ -85,6 +87,33 @@ impl Runs {
         runs.extend(self.removed().into_iter().map(|(name, path, why)| list::removed(name, &path, why)));
         runs.sort_by(|a, b| (a.began_s, &a.name).cmp(&(b.began_s, &b.name)));
         RunList { format: RunListFormat::V1, runs }
+    }
+
+    /// Corrections that were entered, kept next to the recordings.
+    pub fn corrections(&self) -> Result<Vec<CorrectionEntered>, Refusal> {
+        let Some(folder) = self.folder() else { return Ok(Vec::new()) };
+        history::corrections(&folder).map_err(|failure| Refusal::Failed(chain(&failure)))
+    }
+
+    /// Keeps that a correction was entered, of the machine of the history.
+    pub fn enter_correction(&self, wall_ns: i64, by: &str, what: &str) -> Result<(), Refusal> {
+        let machine = history::of_found(&self.list().runs, &[]).machine;
+        if machine.is_empty() {
+            return Err(Refusal::NotNow("analyse a run first: it says which machine was corrected"));
+        }
+        let folder = self.folder().ok_or(Refusal::NotNow("there is no recording to keep it next to"))?;
+        let correction = history::entered(machine, wall_ns, by, what)
+            .map_err(|failure| Refusal::Wrong(chain(&failure)))?;
+        let kept = history::enter_correction(&folder, &correction);
+        kept.map(|_| ()).map_err(|failure| Refusal::Failed(chain(&failure)))
+    }
+
+    /// Where recordings are: of single ones that of the first.
+    fn folder(&self) -> Option<PathBuf> {
+        match &self.place {
+            Place::Folder(folder) => Some(folder.clone()),
+            Place::Files(files) => files.first().and_then(|path| path.parent()).map(Path::to_path_buf),
+        }
     }
 
     fn line(&self, name: String, path: PathBuf) -> RunLine {

@@ -171,6 +171,13 @@ async fn an_effect_is_added_and_removed_and_both_browsers_see_it() {
         "{history}"
     );
 
+    let corrected = "POST /api/history/corrections";
+    let entered = page.json(corrected, OWN, r#"{"by":"Ada","what":"lines of B and C"}"#).await;
+    assert_eq!(entered["corrections"][0]["by"], "Ada", "{entered}");
+    assert_eq!(page.json("GET /api/history", "", "").await["corrections"], entered["corrections"]);
+    assert_eq!(page.ask(corrected, OWN, r#"{"by":" ","what":"all"}"#).await.0, 400);
+    assert_eq!(page.ask(corrected, "", r#"{"by":"Ada","what":"all"}"#).await.0, 403, "from another site");
+
     let added = page.json(ADD, OWN, r#"{"by":"Ada"}"#).await;
     let model = page.folder.path().join("points-gravity/points.model.toml");
     let text = std::fs::read_to_string(&model).unwrap();

@@ -51,12 +51,17 @@ pub(super) fn of_values(earlier: &HistoryRun, later: &HistoryRun) -> RunChange {
     let mut change = RunChange {
         from: earlier.run.clone(),
         to: later.run.clone(),
-        parameters: differences(&earlier.values, &later.values),
+        parameters: between(earlier, later),
         rms_with_new_um: later.rms_um,
         ..RunChange::default()
     };
     change.words = words(&change, None, later.verdict);
     change
+}
+
+/// Every parameter of the machine that two runs determine, most changed first.
+pub(super) fn between(earlier: &HistoryRun, later: &HistoryRun) -> Vec<ChangedParameter> {
+    differences(&earlier.values, &later.values)
 }
 
 /// The values of the earlier run in the later.

@@ -54,3 +54,20 @@ export function notice(text, bad = false) {
 
 // The value of a colour of the style sheet.
 export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+// The name that a person gave last.
+export function remembered() {
+  try {
+    return localStorage.getItem("name") ?? "";
+  } catch {
+    return "";
+  }
+}
+
+export function remember(name) {
+  try {
+    localStorage.setItem("name", name);
+  } catch {
+    // A private window forgets.
+  }
+}

@@ -1,7 +1,7 @@
 // One run as one story: what is wrong, how large, how sure, what to do; where; which effect; what was added.
 
 import * as calls from "./calls.js";
-import { el, fold, list, markup, notice, paragraphs } from "./dom.js";
+import { el, fold, list, markup, notice, paragraphs, remember, remembered } from "./dom.js";
 
 // Parts of the report under their questions.
 const WHERE = ["places", "spectrum"];
@@ -159,21 +159,5 @@ async function change(page, button, who, call, effect, done) {
     page.changing = null;
     notice(failure.message, true);
     document.querySelectorAll("#view button").forEach((other) => (other.disabled = false));
-  }
-}
-
-function remembered() {
-  try {
-    return localStorage.getItem("name") ?? "";
-  } catch {
-    return "";
-  }
-}
-
-function remember(name) {
-  try {
-    localStorage.setItem("name", name);
-  } catch {
-    // A private window forgets.
   }
 }
