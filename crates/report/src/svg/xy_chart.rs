@@ -61,7 +61,9 @@ pub struct XyChart<'a> {
 
 /// The chart as a figure.
 pub fn xy_chart(chart: &XyChart<'_>) -> String {
+    // What is marked is in the picture, also where no point is.
     let all_x = chart.series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
+    let all_x = all_x.chain(chart.marks_on_x.iter().map(|(at, _)| *at));
     // The name of the axis stands before the key, in the same row.
     let entries: Vec<(Mark, &str)> = chart.series.iter().map(|s| (s.mark, s.name.as_str())).collect();
     let (mut body, last_row) = keys(&entries, LEFT.max(8.0 + length(chart.y_name)), (LEFT, RIGHT));
@@ -121,6 +123,24 @@ pub(super) fn symbol(mark: Mark, x: f64, y: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mark_beyond_the_points_stands_inside_the_axes() {
+        let series = [Series { name: "wave".into(), mark: Mark::Line, points: vec![(2.2, 0.2), (5.8, 0.0)] }];
+        let marks = [(1.94, "1".to_string())];
+        let chart = XyChart {
+            title: "",
+            x_name: "",
+            y_name: "µm",
+            series: &series,
+            y: (0.0, 0.5),
+            marks_on_x: &marks,
+        };
+        let drawn = xy_chart(&chart);
+        let guide = drawn.lines().find(|line| line.contains("class=\"guide\"")).unwrap();
+        let x: f64 = guide.split('"').nth(1).unwrap().parse().unwrap();
+        assert!((LEFT..=RIGHT).contains(&x), "{guide}");
+    }
 
     #[test]
     fn the_key_begins_where_the_name_of_the_axis_has_ended() {

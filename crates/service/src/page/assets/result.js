@@ -20,9 +20,13 @@ export async function make(page) {
   }
   const known = page.known === page.run;
   if (!known) notice(`Analysing ${page.run} …`);
-  const story = await calls.story(page.run);
+  let story;
+  try {
+    story = await calls.story(page.run);
+  } finally {
+    if (!known) notice("");
+  }
   page.known = page.run;
-  if (!known) notice("");
   return parts(page, story);
 }
 
