@@ -3,10 +3,12 @@
 //! The estimate was x̂ = H r, H = (AᵀA + P)⁻¹ Aᵀ with weighted rows A and the priors P of the model. Whatever Σ is, its covariance is
 //! the sandwich H Σ Hᵀ:
 //!
-//! C = N (Σ_i s²W_i a_i a_iᵀ + Σ_k v_k AᵀK_kA + Π) N,   N = (AᵀA + P)⁻¹
+//! C = N (Σ_i s²W_i q_i a_i a_iᵀ + Σ_k v_k AᵀK_kA + Π) N + δδᵀ,   N = (AᵀA + P)⁻¹,   q_i = (Py)_i²/P_ii
 //!
 //! s, W, K_k: the noise that a diagnosis learns (`noise::learned`, docs/design/statistics.md §1); v_k: posterior means of s²ρ_k²; Π: the
-//! u² of the priors. a_i: rows of A. Where neighbours are averaged for learning, those of one mean share what is not white, and the
+//! u² of the priors. a_i: rows of A. q_i: the square of the white part of a reading over what is expected of it, 1 on average; it holds
+//! whatever the size of the white noise depends on [White 1980]. δ: from the estimate to the one that weights the readings by Σ⁻¹. Σ says
+//! that the estimate errs by −δ; a correction that is known and not made is a part of the uncertainty [GUM F.2.4.5]. Where neighbours are averaged for learning, those of one mean share what is not white, and the
 //! white variance of one is that of the mean times their number.
 //! Limits: with few readings there is no saying what is noise. The sizes of the parts are learned for all runs together: where runs on
 //! the fly are fitted with others of another instrument or at rest, what one of them shows would widen what another knows. There the
@@ -18,6 +20,7 @@ use crate::fit::identification::NoisePart;
 use crate::noise::learned::Real;
 use crate::noise::learned::display::Display;
 use crate::noise::learned::kernels::{Kernel, Kernels, Over, Part};
+use crate::noise::learned::mode::Mode;
 use crate::noise::learned::posterior::{Size, sizes};
 use crate::noise::learned::remainder::{Fitted, Learned, Remainder};
 use crate::problem::design::{Design, unused_rows};
@@ -31,6 +34,8 @@ const FEWEST_DEGREES_OF_FREEDOM: usize = 20;
 /// Draws of the sizes: the half-width of a mixture of 128 normal distributions errs by less than 2 %.
 const DRAWS: usize = 128;
 const COVERED: f64 = 0.95;
+/// A row of which the model leaves less than this share says nothing of its own noise: rounding of single precision.
+const MOST_FITTED: Real = 1e-3;
 const BISECTIONS: usize = 30;
 const ROOT_STEPS: usize = 40;
 /// Parts as a person tells them apart.
@@ -79,13 +84,16 @@ pub(crate) fn structured(
     let (kernels, unit_mm) = (&remainder.kernels, remainder.unit_mm);
     let sizes = sizes(&mode, kernels);
     let white_mm = mode.white() * unit_mm;
-    let (of_nodes, of_white) = sums(design, &remainder.rows, determined, used, &noise);
+    let white = noise.white.component_mul(&squares(&mode));
+    let (of_nodes, of_white) = sums(design, &remainder.rows, determined, used, &white);
     let cofactor = fit.solver.cofactor();
     let constant = &cofactor * (of_white * white_mm.powi(2) + prior_scores(design, fit)) * &cofactor;
     let influence = of_nodes * &cofactor;
     let constant = constant + of_display(&remainder, &influence, &fit.predicted_mm);
-    let of_kernels = of_kernels(kernels, &(influence * unit_mm));
-    let covariance = covariance(&constant, &of_kernels, &sizes);
+    let influence = influence * unit_mm;
+    let not_corrected = correction(&remainder, &mode, &influence);
+    let of_kernels = of_kernels(kernels, &influence);
+    let covariance = covariance(&constant, &of_kernels, &sizes) + &not_corrected * not_corrected.transpose();
     let sigma_mm = |part: Part| {
         let own = sizes.iter().filter(|size| size.part == part);
         unit_mm * own.map(|size| size.mean).sum::<f64>().sqrt()
@@ -94,6 +102,23 @@ pub(crate) fn structured(
     let parts = PARTS.map(|(part, name)| NoisePart { name, sigma_mm: sigma_mm(part) });
     let parts = std::iter::once(white).chain(parts.into_iter().filter(|part| part.sigma_mm > 0.0)).collect();
     Some(Structured { covariance, parts, noise })
+}
+
+/// q: the square of what the noise leaves as white in every row, over what is expected of it.
+fn squares(mode: &Mode) -> DVector<f64> {
+    let expected = mode.here.precision().diagonal();
+    let of_all = mode.here.sigma.inverse.diagonal();
+    DVector::from_fn(expected.len(), |row, _| match expected[row] > MOST_FITTED * of_all[row] {
+        true => f64::from(mode.here.py[row].powi(2) / expected[row]),
+        false => 1.0,
+    })
+}
+
+/// δ: what weighting the readings by the learned noise would add to each parameter; `influence`: Hᵀ summed for each node.
+fn correction(remainder: &Remainder<'_>, mode: &Mode, influence: &DMatrix<f64>) -> DVector<f64> {
+    let here = &mode.here;
+    let on_basis = &here.cofactor * here.weighted.tr_mul(&remainder.y).cast::<f64>();
+    influence.tr_mul(&(remainder.basis.map(f64::from) * on_basis))
 }
 
 /// Whether a run on the fly is fitted with one that was measured in another way.
@@ -188,13 +213,14 @@ fn on_nodes(
     summed
 }
 
-/// Sums of the used rows of A for each node, and Σ W_i a_i a_iᵀ over all used rows in units of the white variance of a node.
+/// Sums of the used rows of A for each node, and Σ W_i q_i a_i a_iᵀ over all used rows in units of the white variance of a node.
+/// `white`: W_i q_i of the rows that are looked at.
 fn sums(
     design: &Design<'_>,
     rows: &Rows<'_>,
     determined: &[usize],
     used: &[bool],
-    noise: &Learned,
+    white: &DVector<f64>,
 ) -> (DMatrix<f64>, DMatrix<f64>) {
     let experiment = design.experiment;
     let of_nodes = on_nodes(design, rows, determined, |point| f64::from(u8::from(used[point])));
@@ -204,7 +230,7 @@ fn sums(
     let mut root = vec![0.0; experiment.rows()];
     for (point, &node) in node_of_point.iter().enumerate() {
         for (row, of_node) in experiment.rows_of(point).zip(rows.points.rows_of(node)) {
-            root[row] = averaged[node] * noise.white[of_node].sqrt();
+            root[row] = averaged[node] * white[of_node].sqrt();
         }
     }
     unused_rows(experiment, used).for_each(|row| root[row] = 0.0);
