@@ -81,14 +81,16 @@ fn points_with_the_angle_of_the_spindle_lose_nothing_on_their_way_through_a_tabl
 }
 
 #[test]
-fn a_control_without_a_place_for_the_spindle_gets_nothing_that_would_make_it_worse() {
+fn the_line_of_the_spindle_is_in_the_vectors_and_its_lean_is_named() {
     let folder = tempfile::tempdir().unwrap();
     simulated(folder.path(), &shipped_cycle());
-    let output = answer(folder.path(), &["correct", "run.mcap", "--control", "siemens", "-o", "file"]);
-    let said = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("the errors do not fall") && said.contains("EX0C1"), "{said}");
-    assert!(!folder.path().join("file").exists());
+    let written = trunnion(folder.path(), &["correct", "run.mcap", "--control", "siemens", "-o", "file.mpf"]);
+    assert!(written.contains("Not in it: lean of the tool, "), "{written}");
+    let refused =
+        answer(folder.path(), &["correct", "run.mcap", "--control", "heidenhain", "-o", "file.txt"]);
+    let said = String::from_utf8_lossy(&refused.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(refused.status.code(), Some(1), "{said}");
+    assert!(said.contains("EX0C1") && said.contains("side of the tool are not public"), "{said}");
     let taken = trunnion(folder.path(), &["correct", "run.mcap", "--control", "linuxcnc", "-o", "file.comp"]);
     assert!(taken.contains("holds the corrections of C, B, C1"), "{taken}");
 }

@@ -19,6 +19,10 @@ pub struct AxisErrors {
     pub runs: Vec<String>,
     /// Axes with any error, from the bed: table side, then tool side.
     pub axes: Vec<AxisTable>,
+    /// Constant error of place and direction of the tool against the last joint that carries it, about the origin of the tool axes: zero
+    /// but for a control that has no place for what the axes do to the tool. X Y Z A B C, mm and rad.
+    #[serde(default)]
+    pub tool: [f64; 6],
     /// Ids of the effects that are in the tables.
     pub effects: Vec<String>,
     /// What is not in the tables.
@@ -89,6 +93,7 @@ impl From<&methods::AxisErrors> for AxisErrors {
             machine: errors.machine.clone(),
             runs: errors.runs.clone(),
             axes: errors.axes.iter().map(AxisTable::from).collect(),
+            tool: [0.0; 6],
             effects: errors.effects.clone(),
             left_out: errors.left_out.iter().map(LeftOutEffect::from).collect(),
             confounded: errors.confounded.iter().map(ConfoundedErrors::from).collect(),

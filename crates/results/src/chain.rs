@@ -13,6 +13,9 @@ pub struct Chain {
     pub table: Vec<ChainJoint>,
     /// Joints that carry the tool.
     pub tool: Vec<ChainJoint>,
+    /// Point of the tool that was measured, the mean of all lengths, tool axes, mm.
+    #[serde(default)]
+    pub measured_in_tool_mm: [f64; 3],
 }
 
 /// One nominal joint.
@@ -42,6 +45,7 @@ impl Chain {
             machine: machine.name.clone(),
             table: side(Side::Table),
             tool: side(Side::Tool),
+            measured_in_tool_mm: [0.0; 3],
         })
     }
 

@@ -11,6 +11,7 @@ mod shown;
 
 use crate::values::reading_mm;
 use crate::{Error, Experiment, Fit};
+use nalgebra::Vector3;
 use shown::Shown;
 use trunnion_core::convert::um_from_mm;
 use trunnion_report::compensation::Format;
@@ -56,6 +57,8 @@ impl Fit {
         let machine = self.experiment().machine();
         let chain =
             results::Chain::of(machine).ok_or(Error::NoCorrection { why: LEGS_IN_PARALLEL.into() })?;
+        let chain =
+            results::Chain { measured_in_tool_mm: measured_in_tool_mm(self.experiment()).into(), ..chain };
         let all = self.axis_errors()?;
         let taken = (format.takes)(&chain, &all);
         if taken.axes.is_empty() {
@@ -98,6 +101,12 @@ impl Fit {
         let text = (format.write)(&chain, &taken, values);
         Ok(Corrected { fit: self.clone(), format, all, taken, text, answer })
     }
+}
+
+/// Mean place of the ball in the tool over the setups.
+fn measured_in_tool_mm(runs: &Experiment) -> Vector3<f64> {
+    let setups = &runs.points().setups;
+    setups.iter().map(|setup| setup.ball_in_tool_mm.coords).sum::<Vector3<f64>>() / setups.len().max(1) as f64
 }
 
 impl Corrected {

@@ -208,11 +208,11 @@ fn lines_of(
         .collect()
 }
 
-/// Rotary axes of table and tool, each from the bed outward.
+/// Rotary axes of table and tool, each from the bed outward. The spindle is none of them: the vectors begin at its line.
 fn rotary(machine: &Machine) -> [Vec<Joint>; 2] {
     use trunnion_machine::Side;
     [Side::Table, Side::Tool].map(|side| {
-        let axes = machine.from_bed(side).into_iter();
+        let axes = machine.from_bed(side).into_iter().filter(|axis| machine.spindle != Some(axis.letter));
         axes.filter(|axis| axis.is_rotary()).map(|axis| axis.letter).collect()
     })
 }

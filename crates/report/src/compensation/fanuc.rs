@@ -1,13 +1,13 @@
 //! FANUC Series 30i: parameters of the mechanism of five-axis machining.
 //!
 //! Nos. 19700–19702 rotary table position, 19703–19705 vector between the rotary axes of the table, 19709–19711 vector from the tool axis
-//! to the rotary axis of the tool that is next to it, 19712–19714 from there to the other [FANUC A-79348E pp. 59, 82–84]. All at zero
+//! (the line of the spindle) to the rotary axis of the tool that is next to it, 19712–19714 from there to the other [FANUC A-79348E pp. 59, 82–84]. All at zero
 //! of the rotary axes, machine axes, mm. An NC program that adds to the parameters.
 //! Limits: these parameters hold places, no directions and no tables.
 
 use super::format::{Format, Signs, header};
-use super::lines::{Kind, added, kind, lines};
-use super::taken::{Component, taken};
+use super::lines::{Kind, Zeros, added, kind, lines, without_lean};
+use super::taken::{Component, is_spindle, taken};
 use nalgebra::Vector3;
 use trunnion_results::{AxisErrors, Chain, CorrectionValues};
 
@@ -28,25 +28,28 @@ pub(super) static FORMAT: Format = Format {
     unconfirmed: &[
         "Reading a parameter as PRM[number] in a custom macro: not found in a public manual.",
         "Parameters for directions of the rotary axes and for errors over their position exist (three-dimensional rotary error compensation); their format is not public, so that nothing is written for them.",
+        "A place for a lean of the tool axis: not found in a public manual; nothing is written for it.",
     ],
     takes,
     write,
 };
 
 fn takes(chain: &Chain, errors: &AxisErrors) -> AxisErrors {
-    taken(chain, errors, &|table, component| match component {
+    let kept = taken(errors, &|table, component| match component {
         _ if kind(chain).is_none() => Some("the parameters are those of two rotary axes".into()),
+        Component::Location(_) if is_spindle(chain, &table.axis) => None,
         Component::Location(k) if table.rotary && k < 3 => None,
         Component::Location(_) => Some("the parameters hold places of rotary axes, no directions".into()),
         Component::Table(_) => Some("the public parameters hold no tables over an axis".into()),
-    })
+    });
+    without_lean(chain, kept, Zeros::Fixed)
 }
 
 fn write(chain: &Chain, errors: &AxisErrors, _: CorrectionValues) -> String {
     let values = "values are added to what stands in the parameters; unit: mm";
     let mut text = String::from("%\nO9500\n");
     let Some(kind) = kind(chain) else { return text + "M30\n%\n" };
-    let [table, tool] = lines(chain, errors)
+    let [table, tool] = lines(chain, errors, Zeros::Fixed)
         .map(|side| -> Vec<Vector3<f64>> { side.iter().map(|line| line.moved_mm).collect() });
     let (number, entries) = match kind {
         Kind::TwoTable => (12, vec![(19700, table[0]), (19703, table[1] - table[0])]),

@@ -37,7 +37,7 @@ pub(super) static FORMAT: Format = Format {
 };
 
 fn takes(chain: &Chain, errors: &AxisErrors) -> AxisErrors {
-    taken(chain, errors, &|table, _| {
+    taken(errors, &|table, _| {
         let why = "sign and order of rows on the side of the tool are not public";
         (!on_table(chain, &table.axis)).then(|| why.into())
     })

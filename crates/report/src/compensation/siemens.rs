@@ -3,15 +3,21 @@
 //! An NC program that adds to the vectors in the machine data, and fills compensation tables. Rotary axes: offset vectors I1 … I4
 //! and axis vectors V1, V2 by the table that relates tool carrier and transformation types 24, 40, 56 [SINUMERIK IM9 p. 572]. A
 //! table of encoder compensation holds the error of an axis along itself: a positive value moves the axis in negative direction
-//! [SINUMERIK 808D p. 106]. A table of sag compensation moves a linear axis over another one [SINUMERIK K3 §4.4.3].
+//! [SINUMERIK 808D p. 106]; the shift of the zero of a head's last axis is such a table, the same everywhere. I3 (type 24) and I2 (type 56) begin
+//! at the tool, so the line of the spindle is in them. A table of sag compensation moves a linear axis over another one [SINUMERIK K3 §4.4.3].
 //! Limits: a table over one axis holds no tilt, and no displacement in axes that another rotary axis turns.
 
 use super::format::{Format, Signs, argument, header, number};
-use super::lines::{Kind, Line, added, kind, lines};
-use super::taken::{Component, carrier, on_table, taken};
+use super::lines::{Kind, Line, Zeros, added, kind, lines, without_lean, zero_of_last};
+use super::taken::{Component, carrier, is_spindle, on_table, taken};
 use nalgebra::Vector3;
 use trunnion_core::convert::deg_from_rad;
 use trunnion_results::{AxisErrors, AxisTable, Chain, ChainJoint, CorrectionValues};
+
+/// Less is no shift of a zero, rad.
+const NOTHING_RAD: f64 = 1e-12;
+/// Rows of a table that is the same everywhere.
+const ANYWHERE_DEG: [f64; 2] = [-360.0, 360.0];
 
 pub(super) static FORMAT: Format = Format {
     name: "siemens",
@@ -35,19 +41,24 @@ pub(super) static FORMAT: Format = Format {
         "The sign of $AN_CEC: taken as that of $AA_ENC_COMP, whose sign is documented.",
         "The number of the vector between the rotary axes of type 40: the manual prints 24558 next to the name TRAFO5_JOINT_OFFSET_1; the name is used.",
         "Whether the axis vectors of a table point along or against the turning workpiece: the program follows the sign that stands in the control.",
+        "A place for a lean of the tool across the last axis of a head: not found in a public manual; nothing is written for it.",
     ],
     takes,
     write,
 };
 
 fn takes(chain: &Chain, errors: &AxisErrors) -> AxisErrors {
-    taken(chain, errors, &|table, component| why_not(chain, table, component))
+    let kept = taken(errors, &|table, component| why_not(chain, table, component));
+    without_lean(chain, kept, Zeros::Shifted)
 }
 
 fn why_not(chain: &Chain, table: &AxisTable, component: Component) -> Option<String> {
     match component {
         _ if kind(chain).is_none() => Some("the transformation has two rotary axes".into()),
         Component::Location(_) if table.rotary => None,
+        Component::Table(_) if is_spindle(chain, &table.axis) => {
+            Some("the control has no tables over the angle of the spindle".into())
+        }
         Component::Location(_) => Some("the transformation takes the linear axes as they are".into()),
         Component::Table(k) => match (along_itself(chain, table), carrier(chain, &table.axis)) {
             (Some(own), _) if own == k => None,
@@ -72,10 +83,10 @@ fn write(chain: &Chain, errors: &AxisErrors, _: CorrectionValues) -> String {
     let values = "values are added to what stands in the machine data; units: mm, vectors of length 1, tables mm and degrees";
     let mut text: String = header(errors, values).iter().map(|line| format!("; {line}\n")).collect();
     if let Some(kind) = kind(chain) {
-        text += &vectors(kind, lines(chain, errors));
+        text += &vectors(kind, lines(chain, errors, Zeros::Shifted));
     }
     let mut cec = 0;
-    for table in errors.axes.iter().filter(|table| !table.positions.is_empty()) {
+    for table in &tables(chain, errors) {
         let own = along_itself(chain, table);
         if let Some(k) = own {
             text += &encoder_table(chain, table, k);
@@ -89,6 +100,28 @@ fn write(chain: &Chain, errors: &AxisErrors, _: CorrectionValues) -> String {
         }
     }
     text + "M30\n"
+}
+
+/// The tables of the axes, with the shift of the zero of the last rotary axis before the tool as a constant error along itself.
+fn tables(chain: &Chain, errors: &AxisErrors) -> Vec<AxisTable> {
+    let mut tables = errors.axes.clone();
+    if let Some((joint, angle_rad)) = zero_of_last(chain, errors)
+        && angle_rad.abs() > NOTHING_RAD
+    {
+        let at = tables.iter().position(|table| table.axis == joint.axis).unwrap_or(tables.len());
+        if at == tables.len() {
+            tables.push(AxisTable { axis: joint.axis.clone(), rotary: true, ..AxisTable::default() });
+        }
+        let table = &mut tables[at];
+        if table.positions.is_empty() {
+            (table.positions, table.errors) = (ANYWHERE_DEG.to_vec(), vec![[0.0; 6]; ANYWHERE_DEG.len()]);
+        }
+        if let Some(own) = along_itself(chain, table) {
+            table.errors.iter_mut().for_each(|row| row[own] += angle_rad);
+        }
+    }
+    tables.retain(|table| !table.positions.is_empty());
+    tables
 }
 
 /// The lines of the rotary axes as vectors of the transformation.

@@ -18,16 +18,8 @@ pub(super) enum Component {
     Table(usize),
 }
 
-/// The errors for which `why` has nothing to say; the others are named, with the reason. The line of a spindle is never taken: a
-/// transformation has places for axes only, and the tool is measured where the spindle holds it.
-pub(super) fn taken(chain: &Chain, errors: &AxisErrors, why: Why<'_>) -> AxisErrors {
-    let spindle = chain.tool.iter().find(|joint| joint.spindle);
-    let why = |table: &AxisTable, component| match spindle {
-        Some(joint) if joint.axis == table.axis => {
-            Some(format!("the control has no place for the line of the spindle {}", joint.axis))
-        }
-        _ => why(table, component),
-    };
+/// The errors for which `why` has nothing to say; the others are named, with the reason.
+pub(super) fn taken(errors: &AxisErrors, why: Why<'_>) -> AxisErrors {
     let mut kept = errors.clone();
     for table in &mut kept.axes {
         let whole = table.clone();
@@ -59,6 +51,11 @@ pub(super) fn taken(chain: &Chain, errors: &AxisErrors, why: Why<'_>) -> AxisErr
     }
     kept.axes.retain(|table| !table.errors.is_empty() || table.location.iter().any(|v| v.abs() > NOTHING));
     kept
+}
+
+/// True for a spindle that is a joint.
+pub(super) fn is_spindle(chain: &Chain, axis: &str) -> bool {
+    chain.tool.iter().any(|joint| joint.spindle && joint.axis == axis)
 }
 
 /// True where the axis carries the workpiece.

@@ -158,6 +158,72 @@ fn the_vectors_point_to_where_the_axis_is() {
     }
 }
 
+/// Worked by hand, for a tool of 100 mm under a head C-B with its spindle C1: B stands 10 µm in +X of its place, the spindle another 14 and leans by
+/// 50 µrad about X, which moves the point of the tool (0, 0, −100) by 5 µm in Y. From there C is at (−24, −5), B at (−14, −5) µm. EB0B of 20 µrad shifts
+/// the zero of B by 0.001146° and moves no line; the lean about X has no place.
+#[test]
+fn the_vectors_of_a_head_begin_at_the_tool() {
+    let joint = |axis: &str, direction: [f64; 3], spindle: bool| ChainJoint {
+        axis: axis.into(),
+        rotary: true,
+        spindle,
+        direction,
+        sense: 1.0,
+        ..ChainJoint::default()
+    };
+    let (y, z) = ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    let chain = Chain {
+        machine: "head-bc-spindle".into(),
+        tool: vec![joint("C", z, false), joint("B", y, false), joint("C1", z, true)],
+        measured_in_tool_mm: [0.0, 0.0, -100.0],
+        ..Chain::default()
+    };
+    let axis = |axis: &str, location: [f64; 6]| AxisTable {
+        axis: axis.into(),
+        rotary: true,
+        location,
+        ..AxisTable::default()
+    };
+    let errors = AxisErrors {
+        axes: vec![
+            axis("B", [0.010, 0.0, 0.0, 0.0, 20e-6, 0.0]),
+            axis("C1", [0.014, 0.0, 0.0, 50e-6, 0.0, 0.0]),
+        ],
+        ..AxisErrors::default()
+    };
+    let written = |name: &str, errors: &AxisErrors| {
+        let format = FORMATS.iter().find(|format| format.name == name).unwrap();
+        let taken = (format.takes)(&chain, errors);
+        let lean = taken.left_out.iter().find(|left| left.effect.starts_with("lean of the tool")).cloned();
+        ((format.write)(&chain, &taken, CorrectionValues::Error), lean)
+    };
+    let (siemens, lean) = written("siemens", &errors);
+    for line in [
+        "$MC_TRAFO5_BASE_TOOL_1[0]=$MC_TRAFO5_BASE_TOOL_1[0]-0.014000000000",
+        "$MC_TRAFO5_BASE_TOOL_1[1]=$MC_TRAFO5_BASE_TOOL_1[1]-0.005000000000",
+        "$MC_TRAFO5_JOINT_OFFSET_1[0]=$MC_TRAFO5_JOINT_OFFSET_1[0]-0.010000000000",
+        "$MC_TRAFO5_PART_OFFSET_1[0]=$MC_TRAFO5_PART_OFFSET_1[0]+0.024000000000",
+        "$MC_TRAFO5_PART_OFFSET_1[1]=$MC_TRAFO5_PART_OFFSET_1[1]+0.005000000000",
+        "$AA_ENC_COMP[0,0,B1]=0.001145915590",
+        "$AA_ENC_COMP[0,1,B1]=0.001145915590",
+    ] {
+        assert!(siemens.lines().any(|found| found == line), "{line} in\n{siemens}");
+    }
+    assert!(!siemens.contains("JOINT_OFFSET_1[1]"), "both lines are as far from the tool in Y: {siemens}");
+    let lean = lean.unwrap();
+    assert_eq!(lean.effect, "lean of the tool, 50 µrad");
+    assert!(lean.why.contains("a tool of 100 mm"), "{}", lean.why);
+    let (fanuc, _) = written("fanuc", &errors);
+    for line in [
+        "N19709 R[PRM[19709]-0.014000000000]",
+        "N19710 R[PRM[19710]-0.005000000000]",
+        "N19712 R[PRM[19712]-0.010000000000]",
+    ] {
+        assert!(fanuc.lines().any(|found| found == line), "{line} in\n{fanuc}");
+    }
+    assert!(!fanuc.contains("N19713"), "{fanuc}");
+}
+
 /// B and C under the workpiece, X Y Z under the tool.
 fn chain() -> Chain {
     let joint = |axis: &str, direction: [f64; 3]| ChainJoint {
@@ -171,6 +237,7 @@ fn chain() -> Chain {
         machine: "table-bc".into(),
         table: vec![joint("B", [0.0, 1.0, 0.0]), joint("C", [0.0, 0.0, 1.0])],
         tool: vec![joint("X", [1.0, 0.0, 0.0]), joint("Y", [0.0, 1.0, 0.0]), joint("Z", [0.0, 0.0, 1.0])],
+        ..Chain::default()
     }
 }
 

@@ -173,7 +173,10 @@ pub(super) fn seen_mm(machine: &Machine, setup: &Setup, state: &State, errors: &
         let letter = machine.joint(&table.axis)?;
         Some(projector.column(Site::Joint(letter), &error_at(table, letter, &state.position)))
     };
-    errors.axes.iter().filter_map(of_axis).sum()
+    let [x, y, z, a, b, c] = errors.tool;
+    let of_tool_mm = Vector3::new(x, y, z) + Vector3::new(a, b, c).cross(&setup.ball_in_tool_mm.coords);
+    let of_tool = projector.column(Site::SpindleBall, &Twist::translation(of_tool_mm));
+    errors.axes.iter().filter_map(of_axis).sum::<Vector3<f64>>() + of_tool
 }
 
 /// Location and component errors of an axis where it stands; beyond the table the nearest row.
