@@ -1,6 +1,6 @@
-//! What a finished recording holds of each stream, against what the devices' own clocks say must be there.
+//! What a finished recording holds of each stream, against what the devices sent: probes by their own clocks, the others by count.
 
-use crate::floor::{EDGE_S, Rates};
+use crate::floor::{EDGE_S, Rates, Sent};
 use anyhow::Context;
 use std::path::Path;
 use trunnion_core::{Gap, Stamp};
@@ -15,7 +15,7 @@ pub struct Stream {
     pub rate_hz: f64,
     /// Samples in the recording.
     pub recorded: u64,
-    /// Samples from the first to the last by the device's clock; none where the clock is that of our asking.
+    /// Samples from the first to the last by the device's clock; none where the device's own count says more.
     pub expected: Option<u64>,
     /// Samples at least a second from both ends of the cycle.
     pub inside: u64,
@@ -108,17 +108,17 @@ pub struct Judged {
     pub seconds: f64,
     /// What is in the recording.
     pub counts: Counts,
-    /// Values the encoder sent during the program; `None` where nobody counted.
-    pub encoder_sent: Option<u64>,
+    /// What encoder and controller sent during the program; `None` where nobody counted.
+    pub sent: Option<Sent>,
 }
 
 impl Judged {
     /// Samples of a stream that must be there, and those that are.
     pub fn compared(&self, stream: &Stream) -> (u64, u64) {
-        match (stream.expected, self.encoder_sent) {
+        match (stream.expected, self.sent) {
             (Some(expected), _) => (expected, stream.recorded),
-            // The values sent are counted from the start of the program to its end: a service that was late has seen less.
-            (None, Some(sent)) if !self.is_late() => (sent, stream.inside),
+            // What was sent is counted from the start of the program to its end: a service that was late has seen less.
+            (None, Some(sent)) if !self.is_late() => (sent.of(&stream.name), stream.inside),
             (None, _) => (stream.inside, stream.inside),
         }
     }
@@ -187,9 +187,39 @@ pub fn count(path: &Path, rates: Rates, duration_s: f64) -> anyhow::Result<Count
     });
     let (_, damage) = read.with_context(|| format!("cannot read {}", path.display()))?;
     anyhow::ensure!(damage.is_none(), "the recording is damaged: {damage:?}");
-    for index in [0, 1, 2, 4] {
-        streams[index].expect_by_clock();
+    for probe in &mut streams[..3] {
+        probe.expect_by_clock();
     }
     let file_mb = std::fs::metadata(path)?.len() as f64 / 1e6;
     Ok(Counts { streams, points, gaps, lost, lost_of_any, length_s, file_mb })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axes(inside: u64, lost: u64) -> Stream {
+        Stream { inside, lost, ..Stream::new("axes", "cnc", 200.0) }
+    }
+
+    fn judged(axes: Stream, sent: Sent) -> Judged {
+        let counts = Counts {
+            streams: vec![axes],
+            points: 0,
+            gaps: Vec::new(),
+            lost: 0,
+            lost_of_any: 0,
+            length_s: 10.0,
+            file_mb: 0.0,
+        };
+        Judged { seconds: 10.0, counts, sent: Some(sent) }
+    }
+
+    #[test]
+    fn a_controller_that_samples_less_loses_nothing_and_what_it_sent_must_be_there() {
+        let sent = Sent { encoder: 0, axes: 1151 };
+        assert_eq!(judged(axes(1150, 0), sent).missing(), (0, 0));
+        assert_eq!(judged(axes(700, 0), sent).missing(), (449, 449));
+        assert_eq!(judged(axes(700, 400), sent).missing(), (449, 49));
+    }
 }

@@ -41,7 +41,7 @@ const WARM_UP: Duration = Duration::from_secs(5);
 /// In the trial with faults the second probe is silent from here on, for so long, s: below [`SILENCE_MS`].
 const SILENT_FROM_S: f64 = 4.0;
 const SILENT_FOR_S: f64 = 1.0;
-/// Left out at both ends when the encoder's values are counted, s.
+/// Left out at both ends when values that were sent are counted, s.
 pub const EDGE_S: f64 = 1.0;
 
 /// What the floor does.
@@ -59,7 +59,7 @@ pub struct Order<'a> {
     pub tables: &'a str,
 }
 
-/// Programs that are counted apart; what the encoder sends in later ones is not judged.
+/// Programs that are counted apart; what is sent in later ones is judged by the clocks alone.
 const MOST_PROGRAMS: usize = 1000;
 
 /// The running shop floor.
@@ -74,12 +74,51 @@ pub struct Floor {
     pub period_s: f64,
 }
 
-/// A world that begins again after each period, and counts what the encoder asks of it, once for every value it sends.
+/// What devices sent during one program, its edges left out. On a starved computer a simulated one may send less than its rate says.
+#[derive(Clone, Copy, Debug)]
+pub struct Sent {
+    /// Values of the encoder.
+    pub encoder: u64,
+    /// Positions of the axes that the controller sampled.
+    pub axes: u64,
+}
+
+impl Sent {
+    /// Those of a stream by its name.
+    pub fn of(self, stream: &str) -> u64 {
+        match stream {
+            "axes" => self.axes,
+            _ => self.encoder,
+        }
+    }
+}
+
+/// What a device sent, program by program.
+struct Tally(Vec<AtomicU64>);
+
+impl Tally {
+    fn new(programs: usize) -> Self {
+        Self(std::iter::repeat_with(AtomicU64::default).take(programs).collect())
+    }
+
+    fn add(&self, program: usize) {
+        if let Some(sent) = self.0.get(program) {
+            sent.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    fn of(&self, program: usize) -> Option<u64> {
+        self.0.get(program).map(|sent| sent.load(Ordering::Relaxed))
+    }
+}
+
+/// A world that begins again after each period, and counts what encoder and controller ask of it, once for every value they send.
 struct Counted {
     cell: SimulatedCell,
     period_s: f64,
     from_to_s: (f64, f64),
-    bar: Vec<AtomicU64>,
+    bar: Tally,
+    axes: Tally,
 }
 
 impl Counted {
@@ -90,11 +129,20 @@ impl Counted {
             false => (0, t_s),
         }
     }
+
+    /// Its own time, counted where it is no edge of the program.
+    fn counted_s(&self, t_s: f64, tally: &Tally) -> f64 {
+        let (program, own_s) = self.own(t_s);
+        if (self.from_to_s.0..self.from_to_s.1).contains(&own_s) {
+            tally.add(program);
+        }
+        own_s
+    }
 }
 
 impl World for Counted {
     fn axes(&self, t_s: f64) -> AxisValues<f64> {
-        self.cell.axes(self.own(t_s).1)
+        self.cell.axes(self.counted_s(t_s, &self.axes))
     }
 
     fn probe_readings_mm(&self, t_s: f64) -> [f64; 3] {
@@ -102,13 +150,7 @@ impl World for Counted {
     }
 
     fn bar_reading_mm(&self, t_s: f64) -> f64 {
-        let (program, own_s) = self.own(t_s);
-        if let Some(sent) = self.bar.get(program)
-            && (self.from_to_s.0..self.from_to_s.1).contains(&own_s)
-        {
-            sent.fetch_add(1, Ordering::Relaxed);
-        }
-        self.cell.bar_reading_mm(own_s)
+        self.cell.bar_reading_mm(self.counted_s(t_s, &self.bar))
     }
 
     fn temperature_degc(&self, t_s: f64) -> f64 {
@@ -133,8 +175,8 @@ impl Floor {
             Some(pause_s) => (duration_s + pause_s, MOST_PROGRAMS),
             None => (f64::INFINITY, 1),
         };
-        let bar = std::iter::repeat_with(AtomicU64::default).take(programs).collect();
-        let world = Arc::new(Counted { cell: world, period_s, from_to_s, bar });
+        let (bar, axes) = (Tally::new(programs), Tally::new(programs));
+        let world = Arc::new(Counted { cell: world, period_s, from_to_s, bar, axes });
 
         let wall_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as i64;
         let mut devices = CellConfig::new(folder, wall_ns);
@@ -166,9 +208,10 @@ impl Floor {
         tokio::time::sleep_until(self.cell.origin.instant_of(0.0)).await;
     }
 
-    /// Values the encoder sent during the program of this number, its edges left out; `None` where nobody counted.
-    pub fn encoder_sent(&self, program: usize) -> Option<u64> {
-        self.world.bar.get(program).map(|sent| sent.load(Ordering::Relaxed))
+    /// What was sent during the program of this number; `None` where nobody counted.
+    pub fn sent(&self, program: usize) -> Option<Sent> {
+        let (encoder, axes) = (self.world.bar.of(program)?, self.world.axes.of(program)?);
+        Some(Sent { encoder, axes })
     }
 
     /// Bytes nobody took in time.

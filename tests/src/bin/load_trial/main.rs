@@ -103,7 +103,7 @@ fn main() -> anyhow::Result<()> {
         std::fs::write(path, &text).with_context(|| format!("cannot write {}", path.display()))?;
     }
     if trial.judged.is_late() {
-        eprintln!("the service began after the program: the encoder is not judged");
+        eprintln!("the service began after the program: encoder and axes are not judged");
     }
     let ((missing, unreported), lost) = (trial.judged.missing(), trial.judged.counts.lost);
     if missing == 0 && lost == 0 {
@@ -171,9 +171,9 @@ async fn trial(seconds: f64, is_low: bool, folder: &Path, recordings: &Path) -> 
     let reported = std::fs::read_to_string(&log).unwrap_or_default();
     let queues = queues.with_context(|| format!("the service said:\n{reported}"))?;
     let path = finished.with_context(|| format!("the service said:\n{reported}"))?;
-    let (encoder_sent, bytes_not_taken) = (floor.encoder_sent(0), floor.bytes_not_taken());
+    let (sent, bytes_not_taken) = (floor.sent(0), floor.bytes_not_taken());
     let counts = count::count(&path, rates, floor.duration_s)?;
-    let judged = Judged { seconds: floor.duration_s, counts, encoder_sent };
+    let judged = Judged { seconds: floor.duration_s, counts, sent };
     floor.shutdown().await;
     drop(child);
     let release = !cfg!(debug_assertions);

@@ -201,7 +201,7 @@ fn judge(recording: &Path, floor: &Floor, rates: Rates, began: SystemTime) -> an
     let finished = std::fs::metadata(recording)?.modified()?.duration_since(began)?.as_secs_f64();
     let program = ((finished - floor.duration_s) / floor.period_s).max(0.0) as usize;
     let counts = count::count(recording, rates, floor.duration_s)?;
-    Ok(Judged { seconds: floor.duration_s, counts, encoder_sent: floor.encoder_sent(program) })
+    Ok(Judged { seconds: floor.duration_s, counts, sent: floor.sent(program) })
 }
 
 fn folder_mb(folder: &Path) -> f64 {

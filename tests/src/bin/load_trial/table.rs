@@ -25,8 +25,8 @@ pub fn document(trial: &Trial) -> String {
 
 fn streams(trial: &Trial) -> String {
     let mut text = String::from(
-        "## Samples\n\nExpected: from the first to the last sample by the device's own clock. For the encoder, which sends \
-         when it is asked, what the device sent against what is in the recording, a second at both ends left out.\n\n\
+        "## Samples\n\nExpected: from the first to the last sample by the device's own clock. For encoder and axes, what \
+         the device sent against what is in the recording, a second at both ends left out.\n\n\
          | stream | expected | recorded | missing | rate, Hz | longest step, ms |\n|---|---:|---:|---:|---:|---:|\n",
     );
     for stream in &trial.judged.counts.streams {
