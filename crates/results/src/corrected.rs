@@ -1,6 +1,6 @@
 //! Corrections that a person entered into the control, and the runs before and after each.
 
-use crate::history::ChangedParameter;
+use crate::change::ChangedParameter;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,5 +1,6 @@
 //! The runs of one machine in order of time: what was found, control limits, what changed.
 
+use crate::change::ChangedParameter;
 use crate::corrected::{AroundCorrection, CorrectionEntered};
 use crate::diagnosis::Verdict;
 use crate::identification::Parameter;
@@ -112,25 +113,4 @@ pub struct RunChange {
     pub rms_with_new_um: Option<f64>,
     /// The same in sentences.
     pub words: Vec<String>,
-}
-
-/// A parameter in two runs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct ChangedParameter {
-    /// Id of its effect.
-    pub effect: String,
-    /// Its name.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// Value in the earlier run.
-    pub before: f64,
-    /// Value in the later run.
-    pub after: f64,
-    /// Later − earlier.
-    pub difference: f64,
-    /// Standard uncertainty of the difference of two independent runs.
-    pub u: f64,
-    /// True when the difference is significant.
-    pub changed: bool,
 }

@@ -5,6 +5,7 @@
 
 mod axis_errors;
 mod chain;
+mod change;
 mod comparison;
 mod complete;
 mod conformity;
@@ -48,6 +49,7 @@ mod written;
 
 pub use axis_errors::{AxisErrors, AxisErrorsFormat, AxisTable, ConfoundedErrors};
 pub use chain::{Chain, ChainJoint};
+pub use change::ChangedParameter;
 pub use comparison::{
     AxisRange, BeforeAfter, Comparison, ComparisonFormat, Place, PlacesBeforeAfter, Region,
     ResidualsBeforeAfter, Then, Trial, TrialFormat,
@@ -72,9 +74,7 @@ pub use findings::{
     AxisName, Cell, Chart, Column, Curve, Findings, FindingsFormat, FoundValue, MapPlace, NamedAmount, Plot,
     Table,
 };
-pub use history::{
-    ChangedParameter, HistoryFormat, HistoryRun, MachineHistory, RunChange, Watched, WatchedPoint,
-};
+pub use history::{HistoryFormat, HistoryRun, MachineHistory, RunChange, Watched, WatchedPoint};
 pub use identification::{
     Combination, Identification, IdentificationFormat, LeftOut, NoiseOfRun, NoiseOrigin, NoisePart, Outlier,
     Parameter, Shape, Term, UncertaintyOrigin, Unobservable,

@@ -1,7 +1,7 @@
 //! The key of a chart: samples of its marks with their names, in as many rows as they need.
 
 use super::element::{line, text};
-use super::xy_chart::{Mark, symbol};
+use super::mark::{Mark, symbol};
 
 /// Baseline of the first row.
 pub(super) const FIRST_ROW: f64 = 13.0;

@@ -2,8 +2,8 @@
 
 use super::element::{figure, line, polyline, text};
 use super::key::{FIRST_ROW, keys, length};
+use super::mark::Mark;
 use super::scale::{Scale, extent};
-use super::xy_chart::Mark;
 use crate::number::tick;
 
 const WIDTH: f64 = 360.0;
