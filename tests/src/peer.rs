@@ -4,7 +4,7 @@ use crate::workspace_root;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Write};
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 
 /// Python with the packages of `tests/peers/requirements.txt`.
 ///
@@ -17,6 +17,7 @@ pub fn peers_python() -> PathBuf {
 /// A script of `tests/peers` in a process of its own, which ends with this.
 pub struct PythonPeer {
     child: Child,
+    output: BufReader<ChildStdout>,
     /// The line by which it says that it is ready.
     pub reported: String,
 }
@@ -35,9 +36,19 @@ impl PythonPeer {
             .spawn()
             .expect("python starts");
         let mut reported = String::new();
-        let output = child.stdout.take().expect("piped");
-        BufReader::new(output).read_line(&mut reported).expect("the peer says when it is ready");
-        Self { child, reported: reported.trim().to_owned() }
+        let mut output = BufReader::new(child.stdout.take().expect("piped"));
+        output.read_line(&mut reported).expect("the peer says when it is ready");
+        Self { child, output, reported: reported.trim().to_owned() }
+    }
+
+    /// The next line of JSON that it prints.
+    ///
+    /// # Panics
+    /// When it has ended, as it does when nothing comes, or prints something else.
+    pub fn json(&mut self) -> serde_json::Value {
+        let mut line = String::new();
+        self.output.read_line(&mut line).expect("the peer prints");
+        serde_json::from_str(&line).expect("a line of JSON; the peer has ended without one")
     }
 
     /// The pseudo-terminal it answers on, from its first line of JSON.

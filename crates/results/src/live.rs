@@ -40,6 +40,9 @@ pub enum LiveFormat {
 pub struct LiveProbe {
     /// Name of the channel.
     pub name: String,
+    /// Its device.
+    #[serde(default)]
+    pub device: String,
     /// What the channel is for, e.g. `probe-1`, `bar`.
     pub role: String,
     /// Latest value, mm; null without one.
@@ -91,6 +94,9 @@ pub struct BallOffset {
 pub struct LiveAxis {
     /// Name.
     pub name: String,
+    /// The device that reports it.
+    #[serde(default)]
+    pub device: String,
     /// Machine position.
     pub value: f64,
     /// `mm` or `deg`.
@@ -113,6 +119,9 @@ pub struct LiveDevice {
 pub struct LiveTemperature {
     /// Name of the channel.
     pub name: String,
+    /// Its device.
+    #[serde(default)]
+    pub device: String,
     /// Temperature, °C; null without one.
     pub value_degc: Option<f64>,
 }

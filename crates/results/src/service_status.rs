@@ -45,12 +45,23 @@ pub enum Condition {
     Failing,
 }
 
+impl Condition {
+    /// Its name on every surface.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Limited => "limited",
+            Self::Failing => "failing",
+        }
+    }
+}
+
 /// How the service does: the worst of its parts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Health {
     /// The worst.
     pub state: Condition,
-    /// `devices`, `recorder`, `disk`, `analysis`; `broker`, `page`, `mtconnect` and `opcua` where the configuration has them.
+    /// `devices`, `recorder`, `disk`, `analysis`; `broker`, `sparkplug`, `page`, `mtconnect` and `opcua` where the configuration has them.
     pub parts: BTreeMap<String, PartHealth>,
 }
 

@@ -4,7 +4,7 @@ use crate::clock::{SystemClock, moment};
 use crate::operator::Operator;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use tokio::sync::{Notify, watch};
+use tokio::sync::watch;
 use trunnion_core::Clock;
 
 /// Topics of the present, which a service that has stopped has not.
@@ -20,9 +20,7 @@ pub struct Board {
 struct Shared {
     topics: Mutex<BTreeMap<String, Topic>>,
     operator: Operator,
-    /// For the connection to the broker.
-    changed: Notify,
-    /// Counts the changes, for everybody else.
+    /// Counts the changes.
     changes: watch::Sender<u64>,
     /// Connections and ports of the configuration, each with why it does not work; empty when it does.
     connections: Mutex<BTreeMap<&'static str, String>>,
@@ -43,7 +41,6 @@ impl Board {
     pub fn set(&self, topic: &str, value: &serde_json::Value) {
         let topic_value = Topic { payload: value.to_string(), stamped: stamped(value), sent: false };
         self.lock().insert(topic.into(), topic_value);
-        self.shared.changed.notify_one();
         self.shared.changes.send_modify(|changes| *changes += 1);
     }
 
@@ -60,11 +57,6 @@ impl Board {
     /// The present value of a topic, as JSON.
     pub fn get(&self, topic: &str) -> Option<serde_json::Value> {
         serde_json::from_str(&self.lock().get(topic)?.payload).ok()
-    }
-
-    /// Waits until a topic changes; for the connection to the broker. Cancel safe.
-    pub(crate) async fn changed(&self) {
-        self.shared.changed.notified().await;
     }
 
     /// Broker, page and servers of the configuration, each with why it does not work: empty when it does.

@@ -1,7 +1,7 @@
 //! The service's configuration, `config/trunnion.toml`.
 
 use crate::analysis::AnalysisLimits;
-use crate::mqtt::{MqttConfig, MqttTls};
+use crate::mqtt::MqttConfig;
 use crate::mtconnect::MtConnectConfig;
 use crate::opcua::OpcUaConfig;
 use crate::page;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use trunnion_acquire::config::channels;
 use trunnion_acquire::{DeviceConfig, read_devices};
 use trunnion_core::input::{Document, Table};
-use trunnion_core::{Problems, Role, Secret};
+use trunnion_core::{Problems, Role};
 use trunnion_sync::cycle_bounds::Pattern;
 use trunnion_sync::{NestCalibration, StartRule};
 
@@ -135,8 +135,9 @@ fn read(document: &Document<'_>, file: &Path, text: &str, nest: ReadNest) -> Opt
     let devices = read_devices(&root);
     let probes = devices.as_deref().is_some_and(has_probes);
     let (nest, has_nest) = (nest(&root, probes), root.has("nest"));
-    let mqtt =
-        root.optional_table("mqtt").map(|table| read_mqtt(&table, name.as_deref().unwrap_or("machine")));
+    let mqtt = root
+        .optional_table("mqtt")
+        .map(|table| MqttConfig::read(&table, name.as_deref().unwrap_or("machine")));
     let mtconnect = root.optional_table("mtconnect").map(|table| MtConnectConfig::read(&table));
     let opcua = root.optional_table("opcua").map(|table| OpcUaConfig::read(&table));
     let page = root.optional_table("page").map(|table| read_page(&table));
@@ -202,24 +203,6 @@ fn read_programs(root: &Table<'_>, folder: &Path) -> Option<Vec<ProgramCycle>> {
 
 fn has_probes(devices: &[DeviceConfig]) -> bool {
     channels(devices).iter().any(|channel| matches!(channel.role, Role::Probe(_)))
-}
-
-fn read_mqtt(table: &Table<'_>, machine: &str) -> Option<MqttConfig> {
-    let host = table.string("host");
-    let port = table.number("port", 1.0..=65_535.0);
-    let user = table.optional_string("user");
-    let password = Secret::read(table);
-    let tls = table.optional_table("tls").map(|table| MqttTls::read(&table));
-    table.no_other_keys();
-    if user.is_none() && password.is_some() {
-        table.problem("password", "has no user", "user and password_file, or neither", "");
-    }
-    let login = user.map(|user| (user, password));
-    let tls = match tls {
-        None => None,
-        Some(tls) => Some(tls?),
-    };
-    Some(MqttConfig { host: host?, port: port? as u16, machine: machine.into(), login, tls })
 }
 
 fn read_page(table: &Table<'_>) -> Option<PageConfig> {

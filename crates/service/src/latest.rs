@@ -76,7 +76,8 @@ struct Values {
     channels: Vec<ChannelValues>,
     /// Axis positions, and the device that reports them.
     axes: Option<(u16, AxisReading)>,
-    temperatures: BTreeMap<String, (f64, HostTime)>,
+    /// Temperatures by channel, with the device, °C and time.
+    temperatures: BTreeMap<String, (u16, f64, HostTime)>,
     /// Last warning of each device, by its index.
     warnings: BTreeMap<u16, String>,
     mounted: Option<Mounted>,
@@ -181,7 +182,9 @@ impl Latest {
                 values.axes = Some((message.device, *reading));
             }
             Reading::Temperature(reading) => {
-                values.temperatures.insert(reading.name.clone(), (reading.degc, reading.arrival));
+                values
+                    .temperatures
+                    .insert(reading.name.clone(), (message.device, reading.degc, reading.arrival));
             }
             Reading::Log(line) if line.warning => {
                 values.warnings.insert(message.device, line.text.clone());
@@ -197,9 +200,11 @@ impl Latest {
         let (ball, ball_said) = self.ball(&values, &probes);
         let devices = self.devices();
         let say = say::sentences(&devices, &probes, ball_said);
+        let axes_device = values.axes.map_or_else(String::new, |(device, _)| self.device(device));
         let fresh = |at: HostTime| now.seconds_since(at) <= OLD_S;
-        let temperature = |(name, (degc, at)): (&String, &(f64, HostTime))| LiveTemperature {
+        let temperature = |(name, (device, degc, at)): (&String, &(u16, f64, HostTime))| LiveTemperature {
             name: name.clone(),
+            device: self.device(*device),
             value_degc: Some(*degc).filter(|degc| degc.is_finite() && fresh(*at)),
         };
         Live {
@@ -207,7 +212,7 @@ impl Latest {
             at: timestamp(self.clock.wall_ns()).to_string(),
             ball_offset_mm: ball,
             say,
-            axes: self.axes(&values).iter().flat_map(live_axes).collect(),
+            axes: self.axes(&values).iter().flat_map(|axes| live_axes(axes, &axes_device)).collect(),
             devices,
             temperatures: values.temperatures.iter().map(temperature).collect(),
             cycle: values.cycle.clone(),
@@ -241,7 +246,16 @@ impl Latest {
         let warning = values.warnings.get(&channel.device).filter(|text| text.starts_with(&channel.name));
         let say = say::probe(zone, value_mm.zip(centre_mm), stuck, warning.map(String::as_str));
         let (name, role) = (channel.name.clone(), channel.role.name().into());
-        LiveProbe { name, role, value_mm, range_mm: device.range_mm, centre_mm, zone, say }
+        LiveProbe {
+            name,
+            device: device.name.clone(),
+            role,
+            value_mm,
+            range_mm: device.range_mm,
+            centre_mm,
+            zone,
+            say,
+        }
     }
 
     /// For how long a channel has kept one number, s, while another of the same kind, which is named, trembled.
@@ -299,6 +313,11 @@ impl Latest {
         self.devices.iter().zip(&self.states).map(device).collect()
     }
 
+    /// Name of a device; empty for one that there is not.
+    fn device(&self, index: u16) -> String {
+        self.devices.get(usize::from(index)).map_or_else(String::new, |device| device.name.clone())
+    }
+
     fn lock(&self) -> MutexGuard<'_, Values> {
         self.values.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -310,14 +329,14 @@ fn newest(gaps: &[Gap]) -> Vec<String> {
     losses(newest, 0).into_iter().rev().collect()
 }
 
-fn live_axes(axes: &AxisReading) -> Vec<LiveAxis> {
+fn live_axes(axes: &AxisReading, device: &str) -> Vec<LiveAxis> {
     let axis = |joint: Joint| {
         let position = axes.position[joint];
         let (value, unit) = match joint.is_rotary() {
             true => (convert::deg_from_rad(position), "deg"),
             false => (position, "mm"),
         };
-        LiveAxis { name: joint.to_string(), value, unit: unit.into() }
+        LiveAxis { name: joint.to_string(), device: device.into(), value, unit: unit.into() }
     };
     Joint::ISO.into_iter().filter(|&joint| axes.present[joint]).map(axis).collect()
 }

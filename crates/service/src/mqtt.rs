@@ -1,22 +1,20 @@
-//! Plant status over MQTT: plain JSON topics with retained state and a last will (docs/design/protocols.md §5).
+//! Plant status over MQTT: plain JSON topics, and Sparkplug B where the configuration asks for it (docs/design/protocols.md §5).
 //!
-//! One task polls the connection. Publishing never waits for the broker: each topic keeps its latest value, and every
-//! latest value is sent again after each CONNACK, because a broker that forgot the session drops what
-//! was pending. History lives in the recording, not here.
+//! Each has a connection of its own, for a connection has one last will. Both show the present values of the board, and send them again
+//! after each CONNACK. History lives in the recording, not here.
 
+mod connection;
+pub mod sparkplug;
 mod tls;
+mod topics;
 
+pub use sparkplug::SparkplugConfig;
 pub use tls::MqttTls;
 
-use crate::board::{Board, offline};
-use rumqttc::{
-    AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet, QoS,
-};
-use std::time::Duration;
+use crate::board::Board;
 use tokio_util::sync::CancellationToken;
-use tracing::{info, warn};
-use trunnion_acquire::credentials;
 use trunnion_core::Secret;
+use trunnion_core::input::Table;
 
 /// How to reach the broker.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,173 +29,45 @@ pub struct MqttConfig {
     pub login: Option<(String, Option<Secret>)>,
     /// Encryption; none without.
     pub tls: Option<MqttTls>,
+    /// Sparkplug B in addition to the JSON topics; none without.
+    pub sparkplug: Option<SparkplugConfig>,
 }
 
-/// First and longest wait before connecting again.
-const BACK_OFF: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(30));
-/// How long the farewell may take.
-const FAREWELL: Duration = Duration::from_secs(2);
-/// Messages the client may hold; only latest values are queued, so this bounds the number of topics.
-const QUEUE: usize = 64;
+impl MqttConfig {
+    /// Reads the table; `machine` names this one.
+    pub fn read(table: &Table<'_>, machine: &str) -> Option<Self> {
+        let host = table.string("host");
+        let port = table.number("port", 1.0..=65_535.0);
+        let user = table.optional_string("user");
+        let password = Secret::read(table);
+        let tls = table.optional_table("tls").map(|table| MqttTls::read(&table));
+        let sparkplug = table.optional_table("sparkplug").map(|table| SparkplugConfig::read(&table, machine));
+        table.no_other_keys();
+        if user.is_none() && password.is_some() {
+            table.problem("password", "has no user", "user and password_file, or neither", "");
+        }
+        let login = user.map(|user| (user, password));
+        let tls = match tls {
+            None => None,
+            Some(tls) => Some(tls?),
+        };
+        let sparkplug = match sparkplug {
+            None => None,
+            Some(sparkplug) => Some(sparkplug?),
+        };
+        Some(Self { host: host?, port: port? as u16, machine: machine.into(), login, tls, sparkplug })
+    }
+}
 
-/// Runs until `cancel`; connects, keeps the retained topics current, reconnects with back-off.
+/// Runs until `cancel`; connects, keeps what the broker has current, reconnects with back-off.
 pub async fn run(config: MqttConfig, board: Board, cancel: CancellationToken) {
-    let mut failures = Failures::default();
-    let mut wait = BACK_OFF.0;
-    board.set_connection("broker", "not reached yet");
-    let (client, mut events) = loop {
-        match connect(&config) {
-            Ok(connection) => break connection,
-            Err(why) => {
-                failures.tell(&config, false, &why);
-                board.set_connection("broker", &why);
-            }
-        }
-        tokio::select! {
-            () = cancel.cancelled() => return,
-            () = tokio::time::sleep(wait) => wait = (wait * 2).min(BACK_OFF.1),
-        }
-    };
-    let mut connected = false;
-    loop {
-        tokio::select! {
-            biased;
-            () = cancel.cancelled() => break,
-            event = events.poll() => match event {
-                Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                    info!(host = config.host, port = config.port, "connected to the MQTT broker");
-                    (connected, wait, failures) = (true, BACK_OFF.0, Failures::default());
-                    board.set_connection("broker", "");
-                    board.forget_what_was_sent();
-                    if let Err(error) = client.try_subscribe(choose_topic(&config), QoS::AtLeastOnce) {
-                        warn!(%error, "the broker was not asked for choices of a cycle");
-                    }
-                    publish_news(&client, &config, &board);
-                }
-                // A retained choice was meant for a cycle that is long over.
-                Ok(Event::Incoming(Packet::Publish(choice)))
-                    if choice.topic == choose_topic(&config) && !choice.retain =>
-                {
-                    let cycle = String::from_utf8_lossy(&choice.payload);
-                    info!(?cycle, "the operator chose");
-                    board.operator().choose(&cycle);
-                }
-                // An acknowledgement frees the queue for what did not fit.
-                Ok(Event::Incoming(Packet::PubAck(_))) => publish_news(&client, &config, &board),
-                Ok(_) => {}
-                Err(error) => {
-                    // The file of a password or a certificate may have been mended.
-                    let why = log_in(&config, &mut events.mqtt_options).err().unwrap_or_else(|| cause(&error));
-                    failures.tell(&config, connected, &why);
-                    board.set_connection("broker", &why);
-                    connected = false;
-                    tokio::select! {
-                        () = cancel.cancelled() => break,
-                        () = tokio::time::sleep(wait) => wait = (wait * 2).min(BACK_OFF.1),
-                    }
-                }
-            },
-            () = board.changed(), if connected => publish_news(&client, &config, &board),
+    let topics = topics::Topics::new(&config.machine, board.clone());
+    let topics = connection::keep(&config, topics, &board, &cancel);
+    match &config.sparkplug {
+        None => topics.await,
+        Some(place) => {
+            let node = sparkplug::EdgeNode::new(place, board.clone());
+            tokio::join!(topics, connection::keep(&config, node, &board, &cancel));
         }
     }
-    if connected
-        && tokio::time::timeout(FAREWELL, farewell(&client, &mut events, &config, &board)).await.is_err()
-    {
-        warn!("the MQTT broker did not take the farewell in time; its last will says offline");
-    }
-}
-
-/// What was logged of a broker that cannot be reached: each cause once.
-#[derive(Default)]
-struct Failures {
-    last: Option<String>,
-}
-
-impl Failures {
-    fn tell(&mut self, config: &MqttConfig, was_connected: bool, why: &str) {
-        if self.last.as_deref() == Some(why) {
-            return;
-        }
-        let (host, port) = (&config.host, config.port);
-        let what = if was_connected { "lost the MQTT broker" } else { "cannot reach the MQTT broker" };
-        warn!(host, port, "{what}: {why}; measuring goes on, status is sent when it is there");
-        self.last = Some(why.into());
-    }
-}
-
-/// The failure in words, with what to do where a person can do something.
-fn cause(error: &ConnectionError) -> String {
-    match error {
-        ConnectionError::Tls(error) => tls::cause(error),
-        ConnectionError::ConnectionRefused(
-            ConnectReturnCode::BadUserNamePassword | ConnectReturnCode::NotAuthorized,
-        ) => "it does not let this user in; check `user` and `password_file` of [mqtt], and the rights of the user".into(),
-        ConnectionError::Io(error) => error.to_string(),
-        other => other.to_string(),
-    }
-}
-
-fn connect(config: &MqttConfig) -> Result<(AsyncClient, EventLoop), String> {
-    let mut options = MqttOptions::new(
-        format!("trunnion-{}-{}", config.machine, std::process::id()),
-        &config.host,
-        config.port,
-    );
-    options.set_keep_alive(Duration::from_secs(10));
-    options.set_last_will(LastWill::new(status_topic(config), offline("lost"), QoS::AtLeastOnce, true));
-    log_in(config, &mut options)?;
-    Ok(AsyncClient::new(options, QUEUE))
-}
-
-/// Who we are, as the files say now.
-fn log_in(config: &MqttConfig, options: &mut MqttOptions) -> Result<(), String> {
-    if let Some((user, password)) = &config.login {
-        options.set_credentials(user, password.as_ref().map_or(Ok(String::new()), credentials::value)?);
-    }
-    if let Some(tls) = &config.tls {
-        options.set_transport(tls.transport()?);
-    }
-    Ok(())
-}
-
-/// Queues every value the broker does not have; what does not fit waits for the next change or connection.
-fn publish_news(client: &AsyncClient, config: &MqttConfig, board: &Board) {
-    for (name, topic) in board.lock().iter_mut().filter(|(_, topic)| !topic.sent) {
-        let full = format!("trunnion/{}/{name}", config.machine);
-        match client.try_publish(full, QoS::AtLeastOnce, true, topic.stamped.clone()) {
-            Ok(()) => topic.sent = true,
-            Err(error) => {
-                warn!(%error, topic = name, "MQTT queue is full; the latest value is kept and sent later");
-                return;
-            }
-        }
-    }
-}
-
-async fn farewell(client: &AsyncClient, events: &mut EventLoop, config: &MqttConfig, board: &Board) {
-    let mut under_way = 0;
-    for (name, value) in board.farewell() {
-        let topic = format!("trunnion/{}/{name}", config.machine);
-        if client.try_publish(topic, QoS::AtLeastOnce, true, value).is_err() {
-            return;
-        }
-        under_way += 1;
-    }
-    while let Ok(event) = events.poll().await {
-        under_way -= usize::from(matches!(event, Event::Incoming(Packet::PubAck(_))));
-        if under_way == 0 {
-            break;
-        }
-    }
-    if client.try_disconnect().is_ok() {
-        while events.poll().await.is_ok() {}
-    }
-}
-
-fn choose_topic(config: &MqttConfig) -> String {
-    format!("trunnion/{}/choose", config.machine)
-}
-
-fn status_topic(config: &MqttConfig) -> String {
-    format!("trunnion/{}/status", config.machine)
 }

@@ -20,7 +20,7 @@ impl PlantView {
     /// As the board has it now.
     pub fn of(board: &Board) -> Self {
         let [status, result] = TOPICS;
-        Self { status: read(board, status).unwrap_or_default(), result: read(board, result) }
+        Self { status: topic(board, status).unwrap_or_default(), result: topic(board, result) }
     }
 
     /// The worst of the parts in a sentence; empty when all is well.
@@ -40,6 +40,7 @@ impl PlantView {
     }
 }
 
-fn read<T: DeserializeOwned>(board: &Board, topic: &str) -> Option<T> {
-    serde_json::from_value(board.get(topic)?).ok()
+/// The present value of a topic; `None` without one of this form.
+pub(crate) fn topic<T: DeserializeOwned>(board: &Board, name: &str) -> Option<T> {
+    serde_json::from_value(board.get(name)?).ok()
 }

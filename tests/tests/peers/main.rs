@@ -18,5 +18,6 @@ mod opcua;
 mod opcua_results;
 mod shdr;
 mod socketcan;
+mod sparkplug;
 #[path = "../../../crates/cycles/tests/all/nc/visited.rs"]
 mod visited;

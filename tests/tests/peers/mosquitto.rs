@@ -28,6 +28,9 @@ pub fn broker(port: u16) -> Child {
     trunnion_tests::mosquitto::broker(port).expect("mosquitto starts")
 }
 
+/// Bytes of a message that is read; the library's own limit is 10 kB.
+const LARGEST: usize = 1 << 20;
+
 /// Latest payloads of all `trunnion/#` topics once `enough` holds; fails after a minute.
 pub async fn wait_for(port: u16, name: &str, enough: impl Fn(&BTreeMap<String, serde_json::Value>) -> bool) {
     let mut topics = BTreeMap::new();
@@ -35,6 +38,7 @@ pub async fn wait_for(port: u16, name: &str, enough: impl Fn(&BTreeMap<String, s
         loop {
             let mut options = MqttOptions::new(name, "127.0.0.1", port);
             options.set_keep_alive(Duration::from_secs(5));
+            options.set_max_packet_size(LARGEST, LARGEST);
             let (client, mut events) = AsyncClient::new(options, 16);
             client.subscribe("trunnion/#", QoS::AtLeastOnce).await.expect("queued");
             while let Ok(event) = events.poll().await {
@@ -57,7 +61,14 @@ pub async fn wait_for(port: u16, name: &str, enough: impl Fn(&BTreeMap<String, s
 async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
     let port = free_port();
     let mut first = broker(port);
-    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m1".into(), login: None, tls: None };
+    let config = MqttConfig {
+        host: "127.0.0.1".into(),
+        port,
+        machine: "m1".into(),
+        login: None,
+        tls: None,
+        sparkplug: None,
+    };
     let (board, cancel) = (Board::default(), CancellationToken::new());
     let service = tokio::spawn(run(config, board.clone(), cancel.clone()));
     board.set("status", &serde_json::json!({ "state": "online" }));
@@ -74,6 +85,11 @@ async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
             && t.get("trunnion/m1/status").is_some_and(|v| v["state"] == "online")
     })
     .await;
+
+    // Larger than what the client's library sends by itself.
+    let large = "x".repeat(40_000);
+    board.set("result", &serde_json::json!({ "why": large }));
+    wait_for(port, "large", |t| t.get("trunnion/m1/result").is_some_and(|v| v["why"] == large)).await;
 
     cancel.cancel();
     service.await.expect("the service ends");
@@ -148,7 +164,14 @@ async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
 async fn a_service_that_dies_leaves_its_last_will() {
     let port = free_port();
     let mut broker = broker(port);
-    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m2".into(), login: None, tls: None };
+    let config = MqttConfig {
+        host: "127.0.0.1".into(),
+        port,
+        machine: "m2".into(),
+        login: None,
+        tls: None,
+        sparkplug: None,
+    };
     let board = Board::default();
     let service = tokio::spawn(run(config, board.clone(), CancellationToken::new()));
     board.set("status", &serde_json::json!({ "state": "online" }));
@@ -229,7 +252,14 @@ async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file
     let (log, _logging) = Log::begin();
     let secret = Secret::File { name: "password".into(), folder: folder.path().into() };
     let login = Some(("cell".to_owned(), Some(secret)));
-    let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m3".into(), login, tls: None };
+    let config = MqttConfig {
+        host: "127.0.0.1".into(),
+        port,
+        machine: "m3".into(),
+        login,
+        tls: None,
+        sparkplug: None,
+    };
     let cancel = CancellationToken::new();
     let service = tokio::spawn(run(config, Board::default(), cancel.clone()));
     log.until("the password file").await;
@@ -312,7 +342,14 @@ async fn a_broker_that_encrypts_is_reached_with_its_authority_and_our_certificat
         log.0.lock().expect("not poisoned").clear();
         let client = client.map(|(certificate, name)| (folder.path().join(certificate), key(name)));
         let tls = Some(MqttTls { ca: folder.path().join(ca), client });
-        let config = MqttConfig { host: "127.0.0.1".into(), port, machine: "m4".into(), login: None, tls };
+        let config = MqttConfig {
+            host: "127.0.0.1".into(),
+            port,
+            machine: "m4".into(),
+            login: None,
+            tls,
+            sparkplug: None,
+        };
         let cancel = CancellationToken::new();
         let service = tokio::spawn(run(config, Board::default(), cancel.clone()));
         log.until(expected).await;

@@ -13,7 +13,7 @@ use opcua_types::{
     VariableId, VariableTypeId, Variant,
 };
 use std::sync::Arc;
-use trunnion::results::{Condition, LocationError, Verdict};
+use trunnion::results::{LocationError, Verdict};
 
 /// Of what the standards do not name.
 pub const OWN_NAMESPACE: &str = "urn:trunnion:service";
@@ -93,11 +93,7 @@ fn cycle(view: &PlantView) -> (String, String) {
 }
 
 fn health(view: &PlantView) -> &'static str {
-    match view.status.health.as_ref().map(|health| health.state).unwrap_or_default() {
-        Condition::Good => "good",
-        Condition::Limited => "limited",
-        Condition::Failing => "failing",
-    }
+    view.status.health.as_ref().map(|health| health.state).unwrap_or_default().as_str()
 }
 
 fn run(view: &PlantView) -> Variant {

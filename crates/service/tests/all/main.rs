@@ -10,3 +10,4 @@ mod page;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../../tests/src/section.rs"]
 mod section;
+mod sparkplug;

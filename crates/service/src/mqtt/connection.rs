@@ -1,0 +1,182 @@
+//! A connection to the broker that is kept: back-off, what is logged of a failure, and the last words.
+//!
+//! One task polls the connection. Publishing never waits for the broker: what does not fit into the queue is sent later, as its value is
+//! then.
+
+use super::{MqttConfig, tls};
+use crate::board::Board;
+use rumqttc::{
+    AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet, Publish,
+};
+use std::time::Duration;
+use tokio_util::sync::CancellationToken;
+use tracing::{info, warn};
+use trunnion_acquire::credentials;
+
+/// First and longest wait before connecting again.
+const BACK_OFF: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(30));
+/// How long the farewell may take.
+const FAREWELL: Duration = Duration::from_secs(2);
+/// Messages the client may hold; only latest values are queued, so this bounds the number of topics.
+const QUEUE: usize = 256;
+/// Largest message either way, bytes. The library's own limit of 10 kB is less than the status of a machine with many devices, and ends
+/// the connection.
+const MOST_BYTES: usize = 1 << 20;
+
+/// What is said over a connection.
+pub(super) trait Speaker {
+    /// The part of the service's health that says how this connection does.
+    const PART: &'static str;
+    /// Who we are for the broker.
+    fn client_id(&self) -> String;
+    /// What the broker says when we are lost; for one CONNECT.
+    fn last_will(&mut self) -> LastWill;
+    /// The broker has nothing of us: subscribes.
+    fn connected(&mut self, client: &AsyncClient);
+    /// Takes what the broker sends.
+    fn received(&mut self, message: &Publish);
+    /// Queues what the broker does not have; what does not fit waits for the next change or connection.
+    fn publish(&mut self, client: &AsyncClient);
+    /// Queues the last words; how many of them the broker acknowledges, `None` when they do not fit.
+    fn farewell(&mut self, client: &AsyncClient) -> Option<usize>;
+}
+
+/// Keeps a connection until `cancel`.
+pub(super) async fn keep<S: Speaker>(
+    config: &MqttConfig,
+    mut speaker: S,
+    board: &Board,
+    cancel: &CancellationToken,
+) {
+    let mut connection = Connection { part: S::PART, is_up: false, last: None };
+    let mut wait = BACK_OFF.0;
+    board.set_connection(S::PART, "not reached yet");
+    let (client, mut events) = loop {
+        match begin(config, &mut speaker) {
+            Ok(begun) => break begun,
+            Err(why) => connection.failed(config, board, &why),
+        }
+        tokio::select! {
+            () = cancel.cancelled() => return,
+            () = tokio::time::sleep(wait) => wait = (wait * 2).min(BACK_OFF.1),
+        }
+    };
+    let mut changes = board.changes();
+    loop {
+        tokio::select! {
+            biased;
+            () = cancel.cancelled() => break,
+            event = events.poll() => match event {
+                Ok(Event::Incoming(Packet::ConnAck(_))) => {
+                    wait = BACK_OFF.0;
+                    connection.succeeded(config, board);
+                    speaker.connected(&client);
+                    speaker.publish(&client);
+                }
+                Ok(Event::Incoming(Packet::Publish(message))) => {
+                    speaker.received(&message);
+                    speaker.publish(&client);
+                }
+                // An acknowledgement frees the queue for what did not fit.
+                Ok(Event::Incoming(Packet::PubAck(_))) => speaker.publish(&client),
+                Ok(_) => {}
+                Err(error) => {
+                    if connection.is_up || may_have_sent_connect(&error) {
+                        events.mqtt_options.set_last_will(speaker.last_will());
+                    }
+                    // The file of a password or a certificate may have been mended.
+                    let why = log_in(config, &mut events.mqtt_options).err().unwrap_or_else(|| cause(&error));
+                    connection.failed(config, board, &why);
+                    tokio::select! {
+                        () = cancel.cancelled() => break,
+                        () = tokio::time::sleep(wait) => wait = (wait * 2).min(BACK_OFF.1),
+                    }
+                }
+            },
+            // The board is ours: its changes do not end.
+            _ = changes.changed(), if connection.is_up => speaker.publish(&client),
+        }
+    }
+    if connection.is_up
+        && tokio::time::timeout(FAREWELL, farewell(&client, &mut events, &mut speaker)).await.is_err()
+    {
+        warn!("the MQTT broker did not take the farewell in time; its last will says offline");
+    }
+}
+
+/// Whether it is up, and what was logged of a broker that cannot be reached: each cause once.
+struct Connection {
+    part: &'static str,
+    is_up: bool,
+    last: Option<String>,
+}
+
+impl Connection {
+    fn succeeded(&mut self, config: &MqttConfig, board: &Board) {
+        info!(host = config.host, port = config.port, part = self.part, "connected to the MQTT broker");
+        board.set_connection(self.part, "");
+        (self.is_up, self.last) = (true, None);
+    }
+
+    fn failed(&mut self, config: &MqttConfig, board: &Board, why: &str) {
+        board.set_connection(self.part, why);
+        let was_up = std::mem::replace(&mut self.is_up, false);
+        if self.last.as_deref() == Some(why) {
+            return;
+        }
+        let (host, port, part) = (&config.host, config.port, self.part);
+        let what = if was_up { "lost the MQTT broker" } else { "cannot reach the MQTT broker" };
+        warn!(host, port, part, "{what}: {why}; measuring goes on, status is sent when it is there");
+        self.last = Some(why.into());
+    }
+}
+
+/// The failure in words, with what to do where a person can do something.
+fn cause(error: &ConnectionError) -> String {
+    match error {
+        ConnectionError::Tls(error) => tls::cause(error),
+        ConnectionError::ConnectionRefused(
+            ConnectReturnCode::BadUserNamePassword | ConnectReturnCode::NotAuthorized,
+        ) => "it does not let this user in; check `user` and `password_file` of [mqtt], and the rights of the user".into(),
+        ConnectionError::Io(error) => error.to_string(),
+        other => other.to_string(),
+    }
+}
+
+/// Without a socket, or without encryption, no CONNECT was sent.
+fn may_have_sent_connect(error: &ConnectionError) -> bool {
+    !matches!(error, ConnectionError::Io(_) | ConnectionError::Tls(_))
+}
+
+fn begin(config: &MqttConfig, speaker: &mut impl Speaker) -> Result<(AsyncClient, EventLoop), String> {
+    let mut options = MqttOptions::new(speaker.client_id(), &config.host, config.port);
+    options.set_keep_alive(Duration::from_secs(10));
+    options.set_max_packet_size(MOST_BYTES, MOST_BYTES);
+    log_in(config, &mut options)?;
+    options.set_last_will(speaker.last_will());
+    Ok(AsyncClient::new(options, QUEUE))
+}
+
+/// Who we are, as the files say now.
+fn log_in(config: &MqttConfig, options: &mut MqttOptions) -> Result<(), String> {
+    if let Some((user, password)) = &config.login {
+        options.set_credentials(user, password.as_ref().map_or(Ok(String::new()), credentials::value)?);
+    }
+    if let Some(tls) = &config.tls {
+        options.set_transport(tls.transport()?);
+    }
+    Ok(())
+}
+
+async fn farewell(client: &AsyncClient, events: &mut EventLoop, speaker: &mut impl Speaker) {
+    let Some(mut under_way) = speaker.farewell(client) else { return };
+    while let Ok(event) = events.poll().await {
+        under_way -= usize::from(matches!(event, Event::Incoming(Packet::PubAck(_))));
+        if under_way == 0 {
+            break;
+        }
+    }
+    if client.try_disconnect().is_ok() {
+        while events.poll().await.is_ok() {}
+    }
+}
