@@ -20,7 +20,7 @@ use trunnion_service::config::Config;
 use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
-use trunnion_service::mqtt::{MqttConfig, MqttTls, run};
+use trunnion_service::mqtt::{Broker, MqttConfig, MqttTls, run};
 use trunnion_tests::page_status::free_port;
 use trunnion_tests::{SILENCE_MS, three_probes};
 
@@ -61,14 +61,7 @@ pub async fn wait_for(port: u16, name: &str, enough: impl Fn(&BTreeMap<String, s
 async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
     let port = free_port();
     let mut first = broker(port);
-    let config = MqttConfig {
-        host: "127.0.0.1".into(),
-        port,
-        machine: "m1".into(),
-        login: None,
-        tls: None,
-        sparkplug: None,
-    };
+    let config = MqttConfig { broker: Broker::local(port), machine: "m1".into(), sparkplug: None };
     let (board, cancel) = (Board::default(), CancellationToken::new());
     let service = tokio::spawn(run(config, board.clone(), cancel.clone()));
     board.set("status", &serde_json::json!({ "state": "online" }));
@@ -164,14 +157,7 @@ async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
 async fn a_service_that_dies_leaves_its_last_will() {
     let port = free_port();
     let mut broker = broker(port);
-    let config = MqttConfig {
-        host: "127.0.0.1".into(),
-        port,
-        machine: "m2".into(),
-        login: None,
-        tls: None,
-        sparkplug: None,
-    };
+    let config = MqttConfig { broker: Broker::local(port), machine: "m2".into(), sparkplug: None };
     let board = Board::default();
     let service = tokio::spawn(run(config, board.clone(), CancellationToken::new()));
     board.set("status", &serde_json::json!({ "state": "online" }));
@@ -252,14 +238,8 @@ async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file
     let (log, _logging) = Log::begin();
     let secret = Secret::File { name: "password".into(), folder: folder.path().into() };
     let login = Some(("cell".to_owned(), Some(secret)));
-    let config = MqttConfig {
-        host: "127.0.0.1".into(),
-        port,
-        machine: "m3".into(),
-        login,
-        tls: None,
-        sparkplug: None,
-    };
+    let config =
+        MqttConfig { broker: Broker { login, ..Broker::local(port) }, machine: "m3".into(), sparkplug: None };
     let cancel = CancellationToken::new();
     let service = tokio::spawn(run(config, Board::default(), cancel.clone()));
     log.until("the password file").await;
@@ -343,11 +323,8 @@ async fn a_broker_that_encrypts_is_reached_with_its_authority_and_our_certificat
         let client = client.map(|(certificate, name)| (folder.path().join(certificate), key(name)));
         let tls = Some(MqttTls { ca: folder.path().join(ca), client });
         let config = MqttConfig {
-            host: "127.0.0.1".into(),
-            port,
+            broker: Broker { tls, ..Broker::local(port) },
             machine: "m4".into(),
-            login: None,
-            tls,
             sparkplug: None,
         };
         let cancel = CancellationToken::new();

@@ -9,7 +9,7 @@ use tokio::runtime::Runtime;
 use tokio_util::sync::CancellationToken;
 use trunnion::results::{LocationError, LocationErrors, RunResult, Verdict};
 use trunnion_service::board::Board;
-use trunnion_service::mqtt::{MqttConfig, SparkplugConfig, run};
+use trunnion_service::mqtt::{Broker, MqttConfig, SparkplugConfig, run};
 use trunnion_tests::page_status::free_port;
 use trunnion_tests::peer::PythonPeer;
 
@@ -93,8 +93,7 @@ struct Service {
 impl Service {
     fn start(port: u16, board: &Board) -> Self {
         let sparkplug = Some(SparkplugConfig { group: "plant".into(), node: "cell-4".into() });
-        let host = "127.0.0.1".into();
-        let config = MqttConfig { host, port, machine: "cell-4".into(), login: None, tls: None, sparkplug };
+        let config = MqttConfig { broker: Broker::local(port), machine: "cell-4".into(), sparkplug };
         let (runtime, cancel) = (Runtime::new().unwrap(), CancellationToken::new());
         let (end, ended) = channel();
         let running = run(config, board.clone(), cancel.clone());

@@ -3,7 +3,8 @@
 //! One task polls the connection. Publishing never waits for the broker: what does not fit into the queue is sent later, as its value is
 //! then.
 
-use super::{MqttConfig, tls};
+use super::broker::Broker;
+use super::tls;
 use crate::board::Board;
 use rumqttc::{
     AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet, Publish,
@@ -43,7 +44,7 @@ pub(super) trait Speaker {
 
 /// Keeps a connection until `cancel`.
 pub(super) async fn keep<S: Speaker>(
-    config: &MqttConfig,
+    broker: &Broker,
     mut speaker: S,
     board: &Board,
     cancel: &CancellationToken,
@@ -52,9 +53,9 @@ pub(super) async fn keep<S: Speaker>(
     let mut wait = BACK_OFF.0;
     board.set_connection(S::PART, "not reached yet");
     let (client, mut events) = loop {
-        match begin(config, &mut speaker) {
+        match begin(broker, &mut speaker) {
             Ok(begun) => break begun,
-            Err(why) => connection.failed(config, board, &why),
+            Err(why) => connection.failed(broker, board, &why),
         }
         tokio::select! {
             () = cancel.cancelled() => return,
@@ -69,7 +70,7 @@ pub(super) async fn keep<S: Speaker>(
             event = events.poll() => match event {
                 Ok(Event::Incoming(Packet::ConnAck(_))) => {
                     wait = BACK_OFF.0;
-                    connection.succeeded(config, board);
+                    connection.succeeded(broker, board);
                     speaker.connected(&client);
                     speaker.publish(&client);
                 }
@@ -85,8 +86,8 @@ pub(super) async fn keep<S: Speaker>(
                         events.mqtt_options.set_last_will(speaker.last_will());
                     }
                     // The file of a password or a certificate may have been mended.
-                    let why = log_in(config, &mut events.mqtt_options).err().unwrap_or_else(|| cause(&error));
-                    connection.failed(config, board, &why);
+                    let why = log_in(broker, &mut events.mqtt_options).err().unwrap_or_else(|| cause(&error));
+                    connection.failed(broker, board, &why);
                     tokio::select! {
                         () = cancel.cancelled() => break,
                         () = tokio::time::sleep(wait) => wait = (wait * 2).min(BACK_OFF.1),
@@ -112,19 +113,19 @@ struct Connection {
 }
 
 impl Connection {
-    fn succeeded(&mut self, config: &MqttConfig, board: &Board) {
-        info!(host = config.host, port = config.port, part = self.part, "connected to the MQTT broker");
+    fn succeeded(&mut self, broker: &Broker, board: &Board) {
+        info!(host = broker.host, port = broker.port, part = self.part, "connected to the MQTT broker");
         board.set_connection(self.part, "");
         (self.is_up, self.last) = (true, None);
     }
 
-    fn failed(&mut self, config: &MqttConfig, board: &Board, why: &str) {
+    fn failed(&mut self, broker: &Broker, board: &Board, why: &str) {
         board.set_connection(self.part, why);
         let was_up = std::mem::replace(&mut self.is_up, false);
         if self.last.as_deref() == Some(why) {
             return;
         }
-        let (host, port, part) = (&config.host, config.port, self.part);
+        let (host, port, part) = (&broker.host, broker.port, self.part);
         let what = if was_up { "lost the MQTT broker" } else { "cannot reach the MQTT broker" };
         warn!(host, port, part, "{what}: {why}; measuring goes on, status is sent when it is there");
         self.last = Some(why.into());
@@ -148,21 +149,21 @@ fn may_have_sent_connect(error: &ConnectionError) -> bool {
     !matches!(error, ConnectionError::Io(_) | ConnectionError::Tls(_))
 }
 
-fn begin(config: &MqttConfig, speaker: &mut impl Speaker) -> Result<(AsyncClient, EventLoop), String> {
-    let mut options = MqttOptions::new(speaker.client_id(), &config.host, config.port);
+fn begin(broker: &Broker, speaker: &mut impl Speaker) -> Result<(AsyncClient, EventLoop), String> {
+    let mut options = MqttOptions::new(speaker.client_id(), &broker.host, broker.port);
     options.set_keep_alive(Duration::from_secs(10));
     options.set_max_packet_size(MOST_BYTES, MOST_BYTES);
-    log_in(config, &mut options)?;
+    log_in(broker, &mut options)?;
     options.set_last_will(speaker.last_will());
     Ok(AsyncClient::new(options, QUEUE))
 }
 
 /// Who we are, as the files say now.
-fn log_in(config: &MqttConfig, options: &mut MqttOptions) -> Result<(), String> {
-    if let Some((user, password)) = &config.login {
+fn log_in(broker: &Broker, options: &mut MqttOptions) -> Result<(), String> {
+    if let Some((user, password)) = &broker.login {
         options.set_credentials(user, password.as_ref().map_or(Ok(String::new()), credentials::value)?);
     }
-    if let Some(tls) = &config.tls {
+    if let Some(tls) = &broker.tls {
         options.set_transport(tls.transport()?);
     }
     Ok(())
