@@ -37,7 +37,7 @@ pub struct Session {
     bd_seq: Option<u8>,
     /// Number of the next message.
     seq: u8,
-    /// What hosts know; `None` when they are to be told everything.
+    /// What hosts know; `None` when the next message is a birth.
     known: Option<View>,
 }
 
