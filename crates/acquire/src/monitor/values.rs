@@ -7,7 +7,8 @@
 //! It is judged only after it has shown its own noise at rest: in [`RESTLESS_WINDOWS`] windows of half a second its
 //! number changed at most readings, back and forth, over [`LEAST_LEVELS`] of its steps and more, without going
 //! anywhere. Such a channel is stuck when its number stays for [`SHORTEST_STUCK`] and over [`LEAST_READINGS`] readings,
-//! and ten times longer than ever before. From then on its readings carry no value until the number changes, and the
+//! and ten times more of them than ever before: readings, not seconds, because a computer that pauses once says nothing
+//! of how long the channel keeps a number. From then on its readings carry no value until the number changes, and the
 //! gap goes back to the first equal reading. A coarse channel shows such noise only when it is shaken for seconds without
 //! being moved; it may then be called stuck once when the shaking ends, and has kept its number for so long that the
 //! tenfold of it will not come again.
@@ -21,7 +22,7 @@ use trunnion_core::HostTime;
 use trunnion_core::reading::ProbeReading;
 
 const SHORTEST_STUCK: Duration = Duration::from_secs(2);
-const LONGER_THAN_EVER: u32 = 10;
+const MORE_THAN_EVER: u64 = 10;
 const LEAST_READINGS: u64 = 20;
 const WINDOW: Duration = Duration::from_millis(500);
 const WINDOW_READINGS: u32 = 32;
@@ -53,7 +54,8 @@ struct Channel {
     last_value: Option<HostTime>,
     without: Option<Without>,
     run: Option<Run>,
-    longest: Duration,
+    /// Most readings of one number so far.
+    longest: u64,
     stuck: bool,
     noise: Noise,
 }
@@ -132,14 +134,14 @@ impl Channel {
         let Some(run) = self.run.as_mut().filter(|run| run.raw == raw) else {
             let unstuck = self.open(at).filter(|_| self.stuck);
             if let Some(run) = self.run {
-                self.longest = self.longest.max(at - run.since);
+                self.longest = self.longest.max(run.readings);
             }
             (self.run, self.stuck) = (Some(Run { raw, since: at, readings: 1 }), false);
             return unstuck;
         };
         run.readings += 1;
-        let limit = SHORTEST_STUCK.max(self.longest * LONGER_THAN_EVER);
-        let too_long = at - run.since >= limit && run.readings >= LEAST_READINGS;
+        let most = LEAST_READINGS.max(self.longest.saturating_mul(MORE_THAN_EVER));
+        let too_long = at - run.since >= SHORTEST_STUCK && run.readings >= most;
         if self.stuck || !too_long || self.noise.restless_windows < RESTLESS_WINDOWS {
             return None;
         }
@@ -313,6 +315,16 @@ mod tests {
         };
         assert!(equal >= 300 && (5.9..6.2).contains(&to.seconds_since(from)), "{equal} {from:?} {to:?}");
         assert!(readings.iter().all(|reading| !reading.value_mm.is_nan()));
+    }
+
+    #[test]
+    fn a_pause_between_two_readings_does_not_hide_that_a_channel_is_stuck() {
+        let mut bench = Bench::new();
+        bench.run(10.0, |_, noise| 100.0 + 10.0 * noise);
+        bench.reading += 150; // three seconds without any
+        bench.run(10.0, |_, noise| 100.0 + 10.0 * noise);
+        let findings = bench.run(4.0, |_, _| 104.0).0;
+        assert!(matches!(findings[..], [Finding::Stuck { raw: 104, .. }]), "{findings:?}");
     }
 
     #[test]
