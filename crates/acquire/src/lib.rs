@@ -6,6 +6,7 @@
 
 mod axis_name;
 pub mod config;
+mod controller_stamp;
 pub mod credentials;
 pub mod discovery;
 pub mod driver;

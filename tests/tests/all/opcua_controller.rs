@@ -4,15 +4,17 @@
 use std::sync::Arc;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
+use tracing::level_filters::LevelFilter;
 use trunnion_acquire::discovery::{Roles, look, servers};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{parse_devices, start};
+use trunnion_acquire::{DeviceState, parse_devices, start};
 use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::reading::{AxisReading, Execution, Reading};
 use trunnion_core::{AxisValues, Joint};
 use trunnion_hil_sim::devices::opcua::ControllerConfig;
 use trunnion_hil_sim::devices::{CycleState, DeviceClock, Handle, TimeOrigin, World, opcua};
 use trunnion_service::clock::SystemClock;
+use trunnion_tests::log::Log;
 
 /// Longest wait for anything; the build machine may be busy.
 const LIMIT: Duration = Duration::from_secs(60);
@@ -49,8 +51,11 @@ impl World for Steady {
 }
 
 async fn controller(clock: DeviceClock) -> (Handle, String) {
+    controller_in(ControllerConfig::new(WALL_NS, clock)).await
+}
+
+async fn controller_in(config: ControllerConfig) -> (Handle, String) {
     let origin = TimeOrigin(tokio::time::Instant::now());
-    let config = ControllerConfig::new(WALL_NS, clock);
     let controller = opcua::spawn(Arc::new(Steady), config, origin, &[]).await.expect("a free address");
     let url = controller.url().expect("it has an address").to_owned();
     (controller, url)
@@ -109,4 +114,44 @@ async fn positions_are_those_of_the_moment_of_the_stamp() {
         "the axes are sampled 1 ms apart: {skew_ns:?} ns"
     );
     assert_eq!((programs[0].program.as_str(), programs[0].block.as_str()), ("O1", "N7"));
+}
+
+/// On one thread, so that everything is logged to this test.
+#[tokio::test]
+async fn a_user_is_let_in_by_the_password_of_its_file_and_no_log_has_it() {
+    const PASSWORD: &str = "op8Zw3xRk6Dt";
+    let (log, logging) = Log::begin(LevelFilter::TRACE);
+    let login = Some(("cell".into(), PASSWORD.into()));
+    let config = ControllerConfig { login, ..ControllerConfig::new(WALL_NS, DeviceClock::default()) };
+    let (controller, url) = controller_in(config).await;
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("opcua-password");
+    std::fs::write(&file, format!("{PASSWORD}7\n")).expect("written");
+    let table = format!(
+        "[[device]]\nname = \"cnc\"\ndriver = \"opcua\"\nurl = \"{url}\"\nlayout = \"sinumerik\"\naxes = \"XYZBC\"\n\
+         user = \"cell\"\npassword_file = '{}'\n",
+        file.display()
+    );
+    let devices = parse_devices("test.toml", &table).expect("the configuration is good");
+    let mut acquisition =
+        start(devices, Arc::new(SystemClock::start()), CancellationToken::new(), QUEUE_LENGTH);
+    let mut state = acquisition.states[0].clone();
+    let mut is = async |wanted: DeviceState| {
+        let waited = tokio::time::timeout(LIMIT, state.wait_for(|status| status.state == wanted)).await;
+        waited.expect("in time").expect("it runs").clone()
+    };
+    let refused = is(DeviceState::Refused).await;
+    let end = refused.last_end.map(|end| end.to_string()).unwrap_or_default();
+    assert!(end.contains("does not let cell in") && !end.contains(PASSWORD), "{end}");
+    std::fs::write(&file, format!("{PASSWORD}\n")).expect("written");
+    is(DeviceState::Streaming).await;
+    while let Ok(message) = acquisition.messages.try_recv() {
+        assert!(!format!("{message:?}").contains(PASSWORD), "{message:?}");
+    }
+    acquisition.stop().await;
+    controller.shutdown().await;
+    drop(logging);
+    let log = log.text();
+    assert!(log.contains("TRACE") && log.contains("opcua"), "{log}");
+    assert!(!log.contains(PASSWORD), "{log}");
 }

@@ -16,7 +16,7 @@ use super::relay;
 use super::value_faults::ValueFaults;
 use super::world::World;
 use nodes::{Nodes, Sampled};
-use opcua_server::{ServerBuilder, ServerEndpoint, ServerHandle};
+use opcua_server::{ServerBuilder, ServerEndpoint, ServerHandle, ServerUserToken};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -33,6 +33,8 @@ const DEVICE: &str = "OPC UA controller";
 const PUBLISHING_MS: u64 = 5;
 /// Values of an item, and notifications, kept for a client that is slow to fetch them.
 const QUEUE: usize = 1000;
+/// What the server calls its one user in its own settings.
+const USER: &str = "user";
 /// A server that is asked to stop closes its connections in this time.
 const STOP_LIMIT: Duration = Duration::from_secs(5);
 
@@ -54,6 +56,8 @@ pub struct ControllerConfig {
     pub wall_ns_at_origin: i64,
     /// Offset, rate error and wander of the wall clock.
     pub clock: DeviceClock,
+    /// User and password that the server asks for; everybody is let in without.
+    pub login: Option<(String, String)>,
 }
 
 impl ControllerConfig {
@@ -68,6 +72,7 @@ impl ControllerConfig {
             stagger_s: 1e-3,
             wall_ns_at_origin,
             clock,
+            login: None,
         }
     }
 
@@ -175,6 +180,7 @@ impl Floor {
         } else {
             (self.config.server.as_str(), &self.config.axes[..])
         };
+        let who = if self.config.login.is_some() { USER } else { "ANONYMOUS" };
         let mut builder = ServerBuilder::new()
             .application_name(server)
             .application_uri("urn:trunnion:virtual-controller")
@@ -183,10 +189,13 @@ impl Floor {
             .port(address.port())
             // Without encryption there are no certificates to keep.
             .pki_dir("/dev/null/none")
-            .add_endpoint("none", ServerEndpoint::new_none("/", &["ANONYMOUS".to_owned()]))
+            .add_endpoint("none", ServerEndpoint::new_none("/", &[who.to_owned()]))
             .discovery_urls(vec!["/".to_owned()])
             .subscription_poll_interval_ms(PUBLISHING_MS)
             .with_node_manager(nodes::manager());
+        if let Some((user, password)) = &self.config.login {
+            builder = builder.add_user_token(USER, ServerUserToken::user_pass(user, password));
+        }
         let limits = &mut builder.limits_mut().subscriptions;
         limits.min_sampling_interval_ms = 1e3 / self.config.rate_hz;
         limits.min_publishing_interval_ms = PUBLISHING_MS as f64;

@@ -1,6 +1,7 @@
 //! What the agent's data items mean, and the latest value of each.
 
 use crate::axis_name::letter_of;
+use crate::controller_stamp::of_measurement;
 use crate::execution::MTCONNECT;
 use std::collections::BTreeMap;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, TemperatureReading};
@@ -194,7 +195,7 @@ impl Model {
                     changed.items.clear();
                 }
                 changed.items.push(&observation.data_item_id);
-                changed.stamp_ns = observation.timestamp_ns;
+                changed.stamp_ns = of_measurement(observation.timestamp_ns).unwrap_or_default();
                 self.set_controller(observation);
             } else if let Some(name) = self.items.temperatures.get(&observation.data_item_id) {
                 let degc = number(&observation.value).unwrap_or(f64::NAN);
@@ -223,7 +224,7 @@ impl Model {
     }
 
     fn set_axis(&mut self, letter: Joint, observation: &Observation, arrival: HostTime) {
-        let value = number(&observation.value);
+        let value = number(&observation.value).filter(|_| of_measurement(observation.timestamp_ns).is_some());
         self.position[letter] = value.map(|v| if letter.is_rotary() { convert::rad_from_deg(v) } else { v });
         self.stamps[letter] = observation.timestamp_ns;
         self.sequence = observation.sequence;
@@ -303,4 +304,91 @@ fn is_on(text: &str) -> bool {
         |_| ["ON", "ACTIVE", "CLOSED", "TRUE", "YES", "HIGH"].contains(&text.to_uppercase().as_str()),
         |number| number != 0.0,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const IDS: [&str; 8] = ["x", "c", "execution", "program", "block", "signal", "room", "other"];
+
+    fn model() -> Model {
+        let mut axes = AxisValues::default();
+        (axes[Joint::X], axes[Joint::C]) = (Some("x".into()), Some("c".into()));
+        let [execution, program, block, signal] =
+            ["execution", "program", "block", "signal"].map(|id| Some(id.to_owned()));
+        let temperatures = BTreeMap::from([("room".into(), "room".into())]);
+        Model::new(Items { axes, execution, program, block, signal, temperatures })
+    }
+
+    fn observation(id: &str, value: ObservedValue, timestamp_ns: i64, sequence: u64) -> Observation {
+        Observation {
+            data_item_id: id.into(),
+            device: String::new(),
+            component: String::new(),
+            component_id: String::new(),
+            category: Category::Sample,
+            kind: "Position".into(),
+            sub_type: None,
+            sequence,
+            timestamp_ns,
+            value,
+        }
+    }
+
+    fn taken(model: &mut Model, observations: Vec<Observation>, arrival_ns: i64) -> Vec<Reading> {
+        model.take(&StreamsDocument { observations, ..StreamsDocument::default() }, HostTime(arrival_ns))
+    }
+
+    #[test]
+    fn positions_with_a_stamp_that_is_no_time_are_no_positions() {
+        let of = |stamp_ns: i64| {
+            ["x", "c"].map(|id| observation(id, ObservedValue::Number(1.0), stamp_ns, 1)).to_vec()
+        };
+        let mut model = model();
+        for none in [-1, i64::MIN, i64::MAX] {
+            assert!(taken(&mut model, of(none), 1).is_empty(), "{none}");
+            assert!(model.began_absence().is_some() || model.absent_since.is_some());
+        }
+        let readings = taken(&mut model, of(1_700_000_000_000_000_000), 2);
+        assert!(matches!(readings[..], [Reading::Axes(_)]), "{readings:?}");
+        assert_eq!(model.ended_absence(), Some((HostTime(1), HostTime(2))));
+    }
+
+    fn any_stamp() -> impl Strategy<Value = i64> {
+        let usual = 1_700_000_000_000_000_000..1_700_000_001_000_000_000_i64;
+        prop_oneof![usual, any::<i64>(), Just(i64::MIN), Just(i64::MAX), Just(0)]
+    }
+
+    fn any_value() -> impl Strategy<Value = ObservedValue> {
+        prop_oneof![
+            prop_oneof![any::<f64>(), Just(f64::NAN), Just(f64::MAX)].prop_map(ObservedValue::Number),
+            ".{0,12}".prop_map(ObservedValue::Text),
+            Just(ObservedValue::Unavailable),
+        ]
+    }
+
+    proptest! {
+        /// Whatever an agent sends, in whatever order.
+        #[test]
+        fn no_observations_panic_and_stamps_are_times(
+            documents in prop::collection::vec(
+                (prop::collection::vec((0..IDS.len(), any_value(), any_stamp(), any::<u64>()), 0..10), 0_i64..10_000_000_000), 1..10),
+        ) {
+            let (mut model, mut arrival_ns) = (model(), 0);
+            for (observations, later_ns) in documents {
+                arrival_ns += later_ns;
+                let observations = observations.into_iter()
+                    .map(|(id, value, stamp_ns, sequence)| observation(IDS[id], value, stamp_ns, sequence));
+                for reading in taken(&mut model, observations.collect(), arrival_ns) {
+                    match reading {
+                        Reading::Axes(axes) => prop_assert!(axes.stamp_ns >= 0, "{axes:?}"),
+                        Reading::Controller(controller) => prop_assert!(controller.stamp_ns >= 0, "{controller:?}"),
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
 }

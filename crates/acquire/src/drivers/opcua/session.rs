@@ -1,10 +1,14 @@
 //! One session: subscribe, bring the axes to common instants, report what the controller does.
 
+#[cfg(test)]
+mod tests;
+
 use super::connect::{self, Connection, end_of, limited};
 use super::instants::{Instant, Instants};
 use super::nodes::{self, Nodes};
 use super::settings::OpcUa;
 use super::status::{execution, is_on, number, text};
+use crate::controller_stamp::of_measurement;
 use crate::link::Link;
 use crate::session_end::SessionEnd;
 use opcua::client::{MonitoredItemMap, OnSubscriptionNotificationCore};
@@ -386,9 +390,10 @@ impl Model {
     }
 }
 
-/// Source time stamp, ns since 1970.
+/// Source time stamp, ns since 1970; `None` where it is no time of a measurement.
 fn stamp_ns(value: &DataValue) -> Option<i64> {
     let stamp: &DateTime = value.source_timestamp.as_ref().filter(|stamp| !stamp.is_null())?;
     let picoseconds = i64::from(value.source_picoseconds.unwrap_or(0)) * 10;
-    Some((stamp.ticks() - TICKS_TO_1970) * 100 + picoseconds / 1000)
+    let whole_ns = stamp.ticks().checked_sub(TICKS_TO_1970)?.checked_mul(100)?;
+    of_measurement(whole_ns.checked_add(picoseconds / 1000)?)
 }
