@@ -1,7 +1,20 @@
-//! The value of a password when it is needed.
+//! User and password of a device: its keys, and the value of a password when it is needed.
 
 use std::path::{Path, PathBuf};
 use trunnion_core::Secret;
+use trunnion_core::input::Table;
+
+/// Reads `user` with `password` or `password_file`; one without the other is a problem.
+pub fn read_login(table: &Table<'_>) -> Option<(String, Secret)> {
+    match (table.optional_string("user"), Secret::read(table)) {
+        (Some(user), Some(password)) => Some((user, password)),
+        (None, None) => None,
+        _ => {
+            table.problem("user", "is not complete", "user with either password or password_file", "");
+            None
+        }
+    }
+}
 
 /// The password as given, or what its file holds without the end of the line.
 ///

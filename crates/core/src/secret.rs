@@ -40,6 +40,24 @@ impl Secret {
         file.or(given)
     }
 
+    /// Reads a required address. Messages, recordings and pages show addresses, so one with a user or a password is a problem,
+    /// whose text does not hold it.
+    pub fn read_address(table: &Table<'_>, key: &str) -> Option<String> {
+        let address = table.string(key)?;
+        // A host has no scheme before its login.
+        let of_host = !address.contains("://") && address.contains('@');
+        if logins(&address).is_empty() && !of_host {
+            return Some(address);
+        }
+        table.problem(
+            key,
+            "holds a user or a password",
+            "an address without them",
+            "Messages and recordings show it. Give user and password_file in its table.",
+        );
+        None
+    }
+
     /// Reads a key that names a file of a secret.
     pub fn read_file(table: &Table<'_>, key: &str) -> Option<Self> {
         let name = table.optional_string(key)?;
@@ -53,14 +71,25 @@ const LEFT_OUT: &str = "left out";
 const WORDS: [&str; 5] = ["password", "passphrase", "secret", "token", "credential"];
 
 /// A hand-written file without its secrets: values of keys that end in the word for one, users and passwords in addresses, and
-/// comments that speak of either. A text that is no TOML is left out whole.
+/// comments that speak of either, repeat one or stand behind one. A text that is no TOML is left out whole.
 pub fn redacted(text: &str) -> String {
     let Some(spans) = spans(text) else { return format!("# {LEFT_OUT}: not readable as TOML\n") };
     let mut cuts = of_values(text, &spans);
+    let values: Vec<Range<usize>> = cuts.iter().map(|(value, _)| value.clone()).collect();
+    let secrets: Vec<&str> = values
+        .iter()
+        .map(|value| text[value.clone()].trim_matches(['"', '\'']))
+        .filter(|secret| !secret.is_empty() && *secret != LEFT_OUT)
+        .collect();
     for comment in comments(text, &spans.all()) {
-        let written =
-            text[comment.clone()].to_lowercase().replace("password_file", "").replace("token_file", "");
-        if WORDS.iter().any(|word| written.contains(word)) || login(&written).is_some() {
+        let written = &text[comment.clone()];
+        let repeats = secrets.iter().any(|secret| written.contains(secret));
+        let is_behind = |value: &Range<usize>| {
+            text.get(value.end..comment.start).is_some_and(|between| !between.contains('\n'))
+        };
+        let written = written.to_lowercase().replace("password_file", "").replace("token_file", "");
+        let speaks = WORDS.iter().any(|word| written.contains(word)) || !logins(&written).is_empty();
+        if speaks || repeats || values.iter().any(is_behind) {
             cuts.push((comment, format!("# {LEFT_OUT}")));
         }
     }
@@ -81,12 +110,16 @@ pub fn holds_secret(text: &str) -> bool {
 
 /// Places of the values that are secrets, with what stands there instead.
 fn of_values(text: &str, spans: &Spans) -> Vec<(Range<usize>, String)> {
-    let cut = |(key, value): &(String, Range<usize>)| match login(&text[value.clone()]) {
-        _ if is_secret(key) => Some((value.clone(), format!("\"{LEFT_OUT}\""))),
-        Some(login) => Some((value.start + login.start..value.start + login.end, LEFT_OUT.replace(' ', "-"))),
-        None => None,
+    let cuts = |(key, value): &(String, Range<usize>)| {
+        if is_secret(key) {
+            return vec![(value.clone(), format!("\"{LEFT_OUT}\""))];
+        }
+        let cut = |login: Range<usize>| {
+            (value.start + login.start..value.start + login.end, LEFT_OUT.replace(' ', "-"))
+        };
+        logins(&text[value.clone()]).into_iter().map(cut).collect()
     };
-    spans.values.iter().filter_map(cut).collect()
+    spans.values.iter().flat_map(cuts).collect()
 }
 
 /// `password`, `mqtt_password`, `token`; not `password_file`, which says where it is.
@@ -95,11 +128,22 @@ fn is_secret(key: &str) -> bool {
     WORDS.iter().any(|word| key.ends_with(word))
 }
 
-/// `user:password` of an address `scheme://user:password@host`.
-fn login(text: &str) -> Option<Range<usize>> {
-    let start = text.find("://")? + "://".len();
-    let length = text[start..].find(['/', '"', '\'', ' ', '?']).unwrap_or(text.len() - start);
-    let end = text[start..start + length].rfind('@')?;
+/// `user:password` of each address `scheme://user:password@host`.
+fn logins(text: &str) -> Vec<Range<usize>> {
+    let starts: Vec<_> = text.match_indices("://").map(|(at, sign)| at + sign.len()).collect();
+    let ends = starts.iter().skip(1).copied().chain([text.len()]);
+    starts.iter().zip(ends).filter_map(|(&start, end)| login(&text[start..end], start)).collect()
+}
+
+/// The login of one address without its scheme, which begins at `start` of the whole.
+///
+/// Host and port end before the first of `/ ? #`, a space or a quote (RFC 3986, section 3.2). What follows a colon there and is no
+/// port is the beginning of a password that holds such a sign: its login goes on to the last `@`.
+fn login(address: &str, start: usize) -> Option<Range<usize>> {
+    let authority = &address[..address.find(['/', '?', '#', '"', '\'', ' ']).unwrap_or(address.len())];
+    let port = authority.rsplit_once(':').map_or("", |(_, port)| port.trim_end_matches(']'));
+    let is_host = port.chars().all(|sign| sign.is_ascii_digit()) || authority.contains('[');
+    let end = authority.rfind('@').or_else(|| address.rfind('@').filter(|_| !is_host))?;
     Some(start..start + end)
 }
 
@@ -160,6 +204,48 @@ text = """
         assert_eq!(redacted(where_it_is), where_it_is);
         assert!(holds_secret(FILE) && !holds_secret(where_it_is));
         assert!(!redacted("password = \"hunter2").contains("hunter2"));
+    }
+
+    #[test]
+    fn every_login_of_every_address_is_left_out() {
+        for (address, kept) in [
+            ("http://cell:hunter2@cnc:5000/a?b=c@d", "http://left-out@cnc:5000/a?b=c@d"),
+            ("http://cell:hun/ter2@cnc", "http://left-out@cnc"),
+            ("http://cell:hun?ter 2@cnc/x", "http://left-out@cnc/x"),
+            ("http://cell:h@unter2@cnc", "http://left-out@cnc"),
+            ("http://a, http://cell:hunter2@b", "http://a, http://left-out@b"),
+            ("http://x:hunter2@a http://y:hunter2@b", "http://left-out@a http://left-out@b"),
+        ] {
+            assert_eq!(redacted(&format!("a = \"{address}\"")), format!("a = \"{kept}\""));
+            assert!(!redacted(&format!("# {address}")).contains("ter"));
+            let text = format!("url = \"{address}\"");
+            let document = Document::parse("trunnion.toml", &text).unwrap();
+            assert_eq!(Secret::read_address(&document.root(), "url"), None);
+            let problem = document.finish(None::<()>).unwrap_err().to_string();
+            assert!(
+                problem.contains("url holds a user or a password") && !problem.contains("ter2"),
+                "{problem}"
+            );
+        }
+        let document = Document::parse("trunnion.toml", "host = \"cell:hunter2@broker\"").unwrap();
+        assert_eq!(Secret::read_address(&document.root(), "host"), None, "a host has no scheme");
+        for address in
+            ["http://cnc:5000/a@b", "opc.tcp://[fe80::1]:4840", "http://[fe80::1:ab]/a@b", "linuxcnc://cnc"]
+        {
+            let text = format!("url = \"{address}\"");
+            assert_eq!(redacted(&text), text);
+            let document = Document::parse("trunnion.toml", &text).unwrap();
+            assert_eq!(Secret::read_address(&document.root(), "url").as_deref(), Some(address));
+        }
+    }
+
+    #[test]
+    fn a_comment_that_repeats_a_secret_or_stands_behind_one_is_left_out() {
+        let text = "# it is hunter2\n[mqtt]\npassword = 'hunter2' # hunter1 before\nport = 1 # usual\nurl = \"http://a:b@c\" # b\n";
+        let out = redacted(text);
+        let expected = "# left out\n[mqtt]\npassword = \"left out\" # left out\nport = 1 # usual\nurl = \"http://left-out@c\" # left out\n";
+        assert_eq!(out, expected);
+        assert_eq!(redacted(&out), out, "nothing is left to take out");
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Machines and texts from the names and paths that a user gives.
 
 use crate::Error;
+use std::fs::OpenOptions;
 use std::io::Write;
+use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use trunnion_core::names;
 use trunnion_machine::{Machine, shipped};
@@ -59,7 +61,8 @@ fn decoded(bytes: Vec<u8>) -> Result<String, String> {
     String::from_utf16(&units).map_err(|error| format!("it is no text in UTF-16: {error}"))
 }
 
-/// Writes a text file whole or not at all: next to it first, then under its name.
+/// Writes a text file whole or not at all: next to it first, then under its name. Who could not read the file before can read
+/// neither: a configuration may hold a password.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -68,7 +71,12 @@ pub fn write_whole(path: &Path, text: &str) -> Result<(), Error> {
     name.push(format!(".{}.tmp", std::process::id()));
     let beside: PathBuf = path.with_file_name(name);
     let write = || {
-        let mut file = std::fs::File::create(&beside)?;
+        let mut options = OpenOptions::new();
+        options.write(true).create(true).truncate(true);
+        if let Ok(before) = std::fs::metadata(path) {
+            options.mode(before.permissions().mode() & 0o777);
+        }
+        let mut file = options.open(&beside)?;
         file.write_all(text.as_bytes())?;
         file.sync_all()?;
         std::fs::rename(&beside, path)
@@ -78,4 +86,20 @@ pub fn write_whole(path: &Path, text: &str) -> Result<(), Error> {
         std::fs::remove_file(&beside).ok();
         Error::write(path)(error)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_others_cannot_read_stays_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trunnion.toml");
+        write_whole(&path, "new").unwrap();
+        std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600)).unwrap();
+        write_whole(&path, "again").unwrap();
+        assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "again");
+    }
 }

@@ -54,7 +54,7 @@ struct LinuxCnc {
 }
 
 fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
-    let host = table.string("host");
+    let host = Secret::read_address(table, "host");
     let port = table.optional_number("port", 1.0..=65_535.0).unwrap_or(f64::from(PORT)) as u16;
     let joints = table.string("joints").and_then(|text| {
         let letters: Vec<_> = text.split_whitespace().flat_map(str::chars).collect();

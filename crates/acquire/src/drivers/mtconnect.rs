@@ -2,7 +2,7 @@
 //! `signal` (id or name of a data item that begins and ends cycles, see `cycle_bounds`), and a table `axes` that names
 //! the data item of an axis (`axes = { C = "Cpos" }`, id or name) where it cannot be found by itself: `Position` of a
 //! `Linear` or `Angle` of a `Rotary` component, `ACTUAL`, machine coordinates, whose component is named after the axis
-//! (`C`, `C1`).
+//! (`C`, `C1`). `user` with `password_file` or `password` where the agent's web server asks for them (Basic, RFC 7617).
 //!
 //! The session asks `/probe`, `/current`, then streams `/sample` from the next sequence number. A changed `instanceId` ends
 //! it (`Restarted`). When the agent no longer has what we ask for (`OUT_OF_RANGE`) it goes on from `/current` and records
@@ -15,13 +15,13 @@ use crate::driver::{Device, Driver, Session};
 use crate::link::Link;
 use crate::session_end::SessionEnd;
 use crate::transport::http;
-use hyper::Uri;
+use crate::transport::http_login::HttpLogin;
 use model::{Items, Model};
 use std::convert::Infallible;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use trunnion_core::input::Table;
-use trunnion_core::{AxisValues, Joint, Role};
+use trunnion_core::{AxisValues, Joint, Role, Secret};
 use trunnion_protocol::mtconnect;
 use trunnion_protocol::mtconnect::{DevicesDocument, Document, MultipartDecoder, StreamsDocument};
 
@@ -40,7 +40,7 @@ const HEARTBEAT_MS: u32 = 100;
 #[derive(Debug)]
 struct MtConnect {
     url: String,
-    base: Uri,
+    server: http::Server,
     device: Option<String>,
     interval_ms: u32,
     axes: AxisValues<Option<String>>,
@@ -50,12 +50,13 @@ struct MtConnect {
 }
 
 fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
-    let url = table.string("url");
+    let url = Secret::read_address(table, "url");
     let base = url.as_deref().and_then(|url| {
         http::parse_base(url)
             .map_err(|why| table.problem("url", format!("= \"{url}\" {why}"), "http://host:port", ""))
             .ok()
     });
+    let login = HttpLogin::read(table);
     let device = table.optional_string("device");
     let interval_ms = table.optional_number("interval_ms", 0.0..=1000.0).unwrap_or(10.0) as u32;
     let signal = table.optional_string("signal");
@@ -66,7 +67,7 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     }
     Some(Arc::new(MtConnect {
         url: url?,
-        base: base?,
+        server: http::Server { base: base?, login },
         device,
         interval_ms,
         axes,
@@ -178,7 +179,7 @@ impl MtConnect {
         let heartbeat = (link.silence.as_millis() as u32 / 4).min(HEARTBEAT_MS).max(self.interval_ms).max(10);
         let query =
             format!("/sample?from={from}&interval={}&count=1000&heartbeat={heartbeat}", self.interval_ms);
-        let mut answer = http::get(&self.base, &self.path(&query)).await?;
+        let mut answer = http::get(&self.server, &self.path(&query)).await?;
         if !answer.content_type.to_ascii_lowercase().starts_with("multipart/") {
             let body = answer.whole(link.silence).await?;
             return match parse(&body)? {
@@ -231,7 +232,7 @@ impl MtConnect {
     }
 
     async fn document(&self, query: &str, link: &Link) -> Result<Document, SessionEnd> {
-        let answer = http::get(&self.base, &self.path(query)).await?;
+        let answer = http::get(&self.server, &self.path(query)).await?;
         parse(&answer.whole(link.silence.max(Duration::from_secs(2))).await?)
     }
 }

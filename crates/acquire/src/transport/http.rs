@@ -1,5 +1,6 @@
 //! HTTP/1.1 GET over plain TCP, whole answers and streams, with limits on connecting, on each read, and on size.
 
+use super::http_login::{HttpLogin, refusal};
 use super::tcp::{self, CONNECT_LIMIT};
 use crate::session_end::SessionEnd;
 use http_body_util::{BodyExt, Empty};
@@ -11,6 +12,15 @@ use std::time::Duration;
 use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout};
 use trunnion_protocol::mtconnect::MAX_BODY_BYTES;
+
+/// Whom to ask.
+#[derive(Clone, Debug)]
+pub struct Server {
+    /// Its address.
+    pub base: Uri,
+    /// Who we are for it.
+    pub login: Option<HttpLogin>,
+}
 
 /// An answer whose body is still coming.
 pub struct Answer {
@@ -41,11 +51,12 @@ pub fn parse_base(url: &str) -> Result<Uri, String> {
     Ok(uri)
 }
 
-/// Asks for `base` + `path`, for example `/probe`. Cancel safe: a dropped request closes its connection.
+/// Asks for the base address + `path`, for example `/probe`. Cancel safe: a dropped request closes its connection.
 ///
 /// # Errors
-/// `Absent` when nobody listens, `Silent` when the answer stays out, `Disconnected`.
-pub async fn get(base: &Uri, path: &str) -> Result<Answer, SessionEnd> {
+/// `Absent` when nobody listens, `Silent` when the answer stays out, `Refused` when it does not let us in, `Disconnected`.
+pub async fn get(Server { base, login }: &Server, path: &str) -> Result<Answer, SessionEnd> {
+    let authorization = login.as_ref().map(|login| login.authorization(&base.to_string())).transpose()?;
     let host = base.host().unwrap_or_default();
     let port = base.port_u16().unwrap_or(80);
     let stream = tcp::connect(host.trim_matches(['[', ']']), port, &base.to_string()).await?;
@@ -60,13 +71,17 @@ pub async fn get(base: &Uri, path: &str) -> Result<Answer, SessionEnd> {
     }));
     let target = format!("{}{path}", base.path().trim_end_matches('/'));
     let authority = base.authority().map_or(host, |authority| authority.as_str());
-    let request = Request::get(target)
+    let mut request = Request::get(target)
         .header(header::HOST, authority)
         .header(header::USER_AGENT, concat!("trunnion/", env!("CARGO_PKG_VERSION")))
         .body(Empty::<Bytes>::new())
         .map_err(|error| SessionEnd::Protocol { doing: "building a request", fault: error.to_string() })?;
+    request.headers_mut().extend(authorization.map(|value| (header::AUTHORIZATION, value)));
     let response = timeout(CONNECT_LIMIT, sender.send_request(request)).await;
     let response = response.map_err(|_| silent(base, CONNECT_LIMIT))?.map_err(lost)?;
+    if let Some(why) = refusal(login.as_ref(), response.status(), response.headers()) {
+        return Err(SessionEnd::Refused { address: base.to_string(), why });
+    }
     let content_type = response.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok());
     Ok(Answer {
         status: response.status(),
@@ -154,7 +169,7 @@ mod tests {
     use tokio::io::AsyncWriteExt;
 
     /// A byte every 20 ms, without end.
-    async fn drips() -> Uri {
+    async fn drips() -> Server {
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let base = parse_base(&format!("http://{}", listener.local_addr().unwrap())).unwrap();
         tokio::spawn(async move {
@@ -164,7 +179,7 @@ mod tests {
                 tokio::time::sleep(Duration::from_millis(20)).await;
             }
         });
-        base
+        Server { base, login: None }
     }
 
     #[tokio::test]

@@ -2,6 +2,7 @@
 
 pub mod asked;
 pub mod http;
+pub mod http_login;
 pub mod serial;
 pub mod tcp;
 pub mod trouble;

@@ -49,11 +49,17 @@ async fn bench_in(world: Arc<SimulatedCell>, config: ServerConfig, keys: &str) -
 
 /// The same world behind an MTConnect agent.
 async fn agent_bench(world: Arc<SimulatedCell>) -> Bench {
+    agent_bench_in(world, None, "").await
+}
+
+/// The same behind an agent that asks for this login, with further keys of the device.
+async fn agent_bench_in(world: Arc<SimulatedCell>, login: Option<(&str, &str)>, keys: &str) -> Bench {
     let origin = Instant::now();
-    let config = AgentConfig::new(1_767_225_600_000_000_000, DeviceClock::default());
+    let login = login.map(|(user, password)| (user.to_owned(), password.to_owned()));
+    let config = AgentConfig { login, ..AgentConfig::new(1_767_225_600_000_000_000, DeviceClock::default()) };
     let server = mtconnect::spawn(world.clone(), config, TimeOrigin(origin.into()), &[]).await.unwrap();
     let url = server.address().to_string();
-    let text = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
+    let text = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n{keys}");
     let acquisition = read(&text, Arc::new(SinceStart(origin)));
     Bench { world, server, acquisition }
 }
@@ -180,6 +186,35 @@ async fn another_linuxcnc_a_wrong_password_and_another_program_are_refused_with_
     let status = bench3.status(|status| status.state == DeviceState::WrongDevice).await;
     let end = status.last_end.unwrap().to_string();
     assert!(end.contains("EMCNETSVR") && end.contains("MILL-2"), "{end}");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn an_agent_that_asks_for_a_user_is_read_with_its_password_and_says_what_to_do_without() {
+    const LOGIN: Option<(&str, &str)> = Some(("cell", "a:b \u{fc}"));
+    let refused = async |keys: &str, words: &str| {
+        let bench = agent_bench_in(turning(), LOGIN, keys).await;
+        let status = bench.status(|status| status.state == DeviceState::Refused).await;
+        let end = status.last_end.unwrap().to_string();
+        assert!(end.contains(words), "{end}");
+        bench.acquisition.stop().await;
+    };
+    refused("", "the agent asks for a user and a password: give `user` and `password_file`").await;
+    let other = "user = \"other\"\npassword = \"a:b \u{fc}\"\n";
+    refused(other, "the agent refuses user other: check `user` and `password_file`").await;
+
+    // The file is mended while the device is tried again.
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("agent-password");
+    std::fs::write(&file, "wrong\n").unwrap();
+    let keys = format!("user = \"cell\"\npassword_file = '{}'\n", file.display());
+    let mut bench = agent_bench_in(turning(), LOGIN, &keys).await;
+    let status = bench.status(|status| status.state == DeviceState::Refused).await;
+    let end = status.last_end.unwrap().to_string();
+    assert!(end.contains("the agent refuses user cell") && !end.contains("wrong"), "{end}");
+    std::fs::write(&file, "a:b \u{fc}\n").unwrap();
+    bench.axes().await;
+    bench.status(|status| status.state == DeviceState::Streaming).await;
+    bench.acquisition.stop().await;
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -25,7 +25,7 @@ impl Broker {
 
     /// Reads its keys of `[mqtt]`.
     pub(super) fn read(table: &Table<'_>) -> Option<Self> {
-        let host = table.string("host");
+        let host = Secret::read_address(table, "host");
         let port = table.number("port", 1.0..=65_535.0);
         let user = table.optional_string("user");
         let password = Secret::read(table);

@@ -1,7 +1,7 @@
 //! The token, once: the browser keeps a cookie then.
 
 use super::answer::Refusal;
-use super::context::{Answer, Page, wrong};
+use super::context::{Answer, Page};
 use axum::extract::State;
 use axum::extract::rejection::JsonRejection;
 use axum::http::header::SET_COOKIE;
@@ -26,7 +26,9 @@ struct Typed {
 }
 
 async fn login(State(page): State<Page>, body: Result<Json<Typed>, JsonRejection>) -> Answer {
-    let typed = body.map_err(wrong)?.0.token;
+    // What was sent is not said again: it may be the token in another shape.
+    let shape = |_| Refusal::Wrong("the body is no {\"token\": \"…\"}".into());
+    let typed = body.map_err(shape)?.0.token;
     if !page.access.is_token(&typed) {
         tracing::warn!("somebody gave a wrong token to the page");
         return Err(Refusal::WrongToken);

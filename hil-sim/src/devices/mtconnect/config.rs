@@ -31,6 +31,8 @@ pub struct AgentConfig {
     pub clock: DeviceClock,
     /// What the controller says of its program instead of what the machine does.
     pub shown: Vec<Shown>,
+    /// User and password that the agent's web server asks for (Basic, RFC 7617); none without.
+    pub login: Option<(String, String)>,
 }
 
 /// A state of the program, shown for a while.
@@ -60,6 +62,7 @@ impl AgentConfig {
             wall_ns_at_origin,
             clock,
             shown: Vec::new(),
+            login: None,
         }
     }
 

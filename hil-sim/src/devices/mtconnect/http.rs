@@ -5,7 +5,10 @@ use super::controller::Controller;
 use super::request::{Request, Sample};
 use super::wall_clock::WallClock;
 use crate::devices::faults::damage;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use hyper::body::{Body, Bytes, Frame, Incoming};
+use hyper::header::{AUTHORIZATION, HeaderValue, WWW_AUTHENTICATE};
 use hyper::service::service_fn;
 use hyper::{Method, Response, StatusCode};
 use hyper_util::rt::TokioIo;
@@ -37,6 +40,8 @@ pub(super) struct Shared {
     pub devices: Vec<Device>,
     /// Name of the device.
     pub device: String,
+    /// User and password, where they are asked for.
+    pub login: Option<(String, String)>,
     /// Bytes still to damage.
     pub garble: Mutex<usize>,
     pub clock: WallClock,
@@ -72,6 +77,18 @@ impl Shared {
     fn outgoing(&self, mut body: Vec<u8>) -> Bytes {
         damage(&mut body, &mut lock(&self.garble), 0);
         body.into()
+    }
+
+    /// Whether a request with this `Authorization` is let in: "Basic", then user ":" password in base64 (RFC 7617, section 2).
+    fn lets_in(&self, authorization: Option<&HeaderValue>) -> bool {
+        let Some(login) = &self.login else { return true };
+        let given = || {
+            let (kind, coded) = authorization?.to_str().ok()?.split_once(' ')?;
+            let decoded = String::from_utf8(STANDARD.decode(coded).ok()?).ok()?;
+            let (user, password) = decoded.split_once(':')?;
+            Some(kind.eq_ignore_ascii_case("basic") && (user, password) == (&*login.0, &*login.1))
+        };
+        given().unwrap_or(false)
     }
 
     fn error(&self, code: &str, text: &str) -> ErrorDocument {
@@ -115,6 +132,14 @@ async fn answer(
     agent: Arc<Shared>,
     request: hyper::Request<Incoming>,
 ) -> Result<Response<AnswerBody>, Infallible> {
+    if !agent.lets_in(request.headers().get(AUTHORIZATION)) {
+        let body = AnswerBody::Document(Some(Bytes::from_static(b"401")));
+        let mut refused = response(StatusCode::UNAUTHORIZED, "text/plain", body);
+        refused
+            .headers_mut()
+            .insert(WWW_AUTHENTICATE, HeaderValue::from_static("Basic realm=\"cell\", charset=\"UTF-8\""));
+        return Ok(refused);
+    }
     if request.method() != Method::GET {
         let error = agent.error("UNSUPPORTED", "Only the HTTP GET method is supported");
         return Ok(refusal(&agent, &error));

@@ -134,6 +134,7 @@ impl Floor {
             news: watch::channel(0).0,
             devices: controller.devices(),
             device: self.config.device.clone(),
+            login: self.config.login.clone(),
             garble: Mutex::new(0),
             clock: controller.wall_clock(self.origin),
         })

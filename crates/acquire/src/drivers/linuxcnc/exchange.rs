@@ -39,6 +39,11 @@ pub(super) fn unexpected(answered: &Answered) -> SessionEnd {
     SessionEnd::Protocol { doing: "asking LinuxCNC", fault: format!("it answered {:?}", answered.reply) }
 }
 
+/// What a line with the password is called in place of the line.
+const REPEATS: &str = "something that repeats the password";
+/// So many signs of a password in a row are not shown: a damaged line may have lost the others.
+const LONGEST_PART: usize = 4;
+
 /// A request is made so often before its answer is believed.
 const ATTEMPTS: u32 = 5;
 
@@ -50,6 +55,8 @@ pub(super) struct Exchange {
     waiting: VecDeque<String>,
     silence: Duration,
     repeated: u64,
+    /// Is in no message; a server of another kind repeats it.
+    password: String,
 }
 
 impl Exchange {
@@ -61,7 +68,8 @@ impl Exchange {
     ) -> Result<Self, SessionEnd> {
         let stream = tcp::connect(host, port, address).await?;
         let (lines, waiting) = (Lines::default(), VecDeque::new());
-        Ok(Self { stream, address: address.into(), lines, waiting, silence, repeated: 0 })
+        let (repeated, password) = (0, String::new());
+        Ok(Self { stream, address: address.into(), lines, waiting, silence, repeated, password })
     }
 
     /// Name and version of the server. Afterwards it no longer repeats what it is asked.
@@ -70,6 +78,7 @@ impl Exchange {
         password: &str,
         link: &Link,
     ) -> Result<(String, String), SessionEnd> {
+        password.clone_into(&mut self.password);
         let hello = Request::Hello { password: password.into() };
         let answered = self.repeat(&hello, link, |reply| matches!(reply, Reply::Hello { .. })).await?;
         let (server, version) = match answered.reply {
@@ -134,17 +143,32 @@ impl Exchange {
             let line = self.line().await?;
             match parse_reply(&line) {
                 Ok(None) => {}
+                Ok(Some(Reply::Refused(_))) if self.has_password(&line) => {
+                    return Err(protocol(REPEATS.into()));
+                }
                 Ok(Some(reply)) => return Ok(Answered { reply, asked, arrival: link.now() }),
                 Err(error) if matches!(request, Request::Hello { .. }) && line.is_ascii() => {
-                    return Err(SessionEnd::WrongDevice {
-                        found: format!("something that says \"{}\"", error.line),
-                        expected: "linuxcncrsh; give the port after -p of linuxcncrsh".into(),
-                    });
+                    let found = match self.has_password(&line) {
+                        true => REPEATS.into(),
+                        false => format!("something that says \"{}\"", error.line),
+                    };
+                    let expected = "linuxcncrsh; give the port after -p of linuxcncrsh".into();
+                    return Err(SessionEnd::WrongDevice { found, expected });
                 }
+                Err(_) if self.has_password(&line) => return Err(protocol(REPEATS.into())),
                 // The answers no longer belong to their questions: begin again.
                 Err(error) => return Err(protocol(error.to_string())),
             }
         }
+    }
+
+    /// Whether a line has the password or a part of it that gives it away. The password that everybody knows is none.
+    fn has_password(&self, line: &str) -> bool {
+        let letters: Vec<char> = self.password.chars().collect();
+        let part = letters.len().min(LONGEST_PART);
+        self.password != PASSWORD
+            && part > 0
+            && letters.windows(part).any(|part| line.contains(&part.iter().collect::<String>()))
     }
 
     /// Answers that came without a question would pass for those of the next one, and every later answer for that of the

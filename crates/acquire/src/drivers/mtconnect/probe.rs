@@ -1,4 +1,4 @@
-//! Is there an MTConnect agent at a URL? `/probe` describes its devices.
+//! Is there an MTConnect agent at a URL? `/probe` describes its devices, where it asks for no password.
 
 use crate::probe::{Answer, Found, Medium, Probe, Scheme};
 use crate::session_end::SessionEnd;
@@ -21,7 +21,8 @@ async fn at(url: &str) -> Answer {
 async fn ask(url: &str) -> Result<Answer, SessionEnd> {
     let refused = |why| SessionEnd::Refused { address: url.to_owned(), why };
     let base = http::parse_base(url).map_err(refused)?;
-    let body = http::get(&base, "/probe").await?.whole(LIMIT).await?;
+    let server = http::Server { base, login: None };
+    let body = http::get(&server, "/probe").await?.whole(LIMIT).await?;
     let Ok(Document::Devices(document)) = parse(&body) else {
         return Ok(Answer::none_in(&body));
     };

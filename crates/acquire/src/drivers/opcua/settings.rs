@@ -1,5 +1,6 @@
 //! The keys of the `opcua` driver.
 
+use crate::credentials;
 use std::path::PathBuf;
 use std::time::Duration;
 use trunnion_core::input::Table;
@@ -47,7 +48,7 @@ pub(super) struct OpcUa {
 
 /// Reads the keys of the driver, noting problems.
 pub(super) fn read(table: &Table<'_>) -> Option<OpcUa> {
-    let url = table.string("url");
+    let url = Secret::read_address(table, "url");
     let is_url = |url: &String| url.strip_prefix("opc.tcp://").is_some_and(|rest| !rest.is_empty());
     if let Some(url) = url.as_ref().filter(|url| !is_url(url)) {
         table.problem("url", format!("= \"{url}\""), "opc.tcp://host:port", "");
@@ -71,15 +72,7 @@ pub(super) fn read(table: &Table<'_>) -> Option<OpcUa> {
         _ => certificates = None,
     }
     let server_certificate = table.optional_string("server_certificate").map(PathBuf::from);
-    let user = table.optional_string("user");
-    let user = match (user, Secret::read(table)) {
-        (Some(user), Some(password)) => Some((user, password)),
-        (None, None) => None,
-        _ => {
-            table.problem("user", "is not complete", "user with either password or password_file", "");
-            None
-        }
-    };
+    let user = credentials::read_login(table);
     Some(OpcUa {
         url: url?,
         layout: layout?,
