@@ -24,6 +24,12 @@ pub enum RecordError {
         /// The cause.
         source: mcap::McapError,
     },
+    /// The file that is written is not there any more.
+    #[error("{} is not there any more: it or its folder was removed or moved while it was recorded", path.display())]
+    Gone {
+        /// The file.
+        path: PathBuf,
+    },
     /// A recording of this name exists.
     #[error("{} exists already; choose another name, or run recovery if it is left over", path.display())]
     Exists {

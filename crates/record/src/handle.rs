@@ -198,7 +198,7 @@ fn record(
         write_overflow(&mut recorder, shared, clock);
         if clock.now() - synced >= SYNC {
             synced = clock.now();
-            if let Err(error) = recorder.sync() {
+            if let Err(error) = recorder.sync(synced) {
                 tracing::warn!("{error}");
             }
         }

@@ -13,6 +13,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use trunnion_core::secret::redacted;
 
@@ -40,12 +41,20 @@ pub type Opened = (Box<dyn JournalFile>, Box<dyn Fn() -> io::Result<()> + Send>)
 /// How journals are opened; tests put a full disk here.
 pub type OpenJournal = Box<dyn FnMut(&Path) -> io::Result<Opened> + Send>;
 
-/// Creates a new file and locks it.
+/// Creates a new file and locks it. Bringing it to the disk also looks whether it is still there: `NotFound` when it is not.
 pub fn open_locked(path: &Path) -> io::Result<Opened> {
     let file = File::options().write(true).create_new(true).open(path)?;
     file.try_lock()?;
-    let same = file.try_clone()?;
-    Ok((Box::new(file), Box::new(move || same.sync_data())))
+    let (same, path) = (file.try_clone()?, path.to_owned());
+    Ok((Box::new(file), Box::new(move || same.sync_data().and_then(|()| in_place(&same, &path)))))
+}
+
+/// A file that was removed, or whose folder was, takes what is written to it without a word. Only a file without a name that is
+/// not the one at its place counts: file systems on the network count names and number files as they like.
+fn in_place(file: &File, path: &Path) -> io::Result<()> {
+    let (ours, there) = (file.metadata()?, std::fs::metadata(path)?);
+    let is_another = ours.nlink() == 0 && ours.ino() != there.ino();
+    if is_another { Err(io::ErrorKind::NotFound.into()) } else { Ok(()) }
 }
 
 /// An open journal.
@@ -155,8 +164,14 @@ impl Journal {
     }
 
     /// Brings everything written to the disk.
+    ///
+    /// # Errors
+    /// `Gone` when the file is not there any more, else what the disk says.
     pub fn sync(&self) -> Result<(), RecordError> {
-        (self.sync)().map_err(RecordError::io("sync", &self.path))
+        (self.sync)().map_err(|source| match source.kind() {
+            io::ErrorKind::NotFound => RecordError::Gone { path: self.path.clone() },
+            _ => RecordError::Io { what: "sync", path: self.path.clone(), source },
+        })
     }
 
     /// Closes without writing another byte: after a failed write the file is over.

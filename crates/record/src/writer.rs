@@ -52,6 +52,16 @@ pub struct Recorder {
     points: u64,
     messages: u64,
     latest_s: f64,
+    /// What is in the open journal.
+    written: Written,
+}
+
+/// Samples of a journal.
+#[derive(Clone, Copy, Default)]
+struct Written {
+    samples: u64,
+    /// Time of the first message with samples.
+    from_s: Option<f64>,
 }
 
 impl Recorder {
@@ -69,7 +79,6 @@ impl Recorder {
         header: &RunHeader,
         open: OpenJournal,
     ) -> Result<Self, RecordError> {
-        std::fs::create_dir_all(dir).map_err(RecordError::io("create the folder", dir))?;
         let mut recorder = Self {
             dir: dir.into(),
             name: name.into(),
@@ -90,6 +99,7 @@ impl Recorder {
             points: 0,
             messages: 0,
             latest_s: 0.0,
+            written: Written::default(),
         };
         recorder.journal = Some(recorder.start_journal()?);
         Ok(recorder)
@@ -127,12 +137,19 @@ impl Recorder {
         self.write_batches(|arrival| now - arrival >= BATCH_AGE, now);
     }
 
-    /// Brings everything written to the disk (0.1–40 ms): not from the thread that acquires.
+    /// Brings everything written to the disk (0.1–40 ms): not from the thread that acquires. A journal that is not there any more is
+    /// over, and what was in it is lost, with a gap in the next.
     ///
     /// # Errors
     /// When the disk refuses; recording goes on.
-    pub fn sync(&self) -> Result<(), RecordError> {
-        self.journal.as_ref().map_or(Ok(()), Journal::sync)
+    pub fn sync(&mut self, now: HostTime) -> Result<(), RecordError> {
+        match self.journal.as_ref().map_or(Ok(()), Journal::sync) {
+            Err(error @ RecordError::Gone { .. }) => {
+                self.gone(error, now);
+                Ok(())
+            }
+            other => other,
+        }
     }
 
     /// Why nothing can be written at present; `None` while all is well.
@@ -173,6 +190,9 @@ impl Recorder {
     /// Ends the journals. What cannot be written even now is lost, and counted in a gap of the finished file.
     pub(crate) fn close(mut self, now: HostTime) -> Closed {
         self.write_batches(|_| true, now);
+        if let Err(error) = self.sync(now) {
+            tracing::warn!("{}", error.chain());
+        }
         self.retry_at = now;
         self.try_again(now);
         if let Some(journal) = self.journal.take()
@@ -225,6 +245,10 @@ impl Recorder {
         match journal.write(&self.header, &message, publish) {
             Ok(()) => {
                 self.messages += 1;
+                if message.samples > 0 {
+                    self.written.samples += message.samples;
+                    self.written.from_s.get_or_insert(message.time_s);
+                }
                 Ok(())
             }
             Err(error) => {
@@ -234,6 +258,19 @@ impl Recorder {
                 Err(message)
             }
         }
+    }
+
+    /// The journal was removed: begins another at once.
+    fn gone(&mut self, error: RecordError, now: HostTime) {
+        if let Some(mut journal) = self.journal.take() {
+            journal.abandon();
+        }
+        self.journals.pop();
+        let Written { samples, from_s } = self.written;
+        self.count_lost(from_s.unwrap_or(self.latest_s), self.latest_s, samples);
+        self.failed(error, now);
+        self.retry_at = now;
+        self.try_new_file(now);
     }
 
     fn failed(&mut self, error: RecordError, now: HostTime) {
@@ -259,16 +296,20 @@ impl Recorder {
     }
 
     fn lose(&mut self, message: &Encoded) {
-        self.lost_samples += message.samples;
+        self.count_lost(message.time_s, message.time_s, message.samples);
+    }
+
+    fn count_lost(&mut self, from_s: f64, to_s: f64, samples: u64) {
+        self.lost_samples += samples;
         let gap = self.lost.get_or_insert_with(|| Gap {
             source: "recorder".into(),
-            from_s: message.time_s,
-            to_s: message.time_s,
+            from_s,
+            to_s,
             lost_samples: Some(0),
             reason: String::new(),
         });
-        gap.to_s = gap.to_s.max(message.time_s);
-        gap.lost_samples = gap.lost_samples.map(|lost| lost + message.samples);
+        gap.to_s = gap.to_s.max(to_s);
+        gap.lost_samples = gap.lost_samples.map(|lost| lost + samples);
     }
 
     fn try_new_file(&mut self, now: HostTime) {
@@ -298,6 +339,7 @@ impl Recorder {
 
     /// Starts the journal `NAME.mcap.active`, then `NAME-2.mcap.active` and so on.
     fn start_journal(&mut self) -> Result<Journal, RecordError> {
+        std::fs::create_dir_all(&self.dir).map_err(RecordError::io("create the folder", &self.dir))?;
         let name = match self.journals.len() {
             0 => self.name.clone(),
             n => format!("{}-{}", self.name, n + 1),
@@ -311,6 +353,7 @@ impl Recorder {
         match Journal::start(path.clone(), file, &self.header) {
             Ok(journal) => {
                 self.journals.push(path);
+                self.written = Written::default();
                 Ok(journal)
             }
             Err(error) => {
