@@ -17,6 +17,7 @@
 use crate::Experiment;
 use crate::fit::gauss_newton::Converged;
 use crate::fit::identification::NoisePart;
+use crate::fit::mixture::{half_width, places};
 use crate::noise::learned::Real;
 use crate::noise::learned::display::Display;
 use crate::noise::learned::kernels::{Kernel, Kernels, Over, Part};
@@ -25,19 +26,14 @@ use crate::noise::learned::posterior::{Size, sizes};
 use crate::noise::learned::remainder::{Fitted, Learned, Remainder};
 use crate::problem::design::{Design, unused_rows};
 use crate::problem::rows::Rows;
-use crate::solve::normal::{COVERAGE_95, within};
+use crate::solve::normal::COVERAGE_95;
 use nalgebra::{DMatrix, DVector};
 use std::convert::Infallible;
 use trunnion_cycles::RunKind;
 
 const FEWEST_DEGREES_OF_FREEDOM: usize = 20;
-/// Draws of the sizes: the half-width of a mixture of 128 normal distributions errs by less than 2 %.
-const DRAWS: usize = 128;
-const COVERED: f64 = 0.95;
 /// A row of which the model leaves less than this share says nothing of its own noise: rounding of single precision.
 const MOST_FITTED: Real = 1e-3;
-const BISECTIONS: usize = 30;
-const ROOT_STEPS: usize = 40;
 /// Parts as a person tells them apart.
 const PARTS: [(Part, &str); 4] = [
     (Part::Pass, "offsets of passes"),
@@ -152,33 +148,17 @@ fn covariance(constant: &DMatrix<f64>, of_kernels: &[DMatrix<f64>], sizes: &[Siz
     })
 }
 
-/// Variances of all kernels drawn together, independent, at places that fill the unit cube evenly: multiples of the powers of 1/g,
-/// g^(d+1) = g + 1, modulo 1 [Roberts 2018]. Whether the machine has a part is drawn once for all its kernels.
+/// Variances of all kernels drawn together, independent. Whether the machine has a part is drawn once for all its kernels.
 fn draws(sizes: &[Size]) -> Vec<Vec<f64>> {
-    let parts = PARTS.len();
-    let power = 1.0 / ((sizes.len() + parts) as f64 + 1.0);
-    let g = (0..ROOT_STEPS).fold(1.5_f64, |g, _| (1.0 + g).powf(power));
-    let place = |m: usize, k: usize| (0.5 + m as f64 * g.powi(-(k as i32 + 1))).fract();
-    let of = |m: usize| {
-        let at = |(k, size): (usize, &Size)| {
-            let of_part = PARTS.iter().position(|(part, _)| *part == size.part).unwrap_or(0);
-            if size.is_there(place(m, of_part)) { size.quantile(place(m, parts + k)) } else { 0.0 }
+    let of = |place: Vec<f64>| {
+        let (of_parts, of_sizes) = place.split_at(Part::ALL.len());
+        let at = |(size, place): (&Size, &f64)| {
+            let of_part = Part::ALL.iter().position(|part| *part == size.part).unwrap_or(0);
+            if size.is_there(of_parts[of_part]) { size.quantile(*place) } else { 0.0 }
         };
-        sizes.iter().enumerate().map(at).collect()
+        sizes.iter().zip(of_sizes).map(at).collect()
     };
-    (1..=DRAWS).map(of).collect()
-}
-
-/// What 95 % of a mixture of normal distributions of these standard deviations lie within.
-fn half_width(u: &[f64]) -> f64 {
-    let largest = u.iter().copied().fold(0.0, f64::max);
-    let (mut low, mut high) = (0.0, COVERAGE_95 * largest);
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (low + high);
-        let inside = u.iter().map(|u| within(middle / u.max(f64::MIN_POSITIVE))).sum::<f64>();
-        if inside < COVERED * u.len() as f64 { low = middle } else { high = middle }
-    }
-    high
+    places(Part::ALL.len() + sizes.len()).map(of).collect()
 }
 
 /// The columns on the rows that are looked at, weighted.
