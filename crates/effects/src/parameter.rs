@@ -30,6 +30,8 @@ pub struct Parameter {
     pub limit: Option<Limit>,
     /// True for a change at one moment. A display shows any slow change as sudden ones, each of one step.
     pub sudden: bool,
+    /// Standard uncertainty beforehand, inside units, of what no reading shows to first order: the tilt of a beam.
+    pub u_beforehand: Option<f64>,
 }
 
 /// The largest size of a parameter that its cause can have.
@@ -176,13 +178,19 @@ impl Shapes {
 impl Parameter {
     /// A parameter.
     pub fn new(name: impl Into<String>, unit: Unit) -> Self {
-        Self { name: name.into(), unit, limit: None, sudden: false }
+        Self { name: name.into(), unit, limit: None, sudden: false, u_beforehand: None }
     }
 
     /// The same where a larger size is not physical.
     #[must_use]
     pub fn at_most(self, limit: Limit) -> Self {
         Self { limit: Some(limit), ..self }
+    }
+
+    /// The same with what is known of it beforehand.
+    #[must_use]
+    pub fn known_within(self, u_beforehand: Option<f64>) -> Self {
+        Self { u_beforehand, ..self }
     }
 
     /// The same where it changes the readings at one moment.

@@ -35,6 +35,8 @@ pub struct SceneSetting {
     pub site: Site,
     /// What one unit (1 mm, 1 rad) of it does there.
     pub twist: Twist,
+    /// Standard uncertainty beforehand, inside units, of what no reading shows to first order.
+    pub u_beforehand: Option<f64>,
 }
 
 /// What an effect may know of an artefact.
@@ -80,6 +82,7 @@ impl SceneSetup {
             unit: Unit::UM,
             site: Site::Reading,
             twist: Twist::translation(-Vector3::x()),
+            u_beforehand: None,
         };
         let settings = place().into_iter().chain([length]).collect();
         Self { components: &["r"], settings, ..Self::r_test(name, ball_in_table_mm) }
@@ -93,6 +96,7 @@ fn place() -> Vec<SceneSetting> {
         unit: Unit::UM,
         site: Site::TableBall,
         twist: Twist::translation(Vector3::ith(k, 1.0)),
+        u_beforehand: None,
     };
     ["x", "y", "z"].into_iter().enumerate().map(along).collect()
 }

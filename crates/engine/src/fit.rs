@@ -1,15 +1,17 @@
-//! SideBySide least squares over all effects of a model.
+//! Joint least squares over all effects of a model.
 //!
 //! shapes (grid) → converge (Gauss–Newton to the exact prediction) → outliers excluded, until they stay the same → readings
 //! weighted by the noise of their run and their samples, and fitted again → uncertainties under the parts of the machine's noise
-//! (`structured`; else from clusters, `uncertainty`), noise, held-out proof.
+//! (`structured`; else from clusters, `uncertainty`) and tilts that no reading shows (`second_order`), noise, held-out proof.
 
 pub mod between_runs;
 pub mod doubts;
 pub(crate) mod gauss_newton;
 mod holdout;
 pub mod identification;
+mod mixture;
 pub mod options;
+mod second_order;
 mod shape;
 mod structured;
 mod uncertainty;
@@ -19,6 +21,7 @@ pub use options::Options;
 use crate::fit::gauss_newton::{Converged, converge};
 use crate::fit::holdout::holdout;
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification, Outlier};
+use crate::fit::second_order::second_order;
 use crate::fit::shape::search_shapes;
 use crate::fit::structured::{Structured, structured};
 use crate::fit::uncertainty::{covariance, sums};
@@ -110,10 +113,13 @@ fn gather(
         }
         Uncertainties::Clusters => None,
     };
-    let (small, noise_parts, noise) = match structured {
+    let (mut small, noise_parts, noise) = match structured {
         Some(Structured { covariance, parts, noise }) => (covariance, parts, Some(noise)),
         None => (covariance(&fit, &sums, design.weights), Vec::new(), None),
     };
+    if let Some(of_tilts) = second_order(design, &fit, used) {
+        small += of_tilts;
+    }
     let mut covariance = DMatrix::zeros(joint.width(), joint.width());
     for (a, &i) in determined.iter().enumerate() {
         for (b, &j) in determined.iter().enumerate() {
@@ -208,7 +214,14 @@ fn parameter(joint: &SideBySide, fit: &Converged, covariance: &DMatrix<f64>, j: 
         Status::Held => "held by the model".into(),
         Status::ZeroByConvention if of_standing => "its axis is at rest in these runs".into(),
         Status::ZeroByConvention => "zero by the datum convention: confounded with others".into(),
-        Status::Unobservable => "not observable".into(),
+        Status::Unobservable => match joint.parameters[j].u_beforehand {
+            Some(u) => {
+                let unit = joint.parameters[j].unit;
+                let (u, unit) = (u * unit.per_inside, unit.text());
+                format!("not observable; other uncertainties hold what 0 ± {u:.0} {unit} of it makes")
+            }
+            None => "not observable".into(),
+        },
         Status::Identified if stands_for.is_empty() => String::new(),
         Status::Identified => format!("contains {}", stands_for.join(", ")),
     };

@@ -55,8 +55,10 @@ pub(crate) static EFFECT: Effect = Effect {
 
 fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {
     let of_setup = |setup: &SceneSetup| -> Vec<Parameter> {
-        let named =
-            |s: &SceneSetting| Parameter::new(format!("ball-setting.{}.{}", setup.name, s.name), s.unit);
+        let named = |s: &SceneSetting| {
+            let name = format!("ball-setting.{}.{}", setup.name, s.name);
+            Parameter::new(name, s.unit).known_within(s.u_beforehand)
+        };
         setup.settings.iter().map(named).collect()
     };
     scene.setups.iter().flat_map(of_setup).collect()

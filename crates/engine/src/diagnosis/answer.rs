@@ -103,10 +103,16 @@ pub enum Answer {
     },
 }
 
-/// Effects that the model imitates in this cycle.
+/// Effects that the model imitates in this cycle. One that was found is part of what imitates it, and was seen.
 fn invisible(scan: &Scan<'_>, found: &Found) -> Vec<String> {
-    let named = scan.named.iter().zip(&found.last.named);
-    named.filter(|(_, score)| !score.visible).map(|(named, _)| named.instance.id()).collect()
+    let was_found = |group: usize| {
+        found.items.iter().any(|item| matches!(item.what, What::Named(named) if named == group))
+    };
+    let named = scan.named.iter().zip(&found.last.named).enumerate();
+    named
+        .filter(|(group, (_, score))| !score.visible && !was_found(*group))
+        .map(|(_, (named, _))| named.instance.id())
+        .collect()
 }
 
 struct Context<'a> {

@@ -178,6 +178,12 @@ fn settings(machine: &Machine, setup: &Setup) -> Vec<SceneSetting> {
     (instrument(setup.instrument).settings)(setup)
         .into_iter()
         .chain(in_spindle.into_iter().flatten())
-        .map(|s| SceneSetting { name: s.name, unit: unit(s.quantity), site: s.site, twist: s.twist })
+        .map(|s| SceneSetting {
+            name: s.name,
+            unit: unit(s.quantity),
+            site: s.site,
+            twist: s.twist,
+            u_beforehand: s.u_beforehand,
+        })
         .collect()
 }

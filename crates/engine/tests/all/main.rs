@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod beam_tilts;
 mod common;
 mod excluded_points;
 mod held_out;

@@ -1,19 +1,17 @@
 //! Laser interferometer along a body diagonal: `l = b·(p_tool − p_start) − z` [S2 §3.2, eq. 7].
 //!
 //! b the direction of the beam, machine axes; z the zero of the display. Along the diagonal itself a tilt of the beam is a
-//! cosine error, of second order: the fit says that it is not observable.
+//! cosine error, of second order: the fit says that it is not observable, and u of what is holds it.
 //! Limits: retroreflector, so that angles of the tool do not count except by their arm.
 
 use crate::instrument::{Contact, Frame, Instrument, unturned};
-use crate::settings::{Quantity, inner, offset};
+use crate::settings::{beam, offset};
 use nalgebra::{Unit, Vector3};
 use trunnion_core::{InstrumentKind, Setup};
 
 pub(crate) const INSTRUMENT: Instrument = Instrument {
     kind: InstrumentKind::Diagonal,
-    settings: |_| {
-        vec![offset("zero", -1.0), inner(0, "beam-1", Quantity::Angle), inner(1, "beam-2", Quantity::Angle)]
-    },
+    settings: |_| vec![offset("zero", -1.0), beam(0, "beam-1"), beam(1, "beam-2")],
     reading: |setup, contact, tilts| {
         let beam = tilted(setup, &tilts[..2]);
         Vector3::new(beam.dot(&contact.apart_in_machine_mm()), 0.0, 0.0)

@@ -36,6 +36,7 @@ fn reflector() -> impl Iterator<Item = Setting> {
         quantity: Quantity::Length,
         site: Site::SpindleBall,
         twist: Twist::translation(Vector3::ith(k, 1.0)),
+        u_beforehand: None,
     })
 }
 

@@ -1,12 +1,13 @@
 //! Step-diagonal test: a flat mirror in the spindle, X, Y and Z stepping in turn [S2 §3.2].
 //!
 //! `l = m·(p_tool − p_start)/(m·b) − z`, m the normal of the mirror, b the beam. Each step moves the mirror sideways, so its tilt
-//! enters in first order and biases the result unless it is an unknown; that of the beam only in second order.
+//! enters in first order and biases the result unless it is an unknown; that of the beam only by its product with that of the mirror,
+//! and its square.
 //! Limits: mirror flat over the lateral travel.
 
 use super::diagonal::{laterals, seen, tilted};
 use crate::instrument::{Frame, Instrument, unturned};
-use crate::settings::{Quantity, inner, offset};
+use crate::settings::{Quantity, beam, inner, offset};
 use nalgebra::Vector3;
 use trunnion_core::InstrumentKind;
 
@@ -17,8 +18,8 @@ pub(crate) const INSTRUMENT: Instrument = Instrument {
             offset("zero", -1.0),
             inner(0, "mirror-1", Quantity::Angle),
             inner(1, "mirror-2", Quantity::Angle),
-            inner(2, "beam-1", Quantity::Angle),
-            inner(3, "beam-2", Quantity::Angle),
+            beam(2, "beam-1"),
+            beam(3, "beam-2"),
         ]
     },
     reading: |setup, contact, tilts| {
