@@ -9,6 +9,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("table-ac", include_str!("../../../config/machines/table-ac.toml")),
     ("head-bc", include_str!("../../../config/machines/head-bc.toml")),
     ("head-bc-spindle", include_str!("../../../config/machines/head-bc-spindle.toml")),
+    ("table-bc-spindle", include_str!("../../../config/machines/table-bc-spindle.toml")),
     ("head-a-table-c", include_str!("../../../config/machines/head-a-table-c.toml")),
     ("three-axis", include_str!("../../../config/machines/three-axis.toml")),
     ("hybrid-exechon", include_str!("../../../config/machines/hybrid-exechon.toml")),

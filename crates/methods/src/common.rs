@@ -1,6 +1,7 @@
 //! What several named methods share: readings as displacements, readings of an axis that turns alone, and their means over
 //! angle.
 
+pub(crate) mod feed;
 pub(crate) mod harmonics;
 pub(crate) mod over_height;
 pub(crate) mod relative;

@@ -9,6 +9,7 @@ mod convention;
 mod error_map;
 mod method;
 mod positioning;
+mod quasi_static;
 mod rotary_values;
 mod thermal;
 mod two_height;
@@ -29,6 +30,7 @@ pub static REGISTRY: &[&Method] = &[
     &circular::METHOD,
     &positioning::METHOD,
     &thermal::METHOD,
+    &quasi_static::METHOD,
 ];
 
 /// The method of this name.

@@ -33,7 +33,7 @@ const fn with(cycle: &'static str, model: &'static str) -> Case {
 }
 
 /// Every instrument and every way of measuring that ships.
-pub const CASES: [Case; 42] = [
+pub const CASES: [Case; 44] = [
     base("ball-bar-c"),
     with("ball-plate", "volume"),
     with("ball-plate-self", "self-calibration"),
@@ -58,6 +58,7 @@ pub const CASES: [Case; 42] = [
     with("linear-x", "straight-lines"),
     base("machined-column"),
     with("passive-arm", "straight-lines-xy-bc"),
+    base("r-test-feeds-c"),
     base("r-test-head-a-table-c"),
     base("r-test-head-bc"),
     base("r-test-head-bc-spindle"),
@@ -65,6 +66,7 @@ pub const CASES: [Case; 42] = [
     base("r-test-static"),
     base("r-test-sweep-b"),
     base("r-test-sweep-c"),
+    base("r-test-table-bc-spindle"),
     base("rotary-values-c"),
     base("s4-b"),
     base("s4-c"),

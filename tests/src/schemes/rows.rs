@@ -171,6 +171,16 @@ pub const ROWS: &[Row] = &[
         also: &[],
     },
     Row {
+        scheme: "R-test of a table under a spindle that is indexed",
+        source: "S2 tables 2–3; S1 §3.2",
+        cycle: "r-test-table-bc-spindle",
+        truth: "table-bc-spindle",
+        model: None,
+        identifies: &["EX0B", "EZ0B", "EA0B", "EC0B", "EX0C", "EA0C", "EA0C1", "EB0C1"],
+        cannot: "EX0C1, EY0C1 (EX0B and EY0C are the distances between the lines); zero angles of C and spindle",
+        also: &[],
+    },
+    Row {
         scheme: "R-test of one axis in the head and one under the workpiece",
         source: "ISO 10791-6; S2 §4.2",
         cycle: "r-test-head-a-table-c",

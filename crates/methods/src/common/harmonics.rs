@@ -1,6 +1,6 @@
 //! An error motion over a whole turn as harmonics, and its range without the bias of noise.
 //!
-//! x(θ) = c + Σ aₙ cos nθ + bₙ sin nθ, n = 1 … N, by least squares; amplitude Aₙ = √(aₙ² + bₙ²).
+//! x(θ) = c + Σ aₙ cos nθ + bₙ sin nθ, n = 1 … N and orders asked for, by least squares; amplitude Aₙ = √(aₙ² + bₙ²).
 //! s² = residual / ν, ν = m − 2N − 1 of m values; u(A) = s √(2/m) for even steps, in general √((s_a² + s_b²)/2).
 //! Under noise alone A²/2u² ~ F(2, ν), so p = (1 + A²/(ν u²))^(−ν/2).
 //! Significant: p < 5 %/N (Bonferroni). The range of x as read grows with the noise of its extremes; here it is that of the significant
@@ -8,7 +8,7 @@
 //! Limits: whole turn; what has more than N waves counts as noise.
 
 use crate::findings::{Cell, Column, FoundTable};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector2};
 use std::f64::consts::TAU;
 use trunnion_core::convert::deg_from_rad;
 use trunnion_effects::Unit;
@@ -18,6 +18,8 @@ use trunnion_engine::solve::linear::least_squares;
 const HIGHEST: usize = 12;
 /// Chance that noise alone makes any of the harmonics significant.
 const BY_CHANCE: f64 = 0.05;
+/// Values a wave that show an order asked for.
+const VALUES_A_WAVE: usize = 3;
 /// A gap between angles wider than this share of a turn is no whole turn.
 const WIDEST_GAP: f64 = 1.0 / 6.0;
 /// Less of the largest value is rounding.
@@ -49,41 +51,84 @@ pub(crate) struct Harmonics {
     pub u_range: f64,
 }
 
+/// How a wave differs between two contours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Difference {
+    pub order: usize,
+    /// Half the amplitude of the difference, and its standard uncertainty.
+    pub half: f64,
+    pub u: f64,
+}
+
+impl Harmonic {
+    /// (aₙ, bₙ).
+    fn phasor(&self) -> Vector2<f64> {
+        let (sin, cos) = (self.order as f64 * self.crest_rad).sin_cos();
+        Vector2::new(cos, sin) * self.amplitude
+    }
+}
+
 impl Harmonics {
     /// Of values over an angle (rad); `None` where they do not go around, or are too few.
     pub fn of(points: &[(f64, f64)]) -> Option<Self> {
+        Self::with(points, &[])
+    }
+
+    /// The same with further orders, of those that so many values show.
+    pub fn with(points: &[(f64, f64)], further: &[usize]) -> Option<Self> {
         let m = points.len();
         // As many degrees of freedom are left to the noise as the harmonics take.
         let highest = (m / 4).min(HIGHEST);
         if highest == 0 || !goes_around(points) {
             return None;
         }
-        let design = DMatrix::from_fn(m, 2 * highest + 1, |i, k| match k {
+        let shown = |order: &&usize| **order > highest && VALUES_A_WAVE * **order <= m;
+        let orders: Vec<usize> = (1..=highest).chain(further.iter().filter(shown).copied()).collect();
+        let design = DMatrix::from_fn(m, 2 * orders.len() + 1, |i, k| match k {
             0 => 1.0,
             _ => {
-                let (sin, cos) = (k.div_ceil(2) as f64 * points[i].0).sin_cos();
+                let (sin, cos) = (orders[(k - 1) / 2] as f64 * points[i].0).sin_cos();
                 if k % 2 == 1 { cos } else { sin }
             }
         });
         let values = DVector::from_iterator(m, points.iter().map(|point| point.1));
         let fit = least_squares(&design, &values, 1e-9);
-        if fit.rank <= 2 * highest {
+        if fit.rank <= 2 * orders.len() {
             return None;
         }
         let freedom = (m - fit.rank) as f64;
-        let harmonic = |order: usize| {
-            let (k, l) = (2 * order - 1, 2 * order);
+        let harmonic = |(i, &order): (usize, &usize)| {
+            let (k, l) = (2 * i + 1, 2 * i + 2);
             let amplitude = fit.x[k].hypot(fit.x[l]);
             let u = (0.5 * (fit.u[k].powi(2) + fit.u[l].powi(2))).sqrt();
             let ratio = amplitude / u.max(f64::MIN_POSITIVE);
             let p = (1.0 + ratio * ratio / freedom).powf(-0.5 * freedom);
             let crest_rad = fit.x[l].atan2(fit.x[k]).rem_euclid(TAU) / order as f64;
-            let significant = p < BY_CHANCE / highest as f64 && amplitude > ROUNDING * values.amax();
+            let significant = p < BY_CHANCE / orders.len() as f64 && amplitude > ROUNDING * values.amax();
             Harmonic { order, amplitude, crest_rad, u, p, significant }
         };
-        let all: Vec<Harmonic> = (1..=highest).map(harmonic).collect();
+        let all: Vec<Harmonic> = orders.iter().enumerate().map(harmonic).collect();
         let (range, u_range) = range(&all);
         Some(Self { all, range, u_range })
+    }
+
+    /// The harmonic of this order.
+    pub fn order(&self, order: usize) -> Option<&Harmonic> {
+        self.all.iter().find(|harmonic| harmonic.order == order)
+    }
+
+    /// Waves that differ from those of `other` beyond chance: Δ²/2u² of two alike is an exponential variable.
+    pub fn differs(&self, other: &Self) -> Vec<Difference> {
+        let difference = |one: &Harmonic| {
+            let two = other.order(one.order)?;
+            let u = one.u.hypot(two.u);
+            let [one_at, two_at] = [one, two].map(Harmonic::phasor);
+            Some(Difference { order: one.order, half: 0.5 * (one_at - two_at).norm(), u: 0.5 * u })
+        };
+        let all: Vec<Difference> = self.all.iter().filter_map(difference).collect();
+        let chance = |of: &Difference| (-0.5 * (of.half / of.u.max(f64::MIN_POSITIVE)).powi(2)).exp();
+        let beyond = |of: &&Difference| chance(of) < BY_CHANCE / all.len() as f64;
+        all.iter().filter(beyond).copied().collect()
     }
 
     /// The significant ones, largest first.

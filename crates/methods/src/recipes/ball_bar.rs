@@ -17,10 +17,12 @@
 
 mod causes;
 mod charts;
+mod dependence;
 mod error_motions;
 mod found;
 mod joint_fit;
 mod location;
+mod ranking;
 mod shape;
 mod track;
 mod values;
@@ -42,7 +44,7 @@ pub(super) static METHOD: Method = Method {
             Means give location errors, shapes give error motions and circularities; next to them the joint fit.",
     needs: "ball-bar readings while a rotary axis turns by 90° or more: alone, with the ball on its line, best at two heights with \
             the bar in both directions across it and along it; or followed by linear axes",
-    gives: "location errors of each axis, radial, axial and tilt error motions, circularity of every trace, likely causes",
+    gives: "location errors of each axis, radial, axial and tilt error motions, circularity of every trace, likely causes ranked over the machine",
     run,
 };
 

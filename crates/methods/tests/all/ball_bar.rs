@@ -204,3 +204,83 @@ fn circles_of_linear_axes_are_sent_to_their_method() {
     let error = (method.run)(&[run], &MethodOptions::default()).unwrap_err();
     assert!(matches!(error, MethodError::Lacks { .. }) && error.to_string().contains("circular"), "{error}");
 }
+
+/// Rows of the ranking: what, waves, cause, dependence.
+fn ranking(found: &Findings) -> Vec<[String; 4]> {
+    let table = found.tables.iter().find(|table| table.caption.starts_with("Likely causes")).unwrap();
+    let text = |cell: &Cell| match cell {
+        Cell::Text(text) => text.clone(),
+        Cell::Number(number) => number.to_string(),
+        Cell::Missing => String::new(),
+    };
+    table.rows.iter().map(|row| [0, 1, 5, 6].map(|k| text(&row[k]))).collect()
+}
+
+/// C read at a feed, its traces of these waves in µm, one way and the other.
+fn waves_of_c(feed: &str, change: &dyn Fn(String) -> String, um: impl Fn(f64, f64) -> f64) -> Run {
+    let text =
+        cycle_text("s4-c").replace("[720]", feed).replace("passes = [\"+\"]", "passes = [\"+\", \"-\"]");
+    let mut state_of = Vec::new();
+    let cycle = Cycle::parse("cycle.toml", &change(text.clone())).unwrap();
+    let machine = shipped::machine(&cycle.machine).unwrap();
+    for state in cycle.visits(&machine, &Pace::default()).unwrap().states {
+        state_of.push(state);
+    }
+    let mut run = run(&change(text), Joint::C, |_, _| 0.0);
+    for (point, state) in run.points.iter_mut().zip(&state_of) {
+        let scatter = 0.02 * (1e4 * state.position[Joint::C]).sin();
+        point.reading_mm[0] += UM * (um(state.position[Joint::C], state.velocity[Joint::C]) + scatter);
+    }
+    run
+}
+
+#[test]
+fn causes_are_ranked_over_the_machine_by_their_amount() {
+    let plain = |text: String| text;
+    let read = waves_of_c("[720]", &plain, |angle, _| 1.5 * (2.0 * angle).cos() + 3.0 * (3.0 * angle).cos());
+    let ranked = ranking(&by(&[read], Convention::RightHanded));
+    let of = |waves: &str| ranked.iter().position(|row| row[1] == waves).unwrap();
+    assert!(of("3") < of("2"), "{ranked:?}");
+    assert!(ranked[of("3")][2].contains("three-lobed") && ranked[of("2")][2].contains("oval"), "{ranked:?}");
+    // Nothing depends on anything here.
+    assert!(ranked.iter().all(|row| row[3].is_empty()), "{ranked:?}");
+}
+
+#[test]
+fn teeth_and_rollers_of_the_machine_file_name_their_waves() {
+    let plain = |text: String| text;
+    let mut read = waves_of_c("[720]", &plain, |angle, _| (36.0 * angle).cos() + 2.0 * (11.0 * angle).cos());
+    let joint = read.machine.table.iter_mut().find(|joint| joint.letter == Joint::C).unwrap();
+    (joint.facts.gear_teeth, joint.facts.bearing_rollers) = (Some(36.0), Some(24.0));
+    let ranked = ranking(&by(&[read], Convention::RightHanded));
+    let cause = |waves: &str| &ranked.iter().find(|row| row[1] == waves).unwrap()[2];
+    assert!(cause("36").contains("teeth"), "{ranked:?}");
+    assert!(cause("11").contains("half of them pass"), "{ranked:?}");
+}
+
+#[test]
+fn a_wave_that_changes_with_direction_feed_or_tilt_is_said_to() {
+    let plain = |text: String| text;
+    // Two waves of the bearing; four that flip with the direction.
+    let wave = |angle: f64, velocity: f64| (2.0 * angle).cos() + velocity.signum() * (4.0 * angle).cos();
+    let turned = ranking(&by(&[waves_of_c("[720]", &plain, wave)], Convention::RightHanded));
+    assert!(turned.iter().all(|row| row[1] != "2" || row[3].is_empty()), "{turned:?}");
+    assert!(turned.iter().any(|row| row[1] == "4" && row[3].contains("direction")), "{turned:?}");
+    // Five waves that grow with the feed.
+    let grows = |angle: f64, velocity: f64| (2.0 * angle).cos() + 5.0 * velocity.abs() * (5.0 * angle).cos();
+    let feeds = ["[720]", "[1440]"].map(|feed| waves_of_c(feed, &plain, grows));
+    let ranked = ranking(&by(&feeds, Convention::RightHanded));
+    let of = |waves: &str| ranked.iter().find(|row| row[1] == waves).unwrap();
+    assert!(of("5")[3].contains("feed") && of("2")[3].is_empty(), "{ranked:?}");
+    // Two waves that come with the tilt of C, as gravity makes them.
+    let tilted =
+        |text: String| text.replace("feeds_deg_per_min = [720]", "feeds_deg_per_min = [720]\nb_deg = 30");
+    let upright = waves_of_c("[720]", &plain, |angle, _| (3.0 * angle).cos());
+    let leaning = waves_of_c("[720]", &tilted, |angle, _| (3.0 * angle).cos() + (2.0 * angle).cos());
+    let ranked = ranking(&by(&[upright, leaning], Convention::RightHanded));
+    let of = |waves: &str| ranked.iter().find(|row| row[1] == waves).unwrap();
+    assert!(
+        of("2")[3].contains("changes with B (0° to 30°): gravity") && of("3")[3].is_empty(),
+        "{ranked:?}"
+    );
+}

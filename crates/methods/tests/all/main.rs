@@ -13,4 +13,5 @@ mod error_map;
 mod geometry;
 mod methods;
 mod positioning;
+mod quasi_static;
 mod thermal;

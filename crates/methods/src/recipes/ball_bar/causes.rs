@@ -1,9 +1,11 @@
 //! Likely mechanical causes: a classification by the kind of error, its waves a turn, its share and its significance.
 //!
 //! Causes are those of S4 tables 1 and 2, bearings sorted by waves a turn: an oval ring makes two, a ring clamped in three jaws three, rollers
-//! of unlike size more. Of what is not significant nothing is said.
+//! of unlike size more; teeth and rollers by the counts of the machine file. Of what is not significant nothing is said.
 
-use crate::common::harmonics::Harmonics;
+use super::track::Axis;
+use crate::common::harmonics::{Harmonic, Harmonics};
+use trunnion_machine::Machine;
 
 /// Kinds of errors that the ball bar shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,24 +76,78 @@ const CLASSES: [Class; 8] = [
 
 /// Gravity makes one and two waves a turn where the axis is not upright.
 const GRAVITY: &str = ", or gravity on the rotating unit (S4 table 2)";
+/// Rings and gravity make the lowest orders.
+const FEW_WAVES: usize = 3;
 /// Waves a turn that gravity makes.
 const GRAVITY_WAVES: usize = 2;
 /// Causes with less of the squared amplitudes are not named: below that the second is hidden in the shape of the first.
 const LEAST_SHARE: f64 = 0.1;
 
-/// Likely causes of an error motion by its significant harmonics, largest share first; empty where none is significant.
-pub(super) fn of_motion(kind: ErrorKind, upright: bool, harmonics: &Harmonics) -> String {
+/// The wave of a gear: every tooth pushes the axis once.
+const TEETH: &str = "the teeth of its worm wheel or last gear (S4 table 2: pitch of the transmission)";
+/// Without slip the cage goes around half as fast as the ring, so half of the rollers pass a place in a turn; less at the outer ring and
+/// more at the inner by the ratio of the diameters of roller and bearing.
+const ROLLERS: &str = "rollers of unlike size: about half of them pass a place in a turn (S4 table 2)";
+const PASSING: std::ops::RangeInclusive<f64> = 0.35..=0.65;
+
+/// What the machine file counts on an axis.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counts {
+    pub teeth: Option<usize>,
+    pub rollers: Option<usize>,
+}
+
+impl Counts {
+    pub fn of(machine: &Machine, axis: Axis) -> Self {
+        let whole = |count: Option<f64>| count.map(|count| count.round() as usize);
+        let facts = machine.axis(axis.letter).map(|joint| &joint.facts);
+        Self {
+            teeth: whole(facts.and_then(|facts| facts.gear_teeth)),
+            rollers: whole(facts.and_then(|facts| facts.bearing_rollers)),
+        }
+    }
+
+    /// Waves a turn that are looked for beyond the lowest.
+    pub fn orders(self) -> Vec<usize> {
+        self.teeth.into_iter().collect()
+    }
+
+    fn cause(self, waves: usize) -> Option<&'static str> {
+        let passing = |rollers: usize| PASSING.contains(&(waves as f64 / rollers as f64));
+        match self.teeth {
+            Some(teeth) if teeth == waves => Some(TEETH),
+            _ => (waves > FEW_WAVES && self.rollers.is_some_and(passing)).then_some(ROLLERS),
+        }
+    }
+}
+
+/// A likely cause of a wave, with its share of the squared amplitudes of its error motion.
+pub(super) struct Cause {
+    pub harmonic: Harmonic,
+    pub share: f64,
+    pub words: String,
+}
+
+/// Likely causes of an error motion by its significant harmonics, largest share first; none where none is significant.
+pub(super) fn causes(kind: ErrorKind, upright: bool, counts: Counts, harmonics: &Harmonics) -> Vec<Cause> {
     let significant = harmonics.significant();
     let all: f64 = significant.iter().map(|harmonic| harmonic.amplitude.powi(2)).sum();
-    let named = significant.iter().filter_map(|harmonic| {
+    let named = significant.into_iter().filter_map(|harmonic| {
         let share = harmonic.amplitude.powi(2) / all;
         let class = CLASSES.iter().find(|c| c.kind == kind && c.waves.contains(&harmonic.order))?;
         let gravity = if !upright && harmonic.order <= GRAVITY_WAVES { GRAVITY } else { "" };
-        (share >= LEAST_SHARE).then(|| {
-            format!("{} waves a turn, {:.0} % of it: {}{gravity}", harmonic.order, 100.0 * share, class.words)
-        })
+        let words = format!("{}{gravity}", counts.cause(harmonic.order).unwrap_or(class.words));
+        (share >= LEAST_SHARE).then_some(Cause { harmonic, share, words })
     });
-    let named: Vec<String> = named.collect();
+    named.collect()
+}
+
+/// The same in a sentence; empty where none is significant.
+pub(super) fn of_motion(kind: ErrorKind, upright: bool, counts: Counts, harmonics: &Harmonics) -> String {
+    let one = |cause: &Cause| {
+        format!("{} waves a turn, {:.0} % of it: {}", cause.harmonic.order, 100.0 * cause.share, cause.words)
+    };
+    let named: Vec<String> = causes(kind, upright, counts, harmonics).iter().map(one).collect();
     if named.is_empty() { String::new() } else { format!("likely: {}", named.join("; ")) }
 }
 

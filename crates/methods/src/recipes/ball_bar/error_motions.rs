@@ -2,6 +2,7 @@
 
 use super::causes::ErrorKind;
 use super::shape::{AxisShapes, Contour};
+use super::track::Axis;
 use trunnion_effects::Unit;
 
 /// One error motion over the turn.
@@ -10,6 +11,7 @@ pub(super) struct ErrorMotion {
     pub unit: Unit,
     pub points: Contour,
     pub kind: ErrorKind,
+    pub axis: Axis,
     /// The axis is upright: gravity does not turn about it.
     pub upright: bool,
     /// What it is, and where it holds.
@@ -33,12 +35,28 @@ pub(super) fn error_motions(of_axis: &AxisShapes) -> Vec<ErrorMotion> {
             }
         };
         let name = axis.symbol(axis.frame[k], false);
-        motions.push(ErrorMotion { name, unit: Unit::UM, points: points.clone(), kind, upright, about });
+        motions.push(ErrorMotion {
+            name,
+            unit: Unit::UM,
+            points: points.clone(),
+            kind,
+            axis,
+            upright,
+            about,
+        });
     }
     for (k, points) in of_axis.tilt.iter().enumerate() {
         let name = axis.symbol(axis.rotations()[k], false);
         let (kind, about) = (ErrorKind::Tilt, "tilt error motion".into());
-        motions.push(ErrorMotion { name, unit: Unit::URAD, points: points.clone(), kind, upright, about });
+        motions.push(ErrorMotion {
+            name,
+            unit: Unit::URAD,
+            points: points.clone(),
+            kind,
+            axis,
+            upright,
+            about,
+        });
     }
     motions.retain(|motion| !motion.points.is_empty());
     motions

@@ -1,14 +1,20 @@
 //! Mean, setting and shape of each trace by least squares, and what the shapes at several heights say of an axis.
 
 use super::track::{Axis, Kind, Sample, Track, span, whole_turn};
+use crate::common::feed::is_one_feed;
 use crate::common::over_height::{Line, Weights};
 use crate::common::stations::Stations;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector, Vector2};
+use trunnion_core::AxisValues;
+use trunnion_core::convert::rad_from_deg;
 use trunnion_engine::solve::linear::least_squares;
 
 /// Heights nearer than this count as one, mm.
 const APART_MM: f64 = 5.0;
+
+/// Axes that stand nearer than this stand at one place.
+const SAME_RAD: f64 = rad_from_deg(0.5);
 
 /// Angle or way around (rad) and deviation (mm).
 pub(super) type Contour = Vec<(f64, f64)>;
@@ -38,6 +44,10 @@ pub(super) struct Shape {
     pub reversal_mm: Option<f64>,
     /// How far the trace goes around, rad.
     pub turned_rad: f64,
+    /// Where the other rotary axes stood, rad.
+    pub stood_rad: AxisValues<f64>,
+    /// Speed of the axis, rad/s; zero where the run does not show it.
+    pub feed_rad_per_s: f64,
 }
 
 impl Shape {
@@ -121,7 +131,33 @@ impl Shape {
             mean_contour,
             reversal_mm,
             turned_rad: span(samples.iter().map(|s| s.angle_rad)),
+            stood_rad: track.stood_rad,
+            feed_rad_per_s: track.feed_rad_per_s,
         })
+    }
+}
+
+impl Shape {
+    /// Whether the other rotary axes stood where they do in `other`.
+    pub fn stands_as(&self, other: &Self) -> bool {
+        self.stood_rad.0.iter().zip(&other.stood_rad.0).all(|(a, b)| (a - b).abs() < SAME_RAD)
+    }
+
+    /// Whether the axis turned as fast as in `other`; not known counts as yes.
+    pub fn turns_as_fast(&self, other: &Self) -> bool {
+        let (a, b) = (self.feed_rad_per_s, other.feed_rad_per_s);
+        a <= 0.0 || b <= 0.0 || is_one_feed(a, b)
+    }
+
+    /// Whether both are the same measurement, wherever other axes stood and whatever the feed was.
+    pub fn is_same_measurement(&self, other: &Self) -> bool {
+        match (self.kind, other.kind) {
+            (Kind::Across { axis, k, height_mm }, Kind::Across { axis: a, k: l, height_mm: h }) => {
+                axis == a && k == l && (height_mm - h).abs() < APART_MM
+            }
+            (Kind::Along { axis }, Kind::Along { axis: a }) => axis == a,
+            _ => false,
+        }
     }
 }
 
@@ -204,16 +240,25 @@ impl AxisShapes {
                 axes.push(axis);
             }
         }
-        axes.into_iter().map(|axis| Self::of(axis, shapes)).collect()
+        axes.into_iter()
+            .filter_map(|axis| {
+                // Where the others stood first: what carries the axis is in its errors.
+                let own = |shape: &&Shape| shape.kind.axis() == Some(axis) && shape.kind.alone();
+                let first = shapes.iter().find(own)?;
+                let here: Vec<&Shape> =
+                    shapes.iter().filter(own).filter(|shape| shape.stands_as(first)).collect();
+                Some(Self::of(axis, &here))
+            })
+            .collect()
     }
 
-    fn of(axis: Axis, shapes: &[Shape]) -> Self {
+    fn of(axis: Axis, shapes: &[&Shape]) -> Self {
         let across = |wanted: usize| -> Vec<(f64, &Shape)> {
             let of = |shape: &'_ Shape| match shape.kind {
                 Kind::Across { axis: a, k, height_mm } if a == axis && k == wanted => Some(height_mm),
                 _ => None,
             };
-            shapes.iter().filter_map(|shape| Some((of(shape)?, shape))).collect()
+            shapes.iter().filter_map(|shape| Some((of(shape)?, *shape))).collect()
         };
         let along = shapes.iter().filter(|s| s.kind == Kind::Along { axis }).map(|s| s.mean_contour.clone());
         let mut found = Self {

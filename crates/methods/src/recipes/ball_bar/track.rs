@@ -32,6 +32,10 @@ pub(super) struct Track {
     pub calibrated: bool,
     /// Read while the axis moved, not at rest.
     pub on_the_fly: bool,
+    /// Where the other rotary axes stood, rad; zero of the axis that turns.
+    pub stood_rad: AxisValues<f64>,
+    /// Speed of the axis that turns, rad/s; zero where the run does not show it.
+    pub feed_rad_per_s: f64,
     pub samples: Vec<Sample>,
 }
 
@@ -109,6 +113,11 @@ pub(super) fn recognised(method: &Method, runs: &[Run], asked: Option<Joint>) ->
 }
 
 impl Kind {
+    /// True where the axis turns alone.
+    pub fn alone(self) -> bool {
+        matches!(self, Self::Across { .. } | Self::Along { .. })
+    }
+
     pub fn axis(self) -> Option<Axis> {
         match self {
             Self::Across { axis, .. } | Self::Along { axis } | Self::Followed { axis, .. } => Some(axis),
@@ -179,8 +188,23 @@ impl<'a> Seen<'a> {
             Some(placed) => self.of_axis(placed, others_still(placed.axis.letter, &joints)),
             None => (Kind::Path, self.around_path()?),
         };
-        let setup = name.into();
-        Ok(Track { setup, kind, calibrated: self.setup.calibrated, on_the_fly, samples })
+        let lone = kind.axis().map(|axis| axis.letter);
+        let mut stood_rad = AxisValues::default();
+        for joint in rotary.into_iter().filter(|joint| Some(*joint) != lone) {
+            stood_rad[joint] = self.points[0].state.position[joint];
+        }
+        let mut speeds: Vec<f64> =
+            self.points.iter().map(|p| lone.map_or(0.0, |joint| p.state.velocity[joint].abs())).collect();
+        speeds.sort_by(f64::total_cmp);
+        Ok(Track {
+            setup: name.into(),
+            kind,
+            calibrated: self.setup.calibrated,
+            on_the_fly,
+            stood_rad,
+            feed_rad_per_s: speeds[speeds.len() / 2],
+            samples,
+        })
     }
 
     /// One rotary axis turns; `alone`: nothing else moves.

@@ -1,12 +1,14 @@
 //! What the ball-bar method reports.
 
-use super::causes::{ErrorKind, of_motion, of_number};
+use super::causes::{Counts, ErrorKind, causes, of_motion, of_number};
 use super::charts::charts;
+use super::dependence::dependences;
 use super::error_motions::error_motions;
 use super::found::Found;
 use super::location::Location;
+use super::ranking::{Row, ranked};
 use super::shape::Shape;
-use super::track::{Kind, span};
+use super::track::{Axis, Kind, span};
 use crate::common::harmonics::{self, Harmonics};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method};
@@ -17,14 +19,20 @@ use trunnion_effects::Unit;
 pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convention: Convention) -> Findings {
     let mut values: Vec<FoundValue> = found.location.iter().map(|l| location(l, convention)).collect();
     let mut of_motions = Vec::new();
+    let (dependences, mut waves) = (dependences(found.shapes), Vec::new());
+    let counts = |axis: Axis| runs.first().map_or_else(Counts::default, |run| Counts::of(&run.machine, axis));
     for motion in found.axes.iter().flat_map(error_motions) {
         let as_read = span(motion.points.iter().map(|(_, value)| *value));
         let name = format!("{} range", motion.name);
-        values.push(match Harmonics::of(&motion.points) {
+        let counted = counts(motion.axis);
+        values.push(match Harmonics::with(&motion.points, &counted.orders()) {
             Some(of) => {
                 let scale = motion.unit.per_inside;
                 let read = format!("as read {:.2} {}, noise included", as_read * scale, motion.unit.text());
-                let likely = of_motion(motion.kind, motion.upright, &of);
+                let likely = of_motion(motion.kind, motion.upright, counted, &of);
+                let causes = causes(motion.kind, motion.upright, counted, &of);
+                let row = |cause| Row::of_wave(&motion.name, motion.axis, motion.kind, cause, &dependences);
+                waves.extend(causes.iter().map(row));
                 let note = said(&[&motion.about, &of.words(motion.unit), &read, &likely]);
                 let value = FoundValue::new(name, of.range, motion.unit, Some(of.u_range)).note(note);
                 of_motions.push((motion.name, motion.unit, of));
@@ -37,10 +45,15 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
     for shape in found.shapes {
         let value =
             FoundValue::new(format!("{} circularity", shape.label), shape.circularity_mm, Unit::UM, None);
-        let around = Harmonics::of(&shape.mean_contour);
+        let orders = shape.kind.axis().map_or_else(Vec::new, |axis| counts(axis).orders());
+        let around = Harmonics::with(&shape.mean_contour, &orders);
         let likely = match (shape.kind, &around) {
-            (Kind::Across { axis, .. }, Some(of)) => of_motion(ErrorKind::Radial, axis.is_upright(), of),
-            (Kind::Along { axis }, Some(of)) => of_motion(ErrorKind::Axial, axis.is_upright(), of),
+            (Kind::Across { axis, .. }, Some(of)) => {
+                of_motion(ErrorKind::Radial, axis.is_upright(), counts(axis), of)
+            }
+            (Kind::Along { axis }, Some(of)) => {
+                of_motion(ErrorKind::Axial, axis.is_upright(), counts(axis), of)
+            }
             (Kind::Followed { .. } | Kind::Path, _) => PATH.into(),
             _ => String::new(),
         };
@@ -54,7 +67,8 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
             values.push(value.note(said(&["forward less backward", likely])));
         }
     }
-    let mut tables = vec![measurements(found.shapes)];
+    let mut tables: Vec<FoundTable> = ranked(found, waves, &dependences).into_iter().collect();
+    tables.push(measurements(found.shapes));
     tables.extend(harmonics::table(&of_motions));
     if !found.location.is_empty() {
         tables.push(comparison(found, convention));

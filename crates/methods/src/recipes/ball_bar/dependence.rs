@@ -1,0 +1,96 @@
+//! On what a wave of a trace depends: direction, feed, where the other rotary axes stand. Each rules causes in or out.
+//!
+//! The waves of two contours of one measurement are compared order by order [`Harmonics::differs`]. What changes with the direction or the
+//! feed is drive, friction or inertia and not the ring of a bearing; what changes with the tilt of the axis is gravity or what carries it
+//! [S4 table 2, §4.3].
+//! Limits: whole turns; what is not shown to depend may do so by less than its uncertainty.
+
+use super::causes::ErrorKind;
+use super::shape::Shape;
+use super::track::Kind;
+use crate::common::harmonics::{Difference, Harmonics};
+use trunnion_core::Joint;
+use trunnion_core::convert::deg_from_rad;
+
+/// What a wave depends on.
+#[derive(Clone, Debug)]
+pub(super) struct Dependence {
+    pub axis: Joint,
+    pub kind: ErrorKind,
+    pub order: usize,
+    /// Half of what changes, mm, and its standard uncertainty.
+    pub half_mm: f64,
+    pub u_mm: f64,
+    pub words: String,
+}
+
+/// Every dependence that the traces show.
+pub(super) fn dependences(shapes: &[Shape]) -> Vec<Dependence> {
+    let mut found: Vec<Dependence> = Vec::new();
+    let mut add = |shape: &Shape, differences: Vec<Difference>, words: &str| {
+        let (Some(axis), Some(kind)) = (shape.kind.axis(), kind_of(shape.kind)) else { return };
+        for Difference { order, half, u } in differences {
+            let known = |other: &&mut Dependence| {
+                (other.axis, other.kind, other.order) == (axis.letter, kind, order) && other.words == words
+            };
+            match found.iter_mut().find(known) {
+                Some(other) if other.half_mm >= half => {}
+                Some(other) => (other.half_mm, other.u_mm) = (half, u),
+                None => found.push(Dependence {
+                    axis: axis.letter,
+                    kind,
+                    order,
+                    half_mm: half,
+                    u_mm: u,
+                    words: words.into(),
+                }),
+            }
+        }
+    };
+    for (i, shape) in shapes.iter().enumerate() {
+        if let [(_, forward), (_, backward)] = &shape.contours[..]
+            && let (Some(forward), Some(backward)) = (Harmonics::of(forward), Harmonics::of(backward))
+        {
+            add(shape, forward.differs(&backward), "changes with the direction: drive or friction");
+        }
+        for other in shapes[..i].iter().filter(|other| shape.is_same_measurement(other)) {
+            let (Some(one), Some(two)) =
+                (Harmonics::of(&other.mean_contour), Harmonics::of(&shape.mean_contour))
+            else {
+                continue;
+            };
+            let (stands, feeds) = (shape.stands_as(other), shape.turns_as_fast(other));
+            if stands && !feeds {
+                add(shape, one.differs(&two), "changes with the feed: servo or inertia");
+            }
+            if !stands && feeds {
+                add(
+                    shape,
+                    one.differs(&two),
+                    &format!("changes with {}: gravity, or what carries the axis", moved(other, shape)),
+                );
+            }
+        }
+    }
+    found
+}
+
+fn kind_of(kind: Kind) -> Option<ErrorKind> {
+    match kind {
+        Kind::Across { .. } => Some(ErrorKind::Radial),
+        Kind::Along { .. } => Some(ErrorKind::Axial),
+        Kind::Followed { .. } | Kind::Path => None,
+    }
+}
+
+/// `B (0° to 30°)`.
+fn moved(from: &Shape, to: &Shape) -> String {
+    let most = Joint::ROTARY.into_iter().max_by(|&a, &b| {
+        let apart = |joint: Joint| (from.stood_rad[joint] - to.stood_rad[joint]).abs();
+        apart(a).total_cmp(&apart(b))
+    });
+    most.map_or(String::new(), |joint| {
+        let [from, to] = [from, to].map(|shape| deg_from_rad(shape.stood_rad[joint]));
+        format!("{joint} ({from:.0}° to {to:.0}°)").replace('-', "−")
+    })
+}

@@ -1,0 +1,109 @@
+//! Least squares of each error over the sweeps: quasi-static part, and parts with way, speed and acceleration.
+
+use super::sweeps::{Sweep, Sweeps};
+use crate::control_chart::t_beyond;
+use crate::recipes::{Method, MethodError};
+use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeSet;
+
+/// Half of a 95 % interval in standard uncertainties [GUM G.6.6].
+const COVERAGE_95: f64 = 1.96;
+
+/// A part of an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    QuasiStatic,
+    Way,
+    Speed,
+    Acceleration,
+}
+
+impl Part {
+    pub const ALL: [Self; 4] = [Self::QuasiStatic, Self::Way, Self::Speed, Self::Acceleration];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::QuasiStatic => "quasi-static",
+            Self::Way => "with the way",
+            Self::Speed => "with speed",
+            Self::Acceleration => "with acceleration",
+        }
+    }
+}
+
+/// What the sweeps separate.
+pub(super) struct Parts {
+    /// Feed at which the parts with speed and acceleration are given, mm/s or rad/s.
+    pub fastest: f64,
+    pub both_ways: bool,
+    pub separated: Vec<Part>,
+    pub degrees_of_freedom: usize,
+    /// One for each error: value and u of each separated part, inside units.
+    pub of_errors: Vec<Vec<(f64, f64)>>,
+}
+
+impl Parts {
+    /// The error of a sweep one way at a feed, by its parts.
+    pub fn at(&self, error: usize, way: f64, feed: f64) -> f64 {
+        let row = row(&self.separated, self.both_ways, way, feed / self.fastest);
+        row.iter().zip(&self.of_errors[error]).map(|(factor, (value, _))| factor * value).sum()
+    }
+}
+
+pub(super) fn parts(method: &Method, sweeps: &Sweeps) -> Result<Parts, MethodError> {
+    let all = &sweeps.all;
+    let fastest = all.iter().map(|sweep| sweep.feed).fold(0.0, f64::max);
+    let tenths = |sweep: &Sweep| (20.0 * (sweep.feed / fastest).ln()).round() as i64;
+    let feeds = all.iter().map(tenths).collect::<BTreeSet<_>>().len();
+    let both_ways = all.iter().any(|sweep| sweep.way > 0.0) && all.iter().any(|sweep| sweep.way < 0.0);
+    if feeds < 2 {
+        let found = format!("there is one feed in {} sweeps", all.len());
+        return Err(method.lacks(
+            found,
+            "Give a second feed in the cycle file, or runs of the same cycle at another feed.",
+        ));
+    }
+    let separated: Vec<Part> = Part::ALL
+        .into_iter()
+        .filter(|part| match part {
+            Part::QuasiStatic | Part::Speed => true,
+            Part::Way => both_ways,
+            Part::Acceleration => both_ways || feeds > 2,
+        })
+        .collect();
+    let rows: Vec<f64> =
+        all.iter().flat_map(|sweep| row(&separated, both_ways, sweep.way, sweep.feed / fastest)).collect();
+    let design = DMatrix::from_row_slice(all.len(), separated.len(), &rows);
+    let freedom = all.len().saturating_sub(separated.len());
+    if freedom == 0 {
+        let found = format!("{} sweeps leave no degree of freedom for {} parts", all.len(), separated.len());
+        return Err(method.lacks(
+            found,
+            "Add a third feed, or run each feed twice: count = 2 in [rounds] of the cycle file.",
+        ));
+    }
+    let Some(cofactor) = (design.transpose() * &design).try_inverse() else {
+        return Err(method.lacks("the ways were run at different feeds", "Run every feed both ways."));
+    };
+    let wider = t_beyond(0.05, freedom) / COVERAGE_95;
+    let of_error = |error: usize| {
+        let values = DVector::from_iterator(all.len(), all.iter().map(|sweep| sweep.values[error]));
+        let solution = &cofactor * design.tr_mul(&values);
+        let scatter = ((values - &design * &solution).norm_squared() / freedom as f64).sqrt();
+        let u = |part: usize| wider * scatter * cofactor[(part, part)].sqrt();
+        (0..separated.len()).map(|part| (solution[part], u(part))).collect()
+    };
+    let of_errors = (0..sweeps.errors.len()).map(of_error).collect();
+    Ok(Parts { fastest, both_ways, degrees_of_freedom: freedom, of_errors, separated })
+}
+
+/// What each part counts in a sweep one way at this share of the fastest feed.
+fn row(separated: &[Part], both_ways: bool, way: f64, feed: f64) -> Vec<f64> {
+    let factor = |part: &Part| match part {
+        Part::QuasiStatic => 1.0,
+        Part::Way => way,
+        Part::Speed => feed * if both_ways { way } else { 1.0 },
+        Part::Acceleration => feed * feed,
+    };
+    separated.iter().map(factor).collect()
+}

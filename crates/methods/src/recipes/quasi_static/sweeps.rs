@@ -1,0 +1,254 @@
+//! Sweeps: all readings of one run that were taken one way at one feed, all its setups together, and the base model fitted to each.
+
+use crate::common::feed::{ONE_FEED, is_one_feed};
+use crate::recipes::{Method, MethodError};
+use nalgebra::Vector3;
+use trunnion_core::{AxisValues, Joint, Point};
+use trunnion_cycles::{Run, RunKind};
+use trunnion_effects::{Model, Unit};
+use trunnion_engine::fit::Options;
+use trunnion_engine::{Experiment, HeldOut, Uncertainties, identify};
+use trunnion_machine::Machine;
+
+/// A feed held for less than this share of the readings is a ramp between feeds.
+const RAMP: f64 = 0.03;
+/// Fewer readings are no sweep.
+const LEAST_READINGS: usize = 12;
+/// Where more of the readings belong to no sweep, the feed is not constant.
+const MOST_LEFT_OUT: f64 = 0.2;
+/// Steps this many times as long as usual are a pause: another sweep begins.
+const PAUSE: f64 = 4.0;
+/// An axis that is slower stands, mm/s and rad/s.
+const STANDS: f64 = 1e-9;
+
+/// Sine of the angle between path and place, from the middle, below which a path is straight.
+const ROUND: f64 = 0.01;
+
+/// What all sweeps gave.
+pub(super) struct Sweeps {
+    pub all: Vec<Sweep>,
+    /// Unit of a feed.
+    pub unit: Unit,
+    /// Names, units of the errors that every sweep determines.
+    pub errors: Vec<(String, Unit)>,
+    /// Settings may have changed between runs and are left out.
+    pub several_runs: bool,
+    /// Readings that belong to no sweep.
+    pub left_out: usize,
+}
+
+/// One sweep.
+pub(super) struct Sweep {
+    /// −1 or +1.
+    pub way: f64,
+    /// Speed, mm/s or rad/s.
+    pub feed: f64,
+    /// Of [`Sweeps::errors`], inside units.
+    pub values: Vec<f64>,
+    /// What the base model leaves, mm.
+    pub rms_mm: f64,
+}
+
+/// Feeds as a control has them.
+const MM_PER_MIN: Unit = Unit { symbol: "mm/min", per_inside: 60.0 };
+const DEG_PER_MIN: Unit = Unit { symbol: "deg/min", per_inside: 60.0 * Unit::DEG.per_inside };
+
+/// Finds the sweeps and fits each.
+pub(super) fn fitted(method: &Method, runs: &[Run]) -> Result<Sweeps, MethodError> {
+    let machine = &runs[0].machine;
+    let mut groups: Vec<Group> = Vec::new();
+    let mut left_out = 0;
+    let leading = Leading::of(machine, runs).ok_or_else(|| {
+        method.lacks(
+            "no axis moves while it is read",
+            "Run a cycle on the fly, such as config/cycles/r-test-feeds-c.toml.",
+        )
+    })?;
+    let mut total = 0;
+    for run in runs {
+        let mut grouped = grouped(run, &leading);
+        grouped.retain(|group| group.points.len() >= LEAST_READINGS);
+        total += run.good_points().count();
+        left_out += run.good_points().count() - grouped.iter().map(|group| group.points.len()).sum::<usize>();
+        groups.extend(grouped);
+    }
+    if left_out as f64 > MOST_LEFT_OUT * total as f64 {
+        let found = format!("{left_out} of {total} readings are at no constant feed");
+        return Err(
+            method.lacks(found, "Turn one rotary axis, or run a circle of linear axes, at constant feeds.")
+        );
+    }
+    let several_runs = runs.len() > 1;
+    let mut all = Vec::new();
+    let mut errors: Option<Vec<(String, Unit)>> = None;
+    for group in &groups {
+        let run = Run { points: group.points.clone(), ..group.run.clone() };
+        let options = Options {
+            holdout: HeldOut::Skipped,
+            uncertainties: Uncertainties::Clusters,
+            ..Options::default()
+        };
+        let experiment = Experiment::new(&[run])?;
+        let fit = identify(&experiment, &Model::base(&machine.name), &options).map_err(|why| {
+            let found = format!("one sweep of {} readings has no fit of its own ({why})", group.points.len());
+            method.lacks(found, "Read more places in each sweep.")
+        })?;
+        let found: Vec<_> = fit
+            .parameters
+            .iter()
+            .filter(|parameter| {
+                parameter.u.is_some() && (!several_runs || parameter.effect == "location-errors")
+            })
+            .collect();
+        let known = |name: &str| found.iter().any(|parameter| parameter.name == name);
+        match &mut errors {
+            None => errors = Some(found.iter().map(|p| (p.name.clone(), p.unit)).collect()),
+            Some(errors) => errors.retain(|(name, _)| known(name)),
+        }
+        let values = found.iter().filter_map(|p| Some((p.name.clone(), p.value?))).collect();
+        all.push((group, values, fit.rms_mm));
+    }
+    let errors = errors.filter(|errors| !errors.is_empty()).ok_or_else(|| {
+        method
+            .lacks("one sweep determines no error", "Choose a path that shows errors, such as a whole turn.")
+    })?;
+    let sweep = |(group, values, rms_mm): (&Group<'_>, Vec<(String, f64)>, f64)| {
+        let of = |name: &String| {
+            values.iter().find(|(other, _)| other == name).map_or(f64::NAN, |(_, value)| *value)
+        };
+        Sweep {
+            way: group.way,
+            feed: group.feed,
+            values: errors.iter().map(|(name, _)| of(name)).collect(),
+            rms_mm,
+        }
+    };
+    let all = all.into_iter().map(sweep).collect();
+    let unit = if leading.is_rotary() { DEG_PER_MIN } else { MM_PER_MIN };
+    Ok(Sweeps { all, unit, errors, several_runs, left_out })
+}
+
+/// Points of a sweep.
+struct Group<'a> {
+    run: &'a Run,
+    way: f64,
+    feed: f64,
+    points: Vec<Point>,
+}
+
+/// What the feed is measured by: the rotary axis that turns most, else the linear axes together.
+enum Leading {
+    Rotary(Joint),
+    Linear {
+        /// Middle of the path, mm.
+        middle: Vector3<f64>,
+        /// Across the plane of the path.
+        across: Vector3<f64>,
+    },
+}
+
+impl Leading {
+    fn of(machine: &Machine, runs: &[Run]) -> Option<Self> {
+        let points = || runs.iter().filter(|run| run.kind == RunKind::OnTheFly).flat_map(Run::good_points);
+        let fastest = |joint: Joint| points().map(|p| p.state.velocity[joint].abs()).fold(0.0, f64::max);
+        let turning = machine.rotary_joints().into_iter().filter(|&joint| fastest(joint) > STANDS);
+        if let Some(joint) = turning.max_by(|&a, &b| fastest(a).total_cmp(&fastest(b))) {
+            return Some(Self::Rotary(joint));
+        }
+        if Joint::LINEAR.into_iter().all(|joint| fastest(joint) <= STANDS) {
+            return None;
+        }
+        let count = points().count() as f64;
+        let middle = points().map(|p| linear(&p.state.position)).sum::<Vector3<f64>>() / count;
+        let turned = |p: &Point| (linear(&p.state.position) - middle).cross(&linear(&p.state.velocity));
+        let swept = points().map(|p| turned(p).abs()).sum::<Vector3<f64>>();
+        let across = Vector3::ith(swept.imax(), 1.0);
+        Some(Self::Linear { middle, across })
+    }
+
+    fn is_rotary(&self) -> bool {
+        matches!(self, Self::Rotary(_))
+    }
+
+    /// Speed, with the way as its sign.
+    fn velocity(&self, point: &Point) -> f64 {
+        match self {
+            Self::Rotary(joint) => point.state.velocity[*joint],
+            Self::Linear { middle, across } => {
+                let velocity = linear(&point.state.velocity);
+                let turned = (linear(&point.state.position) - middle).cross(&velocity).dot(across);
+                // On a straight line the way is that of the axes.
+                let round = ROUND * (linear(&point.state.position) - middle).norm() * velocity.norm();
+                let way = if turned.abs() < round { velocity.sum() } else { turned };
+                velocity.norm() * way.signum()
+            }
+        }
+    }
+}
+
+fn linear(values: &AxisValues<f64>) -> Vector3<f64> {
+    Vector3::from_fn(|k, _| values[Joint::LINEAR[k]])
+}
+
+/// Readings of a run by way, feed, and how often that feed was run that way in each setup.
+fn grouped<'a>(run: &'a Run, leading: &Leading) -> Vec<Group<'a>> {
+    if run.kind != RunKind::OnTheFly {
+        return Vec::new();
+    }
+    let points: Vec<(&Point, f64)> =
+        run.good_points().map(|point| (point, leading.velocity(point))).collect();
+    let feeds = feeds(points.iter().map(|(_, velocity)| velocity.abs()).collect());
+    let feed_of = |speed: f64| feeds.iter().position(|feed| is_one_feed(*feed, speed));
+    let mut steps: Vec<f64> = points.windows(2).filter_map(step_s).filter(|step| *step > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    let usual_s = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    // (setup, way, feed) of the sweep under way, and how many of each kind there were.
+    let mut groups: Vec<(Group<'a>, usize, usize)> = Vec::new();
+    let mut begun: Vec<(usize, bool, usize)> = Vec::new();
+    let mut last: Option<((usize, bool, usize), &Point)> = None;
+    for (point, velocity) in points {
+        let Some(feed) = feed_of(velocity.abs()) else { continue };
+        let kind = (point.state.setup, velocity > 0.0, feed);
+        let goes_on = last.is_some_and(|(before, from)| {
+            before == kind && step_s(&[(from, 0.0), (point, 0.0)]).is_none_or(|step| step <= PAUSE * usual_s)
+        });
+        if !goes_on {
+            begun.push(kind);
+        }
+        last = Some((kind, point));
+        let turn = begun.iter().filter(|other| **other == kind).count();
+        let way = velocity.signum();
+        let same = |(group, of_feed, of_turn): &&mut (Group<'a>, usize, usize)| {
+            group.way == way && (*of_feed, *of_turn) == (feed, turn)
+        };
+        match groups.iter_mut().find(same) {
+            Some((group, ..)) => group.points.push(point.clone()),
+            None => {
+                let group = Group { run, way, feed: feeds[feed], points: vec![point.clone()] };
+                groups.push((group, feed, turn));
+            }
+        }
+    }
+    groups.into_iter().map(|(group, ..)| group).collect()
+}
+
+/// Feeds that were held: the middles of speeds within [`ONE_FEED`] of each other, slowest first.
+fn feeds(mut speeds: Vec<f64>) -> Vec<f64> {
+    speeds.retain(|speed| *speed > STANDS);
+    speeds.sort_by(f64::total_cmp);
+    let least = RAMP * speeds.len() as f64;
+    let mut feeds = Vec::new();
+    let mut rest = &speeds[..];
+    while let Some(&slowest) = rest.first() {
+        let held = rest.partition_point(|speed| *speed <= ONE_FEED * slowest);
+        if held as f64 >= least {
+            feeds.push(rest[held / 2]);
+        }
+        rest = &rest[held..];
+    }
+    feeds
+}
+
+fn step_s(pair: &[(&Point, f64)]) -> Option<f64> {
+    Some(pair[1].0.state.time_s? - pair[0].0.state.time_s?)
+}
