@@ -3,6 +3,7 @@
 use crate::change::ChangedParameter;
 use crate::corrected::{AroundCorrection, CorrectionEntered};
 use crate::diagnosis::Verdict;
+use crate::forecast::DayForecast;
 use crate::identification::Parameter;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,9 @@ pub struct MachineHistory {
     /// The runs before and after each correction, the latest first.
     #[serde(default)]
     pub around_corrections: Vec<AroundCorrection>,
+    /// What the next day is expected to show; null where it was not asked for: it takes fits of all runs together.
+    #[serde(default)]
+    pub forecast: Option<DayForecast>,
     /// What a person should know of the list, one sentence each.
     pub notes: Vec<String>,
 }
@@ -71,6 +75,9 @@ pub struct HistoryRun {
 pub struct Watched {
     /// Name of the parameter, or `rms`.
     pub name: String,
+    /// What it is, for a person; the name where there are no words for it.
+    #[serde(default)]
+    pub words: String,
     /// Its unit.
     pub unit: String,
     /// Its value in every run that has one, with the limits that held then.
@@ -79,6 +86,16 @@ pub struct Watched {
     /// measured.
     #[serde(default)]
     pub next: Option<[f64; 3]>,
+}
+
+impl Watched {
+    /// `direction of axis B about X (EA0B)`.
+    pub fn title(&self) -> String {
+        match self.words == self.name || self.words.is_empty() {
+            true => self.name.clone(),
+            false => format!("{} ({})", self.words, self.name),
+        }
+    }
 }
 
 /// A watched value in one run.

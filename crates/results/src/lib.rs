@@ -18,6 +18,7 @@ mod diagnosis;
 mod doubt;
 mod filed;
 mod findings;
+mod forecast;
 mod history;
 mod identification;
 mod json;
@@ -74,6 +75,7 @@ pub use findings::{
     AxisName, Cell, Chart, Column, Curve, Findings, FindingsFormat, FoundValue, MapPlace, NamedAmount, Plot,
     Table,
 };
+pub use forecast::{DayForecast, ForecastFormat, ForecastValue};
 pub use history::{HistoryFormat, HistoryRun, MachineHistory, RunChange, Watched, WatchedPoint};
 pub use identification::{
     Combination, Identification, IdentificationFormat, LeftOut, NoiseOfRun, NoiseOrigin, NoisePart, Outlier,

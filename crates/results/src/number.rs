@@ -21,18 +21,57 @@ pub fn unit_on_screen(unit: &str) -> String {
         .replace("^2", "²")
 }
 
-/// About three significant digits, a true minus sign, no unit.
+/// Two significant digits at least, three where they are left of the second decimal; a true minus sign, no unit.
 pub fn plain(value: f64) -> String {
-    let magnitude = value.abs();
-    let decimals = match magnitude {
-        _ if !value.is_finite() => return MISSING.into(),
-        m if m >= 1e6 || (m > 0.0 && m < 1e-3) => return minus(format!("{value:.1e}")),
-        m if m >= 99.95 => 0,
-        m if m >= 9.995 => 1,
-        m if m >= 0.1 || m == 0.0 => 2,
-        _ => 4,
+    if !value.is_finite() {
+        return MISSING.into();
+    }
+    match decimals(value) {
+        Some(decimals) => minus(format!("{value:.decimals$}")),
+        None => minus(format!("{value:.1e}")),
+    }
+}
+
+/// Decimals of [`plain`]; `None` for what is written with a power of ten.
+fn decimals(value: f64) -> Option<usize> {
+    match value.abs() {
+        m if m >= 1e6 || (m > 0.0 && m < 1e-3) => None,
+        m if m >= 99.95 => Some(0),
+        m if m >= 9.995 => Some(1),
+        m if m >= 0.0995 || m == 0.0 => Some(2),
+        m if m >= 0.00995 => Some(3),
+        _ => Some(4),
+    }
+}
+
+/// Decimals of two digits of a standard uncertainty.
+pub fn decimals_of_u(u: f64) -> usize {
+    (1.0 - u.log10().floor()).clamp(0.0, 6.0) as usize
+}
+
+/// [`plain`] in a sentence that does not say `u`: no digit that u does not justify.
+pub fn justified(value: f64, u: f64) -> String {
+    if !(value.is_finite() && u.is_finite() && u > 0.0) {
+        return plain(value);
+    }
+    let most = decimals_of_u(u);
+    let decimals = match decimals(value) {
+        Some(decimals) => decimals.min(most),
+        None if value.abs() < 1.0 => most,
+        None => return plain(value),
     };
-    minus(format!("{value:.decimals$}"))
+    // Nothing below half a digit has a sign.
+    let whole = 10_f64.powi(decimals as i32);
+    minus(format!("{:.decimals$}", (value * whole).round() / whole + 0.0))
+}
+
+/// A value that a person chose (a place, a limit, a scale), with at most so many decimals and none that are zero.
+pub fn trimmed(value: f64, most_decimals: i32) -> String {
+    if !value.is_finite() {
+        return MISSING.into();
+    }
+    let whole = 10_f64.powi(most_decimals);
+    minus(format!("{}", (value * whole).round() / whole + 0.0))
 }
 
 /// A number with its unit, `3.14 µm`.
@@ -62,11 +101,10 @@ pub fn percent(share: f64) -> String {
 
 /// Degrees from rad, `−90°`, with decimals only where needed.
 pub fn degrees(rad: f64) -> String {
-    if !rad.is_finite() {
-        return MISSING.into();
+    match rad.is_finite() {
+        true => format!("{}°", trimmed(trunnion_core::convert::deg_from_rad(rad), 2)),
+        false => MISSING.into(),
     }
-    let rounded = (trunnion_core::convert::deg_from_rad(rad) * 100.0).round() / 100.0;
-    format!("{}°", minus(format!("{}", rounded + 0.0)))
 }
 
 /// A value with the digits that its standard uncertainty deserves (two digits of u), both with unit.
@@ -74,7 +112,7 @@ pub fn value_and_u(value: Option<f64>, u: Option<f64>, unit: &str) -> (String, S
     let unit_text = unit_on_screen(unit);
     match (value, u) {
         (Some(value), Some(u)) if value.is_finite() && u.is_finite() && u > 0.0 => {
-            let decimals = (1.0 - u.log10().floor()).clamp(0.0, 6.0) as usize;
+            let decimals = decimals_of_u(u);
             (
                 format!("{} {unit_text}", minus(format!("{value:.decimals$}"))).trim_end().into(),
                 format!("{u:.decimals$} {unit_text}").trim_end().into(),
@@ -118,6 +156,17 @@ mod tests {
         assert_eq!(with_unit(1234.6, "urad"), "1235 µrad");
         assert_eq!(degrees(-std::f64::consts::FRAC_PI_2), "−90°");
         assert_eq!(degrees(-0.0), "0°");
+        assert_eq!(
+            ["0.0941", "0.0372", "0.00412"].map(|n| um(n.parse().unwrap())),
+            ["0.094 µm", "0.037 µm", "0.0041 µm"]
+        );
+        assert_eq!((justified(13.562, 25.0), justified(0.339, 0.2)), ("14".into(), "0.34".into()));
+        assert_eq!((justified(-7.9e-4, 0.3), justified(-7.9e-4, 1e-5)), ("0.00".into(), "−0.000790".into()));
+        assert_eq!((justified(61.16, 0.021), justified(61.16, f64::NAN)), ("61.2".into(), "61.2".into()));
+        assert_eq!(
+            [trimmed(-75.0, 3), trimmed(2.0, 3), trimmed(0.05, 3), trimmed(-1e-9, 3)],
+            ["−75", "2", "0.05", "0"]
+        );
         assert_eq!(value_and_u(Some(13.5975), Some(0.213), "um"), ("13.60 µm".into(), "0.21 µm".into()));
         assert_eq!(value_and_u(None, None, "um").0, "not observable");
         assert_eq!(value_and_u(Some(3.0), None, "1").0, "3.00");

@@ -1,11 +1,11 @@
 //! The JSON schemas, generated from the types.
 
 use crate::{
-    Added, AxisErrors, Check, Comparison, Correction, CorrectionJudged, Demo, DevicesChecked, DevicesFound,
-    Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported, Joined, Ladder, Linear, Live,
-    MachineHistory, MethodList, NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Removed,
-    Report, RunList, RunRecord, Scrubbed, ServiceStatus, SetUpState, SignTest, Simulation, Story,
-    TimeQuality, Trial, Volumetric, to_json,
+    Added, AxisErrors, Check, Comparison, Correction, CorrectionJudged, DayForecast, Demo, DevicesChecked,
+    DevicesFound, Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported, Joined, Ladder,
+    Linear, Live, MachineHistory, MethodList, NcProgram, NestCalibrated, PageStatus, Plan, Prediction,
+    Preview, Removed, Report, RunList, RunRecord, Scrubbed, ServiceStatus, SetUpState, SignTest, Simulation,
+    Story, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -47,6 +47,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("formula", schema_for!(FormulaChecked)),
         ("nest", schema_for!(NestCalibrated)),
         ("report", schema_for!(Report)),
+        ("forecast", schema_for!(DayForecast)),
         ("history", schema_for!(MachineHistory)),
         ("status", schema_for!(ServiceStatus)),
         ("sign-test", schema_for!(SignTest)),

@@ -1,6 +1,6 @@
 //! What the numbers say, in sentences: shared by page, terminal and every other surface. Each thing is said once.
 
-use crate::number::{degrees, plain, um, unit_on_screen};
+use crate::number::{degrees, justified, plain, um, unit_on_screen};
 use crate::{
     Candidate, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Missing, Moved, Parameter,
     PlannedCycle, Plausibility, Samples, ShapeNumber, Verdict,
@@ -103,7 +103,7 @@ pub fn location_sentence(parameters: &[Parameter], lead: &str) -> Option<String>
         .filter_map(|p| {
             let value = p.value.filter(|_| is_clear(p))?;
             let size = if p.unit == "urad" { value.abs() * LEVER_MM * 1e-3 } else { value.abs() };
-            Some((size, location_words(&p.name, value)?))
+            Some((size, location_words(&p.name, value, p.u.unwrap_or(f64::NAN))?))
         })
         .collect();
     errors.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -117,19 +117,22 @@ pub fn location_sentence(parameters: &[Parameter], lead: &str) -> Option<String>
 }
 
 /// `axis B lies 13.6 µm off along Z` from `EZ0B`; `None` for what is no location error.
-fn location_words(name: &str, value: f64) -> Option<String> {
+fn location_words(name: &str, value: f64, u: f64) -> Option<String> {
     let (direction, axis) = name.strip_prefix('E')?.split_once('0')?;
     let ([direction], false) = (direction.as_bytes(), axis.is_empty()) else { return None };
     let direction = char::from(*direction);
     match direction {
-        'X' | 'Y' | 'Z' => Some(format!("axis {axis} lies {} µm off along {direction}", plain(value))),
+        'X' | 'Y' | 'Z' => Some(format!("axis {axis} lies {} µm off along {direction}", justified(value, u))),
         'A' | 'B' | 'C' if axis.strip_prefix(direction) == Some("") => {
-            Some(format!("the zero of {axis} is off by {} µrad", plain(value)))
+            Some(format!("the zero of {axis} is off by {} µrad", justified(value, u)))
         }
         'A' | 'B' | 'C' => {
             let about = ['X', 'Y', 'Z'][usize::from(direction as u8 - b'A')];
-            let over = plain(value * LEVER_MM * 1e-3);
-            Some(format!("axis {axis} leans {} µrad about {about} ({over} µm over 100 mm)", plain(value)))
+            let over = justified(value * LEVER_MM * 1e-3, u * LEVER_MM * 1e-3);
+            Some(format!(
+                "axis {axis} leans {} µrad about {about} ({over} µm over 100 mm)",
+                justified(value, u)
+            ))
         }
         _ => None,
     }
@@ -179,7 +182,7 @@ pub fn unnumbered_locations(names: &[&str]) -> Vec<String> {
 
 /// True for the parameter names of `location-errors`.
 pub fn is_location(name: &str) -> bool {
-    location_words(name, 0.0).is_some()
+    location_words(name, 0.0, f64::NAN).is_some()
 }
 
 /// `EX0C −3.20 → −1.10 µm, 8 u`.
@@ -187,8 +190,8 @@ pub fn moved_words(moved: &Moved) -> String {
     format!(
         "{} {} → {} {}, {:.0} u",
         moved.name,
-        plain(moved.before),
-        plain(moved.after),
+        justified(moved.before, moved.u),
+        justified(moved.after, moved.u),
         unit_on_screen(&moved.unit),
         moved.in_u()
     )

@@ -2,9 +2,11 @@
 
 mod change;
 mod corrections;
+mod forecast;
 mod watch;
 
 pub use corrections::{corrections, enter_correction, entered};
+pub use forecast::{days, next_day, without};
 
 use crate::{Diagnosed, Error, Model, identity, moment};
 use std::path::{Path, PathBuf};
@@ -49,12 +51,14 @@ pub fn history(paths: &[PathBuf], wanted: &Wanted) -> Result<MachineHistory, Err
     }
     let mut history = MachineHistory { machine, ..MachineHistory::default() };
     let mut last_two: [Option<(String, Diagnosed)>; 2] = [None, None];
+    let mut recordings = Vec::new();
     for Header { path, run, .. } in headers {
         let (run, diagnosed) = judged(&path, run, wanted.model.as_ref());
         if let Some(diagnosed) = diagnosed {
             last_two = [last_two[1].take(), Some((run.run.clone(), diagnosed))];
         }
         history.runs.push(run);
+        recordings.push(path);
     }
     if let [earlier, Some(later)] = &last_two {
         history.effects = later.1.fit().model().effects().into_iter().map(str::to_owned).collect();
@@ -62,6 +66,13 @@ pub fn history(paths: &[PathBuf], wanted: &Wanted) -> Result<MachineHistory, Err
     }
     let since = index_of(&history.runs, wanted.since.as_deref())?;
     watched(&mut history, since, &wanted.corrections);
+    history.forecast = Some(match days(&history, since) {
+        Ok(days) => {
+            let of_days: Vec<PathBuf> = days.into_iter().map(|index| recordings[index].clone()).collect();
+            next_day(&of_days, wanted.model.as_ref())?
+        }
+        Err(why_not) => without(why_not),
+    });
     Ok(history)
 }
 

@@ -1,7 +1,7 @@
 //! The runs of a machine as text: what changed first, then the runs, then the values with their limits.
 
 use super::table::{columns, paragraph};
-use crate::number::{MISSING, plain, um_or_dash, unit_on_screen, value_and_u};
+use crate::number::{MISSING, justified, um_or_dash, unit_on_screen, value_and_u};
 use trunnion_results::sentences::verdict_in_short;
 use trunnion_results::{HistoryRun, MachineHistory, Watched};
 
@@ -27,6 +27,10 @@ pub fn history_text(history: &MachineHistory) -> String {
         text += "At most one false alarm in 365 runs over all of these values together.\n";
     }
     text += &forecast(history);
+    if let Some(next) = &history.forecast {
+        text += "\nThe next day\n";
+        text += &next.words.iter().map(|words| paragraph(words)).collect::<String>();
+    }
     history.notes.iter().fold(text, |text, note| text + note + "\n")
 }
 
@@ -40,7 +44,13 @@ fn alarm_line(history: &MachineHistory) -> String {
     match last.alarms.as_slice() {
         [] if has_limits => format!("{}: every value is within its control limits", last.run),
         [] => format!("{}: there are no control limits yet, they need two runs before", last.run),
-        alarms => format!("{}: outside its control limits: {}", last.run, alarms.join(", ")),
+        alarms => {
+            let title = |name: &String| {
+                history.watched.iter().find(|one| one.name == *name).map_or(name.clone(), Watched::title)
+            };
+            let titles: Vec<String> = alarms.iter().map(title).collect();
+            format!("{}: outside its control limits: {}", last.run, titles.join(", "))
+        }
     }
 }
 
@@ -74,8 +84,8 @@ fn forecast(history: &MachineHistory) -> String {
         let unit = unit_on_screen(&one.unit);
         Some(vec![
             one.name.clone(),
-            format!("{} {unit}", plain(mean)),
-            format!("{} … {} {unit}", plain(lower), plain(upper)),
+            format!("{} {unit}", justified(mean, mean - lower)),
+            interval([lower, upper], &unit),
         ])
     };
     let mut rows = vec![["value", "", "95 % interval"].map(String::from).to_vec()];
@@ -86,6 +96,12 @@ fn forecast(history: &MachineHistory) -> String {
     }
 }
 
+/// `−2.1 … 4.3 µm`, with the digits that its half width justifies.
+fn interval([lower, upper]: [f64; 2], unit: &str) -> String {
+    let half = (upper - lower) / 2.0;
+    format!("{} … {} {unit}", justified(lower, half), justified(upper, half))
+}
+
 /// Each value of the last compared run.
 fn values(history: &MachineHistory) -> String {
     let Some(last) = history.runs.iter().rposition(|run| run.rms_um.is_some()) else { return String::new() };
@@ -93,9 +109,7 @@ fn values(history: &MachineHistory) -> String {
         let point = one.points.last().filter(|point| point.run == last)?;
         let (value, u) = value_and_u(Some(point.value), Some(point.u), &one.unit);
         let unit = unit_on_screen(&one.unit);
-        let limits = point.limits.map_or(MISSING.into(), |[_, lower, upper]| {
-            format!("{} … {} {unit}", plain(lower), plain(upper))
-        });
+        let limits = point.limits.map_or(MISSING.into(), |[_, lower, upper]| interval([lower, upper], &unit));
         let alarm = if point.alarm { "outside" } else { "" };
         Some(vec![one.name.clone(), value, u, limits, alarm.to_string()])
     };

@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 use std::io::{BufRead, Write};
 use std::path::PathBuf;
 use std::sync::mpsc;
+use trunnion::history::next_day;
 use trunnion::page::label;
 use trunnion::report::findings_html;
 use trunnion::results::{RunFound, sentences, to_json_line};
@@ -119,6 +120,7 @@ impl Open {
             Asks::Comparison => to_json_line(&compared.results()),
             Asks::Ladder => to_json_line(&compared.results().ladder),
             Asks::Linear => to_json_line(&diagnosed.linear()?),
+            Asks::NextDay { recordings } => to_json_line(&next_day(recordings, Some(fit.model()))?),
             Asks::Methods => to_json_line(&fit.experiment().methods()),
             Asks::Report => Ok(compared.page()),
             Asks::Trial { effect } => Ok(fit.try_effect(effect, &FormulaText::default())?.page()),

@@ -16,7 +16,7 @@ use axum::{Json, Router};
 use serde::Deserialize;
 use std::sync::Arc;
 use tokio_util::sync::CancellationToken;
-use trunnion::history::of_found;
+use trunnion::history::{of_found, without};
 
 /// Every call.
 pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) -> Router {
@@ -29,6 +29,7 @@ pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) ->
         .route("/api/runs", get(runs))
         .route("/api/history", get(history))
         .route("/api/history/corrections", post(corrected))
+        .route("/api/history/next-day", get(next_day))
         .route("/api/runs/{name}", get(story))
         .route("/api/runs/{name}/identification", get(identification))
         .route("/api/runs/{name}/diagnosis", get(diagnosis))
@@ -95,6 +96,15 @@ async fn corrected(State(page): State<Page>, body: Result<Json<Corrected>, JsonR
     let Corrected { by, what } = body.map_err(wrong)?.0;
     let wall_ns = page.shared.clock.wall_ns();
     history_of(page.runs, move |runs| runs.enter_correction(wall_ns, &by, &what)).await
+}
+
+async fn next_day(State(page): State<Page>) -> Answer {
+    let runs = page.runs.clone();
+    let days = tokio::task::spawn_blocking(move || runs.days()).await;
+    match days.map_err(|_| Refusal::Broken("history of the machine"))?? {
+        Ok((name, recordings)) => Ok(json(page.runs.ask(&name, Asks::NextDay { recordings }).await?)),
+        Err(why_not) => json_of(&without(why_not)),
+    }
 }
 
 async fn story(State(page): State<Page>, Path(name): Path<String>) -> Answer {

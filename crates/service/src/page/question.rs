@@ -34,6 +34,11 @@ pub enum Asks {
     Report,
     /// Columns for what-if.
     Linear,
+    /// What the day after these recordings is expected to show; the recording of the question is the last of them.
+    NextDay {
+        /// The recordings, oldest first.
+        recordings: Vec<PathBuf>,
+    },
     /// What each named method lacks.
     Methods,
     /// An effect on trial, a page of its own.

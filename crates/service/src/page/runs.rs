@@ -89,6 +89,29 @@ impl Runs {
         RunList { format: RunListFormat::V1, runs }
     }
 
+    /// The recordings that a forecast of the next day is made from, oldest first, with the name of the last; or why they do not allow one.
+    pub fn days(&self) -> Result<Result<(String, Vec<PathBuf>), String>, Refusal> {
+        let history = history::of_found(&self.list().runs, &self.corrections()?);
+        let days = match history::days(&history, 0) {
+            Ok(days) => days,
+            Err(why_not) => return Ok(Err(why_not)),
+        };
+        let names = days.into_iter().map(|index| history.runs[index].run.clone());
+        let mut recordings = Vec::new();
+        let mut last = String::new();
+        for name in names {
+            // Of a run whose samples were removed nothing can be fitted.
+            if let Ok(path) = self.path(&name) {
+                recordings.push(path);
+                last = name;
+            }
+        }
+        match recordings.is_empty() {
+            true => Ok(Err("the samples of these runs were removed".into())),
+            false => Ok(Ok((last, recordings))),
+        }
+    }
+
     /// Corrections that were entered, kept next to the recordings.
     pub fn corrections(&self) -> Result<Vec<CorrectionEntered>, Refusal> {
         let Some(folder) = self.folder() else { return Ok(Vec::new()) };

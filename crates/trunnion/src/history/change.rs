@@ -7,8 +7,8 @@
 
 use crate::{Diagnosed, Error, Fit};
 use trunnion_methods::control_chart::{RUNS_PER_FALSE_ALARM, t_beyond};
-use trunnion_results::number::{percent, signed, um, unit_on_screen};
-use trunnion_results::sentences::{effect_name, is_setting};
+use trunnion_results::number::{decimals_of_u, percent, signed, um, unit_on_screen};
+use trunnion_results::sentences::{effect_name, error_in_words, is_setting};
 use trunnion_results::{
     ChangedParameter, HistoryRun, Identification, Parameter, RunChange, RunPrediction, Verdict,
 };
@@ -144,12 +144,15 @@ fn words(change: &RunChange, predicted: Option<&RunPrediction>, verdict: Verdict
     words
 }
 
-/// `EB0C by +12.1 ± 1.3 µrad (9 u)`; behind ± stands the standard uncertainty.
+/// `direction of axis B about X by +49.69 ± 0.30 µrad (EA0B, 167 u)`; behind ± stands the standard uncertainty.
 fn in_words(one: &ChangedParameter) -> String {
-    let decimals = (1.0 - one.u.log10().floor()).clamp(0.0, 6.0) as usize;
+    let decimals = decimals_of_u(one.u);
+    let (name, symbol) = match error_in_words(&one.name) {
+        Some(words) => (words, format!("{}, ", one.name)),
+        None => (one.name.clone(), String::new()),
+    };
     format!(
-        "{} by {} ± {:.decimals$} {} ({:.0} u)",
-        one.name,
+        "{name} by {} ± {:.decimals$} {} ({symbol}{:.0} u)",
         signed(one.difference, decimals),
         one.u,
         unit_on_screen(&one.unit),

@@ -5,7 +5,7 @@ use crate::{Error, moment};
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use trunnion_results::number::{plain, um, unit_on_screen};
+use trunnion_results::number::{justified, um, unit_on_screen};
 use trunnion_results::sentences::error_in_words;
 use trunnion_results::{AroundCorrection, ChangedParameter, CorrectionEntered, HistoryRun, to_json_line};
 
@@ -126,7 +126,9 @@ fn words(
 
 /// `place of axis C along X from −12.3 to 0.40 µm (EX0C)`.
 fn from_to(one: &ChangedParameter) -> String {
-    let (was, is, unit) = (plain(one.before), plain(one.after), unit_on_screen(&one.unit));
+    // u of the difference: no less than that of either value.
+    let [was, is] = [one.before, one.after].map(|value| justified(value, one.u));
+    let unit = unit_on_screen(&one.unit);
     match error_in_words(&one.name) {
         Some(name) => format!("{name} from {was} to {is} {unit} ({})", one.name),
         None => format!("{} from {was} to {is} {unit}", one.name),

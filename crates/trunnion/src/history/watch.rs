@@ -1,15 +1,16 @@
 //! Values of runs against the limits that the runs before them set (`trunnion_methods::control_chart`).
 
 use std::collections::BTreeSet;
-use trunnion_methods::control_chart::Baseline;
+use trunnion_methods::control_chart::{Baseline, Limits};
+use trunnion_results::sentences::error_in_words;
 use trunnion_results::{HistoryRun, Parameter, Watched, WatchedPoint};
 
 /// Name of the residual among the watched values.
 const RMS: &str = "rms";
 
 /// Days on which was measured that a forecast needs: t of four degrees of freedom is 1.4 times that of many, of two it is 2.2 times.
-const FEWEST_DAYS: usize = 5;
-const DAY_S: i64 = 86_400;
+pub(super) const FEWEST_DAYS: usize = 5;
+pub(super) const DAY_S: i64 = 86_400;
 
 /// Watches the residual and every parameter of the runs; notes the alarms in them. The machine began to be what it is with the run at
 /// each of `begins`: a correction or repair before it.
@@ -25,6 +26,9 @@ pub(super) fn watch(runs: &mut [HistoryRun], begins: &[usize]) -> Vec<Watched> {
 }
 
 fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, name: String, unit: String) -> Watched {
+    // A residual is no less than nothing.
+    let least = if name == RMS { 0.0 } else { f64::NEG_INFINITY };
+    let ends = |l: Limits| [l.mean, (l.mean - l.half_width).max(least), l.mean + l.half_width];
     let mut baseline = Baseline::default();
     let mut points = Vec::new();
     let mut days = BTreeSet::new();
@@ -43,12 +47,16 @@ fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, name: String, un
                 days.extend(run.began_s.map(|at_s| at_s.div_euclid(DAY_S)));
             }
         }
-        let limits = limits.map(|l| [l.mean, l.mean - l.half_width, l.mean + l.half_width]);
+        let limits = limits.map(ends);
         points.push(WatchedPoint { run: index, value, u, limits, alarm });
     }
     let next = Some(&baseline).filter(|_| days.len() >= FEWEST_DAYS).and_then(|baseline| baseline.next());
-    let next = next.map(|next| [next.mean, next.mean - next.half_width, next.mean + next.half_width]);
-    Watched { name, unit, points, next }
+    let next = next.map(ends);
+    let words = match name.as_str() {
+        RMS => "Residual, rms".into(),
+        name => error_in_words(name).unwrap_or_else(|| name.into()),
+    };
+    Watched { name, words, unit, points, next }
 }
 
 fn value(run: &HistoryRun, name: &str) -> Option<(f64, f64)> {

@@ -1,0 +1,194 @@
+//! What the next day is expected to show: the frozen values of the days before, with the band of `crate::prediction`.
+//! x_next = x̂ ± √(u² + s²)    u of the mean of the days, s what differs from day to day           [docs/design/statistics.md §9]
+//! An effect of the model that follows a temperature follows that of the next day; the band holds for temperatures like those measured.
+//! A forecast is checked before it is given: the days before the last predict the last, which took no part in their fit.
+//! Limits: as long as nobody changes the machine. A season that no day of these belongs to is not in it.
+
+use super::watch::{DAY_S, FEWEST_DAYS};
+use crate::{Error, Experiment, Fit, Model, identity, open, open_all};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use trunnion_results::number::{percent, um};
+use trunnion_results::sentences::error_in_words;
+use trunnion_results::{DayForecast, ForecastValue, HistoryRun, MachineHistory, RunPrediction};
+
+/// Runs that are fitted together: the latest two working weeks. Older ones say less of tomorrow, and each costs a fit.
+const MOST_RUNS: usize = 10;
+
+/// Indices of the runs that a forecast is made from, oldest first; or why they do not allow one. `since` is the first run after a repair.
+///
+/// # Errors
+/// A sentence that says what is missing.
+pub fn days(history: &MachineHistory, since: usize) -> Result<Vec<usize>, String> {
+    let corrected_s = history.corrections.iter().map(|correction| correction.at_s).max();
+    let is_after =
+        |run: &HistoryRun| corrected_s.is_none_or(|at_s| run.began_s.is_some_and(|began_s| began_s >= at_s));
+    let counts = |run: &HistoryRun| run.rms_um.is_some() && is_after(run);
+    let all: Vec<usize> = (since..history.runs.len()).filter(|&index| counts(&history.runs[index])).collect();
+    if let Some(last) = all.last().map(|&index| &history.runs[index]).filter(|run| !run.alarms.is_empty()) {
+        return Err(format!("{} is outside its control limits, so the machine is not what it was", last.run));
+    }
+    let unchanged: Vec<usize> =
+        all.into_iter().filter(|&index| history.runs[index].alarms.is_empty()).collect();
+    let day = |&index: &usize| history.runs[index].began_s.map(|at_s| at_s.div_euclid(DAY_S));
+    let measured = unchanged.iter().filter_map(day).collect::<BTreeSet<_>>().len();
+    if measured < FEWEST_DAYS {
+        let after =
+            if since > 0 || corrected_s.is_some() { " since the last correction or repair" } else { "" };
+        let undated = unchanged.iter().any(|&index| history.runs[index].began_s.is_none());
+        let undated = if undated { ", runs without a date not counted" } else { "" };
+        return Err(format!("{measured} of {FEWEST_DAYS} days were measured{after}{undated}"));
+    }
+    Ok(unchanged[unchanged.len().saturating_sub(MOST_RUNS)..].to_vec())
+}
+
+/// Nothing is expected, and why.
+pub fn without(why_not: String) -> DayForecast {
+    let words = vec![format!("No forecast of the next day: {why_not}.")];
+    DayForecast { why_not, words, ..DayForecast::default() }
+}
+
+/// The forecast from these recordings, oldest first; the base model without a model.
+///
+/// # Errors
+/// A recording that cannot be read or fitted.
+pub fn next_day(recordings: &[PathBuf], model: Option<&Model>) -> Result<DayForecast, Error> {
+    let Some((last, before)) = recordings.split_last().filter(|_| recordings.len() >= FEWEST_DAYS) else {
+        return Ok(without(format!("{} of {FEWEST_DAYS} recordings are there", recordings.len())));
+    };
+    let last = open(last)?;
+    let checked = fitted(&open_all(before)?, model)?.predict(&last)?.runs.into_iter().next();
+    let days = fitted(&open_all(recordings)?, model)?;
+    let about = DayForecast {
+        runs: days.experiment().runs().iter().map(|run| run.name.clone()).collect(),
+        temperature_degc: temperatures(days.experiment()),
+        checked,
+        ..DayForecast::default()
+    };
+    if !days.between_runs().iter().any(Option::is_some) {
+        let why = "the runs are of different cycles, so what differs from day to day is not known";
+        return Ok(DayForecast { runs: about.runs, ..without(why.into()) });
+    }
+    if let Some(run) = about.checked.as_ref().filter(|run| !run.holds()) {
+        let why = format!(
+            "the runs before {} do not predict it: {} of its readings lie in the 95 % band",
+            run.run,
+            percent(run.inside_95_fraction)
+        );
+        let without = without(why);
+        return Ok(DayForecast { why_not: without.why_not, words: without.words, ..about });
+    }
+    // Of the last run only the poses count.
+    let band_95_um = days.predict(&last)?.runs.first().map(|run| run.band_95_um);
+    let forecast = DayForecast { band_95_um, values: values(&days), ..about };
+    Ok(DayForecast { words: words(&forecast), ..forecast })
+}
+
+fn fitted(experiment: &Experiment, model: Option<&Model>) -> Result<Fit, Error> {
+    let base = experiment.base_model();
+    experiment.fit_within_reach(model.unwrap_or(&base))
+}
+
+fn values(days: &Fit) -> Vec<ForecastValue> {
+    let next = |value: trunnion_effects::FittedValue| {
+        Some(ForecastValue {
+            u: value.u?.hypot(value.between_runs.unwrap_or_default()),
+            words: error_in_words(&value.name).unwrap_or_else(|| value.name.clone()),
+            effect: value.effect,
+            name: value.name,
+            unit: value.unit,
+            value: value.value,
+        })
+    };
+    days.values("").parameters.into_iter().filter_map(next).collect()
+}
+
+fn temperatures(days: &Experiment) -> Option<[f64; 2]> {
+    let ranges: Vec<_> = days.runs().iter().flat_map(identity::temperatures).collect();
+    let lowest = ranges.iter().map(|range| range.lowest_degc).min_by(f64::total_cmp)?;
+    let highest = ranges.iter().map(|range| range.highest_degc).max_by(f64::total_cmp)?;
+    Some([lowest, highest])
+}
+
+fn words(forecast: &DayForecast) -> Vec<String> {
+    let mut words = Vec::new();
+    if let Some(band_um) = forecast.band_95_um {
+        let between = forecast.temperature_degc.map_or(String::new(), |[lowest, highest]| {
+            format!(", at temperatures between {lowest:.1} and {highest:.1} °C")
+        });
+        words.push(format!(
+            "The next day, if the machine stays as it is{between}: readings of the same cycle lie within ± {} of what the model of \
+             these {} runs predicts (95 %).",
+            um(band_um),
+            forecast.runs.len()
+        ));
+    }
+    if forecast.temperature_degc.is_none() {
+        words.push("No temperature was recorded: the forecast holds for days like these.".into());
+    } else if !forecast.values.iter().any(follows_temperature) {
+        words.push(
+            "No effect of the model follows a temperature: what it does from day to day is in the band as chance.".into(),
+        );
+    }
+    words.extend(forecast.checked.as_ref().map(|run: &RunPrediction| {
+        format!(
+            "Checked: the runs before {} predict it with an error of {} rms; {} of its readings lie in their 95 % band of ± {}.",
+            run.run,
+            um(run.rms_um),
+            percent(run.inside_95_fraction),
+            um(run.band_95_um)
+        )
+    }));
+    words
+}
+
+/// Of a coefficient per kelvin.
+fn follows_temperature(value: &ForecastValue) -> bool {
+    value.unit.contains('K')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trunnion_results::CorrectionEntered;
+
+    fn runs(count: i64) -> MachineHistory {
+        let run = |day: i64| HistoryRun {
+            run: format!("day-{day}"),
+            began_s: Some(day * DAY_S),
+            rms_um: Some(0.3),
+            ..HistoryRun::default()
+        };
+        MachineHistory { runs: (0..count).map(run).collect(), ..MachineHistory::default() }
+    }
+
+    #[test]
+    fn what_the_days_do_not_allow_is_said() {
+        assert_eq!(days(&runs(4), 0).unwrap_err(), "4 of 5 days were measured");
+        assert_eq!(days(&runs(6), 0).unwrap(), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(days(&runs(14), 0).unwrap().len(), MOST_RUNS, "the latest ones");
+        let said = days(&runs(8), 5).unwrap_err();
+        assert_eq!(said, "3 of 5 days were measured since the last correction or repair");
+        let corrected = MachineHistory {
+            corrections: vec![CorrectionEntered { at_s: 6 * DAY_S - 1, ..CorrectionEntered::default() }],
+            ..runs(8)
+        };
+        assert_eq!(
+            days(&corrected, 0).unwrap_err(),
+            "2 of 5 days were measured since the last correction or repair"
+        );
+        let mut changed = runs(8);
+        changed.runs[7].alarms.push("EB0C".into());
+        assert!(days(&changed, 0).unwrap_err().starts_with("day-7 is outside its control limits"));
+        assert_eq!(days(&MachineHistory::default(), 0).unwrap_err(), "0 of 5 days were measured");
+        let just_corrected = MachineHistory {
+            corrections: vec![CorrectionEntered { at_s: 9 * DAY_S, ..CorrectionEntered::default() }],
+            ..runs(8)
+        };
+        assert!(
+            days(&just_corrected, 0).unwrap_err().starts_with("0 of 5 days"),
+            "nothing was measured since"
+        );
+        assert_eq!(without("x".into()).words, ["No forecast of the next day: x."]);
+    }
+}
