@@ -73,16 +73,22 @@ pub fn heads(table: &Table) -> Vec<String> {
 
 /// Cells as text; numbers in the unit of their column.
 pub fn cells(table: &Table, row: &[Cell]) -> Vec<String> {
-    let text = |(cell, column): (&Cell, &Column)| match cell {
-        Cell::Text(text) => text.clone(),
+    let is_u = |j: usize| table.columns.get(j).is_some_and(|column| column.name == "u");
+    let text = |(j, (cell, column)): (usize, (&Cell, &Column))| match (cell, row.get(j + 1)) {
+        (Cell::Text(text), _) => text.clone(),
         // Places are reported to a tenth, however far out.
-        Cell::Number(mm) if column.unit.as_deref() == Some("mm") => {
+        (Cell::Number(mm), _) if column.unit.as_deref() == Some("mm") => {
             signed(*mm, 1).trim_start_matches('+').into()
         }
-        Cell::Number(number) => plain(*number),
-        Cell::Missing => MISSING.into(),
+        // A value has the digits of the standard uncertainty next to it.
+        (Cell::Number(value), Some(Cell::Number(u))) if is_u(j + 1) => {
+            value_and_u(Some(*value), Some(*u), "1").0
+        }
+        (Cell::Number(u), _) if is_u(j) => value_and_u(Some(0.0), Some(*u), "1").1,
+        (Cell::Number(number), _) => plain(*number),
+        (Cell::Missing, _) => MISSING.into(),
     };
-    row.iter().zip(&table.columns).map(text).collect()
+    row.iter().zip(&table.columns).enumerate().map(text).collect()
 }
 
 /// Columns that hold numbers.

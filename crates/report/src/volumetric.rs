@@ -1,6 +1,6 @@
 //! Volumetric accuracy in rows: what text, page and error map file share.
 
-use crate::number::{MISSING, minus, um, value_and_u};
+use crate::number::{MISSING, trimmed, um, value_and_u};
 use std::collections::BTreeMap;
 use trunnion_core::Joint;
 use trunnion_results::{Datum, ErrorMap, LocationError, ResidualAxis, Volumetric, VolumetricValue};
@@ -35,13 +35,9 @@ fn at(answer: &Volumetric, position: &BTreeMap<String, f64>) -> String {
     let moves = |name: &String| answer.volume.get(name).is_some_and(|[low, high]| low < high);
     let axis = |axis: &ResidualAxis| {
         let at = position.get(&axis.name).filter(|_| moves(&axis.name))?;
-        Some(format!("{} {}{}", axis.name, round(*at), if axis.rotary { "°" } else { "" }))
+        Some(format!("{} {}{}", axis.name, trimmed(*at, 1), if axis.rotary { "°" } else { "" }))
     };
     answer.axes.iter().filter_map(axis).collect::<Vec<_>>().join(" ")
-}
-
-fn round(value: f64) -> String {
-    minus(format!("{}", (value * 10.0).round() / 10.0 + 0.0))
 }
 
 /// What the figures are and what they lack, in sentences.

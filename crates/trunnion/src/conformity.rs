@@ -9,7 +9,7 @@ use crate::values::reading_mm;
 use crate::{Error, Fit, prediction};
 use nalgebra::DVector;
 use trunnion_core::convert::um_from_mm;
-use trunnion_results::number::{degrees, plain};
+use trunnion_results::number::{degrees, trimmed};
 use trunnion_results::{Conformity, Decision, Judged};
 
 impl Fit {
@@ -46,7 +46,7 @@ impl Fit {
         let state = &points.points[point].state;
         let position = |joint: trunnion_core::Joint| match joint.is_rotary() {
             true => format!("{joint} {}", degrees(state.position[joint])),
-            false => format!("{joint} {} mm", plain(state.position[joint])),
+            false => format!("{joint} {} mm", trimmed(state.position[joint], 2)),
         };
         let positions: Vec<String> = points.machine().joints().into_iter().map(position).collect();
         let setup = points.setups.get(state.setup).map_or("", |setup| setup.name.as_str());

@@ -1,7 +1,7 @@
 //! Pass or fail on the first page.
 
 use crate::markup::{element, escape};
-use crate::number::{um, value_and_u};
+use crate::number::{trimmed, value_and_u};
 use trunnion_results::{Decision, Judged, Report, Verdict};
 
 pub fn section(report: &Report) -> String {
@@ -18,7 +18,7 @@ pub fn section(report: &Report) -> String {
                 "<p><span>Tolerance:</span> <b>{}</b> <span class=\"soft\">(<span>{}</span>)</span></p>\n\
                  <table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>\n\
                  <p class=\"soft\">Decision rule: ISO 14253-1, guard band 1.65 u.</p>\n",
-                escape(&um(conformity.tolerance_um)),
+                escape(&format!("{} µm", trimmed(conformity.tolerance_um, 3))),
                 escape(&conformity.tolerance_of),
             )
         }

@@ -1,7 +1,7 @@
 //! Residual over time, and over the turning axis for recordings taken while it turned.
 
 use crate::markup::escape;
-use crate::number::um;
+use crate::number::trimmed;
 use crate::svg::{Mark, Series, XyChart, nice_above, xy_chart};
 use crate::views::{Axes, component_name, component_names, direction, residuals_um, thinned, time_range_s};
 use trunnion_core::convert::s_from_min;
@@ -24,7 +24,9 @@ fn over_time(residuals: &Residuals) -> String {
         })
         .collect();
     let charts = charts(residuals, "time", "time (min)", &changes, minutes, [Mark::Dot, Mark::Triangle]);
-    format!("<section><h2>Residual over time</h2>\n<div class=\"plots\">{charts}</div></section>\n")
+    format!(
+        "<section class=\"together\"><h2>Residual over time</h2>\n<div class=\"plots\">{charts}</div></section>\n"
+    )
 }
 
 fn over_turning_axis(residuals: &Residuals) -> String {
@@ -76,7 +78,7 @@ fn charts(
     let y_limit = nice_above(all.fold(0.0, |limit: f64, p| limit.max(p.1.abs())));
     let mut html = String::new();
     for (component, series) in &of_components {
-        let title = format!("Component {component} over {over}; scale ±{}", um(y_limit));
+        let title = format!("Component {component} over {over}; scale ±{} µm", trimmed(y_limit, 6));
         html += &xy_chart(&XyChart {
             title: &title,
             x_name,

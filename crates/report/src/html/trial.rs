@@ -3,7 +3,7 @@
 use super::maps::{self, Grid, Map};
 use super::places as place_list;
 use crate::markup::{element, escape, table};
-use crate::number::{plain, um_or_dash, unit_on_screen, value_and_u};
+use crate::number::{justified, um_or_dash, unit_on_screen, value_and_u};
 use crate::svg::{Bar, Mark, Series, XyChart, bars, legend, nice_above, xy_chart};
 use crate::views::{Axes, component_name, component_names, residuals_um, thinned};
 use crate::words::{NO_PLACE, about, effect_name, trial_verdict};
@@ -131,8 +131,8 @@ pub fn moved_table(caption: &str, moved: &[Moved]) -> String {
         let unit = unit_on_screen(&m.unit);
         vec![
             m.name.clone(),
-            format!("{} {unit}", plain(m.before)),
-            format!("{} {unit}", plain(m.after)),
+            format!("{} {unit}", justified(m.before, m.u)),
+            format!("{} {unit}", justified(m.after, m.u)),
             format!("{:.1} u", m.in_u()),
         ]
     };

@@ -6,7 +6,7 @@ use crate::number::{plain, tick, um};
 
 const WIDTH: f64 = 360.0;
 const LEFT: f64 = 14.0;
-const RIGHT: f64 = 268.0;
+const RIGHT: f64 = 248.0;
 const ROW: f64 = 36.0;
 const TOP: f64 = 24.0;
 
@@ -32,9 +32,9 @@ pub fn bars(title: &str, caption: &str, bars: &[Bar], noise_um: Option<f64>) -> 
     let mut body = String::new();
     for value in ticks {
         body += &line((x.at(value), TOP), (x.at(value), bottom), "grid");
-        body += &text(x.at(value), bottom + 13.0, "t mid", &tick(value, step));
+        body += &text(x.at(value), bottom + 15.0, "t mid", &tick(value, step));
     }
-    body += &text(WIDTH - 4.0, bottom + 13.0, "t end", "µm rms");
+    body += &text(WIDTH - 4.0, bottom + 15.0, "t end", "µm rms");
     for (i, bar) in bars.iter().enumerate() {
         let y = TOP + i as f64 * ROW;
         if bar.fit_um.is_finite() {
@@ -68,5 +68,5 @@ pub fn bars(title: &str, caption: &str, bars: &[Bar], noise_um: Option<f64>) -> 
         body += &text(LEFT, y + 11.0, "t halo", &bar.name);
         body += &text(WIDTH - 4.0, y + 11.0, "t end faint halo", &bar.remark);
     }
-    figure(title, WIDTH, bottom + 20.0, caption, &body)
+    figure(title, WIDTH, bottom + 22.0, caption, &body)
 }

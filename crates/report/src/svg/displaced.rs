@@ -5,9 +5,9 @@ use super::scale::Plane;
 use crate::number::tick;
 
 const WIDTH: f64 = 360.0;
-const LEFT: f64 = 44.0;
-const TOP: f64 = 8.0;
-const SIDE: f64 = 308.0;
+const LEFT: f64 = 48.0;
+const TOP: f64 = 22.0;
+const SIDE: f64 = 304.0;
 const LEAST_HEIGHT: f64 = 150.0;
 
 /// One point, mm in the plane; measured and predicted already magnified.
@@ -36,12 +36,12 @@ pub fn displaced(title: &str, caption: &str, names: (&str, &str), points: &[Disp
     let (ticks, step) = x.ticks(6);
     for value in ticks {
         body += &line((x.at(value), TOP), (x.at(value), bottom), "grid");
-        body += &text(x.at(value), bottom + 13.0, "t mid", &tick(value, step));
+        body += &text(x.at(value), bottom + 15.0, "t mid", &tick(value, step));
     }
     let (ticks, step) = y.ticks(5);
     for value in ticks {
         body += &line((LEFT, y.at(value)), (LEFT + SIDE, y.at(value)), "grid");
-        body += &text(LEFT - 4.0, y.at(value) + 3.5, "t end", &tick(value, step));
+        body += &text(LEFT - 4.0, y.at(value) + 4.0, "t end", &tick(value, step));
     }
     for p in points {
         let at = |(a, b): (f64, f64)| (x.at(a), y.at(b));
@@ -57,7 +57,7 @@ pub fn displaced(title: &str, caption: &str, names: (&str, &str), points: &[Disp
             body += &line((px - 3.0, py + 3.0), (px + 3.0, py - 3.0), "l1");
         }
     }
-    body += &text(LEFT + SIDE / 2.0, bottom + 28.0, "t mid", &format!("{} (mm)", names.0));
-    body += &text(4.0, TOP + height / 2.0, "t", names.1);
-    figure(title, WIDTH, bottom + 34.0, caption, &body)
+    body += &text(LEFT + SIDE / 2.0, bottom + 31.0, "t mid", &format!("{} (mm)", names.0));
+    body += &text(4.0, 13.5, "t", &format!("{} (mm)", names.1));
+    figure(title, WIDTH, bottom + 37.0, caption, &body)
 }

@@ -2,10 +2,14 @@
 
 use crate::markup::escape;
 
+/// Figures that are less wide are not blown up to the width of the others.
+const NARROW: f64 = 240.0;
+
 /// A figure with an accessible name; `caption` is shown under the drawing.
 pub(super) fn figure(title: &str, width: f64, height: f64, caption: &str, body: &str) -> String {
+    let class = if width < NARROW { " class=\"narrow\"" } else { "" };
     format!(
-        "<figure><svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{name}\"><title>{name}</title>\n{body}</svg>\
+        "<figure{class}><svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{name}\"><title>{name}</title>\n{body}</svg>\
          <figcaption>{}</figcaption></figure>\n",
         escape(caption),
         name = escape(title),

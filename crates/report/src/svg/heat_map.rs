@@ -2,17 +2,18 @@
 //! vision, and by the printed numbers without any colour).
 
 use super::element::{figure, line, text};
-use crate::number::signed;
+use crate::number::{signed, trimmed};
 
 const WIDTH: f64 = 360.0;
-const LEFT: f64 = 44.0;
 const TOP: f64 = 20.0;
 const CELL_HEIGHT: f64 = 21.0;
-/// Width of a digit of a label and room between two labels.
-const DIGIT: f64 = 6.2;
+/// Width of a digit of a label, and room between two labels.
+const DIGIT: f64 = 7.2;
 const GAP: f64 = 5.0;
-/// Wider maps leave the numbers out: they would not fit.
-const MOST_NUMBERED: usize = 13;
+/// Width of a character of a number in a cell.
+const CHARACTER: f64 = 6.2;
+/// From here on a tenth of a micrometre is no more than a hundredth of the scale.
+const WHOLE_FROM_UM: f64 = 10.0;
 
 /// Values on a grid; NaN cells stay empty.
 pub struct HeatMap<'a> {
@@ -31,40 +32,52 @@ pub struct HeatMap<'a> {
 
 /// The map as a figure.
 pub fn heat_map(map: &HeatMap<'_>) -> String {
-    let columns = map.columns.len().max(1);
-    let cell_width = (WIDTH - LEFT - 2.0) / columns as f64;
+    let left = (length(map.rows) + GAP).max(24.0);
+    let cell_width = (WIDTH - left - 2.0) / map.columns.len().max(1) as f64;
+    let decimals = if map.limit_um < WHOLE_FROM_UM { 1 } else { 0 };
+    // Without a plus: what a narrow cell has room for is the number, and its colour says the same.
+    let number = |&value: &f64| signed(value, decimals).trim_start_matches('+').to_owned();
+    let numbers: Vec<Vec<String>> =
+        map.values_um.iter().map(|row| row.iter().map(number).collect()).collect();
+    let longest = numbers.iter().flatten().map(|number| number.chars().count()).max().unwrap_or(0);
+    // A map whose numbers would run into each other leaves them out.
+    let is_numbered = longest as f64 * CHARACTER <= cell_width;
     let mut body = String::new();
     for (i, row) in map.values_um.iter().enumerate() {
         let y = TOP + i as f64 * CELL_HEIGHT;
-        body += &text(LEFT - 4.0, y + 14.0, "t end", map.rows.get(i).map_or("", String::as_str));
+        body += &text(left - 4.0, y + 15.0, "t end", map.rows.get(i).map_or("", String::as_str));
         for (j, &value) in row.iter().enumerate() {
-            let x = LEFT + j as f64 * cell_width;
+            let x = left + j as f64 * cell_width;
             body += &cell(x, y, cell_width, value, map.limit_um);
-            if columns <= MOST_NUMBERED && value.is_finite() {
+            if is_numbered && value.is_finite() {
                 let class = if dark(value / map.limit_um) { "cell light" } else { "cell" };
-                body += &text(x + cell_width / 2.0, y + 14.0, class, &signed(value, 1));
+                body += &text(x + cell_width / 2.0, y + 14.0, class, &numbers[i][j]);
             }
         }
     }
-    body += &frame(map.framed, cell_width);
+    body += &frame(map.framed, left, cell_width);
     let bottom = TOP + map.values_um.len() as f64 * CELL_HEIGHT;
-    let longest = map.columns.iter().map(|name| name.chars().count()).max().unwrap_or(0);
-    let every = ((longest as f64 * DIGIT + GAP) / cell_width).ceil().max(1.0) as usize;
+    let every = ((length(map.columns) + GAP) / cell_width).ceil().max(1.0) as usize;
     for (j, name) in map.columns.iter().enumerate().step_by(every) {
-        body += &text(LEFT + (j as f64 + 0.5) * cell_width, bottom + 12.0, "t mid", name);
+        body += &text(left + (j as f64 + 0.5) * cell_width, bottom + 13.0, "t mid", name);
     }
-    body += &text(LEFT, 12.0, "t", &format!("{} down, {} across; µm", map.rows_name, map.columns_name));
-    figure(map.title, WIDTH, bottom + 18.0, map.title, &body)
+    body += &text(left, 13.0, "t", &format!("{} down, {} across; µm", map.rows_name, map.columns_name));
+    figure(map.title, WIDTH, bottom + 19.0, map.title, &body)
+}
+
+/// How far the longest of these labels goes.
+fn length(labels: &[String]) -> f64 {
+    labels.iter().map(|label| label.chars().count()).max().unwrap_or(0) as f64 * DIGIT
 }
 
 /// Lines between cells inside and outside.
-fn frame(framed: &[Vec<bool>], cell_width: f64) -> String {
+fn frame(framed: &[Vec<bool>], left: f64, cell_width: f64) -> String {
     let inside = |i: isize, j: isize| {
         let cell = usize::try_from(i).ok().zip(usize::try_from(j).ok());
         cell.and_then(|(i, j)| framed.get(i)?.get(j).copied()).unwrap_or(false)
     };
     let corner =
-        |i: isize, j: isize| (LEFT + j as f64 * cell_width - 0.5, TOP + i as f64 * CELL_HEIGHT - 0.5);
+        |i: isize, j: isize| (left + j as f64 * cell_width - 0.5, TOP + i as f64 * CELL_HEIGHT - 0.5);
     let (rows, columns) = (framed.len() as isize, framed.first().map_or(0, Vec::len) as isize);
     let mut body = String::new();
     for i in 0..=rows {
@@ -110,14 +123,13 @@ pub fn legend(limit_um: f64) -> String {
             colour(share)
         );
     }
-    for (share, anchor) in [(-1.0, "t mid"), (0.0, "t mid"), (1.0, "t mid")] {
-        let label =
-            if share == 0.0 { "0".to_owned() } else { format!("{} µm", signed(share * limit_um, 1)) };
-        body += &text(180.0 + 120.0 * share, 28.0, anchor, &label);
+    let end = trimmed(limit_um, 6);
+    for (share, label) in [(-1.0, format!("−{end} µm")), (0.0, "0".into()), (1.0, format!("+{end} µm"))] {
+        body += &text(180.0 + 120.0 * share, 29.0, "t mid", &label);
     }
     let caption = "Orange: the tool stands further in the positive direction than predicted; blue: in the negative. \
                    One scale for all maps.";
-    figure("Colour scale of the residual", WIDTH, 32.0, caption, &body)
+    figure("Colour scale of the residual", WIDTH, 34.0, caption, &body)
 }
 
 /// Blue (−1) – near white (0) – orange (+1).

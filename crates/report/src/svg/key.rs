@@ -5,12 +5,12 @@ use super::mark::{Mark, symbol};
 
 /// Baseline of the first row.
 pub(super) const FIRST_ROW: f64 = 13.0;
-const ROW: f64 = 12.0;
+const ROW: f64 = 15.0;
 /// Sample and the gap after a name.
 const SAMPLE: f64 = 22.0;
 const GAP: f64 = 12.0;
 /// Mean width of a character of a chart.
-const CHARACTER: f64 = 5.6;
+const CHARACTER: f64 = 6.5;
 
 /// How far a text of a chart goes, about.
 pub(super) fn length(text: &str) -> f64 {
@@ -51,6 +51,6 @@ mod tests {
         let long = "a name of a curve that is long";
         let (body, last) = keys(&[(Mark::Line, long), (Mark::Dashed, long)], 100.0, (40.0, 352.0));
         assert_eq!(last, FIRST_ROW + ROW);
-        assert!(body.contains("x=\"62.0\" y=\"25.0\""), "{body}");
+        assert!(body.contains("x=\"62.0\" y=\"28.0\""), "{body}");
     }
 }

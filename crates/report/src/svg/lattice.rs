@@ -26,12 +26,12 @@ pub fn lattice(title: &str, caption: &str, names: [&str; 2], lattice: &Lattice) 
     let (ticks, step) = x.ticks(5);
     for value in ticks {
         body += &line((x.at(value), bottom), (x.at(value), bottom + 3.0), "axis");
-        body += &text(x.at(value), bottom + 14.0, "t mid", &tick(value, step));
+        body += &text(x.at(value), bottom + 16.0, "t mid", &tick(value, step));
     }
     let (ticks, step) = y.ticks(5);
     for value in ticks {
         body += &line((LEFT - 3.0, y.at(value)), (LEFT, y.at(value)), "axis");
-        body += &text(LEFT - 5.0, y.at(value) + 3.5, "t end", &tick(value, step));
+        body += &text(LEFT - 5.0, y.at(value) + 4.0, "t end", &tick(value, step));
     }
     for (places, class) in [(&lattice.nominal, "l3 thin"), (&lattice.displaced, "l2 solid")] {
         for across in places.iter().chain(&transposed(places)) {
@@ -39,13 +39,13 @@ pub fn lattice(title: &str, caption: &str, names: [&str; 2], lattice: &Lattice) 
             body += &polyline(&drawn, false, class);
         }
     }
-    for (from, class, name) in [(LEFT, "l3 thin", "commanded"), (LEFT + 110.0, "l2 solid", "displaced")] {
+    for (from, class, name) in [(LEFT, "l3 thin", "commanded"), (LEFT + 130.0, "l2 solid", "displaced")] {
         body += &line((from, 10.0), (from + 16.0, 10.0), class);
         body += &text(from + 21.0, 13.5, "t", name);
     }
-    body += &text(LEFT + SIDE / 2.0, bottom + 29.0, "t mid", &format!("{} (mm)", names[0]));
+    body += &text(LEFT + SIDE / 2.0, bottom + 32.0, "t mid", &format!("{} (mm)", names[0]));
     body += &text(2.0, 13.5, "t", &format!("{} (mm)", names[1]));
-    figure(title, WIDTH, bottom + 35.0, caption, &body)
+    figure(title, WIDTH, bottom + 38.0, caption, &body)
 }
 
 fn transposed(rows: &[Vec<(f64, f64)>]) -> Vec<Vec<(f64, f64)>> {

@@ -7,7 +7,7 @@ use super::scale::{Scale, extent};
 use crate::number::tick;
 
 const WIDTH: f64 = 360.0;
-const LEFT: f64 = 48.0;
+const LEFT: f64 = 54.0;
 /// Of the last row of the key to the plot.
 const ABOVE: f64 = 11.0;
 const SIDE: f64 = 260.0;
@@ -32,19 +32,19 @@ pub fn path_chart(title: &str, names: [&str; 2], paths: &[(String, Vec<(f64, f64
     for value in ticks {
         let class = if value == 0.0 { "zero" } else { "grid" };
         body += &line((x.at(value), top), (x.at(value), bottom), class);
-        body += &text(x.at(value), bottom + 13.0, "t mid", &tick(value, step));
+        body += &text(x.at(value), bottom + 15.0, "t mid", &tick(value, step));
     }
     let (ticks, step) = y.ticks(5);
     for value in ticks {
         let class = if value == 0.0 { "zero" } else { "grid" };
         body += &line((LEFT, y.at(value)), (LEFT + SIDE, y.at(value)), class);
-        body += &text(LEFT - 4.0, y.at(value) + 3.5, "t end", &tick(value, step));
+        body += &text(LEFT - 4.0, y.at(value) + 4.0, "t end", &tick(value, step));
     }
     for ((_, points), (_, class)) in paths.iter().zip(Mark::LINES) {
         let drawn: Vec<_> = points.iter().filter(finite).map(|p| (x.at(p.0), y.at(p.1))).collect();
         body += &polyline(&drawn, false, class);
     }
-    body += &text(LEFT + SIDE / 2.0, bottom + 28.0, "t mid", names[0]);
+    body += &text(LEFT + SIDE / 2.0, bottom + 31.0, "t mid", names[0]);
     body += &text(4.0, FIRST_ROW, "t", names[1]);
-    figure(title, WIDTH, bottom + 34.0, title, &body)
+    figure(title, WIDTH, bottom + 37.0, title, &body)
 }

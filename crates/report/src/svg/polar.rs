@@ -1,12 +1,20 @@
 //! Polar plot of a signed error around a zero circle, as roundness and error-motion charts are drawn.
 
 use super::element::{figure, line, polyline, text};
-use crate::number::with_unit;
+use super::key::keys;
+use super::mark::Mark;
+use crate::number::{trimmed, unit_on_screen};
 
-const SIZE: f64 = 240.0;
-const CENTRE: (f64, f64) = (120.0, 112.0);
-const ZERO_RADIUS: f64 = 58.0;
-const SWING: f64 = 36.0;
+/// Two stand next to each other on a phone, with labels of 11 px.
+const SIZE: f64 = 188.0;
+const CENTRE: (f64, f64) = (97.0, 84.0);
+const ZERO_RADIUS: f64 = 42.0;
+const SWING: f64 = 24.0;
+/// Lower end of the circles with their angles.
+const BOTTOM: f64 = 164.0;
+/// Where the angles stand: class, and where they begin from the outer circle.
+const ANGLES: [(&str, f64, f64); 4] =
+    [("t", 3.0, 4.0), ("t mid", 0.0, -4.0), ("t end", -2.0, 4.0), ("t mid", 0.0, 13.0)];
 
 /// One closed or open line: angle in rad, value in the unit of the plot.
 pub struct Trace {
@@ -25,26 +33,24 @@ pub fn polar(title: &str, traces: &[Trace], limit: f64, unit: &str) -> String {
     };
     let mut body = circle(ZERO_RADIUS + SWING, "grid") + &circle(ZERO_RADIUS - SWING, "grid");
     body += &circle(ZERO_RADIUS, "zero");
-    for quarter in 0..4 {
-        let angle = f64::from(quarter) * std::f64::consts::FRAC_PI_2;
-        body += &line(CENTRE, place(angle, limit), "grid");
-        let (x, y) = place(angle, limit * 1.22);
-        body += &text(x, y + 4.0, "t mid", &format!("{}°", quarter * 90));
+    for (quarter, (class, right, down)) in (0_u8..).zip(ANGLES) {
+        let outer = place(f64::from(quarter) * std::f64::consts::FRAC_PI_2, limit);
+        body += &line(CENTRE, outer, "grid");
+        body += &text(outer.0 + right, outer.1 + down, class, &format!("{}°", u16::from(quarter) * 90));
     }
-    for (i, trace) in traces.iter().take(3).enumerate() {
+    let traces = || traces.iter().zip(Mark::LINES).take(3);
+    for (trace, (_, class)) in traces() {
         let mut points: Vec<_> =
             trace.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()).copied().collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let span = points.last().zip(points.first()).map_or(0.0, |(last, first)| last.0 - first.0);
         let whole_turn = span > 5.0;
         let places: Vec<_> = points.iter().map(|&(angle, value)| place(angle, value)).collect();
-        let class = format!("l{}", i + 1);
-        body += &polyline(&places, whole_turn, &class);
-        let y = 226.0;
-        let x = 8.0 + 78.0 * i as f64;
-        body += &line((x, y), (x + 14.0, y), &class);
-        body += &text(x + 18.0, y + 4.0, "t", &trace.name);
+        body += &polyline(&places, whole_turn, class);
     }
-    let caption = format!("{title} (circles: −{0}, 0, +{0})", with_unit(limit, unit));
-    figure(title, SIZE, 236.0, &caption, &body)
+    let entries: Vec<(Mark, &str)> = traces().map(|(trace, (mark, _))| (mark, trace.name.as_str())).collect();
+    let (key, last_row) = keys(&entries, 0.0, (0.0, SIZE));
+    body += &format!("<g transform=\"translate(0 {BOTTOM})\">{key}</g>\n");
+    let caption = format!("{title} (circles: −{0}, 0, +{0} {1})", trimmed(limit, 6), unit_on_screen(unit));
+    figure(title, SIZE, BOTTOM + last_row + 6.0, &caption, &body)
 }

@@ -6,8 +6,8 @@ use crate::number::plain;
 
 const WIDTH: f64 = 360.0;
 const LEFT: f64 = 14.0;
-const RIGHT: f64 = 230.0;
-const ROW: f64 = 32.0;
+const RIGHT: f64 = 210.0;
+const ROW: f64 = 34.0;
 
 /// One bar.
 pub struct Ranked {

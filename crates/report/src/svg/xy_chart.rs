@@ -7,12 +7,12 @@ use super::scale::{Scale, extent};
 use crate::number::tick;
 
 const WIDTH: f64 = 360.0;
-const LEFT: f64 = 40.0;
+const LEFT: f64 = 46.0;
 const RIGHT: f64 = 352.0;
 /// Of the first row of the key to the plot, and the height of the plot.
 const ABOVE: f64 = 13.0;
 const UP: f64 = 148.0;
-const HEIGHT_OF_REST: f64 = 36.0;
+const HEIGHT_OF_REST: f64 = 38.0;
 
 /// One set of points.
 pub struct Series {
@@ -66,16 +66,16 @@ fn axes(x: &Scale, y: &Scale, (top, bottom): (f64, f64), [x_name, y_name]: [&str
     for value in ticks {
         let class = if value == 0.0 { "zero" } else { "grid" };
         body += &line((LEFT, y.at(value)), (RIGHT, y.at(value)), class);
-        body += &text(LEFT - 4.0, y.at(value) + 3.5, "t end", &tick(value, step));
+        body += &text(LEFT - 4.0, y.at(value) + 4.0, "t end", &tick(value, step));
     }
     let (ticks, step) = x.ticks(6);
     for value in ticks {
         body += &line((x.at(value), bottom), (x.at(value), bottom + 4.0), "axis");
-        body += &text(x.at(value), bottom + 15.0, "t mid", &tick(value, step));
+        body += &text(x.at(value), bottom + 16.0, "t mid", &tick(value, step));
     }
     body += &line((LEFT, bottom), (RIGHT, bottom), "axis");
     body += &line((LEFT, top), (LEFT, bottom), "axis");
-    body += &text((LEFT + RIGHT) / 2.0, bottom + 30.0, "t mid", x_name);
+    body += &text((LEFT + RIGHT) / 2.0, bottom + 32.0, "t mid", x_name);
     body += &text(2.0, FIRST_ROW, "t", y_name);
     body
 }

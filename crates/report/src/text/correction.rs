@@ -1,7 +1,7 @@
 //! What to enter into a control, for the terminal.
 
 use super::table::clean;
-use trunnion_results::number::plain;
+use trunnion_results::number::{plain, trimmed};
 use trunnion_results::{Correction, CorrectionJudged, Decision, SelfTest, SignVerdict, Verdict};
 
 /// What to do, what to check first, what to expect, and how to undo it.
@@ -30,7 +30,7 @@ pub fn correction_text(answer: &Correction) -> String {
                 format!(
                     "The largest deviation then, {} µm, {say} the tolerance of the machine file, {} µm{enough}.\n",
                     plain(expected.largest_after_um),
-                    plain(tolerance)
+                    trimmed(tolerance, 3)
                 )
             }
             None => "The machine file states no tolerance (tolerance_um).\n".into(),

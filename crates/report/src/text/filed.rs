@@ -1,6 +1,6 @@
 //! A filed report in short.
 
-use crate::number::value_and_u;
+use crate::number::{trimmed, value_and_u};
 use crate::words::headline;
 use trunnion_results::{Judged, Report};
 
@@ -16,7 +16,8 @@ pub fn report_text(report: &Report) -> String {
                 judged.at
             )
         };
-        text += &format!("Tolerance {} µm ({})\n", conformity.tolerance_um, conformity.tolerance_of);
+        text +=
+            &format!("Tolerance {} µm ({})\n", trimmed(conformity.tolerance_um, 3), conformity.tolerance_of);
         text += &line("  as measured", &conformity.as_measured);
         text += &line("  expected once the model is corrected", &conformity.corrected);
     }

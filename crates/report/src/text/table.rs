@@ -1,6 +1,6 @@
 //! Bars, columns and paragraphs of characters.
 
-use crate::number::{plain, unit_on_screen};
+use crate::number::{justified, unit_on_screen};
 use trunnion_results::Moved;
 
 /// Longest bar, characters.
@@ -80,8 +80,8 @@ pub(super) fn moved_table(moved: &[Moved]) -> String {
     rows.extend(moved.iter().map(|m| {
         vec![
             m.name.clone(),
-            plain(m.before),
-            plain(m.after),
+            justified(m.before, m.u),
+            justified(m.after, m.u),
             unit_on_screen(&m.unit),
             format!("{:.1} u", m.in_u()),
         ]

@@ -1,5 +1,6 @@
 //! The sentences of a snapshot: what is wrong, where, how large, what to do.
 
+use trunnion::results::number::signed;
 use trunnion::results::{BallOffset, LiveDevice, LiveProbe, Zone};
 
 /// No nest is known.
@@ -22,7 +23,7 @@ pub(super) fn probe(
     stuck: Option<(f64, &str)>,
     warning: Option<&str>,
 ) -> String {
-    let off = value.map_or(0.0, |(value_mm, centre_mm)| value_mm - centre_mm);
+    let off = signed(value.map_or(0.0, |(value_mm, centre_mm)| value_mm - centre_mm), 2);
     match zone {
         Zone::Stuck => stuck.map_or_else(
             || STUCK.into(),
@@ -34,10 +35,10 @@ pub(super) fn probe(
         ),
         Zone::NoValue => warning.map_or_else(|| "no value".into(), str::to_owned),
         Zone::Unknown => "its range is not known".into(),
-        Zone::Centre => format!("{off:+.2} mm from its centre"),
-        Zone::Inside => format!("{off:+.2} mm from its centre; a cycle may leave its range"),
-        Zone::NearEnd => format!("{off:+.2} mm from its centre, near the end of its range; centre the ball"),
-        Zone::Out => format!("{off:+.2} mm from its centre, out of its range; centre the ball"),
+        Zone::Centre => format!("{off} mm from its centre"),
+        Zone::Inside => format!("{off} mm from its centre; a cycle may leave its range"),
+        Zone::NearEnd => format!("{off} mm from its centre, near the end of its range; centre the ball"),
+        Zone::Out => format!("{off} mm from its centre, out of its range; centre the ball"),
     }
 }
 

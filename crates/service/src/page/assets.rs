@@ -8,10 +8,12 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 const CSS: &str = "text/css; charset=utf-8";
 
 /// Name below `/assets/`, type, content.
-const ASSETS: [(&str, &str, &str); 17] = [
+const ASSETS: [(&str, &str, &str); 19] = [
     ("page.css", CSS, include_str!("assets/page.css")),
     ("report.css", CSS, trunnion::report::PAGE_CSS),
     ("main.js", SCRIPT, include_str!("assets/main.js")),
+    ("canvas.js", SCRIPT, include_str!("assets/canvas.js")),
+    ("chart.js", SCRIPT, include_str!("assets/chart.js")),
     ("dom.js", SCRIPT, include_str!("assets/dom.js")),
     ("calls.js", SCRIPT, include_str!("assets/calls.js")),
     ("result.js", SCRIPT, include_str!("assets/result.js")),

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod any_calls;
 mod attempts;
 mod caller;
 mod mtconnect;

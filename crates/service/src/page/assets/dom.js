@@ -11,11 +11,29 @@ export function el(tag, attributes = {}, ...children) {
   return made;
 }
 
-// About three digits, as the program writes its figures.
+// Two digits at least, three where they are left of the second decimal, as the program writes its figures.
 export function plain(value) {
   const size = Math.abs(value);
-  return (size >= 99.95 ? value.toFixed(0) : size >= 9.995 ? value.toFixed(1) : value.toFixed(2)).replace("-", "−");
+  const decimals = size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.0995 || size === 0 ? 2 : size >= 0.00995 ? 3 : 4;
+  return minus(value.toFixed(decimals));
 }
+
+// The same with no digit that a standard uncertainty does not justify.
+export function justified(value, u) {
+  if (!(u > 0)) return plain(value);
+  const decimals = Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u))));
+  const most = plain(value).split(".")[1]?.length ?? 0;
+  return minus(value.toFixed(Math.min(decimals, most)));
+}
+
+// A value and its standard uncertainty with two digits of that.
+export function withU(value, u) {
+  if (!(u > 0)) return [plain(value), "—"];
+  const decimals = Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u))));
+  return [minus(value.toFixed(decimals)), u.toFixed(decimals)];
+}
+
+export const minus = (text) => text.replace("-", "−");
 
 export const paragraphs = (texts) => texts.map((text) => el("p", {}, text));
 

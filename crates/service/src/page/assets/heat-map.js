@@ -1,17 +1,24 @@
 // A map over two rotary axes: orange where the value is positive, blue where it is negative, hatched where nothing was read.
 
+import { drawing } from "./canvas.js";
 import { colour, el, plain } from "./dom.js";
 
-const CELL = 28;
-const EDGE = { left: 52, top: 8, right: 8, bottom: 40 };
+const EDGE = { top: 22, right: 6, bottom: 22 };
+// Sides of a cell: no wider than a thumb, no lower than a line of text.
+const WIDEST = 44;
+const [LOWEST, HIGHEST] = [18, 30];
 
 // `onPoint` is told the cell that is pointed at or reached by arrow keys.
 export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "µm", onPoint = () => {} }) {
-  const width = EDGE.left + columns.length * CELL + EDGE.right;
-  const height = EDGE.top + rows.length * CELL + EDGE.bottom;
-  const scale = window.devicePixelRatio || 1;
-  const canvas = el("canvas", { width: width * scale, height: height * scale, role: "img", tabindex: "0" });
-  canvas.style.maxWidth = `${width * 1.6}px`;
+  const left = labelWidth(rows);
+  const wide = (width) => (width - left - EDGE.right) / columns.length;
+  const high = (width) => Math.max(LOWEST, Math.min(HIGHEST, wide(width)));
+  const { canvas, draw, at } = drawing({
+    most: left + columns.length * WIDEST + EDGE.right,
+    layout: (width) => EDGE.top + rows.length * high(width) + EDGE.bottom,
+    paint,
+    tabindex: "0",
+  });
   const under = el("p", { class: "soft" }, "Point at a cell, or use the arrow keys, to read its value.");
   const scaleLine = el("span", {});
   const figure = el("figure", { class: "map" }, el("figcaption", {}, title, ". ", scaleLine), canvas, under);
@@ -19,61 +26,40 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "�
   let limit = 1;
   let marked = null;
 
-  function draw() {
-    const ctx = canvas.getContext("2d");
-    ctx.setTransform(scale, 0, 0, scale, 0, 0);
-    ctx.clearRect(0, 0, width, height);
-    ctx.font = "11px system-ui, sans-serif";
-    ctx.textBaseline = "middle";
-    rows.forEach((row, i) => {
-      const y = EDGE.top + i * CELL;
-      ctx.fillStyle = colour("--ink");
-      ctx.textAlign = "right";
-      if (rows.length < 20 || i % 3 === 0) ctx.fillText(degrees(row), EDGE.left - 6, y + CELL / 2);
-      columns.forEach((_, j) => cell(ctx, EDGE.left + j * CELL, y, values[i]?.[j]));
-    });
-    ctx.fillStyle = colour("--ink");
-    ctx.textAlign = "center";
-    const widest = Math.max(...columns.map((column) => ctx.measureText(degrees(column)).width));
-    const every = Math.ceil((widest + 8) / CELL);
-    columns.forEach((column, j) => {
-      if (j % every === 0) ctx.fillText(degrees(column), EDGE.left + (j + 0.5) * CELL, height - EDGE.bottom + 12);
-    });
-    ctx.fillText(columnsName, EDGE.left + (columns.length * CELL) / 2, height - 10);
-    ctx.textAlign = "left";
-    ctx.fillText(rowsName, 2, height - EDGE.bottom + 12);
+  function paint(ctx, width, height) {
+    const [w, h] = [wide(width), high(width)];
+    grid(ctx, { rows, columns, rowsName, columnsName, left, top: EDGE.top, w, h });
+    rows.forEach((_, i) => columns.forEach((_, j) => cell(ctx, left + j * w, EDGE.top + i * h, w, h, values[i]?.[j])));
     if (marked) {
       ctx.strokeStyle = colour("--ink");
       ctx.lineWidth = 3;
-      ctx.strokeRect(EDGE.left + marked[1] * CELL + 1, EDGE.top + marked[0] * CELL + 1, CELL - 2, CELL - 2);
+      ctx.strokeRect(left + marked[1] * w + 1, EDGE.top + marked[0] * h + 1, w - 2, h - 2);
     }
   }
 
-  function cell(ctx, x, y, value) {
+  function cell(ctx, x, y, w, h, value) {
     ctx.strokeStyle = colour("--line");
     ctx.lineWidth = 1;
     if (Number.isFinite(value)) {
       const share = Math.max(-1, Math.min(1, value / limit));
-      ctx.globalAlpha = 1;
-      ctx.fillStyle = colour("--paper");
-      ctx.fillRect(x, y, CELL, CELL);
       ctx.globalAlpha = Math.abs(share);
       ctx.fillStyle = share > 0 ? colour("--orange") : colour("--blue");
-      ctx.fillRect(x, y, CELL, CELL);
+      ctx.fillRect(x, y, w, h);
       ctx.globalAlpha = 1;
     } else {
       ctx.beginPath();
-      ctx.moveTo(x, y + CELL);
-      ctx.lineTo(x + CELL, y);
+      ctx.moveTo(x, y + h);
+      ctx.lineTo(x + w, y);
       ctx.stroke();
     }
-    ctx.strokeRect(x + 0.5, y + 0.5, CELL - 1, CELL - 1);
+    ctx.strokeRect(x + 0.5, y + 0.5, w - 1, h - 1);
   }
 
   canvas.addEventListener("pointermove", (event) => {
-    const box = canvas.getBoundingClientRect();
-    const j = Math.floor(((event.clientX - box.left) * (width / box.width) - EDGE.left) / CELL);
-    const i = Math.floor(((event.clientY - box.top) * (height / box.height) - EDGE.top) / CELL);
+    const [x, y] = at(event);
+    const width = canvas.clientWidth;
+    const j = Math.floor((x - left) / wide(width));
+    const i = Math.floor((y - EDGE.top) / high(width));
     if (rows[i] !== undefined && columns[j] !== undefined) onPoint(i, j);
   });
   canvas.addEventListener("keydown", (event) => {
@@ -119,9 +105,28 @@ function summary(rows, columns, values, rowsName, columnsName, unit) {
   return `largest ${signed(largest.value)} ${unit} at ${rowsName} ${degrees(rows[largest.i])}, ${columnsName} ${degrees(columns[largest.j])}`;
 }
 
+// Room for the longest name of a row.
+export const labelWidth = (rows) => 10 + 8 * Math.max(...rows.map((row) => degrees(row).length));
+
+// Names of rows and columns around cells; no name runs into the next.
+export function grid(ctx, { rows, columns, rowsName, columnsName, left, top, w, h }) {
+  ctx.fillStyle = colour("--ink");
+  ctx.textBaseline = "middle";
+  ctx.textAlign = "left";
+  ctx.fillText(`${rowsName} down, ${columnsName} across`, left, top - 11);
+  ctx.textAlign = "right";
+  const everyRow = Math.ceil(14 / h);
+  rows.forEach((row, i) => i % everyRow === 0 && ctx.fillText(degrees(row), left - 6, top + (i + 0.5) * h));
+  ctx.textAlign = "center";
+  const widest = Math.max(...columns.map((column) => ctx.measureText(degrees(column)).width));
+  const every = Math.ceil((widest + 8) / w);
+  columns.forEach((column, j) => j % every === 0 && ctx.fillText(degrees(column), left + (j + 0.5) * w, top + rows.length * h + 12));
+}
+
 export const degrees = (value) => `${String(value).replace("-", "−")}°`;
 
-export const signed = (value) => `${value < 0 ? "−" : "+"}${plain(Math.abs(value))}`;
+// A residual of one reading: no more than hundredths of a micrometre mean anything.
+export const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value) < 9.995 ? Math.abs(value).toFixed(2) : plain(Math.abs(value))}`;
 
 // Positions at which an axis was read; sectors of 10° where it was read while turning, as in the report.
 export function stations(values) {

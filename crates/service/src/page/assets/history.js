@@ -1,7 +1,8 @@
 // The runs of the folder: what changed, residual, verdict and values over time with their control limits.
 
 import * as calls from "./calls.js";
-import { colour, el, fold, notice, paragraphs, plain, remember, remembered } from "./dom.js";
+import { over, printed } from "./chart.js";
+import { colour, el, fold, justified, notice, paragraphs, plain, remember, remembered, withU } from "./dom.js";
 
 export async function make(page) {
   await page.reload();
@@ -13,7 +14,7 @@ export async function make(page) {
   const history = await calls.history();
   const watched = history.watched.filter(({ name }) => name !== "rms");
   const alarms = new Set(history.runs.at(-1)?.alarms);
-  const option = ({ name }) => el("option", { value: name, selected: alarms.has(name) }, alarms.has(name) ? `${name}: outside its limits` : name);
+  const option = (one) => el("option", { value: one.name, selected: alarms.has(one.name) }, alarms.has(one.name) ? `${titleOf(one)}: outside its limits` : titleOf(one));
   const chosen = el("select", { id: "parameter" }, watched.map(option));
   const charts = el("div", {});
   const redraw = () => charts.replaceChildren(...draw(history, chosen.value));
@@ -27,6 +28,7 @@ export async function make(page) {
     table(page, runs),
     watched.length ? el("p", { class: "row" }, el("label", {}, "Value over time", chosen)) : null,
     charts,
+    nextDay(),
   ].filter(Boolean);
 }
 
@@ -59,11 +61,41 @@ function table(page, runs) {
     el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, runs.toReversed().map(row))));
 }
 
-function changes({ change, runs, notes }) {
+function changes({ change, runs, notes, watched }) {
   if (!change) return null;
   const { run, alarms } = runs.at(-1);
-  const alarm = alarms.length ? el("p", { class: "warn" }, `${run}: outside its control limits: ${alarms.join(", ")}`) : null;
+  const alarm = alarms.length ? el("p", { class: "warn" }, `${run}: outside its control limits: ${alarms.map((name) => titleOf(watched.find((one) => one.name === name))).join(", ")}`) : null;
   return el("section", { id: "changes" }, el("h2", {}, `What changed from ${change.from} to ${change.to}`), alarm, paragraphs([...change.words, ...notes]));
+}
+
+// What the day after these runs is expected to show; asked for by hand, as all runs are fitted together.
+function nextDay() {
+  const ask = el("button", { type: "button", id: "next-day" }, "Forecast the next day");
+  const answer = el("div", { role: "status", id: "forecast" });
+  ask.addEventListener("click", async () => {
+    ask.disabled = true;
+    notice("Fitting these runs together …");
+    try {
+      const forecast = await calls.nextDay();
+      answer.replaceChildren(...paragraphs(forecast.words), ...(forecast.values.length ? [expected(forecast.values)] : []));
+      notice("");
+    } catch (failure) {
+      notice(failure.message, true);
+    }
+    ask.disabled = false;
+  });
+  return el("section", {}, el("h2", {}, "The next day"), el("p", { class: "row" }, ask), answer);
+}
+
+function expected(values) {
+  const row = (one) => {
+    const shown = one.unit.replace("urad", "µrad").replace("um", "µm");
+    const figures = withU(one.value, one.u).map((text) => el("td", { class: "n" }, `${text} ${shown}`));
+    return el("tr", {}, el("td", {}, titleOf(one)), figures);
+  };
+  const head = ["value", "expected", "standard uncertainty u of one more day"].map((text) => el("th", { scope: "col" }, text));
+  return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Expected values" },
+    el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, values.map(row))));
 }
 
 // What each correction did, and the place to say that one was entered.
@@ -99,39 +131,96 @@ function draw({ runs, watched, corrections: entered }, parameter) {
   const of = (name) => {
     const one = watched.find((value) => value.name === name);
     if (!one) return null;
-    const along = (value) => runs.map((_, i) => one.points.filter(({ run }) => run === i).map(value)[0] ?? null);
     const unit = one.unit.replace("urad", "µrad").replace("um", "µm");
-    const title = name === "rms" ? `Residual, rms, ${unit}, with control limits` : `${name}, ${unit}, with control limits`;
-    // The first limits are wide; the scale is that of the values and the last limits.
-    const shown = [...one.points.map(({ value }) => value), ...(one.points.at(-1)?.limits ?? []).slice(1)];
-    const margin = 0.05 * (Math.max(...shown) - Math.min(...shown)) || 1;
+    const limits = one.points.filter((point) => point.limits).map((point) => ({ run: point.run, ends: point.limits.slice(1) }));
     // A residual is no less than nothing.
-    const least = name === "rms" ? 0 : -Infinity;
-    const range = [Math.max(least, Math.min(...shown) - margin), Math.max(...shown) + margin];
+    const range = scaleOf(one.points.map(({ value }) => value), limits.at(-1)?.ends ?? [], name === "rms" ? 0 : -Infinity);
     const marks = dated ? entered.map(({ at_s: at }) => at) : [];
-    const shownChart = chart(title, x, dated, range, marks, [
-      { label: name === "rms" ? "residual, rms" : name, values: along(({ value }) => value), stroke: "--blue" },
-      { label: "lower limit", values: along(({ limits }) => limits && Math.max(least, limits[1])), stroke: "--grey", points: false },
-      { label: "upper limit", values: along(({ limits }) => limits?.[2] ?? null), stroke: "--grey", points: false },
-    ]);
-    if (one.next) shownChart.append(el("p", {}, `Expected of the next run, if the machine stays as it is: ${plain(one.next[0])} ${unit}, 95 % interval ${plain(Math.max(least, one.next[1]))} to ${plain(one.next[2])} ${unit}.`));
-    return shownChart;
+    const values = runs.map((_, i) => one.points.find(({ run }) => run === i)?.value ?? null);
+    const drawn = chart({ title: `${capital(titleOf(one))}, with control limits`, x, dated, range, unit, marks, label: name === "rms" ? "residual, rms" : name, values, limits });
+    const digits = (ends) => ends.map((end) => justified(end, (ends[1] - ends[0]) / 2)).join(" to ");
+    const wide = limits.filter(({ ends }) => ends[0] < range[0] || ends[1] > range[1]);
+    const shown = wide.slice(0, SAID).map(({ run, ends }) => `${runs[run].run} ${digits(ends)} ${unit}`);
+    if (wide.length > SAID) shown.push(`and ${wide.length - SAID} more`);
+    if (wide.length) drawn.append(el("p", { class: "soft" }, `Limits that are wider than the picture (few runs were before): ${shown.join("; ")}.`));
+    if (one.next) {
+      const ends = one.next.slice(1);
+      const mean = justified(one.next[0], (ends[1] - ends[0]) / 2);
+      drawn.append(el("p", {}, `Expected of the next run, if the machine stays as it is: ${mean} ${unit}, 95 % interval ${digits(ends)} ${unit}.`));
+    }
+    return drawn;
   };
   const note = `Limits are set by the runs before${entered.length ? ", since the last correction (dashed upright line)" : ""}: at most one false alarm in 365 runs over all values together.`;
   return [of("rms"), parameter ? of(parameter) : null, el("p", { class: "soft" }, note)].filter(Boolean);
 }
 
-function chart(title, x, dated, range, marks, series) {
-  const place = el("div", { class: "chart", role: "img", "aria-label": `${title}: ${series[0].values.map((value) => (value == null ? "—" : plain(value))).join(", ")}` });
-  const numbers = dated ? {} : { incrs: [1, 2, 5, 10, 20, 50, 100, 200] };
-  const axis = { stroke: colour("--ink"), grid: { stroke: colour("--line"), width: 1 } };
+// Runs whose limits are written out.
+const SAID = 4;
+
+// `direction of axis B about X (EA0B)`.
+const titleOf = ({ name, words }) => (words && words !== name ? `${words}${name === "rms" ? "" : ` (${name})`}` : name);
+
+const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
+// Ends of the y axis: every value, and the limits of the last run. The first limits are wide.
+function scaleOf(values, last, least) {
+  const shown = [...values, ...last];
+  const [low, high] = [Math.min(...shown), Math.max(...shown)];
+  const margin = 0.1 * (high - low) || 1;
+  return [Math.max(least, low - margin), high + margin];
+}
+
+function chart({ title, x, dated, range, unit, marks, label, values, limits }) {
+  const said = values.map((value) => (value == null ? "—" : plain(value))).join(", ");
+  const place = el("div", { class: "chart", role: "img", "aria-label": `${title}, ${unit}: ${said}` });
+  const along = dated ? days : { incrs: [1, 2, 5, 10, 20, 50, 100, 200] };
   requestAnimationFrame(() => {
     const width = Math.max(240, Math.min(900, place.clientWidth || 600));
-    const one = ({ label, stroke, points = true }) => ({ label, stroke: colour(stroke), width: 2, dash: points ? [] : [6, 4], points: { show: points, size: 7 }, spanGaps: true });
-    new uPlot({ width, height: 240, scales: { x: { time: dated }, y: { range } }, axes: [{ ...axis, ...numbers }, axis], legend: { live: false }, hooks: { draw: [(plot) => mark(plot, marks)] }, series: [{ label: dated ? "began" : "run" }, ...series.map(one)] },
-      [x, ...series.map(({ values }) => values)], place);
+    const stroke = colour("--blue");
+    // Drawn by hand: a limit belongs to its run, and not to the time between two.
+    const limit = (name) => ({ label: name, stroke: colour("--ink"), width: 2, dash: [6, 4], paths: () => null, points: { show: false } });
+    const of = (k) => values.map((_, i) => limits.find(({ run }) => run === i)?.ends[k] ?? null);
+    printed(new uPlot({
+      // Room for the last day's name and the limits of its run.
+      width, height: 260, padding: [12, 40, 0, 0], tzDate: (at) => uPlot.tzDate(new Date(at * 1000), "UTC"), scales: { x: { time: dated }, y: { range } }, axes: over(dated ? "day, UTC" : "run, in order of time", unit, along), legend: { live: false },
+      hooks: { draw: [(plot) => mark(plot, marks), (plot) => bars(plot, x, limits, range)] },
+      series: [{ label: dated ? "began" : "run" }, { label, stroke, width: 2, points: { show: true, size: 7, fill: stroke }, spanGaps: true }, limit("lower limit"), limit("upper limit")],
+    }, [x, values, of(0), of(1)], place));
   });
-  return el("section", {}, el("h2", {}, title), place);
+  return el("section", {}, el("h2", {}, `${title}, ${unit}`), place);
+}
+
+// Days as the list of runs writes them; hours where all runs are of few days.
+const HOUR = 3600;
+const days = {
+  incrs: [1, 3, 6, 12, 24, 48, 120, 240, 720, 2160, 8760].map((hours) => hours * HOUR),
+  space: 100,
+  values: (_, splits, __, ___, step) => splits.map((at) => {
+    const text = new Date(at * 1000).toISOString();
+    return step < 24 * HOUR ? `${text.slice(5, 10)} ${text.slice(11, 16)}` : text.slice(0, 10);
+  }),
+};
+
+// A short dashed bar at each end of the limits of a run.
+function bars({ ctx, valToPos }, x, limits, range) {
+  const at = x.map((value) => valToPos(value, "x", true));
+  const apart = Math.min(...at.slice(1).map((place, i) => place - at[i]));
+  const scale = window.devicePixelRatio || 1;
+  const half = Math.max(5 * scale, Math.min(30 * scale, 0.4 * apart));
+  ctx.save();
+  ctx.strokeStyle = colour("--ink");
+  ctx.lineWidth = 2 * scale;
+  ctx.setLineDash([6 * scale, 4 * scale]);
+  for (const { run, ends } of limits) {
+    for (const end of ends.filter((value) => value >= range[0] && value <= range[1])) {
+      const y = valToPos(end, "y", true);
+      ctx.beginPath();
+      ctx.moveTo(at[run] - half, y);
+      ctx.lineTo(at[run] + half, y);
+      ctx.stroke();
+    }
+  }
+  ctx.restore();
 }
 
 // A dashed line where a correction was entered.

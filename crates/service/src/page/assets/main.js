@@ -21,6 +21,7 @@ async function reload() {
   const options = page.runs.map((line) => el("option", { value: line.name, selected: line.name === page.run }, line.name));
   select.replaceChildren(...options);
   select.disabled = page.runs.length < 2;
+  select.parentElement.hidden = !page.runs.length;
 }
 
 // The run that the service analysed last.
@@ -45,6 +46,8 @@ async function show() {
   const number = ++shown;
   place.setAttribute("aria-busy", "true");
   try {
+    // The first run may have come since the list was made.
+    if (!page.run) await reload();
     const parts = await views[name].make(page);
     if (number !== shown) return;
     place.replaceChildren(...parts);

@@ -1,7 +1,7 @@
 // What is measured now: probes in their range, devices with their remedy, the poses of the cycle filling a map.
 
 import * as calls from "./calls.js";
-import { el, notice } from "./dom.js";
+import { el, minus, notice } from "./dom.js";
 import { deviceRows, probeBar } from "./live.js";
 import { poseMap } from "./pose-map.js";
 
@@ -25,7 +25,7 @@ export async function make(page) {
     gaps: el("ul", { "aria-label": "Gaps" }),
     probes: el("div", { class: "two" }),
     devices: el("ul", { class: "steps" }),
-    axes: el("p", {}),
+    axes: el("p", { class: "places" }),
     map: null, mapOf: null,
     maps: el("section", {}),
     controls: controls(page),
@@ -142,13 +142,14 @@ function showCycle(cycle) {
     measuring: "Measuring", analysing: "The cycle is over and is being analysed", done: "The cycle is done",
     failed: "The cycle failed", refused: "No cycle belongs to this program",
   };
-  parts.headline.textContent = words[state] ?? "Waiting for the cycle";
   const total = cycle?.total ?? 0;
   const done = state === "measuring" ? (cycle.done ?? 0) : 0;
   const over = state === "done" || state === "analysing";
   const whole = over && cycle.missing === 0 && cycle.unsettled === 0;
+  const parted = state === "done" && cycle.missing > 0;
+  parts.headline.textContent = parted ? "The cycle is over, a part of it is missing" : words[state] ?? "Waiting for the cycle";
   if (total) parts.progress.max = total;
-  if (over) parts.progress.value = parts.progress.max;
+  if (over) parts.progress.value = cycle.missing && cycle.read != null ? (parts.progress.max * cycle.read) / (cycle.read + cycle.unsettled + cycle.missing) : parts.progress.max;
   else parts.progress.value = done;
   // What is done stays on the map.
   if (whole) parts.map?.fill(Infinity);
@@ -174,5 +175,6 @@ function showProbes(live) {
     parts.probes.replaceChildren(...probes.map(probeBar));
   }
   const axes = live?.axes ?? [];
-  parts.axes.textContent = axes.length ? axes.map(({ name, value, unit }) => `${name} ${value.toFixed(3)} ${unit === "deg" ? "°" : unit}`).join("   ") : "The controller reports no position yet.";
+  const place = ({ name, value, unit }) => el("span", {}, el("b", {}, name), ` ${minus(value.toFixed(3))}${unit === "deg" ? "°" : ` ${unit}`}`);
+  parts.axes.replaceChildren(...(axes.length ? axes.map(place) : ["The controller reports no position yet."]));
 }

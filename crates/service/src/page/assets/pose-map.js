@@ -1,7 +1,11 @@
 // The poses of a cycle over two rotary axes, filling while they are read.
 
+import { drawing } from "./canvas.js";
 import { colour, el } from "./dom.js";
-import { degrees, nearest, stations } from "./heat-map.js";
+import { grid, labelWidth, nearest, stations } from "./heat-map.js";
+
+const EDGE = { top: 22, right: 6, bottom: 22 };
+const [WIDEST, LOWEST, HIGHEST] = [32, 18, 28];
 
 // One map for each setup; a pose that was read is filled, the next one framed.
 export function poseMap({ axes, setups, poses }) {
@@ -10,45 +14,42 @@ export function poseMap({ axes, setups, poses }) {
   const visits = poses.map((pose) => ({ setup: pose.setup, row: nearest(rows, pose.at_deg[0]), column: nearest(columns, pose.at_deg[1]) }));
   const cells = setups.map(() => rows.map(() => columns.map(() => [])));
   visits.forEach((visit, i) => cells[visit.setup][visit.row][visit.column].push(i));
-  const CELL = 22;
-  const scale = window.devicePixelRatio || 1;
-  const canvases = setups.map(() => {
-    const [width, height] = [columns.length * CELL + 50, rows.length * CELL + 26];
-    const canvas = el("canvas", { width: width * scale, height: height * scale, role: "img" });
-    canvas.style.maxWidth = `${width * 1.4}px`;
-    return { canvas, width, height };
-  });
+  const left = labelWidth(rows);
+  const wide = (width) => (width - left - EDGE.right) / columns.length;
+  const high = (width) => Math.max(LOWEST, Math.min(HIGHEST, wide(width)));
+  let done = 0;
+  const drawings = setups.map((_, k) => drawing({
+    most: left + columns.length * WIDEST + EDGE.right,
+    layout: (width) => EDGE.top + rows.length * high(width) + EDGE.bottom,
+    paint: (ctx, width) => paint(ctx, k, wide(width), high(width)),
+  }));
   const figure = el("div", { class: "maps" }, setups.map((name, k) =>
-    el("figure", { class: "map" }, el("figcaption", {}, `Setup ${name}: ${axes[0]} down, ${axes[1]} across`), canvases[k].canvas)));
-  function fill(done) {
+    el("figure", { class: "map" }, el("figcaption", {}, `Setup ${name}`), drawings[k].canvas)));
+  const count = (here) => here.filter((index) => index < done).length;
+
+  function paint(ctx, k, w, h) {
+    grid(ctx, { rows, columns, rowsName: axes[0], columnsName: axes[1], left, top: EDGE.top, w, h });
+    rows.forEach((_, i) => columns.forEach((_, j) => {
+      const here = cells[k][i][j];
+      const [x, y] = [left + j * w, EDGE.top + i * h];
+      ctx.globalAlpha = here.length ? 0.85 * (count(here) / here.length) : 0;
+      ctx.fillStyle = colour("--blue");
+      ctx.fillRect(x, y, w, h);
+      ctx.globalAlpha = 1;
+      const next = here.includes(done);
+      ctx.strokeStyle = next ? colour("--orange") : colour("--line");
+      ctx.lineWidth = next ? 3 : 1;
+      ctx.strokeRect(x + 1, y + 1, w - 2, h - 2);
+    }));
+  }
+
+  function fill(now) {
+    done = now;
     setups.forEach((name, k) => {
-      const { canvas, width, height } = canvases[k];
-      const ctx = canvas.getContext("2d");
-      ctx.setTransform(scale, 0, 0, scale, 0, 0);
-      ctx.clearRect(0, 0, width, height);
-      ctx.font = "10px system-ui, sans-serif";
-      let [read, all] = [0, 0];
-      rows.forEach((row, i) => {
-        const y = i * CELL;
-        ctx.fillStyle = colour("--ink");
-        ctx.fillText(degrees(row), 2, y + CELL / 2 + 3);
-        columns.forEach((column, j) => {
-          const here = cells[k][i][j];
-          const taken = here.filter((index) => index < done).length;
-          [read, all] = [read + taken, all + here.length];
-          ctx.globalAlpha = here.length ? 0.85 * (taken / here.length) : 0;
-          ctx.fillStyle = colour("--blue");
-          ctx.fillRect(46 + j * CELL, y, CELL, CELL);
-          ctx.globalAlpha = 1;
-          ctx.strokeStyle = here.includes(done) ? colour("--orange") : colour("--line");
-          ctx.lineWidth = here.includes(done) ? 3 : 1;
-          ctx.strokeRect(46 + j * CELL + 1, y + 1, CELL - 2, CELL - 2);
-        });
-      });
-      ctx.fillStyle = colour("--ink");
-      const every = Math.ceil(columns.length / 8);
-      columns.forEach((column, j) => j % every === 0 && ctx.fillText(degrees(column), 46 + j * CELL, height - 8));
-      canvas.setAttribute("aria-label", `Setup ${name}: ${read} of ${all} poses read`);
+      const all = cells[k].flat();
+      const read = all.reduce((sum, here) => sum + count(here), 0);
+      drawings[k].draw();
+      drawings[k].canvas.setAttribute("aria-label", `Setup ${name}: ${read} of ${all.flat().length} poses read`);
     });
   }
   const map = { figure, poses: poses.length, filled: false };

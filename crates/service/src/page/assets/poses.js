@@ -1,7 +1,9 @@
 // What-if pose by pose: the selected one in words, residuals over time, arrows, a table.
 
-import { colour, el, fold, plain } from "./dom.js";
-import { degrees, signed } from "./heat-map.js";
+import { drawing } from "./canvas.js";
+import { over, printed } from "./chart.js";
+import { colour, el, fold, minus, plain } from "./dom.js";
+import { degrees, grid, labelWidth, nearest, signed, stations } from "./heat-map.js";
 
 const ROWS = 50;
 // Poses of a cell that are written out.
@@ -20,7 +22,7 @@ export function posesOf(state, select) {
   const timed = linear.points.every((point) => point.time_s != null);
   const words = (i) => {
     const point = linear.points[i];
-    const axes = linear.axes.map((axis, k) => `${axis.name} ${axis.rotary ? degrees(Number(point.position[k].toFixed(2))) : `${point.position[k].toFixed(1)} mm`}`).join(" ");
+    const axes = linear.axes.map((axis, k) => `${axis.name} ${axis.rotary ? degrees(Number(point.position[k].toFixed(2))) : `${minus(point.position[k].toFixed(1))} mm`}`).join(" ");
     const figures = names.map((name) => [name, value(i, name)]).filter(([, v]) => v != null).map(([name, v]) => `${name} ${signed(v)}`).join(", ");
     const at = point.time_s == null ? "" : `, at ${plain(point.time_s)} s`;
     return `Pose ${i + 1}, setup ${linear.setups[point.setup].name}${at}: ${figures} µm; ${axes}`;
@@ -60,7 +62,7 @@ function overTime(linear, names, value, timed, select) {
   const x = linear.points.map((point, i) => (timed ? point.time_s : i + 1));
   // uPlot wants x in order.
   const order = x.map((_, i) => i).sort((a, b) => x[a] - x[b]);
-  const strokes = ["--blue", "--orange", "--soft", "--ink"];
+  const strokes = ["--blue", "--orange", "--ink", "--grey"];
   let plot = null;
   let marks = [];
   const data = (takes) => [order.map((i) => x[i]), ...names.map((name) => order.map((i) => (takes[i] ? value(i, name) : null)))];
@@ -78,13 +80,16 @@ function overTime(linear, names, value, timed, select) {
     u.ctx.restore();
   };
   const make = (takes) => {
-    const axis = { stroke: colour("--ink"), grid: { stroke: colour("--line"), width: 1 } };
-    const one = (name, k) => ({ label: `${name}, µm`, stroke: colour(strokes[k % strokes.length]), width: 0, paths: () => null, points: { show: true, size: 5 } });
+    const one = (name, k) => {
+      const stroke = colour(strokes[k % strokes.length]);
+      return { label: `${name}, µm`, stroke, width: 0, paths: () => null, points: { show: true, size: 5, fill: stroke } };
+    };
     plot = new uPlot({
-      width: Math.max(240, Math.min(1100, place.clientWidth || 600)), height: 240,
-      scales: { x: { time: false } }, axes: [axis, axis], hooks: { draw: [markers] },
+      width: Math.max(240, Math.min(1100, place.clientWidth || 600)), height: 260,
+      scales: { x: { time: false } }, axes: over(timed ? "time, s" : "pose", "residual, µm"), hooks: { draw: [markers] },
       series: [{ label: timed ? "time, s" : "pose" }, ...names.map(one)],
     }, data(takes), place);
+    printed(plot);
     plot.over.addEventListener("click", () => plot.cursor.idx != null && select(order[plot.cursor.idx]));
   };
   return {
@@ -110,55 +115,49 @@ function arrowMap({ linear, rotary }, names, value) {
   const pairs = names.flatMap((a, k) => names.slice(k + 1).map((b) => [a, b]));
   const pair = el("select", { id: "plane" }, pairs.map(([a, b], k) => el("option", { value: k }, `${a} to the right, ${b} up`)));
   const slider = el("input", { id: "magnification", type: "range", min: "0", max: "100", value: "50" });
-  const scale = window.devicePixelRatio || 1;
-  const [width, height, edge] = [760, 360, 44];
-  const canvas = el("canvas", { width: width * scale, height: height * scale, role: "img" });
-  canvas.style.maxWidth = `${width}px`;
+  const [rows, columns] = [down, across].map(({ i }) => stations(linear.points.map((point) => point.position[i])));
+  const left = labelWidth(rows);
+  const edge = { top: 44, right: 6, bottom: 22 };
+  const wide = (width) => (width - left - edge.right) / columns.length;
+  const high = (width) => Math.max(26, Math.min(44, wide(width)));
+  const { canvas, draw } = drawing({ most: 760, layout: (width) => edge.top + rows.length * high(width) + edge.bottom, paint });
   const legend = el("p", { class: "soft", role: "status" });
-  const range = (k) => {
-    const all = linear.points.map((point) => point.position[k]);
-    const [from, to] = all.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
-    return [from, to];
-  };
-  const [ra, rd] = [range(across.i), range(down.i)];
-  const x = (point) => edge + 20 + ((point.position[across.i] - ra[0]) / (ra[1] - ra[0])) * (width - 2 * edge - 40);
-  const y = (point) => height - edge - 20 - ((point.position[down.i] - rd[0]) / (rd[1] - rd[0])) * (height - 2 * edge - 40);
+  const where = linear.points.map((point) => [nearest(rows, point.position[down.i]), nearest(columns, point.position[across.i])]);
   let [takes, selected] = [null, []];
   // Pixels for a micrometre: from 0.1 to 1000.
   const pixels = () => 10 ** (Number(slider.value) / 25 - 1);
-  function draw() {
-    const ctx = canvas.getContext("2d");
-    ctx.setTransform(scale, 0, 0, scale, 0, 0);
-    ctx.clearRect(0, 0, width, height);
+  function paint(ctx, width) {
+    if (!takes) return;
+    const [w, h] = [wide(width), high(width)];
     const [a, b] = pairs[Number(pair.value)];
     const chosen = new Set(selected);
-    linear.points.forEach((point, i) => {
+    linear.points.forEach((_, i) => {
       if (!takes[i]) return;
       const [right, up] = [value(i, a), value(i, b)];
       if (right == null || up == null) return;
-      const [px, py] = [x(point), y(point)];
+      const [px, py] = [left + (where[i][1] + 0.5) * w, edge.top + (where[i][0] + 0.5) * h];
       ctx.strokeStyle = ctx.fillStyle = colour(chosen.has(i) ? "--orange" : "--blue");
-      ctx.lineWidth = chosen.has(i) ? 3 : 1;
+      ctx.lineWidth = chosen.has(i) ? 3 : 1.5;
       ctx.beginPath();
       ctx.moveTo(px, py);
       ctx.lineTo(px + right * pixels(), py - up * pixels());
       ctx.stroke();
-      ctx.fillRect(px - 1.5, py - 1.5, 3, 3);
+      ctx.fillRect(px - 2, py - 2, 4, 4);
     });
-    ctx.fillStyle = ctx.strokeStyle = colour("--ink");
-    ctx.font = "11px system-ui, sans-serif";
-    ctx.fillText(`${across.name} ${degrees(ra[0])} to ${degrees(ra[1])}, to the right; ${down.name} ${degrees(rd[0])} to ${degrees(rd[1])}, up`, edge, height - 8);
+    grid(ctx, { rows, columns, rowsName: down.name, columnsName: across.name, left, top: edge.top, w, h });
     const um = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500].findLast((size) => size * pixels() <= 120) ?? 0.1;
+    ctx.strokeStyle = colour("--ink");
     ctx.lineWidth = 3;
     ctx.beginPath();
-    ctx.moveTo(edge, 14);
-    ctx.lineTo(edge + um * pixels(), 14);
+    ctx.moveTo(left, 12);
+    ctx.lineTo(left + um * pixels(), 12);
     ctx.stroke();
-    ctx.fillText(`${um} µm`, edge, 30);
+    ctx.textAlign = "left";
+    ctx.fillText(`${um} µm`, left + um * pixels() + 8, 12);
     // A CSS pixel is 0.2646 mm.
-    const times = pixels() * 264.6;
-    legend.textContent = `Magnification about ${plain(times)}; the bar is ${um} µm.`;
-    canvas.setAttribute("aria-label", `Residual ${a} and ${b} as arrows, magnification about ${plain(times)}`);
+    const times = rounded(pixels() * 264.6);
+    legend.textContent = `Magnification about ${times}; the bar is ${um} µm. An arrow begins at the place of its pose.`;
+    canvas.setAttribute("aria-label", `Residual ${a} and ${b} as arrows, magnification about ${times}`);
   }
   slider.addEventListener("input", draw);
   pair.addEventListener("change", draw);
@@ -166,7 +165,7 @@ function arrowMap({ linear, rotary }, names, value) {
   const largest = linear.points.reduce((most, _, i) => Math.max(most, ...names.map((name) => Math.abs(value(i, name) ?? 0))), 0);
   if (largest > 0) slider.value = String(Math.max(0, Math.min(100, 25 * (Math.log10(40 / largest) + 1))));
   const section = el("section", {}, el("h2", {}, "Residual as arrows"),
-    el("p", { class: "row" }, el("label", {}, "Components", pair), el("label", {}, "Magnification", slider)), el("figure", { class: "map" }, canvas), legend);
+    el("p", { class: "row" }, el("label", {}, "Components", pair), el("label", {}, "Magnification", slider)), el("figure", { class: "map wide" }, canvas), legend);
   return {
     section,
     draw(takesNow, selectedNow) {
@@ -174,6 +173,12 @@ function arrowMap({ linear, rotary }, names, value) {
       draw();
     },
   };
+}
+
+// Two digits: the size of a screen is not known better.
+function rounded(value) {
+  const digit = 10 ** Math.max(0, Math.floor(Math.log10(value)) - 1);
+  return String(Math.round(value / digit) * digit);
 }
 
 // Every pose, fifty a page, the largest residual or the first one first.
@@ -192,7 +197,7 @@ function pages(linear, size, names, value, timed, select) {
     const figure = (v) => el("td", { class: "n" }, v == null ? "—" : signed(v));
     return el("tr", chosen.has(i) ? { "aria-current": "true", class: "chosen" } : {}, el("td", {}, pick), el("td", {}, linear.setups[point.setup].name),
       names.map((name) => figure(value(i, name))), timed ? el("td", { class: "n" }, point.time_s.toFixed(1)) : null,
-      linear.axes.map((axis, k) => el("td", { class: "n" }, point.position[k].toFixed(axis.rotary ? 2 : 1))));
+      linear.axes.map((axis, k) => el("td", { class: "n" }, minus(point.position[k].toFixed(axis.rotary ? 2 : 1)))));
   };
   function fill() {
     page = Math.max(0, Math.min(page, Math.ceil(list.length / ROWS) - 1));
