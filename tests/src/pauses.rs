@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 const SLEEP: Duration = Duration::from_millis(2);
 
-/// Measures, from its start until it is dropped, how much later than asked a thread goes on.
+/// Measures, from its start until it is dropped, how much later than asked a thread goes on, and in an asynchronous runtime a task:
+/// a runtime whose thread waits for the kernel stands still while other threads go on. Reading a terminal does so on a busy computer,
+/// as its bytes are handed over by a worker of the kernel.
 pub struct Pauses {
     longest_ns: Arc<AtomicU64>,
     stop: Arc<AtomicBool>,
@@ -15,17 +17,35 @@ pub struct Pauses {
 impl Pauses {
     /// Begins to measure.
     pub fn watch() -> Self {
-        let (longest_ns, stop) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicBool::new(false)));
-        let (longest, ended) = (Arc::clone(&longest_ns), Arc::clone(&stop));
+        let pauses = Self { longest_ns: Arc::default(), stop: Arc::default() };
+        let watched = pauses.watched();
         std::thread::spawn(move || {
-            while !ended.load(Ordering::Relaxed) {
-                let begun = Instant::now();
+            let mut begun = Instant::now();
+            while watched(&mut begun) {
                 std::thread::sleep(SLEEP);
-                let late = begun.elapsed().saturating_sub(SLEEP);
-                longest.fetch_max(late.as_nanos() as u64, Ordering::Relaxed);
             }
         });
-        Self { longest_ns, stop }
+        if let Ok(runtime) = tokio::runtime::Handle::try_current() {
+            let watched = pauses.watched();
+            runtime.spawn(async move {
+                let mut begun = Instant::now();
+                while watched(&mut begun) {
+                    tokio::time::sleep(SLEEP).await;
+                }
+            });
+        }
+        pauses
+    }
+
+    /// Takes the time since the last call, or since `begun`; false at the end.
+    fn watched(&self) -> impl Fn(&mut Instant) -> bool + Send + 'static {
+        let (longest, ended) = (Arc::clone(&self.longest_ns), Arc::clone(&self.stop));
+        move |begun| {
+            let late = begun.elapsed().saturating_sub(SLEEP);
+            longest.fetch_max(late.as_nanos() as u64, Ordering::Relaxed);
+            *begun = Instant::now();
+            !ended.load(Ordering::Relaxed)
+        }
     }
 
     /// The longest pause so far.

@@ -34,7 +34,7 @@ const SUBJECTS: &[&Subject] = &[
     &opcua::SUBJECT,
 ];
 /// Cells run at once; the others wait.
-const AT_ONCE: usize = 6;
+const AT_ONCE: u32 = 6;
 
 /// The drivers take a pause of this length for silence of the device.
 const TOO_LONG: Duration = Duration::from_millis(200);
@@ -71,9 +71,12 @@ enum Outcome {
     Wrong(String),
 }
 
-async fn judged(subject: &Subject, case: &matrix::Case, name: &str) -> Outcome {
+/// The first attempt is made beside other cells, every further one alone: a busy computer may manage that.
+async fn judged(subject: &Subject, case: &matrix::Case, name: &str, room: &Semaphore) -> Outcome {
     let mut wrong = Vec::new();
-    for _ in 0..ATTEMPTS {
+    for attempt in 0..ATTEMPTS {
+        let places = if attempt == 0 { 1 } else { AT_ONCE };
+        let _places = room.acquire_many(places).await.expect("the semaphore stays open");
         let (begun, pauses) = (std::time::Instant::now(), Pauses::watch());
         let result = bench::run(subject, case).await;
         println!("{name}: {:.1} s", begun.elapsed().as_secs_f64());
@@ -92,7 +95,7 @@ async fn judged(subject: &Subject, case: &matrix::Case, name: &str) -> Outcome {
 #[tokio::test(flavor = "multi_thread")]
 async fn each_fault_of_each_device_leads_to_its_state_its_gap_and_its_message() {
     let only = std::env::var("TRUNNION_FAULT_CELLS").unwrap_or_default();
-    let room = Arc::new(Semaphore::new(AT_ONCE));
+    let room = Arc::new(Semaphore::new(AT_ONCE as usize));
     let mut cells = JoinSet::new();
     for subject in SUBJECTS {
         for trouble in Trouble::ALL {
@@ -102,10 +105,7 @@ async fn each_fault_of_each_device_leads_to_its_state_its_gap_and_its_message() 
                 continue;
             }
             let room = Arc::clone(&room);
-            cells.spawn(async move {
-                let _place = room.acquire().await.expect("the semaphore stays open");
-                judged(subject, &case, &name).await
-            });
+            cells.spawn(async move { judged(subject, &case, &name, &room).await });
         }
     }
     let results = cells.join_all().await;
