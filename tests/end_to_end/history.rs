@@ -1,5 +1,6 @@
 //! The runs of one machine through the binary.
 
+use crate::dated;
 use crate::program::{data, json, output, trunnion};
 use serde_json::Value;
 use std::path::Path;
@@ -57,8 +58,11 @@ fn a_machine_that_leans_is_alarmed_about_with_how_much_and_where() {
     let since = history(folder.path(), &["--since", "day-6"]);
     assert_eq!(since["runs"][5]["alarms"].as_array().unwrap().len(), 0, "{}", since["runs"][5]);
     let text = trunnion(&["history", "--folder", &folder.path().display().to_string()]);
-    assert!(text.starts_with("day-6: outside its control limits: EA0B"), "{text}");
-    assert!(text.contains("EA0B by +") && text.contains(" ± "), "{text}");
+    assert!(
+        text.starts_with("day-6: outside its control limits: direction of axis B about X (EA0B)"),
+        "{text}"
+    );
+    assert!(text.contains("direction of axis B about X by +") && text.contains(" ± "), "{text}");
 }
 
 #[test]
@@ -110,4 +114,51 @@ fn what_cannot_be_read_is_listed_and_an_unknown_run_is_refused_with_those_there_
     assert!(!done && error.contains("day-9") && error.contains("day-1"), "{error}");
     let (done, _, error) = output(&["history", "other-machine", "--folder", &name]);
     assert!(!done && error.contains("other-machine"), "{error}");
+}
+
+#[test]
+fn the_next_day_is_forecast_from_frozen_values_once_five_days_were_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let day_ns = |day: i64| (20_500 + day) * 86_400_000_000_000;
+    let day = |number: usize| {
+        let name = format!("day-{number}.mcap");
+        dated::simulate(folder.path(), &name, number, day_ns(number as i64), |truth| truth);
+        folder.path().join(name).display().to_string()
+    };
+    let four: Vec<String> = (1..=4).map(day).collect();
+    let forecast = &history(folder.path(), &[])["forecast"];
+    assert_eq!(forecast["why_not"], "4 of 5 days were measured");
+    assert!(
+        forecast["band_95_um"].is_null() && forecast["values"].as_array().unwrap().is_empty(),
+        "{forecast}"
+    );
+
+    let five: Vec<String> = four.into_iter().chain([day(5)]).collect();
+    let forecast = history(folder.path(), &[])["forecast"].clone();
+    assert_eq!(forecast["why_not"], "", "{forecast}");
+    assert_eq!(forecast["checked"]["run"], "day-5", "the last day was predicted by those before it");
+    let number = |value: &Value| value.as_f64().unwrap();
+    let leans = forecast["values"].as_array().unwrap().iter().find(|one| one["name"] == "EA0B").unwrap();
+    assert!((number(&leans["value"]) - 25.0).abs() < 3.0 * number(&leans["u"]), "{leans}");
+
+    // The next day comes, and is what `trunnion predict` makes of the same days: inside the band.
+    let next = day(6);
+    let model = folder.path().join("base.toml").display().to_string();
+    let base = "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"location-errors\"\n[[effect]]\nid = \"ball-setting\"\n";
+    std::fs::write(&model, base).unwrap();
+    let days: Vec<&str> = five.iter().map(String::as_str).collect();
+    let args = [&["predict", &next, "--model", &model, "--json", "--fitted"], days.as_slice()].concat();
+    let come = &json(&args)["runs"][0];
+    let (band, expected) = (number(&come["band_95_um"]), number(&forecast["band_95_um"]));
+    assert!((band / expected - 1.0).abs() < 1e-6, "{band} µm, forecast {expected} µm");
+    assert!(number(&come["inside_95_fraction"]) > 0.9, "{come}");
+
+    // A machine that leans since has no forecast.
+    dated::simulate(folder.path(), "day-7.mcap", 7, day_ns(7), |truth| {
+        truth.replace("EA0B_urad = 25.0", "EA0B_urad = 75.0")
+    });
+    let why_not = history(folder.path(), &[])["forecast"]["why_not"].to_string();
+    assert!(why_not.contains("day-7 is outside its control limits"), "{why_not}");
+    let text = trunnion(&["history", "--folder", &folder.path().display().to_string()]);
+    assert!(text.contains("No forecast of the next day: day-7 is outside"), "{text}");
 }

@@ -4,12 +4,16 @@
 
 mod attribute;
 mod bad_input;
+mod broker;
 mod combined;
 mod compensation;
 mod correct;
+mod dated;
 mod demo;
 mod devices;
 mod history;
+mod history_on_page;
+mod host_faults;
 mod hybrid;
 mod long_lists;
 mod methods;
@@ -23,11 +27,13 @@ mod record;
 mod report;
 mod robot;
 mod schemes;
+mod secrets;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../src/section.rs"]
 mod section;
 mod service_killed;
 mod setting_up;
+mod shop;
 mod spindle;
 mod story;
 mod streams;
@@ -43,4 +49,9 @@ fn three_probes(ports: &std::path::Path) -> String {
         )
     };
     (1..=3).map(one).collect()
+}
+
+/// What was printed as one line: where the terminal breaks a sentence is no part of it.
+fn one_line(printed: &[u8]) -> String {
+    String::from_utf8_lossy(printed).split_whitespace().collect::<Vec<_>>().join(" ")
 }

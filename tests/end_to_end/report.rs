@@ -146,3 +146,13 @@ fn a_certificate_needs_a_day_and_a_run_that_was_judged() {
     let xml = std::fs::read_to_string(&dcc).unwrap();
     assert!(xml.contains("<dcc:beginPerformanceDate>2026-02-28<") && xml.contains("schemaVersion=\"3.3.0\""));
 }
+
+#[test]
+fn what_was_found_is_not_among_what_the_cycle_cannot_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let diagnosis = json(&["diagnose", &import("points-gravity", folder.path()), "--json"]);
+    let found = &diagnosis["candidates"][0]["effect"];
+    assert_eq!(found, "gravity-sag:B");
+    let hidden = diagnosis["not_visible"].as_array().unwrap();
+    assert!(!hidden.is_empty() && !hidden.contains(found), "{hidden:?}");
+}

@@ -2,121 +2,41 @@
 
 use super::page_status::{free_address, status};
 use super::program::{json, refused};
-use super::three_probes;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
-use trunnion::results::{RunRecord, RunState};
-use trunnion_cycles::Cycle;
-use trunnion_hil_sim::devices::cell::CellConfig;
-use trunnion_hil_sim::devices::{cell, orthogonal_nest};
-use trunnion_hil_sim::scenario::{Pace, Station, static_cycle};
-use trunnion_hil_sim::{SimSetup, Truth, VirtualMachine};
+use super::shop::{Floor, Service, agent, config, floor, journal, record, until};
+use std::path::Path;
+use std::process::Command;
+use trunnion::results::RunState;
+use trunnion_hil_sim::scenario::Pace;
 use trunnion_machine::shipped;
 
 const CYCLE: &str = include_str!("../../config/cycles/demo-static.toml");
-/// Longest wait for a state; no promise of speed.
-const LIMIT: Duration = Duration::from_secs(300);
 /// A journal of this size holds some seconds of three probes at 1 kHz.
 const SECONDS_OF_A_JOURNAL: u64 = 400_000;
 
-/// A service; killed when the test ends.
-struct Service(Child);
-
-impl Service {
-    fn start(config: &Path) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
-        Self(command.arg("daemon").arg("--config").arg(config).stdin(Stdio::null()).spawn().unwrap())
-    }
-
-    /// As a power cut ends it.
-    fn kill(mut self) {
-        self.0.kill().unwrap();
-        self.0.wait().unwrap();
-    }
-}
-
-impl Drop for Service {
-    fn drop(&mut self) {
-        self.0.kill().ok();
-        self.0.wait().ok();
-    }
-}
-
-fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
-    let begun = Instant::now();
-    loop {
-        if let Some(seen) = look() {
-            return seen;
-        }
-        assert!(begun.elapsed() < LIMIT, "never came: {what}");
-        std::thread::sleep(Duration::from_millis(20));
-    }
-}
-
-fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
-    let paths = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    paths.filter(|path| path.to_string_lossy().ends_with(ending)).collect()
-}
-
-fn record(path: &Path) -> Option<RunRecord> {
-    serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
-}
-
-fn config(ports: &Path, controller: &str, tables: &str) -> String {
-    let mut text =
-        "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"c.toml\"\nrecordings = \"runs\"\n[nest]\n"
-            .to_owned();
-    for (k, direction) in orthogonal_nest().iter().enumerate() {
-        text += &format!("probe_{} = {direction:?}\n", k + 1);
-    }
-    text + &three_probes(ports) + controller + tables
-}
-
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_next_start() {
-    let text = CYCLE.replace("step_deg = 30", "step_deg = 60");
-    let cycle = Cycle::parse("c.toml", &text).unwrap();
-    let machine = shipped::machine("table-bc").unwrap();
-    let poses = cycle.poses(&machine).unwrap();
-    let stations: Vec<Station> =
-        poses.iter().map(|pose| Station { setup: pose.setup, position: pose.position }).collect();
-    let setups: Vec<SimSetup> = cycle.setups.iter().map(SimSetup::from).collect();
-    let truth = Truth::draw(&machine, &setups, &[], 60.0, 3).unwrap();
-    let world = VirtualMachine::new(machine, truth).unwrap();
-    let world = static_cycle(Arc::new(world), "c", &stations, Pace { move_s: 0.1, dwell_s: 0.3 }).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let mut floor = CellConfig { can: None, ..CellConfig::new(folder.path(), 0) };
-    floor.controller.as_mut().unwrap().0.filters_duplicates = false;
-    let cell = cell::start(Arc::new(world), floor, tokio::time::Instant::now()).await.unwrap();
-    let url = cell.controller.as_ref().and_then(|agent| agent.url()).unwrap();
-    let agent = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
+    let Floor { cell, url, cycle } =
+        floor(folder.path(), 60, Pace { move_s: 0.1, dwell_s: 0.3 }, |_| {}).await;
     let (file, runs) = (folder.path().join("trunnion.toml"), folder.path().join("runs"));
-    std::fs::write(&file, config(folder.path(), &agent, "")).unwrap();
-    std::fs::write(folder.path().join("c.toml"), &text).unwrap();
+    std::fs::write(&file, config(folder.path(), "runs", &agent(&url), "")).unwrap();
+    std::fs::write(folder.path().join("c.toml"), &cycle).unwrap();
 
     tokio::task::spawn_blocking(move || {
         let service = Service::start(&file);
-        let journal = until("a journal", || {
-            let long = |path: &PathBuf| path.metadata().is_ok_and(|about| about.len() > SECONDS_OF_A_JOURNAL);
-            files(&runs, ".mcap.active").into_iter().find(long)
-        });
+        let journal = journal(&runs, SECONDS_OF_A_JOURNAL);
         service.kill();
         assert!(journal.exists());
 
         let again = Service::start(&file);
         let recording = journal.with_extension("");
         let state = recording.with_extension("state.json");
-        let record = until("a report", || record(&state).filter(|record| record.state.has_report()));
+        let first = until("a report", || record(&state).filter(|record| record.state.has_report()));
         // Too little of the cycle was read for a verdict.
-        assert_eq!(
-            (record.state, record.tries, record.cycle.as_str()),
-            (RunState::NotJudged, 1, "demo-static")
-        );
+        assert_eq!((first.state, first.tries, first.cycle.as_str()), (RunState::NotJudged, 1, "demo-static"));
         assert!(recording.exists() && !journal.exists());
         assert!(recording.with_extension("html").exists());
-        let answer = record.answer.unwrap();
+        let answer = first.answer.unwrap();
         assert!(answer.result.complete.read > 3, "{:?}", answer.result);
         let events = trunnion_record::read_run(&recording, &shipped::machine).unwrap().events;
         assert!(events.iter().any(|event| event.kind == "recovered"));
@@ -124,8 +44,7 @@ async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_nex
         // The program went on: its second part is recorded, and both are judged as one cycle.
         let stem = recording.file_stem().unwrap().to_string_lossy().into_owned();
         let joined = recording.with_file_name(format!("{stem}-joined.state.json"));
-        let whole =
-            until("the whole cycle", || self::record(&joined).filter(|record| record.state.has_report()));
+        let whole = until("the whole cycle", || record(&joined).filter(|record| record.state.has_report()));
         let first = recording.file_name().unwrap().to_string_lossy().into_owned();
         assert_eq!((whole.joined_from.len(), &whole.joined_from[0]), (2, &first));
         assert_eq!(whole.state, RunState::Done, "{whole:?}");
@@ -165,17 +84,6 @@ async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_nex
     cell.shutdown().await;
 }
 
-/// Processes that analyse for this service.
-fn analyses_of(service: &Service) -> Vec<u32> {
-    let parent = format!("PPid:\t{}\n", service.0.id());
-    let processes = std::fs::read_dir("/proc").unwrap().flatten();
-    let of_service = |id: &u32| {
-        let read = |file: &str| std::fs::read_to_string(format!("/proc/{id}/{file}")).unwrap_or_default();
-        read("status").contains(&parent) && read("cmdline").contains("analyse-run")
-    };
-    processes.filter_map(|entry| entry.file_name().to_str()?.parse().ok()).filter(of_service).collect()
-}
-
 #[test]
 fn an_analysis_that_hangs_or_takes_too_much_memory_is_ended_and_tried_only_so_often() {
     let folder = tempfile::tempdir().unwrap();
@@ -185,8 +93,8 @@ fn an_analysis_that_hangs_or_takes_too_much_memory_is_ended_and_tried_only_so_of
     let run = super::program::import("points-gravity", &runs);
     let state = Path::new(&run).with_extension("state.json");
     let with = |limits: &str| {
-        let agent = "[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"http://127.0.0.1:9\"\n";
-        std::fs::write(&file, config(folder.path(), agent, &format!("[analysis]\n{limits}\n"))).unwrap();
+        let limits = format!("[analysis]\n{limits}\n");
+        std::fs::write(&file, config(folder.path(), "runs", &agent("http://127.0.0.1:9"), &limits)).unwrap();
         Service::start(&file)
     };
     let failed = |tries: u32| {
@@ -196,7 +104,7 @@ fn an_analysis_that_hangs_or_takes_too_much_memory_is_ended_and_tried_only_so_of
     };
 
     let service = with("time_s = 10");
-    let id = until("a process", || analyses_of(&service).first().copied());
+    let id = until("a process", || service.analyses().first().copied());
     let stopped = Command::new("kill").args(["-STOP", &id.to_string()]).status().unwrap();
     assert!(stopped.success());
     assert_eq!(failed(1).why, "it took more than 10 s (time_s of [analysis]) and was ended");

@@ -88,7 +88,7 @@ fn the_line_of_the_spindle_is_in_the_vectors_and_its_lean_is_named() {
     assert!(written.contains("Not in it: lean of the tool, "), "{written}");
     let refused =
         answer(folder.path(), &["correct", "run.mcap", "--control", "heidenhain", "-o", "file.txt"]);
-    let said = String::from_utf8_lossy(&refused.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&refused.stderr);
     assert_eq!(refused.status.code(), Some(1), "{said}");
     assert!(said.contains("EX0C1") && said.contains("side of the tool are not public"), "{said}");
     let taken = trunnion(folder.path(), &["correct", "run.mcap", "--control", "linuxcnc", "-o", "file.comp"]);
@@ -100,7 +100,7 @@ fn what_turns_the_spindle_by_hand_has_no_program() {
     let folder = tempfile::tempdir().unwrap();
     let cycle = config("cycles", "r-test-head-bc-spindle");
     let output = answer(folder.path(), &["nc-program", &cycle, "--dialect", "linuxcnc"]);
-    let said = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("programs move X Y Z A B C, and it turns another joint"), "{said}");
 }

@@ -243,13 +243,19 @@ def linked(tab):
     check("a row selects its pose", f"Pose {number}," in tab.text("#selected"), tab.text("#selected"))
     cells = dict(zip(tab.page.locator("#view table th").all_inner_texts()[-5:], tab.page.locator("tr.chosen td").all_inner_texts()[-5:]))
     marked = re.findall(r"([BC]) (−?[0-9.]+)°", under.first.inner_text().split(":")[0])
-    same = all(float(at.replace("−", "-")) == float(cells[f"{axis}, °"]) for axis, at in marked)
+    same = all(float(at.replace("−", "-")) == float(cells[f"{axis}, °"].replace("−", "-")) for axis, at in marked)
     check("the maps mark it too", len(marked) == 2 and same, (marked, cells))
     check("the row is marked", tab.page.locator("tr.chosen button").first.inner_text() == number)
     before = tab.text(".soft[role=status]")
     tab.page.locator("#magnification").focus()
     tab.page.keyboard.press("ArrowRight")
     check("the magnification is said", "Magnification" in before and tab.text(".soft[role=status]") != before, tab.text(".soft[role=status]"))
+    widths = lambda: tab.page.evaluate("[...document.querySelectorAll('.uplot')].map((one) => one.clientWidth)")
+    on_screen = widths()
+    tab.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    on_paper = widths()
+    tab.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    check("a chart is no wider than the paper, and as wide as before after it", on_paper and max(on_paper) <= 660 and widths() == on_screen, (on_screen, on_paper))
     tab.picture("what-if-linked")
     tab.guide("what-if", "#rms")
 
@@ -312,7 +318,7 @@ def at_the_machine(browser, folder):
         check("one press does not abort", "again" in phone.text("#abort"))
         phone.page.keyboard.press("Enter")
         tab.until("!['Measuring'].includes(document.getElementById('cycle-state').innerText)")
-        tab.until("location.hash === '#measure' && ['The cycle is done', 'The cycle failed'].includes(document.getElementById('cycle-state')?.innerText)")
+        tab.until("location.hash === '#measure' && ['The cycle is over, a part of it is missing', 'The cycle failed'].includes(document.getElementById('cycle-state')?.innerText)")
         check("what was read is kept and reported", "Stopped" in tab.text("progress + p"), tab.text("progress + p"))
         tab.view("result")
         check("a part of a cycle has no verdict", "not judged" in tab.text("main").lower() or "whole" in tab.text("main"), tab.text("h1"))
@@ -428,7 +434,21 @@ def every_width(browser, folder):
                 grave = [(one["id"], one["nodes"][0]["html"][:120]) for one in found if one["impact"] in ("serious", "critical")]
                 check(f"{view} at {width}, {scheme}: axe finds nothing serious", not grave, grave)
                 tab.picture(f"{view}-{width}-{scheme}")
+                readable(tab, f"{view} at {width}")
             tab.close()
+
+
+def readable(tab, where):
+    """Letters in charts are 11 px high at least, numbers in cells 10, also in closed parts; what is drawn by a script is drawn at the size it is shown."""
+    tab.page.evaluate("document.querySelectorAll('#view details').forEach((part) => (part.open = true))")
+    tab.page.wait_for_timeout(300)
+    small = tab.page.evaluate("""() => [...document.querySelectorAll('#view svg text')].filter((one) => one.checkVisibility())
+        .map((one) => [one.textContent, parseFloat(getComputedStyle(one).fontSize) * one.getScreenCTM().a, one.classList.contains('cell') ? 10 : 11])
+        .filter(([, px, least]) => px < least)""")
+    check(f"{where}: letters in charts are 11 px high", not small, small[:3])
+    scaled = tab.page.evaluate("""() => [...document.querySelectorAll('.map canvas')].filter((one) => one.clientWidth)
+        .map((one) => [one.getAttribute('aria-label'), one.width / devicePixelRatio, one.clientWidth]).filter(([, drawn, shown]) => Math.abs(drawn - shown) > 1)""")
+    check(f"{where}: drawings are not scaled", not scaled, scaled[:2])
 
 
 def history(browser, folder):
@@ -446,7 +466,7 @@ def history(browser, folder):
         tab.page.get_by_text("Analyse 5 more").click()
         tab.page.wait_for_selector("#changes")
         check("the change is the engine's", engine["change"]["words"][0] in tab.text("#changes"), engine["change"]["words"][0])
-        check("the alarm is there", "outside its control limits: EA0B" in tab.text("#changes"), engine["runs"][-1]["alarms"])
+        check("the alarm is there", "outside its control limits: direction of axis B about X (EA0B)" in tab.text("#changes"), engine["runs"][-1]["alarms"])
         check("its chart is shown first", "EA0B" in tab.text("#parameter option[selected]"))
         # What the service leaves of a run when it makes room: the answers, and why.
         gone = runs / "day-0-20251123T141058Z"
@@ -462,8 +482,19 @@ def history(browser, folder):
         tab.errors = [error for error in tab.errors if "410" not in error]
         tab.view("history")
         tab.page.wait_for_selector("#parameter")
+        tab.page.click("#next-day")
+        tab.until("document.getElementById('forecast').innerText.startsWith('No forecast of the next day: day-5 is outside its control limits')")
+        check("a machine that changed has no forecast, and why", True, tab.text("#forecast"))
         tab.picture("history-limits")
         tab.guide("history", "#parameter")
+        tab.page.get_by_text("A correction was entered into the control").click()
+        tab.page.fill("#corrected-by", "Ada")
+        tab.page.fill("#corrected-what", "lines of axis B")
+        tab.page.get_by_role("button", name="It was entered now").click()
+        tab.until("document.getElementById('notice').innerText.startsWith('The correction is kept')")
+        check("a correction that was entered is shown", "Ada entered a correction" in tab.text("#corrections"), tab.text("#corrections .card"))
+        kept = [json.loads(line) for line in (runs / "corrections.jsonl").read_text().splitlines()]
+        check("and kept", [(one["machine"], one["by"], one["what"]) for one in kept] == [("table-bc", "Ada", "lines of axis B")], kept)
         tab.close()
 
 

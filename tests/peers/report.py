@@ -21,6 +21,8 @@ from checks import check, trunnion
 
 DATA = pathlib.Path(__file__).resolve().parents[1] / "data"
 SHOTS = os.environ.get("REPORT_SHOTS")
+# Letters of 7 pt can be read without a glass; MuPDF gives sizes to a hundredth.
+SMALLEST_PT = 6.99
 NAMESPACES = {"dcc": "https://ptb.de/dcc", "si": "https://ptb.de/si"}
 
 
@@ -37,6 +39,9 @@ def printed(pdf, first_page):
         check(f"page {number} has its number", f"{number} / {pages}" in words(page))
         clipped = [word[4] for word in page.get_text("words") if word[0] < 28 or word[2] > page.rect.width - 28]
         check(f"page {number}: nothing leaves the margins", not clipped, clipped[:5])
+        spans = [span for block in page.get_text("dict")["blocks"] for line in block.get("lines", []) for span in line["spans"]]
+        small = [(span["text"], span["size"]) for span in spans if span["text"].strip() and span["size"] < SMALLEST_PT]
+        check(f"page {number}: every letter can be read on paper", not small, small[:3])
         if SHOTS:
             page.get_pixmap(dpi=80).save(f"{SHOTS}/{pathlib.Path(pdf).stem}-{number:02}.png")
     top = words(document[0])

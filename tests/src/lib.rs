@@ -6,6 +6,7 @@ pub mod baselines;
 pub mod carried;
 pub mod convergence;
 pub mod in_turn;
+pub mod log;
 pub mod mosquitto;
 pub mod page_status;
 pub mod pauses;

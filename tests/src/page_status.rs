@@ -21,10 +21,21 @@ pub fn free_address() -> String {
 
 /// The present of a service by its page; `None` while there is none.
 pub fn status(page: &str) -> Option<serde_json::Value> {
+    let (_, answer) = ask(page, "GET /api/status", "")?;
+    serde_json::from_str(&answer).ok()
+}
+
+/// A call as the page itself makes it: the HTTP status and the answer; `None` where nobody answers.
+pub fn ask(page: &str, call: &str, body: &str) -> Option<(u16, String)> {
     let mut stream = std::net::TcpStream::connect(page).ok()?;
-    let request = format!("GET /api/status HTTP/1.1\r\nHost: {page}\r\nConnection: close\r\n\r\n");
+    let request = format!(
+        "{call} HTTP/1.1\r\nHost: {page}\r\nConnection: close\r\nx-trunnion: page\r\nContent-Type: application/json\r\n\
+         Content-Length: {}\r\n\r\n{body}",
+        body.len()
+    );
     stream.write_all(request.as_bytes()).ok()?;
     let mut text = String::new();
     stream.read_to_string(&mut text).ok()?;
-    serde_json::from_str(text.split("\r\n\r\n").nth(1)?).ok()
+    let (head, answer) = text.split_once("\r\n\r\n")?;
+    Some((head.split(' ').nth(1)?.parse().ok()?, answer.into()))
 }

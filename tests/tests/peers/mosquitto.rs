@@ -3,9 +3,10 @@
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet, QoS};
 use std::collections::BTreeMap;
 use std::process::{Child, Command, Stdio};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
+use tracing::level_filters::LevelFilter;
 use trunnion::results::{Condition, ServiceStatus};
 use trunnion_acquire::config::channels;
 use trunnion_core::{AxisValues, Secret};
@@ -21,6 +22,7 @@ use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
 use trunnion_service::mqtt::{Broker, MqttConfig, MqttTls, run};
+use trunnion_tests::log::Log;
 use trunnion_tests::page_status::free_port;
 use trunnion_tests::{SILENCE_MS, three_probes};
 
@@ -168,45 +170,6 @@ async fn a_service_that_dies_leaves_its_last_will() {
     broker.wait().expect("ended");
 }
 
-/// What was logged, shared with the test.
-#[derive(Clone, Default)]
-struct Log(Arc<Mutex<Vec<u8>>>);
-
-impl std::io::Write for Log {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.lock().expect("not poisoned").write(bytes)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Log {
-    /// Takes what this thread logs, as long as the guard is there.
-    fn begin() -> (Self, tracing::subscriber::DefaultGuard) {
-        let log = Self::default();
-        let writer = log.clone();
-        let subscriber = tracing_subscriber::fmt().with_writer(move || writer.clone()).with_ansi(false);
-        (log, tracing::subscriber::set_default(subscriber.finish()))
-    }
-
-    /// Waits until these words were logged.
-    async fn until(&self, words: &str) {
-        let waited = async {
-            while !self.text().contains(words) {
-                tokio::time::sleep(Duration::from_millis(50)).await;
-            }
-        };
-        let found = tokio::time::timeout(Duration::from_secs(30), waited).await;
-        assert!(found.is_ok(), "{words:?} is not in the log:\n{}", self.text());
-    }
-
-    fn text(&self) -> String {
-        String::from_utf8_lossy(&self.0.lock().expect("not poisoned")).into_owned()
-    }
-}
-
 #[tokio::test]
 #[ignore = "a peer test: tests/peers/run"]
 async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file() {
@@ -235,7 +198,7 @@ async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file
         .spawn()
         .expect("mosquitto starts");
 
-    let (log, _logging) = Log::begin();
+    let (log, _logging) = Log::begin(LevelFilter::INFO);
     let secret = Secret::File { name: "password".into(), folder: folder.path().into() };
     let login = Some(("cell".to_owned(), Some(secret)));
     let config =
@@ -309,7 +272,7 @@ async fn a_broker_that_encrypts_is_reached_with_its_authority_and_our_certificat
         .spawn()
         .expect("mosquitto starts");
 
-    let (log, _logging) = Log::begin();
+    let (log, _logging) = Log::begin(LevelFilter::INFO);
     let key = |name: &str| Secret::File { name: name.into(), folder: folder.path().into() };
     // Who signed, and with which certificate we come: what is logged.
     for (ca, client, expected) in [
@@ -319,7 +282,7 @@ async fn a_broker_that_encrypts_is_reached_with_its_authority_and_our_certificat
         ("ca.pem", Some(("trunnion.pem", "broker.key")), "certificate and key of [mqtt.tls] cannot be used"),
         ("ca.pem", Some(("trunnion.pem", "trunnion.key")), "connected to the MQTT broker"),
     ] {
-        log.0.lock().expect("not poisoned").clear();
+        log.clear();
         let client = client.map(|(certificate, name)| (folder.path().join(certificate), key(name)));
         let tls = Some(MqttTls { ca: folder.path().join(ca), client });
         let config = MqttConfig {

@@ -1,0 +1,138 @@
+//! A service at work on simulated devices, and what it left of a run.
+
+use super::Fault;
+use super::losses::gaps_and_silent_losses;
+use crate::broker::Broker;
+use crate::shop::{self, Floor, Service, files, floor, journal, record, until};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use trunnion::results::RunRecord;
+use trunnion_hil_sim::devices;
+use trunnion_hil_sim::devices::cell::Cell;
+use trunnion_hil_sim::scenario::Pace;
+
+/// A journal of this size holds a second of three probes at 1 kHz.
+const BEGUN: u64 = 100_000;
+/// A disk that has room for a cycle, MB.
+const DISK_MB: u64 = 128;
+
+/// The service, and what a fault needs.
+pub struct Bench {
+    folder: PathBuf,
+    pub service: Option<Service>,
+    pub broker: Broker,
+    cell: Cell,
+}
+
+impl Bench {
+    /// Starts the service, again where it was killed.
+    pub fn start(&mut self) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+        command.args(["daemon", "--config"]).arg(self.folder.join("trunnion.toml"));
+        self.start_by(&mut command);
+    }
+
+    /// The same where `runs` is a small disk, in a mount namespace of its own, which needs no rights where user namespaces are allowed.
+    pub fn start_on_a_small_disk(&mut self) {
+        let script =
+            format!("mount -t tmpfs -o size={DISK_MB}m none \"$1\" && exec \"$0\" daemon --config \"$2\"");
+        let mut command = Command::new("unshare");
+        command.args(["--map-root-user", "--mount", "sh", "-c", &script, env!("CARGO_BIN_EXE_trunnion")]);
+        command.arg(self.folder.join("runs")).arg(self.folder.join("trunnion.toml"));
+        self.start_by(&mut command);
+    }
+
+    fn start_by(&mut self, command: &mut Command) {
+        let log = std::fs::File::options().create(true).append(true).open(self.log()).unwrap();
+        self.service = Some(Service::start_by(command.stderr(log)));
+    }
+
+    /// As a power cut ends it.
+    pub fn kill(&mut self) {
+        self.service.take().unwrap().kill();
+    }
+
+    /// The folder of the recordings, as the service sees it.
+    pub fn runs(&self) -> PathBuf {
+        let seen = self.folder.join("runs");
+        let Some(Service(process)) = &self.service else { return seen };
+        Path::new(&format!("/proc/{}/root", process.id())).join(seen.strip_prefix("/").unwrap())
+    }
+
+    /// Waits until a cycle is recorded.
+    pub fn recording(&self) -> PathBuf {
+        journal(&self.runs(), BEGUN)
+    }
+
+    /// Waits until the log has these words.
+    pub fn says(&self, words: &str) {
+        until(words, || self.has_said(words).then_some(()));
+    }
+
+    pub fn has_said(&self, words: &str) -> bool {
+        std::fs::read_to_string(self.log()).unwrap_or_default().contains(words)
+    }
+
+    /// Waits for the state of the run.
+    pub fn state(&self, fits: impl Fn(&RunRecord) -> bool) -> RunRecord {
+        until("the state of the run", || {
+            files(&self.runs(), ".state.json").iter().filter_map(|file| record(file)).find(&fits)
+        })
+    }
+
+    /// Makes a device of the floor fail.
+    pub fn controller(&self, fault: devices::Fault) {
+        self.cell.controller.as_ref().unwrap().inject(fault).unwrap();
+    }
+
+    pub fn configure(&self, more: &str) {
+        let file = self.folder.join("trunnion.toml");
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, text + more).unwrap();
+    }
+
+    fn log(&self) -> PathBuf {
+        self.folder.join("log.txt")
+    }
+}
+
+/// Runs one fault; what is not as its row says.
+pub async fn judge(fault: &'static Fault) -> Result<(), String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().to_owned();
+    std::fs::create_dir(path.join("runs")).unwrap();
+    let broker = Broker::start("cell", "password".into());
+    let Floor { cell, url, cycle } = floor(&path, 90, Pace { move_s: 0.1, dwell_s: 0.2 }, |_| {}).await;
+    let mqtt = format!(
+        "[mqtt]\nhost = \"127.0.0.1\"\nport = {}\nuser = \"cell\"\npassword = \"password\"\n",
+        broker.port
+    );
+    std::fs::write(path.join("c.toml"), cycle).unwrap();
+    std::fs::write(path.join("trunnion.toml"), shop::config(&path, "runs", &shop::agent(&url), &mqtt))
+        .unwrap();
+    let bench = Bench { folder: path, service: None, broker, cell };
+    let judged = tokio::task::spawn_blocking(move || judged(bench, fault)).await;
+    let (bench, judged) = judged.map_err(|panic| format!("{}: {panic}", fault.name))?;
+    bench.cell.shutdown().await;
+    judged.map_err(|why| format!("{}: {why}", fault.name))
+}
+
+fn judged(mut bench: Bench, fault: &Fault) -> (Bench, Result<(), String>) {
+    (fault.run)(&mut bench);
+    fault.says.iter().for_each(|words| bench.says(words));
+    let ended = bench.state(|record| fault.ends.contains(&record.state));
+    let runs = bench.runs();
+    let (gaps, silent) = gaps_and_silent_losses(&files(&runs, ".mcap"));
+    let log = std::fs::read_to_string(bench.log()).unwrap();
+    let reasons: Vec<String> = gaps.iter().map(|gap| format!("{}: {}", gap.source, gap.reason)).collect();
+    let is_as_said = match fault.gap {
+        Some(words) => reasons.iter().any(|reason| reason.contains(words)),
+        None => gaps.iter().all(|gap| gap.source != "recorder"),
+    };
+    let judged = match silent.is_empty() && is_as_said {
+        true => Ok(()),
+        false => Err(format!("{:?}, gaps {reasons:#?}, silent losses {silent:?}\n{log}", ended.state)),
+    };
+    bench.service = None;
+    (bench, judged)
+}

@@ -1,0 +1,155 @@
+//! The faults.
+
+use super::Fault;
+use super::bench::Bench;
+use crate::shop::until;
+use std::io::Write;
+use trunnion::results::RunState::{self, Done, Failed, NotJudged};
+use trunnion_hil_sim::devices;
+
+/// In the order of the table.
+pub const FAULTS: &[Fault] = &[
+    Fault {
+        name: "killed while it records",
+        how: "SIGKILL in mid-cycle, started again",
+        says: &["recovered a recording that was not finished"],
+        gap: None,
+        ends: &[Done, NotJudged],
+        recovery: "by itself at the next start",
+        run: |bench| {
+            bench.start();
+            bench.recording();
+            bench.kill();
+            bench.start();
+        },
+    },
+    Fault {
+        name: "killed while it analyses",
+        how: "SIGKILL, started again",
+        says: &["analysed now: it has no report"],
+        gap: None,
+        ends: &[Done, NotJudged],
+        recovery: "by itself at the next start",
+        run: |bench| {
+            bench.start();
+            bench.state(|record| record.state == RunState::Analysing);
+            bench.kill();
+            bench.start();
+        },
+    },
+    Fault {
+        name: "suspended",
+        how: "SIGSTOP for 2 s in mid-cycle",
+        says: &[],
+        gap: Some("values lost on the line (counter jumped)"),
+        ends: &[Done, NotJudged],
+        recovery: "by itself",
+        run: |bench| {
+            bench.start();
+            bench.recording();
+            stopped(bench, 2_000);
+        },
+    },
+    Fault {
+        name: "processor starved",
+        how: "40 times 90 ms without a processor, 10 ms with one",
+        says: &[],
+        gap: None,
+        ends: &[Done, NotJudged],
+        recovery: "by itself",
+        run: |bench| {
+            bench.start();
+            bench.recording();
+            for _ in 0..40 {
+                stopped(bench, 90);
+                std::thread::sleep(std::time::Duration::from_millis(10));
+            }
+        },
+    },
+    Fault {
+        name: "disk full",
+        how: "another program takes the rest of the disk in mid-cycle, and gives it back",
+        says: &["recording interrupted, kept in memory", "recording goes on in a new file"],
+        gap: None,
+        ends: &[Done, NotJudged],
+        recovery: "by itself when there is room; 8 MB wait in memory, what they cannot hold is a gap with its number of samples",
+        run: |bench| {
+            bench.start_on_a_small_disk();
+            bench.recording();
+            let other = bench.runs().join("of another program");
+            let mut file = std::fs::File::create(&other).unwrap();
+            until("a full disk", || {
+                // As much as fits.
+                file.write_all(&[1; 1 << 20]).ok();
+                bench.has_said("recording interrupted").then_some(())
+            });
+            std::fs::remove_file(&other).unwrap();
+        },
+    },
+    Fault {
+        name: "folder removed",
+        how: "`rm -r` of the folder of the recordings in mid-cycle",
+        says: &["is not there any more", "recording goes on in a new file"],
+        gap: Some("is not there any more"),
+        ends: &[Done, NotJudged],
+        recovery: "by itself: the folder is made again; what was in it is a gap with its number of samples",
+        run: |bench| {
+            bench.start();
+            bench.recording();
+            std::fs::remove_dir_all(bench.runs()).unwrap();
+        },
+    },
+    Fault {
+        name: "broker gone",
+        how: "the broker ends in mid-cycle and is there again",
+        says: &["lost the MQTT broker"],
+        gap: None,
+        ends: &[Done, NotJudged],
+        recovery: "by itself; the broker gets the values as they are then",
+        run: |bench| {
+            bench.start();
+            until("the broker", || (bench.broker.counts().0 > 0).then_some(()));
+            bench.recording();
+            bench.broker.go();
+            bench.says("lost the MQTT broker");
+            let before = bench.broker.counts().0;
+            bench.broker.come_back();
+            until("the broker again", || (bench.broker.counts().0 > before).then_some(()));
+        },
+    },
+    Fault {
+        name: "controller gone",
+        how: "the network to the controller is down for 2 s in mid-cycle",
+        says: &["disconnected"],
+        gap: Some("cnc: "),
+        ends: &[Done, NotJudged],
+        recovery: "by itself; poses that were not seen are missing",
+        run: |bench| {
+            bench.start();
+            bench.recording();
+            bench.controller(devices::Fault::Unplug { duration_s: 2.0 });
+        },
+    },
+    Fault {
+        name: "analysis hangs",
+        how: "`time_s = 10` of `[analysis]`, the process stopped",
+        says: &["it took more than 10 s (time_s of [analysis]) and was ended"],
+        gap: None,
+        ends: &[Failed],
+        recovery: "it is tried again at the next start, `tries` times in all",
+        run: |bench| {
+            bench.configure("[analysis]\ntime_s = 10\n");
+            bench.start();
+            let id = until("an analysis", || bench.service.as_ref()?.analyses().first().copied());
+            std::process::Command::new("kill").args(["-STOP", &id.to_string()]).status().unwrap();
+        },
+    },
+];
+
+/// Without a processor for so long.
+fn stopped(bench: &Bench, for_ms: u64) {
+    let service = bench.service.as_ref().unwrap();
+    service.signal("STOP");
+    std::thread::sleep(std::time::Duration::from_millis(for_ms));
+    service.signal("CONT");
+}
