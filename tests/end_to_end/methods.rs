@@ -1,5 +1,6 @@
 //! Named methods through the binary: simulate or import, identify by method, text, JSON, page.
 
+use crate::one_line;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,5 +1,6 @@
 //! A spindle that is a joint: its line is found where it is indexed, and only there.
 
+use crate::one_line;
 use crate::section::workspace_root;
 use serde_json::Value;
 use std::path::Path;

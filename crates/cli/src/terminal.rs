@@ -98,7 +98,7 @@ fn gone_is_fine(written: std::io::Result<()>) -> std::io::Result<()> {
 }
 
 /// Lines of at most `width` columns, broken between words. What continues a line of a table hangs under its last
-/// column, what continues a sentence under its beginning.
+/// column, or begins in the middle where that is further left; what continues a sentence hangs under its beginning.
 fn wrap(text: &str, width: usize) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
@@ -120,11 +120,11 @@ fn wrap(text: &str, width: usize) -> String {
     out
 }
 
-/// Where the last column of a table begins, if this is a line of one and leaves half of the width to it.
+/// Where the last column of a table begins, if this is a line of one, but no further than the middle.
 fn last_column(line: &str, width: usize) -> Option<usize> {
     let gap = line.trim_end().rfind("  ")? + 2;
     let at = textwrap::core::display_width(&line[..gap]);
-    (!line[..gap].trim().is_empty() && at <= width / 2).then_some(at)
+    (!line[..gap].trim().is_empty()).then_some(at.min(width / 2))
 }
 
 #[cfg(test)]
@@ -138,6 +138,12 @@ mod tests {
         assert_eq!(
             wrap(sentence, 40),
             "  The error is largest where axis B\n  stands beyond sixty degrees.\n"
+        );
+        let row = "EY0B   not observable   zero by the convention of the datum\n";
+        let half = " ".repeat(20);
+        assert_eq!(
+            wrap(row, 40),
+            format!("EY0B   not observable   zero by the\n{half}convention of the\n{half}datum\n")
         );
         let row = "EX0C   4.1 um   contains EX0A and nothing else\n";
         assert_eq!(wrap(row, 40), "EX0C   4.1 um   contains EX0A and\n                nothing else\n");
