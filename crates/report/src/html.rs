@@ -115,21 +115,26 @@ fn page(title: &str, sections: &str) -> String {
 fn losses(input: &Comparison) -> String {
     let found = &input.identification.complete;
     let whole = found.missing.is_empty() && found.excluded.is_empty();
-    let mut notes = input.losses.clone();
-    if !whole {
-        notes.extend(complete(found));
-    }
-    let list = if notes.is_empty() {
+    let listed = |notes: &[String]| {
+        let items: String = notes.iter().map(|note| element("li", note)).collect();
+        format!("<ul class=\"warn\">{items}</ul>")
+    };
+    let points = if whole {
         let all = found
             .planned
             .map_or_else(String::new, |planned| format!("All {planned} planned points were read. "));
-        let used: String = found.samples.iter().map(|run| element("p", &samples(run))).collect();
-        format!("<p>{all}Nothing is missing from the recording, and no point was excluded.</p>{used}")
+        let samples: String = found.samples.iter().map(|run| element("p", &samples(run))).collect();
+        let gaps = match input.losses.is_empty() {
+            true => "Nothing is missing from the recording, and no point was excluded.",
+            false => "No point was excluded.",
+        };
+        format!("<p>{all}{gaps}</p>{samples}")
     } else {
-        format!(
-            "<ul class=\"warn\">{}</ul>",
-            notes.iter().map(|note| element("li", note)).collect::<String>()
-        )
+        listed(&complete(found))
     };
-    format!("<section><h2>What is missing from the data</h2>\n{list}</section>\n")
+    let gaps = match input.losses.is_empty() {
+        true => String::new(),
+        false => format!("<p>The recording is not whole:</p>{}", listed(&input.losses)),
+    };
+    format!("<section><h2>What is missing from the data</h2>\n{points}{gaps}</section>\n")
 }

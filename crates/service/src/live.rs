@@ -4,8 +4,6 @@
 
 mod measured;
 mod measurement;
-mod recorded;
-mod remounts;
 mod tally;
 
 use crate::latest::Latest;
@@ -24,7 +22,6 @@ use trunnion_record::{Item, RecordSender};
 use trunnion_sync::{Bound, EndReason};
 
 pub use measured::{Counted, Measured};
-pub use recorded::gaps_of;
 pub use trunnion_sync::cycle_bounds::Pattern;
 pub use trunnion_sync::plan::{Plan, PlanError, check};
 pub use trunnion_sync::{CycleBounds, Progress, TimeBase, Timed};

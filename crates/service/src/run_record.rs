@@ -1,11 +1,11 @@
 //! The state of a run on disk: `NAME.state.json` next to its recording, written whole or not at all.
 
 use crate::error::ServiceError;
-use crate::live::gaps_of;
 use crate::recording::Recorded;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use tracing::warn;
+use trunnion::gaps::gaps_of;
 use trunnion::results::{RunAnswer, RunRecord, RunState, Verdict, to_json};
 
 const ENDING: &str = "state.json";

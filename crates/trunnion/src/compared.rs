@@ -52,6 +52,7 @@ impl Diagnosed {
         };
         let answer = results::Comparison {
             spectra,
+            losses: fit.experiment().losses().to_vec(),
             time_quality: fit.experiment().time_quality(),
             ladder: fit.model().ladder(),
             correctable: Some(fit.correctable()?),
@@ -63,10 +64,15 @@ impl Diagnosed {
 }
 
 impl Compared {
-    /// With what is missing from the recordings, one sentence each.
+    /// With what else is known to be missing, one sentence each; what the recordings say themselves is said once.
     #[must_use]
     pub fn with_losses(mut self, losses: &[String]) -> Self {
-        self.answer.losses.extend_from_slice(losses);
+        for loss in losses {
+            // Of several runs a sentence begins with the name of its run.
+            if !self.answer.losses.iter().any(|known| known.ends_with(loss)) {
+                self.answer.losses.push(loss.clone());
+            }
+        }
         self
     }
 

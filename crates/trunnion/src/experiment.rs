@@ -1,7 +1,7 @@
 //! Runs opened together, ready to be fitted.
 
 use crate::recording::{self, Recording};
-use crate::{Error, Model, completeness, files, timing};
+use crate::{Error, Model, completeness, files, identity, page, timing};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use trunnion_cycles::Run;
@@ -23,6 +23,7 @@ struct Opened {
     points: trunnion_engine::Experiment,
     timing: Vec<TimeQuality>,
     damage: Vec<String>,
+    losses: Vec<String>,
     reductions: Vec<String>,
     implausible: OnceLock<Vec<Implausible>>,
     complete: results::Complete,
@@ -71,6 +72,7 @@ pub fn read(path: &Path, limits: Option<Limits>) -> Result<Recording, Error> {
             run,
             reduction: None,
             planned: None,
+            gaps: Vec::new(),
             damage: None,
             timing: None,
             samples: None,
@@ -107,9 +109,14 @@ impl Experiment {
     pub fn of_recordings(recordings: Vec<(PathBuf, Recording)>) -> Result<Self, Error> {
         let (mut runs, mut timing, mut damage, mut reductions) = (vec![], vec![], vec![], vec![]);
         let (mut planned, mut samples, mut plate) = (Vec::new(), Vec::new(), NamePlate::default());
+        let (mut losses, is_one) = (Vec::new(), recordings.len() == 1);
         for (path, recording) in recordings {
             let named = |text: String| format!("{}: {text}", path.display());
             damage.extend(recording.damage.as_ref().map(|damage| named(damage.to_string())));
+            let name = &recording.run.name;
+            let of_run = |text: String| if is_one { text } else { format!("{name}: {text}") };
+            losses.extend(page::losses(&recording.gaps, 0).into_iter().map(of_run));
+            losses.extend(recording.damage.map(|damage| of_run(format!("the file is {damage}"))));
             reductions.extend(recording.reduction.map(named));
             timing.extend(recording.timing);
             samples.extend(
@@ -129,6 +136,7 @@ impl Experiment {
                 points,
                 timing,
                 damage,
+                losses,
                 reductions,
                 implausible: OnceLock::new(),
                 complete,
@@ -185,6 +193,11 @@ impl Experiment {
         &self.opened.damage
     }
 
+    /// What is missing from the recordings, one sentence each: gaps in what was asked of the devices, damage.
+    pub fn losses(&self) -> &[String] {
+        &self.opened.losses
+    }
+
     /// How long runs on the fly were reduced to blocks, one sentence for each.
     pub fn reductions(&self) -> &[String] {
         &self.opened.reductions
@@ -200,6 +213,13 @@ impl Experiment {
                 .extend(timing::delay_by_feeds(self.points()).unwrap_or_else(|error| Some(failed(error))));
         }
         timing
+    }
+
+    /// Mean of all temperature channels, °C; `None` where none was recorded.
+    pub fn temperature_degc(&self) -> Option<f64> {
+        let ranges = self.runs().iter().flat_map(identity::temperatures);
+        let means: Vec<f64> = ranges.map(|range| range.mean_degc).collect();
+        (!means.is_empty()).then(|| means.iter().sum::<f64>() / means.len() as f64)
     }
 
     /// The model that every other begins with: location errors and ball setting.

@@ -32,6 +32,7 @@ mod filing;
 mod fit;
 mod formed;
 pub mod foxglove;
+pub mod gaps;
 pub mod history;
 mod identity;
 pub mod join;

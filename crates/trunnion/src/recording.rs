@@ -5,11 +5,12 @@
 //! than a short one. Points at rest, and points without samples, are as recorded.
 
 use crate::completeness::Planned;
+use crate::gaps::Gaps;
 use crate::timing;
 use crate::timing::Timing;
 use std::path::Path;
 use std::sync::mpsc;
-use trunnion_core::Point;
+use trunnion_core::{Gap, Point};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_engine::Nominal;
 use trunnion_machine::{Machine, NamePlate};
@@ -30,6 +31,8 @@ pub struct Recording {
     pub reduction: Option<String>,
     /// What its cycle asks for, and what became of it; `None` when it carries no cycle.
     pub planned: Option<Planned>,
+    /// What is missing from it: the gaps in what was asked of the devices.
+    pub gaps: Vec<Gap>,
     /// What is wrong with the file.
     pub damage: Option<Damage>,
     /// How well it is known in time; `None` without stamps.
@@ -57,11 +60,11 @@ pub fn read(
 ) -> Result<Recording, RecordError> {
     let header = trunnion_record::read_header(path)?;
     let plan = crate::recorded::plan_of(&header);
-    let timing = timing::survey(path, plan.as_ref())?;
+    let (timing, gaps) = timing::survey(path, plan.as_ref())?;
     let forming = plan
         .filter(|plan| plan.cycle.run_kind() == RunKind::OnTheFly)
         .and_then(|plan| Forming::new(&plan, header.temperature_channels.len()).ok());
-    gather(path, header, machine, limits, (forming, timing))
+    gather(path, header, machine, limits, (forming, timing, gaps))
 }
 
 /// The same with the points formed again whatever the cycle, by what the header says now; `None` where it holds no cycle or
@@ -76,11 +79,11 @@ pub(crate) fn read_again(
     limits: Option<Limits>,
 ) -> Result<Option<Recording>, RecordError> {
     let Some(plan) = crate::recorded::plan_of(&header) else { return Ok(None) };
-    let Some(timing) = timing::survey(path, Some(&plan))? else { return Ok(None) };
+    let (Some(timing), gaps) = timing::survey(path, Some(&plan))? else { return Ok(None) };
     let Ok(mut forming) = Forming::new(&plan, header.temperature_channels.len()) else { return Ok(None) };
     // Standing still is not the end: what ended the run is over, and a program that waited went on.
     forming.set_held(true);
-    gather(path, header, machine, limits, (Some(forming), Some(timing))).map(Some)
+    gather(path, header, machine, limits, (Some(forming), Some(timing), gaps)).map(Some)
 }
 
 /// Points of one thread that unpacks become those of a recording.
@@ -89,13 +92,15 @@ fn gather(
     header: RunHeader,
     machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
     limits: Option<Limits>,
-    (forming, timing): (Option<Forming>, Option<Timing>),
+    (forming, timing, gaps): (Option<Forming>, Option<Timing>, Vec<Gap>),
 ) -> Result<Recording, RecordError> {
     let (send, batches) = mpsc::sync_channel::<Batch>(QUEUE);
     let of_header = header.machine().and_then(Result::ok).or_else(|| machine(&header.machine_name));
     let plate = NamePlate::parse("machine in the recording", &header.machine_text).unwrap_or_default();
     let planned = of_header.and_then(|machine| Planned::of(&header, &machine));
-    let mut points = Points { limits, start: None, kept: Vec::new(), reducing: None, planned };
+    let mut asked = Gaps::default();
+    gaps.into_iter().for_each(|gap| asked.take(gap));
+    let mut points = Points { limits, start: None, kept: Vec::new(), reducing: None, planned, gaps: asked };
     let read = std::thread::scope(|scope| {
         let unpack = scope.spawn(|| match (forming, &timing) {
             (Some(forming), Some(timing)) => form_again(path, &header, machine, forming, timing, send),
@@ -105,9 +110,9 @@ fn gather(
         unpack.join().expect("a panic of the reading thread ends the program")
     });
     let (start, damage, samples) = read?;
-    let (points, reduction, planned) = points.finish();
+    let (points, reduction, planned, gaps) = points.finish();
     let timing = timing.map(|timing| timing.quality);
-    Ok(Recording { run: start.run(points), reduction, planned, damage, timing, samples, plate })
+    Ok(Recording { run: start.run(points), reduction, planned, gaps, damage, timing, samples, plate })
 }
 
 /// Hands over the points that the samples give with the clocks of the whole run.
@@ -212,6 +217,7 @@ struct Points {
     kept: Vec<(u64, Point)>,
     reducing: Option<Reducing>,
     planned: Option<Planned>,
+    gaps: Gaps,
 }
 
 enum Reducing {
@@ -254,6 +260,7 @@ impl Points {
     fn take(&mut self, batch: Batch) {
         self.start = batch.start.or(self.start.take());
         for (index, point) in batch.points {
+            self.gaps.pose(&point, point.state.time_s.unwrap_or(0.0));
             if let Some(planned) = &mut self.planned {
                 planned.take(index, &point);
             }
@@ -274,12 +281,13 @@ impl Points {
         }
     }
 
-    fn finish(mut self) -> (Vec<Point>, Option<String>, Option<Planned>) {
+    fn finish(mut self) -> (Vec<Point>, Option<String>, Option<Planned>, Vec<Gap>) {
+        let gaps = self.gaps.finish();
         if let Some(reducing) = self.reducing {
             let (points, summary) = reducing.finish();
-            return (points, Some(summary), self.planned);
+            return (points, Some(summary), self.planned, gaps);
         }
         self.kept.sort_by_key(|(index, _)| *index);
-        (self.kept.into_iter().map(|(_, point)| point).collect(), None, self.planned)
+        (self.kept.into_iter().map(|(_, point)| point).collect(), None, self.planned, gaps)
     }
 }

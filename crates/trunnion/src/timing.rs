@@ -1,5 +1,6 @@
 //! How well a recording is known in time: clocks fitted over the whole run, delays from its synchronisation moves, gaps and losses.
 
+use crate::gaps::FIRST_MOTION_S;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,8 +13,6 @@ use trunnion_sync::plan::Plan;
 use trunnion_sync::time_quality::{StreamTiming, SyncMove, TimeQuality};
 use trunnion_sync::{Retiming, Stream, Survey, SyncMoveFinder, mean_delays};
 
-/// Gaps that were over by then were before the run, s.
-const BEGIN_S: f64 = 0.05;
 /// Delays at the start and at the end differ when they do by so many standard uncertainties.
 const DIFFERS: f64 = 5.0;
 /// Feeds that differ by this factor are two feeds.
@@ -54,12 +53,12 @@ fn retimed(mut sample: AxisSample, retiming: &Retiming) -> AxisSample {
     sample
 }
 
-/// Reads the stamps of a recording; `None` when it holds none (an import, a simulation, a recording of an older version).
+/// Reads the stamps of a recording, `None` when it holds none (an import, a simulation, a recording of an older version), and its gaps.
 /// `plan` gives what the probes should have seen of a synchronisation move.
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, RecordError> {
+pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<(Option<Timing>, Vec<Gap>), RecordError> {
     let mut survey = Survey::default();
     let (mut gaps, mut stamped) = (Vec::new(), false);
     let (header, _) = visit_samples(path, &mut |item| {
@@ -72,13 +71,13 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, Record
                 stamped |= !sample.stamp.arrival_s.is_nan();
                 survey.axes(&sample);
             }
-            Item::Gap(gap) if gap.to_s > BEGIN_S => gaps.push(gap),
+            Item::Gap(gap) if gap.to_s > FIRST_MOTION_S => gaps.push(gap),
             _ => {}
         }
         true
     })?;
     if !stamped {
-        return Ok(None);
+        return Ok((None, gaps));
     }
     let (retiming, mut streams) = survey.finish();
     let (sync_moves, at_sync_move) = sync_moves(path, &retiming)?;
@@ -114,7 +113,7 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<Option<Timing>, Record
     let quality =
         TimeQuality { run: header.name.clone(), streams: streams.into_values().collect(), sync_moves, notes };
     let delays_s = delays.into_iter().map(|(channel, delay)| (channel, delay.delay_s)).collect();
-    Ok(Some(Timing { quality, retiming, delays_s, usual_delay_s }))
+    Ok((Some(Timing { quality, retiming, delays_s, usual_delay_s }), gaps))
 }
 
 /// The synchronisation moves, and where the axes were at the last. Times are those of the lines of the whole run, because what is

@@ -1,8 +1,8 @@
 //! One cycle while it is measured: what comes in is recorded, then formed into points; holes are counted.
 
 use super::measured::{Counted, Measured};
-use super::remounts::{FIRST_MOTION_S, Remounts};
 use super::tally::Tally;
+use trunnion::gaps::Gaps;
 use trunnion_core::{Channel, Event, Gap, HostTime, Role};
 use trunnion_record::{Item, RecordSender, Temperature};
 use trunnion_sync::forming::Forming;
@@ -22,8 +22,7 @@ pub(super) struct Measurement<'m> {
     recorder: &'m RecordSender,
     channels: &'m [Channel],
     points: Counted,
-    gaps: Vec<Gap>,
-    remounts: Remounts,
+    gaps: Gaps,
     pub(super) tally: Tally,
     temperature_channels: Vec<String>,
     controller_ended_s: Option<f64>,
@@ -44,8 +43,7 @@ impl<'m> Measurement<'m> {
             recorder,
             channels: &plan.channels,
             points: Counted::default(),
-            gaps: Vec::new(),
-            remounts: Remounts::default(),
+            gaps: Gaps::default(),
             tally: Tally::default(),
             temperature_channels: temperature_channels.to_vec(),
             controller_ended_s: None,
@@ -117,7 +115,7 @@ impl<'m> Measurement<'m> {
 
     /// Holes so far.
     pub(super) fn gaps(&self) -> &[Gap] {
-        &self.gaps
+        self.gaps.so_far()
     }
 
     /// A device that is away when the run ends would close its gap only in the next one.
@@ -152,7 +150,7 @@ impl<'m> Measurement<'m> {
         let mut formed = std::mem::take(&mut self.formed);
         for event in formed.drain(..) {
             if let CycleEvent::Point { point, time_s, .. } = &event {
-                self.remounts.take(point, *time_s);
+                self.gaps.pose(point, *time_s);
             }
             match event.into_point() {
                 Ok(point) => {
@@ -167,10 +165,7 @@ impl<'m> Measurement<'m> {
 
     fn gap(&mut self, gap: Gap, now: HostTime) {
         self.record(Item::Gap(gap.clone()), now);
-        // What was missing before the program ran is no loss of this run.
-        if gap.to_s > FIRST_MOTION_S {
-            self.gaps.push(gap);
-        }
+        self.gaps.take(gap);
     }
 
     /// The recorder counts what it cannot take and records it as a gap itself; here nothing more can be done.
@@ -182,7 +177,7 @@ impl<'m> Measurement<'m> {
 
     pub(super) fn into_measured(self) -> Measured {
         let reason = self.forming.ended().unwrap_or(EndReason::Stopped);
-        let gaps = self.gaps.into_iter().filter(|gap| !self.remounts.hold(gap)).collect();
+        let gaps = self.gaps.finish();
         Measured { points: self.points, reason, gaps, most_waiting: self.most_waiting }
     }
 }

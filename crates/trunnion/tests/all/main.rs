@@ -6,6 +6,7 @@ mod examples;
 mod joined;
 mod library;
 mod linear;
+mod losses;
 mod nest;
 mod one_answer;
 mod plausible;

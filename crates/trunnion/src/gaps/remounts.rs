@@ -3,12 +3,9 @@
 
 use trunnion_core::{Gap, Point, Quality};
 
-/// No program moves sooner after its start, s.
-pub(super) const FIRST_MOTION_S: f64 = 0.05;
-
 /// Stretches of one run in which the ball was mounted again.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Remounts {
+pub struct Remounts {
     /// Setup of the last pose, and when it was decided, s.
     last: Option<(usize, f64)>,
     /// From when to when, s.
@@ -17,7 +14,7 @@ pub(super) struct Remounts {
 
 impl Remounts {
     /// A pose was decided at `decided_s`.
-    pub(super) fn take(&mut self, point: &Point, decided_s: f64) {
+    pub fn take(&mut self, point: &Point, decided_s: f64) {
         let setup = point.state.setup;
         let left = self.last.filter(|(last, _)| *last != setup);
         // A pose that was not read shows what the devices missed.
@@ -27,7 +24,7 @@ impl Remounts {
     }
 
     /// True for a gap in which nothing was asked.
-    pub(super) fn hold(&self, gap: &Gap) -> bool {
+    pub fn hold(&self, gap: &Gap) -> bool {
         self.stretches.iter().any(|(from_s, to_s)| gap.from_s >= *from_s && gap.to_s <= *to_s)
     }
 }

@@ -1,0 +1,61 @@
+//! What is missing from a recording: the gaps that its recorder wrote, live and afterwards by the same rule.
+
+mod remounts;
+
+use std::path::Path;
+use trunnion_core::{Gap, Point};
+use trunnion_cycles::Cycle;
+use trunnion_record::Item;
+
+pub use remounts::Remounts;
+
+/// No program moves sooner after its start, s: what was missing before is no loss of the run.
+pub const FIRST_MOTION_S: f64 = 0.05;
+
+/// Gaps of a run, without those in which nothing was asked of the devices.
+#[derive(Clone, Debug, Default)]
+pub struct Gaps {
+    all: Vec<Gap>,
+    remounts: Remounts,
+}
+
+impl Gaps {
+    /// A gap of the recording.
+    pub fn take(&mut self, gap: Gap) {
+        if gap.to_s > FIRST_MOTION_S {
+            self.all.push(gap);
+        }
+    }
+
+    /// A pose that was decided at `decided_s`.
+    pub fn pose(&mut self, point: &Point, decided_s: f64) {
+        self.remounts.take(point, decided_s);
+    }
+
+    /// All, before it is known which of them count.
+    pub fn so_far(&self) -> &[Gap] {
+        &self.all
+    }
+
+    /// Those in what was asked.
+    pub fn finish(self) -> Vec<Gap> {
+        self.all.into_iter().filter(|gap| !self.remounts.hold(gap)).collect()
+    }
+}
+
+/// Name of the cycle of a recording, and the gaps in what was asked; `None` when it cannot be read.
+pub fn gaps_of(recording: &Path) -> Option<(String, Vec<Gap>)> {
+    let mut gaps = Gaps::default();
+    let mut take = |item: Item| {
+        match item {
+            Item::Gap(gap) => gaps.take(gap),
+            Item::Point(point) => gaps.pose(&point, point.state.time_s.unwrap_or(0.0)),
+            _ => {}
+        }
+        true
+    };
+    let (header, _) = trunnion_record::visit(recording, &mut take).ok()?;
+    // A recording without a cycle is judged by the model of any.
+    let cycle = Cycle::parse("recorded cycle", &header.cycle_text).map_or_else(|_| String::new(), |c| c.name);
+    Some((cycle, gaps.finish()))
+}
