@@ -2,12 +2,12 @@
 
 use super::access::Access;
 use super::calls;
-use super::guard::{Guard, guarded};
+use super::guard::{Guard, Peer, guarded};
 use super::places::Places;
 use super::shared::Shared;
-use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::middleware::from_fn_with_state;
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -75,7 +75,8 @@ async fn accept(
             }
         };
         let Some(place) = places.take(peer.ip()) else { continue };
-        let (app, tls, cancel) = (app.clone(), access.tls.clone(), cancel.clone());
+        let app = app.clone().layer(Extension(Peer(peer.ip())));
+        let (tls, cancel) = (access.tls.clone(), cancel.clone());
         tokio::spawn(async move {
             let ended = tokio::select! {
                 () = cancel.cancelled() => Ok(()),

@@ -17,7 +17,8 @@ use axum::http::header::{
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::Response;
-use std::net::SocketAddr;
+use std::collections::BTreeMap;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use tokio::time::Instant;
@@ -26,9 +27,11 @@ use tokio::time::Instant;
 pub const OWN_HEADER: &str = "x-trunnion";
 /// Longest wait for an answer; the analysis of a large run goes on and is there when it is asked for again.
 const LONGEST: Duration = Duration::from_secs(120);
-/// Calls a second, and at once: a page makes about ten when it is opened, and a person clicks once a second.
+/// Calls of one computer a second, and at once: a page makes about ten when it is opened, and a person clicks once a second.
 const CALLS_PER_S: f64 = 40.0;
 const CALLS_AT_ONCE: f64 = 200.0;
+/// Computers whose calls are counted: as many as can have connections (`accept`). The one that was silent longest makes room.
+const MOST_KNOWN: usize = 64;
 
 const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
                               base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -38,10 +41,14 @@ pub struct Guard {
     /// `localhost:8460`, `127.0.0.1:8460` and the like.
     hosts: Vec<String>,
     access: Access,
-    calls: Mutex<Calls>,
+    calls: Mutex<BTreeMap<IpAddr, Calls>>,
 }
 
-/// Calls that may come at once, and when that was last known.
+/// Where a call comes from.
+#[derive(Clone, Copy, Debug)]
+pub struct Peer(pub IpAddr);
+
+/// Calls of one computer that may come at once, and when that was last known.
 struct Calls {
     left: f64,
     at: Instant,
@@ -50,17 +57,18 @@ struct Calls {
 impl Guard {
     /// For a page on this address.
     pub fn new(address: SocketAddr, access: Access) -> Self {
-        Self {
-            hosts: access.hosts(address),
-            access,
-            calls: Mutex::new(Calls { left: CALLS_AT_ONCE, at: Instant::now() }),
-        }
+        Self { hosts: access.hosts(address), access, calls: Mutex::default() }
     }
 
-    /// One call more; false when there are too many.
-    fn counts(&self) -> bool {
-        let mut calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
+    /// One call more of a computer; false when it has too many.
+    fn counts(&self, Peer(of): Peer) -> bool {
+        let mut known = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
         let now = Instant::now();
+        if known.len() >= MOST_KNOWN && !known.contains_key(&of) {
+            let silent = known.iter().min_by_key(|(_, calls)| calls.at).map(|(of, _)| *of);
+            silent.and_then(|of| known.remove(&of));
+        }
+        let calls = known.entry(of).or_insert(Calls { left: CALLS_AT_ONCE, at: now });
         let since_s = now.duration_since(calls.at).as_secs_f64();
         *calls = Calls { left: (calls.left + since_s * CALLS_PER_S).min(CALLS_AT_ONCE), at: now };
         let allowed = calls.left >= 1.0;
@@ -108,12 +116,13 @@ impl Guard {
 
 /// Refuses, or answers in time and with the headers that browsers need.
 pub async fn guarded(State(guard): State<std::sync::Arc<Guard>>, request: Request, next: Next) -> Response {
-    let mut response = if !guard.counts() {
-        refused(StatusCode::TOO_MANY_REQUESTS, "too many calls; wait a second")
-    } else if let Some((status, why)) =
-        guard.refusal(request.method(), request.uri().path(), request.headers())
-    {
+    // What is refused takes no place of a call that is not: who has no token locks nobody out.
+    let refusal = guard.refusal(request.method(), request.uri().path(), request.headers());
+    let peer = request.extensions().get::<Peer>().copied().unwrap_or(Peer(Ipv4Addr::UNSPECIFIED.into()));
+    let mut response = if let Some((status, why)) = refusal {
         refused(status, why)
+    } else if !guard.counts(peer) {
+        refused(StatusCode::TOO_MANY_REQUESTS, "too many calls; wait a second")
     } else {
         match tokio::time::timeout(LONGEST, next.run(request)).await {
             Ok(response) => response,
