@@ -118,7 +118,7 @@ async fn watch_shows_probes_ball_axes_and_what_is_missing() {
         assert!((found_mm - expected_mm).abs() < 0.005, "{live:#}");
     }
     let say = live["say"].as_str().unwrap();
-    assert!(say.contains("Ball 0.42 mm too far in +X, 0.10 mm too far in -Z."), "{say}");
+    assert!(say.contains("Ball 0.42 mm too far in +X, 0.10 mm too far in −Z."), "{say}");
     assert!(say.contains("room: ") && say.contains("is not there"), "{say}");
     assert_eq!(live["devices"][3]["state"], "Streaming", "{live:#}");
     assert!(live["axes"].as_array().unwrap().iter().any(|axis| axis["name"] == "C" && axis["unit"] == "deg"));

@@ -156,6 +156,10 @@ def story_of_one_run(browser, folder):
         before = rms_um(tab.text(".facts dd"))
         check("the residual is the engine's", abs(before - diagnosis["residual"]["rms_um"]) < 0.006, before)
 
+        order = ["How sure this is", "What to do", "Where the model fails most", "Residual over", "Which effect, and why", "The model: what was added", "What is missing from the data"]
+        heads = tab.page.locator("#view h2").all_inner_texts()
+        places = [next((k for k, head in enumerate(heads) if head.startswith(part)), None) for part in order]
+        check("the result has its parts in order", None not in places and places == sorted(places), heads)
         tab.guide("result")
 
         # By mouse, without a name first.
@@ -202,7 +206,12 @@ def what_if(tab, after, before):
     tab.page.uncheck('input[value="gravity-sag:B"]')
     check("without the effect it is the fit without it", abs(shown() - before) < 0.006, shown())
     check("and says so", f"{before:.2f} µm" in tab.text("#rms + p"), tab.text("#rms + p"))
+    widths = lambda: tab.page.evaluate("[...document.querySelectorAll('.falls-list .fill')].map((one) => parseFloat(one.style.width))")
+    without = tab.text(".falls-list [aria-current]")
+    check("the bars follow: chosen now is the fit without it", "without" in without and abs(widths()[0] - max(widths())) < 0.5, (without, widths()))
     tab.page.check('input[value="gravity-sag:B"]')
+    check("and fall when it is on", widths()[0] < 0.6 * max(widths()), widths())
+    curves(tab)
     check("and back", abs(shown() - after) < 0.006, shown())
     tab.page.uncheck('input[value="low"]')
     check("a setup can be left out", "chosen setups" in tab.text("#rms + p"))
@@ -214,6 +223,26 @@ def what_if(tab, after, before):
     tab.page.fill("#expression", "k*cos(3*B)")
     tab.until("document.body.innerText.includes('--expression \"k*cos(3*B)\"')")
     check("an expression is checked as it is typed", True)
+
+
+def curves(tab):
+    """Two curves laid over each other, for every choice; a finger on a map selects."""
+    section = tab.page.locator("#overlay")
+    said = lambda: tab.text("#apart")
+    texts = set()
+    for k, title in enumerate(tab.page.locator("#against option").all_inner_texts()):
+        tab.page.select_option("#against", str(k))
+        check(f"{title}: two curves", section.locator(".u-series").count() >= 3 and "µm apart at most" in said(), said())
+        texts.add(said())
+    check("each choice has curves of its own", len(texts) == tab.page.locator("#against option").count() >= 2, texts)
+    canvas = tab.page.locator(".map canvas").first
+    # Half a page is scrolled by a finger on it: only a tap selects.
+    box = canvas.bounding_box()
+    tab.page.evaluate("""([x, y]) => {
+        const on = document.querySelector('.map canvas');
+        for (const name of ['pointermove', 'click']) on.dispatchEvent(new PointerEvent(name, { bubbles: true, pointerType: 'touch', clientX: x, clientY: y }));
+    }""", [box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"]])
+    check("a tap on a map selects", "Pose " in tab.text("#selected"), tab.text("#selected").splitlines()[0])
 
 
 def sources_are_names(tab, address):
@@ -320,10 +349,27 @@ def at_the_machine(browser, folder):
         tab.until("!['Measuring'].includes(document.getElementById('cycle-state').innerText)")
         tab.until("location.hash === '#measure' && ['The cycle is over, a part of it is missing', 'The cycle failed'].includes(document.getElementById('cycle-state')?.innerText)")
         check("what was read is kept and reported", "Stopped" in tab.text("progress + p"), tab.text("progress + p"))
+        until_analysed(floor)
+        began = time.monotonic()
         tab.view("result")
+        painted = time.monotonic() - began
+        check("the verdict of the service is painted within a second", painted < 1, f"{painted:.2f} s, from opening the view to its first paint")
+        gaps = tab.text("section:has(> h2:text('What is missing from the data'))")
+        check("the gap is on the result too", "probe-3: nothing from" in gaps and "Nothing is missing from the recording" not in gaps, gaps.splitlines()[:4])
         check("a part of a cycle has no verdict", "not judged" in tab.text("main").lower() or "whole" in tab.text("main"), tab.text("h1"))
         tab.close()
         phone.close()
+
+
+def until_analysed(floor):
+    """The state of the newest run says that there is a report."""
+    end = time.monotonic() + LIMIT_MS / 1000
+    while time.monotonic() < end:
+        states = sorted(pathlib.Path(floor.config).parent.rglob("*.state.json"), key=lambda path: path.stat().st_mtime)
+        if states and json.loads(states[-1].read_text())["state"] in ("done", "not-judged"):
+            return
+        time.sleep(0.1)
+    check("the run is analysed", False)
 
 
 def nest_by_steps(floor, tab):
@@ -465,7 +511,9 @@ def history(browser, folder):
         tab.view("history")
         tab.page.get_by_text("Analyse 5 more").click()
         tab.page.wait_for_selector("#changes")
-        check("the change is the engine's", engine["change"]["words"][0] in tab.text("#changes"), engine["change"]["words"][0])
+        tab.until("!document.getElementById('changes').innerText.includes('fitting both runs')")
+        shown = tab.text("#changes")
+        check("the change is the engine's, word for word", all(words in shown for words in engine["change"]["words"]), engine["change"]["words"])
         check("the alarm is there", "outside its control limits: direction of axis B about X (EA0B)" in tab.text("#changes"), engine["runs"][-1]["alarms"])
         check("its chart is shown first", "EA0B" in tab.text("#parameter option[selected]"))
         # What the service leaves of a run when it makes room: the answers, and why.

@@ -150,4 +150,7 @@ pub struct RunFound {
     pub effects: Vec<String>,
     /// Location errors with their standard uncertainties.
     pub location_errors: Vec<Parameter>,
+    /// Mean of all temperature channels, °C; null where none was recorded, and in answers of older versions.
+    #[serde(default)]
+    pub temperature_degc: Option<f64>,
 }

@@ -38,6 +38,11 @@ pub fn day(wall_ns: i64) -> String {
     timestamp(wall_ns).strftime("%Y-%m-%d").to_string()
 }
 
+/// `YYYY-MM-DD hh:mm UTC`, as runs are dated; the day alone where the clock is not set.
+pub fn minute(wall_ns: i64) -> String {
+    trunnion::moment::minute(wall_ns).unwrap_or_else(|| day(wall_ns))
+}
+
 /// `YYYY-MM-DDThh:mm:ssZ`.
 pub fn moment(wall_ns: i64) -> String {
     timestamp(wall_ns).strftime("%Y-%m-%dT%H:%M:%SZ").to_string()

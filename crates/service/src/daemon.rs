@@ -209,7 +209,7 @@ fn page(
     let shared = page::Shared {
         serves: Serves::Service,
         name: config.name.clone(),
-        runs: Arc::new(page::Runs::of_folder(&config.recordings, config.model.clone(), analyst)),
+        runs: Arc::new(page::Runs::of_folder(&config.recordings, None, analyst).judged_by(cycles.clone())),
         board: board.clone(),
         cycles: cycles.all().map(Choice::shown).collect(),
         clock: clock.clone(),

@@ -9,6 +9,8 @@ pub mod config;
 pub mod cycles;
 pub mod daemon;
 mod error;
+mod found;
+mod kept_story;
 pub mod latest;
 pub mod live;
 pub mod mqtt;

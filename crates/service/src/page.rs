@@ -1,7 +1,7 @@
 //! The page: recordings, what was found in them, and what is measured, for a browser (docs/use/page.md).
 //!
 //! Who may call what is decided in `guard`, connections are counted in `accept`, recordings are found in
-//! `runs` and analysed by a process of their own (`analyst`). A page that is attacked slows no sample: one analysis at a time, and nothing here waits for a device.
+//! `runs` and analysed by a process of their own (`analyst`). Limits keep a page that is attacked small: one analysis at a time, calls and connections counted by computer; nothing here waits for a device.
 
 mod accept;
 mod access;
@@ -13,7 +13,6 @@ mod assets;
 mod calls;
 mod context;
 mod cycle_calls;
-mod found;
 mod grid;
 mod guard;
 mod live;

@@ -8,11 +8,11 @@ mod watch;
 pub use corrections::{corrections, enter_correction, entered};
 pub use forecast::{days, next_day, without};
 
-use crate::{Diagnosed, Error, Model, identity, moment};
+use crate::{Diagnosed, Error, Model, moment};
 use std::path::{Path, PathBuf};
 use trunnion_results::sentences::{is_setting, not_plausible};
 use trunnion_results::{
-    CorrectionEntered, HistoryRun, MachineHistory, Parameter, RunFound, RunLine, Verdict,
+    CorrectionEntered, HistoryRun, MachineHistory, Parameter, RunChange, RunFound, RunLine, Verdict,
 };
 
 /// Which runs make a history.
@@ -28,19 +28,21 @@ pub struct Wanted {
     pub corrections: Vec<CorrectionEntered>,
 }
 
-/// A recording before it is read.
+/// A run before it is read.
 struct Header {
-    path: PathBuf,
+    /// Its recordings.
+    files: Vec<PathBuf>,
     machine: String,
     run: HistoryRun,
 }
 
-/// The history of one machine from recordings in any order. A recording that cannot be read or judged is listed with the reason.
+/// The history of one machine from runs in any order, each with the recordings that hold it. A run that cannot be read or judged is
+/// listed with the reason.
 ///
 /// # Errors
 /// No recording of the machine, or no run called `since`.
-pub fn history(paths: &[PathBuf], wanted: &Wanted) -> Result<MachineHistory, Error> {
-    let mut headers: Vec<Header> = paths.iter().map(|path| header(path)).collect();
+pub fn history(runs: &[Vec<PathBuf>], wanted: &Wanted) -> Result<MachineHistory, Error> {
+    let mut headers: Vec<Header> = runs.iter().map(|files| header(files)).collect();
     headers.sort_by(|a, b| (a.run.began_s, &a.run.run).cmp(&(b.run.began_s, &b.run.run)));
     let newest = headers.iter().rev().map(|header| header.machine.clone()).find(|name| !name.is_empty());
     let machine = wanted.machine.clone().or(newest).unwrap_or_default();
@@ -52,13 +54,13 @@ pub fn history(paths: &[PathBuf], wanted: &Wanted) -> Result<MachineHistory, Err
     let mut history = MachineHistory { machine, ..MachineHistory::default() };
     let mut last_two: [Option<(String, Diagnosed)>; 2] = [None, None];
     let mut recordings = Vec::new();
-    for Header { path, run, .. } in headers {
-        let (run, diagnosed) = judged(&path, run, wanted.model.as_ref());
+    for Header { files, run, .. } in headers {
+        let (run, diagnosed) = judged(&files, run, wanted.model.as_ref());
         if let Some(diagnosed) = diagnosed {
             last_two = [last_two[1].take(), Some((run.run.clone(), diagnosed))];
         }
         history.runs.push(run);
-        recordings.push(path);
+        recordings.push(files);
     }
     if let [earlier, Some(later)] = &last_two {
         history.effects = later.1.fit().model().effects().into_iter().map(str::to_owned).collect();
@@ -68,7 +70,8 @@ pub fn history(paths: &[PathBuf], wanted: &Wanted) -> Result<MachineHistory, Err
     watched(&mut history, since, &wanted.corrections);
     history.forecast = Some(match days(&history, since) {
         Ok(days) => {
-            let of_days: Vec<PathBuf> = days.into_iter().map(|index| recordings[index].clone()).collect();
+            let of_days: Vec<PathBuf> =
+                days.into_iter().filter_map(|index| recordings[index].first().cloned()).collect();
             next_day(&of_days, wanted.model.as_ref())?
         }
         Err(why_not) => without(why_not),
@@ -114,6 +117,7 @@ fn of_line(line: &RunLine, found: &RunFound) -> HistoryRun {
         verdict: found.verdict,
         candidate: found.candidate.clone(),
         rms_um: Some(found.rms_um),
+        temperature_degc: found.temperature_degc,
         values: found.location_errors.clone(),
         ..HistoryRun::default()
     }
@@ -133,8 +137,8 @@ fn watched(history: &mut MachineHistory, since: usize, corrections: &[Correction
 }
 
 /// The machine of the newest recording.
-pub fn newest_machine(paths: &[PathBuf]) -> Option<String> {
-    let headers = paths.iter().map(|path| header(path)).filter(|header| !header.machine.is_empty());
+pub fn newest_machine(runs: &[Vec<PathBuf>]) -> Option<String> {
+    let headers = runs.iter().map(|files| header(files)).filter(|header| !header.machine.is_empty());
     headers
         .max_by(|a, b| (a.run.began_s, &a.run.run).cmp(&(b.run.began_s, &b.run.run)))
         .map(|header| header.machine)
@@ -149,12 +153,13 @@ fn index_of(runs: &[HistoryRun], name: Option<&str>) -> Result<usize, Error> {
     })
 }
 
-fn header(path: &Path) -> Header {
+fn header(files: &[PathBuf]) -> Header {
+    let path = files.first().map_or(Path::new(""), PathBuf::as_path);
     let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let run = HistoryRun { run: name, ..HistoryRun::default() };
     match trunnion_record::read_header(path) {
         Ok(header) => Header {
-            path: path.into(),
+            files: files.into(),
             machine: header.machine_name,
             run: HistoryRun {
                 began_s: Some(header.wall_start_ns).filter(|ns| *ns > 0).map(|ns| ns / 1_000_000_000),
@@ -163,20 +168,29 @@ fn header(path: &Path) -> Header {
             },
         },
         Err(failure) => Header {
-            path: path.into(),
+            files: files.into(),
             machine: String::new(),
             run: HistoryRun { trouble: failure.to_string(), ..run },
         },
     }
 }
 
+/// What changed from one run to another, both judged by this model: what [`history`] reports of the last two.
+///
+/// # Errors
+/// A recording that cannot be read or fitted; a diagnosis that fails.
+pub fn changed([earlier, later]: &[Vec<PathBuf>; 2], model: &Model) -> Result<RunChange, Error> {
+    let of = |files: &Vec<PathBuf>| Ok::<_, Error>((header(files).run.run, diagnosed(files, Some(model))?));
+    change::change(&of(earlier)?, &of(later)?)
+}
+
 /// A run with what was found in it, and the analysis where it can be compared with others.
-fn judged(path: &Path, run: HistoryRun, model: Option<&Model>) -> (HistoryRun, Option<Diagnosed>) {
+fn judged(files: &[PathBuf], run: HistoryRun, model: Option<&Model>) -> (HistoryRun, Option<Diagnosed>) {
     if !run.trouble.is_empty() {
         return (run, None);
     }
-    match diagnosed(path, model) {
-        Ok((diagnosed, temperature_degc)) => {
+    match diagnosed(files, model) {
+        Ok(diagnosed) => {
             let (fit, diagnosis) = (diagnosed.fit().results(), diagnosed.results());
             let judged = diagnosis.verdict != Verdict::NotJudged;
             let of_machine =
@@ -185,7 +199,7 @@ fn judged(path: &Path, run: HistoryRun, model: Option<&Model>) -> (HistoryRun, O
                 verdict: diagnosis.verdict,
                 candidate: diagnosis.best(),
                 rms_um: Some(fit.rms_um).filter(|_| judged),
-                temperature_degc,
+                temperature_degc: diagnosed.fit().experiment().temperature_degc(),
                 values: fit.parameters.iter().filter(of_machine).cloned().collect(),
                 trouble: not_plausible(&fit.plausibility),
                 ..run
@@ -196,12 +210,9 @@ fn judged(path: &Path, run: HistoryRun, model: Option<&Model>) -> (HistoryRun, O
     }
 }
 
-fn diagnosed(path: &Path, model: Option<&Model>) -> Result<(Diagnosed, Option<f64>), Error> {
-    let experiment = crate::open(path)?;
+fn diagnosed(files: &[PathBuf], model: Option<&Model>) -> Result<Diagnosed, Error> {
+    let experiment = crate::open_all(files)?;
     let base = experiment.base_model();
     let fit = experiment.fit_within_reach(model.unwrap_or(&base))?;
-    let means: Vec<f64> =
-        experiment.runs().iter().flat_map(identity::temperatures).map(|range| range.mean_degc).collect();
-    let temperature = (!means.is_empty()).then(|| means.iter().sum::<f64>() / means.len() as f64);
-    Ok((Diagnosed::without_plan(&fit)?, temperature))
+    Diagnosed::without_plan(&fit)
 }

@@ -9,6 +9,7 @@ use trunnion::Model;
 use trunnion::history::{Wanted, corrections, enter_correction, entered, history, newest_machine};
 use trunnion_core::Clock;
 use trunnion_service::clock::SystemClock;
+use trunnion_service::run_record::{self, Known};
 
 /// Runs of one machine in order of time: what changed since the last run, and which effect
 ///
@@ -46,12 +47,12 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let paths = recordings(&args.folder)?;
-    if paths.is_empty() {
+    let runs = recordings(&args.folder)?;
+    if runs.is_empty() {
         bail!("there is no recording (.mcap) in {}", args.folder.display());
     }
     if let Some((what, by)) = args.corrected.as_deref().zip(args.by.as_deref()) {
-        let machine = args.machine.clone().or_else(|| newest_machine(&paths));
+        let machine = args.machine.clone().or_else(|| newest_machine(&runs));
         let machine = machine.context("no recording says which machine was corrected: name it")?;
         let correction = entered(machine, SystemClock::start().wall_ns(), by, what)?;
         let kept = enter_correction(&args.folder, &correction)?;
@@ -63,7 +64,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         since: args.since.clone(),
         corrections: corrections(&args.folder)?,
     };
-    let answer = history(&paths, &wanted)?;
+    let answer = history(&runs, &wanted)?;
     if args.json {
         terminal::print_json(&answer)?;
     } else {
@@ -73,14 +74,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     Ok(if troubled { Outcome::DataLoss } else { Outcome::Done })
 }
 
-fn recordings(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let entries = std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
-    let mut paths = Vec::new();
-    for entry in entries {
-        let path = entry.with_context(|| format!("cannot read {}", folder.display()))?.path();
-        if path.extension().is_some_and(|ending| ending == "mcap") {
-            paths.push(path);
-        }
-    }
-    Ok(paths)
+/// The recordings of each run: a further part is no run of its own.
+fn recordings(folder: &Path) -> anyhow::Result<Vec<Vec<PathBuf>>> {
+    std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
+    let runs = Known::read(folder).runs;
+    Ok(runs.iter().map(|(recording, record)| run_record::files(recording, record)).collect())
 }

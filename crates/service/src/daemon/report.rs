@@ -3,7 +3,7 @@
 use crate::clock::{day, moment};
 use crate::error::ServiceError;
 use crate::recording::Recorded;
-use crate::run_record;
+use crate::{kept_story, run_record};
 use std::path::Path;
 use tracing::info;
 use trunnion::results::{RunAnswer, RunResult, Verdict, to_json};
@@ -61,11 +61,13 @@ pub fn report_at_once(
 pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Result<Report, ServiceError> {
     let failed = |source| ServiceError::Analysis { path: recording.into(), source: Box::new(source) };
     let state = run_record::read(recording).unwrap_or_default();
-    let experiment = opened(&run_record::files(recording, &state)).map_err(failed)?;
+    let files = run_record::files(recording, &state);
+    let experiment = opened(&files).map_err(failed)?;
     let model = model.map_or_else(|| experiment.base_model(), Model::clone);
     let analysed = experiment.analyse(&model, date).map_err(failed)?;
-    let compared =
-        analysed.first().compare().and_then(Compared::with_best).map_err(failed)?.with_losses(&state.losses);
+    let compared = analysed.first().compare().map_err(failed)?.with_losses(&state.losses);
+    kept_story::write(recording, &files, &compared)?;
+    let compared = compared.with_best().map_err(failed)?;
     let answers = [
         ("html", compared.page()),
         ("identification.json", to_json(&analysed.before().results())?),

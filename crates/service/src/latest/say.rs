@@ -45,7 +45,7 @@ pub(super) fn probe(
 /// Of the ball; `known` when the rotary axes are.
 pub(super) fn ball(ball: &BallOffset, known: bool) -> String {
     let along = |(letter, mm): (&str, f64)| {
-        let sign = if mm < 0.0 { '-' } else { '+' };
+        let sign = if mm < 0.0 { '−' } else { '+' };
         (mm.abs() >= SHOWN_MM).then(|| format!("{:.2} mm too far in {sign}{letter}", mm.abs()))
     };
     let parts: Vec<String> =

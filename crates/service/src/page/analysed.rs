@@ -1,13 +1,14 @@
 //! Analysed recordings, which answer the questions of the page; in a process of their own unless a test has them here.
 
-use super::found;
 use super::question::{Asks, Head, NoAnswer, Question, Reply, Step};
 use super::stamp::{Stamp, own_model, stamps};
+use crate::found::found;
+use crate::run_record;
 use std::collections::VecDeque;
 use std::io::{BufRead, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc;
-use trunnion::history::next_day;
+use trunnion::history::{changed, next_day};
 use trunnion::page::label;
 use trunnion::report::findings_html;
 use trunnion::results::{RunFound, sentences, to_json_line};
@@ -65,17 +66,23 @@ impl AnalysedRuns {
         self.open.retain(|open| open.recording != *recording);
         self.open.drain(..self.open.len().saturating_sub(MOST_OPEN - 1));
         let (stamps, model_path) = (stamps(recording), own_model(recording));
-        let experiment = trunnion::open(recording)?;
+        let state = run_record::read(recording).unwrap_or_default();
+        let experiment = trunnion::open_all(run_record::files(recording, &state))?;
         let model = match &question.model {
             _ if model_path.exists() => Model::load(&model_path)?,
             Some(path) => Model::load(path)?,
             None => experiment.base_model(),
         };
-        let compared = experiment.fit(&model)?.compare()?;
-        let found = found::found(&compared.results());
+        let compared = experiment.fit(&model)?.compare()?.with_losses(&state.losses);
+        let found = found(&compared);
         self.open.push_back(Open { recording: recording.clone(), compared, found, stamps });
         Ok(&self.open[self.open.len() - 1])
     }
+}
+
+/// The recordings that hold a run.
+fn run_files(recording: &Path) -> Vec<PathBuf> {
+    run_record::files(recording, &run_record::read(recording).unwrap_or_default())
 }
 
 impl Open {
@@ -120,6 +127,10 @@ impl Open {
             Asks::Comparison => to_json_line(&compared.results()),
             Asks::Ladder => to_json_line(&compared.results().ladder),
             Asks::Linear => to_json_line(&diagnosed.linear()?),
+            Asks::Change { earlier } => {
+                let files = [earlier, &self.recording].map(|path| run_files(path));
+                to_json_line(&changed(&files, fit.model())?)
+            }
             Asks::NextDay { recordings } => to_json_line(&next_day(recordings, Some(fit.model()))?),
             Asks::Methods => to_json_line(&fit.experiment().methods()),
             Asks::Report => Ok(compared.page()),

@@ -7,7 +7,7 @@ use super::question::{Asks, Step};
 use super::runs::Runs;
 use super::shared::Shared;
 use super::{assets, cycle_calls, live, login, method_calls, set_up_calls};
-use crate::clock::day;
+use crate::clock::minute;
 use axum::extract::rejection::JsonRejection;
 use axum::extract::{Path, State};
 use axum::http::Uri;
@@ -30,6 +30,7 @@ pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) ->
         .route("/api/history", get(history))
         .route("/api/history/corrections", post(corrected))
         .route("/api/history/next-day", get(next_day))
+        .route("/api/history/change", get(change))
         .route("/api/runs/{name}", get(story))
         .route("/api/runs/{name}/identification", get(identification))
         .route("/api/runs/{name}/diagnosis", get(diagnosis))
@@ -107,6 +108,15 @@ async fn next_day(State(page): State<Page>) -> Answer {
     }
 }
 
+async fn change(State(page): State<Page>) -> Answer {
+    let runs = page.runs.clone();
+    let last_two = tokio::task::spawn_blocking(move || runs.last_two()).await;
+    match last_two.map_err(|_| Refusal::Broken("history of the machine"))?? {
+        Some((later, earlier)) => Ok(json(page.runs.ask(&later, Asks::Change { earlier }).await?)),
+        None => Err(Refusal::NotNow("two analysed runs with samples are compared, and there are fewer")),
+    }
+}
+
 async fn story(State(page): State<Page>, Path(name): Path<String>) -> Answer {
     Ok(json(page.runs.ask(&name, Asks::Story).await?))
 }
@@ -168,7 +178,7 @@ async fn add(
     body: Result<Json<Who>, JsonRejection>,
 ) -> Answer {
     let by = body.map_err(wrong)?.0.name("adds")?;
-    let date = day(page.shared.clock.wall_ns());
+    let date = minute(page.shared.clock.wall_ns());
     let story = page.runs.ask(&name, Asks::Add(Step { effect: effect.clone(), by, date })).await?;
     changed(&page, &name, &effect, "added");
     Ok(json(story))
@@ -180,7 +190,7 @@ async fn remove(
     body: Result<Json<Who>, JsonRejection>,
 ) -> Answer {
     let by = body.map_err(wrong)?.0.name("removes")?;
-    let date = day(page.shared.clock.wall_ns());
+    let date = minute(page.shared.clock.wall_ns());
     let story = page.runs.ask(&name, Asks::Remove(Step { effect: effect.clone(), by, date })).await?;
     changed(&page, &name, &effect, "removed");
     Ok(json(story))

@@ -39,6 +39,11 @@ pub enum Asks {
         /// The recordings, oldest first.
         recordings: Vec<PathBuf>,
     },
+    /// What changed from another recording to that of the question, and which effect.
+    Change {
+        /// The earlier one.
+        earlier: PathBuf,
+    },
     /// What each named method lacks.
     Methods,
     /// An effect on trial, a page of its own.

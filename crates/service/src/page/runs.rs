@@ -7,15 +7,17 @@ mod list;
 use super::analyst::PageAnalyst;
 use super::answer::Refusal;
 use super::question::{Asks, NoAnswer, Question};
-use super::stamp::{Stamp, stamp, stamps};
+use super::stamp::{Stamp, own_model, stamp, stamps};
+use crate::cycles::{Choice, Cycles};
 use crate::error::chain;
+use crate::{kept_story, run_record};
 use hyper::body::Bytes;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::Semaphore;
-use trunnion::history;
 use trunnion::results::{CorrectionEntered, RunFound, RunLine, RunList, RunListFormat};
+use trunnion::{Model, history};
 
 /// Answers that are kept, bytes; what-if of 10 000 poses has 9 MB, a report 1 MB.
 const MOST_KEPT: usize = 64 << 20;
@@ -27,6 +29,8 @@ pub struct Runs {
     place: Place,
     /// The model that a run without one of its own is judged by; the base model without it.
     model: Option<PathBuf>,
+    /// Cycles whose runs are judged by the model of each.
+    cycles: Option<Cycles>,
     analyst: PageAnalyst,
     kept: Mutex<VecDeque<KeptAnswer>>,
     lines: Mutex<BTreeMap<PathBuf, (Stamp, RunLine)>>,
@@ -65,6 +69,7 @@ impl Runs {
         Self {
             place,
             model,
+            cycles: None,
             analyst,
             kept: Mutex::default(),
             lines: Mutex::default(),
@@ -72,6 +77,19 @@ impl Runs {
             analysing: Arc::new(Semaphore::new(1)),
             waiting: Arc::new(Semaphore::new(MOST_WAITING)),
         }
+    }
+
+    /// The same judged as the service judges: by the model of the cycle that was measured, of the first where that is not among them.
+    #[must_use]
+    pub fn judged_by(self, cycles: Cycles) -> Self {
+        Self { cycles: Some(cycles), ..self }
+    }
+
+    /// The model file of a run without one of its own; `None` is the base model.
+    fn model_of(&self, recording: &Path) -> Option<PathBuf> {
+        let Some(cycles) = &self.cycles else { return self.model.clone() };
+        let of_cycle = cycles.judged_by(&list::cycle_of(recording));
+        of_cycle.or_else(|| cycles.first().map(Choice::judged_by))?.file
     }
 
     /// One line for each recording, in order of time.
@@ -110,6 +128,14 @@ impl Runs {
             true => Ok(Err("the samples of these runs were removed".into())),
             false => Ok(Ok((last, recordings))),
         }
+    }
+
+    /// The last run that is compared, and the recording of the one before it; `None` before there are two with samples.
+    pub fn last_two(&self) -> Result<Option<(String, PathBuf)>, Refusal> {
+        let history = history::of_found(&self.list().runs, &self.corrections()?);
+        let Some(change) = history.change else { return Ok(None) };
+        let there = self.path(&change.from).ok().filter(|_| self.path(&change.to).is_ok());
+        Ok(there.map(|earlier| (change.to, earlier)))
     }
 
     /// Corrections that were entered, kept next to the recordings.
@@ -188,6 +214,13 @@ impl Runs {
         if let Some(text) = self.kept(&path, &asks) {
             return Ok(text);
         }
+        if asks == Asks::Story {
+            let (runs, recording) = (self.clone(), path.clone());
+            let reading = tokio::task::spawn_blocking(move || runs.story_of_analysis(&recording));
+            if let Some(text) = reading.await.map_err(|_| Refusal::Broken("page"))? {
+                return Ok(text);
+            }
+        }
         let waits = self.waiting.clone().try_acquire_owned().map_err(|_| Refusal::Busy)?;
         let turn = self.analysing.clone().acquire_owned().await.map_err(|_| Refusal::Broken("page"))?;
         let runs = self.clone();
@@ -201,7 +234,7 @@ impl Runs {
 
     fn answer(&self, recording: PathBuf, asks: Asks) -> Result<Bytes, Refusal> {
         let stamps = stamps(&recording);
-        let question = Question { recording, model: self.model.clone(), asks };
+        let question = Question { model: self.model_of(&recording), recording, asks };
         let reply = self.analyst.ask(&question).map_err(|why| match why {
             NoAnswer::Failed(why) => Refusal::Failed(why),
             NoAnswer::NotTrusted(why) => Refusal::NotTrusted(why),
@@ -220,6 +253,20 @@ impl Runs {
             }
         }
         Ok(text)
+    }
+
+    /// The story that the analysis of the service left, unless recording or model changed since.
+    fn story_of_analysis(&self, recording: &Path) -> Option<Bytes> {
+        let own = own_model(recording);
+        let judged_by = if own.exists() { Some(own) } else { self.model_of(recording) };
+        let model = match judged_by {
+            Some(path) => Model::load(path).ok()?,
+            None => Model::base(&trunnion_record::read_header(recording).ok()?.machine_name),
+        };
+        let files = run_record::files(recording, &run_record::read(recording).unwrap_or_default());
+        let text = kept_story::read(recording, &files, model.text())?;
+        lock(&self.found).insert(recording.into(), list::written(recording)?);
+        Some(text.into())
     }
 
     /// What the same question got, unless recording or model changed since.

@@ -5,9 +5,11 @@
 mod any_calls;
 mod attempts;
 mod caller;
+mod calls_table;
 mod mtconnect;
 mod opcua;
 mod page;
+mod runs_of_a_service;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../../tests/src/section.rs"]
 mod section;

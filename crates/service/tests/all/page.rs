@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::{TcpListener, TcpStream};
+use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio_util::sync::CancellationToken;
 use trunnion::results::{PageCycle, RunRecord, Serves};
 use trunnion_service::analysis::{AnalysisLimits, Analyst};
@@ -51,12 +51,24 @@ impl Page {
             std::fs::copy(data.join(file), run.join(file)).unwrap();
         }
         std::fs::write(folder.path().join("secret.mcap"), "secret").unwrap();
+        let runs = Runs::of_files(vec![run.join("points.csv")], None, analyst);
+        Self::over(runs, folder, serves, cycles, access).await
+    }
+
+    /// The page of these runs, whose files are in this folder.
+    pub async fn over(
+        runs: Runs,
+        folder: tempfile::TempDir,
+        serves: Serves,
+        cycles: &[&str],
+        access: Access,
+    ) -> Self {
         let (listener, board) = (TcpListener::bind("127.0.0.1:0").await.unwrap(), Board::default());
         let at = listener.local_addr().unwrap();
         let shared = Shared {
             serves,
             name: "test".into(),
-            runs: Arc::new(Runs::of_files(vec![run.join("points.csv")], None, analyst)),
+            runs: Arc::new(runs),
             board: board.clone(),
             cycles: cycles.iter().map(|name| cycle(name)).collect(),
             set_up: None,
@@ -74,7 +86,18 @@ impl Page {
             "{line} HTTP/1.1\r\n{host}{headers}Connection: close\r\nContent-Length: {}\r\n\r\n{body}",
             body.len()
         );
-        let mut stream = TcpStream::connect(self.at).await.unwrap();
+        self.ask_over(TcpStream::connect(self.at).await.unwrap(), &text).await
+    }
+
+    /// The same from another address of this computer.
+    pub async fn ask_from(&self, ip: [u8; 4], line: &str) -> u16 {
+        let socket = TcpSocket::new_v4().unwrap();
+        socket.bind((ip, 0).into()).unwrap();
+        let text = format!("{line} HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n", self.at);
+        self.ask_over(socket.connect(self.at).await.unwrap(), &text).await.0
+    }
+
+    async fn ask_over(&self, mut stream: TcpStream, text: &str) -> (u16, String) {
         // A refusal may come, and the connection end, before all of a large body is taken.
         stream.write_all(text.as_bytes()).await.ok();
         let mut answer = Vec::new();
@@ -84,14 +107,14 @@ impl Page {
         (status, answer)
     }
 
-    async fn json(&self, line: &str, headers: &str, body: &str) -> Value {
+    pub async fn json(&self, line: &str, headers: &str, body: &str) -> Value {
         let (status, answer) = self.ask(line, headers, body).await;
         assert_eq!(status, 200, "{line}: {answer}");
         serde_json::from_str(answer.split_once("\r\n\r\n").unwrap().1).unwrap()
     }
 }
 
-fn here() -> PageAnalyst {
+pub fn here() -> PageAnalyst {
     PageAnalyst::new(Analyst::Here, AnalysisLimits::default(), Arc::new(SystemClock::start()))
 }
 
@@ -146,6 +169,18 @@ async fn floods_and_silence_leave_room_for_others() {
     println!("400 calls as fast as they go: {counts:?}");
     assert!(counts.keys().all(|status| [200, 429].contains(status)), "{counts:?}");
     assert!(counts[&200] >= 200, "{counts:?}");
+    // Another computer does not notice.
+    assert_eq!(page.ask_from([127, 0, 0, 2], "GET /api/status").await, 200);
+}
+
+#[tokio::test]
+async fn who_is_refused_locks_nobody_out() {
+    let page = Page::open().await;
+    for _ in 0..260 {
+        let (status, _) = page.ask("GET /api/status", "Host: attacker.example\r\n", "").await;
+        assert_eq!(status, 421);
+    }
+    assert_eq!(page.ask("GET /api/status", "", "").await.0, 200);
 }
 
 #[tokio::test]
@@ -183,6 +218,8 @@ async fn an_effect_is_added_and_removed_and_both_browsers_see_it() {
     assert!(text.contains("gravity-sag:B") && text.contains("by = \"Ada\""), "{text}");
     let step = added["ladder"]["rows"].as_array().unwrap().last().unwrap();
     assert_eq!(step["ladder"]["by"], "Ada");
+    let at = step["ladder"]["date"].as_str().unwrap();
+    assert!(at.len() == "2026-11-23 14:10 UTC".len() && at.ends_with(" UTC"), "to the minute: {at}");
     let um = |value: &Value| value.as_f64().unwrap();
     assert!(um(&step["ladder"]["error_after_um"]) < um(&step["ladder"]["error_before_um"]), "{step}");
     let (status, twice) = page.ask(ADD, OWN, r#"{"by":"Ada"}"#).await;
@@ -223,14 +260,19 @@ async fn what_two_browsers_add_at_once_is_both_in_the_model() {
     assert_eq!(steps[0].abs_diff(steps[1]), 1, "the later one sees both");
 }
 
-/// A page whose analyses are this script.
-async fn analysed_by_script(script: &str, time: Duration) -> (Page, tempfile::TempDir) {
-    let folder = tempfile::tempdir().unwrap();
-    let program = folder.path().join("program");
+/// Analyses by this script.
+pub fn script(folder: &Path, script: &str, time: Duration) -> PageAnalyst {
+    let program = folder.join("program");
     std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
     std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
     let limits = AnalysisLimits { time, ..AnalysisLimits::default() };
-    let analyst = PageAnalyst::new(Analyst::Program(program), limits, Arc::new(SystemClock::start()));
+    PageAnalyst::new(Analyst::Program(program), limits, Arc::new(SystemClock::start()))
+}
+
+/// A page whose analyses are this script.
+async fn analysed_by_script(text: &str, time: Duration) -> (Page, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let analyst = script(folder.path(), text, time);
     let page = Page::analysed_by(analyst, Serves::Recordings, &[], Access::this_computer()).await;
     (page, folder)
 }

@@ -127,7 +127,7 @@ fn words(forecast: &DayForecast) -> Vec<String> {
         words.push("No temperature was recorded: the forecast holds for days like these.".into());
     } else if !forecast.values.iter().any(follows_temperature) {
         words.push(
-            "No effect of the model follows a temperature: what it does from day to day is in the band as chance.".into(),
+            "No effect of the model follows a temperature: what it does from day to day widens the band like scatter.".into(),
         );
     }
     words.extend(forecast.checked.as_ref().map(|run: &RunPrediction| {

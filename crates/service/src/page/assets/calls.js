@@ -26,6 +26,7 @@ const inModel = (name, effect) => `${run(name)}/model/${encodeURIComponent(effec
 export const status = () => call("/api/status");
 export const runs = () => call("/api/runs");
 export const history = () => call("/api/history");
+export const change = () => call("/api/history/change");
 export const nextDay = () => call("/api/history/next-day");
 export const corrected = (by, what) => call("/api/history/corrections", posting({ by, what }));
 export const story = (name) => call(run(name));

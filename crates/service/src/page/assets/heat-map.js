@@ -8,7 +8,7 @@ const EDGE = { top: 22, right: 6, bottom: 22 };
 const WIDEST = 44;
 const [LOWEST, HIGHEST] = [18, 30];
 
-// `onPoint` is told the cell that is pointed at or reached by arrow keys.
+// `onPoint` is called with the cell that is pointed at, tapped or reached by arrow keys.
 export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Âµm", onPoint = () => {} }) {
   const left = labelWidth(rows);
   const wide = (width) => (width - left - EDGE.right) / columns.length;
@@ -19,7 +19,7 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Â
     paint,
     tabindex: "0",
   });
-  const under = el("p", { class: "soft" }, "Point at a cell, or use the arrow keys, to read its value.");
+  const under = el("p", { class: "soft" }, "Point at a cell, tap it, or use the arrow keys, to read its value.");
   const scaleLine = el("span", {});
   const figure = el("figure", { class: "map" }, el("figcaption", {}, title, ". ", scaleLine), canvas, under);
   let values = [];
@@ -55,13 +55,16 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Â
     ctx.strokeRect(x + 0.5, y + 0.5, w - 1, h - 1);
   }
 
-  canvas.addEventListener("pointermove", (event) => {
+  const pick = (event) => {
     const [x, y] = at(event);
     const width = canvas.clientWidth;
     const j = Math.floor((x - left) / wide(width));
     const i = Math.floor((y - EDGE.top) / high(width));
     if (rows[i] !== undefined && columns[j] !== undefined) onPoint(i, j);
-  });
+  };
+  // A mouse that passes over selects; a finger taps, and its strokes scroll the page.
+  canvas.addEventListener("pointermove", (event) => event.pointerType === "mouse" && pick(event));
+  canvas.addEventListener("click", pick);
   canvas.addEventListener("keydown", (event) => {
     const step = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key];
     if (!step) return;

@@ -23,7 +23,7 @@ export async function make(page) {
   return [
     el("h1", {}, runs.length === 1 ? "One run" : `${runs.length} runs`),
     open.length ? el("p", {}, analyse) : null,
-    changes(history),
+    changes(page, history),
     corrections(page, history),
     table(page, runs),
     watched.length ? el("p", { class: "row" }, el("label", {}, "Value over time", chosen)) : null,
@@ -53,19 +53,28 @@ function table(page, runs) {
     const gone = run.removed ? el("small", { class: "soft" }, ` samples removed ${run.removed}`) : null;
     // What a person looks for stands first: a small screen shows the first columns.
     return el("tr", {}, el("td", {}, pick), el("td", {}, verdict, gone),
-      el("td", { class: "n" }, found ? `${plain(found.rms_um)} µm` : "—"), el("td", {}, run.began || "—"), el("td", {}, run.machine || "—"),
+      el("td", { class: "n" }, found ? `${plain(found.rms_um)} µm` : "—"), el("td", { class: "n" }, found?.temperature_degc == null ? "—" : `${found.temperature_degc.toFixed(1)} °C`), el("td", {}, run.began || "—"), el("td", {}, run.machine || "—"),
       el("td", {}, found ? found.effects.slice(2).join(", ") || "none" : "—"));
   };
-  const head = ["run", "verdict", "residual, rms", "began", "machine", "effects added"].map((text) => el("th", { scope: "col" }, text));
+  const head = ["run", "verdict", "residual, rms", "temperature", "began", "machine", "effects added"].map((text) => el("th", { scope: "col" }, text));
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Runs" },
     el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, runs.toReversed().map(row))));
 }
 
-function changes({ change, runs, notes, watched }) {
+function changes(page, { change, runs, notes, watched }) {
   if (!change) return null;
   const { run, alarms } = runs.at(-1);
   const alarm = alarms.length ? el("p", { class: "warn" }, `${run}: outside its control limits: ${alarms.map((name) => titleOf(watched.find((one) => one.name === name))).join(", ")}`) : null;
-  return el("section", { id: "changes" }, el("h2", {}, `What changed from ${change.from} to ${change.to}`), alarm, paragraphs([...change.words, ...notes]));
+  const shown = (...parts) => el("section", { id: "changes" }, el("h2", {}, `What changed from ${change.from} to ${change.to}`), alarm, ...parts, paragraphs(notes));
+  const words = el("div", { role: "status" }, paragraphs(change.words));
+  // The same as the command reports takes fits of both runs: which effect, and whether the earlier values predict the later run.
+  const hasSamples = (name) => page.runs.some((one) => one.name === name && !one.removed);
+  if (![change.from, change.to].every(hasSamples)) return shown(words);
+  const asking = el("p", { class: "soft" }, "Which effect changed: fitting both runs …");
+  const ask = calls.change();
+  ask.then(({ words: said }) => words.replaceChildren(...paragraphs(said)), (failure) => words.append(el("p", { class: "soft" }, `Which effect changed is not known: ${failure.message}.`)));
+  ask.finally(() => asking.remove()).catch(() => {});
+  return shown(words, asking);
 }
 
 // What the day after these runs is expected to show; asked for by hand, as all runs are fitted together.
@@ -143,15 +152,15 @@ function draw({ runs, watched, corrections: entered }, parameter) {
     const shown = wide.slice(0, SAID).map(({ run, ends }) => `${runs[run].run} ${digits(ends)} ${unit}`);
     if (wide.length > SAID) shown.push(`and ${wide.length - SAID} more`);
     if (wide.length) drawn.append(el("p", { class: "soft" }, `Limits that are wider than the picture (few runs were before): ${shown.join("; ")}.`));
-    if (one.next) {
-      const ends = one.next.slice(1);
-      const mean = justified(one.next[0], (ends[1] - ends[0]) / 2);
-      drawn.append(el("p", {}, `Expected of the next run, if the machine stays as it is: ${mean} ${unit}, 95 % interval ${digits(ends)} ${unit}.`));
-    }
     return drawn;
   };
   const note = `Limits are set by the runs before${entered.length ? ", since the last correction (dashed upright line)" : ""}: at most one false alarm in 365 runs over all values together.`;
-  return [of("rms"), parameter ? of(parameter) : null, el("p", { class: "soft" }, note)].filter(Boolean);
+  const degc = runs.map((run) => run.temperature_degc ?? null);
+  const temperature = () => chart({
+    title: "Temperature, mean of all channels", x, dated, range: scaleOf(degc.filter((one) => one != null), [], -Infinity), unit: "°C",
+    marks: dated ? entered.map(({ at_s: at }) => at) : [], label: "temperature", values: degc, limits: [],
+  });
+  return [of("rms"), parameter ? of(parameter) : null, el("p", { class: "soft" }, note), degc.some((one) => one != null) ? temperature() : null].filter(Boolean);
 }
 
 // Runs whose limits are written out.

@@ -1,12 +1,10 @@
-// One run as one story: what is wrong, how large, how sure, what to do; where; which effect; what was added.
+// One run as one story: what is wrong, how large, how sure, what to do; where the model fails; which effect; what was added.
 
 import * as calls from "./calls.js";
 import { el, fold, list, markup, notice, paragraphs, remember, remembered } from "./dom.js";
 
 // Parts of the report under their questions.
-const WHERE = ["places", "spectrum"];
 const DETAILS = [
-  ["maps", "Residual over the rotary axes"],
   ["sweeps", "Residual over single axes"],
   ["polars", "Residual around the turning axis"],
   ["positions", "Measured and predicted places"],
@@ -35,6 +33,7 @@ const measureLink = () => el("p", {}, el("a", { href: "#measure", class: "button
 function parts(page, story) {
   const section = (id) => story.sections.find((part) => part.id === id)?.html;
   const who = el("input", { id: "who", autocomplete: "name", maxlength: "60", value: remembered() });
+  const shown = (id) => section(id) && markup(section(id));
   const detail = ([id, title]) => section(id) && fold(title, () => markup(section(id)));
   return [
     el("h1", {}, story.headline),
@@ -43,12 +42,12 @@ function parts(page, story) {
     el("div", { class: "two" },
       el("section", {}, el("h2", {}, "How sure this is"), list(story.sure)),
       el("section", {}, el("h2", {}, "What to do"), el("ol", { class: "todo" }, story.to_do.map((text) => el("li", {}, text))))),
-    el("section", {}, el("h2", {}, "Which effect, and why"),
+    el("section", { id: "where" }, shown("places"), detail(["maps", "Residual over the rotary axes"]), shown("spectrum")),
+    el("section", { id: "which" }, el("h2", {}, "Which effect, and why"),
       story.candidates.length || story.removable.length ? el("p", { class: "row" }, el("label", {}, "Your name, kept with what you add or remove", who)) : null,
       candidates(page, story, who)),
     el("section", {}, el("h2", {}, "The model: what was added"), ladder(page, story, who), ...chart(section("ladder"))),
-    ...WHERE.map(section).filter(Boolean).map(markup),
-    el("section", {}, el("h2", {}, "Complete?"), list(story.complete.length ? story.complete : ["Nothing was planned that could be missing."])),
+    shown("missing"),
     unseen(story),
     ...DETAILS.map(detail).filter(Boolean),
     fold("By a recipe of the literature", () => methods(page.run)),

@@ -34,7 +34,7 @@ export async function make(page) {
     finish,
     write,
     devices: step("1. Devices", "Every device is connected and sends."),
-    nest: step("2. Directions of the probes", "Known steps of X, Y and Z with the rotary axes at rest tell the direction of each probe. Once after the nest was mounted.",
+    nest: step("2. Directions of the probes", "Known steps of X, Y and Z with the rotary axes at rest show the direction of each probe. Once after the nest was mounted.",
       el("p", { class: "row" }, button("Begin the calibration", calls.beginNest, "main"), finish, write, stop.nest), byHand),
     sign: step("3. Sign test", "Jogs show whether each probe follows as the configuration says, or is turned or exchanged.",
       el("p", { class: "row" }, button("Begin the sign test", calls.beginSignTest, "main"), stop.sign)),

@@ -3,6 +3,8 @@
 import * as calls from "./calls.js";
 import { el, fold, notice, plain } from "./dom.js";
 import { heatMap, nearest, stations } from "./heat-map.js";
+import { falls } from "./falls.js";
+import { overlay } from "./overlay.js";
 import { posesOf } from "./poses.js";
 
 export async function make(page) {
@@ -24,7 +26,9 @@ export async function make(page) {
   };
   const maps = mapsOf(state, atCell);
   const poses = posesOf(state, atPose);
-  const update = () => compute(state, { figure, remark, maps, poses });
+  const bars = falls(state);
+  const curves = overlay(state);
+  const update = () => compute(state, { figure, remark, maps, poses, bars, curves });
   const parts = [
     el("h1", {}, "What if"),
     el("p", {}, "Switch effects on and off: residual and maps follow at once. Nothing is changed in the model."),
@@ -35,8 +39,9 @@ export async function make(page) {
     el("div", { class: "two" },
       choices("Setups", linear.setups.map((setup, i) => ({ text: setup.name, checked: true, value: setup.name, set: (on) => (state.setups[i] = on) })), update),
       choices("Directions", state.directions.map((name, i) => ({ text: name, checked: true, value: name, set: (on) => (state.ways[i] = on) })), update)),
-    el("h2", {}, "Residual, rms"), figure, remark,
+    el("h2", {}, "Residual, rms"), figure, remark, bars.place,
     el("div", { class: "maps" }, maps ? maps.drawn.map((map) => map.figure) : el("p", {}, "No map: fewer than two rotary axes moved.")),
+    curves?.section,
     el("h2", {}, "The selected poses"), poses.said,
     poses.chart, poses.arrows, poses.table,
     fold("Try an expression", () => editor(page)),
@@ -122,6 +127,8 @@ function compute(state, shown) {
     : exact ? `The fit of this set of effects gives ${exact.rms}.`
     : "Several effects at once: each was fitted with the others as they are, so a fit of all of them may give somewhat less.";
   if (shown.maps) drawMaps(state, takes, excluded, shown.maps);
+  shown.bars.draw(rms, chosen);
+  shown.curves?.draw(takes, excluded);
   shown.poses.update(takes);
 }
 

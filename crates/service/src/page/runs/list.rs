@@ -1,27 +1,21 @@
 //! What a list says of a recording: from its header, and from the answers that the service wrote next to it.
 
-use super::super::found::in_short;
-use crate::run_record;
+use crate::found::in_short;
+use crate::kept_story;
+use crate::run_record::{self, Known};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
+use trunnion::cycles::Cycle;
 use trunnion::results::{Diagnosis, Identification, RunFound, RunLine};
 use trunnion_protocol::mtconnect::parse_timestamp;
 
 /// Newest recordings of a folder that are listed.
 const MOST_RUNS: usize = 1000;
 
-/// Name and path of each recording of a folder; the newest where there are too many.
+/// Name and path of each run of a folder; the newest where there are too many. Further parts of a run are no runs of their own.
 pub fn recordings(folder: &Path) -> Vec<(String, PathBuf)> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let plain = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
-    let mut runs: Vec<PathBuf> = plain
-        .map(|entry| entry.path())
-        .filter(|path| path.extension().is_some_and(|ending| ending == "mcap"))
-        .collect();
-    if runs.len() > MOST_RUNS {
-        runs.sort_by_key(|path| path.metadata().and_then(|about| about.modified()).ok());
-        runs.drain(..runs.len() - MOST_RUNS);
-    }
+    let newest_first = Known::read(folder).runs.into_iter().map(|(path, _)| path);
+    let mut runs: Vec<PathBuf> = newest_first.take(MOST_RUNS).collect();
     runs.sort();
     runs.into_iter().map(|path| (name_of(&path), path)).collect()
 }
@@ -54,6 +48,16 @@ pub fn read(name: String, path: &Path) -> RunLine {
         }
         Err(failure) => RunLine { name, trouble: crate::error::chain(&failure), ..RunLine::default() },
     }
+}
+
+/// Name of the cycle of a recording; empty where it is not known.
+pub fn cycle_of(recording: &Path) -> String {
+    let known = run_record::read(recording).map(|record| record.cycle).filter(|cycle| !cycle.is_empty());
+    let of_header = || {
+        let header = trunnion_record::read_header(recording).ok()?;
+        Some(Cycle::parse("recorded cycle", &header.cycle_text).ok()?.name)
+    };
+    known.or_else(of_header).unwrap_or_default()
 }
 
 /// Runs of a folder whose samples were removed: name, where the recording was, when and why.
@@ -97,6 +101,11 @@ fn began_ns(name: &str) -> Option<i64> {
 
 /// What the service found when it was recorded.
 pub fn written(path: &Path) -> Option<RunFound> {
+    kept_story::found_in(path).or_else(|| of_answers(path))
+}
+
+/// The same of the answers that versions without a kept story left.
+fn of_answers(path: &Path) -> Option<RunFound> {
     let fit: Identification = answer(&path.with_extension("identification.json"))?;
     let diagnosis: Diagnosis = answer(&path.with_extension("diagnosis.json"))?;
     Some(in_short(&fit, &diagnosis))

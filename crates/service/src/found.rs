@@ -1,11 +1,13 @@
 //! An analysis in short, for the list of the recordings.
 
-use trunnion::results::{Comparison, Diagnosis, Identification, Parameter, RunFound, sentences::is_location};
+use trunnion::Compared;
+use trunnion::results::{Diagnosis, Identification, Parameter, RunFound, sentences::is_location};
 
 /// An analysis in short.
-pub fn found(compared: &Comparison) -> RunFound {
-    let nothing = Diagnosis::default();
-    in_short(&compared.identification, compared.diagnosis.as_ref().unwrap_or(&nothing))
+pub fn found(compared: &Compared) -> RunFound {
+    let diagnosed = compared.diagnosed();
+    let temperature_degc = diagnosed.fit().experiment().temperature_degc();
+    RunFound { temperature_degc, ..in_short(&diagnosed.fit().results(), &diagnosed.results()) }
 }
 
 /// The same of its parts.
@@ -17,5 +19,6 @@ pub fn in_short(fit: &Identification, diagnosis: &Diagnosis) -> RunFound {
         rms_um: fit.rms_um,
         effects: fit.effects.clone(),
         location_errors: fit.parameters.iter().filter(location).cloned().collect(),
+        temperature_degc: None,
     }
 }

@@ -1,0 +1,83 @@
+//! The story of an analysis, `NAME.story.jsonl` next to its report: what it is of, and the story.
+//!
+//! The page shows it at once, instead of analysing a second time, as long as recordings, model and program are what they were.
+
+use crate::error::{ServiceError, chain};
+use crate::found::found;
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
+use tracing::warn;
+use trunnion::Compared;
+use trunnion::page::label;
+use trunnion::results::{RunFound, to_json_line};
+
+const ENDING: &str = "story.jsonl";
+
+/// The first line: what the story is of, and the analysis in short.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    of: Of,
+    found: RunFound,
+}
+
+/// What a story is of.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Of {
+    /// The program that analysed.
+    program: String,
+    /// Length and time of writing of every file of the run; none where one is gone.
+    files: Vec<Option<(u64, u128)>>,
+    /// Text of the model that judged.
+    model: String,
+}
+
+impl Of {
+    fn now(files: &[PathBuf], model: &str) -> Self {
+        Self { program: label(), files: files.iter().map(|file| stamp(file)).collect(), model: model.into() }
+    }
+}
+
+fn stamp(file: &Path) -> Option<(u64, u128)> {
+    let about = file.metadata().ok()?;
+    Some((about.len(), about.modified().ok()?.duration_since(UNIX_EPOCH).ok()?.as_nanos()))
+}
+
+/// Keeps the story of an analysis of these files, and the analysis in short.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(recording: &Path, files: &[PathBuf], compared: &Compared) -> Result<(), ServiceError> {
+    let of = Of::now(files, compared.diagnosed().fit().model().text());
+    let head = Head { of, found: found(compared) };
+    let text = format!("{}{}", to_json_line(&head)?, to_json_line(&compared.story())?);
+    Ok(trunnion::files::write_whole(&recording.with_extension(ENDING), &text)?)
+}
+
+/// The kept story of these files by this model, as it was written; `None` where there is none, or it is of others.
+pub fn read(recording: &Path, files: &[PathBuf], model: &str) -> Option<String> {
+    let path = recording.with_extension(ENDING);
+    let mut text = std::fs::read_to_string(&path).ok()?;
+    let (head, story) = text.split_once('\n')?;
+    let head_now = head_of(&path, head)?;
+    // A file that was cut does not end its line.
+    let whole = head_now.of == Of::now(files, model) && story.ends_with('\n');
+    let begins = head.len() + 1;
+    whole.then(|| text.split_off(begins))
+}
+
+/// The analysis in short, of whatever recordings it was; `None` where nothing is kept.
+pub fn found_in(recording: &Path) -> Option<RunFound> {
+    let path = recording.with_extension(ENDING);
+    let mut head = String::new();
+    BufReader::new(File::open(&path).ok()?).read_line(&mut head).ok()?;
+    Some(head_of(&path, &head)?.found)
+}
+
+fn head_of(path: &Path, line: &str) -> Option<Head> {
+    serde_json::from_str(line)
+        .inspect_err(|error| warn!(error = chain(error), file = %path.display(), "this story is not taken"))
+        .ok()
+}
