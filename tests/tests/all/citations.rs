@@ -324,7 +324,7 @@ fn is_markdown(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "md")
 }
 
-/// Every `.rs`, `.md` and `.toml` file below `root`, its path relative to it.
+/// Every `.rs`, `.md`, `.toml` and `.js` file below `root` that was written here, its path relative to it.
 pub fn files(root: &Path) -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
     let mut folders = vec![root.to_path_buf()];
@@ -336,7 +336,9 @@ pub fn files(root: &Path) -> Vec<(PathBuf, String)> {
                 if !name.starts_with('.') && name != "target" {
                     folders.push(path);
                 }
-            } else if matches!(path.extension().and_then(|e| e.to_str()), Some("rs" | "md" | "toml")) {
+            } else if matches!(path.extension().and_then(|e| e.to_str()), Some("rs" | "md" | "toml" | "js"))
+                && !name.ends_with(".min.js")
+            {
                 let relative = path.strip_prefix(root).unwrap().to_path_buf();
                 files.push((relative, std::fs::read_to_string(&path).unwrap()));
             }

@@ -1,10 +1,12 @@
-//! What users read has the words of docs/glossary.md: literals of the crates, documents, comments of the configuration.
+//! What users read has the words of docs/glossary.md: literals of the crates and of the page's scripts, documents, comments of the configuration.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod javascript;
 mod passages;
 
 use crate::citations::{ROOT, files};
+use javascript::of_javascript;
 use passages::{Passage, of_markdown, of_rust, of_toml};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -123,6 +125,7 @@ fn a_replaced_word_is_found() {
         hits.map(|hit| format!("{} {}: {}", hit.line, hit.pattern, hit.text)).collect()
     };
     let source = "crates/effects/src/a.rs";
+    let script = "crates/service/src/page/assets/a.js";
     for (path, right) in [
         (source, "// It is told.\nlet told = \"reported\"; /* told */"),
         (source, "/// told\n#[expect(dead_code, reason = \"told\")]\nfn a<'a>(b: &'a str) {}"),
@@ -136,6 +139,7 @@ fn a_replaced_word_is_found() {
         ("docs/README.md", "| adequate |\n|---|\n| enough |"),
         ("config/a.toml", "told = \"told\" # reported"),
         ("tests/a.rs", "\"told\""),
+        (script, "// told\nconst told = `It ${told(`is ${\"said\"}`)} ends.`; /* told */"),
     ] {
         assert_eq!(found(path, right), [""; 0], "{right}");
     }
@@ -146,6 +150,9 @@ fn a_replaced_word_is_found() {
         (source, "#[cfg(test)]\nmod tests;\nconst A: &str = \"Befallen.\";", "3 befall*: Befallen."),
         (source, "'\"'; \"enough\"", "1 enough: enough"),
         (source, "use clap::Args;\n/// It\n/// tells.", "3 tells: It tells."),
+        (script, "\n\"It is told.\"", "2 told: It is told."),
+        (script, "a(`It ${b(\"} tells\")} ends.`)", "1 tells: } tells"),
+        (script, "`Many ${of} are\nalike`", "2 alike: Many {} are alike"),
         ("docs/README.md", "The error\nleft is 3.", "1 error left: The error left is 3."),
         ("docs/README.md", "| enough |\n|---|\n| 1 |", "1 enough: enough"),
         ("config/a.toml", "a = \"#\" # no\n# patience", "2 patience: no patience"),
@@ -165,6 +172,7 @@ fn passages(path: &str, text: &str) -> Vec<Passage> {
     let is_source = (below("crates") || below("hil-sim")) && path.contains("/src/") && !is_test;
     match Path::new(path).extension().and_then(|extension| extension.to_str()) {
         Some("rs") if is_source => of_rust(text),
+        Some("js") if is_source => of_javascript(text),
         Some("md") if below("docs") || top.contains(&path) => of_markdown(text),
         Some("toml") if below("config") => of_toml(text),
         _ => Vec::new(),

@@ -23,7 +23,7 @@ pub struct Word {
 
 impl Passage {
     /// Words of `text`, each with its line.
-    fn new(lines: &[(usize, &str)]) -> Self {
+    pub fn new(lines: &[(usize, &str)]) -> Self {
         let words = lines.iter().flat_map(|&(line, text)| {
             text.split_whitespace().map(move |word| {
                 let bare = word.trim_matches(|c: char| !c.is_alphanumeric()).to_lowercase();
