@@ -152,7 +152,11 @@ struct Place {
 }
 
 fn index(journal: &Path) -> Result<(RunHeader, Contents), RecordError> {
-    let file = File::open(journal).map_err(RecordError::io("open", journal))?;
+    let file = File::open(journal).map_err(|source| match source.kind() {
+        // Nobody brings it back.
+        std::io::ErrorKind::NotFound => RecordError::Gone { path: journal.into() },
+        _ => RecordError::io("open", journal)(source),
+    })?;
     let bytes = file.metadata().map_err(RecordError::io("look at", journal))?.len();
     let mut header = None;
     let mut contents = Contents { bytes, ..Contents::default() };
@@ -347,9 +351,5 @@ fn free_path(finished: &Path, may_rename: bool) -> Result<PathBuf, RecordError> 
 }
 
 pub fn sync_folder(path: &Path) -> Result<(), RecordError> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    File::open(folder).and_then(|folder| folder.sync_all()).map_err(RecordError::io("sync", folder))
+    crate::journal::sync_folder(path).map_err(RecordError::io("sync the folder of", path))
 }

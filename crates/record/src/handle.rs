@@ -4,6 +4,7 @@
 
 use crate::error::RecordError;
 use crate::item::Item;
+use crate::syncs::Syncs;
 use crate::writer::{Finished, Recorder};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
@@ -14,8 +15,6 @@ use trunnion_core::{Clock, Gap, HostTime};
 
 /// How often waiting batches are looked at when nothing arrives.
 const IDLE: Duration = Duration::from_millis(20);
-/// Time between two fdatasync calls.
-const SYNC: Duration = Duration::from_secs(1);
 /// Time between attempts to finish a file that the disk refuses: rewriting reads the whole journal.
 const AGAIN: Duration = Duration::from_secs(10);
 
@@ -30,6 +29,10 @@ pub struct RecorderStatus {
     pub failing: Option<String>,
     /// Most items that ever waited in the queue.
     pub most_waiting: u64,
+    /// Odd while the recorder works, even while it waits; one that stays odd for long hangs.
+    pub turn: u64,
+    /// Longest time for which samples were accepted and not on the disk: what a power cut would have cost at the worst moment.
+    pub at_risk: Duration,
 }
 
 /// Sends items to the writing thread; clone one for each source.
@@ -40,11 +43,20 @@ pub struct RecordSender {
     waiting: Arc<Waiting>,
 }
 
-/// Fill of the queue.
+/// Fill of the queue, and the turns of the thread that empties it.
 #[derive(Default)]
 struct Waiting {
     now: AtomicU64,
     most: AtomicU64,
+    /// Odd while the thread works.
+    turn: AtomicU64,
+}
+
+impl Waiting {
+    /// The thread goes on from waiting to working, or back.
+    fn turn(&self) {
+        self.turn.fetch_add(1, Ordering::Relaxed);
+    }
 }
 
 /// The writing thread.
@@ -98,6 +110,7 @@ impl RecordSender {
         let mut status = shared.status.clone();
         status.lost_samples += shared.overflow_samples;
         status.most_waiting = self.waiting.most.load(Ordering::Relaxed);
+        status.turn = self.waiting.turn.load(Ordering::Relaxed);
         status
     }
 
@@ -184,9 +197,11 @@ fn record(
     waiting: &Waiting,
     clock: &dyn Clock,
 ) -> Result<Finished, RecordError> {
-    let mut synced = clock.now();
+    let mut syncs = Syncs::begin(clock.now());
     let at_most = loop {
-        match orders.recv_timeout(IDLE) {
+        let order = orders.recv_timeout(IDLE);
+        waiting.turn();
+        match order {
             Ok(Order::Record(item, arrival)) => {
                 waiting.now.fetch_sub(1, Ordering::Relaxed);
                 recorder.append(*item, arrival);
@@ -196,13 +211,16 @@ fn record(
             Err(RecvTimeoutError::Disconnected) => break Duration::ZERO,
         }
         write_overflow(&mut recorder, shared, clock);
-        if clock.now() - synced >= SYNC {
-            synced = clock.now();
-            if let Err(error) = recorder.sync(synced) {
-                tracing::warn!("{error}");
-            }
+        if syncs.is_due(clock.now()) {
+            let began = clock.now();
+            let synced = recorder.sync(began);
+            syncs.done(began, clock.now(), synced.err());
+            lock(shared).status.at_risk = syncs.at_risk();
         }
+        waiting.turn();
     };
+    // From here on nothing more comes in: rewriting takes as long as it takes, and nobody waits for its turn.
+    waiting.turn();
     let asked = clock.now();
     let waits = || clock.now() - asked < at_most && !lock(shared).gives_up;
     write_overflow(&mut recorder, shared, clock);

@@ -41,12 +41,19 @@ pub type Opened = (Box<dyn JournalFile>, Box<dyn Fn() -> io::Result<()> + Send>)
 /// How journals are opened; tests put a full disk here.
 pub type OpenJournal = Box<dyn FnMut(&Path) -> io::Result<Opened> + Send>;
 
-/// Creates a new file and locks it. Bringing it to the disk also looks whether it is still there: `NotFound` when it is not.
+/// Creates a new file that is there after a power cut, and locks it. Bringing it to the disk also looks whether it is still there: `NotFound` when it is not.
 pub fn open_locked(path: &Path) -> io::Result<Opened> {
     let file = File::options().write(true).create_new(true).open(path)?;
     file.try_lock()?;
+    sync_folder(path)?;
     let (same, path) = (file.try_clone()?, path.to_owned());
     Ok((Box::new(file), Box::new(move || same.sync_data().and_then(|()| in_place(&same, &path)))))
+}
+
+/// Brings the name of a file to the disk.
+pub fn sync_folder(file: &Path) -> io::Result<()> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    File::open(folder)?.sync_all()
 }
 
 /// A file that was removed, or whose folder was, takes what is written to it without a word. Only a file without a name that is

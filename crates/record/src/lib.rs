@@ -24,6 +24,7 @@ mod reader;
 mod rows;
 mod schema;
 mod scrub;
+mod syncs;
 mod whole_run;
 mod wire;
 mod writer;

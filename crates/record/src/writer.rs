@@ -12,6 +12,7 @@ mod tests;
 use crate::error::RecordError;
 use crate::item::{Item, RunHeader};
 use crate::journal::{JOURNAL_ENDING, Journal, OpenJournal, open_locked, wall_time};
+use crate::syncs;
 use crate::wire;
 use crate::wire::{Encoded, Topic};
 use batches::Batches;
@@ -22,7 +23,7 @@ use std::time::Duration;
 use trunnion_core::{AxisSample, Event, Gap, HostTime, ProbeSample};
 
 /// Longest time a sample waits for its batch to fill.
-const BATCH_AGE: Duration = Duration::from_millis(40);
+const BATCH_AGE: Duration = syncs::PERIOD;
 /// Shortest time between two samples for viewers, s.
 const PLOT_STEP_S: f64 = 0.01;
 /// Time between attempts to open a new file after a failure.
@@ -137,12 +138,13 @@ impl Recorder {
         self.write_batches(|arrival| now - arrival >= BATCH_AGE, now);
     }
 
-    /// Brings everything written to the disk (0.1–40 ms): not from the thread that acquires. A journal that is not there any more is
-    /// over, and what was in it is lost, with a gap in the next.
+    /// Brings everything that was taken to the disk (0.1–40 ms): not from the thread that acquires. A journal that is not there any
+    /// more is over, and what was in it is lost, with a gap in the next.
     ///
     /// # Errors
     /// When the disk refuses; recording goes on.
     pub fn sync(&mut self, now: HostTime) -> Result<(), RecordError> {
+        self.write_batches(|_| true, now);
         match self.journal.as_ref().map_or(Ok(()), Journal::sync) {
             Err(error @ RecordError::Gone { .. }) => {
                 self.gone(error, now);
@@ -189,7 +191,6 @@ impl Recorder {
 
     /// Ends the journals. What cannot be written even now is lost, and counted in a gap of the finished file.
     pub(crate) fn close(mut self, now: HostTime) -> Closed {
-        self.write_batches(|_| true, now);
         if let Err(error) = self.sync(now) {
             tracing::warn!("{}", error.chain());
         }

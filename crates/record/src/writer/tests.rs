@@ -1,3 +1,7 @@
+//! Disks that are full, and a computer that loses its power.
+
+mod power;
+
 use super::*;
 use crate::reader::read_run;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -102,6 +106,16 @@ fn a_disk_that_stays_full_leaves_a_gap_in_what_was_finished() {
     assert!(finished.lost_samples > 1000 && gap.reason.contains("no storage space"), "{gap:?}");
     let last_s = read.probe_samples.last().unwrap().time_s;
     assert!(gap.from_s >= last_s && gap.to_s > 1.9, "{gap:?} after {last_s}");
+}
+
+#[test]
+fn a_journal_that_vanishes_after_its_last_sync_is_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorder = Recorder::create(folder.path(), "r", &blank_header()).unwrap();
+    let mut closed = recorder.close(HostTime(0));
+    std::fs::remove_file(folder.path().join("r.mcap.active")).unwrap();
+    let error = closed.finish().unwrap_err();
+    assert!(matches!(error, RecordError::Gone { .. }) && !error.may_pass(), "{error}");
 }
 
 fn blank_header() -> RunHeader {

@@ -9,6 +9,7 @@ use trunnion_record::RunHeader;
 mod b5r;
 mod damage;
 mod full_disk;
+mod full_rate;
 mod gone_folder;
 mod kill;
 mod on_the_fly;
