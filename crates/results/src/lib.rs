@@ -45,6 +45,7 @@ mod setting_up;
 mod spectrum;
 mod story;
 mod time_quality;
+mod topics;
 mod volumetric;
 mod written;
 
@@ -113,6 +114,7 @@ pub use story::{
     Fact, RunFound, RunLine, RunList, RunListFormat, Story, StoryCandidate, StoryFormat, StorySection,
 };
 pub use time_quality::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
+pub use topics::{Published, SamplesRemoved, StorageNow, StorageState};
 pub use volumetric::{
     Datum, ErrorAt, ErrorMap, ErrorMapFormat, Unseen, Volumetric, VolumetricFormat, VolumetricValue,
 };

@@ -4,8 +4,8 @@ use crate::{
     Added, AxisErrors, Check, Comparison, Correction, CorrectionJudged, DayForecast, Demo, DevicesChecked,
     DevicesFound, Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported, Joined, Ladder,
     Linear, Live, MachineHistory, MethodList, NcProgram, NestCalibrated, PageStatus, Plan, Prediction,
-    Preview, Removed, Report, RunList, RunRecord, Scrubbed, ServiceStatus, SetUpState, SignTest, Simulation,
-    Story, TimeQuality, Trial, Volumetric, to_json,
+    Preview, Removed, Report, RunList, RunRecord, SamplesRemoved, Scrubbed, ServiceStatus, SetUpState,
+    SignTest, Simulation, StorageNow, Story, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -50,6 +50,8 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("forecast", schema_for!(DayForecast)),
         ("history", schema_for!(MachineHistory)),
         ("status", schema_for!(ServiceStatus)),
+        ("storage", schema_for!(StorageNow)),
+        ("samples-removed", schema_for!(SamplesRemoved)),
         ("sign-test", schema_for!(SignTest)),
         ("set-up", schema_for!(SetUpState)),
         ("methods", schema_for!(MethodList)),

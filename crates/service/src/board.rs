@@ -5,10 +5,11 @@ use crate::operator::Operator;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::watch;
+use trunnion::results::Published;
 use trunnion_core::Clock;
 
 /// Topics of the present, which a service that has stopped has not.
-const OF_THE_PRESENT: [&str; 5] = ["status", "cycle", "live", "ready", "storage"];
+const OF_THE_PRESENT: [&str; 6] = ["status", "cycle", "live", "ready", "storage", "set-up"];
 
 /// Latest value of each topic, shared with who shows them.
 #[derive(Clone, Default)]
@@ -42,6 +43,14 @@ impl Board {
         let topic_value = Topic { payload: value.to_string(), stamped: stamped(value), sent: false };
         self.lock().insert(topic.into(), topic_value);
         self.shared.changes.send_modify(|changes| *changes += 1);
+    }
+
+    /// Sets the value of a topic whose form is known.
+    pub fn publish<T: Published>(&self, value: &T) {
+        match serde_json::to_value(value) {
+            Ok(value) => self.set(T::TOPIC, &value),
+            Err(failure) => tracing::error!(%failure, "the topic {} is no JSON", T::TOPIC),
+        }
     }
 
     /// The present value of every topic, as text.
@@ -109,4 +118,25 @@ fn stamped(value: &serde_json::Value) -> String {
         fields.insert("version".into(), env!("CARGO_PKG_VERSION").into());
     }
     value.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn what_is_of_the_present_is_offline_in_the_end_and_what_was_found_stays() {
+        let board = Board::default();
+        for topic in OF_THE_PRESENT {
+            board.set(topic, &json!({ "state": "good" }));
+        }
+        board.set("result", &json!({ "run": "a" }));
+        let words: BTreeMap<String, String> = board.farewell().into_iter().collect();
+        for topic in OF_THE_PRESENT {
+            assert!(words[topic].contains("\"state\":\"offline\""), "{topic}: {}", words[topic]);
+            assert!(words[topic].contains("\"reason\":\"stopped\""), "{topic}: {}", words[topic]);
+        }
+        assert!(words["result"].contains("\"run\":\"a\""), "{}", words["result"]);
+    }
 }

@@ -78,7 +78,7 @@ pub async fn serve_on(
     analyst: Analyst,
 ) -> Result<(), ServiceError> {
     // What cannot be written yet may be a disk that is not mounted: each cycle tries, and says what is wrong.
-    let _folder = match FolderLock::take(&config.recordings) {
+    let lock = match FolderLock::take(&config.recordings) {
         Ok(lock) => Some(lock),
         Err(held @ LockError::Held { .. }) => return Err(held.into()),
         Err(refused) => {
@@ -105,6 +105,8 @@ pub async fn serve_on(
     let live = Live::start(config.devices.clone(), bounds, clock.clone(), cancel.clone());
     let set_up = SetUp::new(&board, cycles.first().map(|choice| &choice.plan));
     let set_up = set_up.writing(config.file.clone(), clock.clone(), live.latest().clone());
+    // No step is under way: a broker may hold one of a service that was lost.
+    set_up.stop();
     let mut live = live.led_by(board.operator()).setting_up(&set_up);
     if let Some(first) = cycles.first() {
         live.latest().set_mounted(Mounted::of(&first.plan));
@@ -114,12 +116,8 @@ pub async fn serve_on(
     let status = tokio::spawn(status);
     let latest = live.latest().clone();
     let shown = tokio::spawn(publish_live(latest, cycles.needed(), board.clone(), cancel.clone()));
-    let disk = Disk {
-        storage: Storage::new(&config.recordings, config.storage, config.analysis.tries),
-        latest: live.latest().clone(),
-        board: board.clone(),
-        clock: clock.clone(),
-    };
+    let storage = Storage::new(&config.recordings, config.storage, config.analysis.tries);
+    let disk = Disk::new(storage, lock, live.latest().clone(), board.clone(), clock.clone());
     let watched = tokio::spawn(disk.clone().watch(cancel.clone()));
     let page = match &config.page {
         Some(place) => {
@@ -249,7 +247,7 @@ async fn measure(
     match measure_cycle(&run, live, start, &mut progress).await {
         Ok(unfinished) => {
             let Measured { points, reason, gaps, .. } = &unfinished.measured;
-            let measured = json!({ "recording": unfinished.path.display().to_string(),
+            let measured = json!({ "recording": run_record::file_name(&unfinished.path),
                 "ended": format!("{reason:?}"), "read": points.read, "unsettled": points.unsettled,
                 "missing": points.missing, "gaps": gaps.len() });
             states.go_on(CycleState::Analysing, &name, measured);
@@ -285,7 +283,7 @@ async fn finish_and_report(
         }
         Err(failure) => {
             error!(run = name, "the recording cannot be finished: {}", chain(&failure));
-            analyses.tell_failure(&name, &chain(&failure));
+            analyses.report_failure(&name, &chain(&failure));
         }
     }
 }

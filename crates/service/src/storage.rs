@@ -7,15 +7,25 @@ mod config;
 mod lock;
 mod retention;
 mod space;
+mod today;
 
 pub use config::StorageConfig;
 pub use lock::{FolderLock, LockError};
 pub use retention::Removed;
 pub use space::{Need, Room};
+pub use today::{Today, WallClock};
 
-use retention::{Stored, to_remove};
+use retention::{Stored, doubt, to_remove};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+
+/// What came of tidying.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tidied {
+    /// What went.
+    pub removed: Vec<Removed>,
+    /// Why nothing goes at present, for a person.
+    pub doubt: Option<String>,
+}
 
 /// The folder of the recordings.
 #[derive(Clone, Debug)]
@@ -31,6 +41,11 @@ impl Storage {
         Self { folder: folder.into(), config, tries }
     }
 
+    /// Where it is.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// Free, MB.
     ///
     /// # Errors
@@ -43,35 +58,42 @@ impl Storage {
     ///
     /// # Errors
     /// When the system does not say how much is free.
-    pub fn room(&self, need: Need, now: SystemTime) -> std::io::Result<(Room, Vec<Removed>)> {
+    pub fn room(&self, need: Need, today: Today) -> std::io::Result<(Room, Tidied)> {
         let wanted_mb = need.mb() + self.config.keep_free_mb;
-        let removed = match self.free_mb()? < wanted_mb {
-            true => self.remove(wanted_mb, now)?,
-            false => Vec::new(),
+        let tidied = match self.free_mb()? < wanted_mb {
+            true => self.remove(wanted_mb, today)?,
+            false => Tidied::default(),
         };
-        Ok((Room::of(self.free_mb()?, need, self.config.keep_free_mb), removed))
+        Ok((self.room_for(need)?, tidied))
+    }
+
+    /// Whether there is room for a cycle; for none with [`Need::NOTHING`].
+    ///
+    /// # Errors
+    /// When the system does not say how much is free.
+    pub fn room_for(&self, need: Need) -> std::io::Result<Room> {
+        Ok(Room::of(self.free_mb()?, need, self.config.keep_free_mb))
     }
 
     /// Removes what is beyond budget and age.
     ///
     /// # Errors
     /// When the system does not say how much is free.
-    pub fn tidy(&self, now: SystemTime) -> std::io::Result<Vec<Removed>> {
-        match (self.config.budget_mb, self.config.keep) {
-            (None, None) => Ok(Vec::new()),
-            _ => self.remove(0.0, now),
-        }
+    pub fn tidy(&self, today: Today) -> std::io::Result<Tidied> {
+        self.remove(0.0, today)
     }
 
     /// A person allows removal by a budget or an age; without either, nothing goes.
-    fn remove(&self, wanted_mb: f64, now: SystemTime) -> std::io::Result<Vec<Removed>> {
+    fn remove(&self, wanted_mb: f64, today: Today) -> std::io::Result<Tidied> {
         if self.config.budget_mb.is_none() && self.config.keep.is_none() {
-            return Ok(Vec::new());
+            return Ok(Tidied::default());
         }
         let stored = Stored::read(&self.folder, self.tries);
         let missing_mb = (wanted_mb - self.free_mb()?).max(0.0);
-        let going = to_remove(&stored, &self.config, missing_mb, now);
-        Ok(going.into_iter().filter_map(|(index, why)| stored[index].remove(&why, now)).collect())
+        let going = to_remove(&stored, &self.config, missing_mb, today);
+        let removed =
+            going.into_iter().filter_map(|(index, why)| stored[index].remove(&why, today.wall)).collect();
+        Ok(Tidied { removed, doubt: doubt(&stored, today.wall) })
     }
 }
 
@@ -80,6 +102,7 @@ mod tests {
     use super::config::DAY;
     use super::*;
     use crate::run_record;
+    use std::time::SystemTime;
     use trunnion::results::{RunRecord, RunState};
 
     #[test]
@@ -99,7 +122,7 @@ mod tests {
         }
         std::fs::write(at("a-2.mcap"), vec![0; 1_000_000]).unwrap();
         let config = StorageConfig { budget_mb: Some(2.5), ..StorageConfig::default() };
-        let removed = Storage::new(folder.path(), config, 3).tidy(now).unwrap();
+        let removed = Storage::new(folder.path(), config, 3).tidy(Today::of(now)).unwrap().removed;
         let names: Vec<&str> = removed.iter().map(|removed| removed.run.as_str()).collect();
         // a with its second part, not b, which has no report yet.
         assert_eq!(names, ["a", "c"]);
@@ -110,7 +133,7 @@ mod tests {
         assert!(at("a.html").exists() && at("c.html").exists());
         let why = run_record::read(&at("a.mcap")).unwrap().removed.unwrap();
         assert!(why.starts_with("2024-10-04T00:00:00Z: the recordings took more than 2.5 MB"), "{why}");
-        let nothing = Storage::new(folder.path(), StorageConfig::default(), 3).tidy(now).unwrap();
-        assert_eq!(nothing, []);
+        let nothing = Storage::new(folder.path(), StorageConfig::default(), 3).tidy(Today::of(now)).unwrap();
+        assert_eq!(nothing, Tidied::default());
     }
 }

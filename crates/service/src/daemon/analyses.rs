@@ -76,12 +76,12 @@ impl Analyses {
         let again =
             if tries < most { "it is tried again at the next start" } else { "it is not tried again" };
         error!(run = name, tries, "the analysis failed: {}; {again}", begun.why);
-        self.tell_failure(name, &begun.why);
+        self.report_failure(name, &begun.why);
         self.keep(recording, &RunRecord { state: RunState::Failed, ..begun });
     }
 
     /// A run that has no report.
-    pub(super) fn tell_failure(&self, name: &str, why: &str) {
+    pub(super) fn report_failure(&self, name: &str, why: &str) {
         let state = CycleState::Failed;
         self.board.set("result", &json!({ "state": state.as_str(), "run": name, "why": why }));
         self.states.go_on(state, name, json!({ "why": why }));

@@ -3,14 +3,15 @@
 use crate::board::Board;
 use crate::cycles::Choice;
 use crate::latest::Latest;
-use crate::storage::{Need, Removed, Room, Storage};
-use serde_json::json;
-use std::sync::Arc;
-use std::time::{Duration, SystemTime};
+use crate::storage::{FolderLock, LockError, Need, Removed, Room, Storage, Tidied, WallClock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 use tokio_util::sync::CancellationToken;
-use tracing::{error, warn};
+use tracing::{error, info, warn};
 use trunnion::cycles::Pace;
+use trunnion::results::{SamplesRemoved, StorageNow, StorageState};
 use trunnion_core::Clock;
+use trunnion_record::RecorderStatus;
 
 /// How often the recorder is looked at.
 const LOOK: Duration = Duration::from_secs(1);
@@ -22,13 +23,51 @@ const UNKNOWN_CYCLE_S: f64 = 3600.0;
 /// The disk of the recordings, and who hears of it.
 #[derive(Clone)]
 pub(super) struct Disk {
-    pub(super) storage: Storage,
-    pub(super) latest: Latest,
-    pub(super) board: Board,
-    pub(super) clock: Arc<dyn Clock>,
+    storage: Storage,
+    latest: Latest,
+    board: Board,
+    clock: WallClock,
+    known: Arc<Mutex<Known>>,
+    /// `None` where the folder could not be written at the start.
+    taken: Arc<Mutex<Option<FolderLock>>>,
+}
+
+/// What was found before, and is reported when it changes.
+#[derive(Default)]
+struct Known {
+    /// What the last cycle needed, where that did not fit into what may be used.
+    short: Option<Need>,
+    low: bool,
+    doubt: Option<String>,
 }
 
 impl Disk {
+    pub(super) fn new(
+        storage: Storage,
+        lock: Option<FolderLock>,
+        latest: Latest,
+        board: Board,
+        clock: Arc<dyn Clock>,
+    ) -> Self {
+        let (taken, known) = (Arc::new(Mutex::new(lock)), Arc::default());
+        Self { storage, latest, board, clock: WallClock::start(clock), known, taken }
+    }
+
+    /// Takes the folder again that was removed, or could not be written, and is there now.
+    fn take_again(&self) {
+        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        let folder = self.storage.folder();
+        if !folder.is_dir() || taken.as_ref().is_some_and(FolderLock::is_in_place) {
+            return;
+        }
+        match FolderLock::take(folder) {
+            Ok(again) => *taken = Some(again),
+            Err(held @ LockError::Held { .. }) => error!("two services write there: {held}"),
+            // The recorder says what is wrong with the folder.
+            Err(refused @ LockError::Io { .. }) => tracing::debug!(%refused, "the folder is not locked"),
+        }
+    }
+
     /// Makes room for a cycle.
     ///
     /// # Errors
@@ -36,72 +75,177 @@ impl Disk {
     pub(super) async fn make_room(&self, choice: &Choice) -> Result<(), String> {
         let visits = choice.plan.cycle.visits(&choice.plan.machine, &Pace::default());
         let cycle_s = visits.map_or(UNKNOWN_CYCLE_S, |visits| visits.duration_s);
-        let need = Need { readings_per_s: self.latest.readings_per_s(), cycle_s };
-        let (storage, now) = (self.storage.clone(), self.now());
-        let made = tokio::task::spawn_blocking(move || storage.room(need, now)).await;
-        match made {
-            Ok(Ok((room, removed))) => {
-                self.tell_removed(removed);
-                match room {
-                    Room::Enough => {}
-                    Room::Low { .. } => {
-                        warn!("{room}");
-                        self.board.set("storage", &json!({ "state": "low", "why": room.to_string() }));
-                    }
-                    Room::TooLittle { .. } => return Err(room.to_string()),
-                }
+        self.make_room_for(Need { readings_per_s: self.latest.readings_per_s(), cycle_s }).await
+    }
+
+    async fn make_room_for(&self, need: Need) -> Result<(), String> {
+        let (storage, today) = (self.storage.clone(), self.clock.today());
+        let made = tokio::task::spawn_blocking(move || storage.room(need, today)).await;
+        let room = match made {
+            Ok(Ok((room, tidied))) => {
+                self.report_tidied(tidied);
+                room
             }
             // The recorder says what is wrong with the folder.
-            Ok(Err(error)) => warn!("the free space of the recordings is not known: {error}"),
-            Err(_) => warn!("the free space of the recordings is not known"),
+            Ok(Err(error)) => {
+                warn!("the free space of the recordings is not known: {error}");
+                return Ok(());
+            }
+            Err(_) => {
+                error!("the free space was not looked at; this is a defect of the program");
+                return Ok(());
+            }
+        };
+        self.lock().short = (room != Room::Enough).then_some(need);
+        self.report(&self.latest.recorder().unwrap_or_default()).await;
+        match room {
+            Room::TooLittle { .. } => Err(room.to_string()),
+            Room::Enough | Room::Low { .. } => Ok(()),
         }
-        Ok(())
     }
 
     /// Publishes how the recorder and the disk are until `cancel`, and tidies the folder.
     pub(super) async fn watch(self, cancel: CancellationToken) {
         let mut period = tokio::time::interval(LOOK);
-        let (mut looks, mut failing, mut lost) = (0_u32, None, 0);
+        let (mut looks, mut before, mut set_s) = (0_u32, RecorderStatus::default(), 0.0);
         loop {
             tokio::select! {
                 () = cancel.cancelled() => return,
                 _ = period.tick() => {}
             }
-            let recorder = self.latest.recorder().unwrap_or_default();
-            let is_news = (&recorder.failing, recorder.lost_samples) != (&failing, lost);
-            if is_news || (looks.is_multiple_of(TIDY_EVERY) && failing.is_none()) {
-                (failing, lost) = (recorder.failing, recorder.lost_samples);
-                self.tell(failing.as_deref(), lost).await;
+            let now = self.latest.recorder().unwrap_or_default();
+            let is_news = (&now.failing, now.lost_samples) != (&before.failing, before.lost_samples);
+            let is_set = (self.clock.set_s() - set_s).abs() > WallClock::SET.as_secs_f64();
+            let is_time = looks.is_multiple_of(TIDY_EVERY) && now.failing.is_none();
+            if is_news || is_time || is_set {
+                before = now;
+                let this = self.clone();
+                if tokio::task::spawn_blocking(move || this.take_again()).await.is_err() {
+                    error!("the folder was not locked; this is a defect of the program");
+                }
+                self.tidy().await;
+                self.report(&before).await;
+            }
+            if is_set {
+                set_s = self.clock.set_s();
+                report_set(set_s);
             }
             looks = looks.wrapping_add(1);
         }
     }
 
-    async fn tell(&self, failing: Option<&str>, lost_samples: u64) {
-        let (storage, now) = (self.storage.clone(), self.now());
-        let looked = tokio::task::spawn_blocking(move || (storage.tidy(now), storage.free_mb())).await;
-        let (tidied, free_mb) = match looked {
-            Ok((tidied, free_mb)) => (tidied, free_mb.ok()),
-            Err(_) => return error!("the disk was not looked at; this is a defect of the program"),
+    async fn tidy(&self) {
+        let (storage, today) = (self.storage.clone(), self.clock.today());
+        match tokio::task::spawn_blocking(move || storage.tidy(today)).await {
+            Ok(Ok(tidied)) => self.report_tidied(tidied),
+            Ok(Err(error)) => warn!("the folder of the recordings was not tidied: {error}"),
+            Err(_) => error!("the folder was not tidied; this is a defect of the program"),
+        }
+    }
+
+    /// Publishes the disk: as low while less is free than is to be kept, or than the last cycle would have needed.
+    async fn report(&self, recorder: &RecorderStatus) {
+        let (storage, need) = (self.storage.clone(), self.lock().short.unwrap_or(Need::NOTHING));
+        let look = move || (storage.free_mb(), storage.room_for(need));
+        let Ok((free_mb, room)) = tokio::task::spawn_blocking(look).await else {
+            return error!("the disk was not looked at; this is a defect of the program");
         };
-        match tidied {
-            Ok(removed) => self.tell_removed(removed),
-            Err(error) => warn!("the folder of the recordings was not tidied: {error}"),
+        let short = room.ok().filter(|room| *room != Room::Enough).map(|room| room.to_string());
+        let (state, why) = match (&recorder.failing, short) {
+            (Some(failing), _) => (StorageState::Failing, Some(failing.clone())),
+            (None, Some(short)) => (StorageState::Low, Some(self.report_low(short))),
+            (None, None) => (StorageState::Good, None),
+        };
+        if state == StorageState::Good {
+            let mut known = self.lock();
+            (known.short, known.low) = (None, false);
         }
-        let state = if failing.is_some() { "failing" } else { "good" };
-        let free_mb = free_mb.map(f64::round);
-        let now = json!({ "state": state, "free_mb": free_mb, "why": failing, "lost_samples": lost_samples });
-        self.board.set("storage", &now);
+        let free_mb = free_mb.ok().map(f64::round);
+        let now = StorageNow { state, reason: None, free_mb, why, lost_samples: recorder.lost_samples };
+        self.board.publish(&now);
     }
 
-    fn tell_removed(&self, removed: Vec<Removed>) {
+    /// Why it is low, with what keeps old recordings; logged when it begins.
+    fn report_low(&self, room: String) -> String {
+        let mut known = self.lock();
+        let why = [Some(room), known.doubt.clone()].into_iter().flatten().collect::<Vec<_>>().join("; ");
+        if !std::mem::replace(&mut known.low, true) {
+            warn!("{why}");
+        }
+        why
+    }
+
+    fn report_tidied(&self, Tidied { removed, doubt }: Tidied) {
         for Removed { run, mb, why } in removed {
-            self.board.set("removed", &json!({ "run": run, "mb": mb.round(), "why": why }));
+            self.board.publish(&SamplesRemoved { run, mb: mb.round(), why });
         }
+        let mut known = self.lock();
+        if let Some(why) = doubt.as_ref().filter(|why| known.doubt.as_ref() != Some(why)) {
+            warn!("{why}");
+        }
+        known.doubt = doubt;
     }
 
-    fn now(&self) -> SystemTime {
-        let ns = u64::try_from(self.clock.wall_ns()).unwrap_or(0);
-        SystemTime::UNIX_EPOCH + Duration::from_nanos(ns)
+    fn lock(&self) -> MutexGuard<'_, Known> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The clock was set so far since the service began.
+fn report_set(set_s: f64) {
+    let (days, way) = (set_s.abs() / 86_400.0, if set_s < 0.0 { "back" } else { "forward" });
+    match set_s == 0.0 {
+        true => info!("the clock of the computer is again as it was when the service began"),
+        false => warn!(
+            "the clock of the computer was set {way} by {days:.2} days since the service began: dates of files and reports follow it, \
+             ages of recordings and times of samples do not"
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::SystemClock;
+    use crate::storage::StorageConfig;
+
+    fn disk(folder: &std::path::Path, keep_free_mb: f64) -> (Disk, Board) {
+        let (board, clock): (_, Arc<dyn Clock>) = (Board::default(), Arc::new(SystemClock::start()));
+        let config = StorageConfig { keep_free_mb, ..StorageConfig::default() };
+        let latest = Latest::new(&[], Vec::new(), clock.clone());
+        (Disk::new(Storage::new(folder, config, 3), None, latest, board.clone(), clock), board)
+    }
+
+    fn state(board: &Board) -> (StorageState, String) {
+        let now: StorageNow = serde_json::from_value(board.get("storage").unwrap()).unwrap();
+        (now.state, now.why.unwrap_or_default())
+    }
+
+    #[tokio::test]
+    async fn a_disk_with_less_than_is_to_be_kept_free_is_low_at_every_look() {
+        let folder = tempfile::tempdir().unwrap();
+        let (disk, board) = disk(folder.path(), 1e9);
+        disk.report(&RecorderStatus::default()).await;
+        let (now, why) = state(&board);
+        assert_eq!(now, StorageState::Low);
+        assert!(why.contains("1000000000 are to be kept free"), "{why}");
+        let failing = RecorderStatus { failing: Some("no space".into()), ..RecorderStatus::default() };
+        disk.report(&failing).await;
+        assert_eq!(state(&board), (StorageState::Failing, "no space".into()));
+    }
+
+    #[tokio::test]
+    async fn a_disk_that_a_cycle_found_low_stays_low_until_there_is_room_for_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let (disk, board) = disk(folder.path(), 0.0);
+        let cycle_of = |mb: f64| Need { readings_per_s: mb * 1e6 / 40.0, cycle_s: 1.0 };
+        let refused = disk.make_room_for(cycle_of(1e9)).await.unwrap_err();
+        assert!(refused.contains("it would be cut"), "{refused}");
+        for _ in 0..2 {
+            assert_eq!(state(&board), (StorageState::Low, refused.clone()));
+            disk.report(&RecorderStatus::default()).await;
+        }
+        assert_eq!(disk.make_room_for(cycle_of(0.0)).await, Ok(()));
+        assert_eq!(state(&board), (StorageState::Good, String::new()));
     }
 }

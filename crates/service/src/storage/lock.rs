@@ -2,13 +2,18 @@
 
 use std::fs::{File, TryLockError};
 use std::io::{Read, Seek, Write};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 const NAME: &str = ".trunnion.lock";
 
 /// Held while this process writes into a folder; released with it, however it ends.
 #[derive(Debug)]
-pub struct FolderLock(#[expect(dead_code, reason = "the lock is held by the open file")] File);
+pub struct FolderLock {
+    /// The lock is held by the open file.
+    file: File,
+    path: PathBuf,
+}
 
 /// Why the folder is not ours.
 #[derive(Debug, thiserror::Error)]
@@ -42,7 +47,7 @@ impl FolderLock {
         let refused = |source| LockError::Io { folder: folder.into(), source };
         std::fs::create_dir_all(folder).map_err(refused)?;
         let path = folder.join(NAME);
-        let open = File::options().read(true).write(true).create(true).truncate(false).open(path);
+        let open = File::options().read(true).write(true).create(true).truncate(false).open(&path);
         let mut file = open.map_err(refused)?;
         match file.try_lock() {
             Ok(()) => {}
@@ -61,7 +66,15 @@ impl FolderLock {
         if let Err(error) = note {
             tracing::debug!(%error, "the lock does not name its process");
         }
-        Ok(Self(file))
+        Ok(Self { file, path })
+    }
+
+    /// False where another file, or none, is at its place: the folder was removed and made again, and another process would find no lock.
+    pub fn is_in_place(&self) -> bool {
+        let there = std::fs::metadata(&self.path);
+        self.file
+            .metadata()
+            .is_ok_and(|ours| there.is_ok_and(|there| (ours.dev(), ours.ino()) == (there.dev(), there.ino())))
     }
 }
 
@@ -76,7 +89,13 @@ mod tests {
         let first = FolderLock::take(&folder).unwrap();
         let refused = FolderLock::take(&folder).unwrap_err().to_string();
         assert!(refused.contains(&format!("(process {})", std::process::id())), "{refused}");
-        drop(first);
+        assert!(first.is_in_place());
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert!(!first.is_in_place(), "it is no lock any more");
+        let again = FolderLock::take(&folder).unwrap();
+        assert!(again.is_in_place() && !first.is_in_place());
+        assert!(FolderLock::take(&folder).is_err());
+        drop(again);
         FolderLock::take(&folder).unwrap();
     }
 }

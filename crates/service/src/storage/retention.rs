@@ -1,11 +1,12 @@
 //! Which raw recordings go.
 
 use super::config::{DAY, StorageConfig, mb};
+use super::today::Today;
 use crate::clock::moment;
 use crate::error::chain;
 use crate::run_record::{self, Known, is_pending};
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use trunnion::results::RunRecord;
 
 /// A run whose samples are there.
@@ -69,20 +70,49 @@ impl Stored {
     }
 }
 
+/// Why the dates of the recordings say nothing of their order, for a person: one of them is later than now. The order is that of
+/// the times of the files, and a clock that was set back makes the newest look the oldest.
+pub(super) fn doubt(stored: &[Stored], now: SystemTime) -> Option<String> {
+    let late = stored.iter().find(|run| run.written > now)?;
+    Some(format!(
+        "{} is dated later than now: the clock of the computer was set, and no recording is removed until its date has come or the file is elsewhere",
+        late.recording.display()
+    ))
+}
+
+/// How old each is by every clock that was there; `stored` is in order, the newest first.
+///
+/// Time that lies between two recordings, or between the last and now, counts as none where it is longer than `keep`: a clock that
+/// was set while the service did not run looks the same as a machine that was not measured.
+fn ages(stored: &[Stored], keep: Duration, today: Today) -> Vec<Duration> {
+    let mut later = today.proven();
+    let mut lived = Duration::ZERO;
+    let age = |run: &Stored| {
+        let step = later.duration_since(run.written).unwrap_or_default();
+        later = run.written;
+        lived += if step > keep { Duration::ZERO } else { step };
+        lived.min(today.proven().duration_since(run.written).unwrap_or_default())
+    };
+    stored.iter().map(age).collect()
+}
+
 /// Indices of what goes, with the reason; `stored` is in order, the newest first, which stays.
 pub(super) fn to_remove(
     stored: &[Stored],
     config: &StorageConfig,
     missing_mb: f64,
-    now: SystemTime,
+    today: Today,
 ) -> Vec<(usize, String)> {
+    if doubt(stored, today.wall).is_some() {
+        return Vec::new();
+    }
+    let ages = ages(stored, config.keep.unwrap_or(Duration::MAX), today);
     let mut total_mb: f64 = stored.iter().map(|run| mb(run.bytes)).sum();
     let mut missing_mb = missing_mb;
     let mut going = Vec::new();
     for (index, run) in stored.iter().enumerate().skip(1).rev().filter(|(_, run)| !run.is_pending) {
-        let age = now.duration_since(run.written).unwrap_or_default();
         let why = match (config.keep, config.budget_mb) {
-            (Some(keep), _) if age > keep => {
+            (Some(keep), _) if ages[index] > keep => {
                 format!("it was older than {} days (keep_days of [storage])", keep.div_duration_f64(DAY))
             }
             (_, Some(budget)) if total_mb > budget => {
@@ -117,7 +147,7 @@ mod tests {
     }
 
     fn going(config: StorageConfig, missing_mb: f64, (stored, now): (Vec<Stored>, SystemTime)) -> Vec<usize> {
-        to_remove(&stored, &config, missing_mb, now).into_iter().map(|(index, _)| index).collect()
+        to_remove(&stored, &config, missing_mb, Today::of(now)).into_iter().map(|(index, _)| index).collect()
     }
 
     #[test]
@@ -133,5 +163,33 @@ mod tests {
         assert_eq!(going(budget, 350.0, stored(5, &[])), [4, 3, 2, 1]);
         // A budget that one run exceeds keeps that run.
         assert_eq!(going(StorageConfig { budget_mb: Some(1.0), ..none }, 1e9, stored(1, &[])), [0_usize; 0]);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_ages_nothing() {
+        let config = StorageConfig { keep_free_mb: 0.0, budget_mb: None, keep: Some(DAY.mul_f64(2.5)) };
+        let year = DAY * 365;
+        let going = |stored: &[Stored], wall: SystemTime, set_forward: Duration| {
+            to_remove(stored, &config, 0.0, Today { wall, set_forward })
+                .into_iter()
+                .map(|(index, _)| index)
+                .collect::<Vec<_>>()
+        };
+        let (mut runs, now) = stored(5, &[]);
+        assert_eq!(going(&runs, now, Duration::ZERO), [4, 3]);
+        // While the service runs: what is older goes, and nothing else.
+        assert_eq!(going(&runs, now + year, year), [4, 3]);
+        // Before it began, and it looks like a year without a cycle: what was old enough before goes.
+        assert_eq!(going(&runs, now + year, Duration::ZERO), [4, 3]);
+        // A cycle of the wrong date, with the service that saw the clock being set, and with another.
+        runs[0].written = now + year;
+        assert_eq!(going(&runs, now + year + DAY, year), [4]);
+        assert_eq!(going(&runs, now + year + DAY, Duration::ZERO), [4, 3]);
+        // The clock is right again: which recording is the newest is not known.
+        assert_eq!(going(&runs, now, Duration::ZERO), [0_usize; 0]);
+        let full = StorageConfig { budget_mb: Some(1.0), ..config };
+        assert_eq!(to_remove(&runs, &full, 1e9, Today::of(now)), []);
+        assert!(doubt(&runs, now).unwrap().contains("0.mcap is dated later than now"));
+        assert_eq!(doubt(&runs, now + year), None);
     }
 }

@@ -21,8 +21,14 @@ pub struct Need {
 }
 
 impl Need {
+    /// No cycle is about to begin.
+    pub const NOTHING: Self = Self { readings_per_s: 0.0, cycle_s: 0.0 };
+
     /// On the file system, MB.
     pub fn mb(self) -> f64 {
+        if self == Self::NOTHING {
+            return 0.0;
+        }
         BESIDES_MB + self.readings_per_s * self.cycle_s * BYTES_A_READING / 1e6
     }
 }
@@ -55,7 +61,7 @@ impl Room {
         let need_mb = need.mb();
         match free_mb - need_mb {
             left if left >= keep_free_mb => Self::Enough,
-            left if left >= 0.0 => Self::Low { free_mb, need_mb, keep_free_mb },
+            left if left >= 0.0 || need_mb <= 0.0 => Self::Low { free_mb, need_mb, keep_free_mb },
             _ => Self::TooLittle { free_mb, need_mb },
         }
     }
@@ -65,6 +71,11 @@ impl fmt::Display for Room {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Enough => f.write_str("there is room on the disk"),
+            Self::Low { free_mb, need_mb, keep_free_mb } if *need_mb <= 0.0 => write!(
+                f,
+                "{free_mb:.0} MB of the disk are free and {keep_free_mb:.0} are to be kept free (keep_free_mb of [storage]); \
+                 remove old recordings, or let [storage] do it (budget_mb, keep_days)"
+            ),
             Self::Low { free_mb, need_mb, keep_free_mb } => write!(
                 f,
                 "{free_mb:.0} MB of the disk are free, the cycle needs about {need_mb:.0} and {keep_free_mb:.0} are to be kept free; \

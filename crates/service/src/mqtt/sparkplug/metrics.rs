@@ -4,7 +4,7 @@ use crate::board::Board;
 use crate::plant::{PlantView, topic};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use trunnion::results::{DeviceNow, Live};
+use trunnion::results::{DeviceNow, Live, Published, StorageNow};
 
 /// Metrics by name.
 pub type Metrics = BTreeMap<String, Metric>;
@@ -68,7 +68,7 @@ fn is_connected(device: &DeviceNow) -> bool {
     matches!(device.state.as_str(), "Streaming" | "Stuck")
 }
 
-/// What of the topics `cycle`, `ready` and `storage` is shown.
+/// What of the topics `cycle` and `ready` is shown.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Cycle {
@@ -85,15 +85,6 @@ struct Cycle {
 struct Ready {
     ready: Option<bool>,
     why: Vec<String>,
-}
-
-#[derive(Default, Deserialize)]
-#[serde(default)]
-struct Storage {
-    state: Option<String>,
-    why: Option<String>,
-    free_mb: Option<f64>,
-    lost_samples: Option<i64>,
 }
 
 fn node(plant: &PlantView, board: &Board) -> Metrics {
@@ -119,11 +110,12 @@ fn node(plant: &PlantView, board: &Board) -> Metrics {
         list.text(&format!("Health/{name}/State"), Some(part.state.as_str().into()));
         list.text(&format!("Health/{name}/Why"), Some(part.why));
     }
-    let storage: Storage = topic(board, "storage").unwrap_or_default();
-    list.text("Storage/State", storage.state);
-    list.text("Storage/Why", storage.why);
-    list.number("Storage/Free", storage.free_mb, "MB");
-    list.count("Storage/Lost samples", storage.lost_samples);
+    let storage: Option<StorageNow> = topic(board, StorageNow::TOPIC);
+    let of_storage = storage.as_ref();
+    list.text("Storage/State", of_storage.map(|storage| storage.state.as_str().into()));
+    list.text("Storage/Why", of_storage.and_then(|storage| storage.why.clone()));
+    list.number("Storage/Free", of_storage.and_then(|storage| storage.free_mb), "MB");
+    list.count("Storage/Lost samples", of_storage.and_then(|storage| storage.lost_samples.try_into().ok()));
     result(&mut list, plant);
     list.0
 }
