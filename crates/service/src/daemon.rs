@@ -11,6 +11,7 @@ mod report;
 mod resume;
 mod states;
 mod status;
+mod watchdog;
 
 pub use crate::clock::{day, file_stamp, moment};
 pub use crate::error::ServiceError;
@@ -119,6 +120,7 @@ pub async fn serve_on(
     let storage = Storage::new(&config.recordings, config.storage, config.analysis.tries);
     let disk = Disk::new(storage, lock, live.latest().clone(), board.clone(), clock.clone());
     let watched = tokio::spawn(disk.clone().watch(cancel.clone()));
+    let pinged = tokio::spawn(watchdog::watch(live.latest().clone(), clock.clone(), cancel.clone()));
     let page = match &config.page {
         Some(place) => {
             let analyst = PageAnalyst::new(analyses.analyst.clone(), analyses.limits, clock.clone());
@@ -169,6 +171,7 @@ pub async fn serve_on(
     for (task, what) in [
         (Some(status), "status"),
         (watched, "disk"),
+        (Some(pinged), "watchdog"),
         (shown, "live values"),
         (page, "page"),
         (adapter, "MTConnect adapter"),

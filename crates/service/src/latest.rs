@@ -13,6 +13,7 @@ pub use readiness::{NotReady, Readiness};
 use channel::ChannelValues;
 use rate::Rate;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::watch;
 use trunnion::Machine;
@@ -62,6 +63,17 @@ pub struct Latest {
     channels: Arc<[Channel]>,
     states: Vec<watch::Receiver<DeviceStatus>>,
     clock: Arc<dyn Clock>,
+    /// Of the loop that takes them: odd while it works, even while it waits.
+    turn: Arc<AtomicU64>,
+}
+
+/// The loop that takes values waits; it works again when this is dropped.
+pub struct Turn(Arc<AtomicU64>);
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
 }
 
 /// What the configuration says of a device.
@@ -102,7 +114,21 @@ impl Latest {
             channels: channels.into(),
             states,
             clock,
+            turn: Arc::default(),
         }
+    }
+
+    /// The loop that takes values waits until this is dropped.
+    pub fn waits(&self) -> Turn {
+        // One loop alone counts.
+        let turn = Turn(self.turn.clone());
+        turn.0.store((turn.0.load(Ordering::Relaxed) | 1) + 1, Ordering::Relaxed);
+        turn
+    }
+
+    /// Odd while the loop works, even while it waits.
+    pub fn turn(&self) -> u64 {
+        self.turn.load(Ordering::Relaxed)
     }
 
     /// From now on the place of the ball is known from the probes.

@@ -135,6 +135,7 @@ impl Live {
             if let Some(start) = self.next.take() {
                 return Some(start);
             }
+            let waits = self.latest.waits();
             let message = tokio::select! {
                 biased;
                 () = self.cancel.cancelled() => return None,
@@ -145,6 +146,7 @@ impl Live {
                 }
                 message = self.acquisition.messages.recv() => message?,
             };
+            drop(waits);
             self.latest.take(&message);
             let timed = self.timebase.translate(&message);
             self.note_channel(timed.as_ref());
@@ -200,6 +202,7 @@ impl Live {
         let mut shown = None;
         while measurement.forming.ended().is_none() {
             let messages = &mut self.acquisition.messages;
+            let waits = self.latest.waits();
             let message = tokio::select! {
                 biased;
                 () = self.cancel.cancelled() => None,
@@ -215,6 +218,7 @@ impl Live {
                     }
                 },
             };
+            drop(waits);
             measurement.most_waiting = measurement.most_waiting.max(messages.len() + 1);
             let Some(message) = message else {
                 measurement.finish(EndReason::Stopped, self.clock.now());

@@ -4,12 +4,18 @@ use super::Fault;
 use super::losses::gaps_and_silent_losses;
 use crate::broker::Broker;
 use crate::shop::{self, Floor, Service, files, floor, journal, record, until};
+use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, SystemTime};
 use trunnion::results::RunRecord;
+use trunnion_core::HostTime;
+use trunnion_cycles::RunKind;
 use trunnion_hil_sim::devices;
 use trunnion_hil_sim::devices::cell::Cell;
 use trunnion_hil_sim::scenario::Pace;
+use trunnion_record::{Recorder, RunHeader};
 
 /// A journal of this size holds a second of three probes at 1 kHz.
 const BEGUN: u64 = 100_000;
@@ -22,6 +28,8 @@ pub struct Bench {
     pub service: Option<Service>,
     pub broker: Broker,
     cell: Cell,
+    /// What systemd would have heard and nobody took.
+    systemd: Arc<Mutex<String>>,
 }
 
 impl Bench {
@@ -40,6 +48,74 @@ impl Bench {
         command.args(["--map-root-user", "--mount", "sh", "-c", &script, env!("CARGO_BIN_EXE_trunnion")]);
         command.arg(self.folder.join("runs")).arg(self.folder.join("trunnion.toml"));
         self.start_by(&mut command);
+    }
+
+    /// The same with a clock that can be set and a disk that can hang, as faults of this program alone, and somebody who listens as systemd does.
+    pub fn start_with_faults(&mut self) {
+        let (library, heard) = (self.folder.join("faults.so"), self.folder.join("systemd"));
+        let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/end_to_end/host_faults/faults.c");
+        let mut compiler = Command::new("cc");
+        let built = compiler.args(["-shared", "-fPIC", "-o"]).arg(&library).arg(source).status().unwrap();
+        assert!(built.success(), "cc builds {source}");
+        let systemd = UnixDatagram::bind(&heard).unwrap();
+        // A socket that nobody empties holds who writes to it.
+        let words = Arc::downgrade(&self.systemd);
+        systemd.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
+        std::thread::spawn(move || {
+            let mut message = [0; 4096];
+            while let Some(words) = words.upgrade() {
+                if let Ok(size) = systemd.recv(&mut message) {
+                    words.lock().unwrap().push_str(&String::from_utf8_lossy(&message[..size]));
+                }
+            }
+        });
+        let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+        command.args(["daemon", "--config"]).arg(self.folder.join("trunnion.toml"));
+        command.env("LD_PRELOAD", library).env("TRUNNION_FAULTS", &self.folder).env("NOTIFY_SOCKET", heard);
+        self.start_by(&mut command);
+    }
+
+    /// What systemd heard since it was asked last.
+    pub fn heard(&self) -> String {
+        std::mem::take(&mut *self.systemd.lock().unwrap())
+    }
+
+    /// Begins or ends a fault of [`Self::start_with_faults`].
+    pub fn fault(&self, name: &str, text: Option<&str>) {
+        let (file, next) = (self.folder.join(name), self.folder.join("next"));
+        match text {
+            // Whole at once: the program may look at any moment.
+            Some(text) => {
+                std::fs::write(&next, text).unwrap();
+                std::fs::rename(&next, &file).unwrap();
+            }
+            None => std::fs::remove_file(&file).unwrap(),
+        }
+    }
+
+    /// A run of the day before that has its report.
+    pub fn earlier_run(&self) -> PathBuf {
+        let header = RunHeader {
+            name: "earlier".into(),
+            kind: RunKind::OnTheFly,
+            machine_name: "table-bc".into(),
+            machine_text: String::new(),
+            setups: Vec::new(),
+            temperature_channels: Vec::new(),
+            probes: Vec::new(),
+            probe_roles: Vec::new(),
+            cycle_text: String::new(),
+            config_text: String::new(),
+            software_version: String::new(),
+            wall_start_ns: 0,
+            host_start: HostTime(0),
+        };
+        let recorder = Recorder::create(&self.folder.join("runs"), "earlier", &header).unwrap();
+        let file = recorder.finish(HostTime(0)).unwrap().files.remove(0).path;
+        let yesterday = SystemTime::now() - Duration::from_secs(24 * 3600);
+        std::fs::File::options().write(true).open(&file).unwrap().set_modified(yesterday).unwrap();
+        std::fs::write(file.with_extension("diagnosis.json"), "{}").unwrap();
+        file
     }
 
     fn start_by(&mut self, command: &mut Command) {
@@ -110,7 +186,7 @@ pub async fn judge(fault: &'static Fault) -> Result<(), String> {
     std::fs::write(path.join("c.toml"), cycle).unwrap();
     std::fs::write(path.join("trunnion.toml"), shop::config(&path, "runs", &shop::agent(&url), &mqtt))
         .unwrap();
-    let bench = Bench { folder: path, service: None, broker, cell };
+    let bench = Bench { folder: path, service: None, broker, cell, systemd: Arc::default() };
     let judged = tokio::task::spawn_blocking(move || judged(bench, fault)).await;
     let (bench, judged) = judged.map_err(|panic| format!("{}: {panic}", fault.name))?;
     bench.cell.shutdown().await;

@@ -100,6 +100,46 @@ pub const FAULTS: &[Fault] = &[
         },
     },
     Fault {
+        name: "clock set",
+        how: "the wall clock is set forward by ten years in mid-cycle, `keep_days = 365` of `[storage]`, a recording of the day before",
+        says: &["the clock of the computer was set forward by 3650.00 days"],
+        gap: None,
+        ends: &[Done, NotJudged],
+        recovery: "none is needed: dates of files and reports follow the clock, times of samples and ages of recordings do not, nothing is removed",
+        run: |bench| {
+            bench.configure("[storage]\nkeep_days = 365\n");
+            let earlier = bench.earlier_run();
+            bench.start_with_faults();
+            bench.recording();
+            bench.fault("clock", Some("315360000"));
+            bench.says("the clock of the computer was set forward");
+            assert!(earlier.exists(), "the folder was tidied since");
+        },
+    },
+    Fault {
+        name: "disk hangs",
+        how: "no fdatasync of the recorder returns for 35 s in mid-cycle; a socket in place of systemd",
+        says: &[
+            "the recorder hangs: it has done nothing for 30 s; systemd starts the service again",
+            "the recorder goes on",
+        ],
+        gap: Some("the queue to the recorder was full"),
+        ends: &[Done, NotJudged],
+        recovery: "systemd hears nothing more and starts the service again 30 s later; a disk that comes back before is gone on with",
+        run: |bench| {
+            bench.start_with_faults();
+            until("the watchdog", || bench.heard().contains("WATCHDOG=1").then_some(()));
+            bench.recording();
+            bench.fault("hang", Some(""));
+            bench.says("the recorder hangs");
+            bench.heard();
+            std::thread::sleep(std::time::Duration::from_secs(5));
+            assert!(!bench.heard().contains("WATCHDOG"), "a recorder that hangs withholds it");
+            bench.fault("hang", None);
+            until("the watchdog again", || bench.heard().contains("WATCHDOG=1").then_some(()));
+        },
+    },
+    Fault {
         name: "broker gone",
         how: "the broker ends in mid-cycle and is there again",
         says: &["lost the MQTT broker"],

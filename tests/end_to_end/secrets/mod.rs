@@ -14,6 +14,7 @@ use page::Page;
 use search::Secrets;
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use trunnion_hil_sim::devices::cell::CellConfig;
@@ -24,6 +25,7 @@ const OWN: &str = "x-trunnion: test\r\nContent-Type: application/json\r\n";
 /// Letters and digits of each secret; the passwords have signs around them that files, addresses and pages write in other ways.
 const MQTT: &str = "mq7Rk2vXw9Lt";
 const MQTT_BEFORE: &str = "wr4Np8sYz1Qe";
+const MQTT_FILE: &str = "fi6Kt3hGd5Xo";
 const AGENT: &str = "ag5Hd3jBc6Fu";
 const LINUXCNC: &str = "lc9Vn1gTm7Ko";
 const TOKEN: &str = "tk2Wb6yPx8Zs4Ja0Mi";
@@ -49,10 +51,12 @@ impl Folders {
     }
 }
 
-/// With everything logged, to a file.
+/// With everything logged, to a file, by a shell whose files everybody may read; the password of the broker is a credential of systemd.
 fn start(folders: &Folders) -> Service {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let mut command = Command::new("sh");
+    command.args(["-c", "umask 022; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_trunnion")]);
     command.args(["daemon", "--config", &folders.text("etc/trunnion.toml")]).env("RUST_LOG", "trace");
+    command.env("CREDENTIALS_DIRECTORY", folders.at("credentials"));
     let file = |name: &str| std::fs::File::create(folders.at(name)).unwrap();
     Service::start_by(command.stdout(file("out.txt")).stderr(file("log.txt")))
 }
@@ -110,7 +114,7 @@ fn processes() -> Vec<u8> {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_secret_is_in_anything_that_is_logged_shown_recorded_or_published() {
     let folders = Folders(tempfile::tempdir().unwrap());
-    for name in ["etc", "data", "ports"] {
+    for name in ["etc", "data", "ports", "credentials"] {
         std::fs::create_dir(folders.at(name)).unwrap();
     }
     let certificates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../service/tests/data");
@@ -131,7 +135,9 @@ fn searched(folders: &Folders, url: &str) {
     let broker = Broker::start("cell", mqtt_password());
     let page = Page::at(free_port(), &folders.at("etc/page.crt"));
     folders.write("etc/trunnion.toml", &config(folders, url, broker.port, page.port));
-    folders.write("etc/mqtt", &format!("{MQTT_BEFORE}\n"));
+    // The file of the configuration is not the one that counts.
+    folders.write("etc/mqtt", &format!("{MQTT_FILE}\n"));
+    folders.write("credentials/mqtt", &format!("{MQTT_BEFORE}\n"));
     folders.write("etc/token", &format!("{TOKEN}-/+ \n"));
     let mut heard = Heard::default();
     let (cookie, before) = serve(folders, &broker, &page, &mut heard);
@@ -145,6 +151,7 @@ fn searched(folders: &Folders, url: &str) {
     let secrets = Secrets::of(&[
         ("password of the broker", MQTT),
         ("password that the broker refused", MQTT_BEFORE),
+        ("password in the file that a credential replaces", MQTT_FILE),
         ("password of the agent", AGENT),
         ("password of LinuxCNC", LINUXCNC),
         ("token of the page", TOKEN),
@@ -152,6 +159,9 @@ fn searched(folders: &Folders, url: &str) {
         ("key of the page", &key),
     ]);
     let mut written = search::files(&folders.at("data"));
+    let readable = |path: &&PathBuf| path.metadata().unwrap().permissions().mode() & 0o027 != 0;
+    let readable: Vec<&PathBuf> = written.iter().filter(readable).collect();
+    assert!(readable.is_empty(), "others may read or write {readable:?}");
     written.extend(["out.txt", "log.txt"].map(|name| folders.at(name)));
     let kinds = ["mcap", "html", "json", "txt"];
     for kind in kinds {
@@ -172,7 +182,7 @@ fn serve(folders: &Folders, broker: &Broker, page: &Page, heard: &mut Heard) -> 
     let before = search::files(&folders.at("etc")).len();
     let service = start(folders);
     until("a password that the broker refuses", || (broker.counts().1 > 0).then_some(()));
-    folders.write("etc/mqtt", &format!("{}\n", mqtt_password()));
+    folders.write("credentials/mqtt", &format!("{}\n", mqtt_password()));
     let data = folders.at("data");
     let journal = journal(&data, 10_000);
     if let Ok(bytes) = std::fs::read(&journal) {

@@ -20,6 +20,7 @@ use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon;
 use trunnion_service::daemon::Texts;
 use trunnion_service::live::{Pattern, Plan};
+use trunnion_service::private_files;
 
 /// Run as a service: wait for a cycle, record it, analyse it, report
 ///
@@ -81,6 +82,7 @@ fn choice(
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     log_to_stderr();
+    private_files::keep();
     let prepared = prepare(&args.config)?;
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
     runtime.block_on(async {

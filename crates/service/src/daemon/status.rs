@@ -15,7 +15,7 @@ use trunnion_acquire::DeviceStatus;
 /// Time between status messages.
 const STATUS_PERIOD: Duration = Duration::from_secs(1);
 
-/// Publishes the states of devices and cycles when they change, and reports to systemd that the service is alive.
+/// Publishes the states of devices and cycles when they change.
 pub async fn publish_status(
     names: Vec<String>,
     states: Vec<watch::Receiver<DeviceStatus>>,
@@ -30,7 +30,6 @@ pub async fn publish_status(
             () = cancel.cancelled() => return,
             _ = period.tick() => {}
         }
-        report_systemd(&[sd_notify::NotifyState::Watchdog]);
         let devices: BTreeMap<String, DeviceNow> =
             names.iter().zip(&states).map(|(name, state)| (name.clone(), now(&state.borrow()))).collect();
         let status = ServiceStatus {

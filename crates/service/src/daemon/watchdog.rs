@@ -1,0 +1,89 @@
+//! The watchdog of systemd, tied to progress: it hears that the service lives while the recorder and the loop of the cycles go on.
+//!
+//! Both count turns: odd while they work, even while they wait for something to do. One that works at the same turn for [`HUNG`]
+//! hangs. systemd then ends the service after `WatchdogSec` and starts it again; what was recorded is recovered.
+//! A device that hangs is the supervisor's matter, an analysis that hangs is ended by its limits.
+
+use super::status::report_systemd;
+use crate::latest::Latest;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio_util::sync::CancellationToken;
+use trunnion_core::{Clock, HostTime};
+
+/// Time between two looks.
+const LOOK: Duration = Duration::from_secs(1);
+/// The kernel gives a disk so long for a command before it reports an error (`timeout` of a SCSI device in sysfs): what takes longer is
+/// not slow.
+const HUNG: Duration = Duration::from_secs(30);
+
+/// Pings systemd until `cancel`; whatever hangs withholds it, and is logged before.
+pub async fn watch(latest: Latest, clock: Arc<dyn Clock>, cancel: CancellationToken) {
+    let mut period = tokio::time::interval(LOOK);
+    let (mut cycles, mut recorder) = (Part::new("the loop of the cycles"), Part::new("the recorder"));
+    loop {
+        tokio::select! {
+            () = cancel.cancelled() => return,
+            _ = period.tick() => {}
+        }
+        let now = clock.now();
+        // The counter of the loop needs no lock that the loop may hold.
+        if !cycles.goes_on(latest.turn(), now) {
+            continue;
+        }
+        if recorder.goes_on(latest.recorder().unwrap_or_default().turn, now) {
+            report_systemd(&[sd_notify::NotifyState::Watchdog]);
+        }
+    }
+}
+
+/// A part of the service that counts its turns.
+struct Part {
+    name: &'static str,
+    turn: u64,
+    since: Option<HostTime>,
+    hangs: bool,
+}
+
+impl Part {
+    fn new(name: &'static str) -> Self {
+        Self { name, turn: 0, since: None, hangs: false }
+    }
+
+    /// False while it hangs, which is logged when it begins and ends.
+    fn goes_on(&mut self, turn: u64, now: HostTime) -> bool {
+        let since = *self.since.get_or_insert(now);
+        if turn != self.turn || turn.is_multiple_of(2) {
+            (self.turn, self.since) = (turn, Some(now));
+            if std::mem::take(&mut self.hangs) {
+                tracing::warn!("{} goes on", self.name);
+            }
+        } else if now - since >= HUNG && !std::mem::replace(&mut self.hangs, true) {
+            tracing::error!(
+                "{} hangs: it has done nothing for {} s; systemd starts the service again",
+                self.name,
+                HUNG.as_secs()
+            );
+        }
+        !self.hangs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_hangs_that_works_at_one_turn_for_too_long() {
+        let mut part = Part::new("the recorder");
+        let at = |s: i64| HostTime(s * 1_000_000_000);
+        assert!(part.goes_on(1, at(0)) && part.goes_on(1, at(29)));
+        // It goes on, and works again.
+        assert!(part.goes_on(3, at(30)) && part.goes_on(3, at(59)));
+        assert!(!part.goes_on(3, at(60)) && !part.goes_on(3, at(61)));
+        assert!(part.goes_on(5, at(62)));
+        // It may wait for ever.
+        assert!(part.goes_on(6, at(63)) && part.goes_on(6, at(10_000)));
+        assert!(part.goes_on(7, at(10_001)) && !part.goes_on(7, at(10_031)));
+    }
+}
