@@ -6,8 +6,14 @@ use std::path::Path;
 use trunnion::report::{findings_html, findings_text};
 use trunnion::results::Findings;
 
-/// Writes a text file.
+/// Writes a text file whole or not at all; a pipe or a device takes the text as it comes.
 pub fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    // What a link leads to is written, not the link. /dev/stdout may lead to a file that is open.
+    let is_open = path.starts_with("/dev") || path.starts_with("/proc");
+    let place = path.canonicalize().unwrap_or_else(|_| path.into());
+    if !is_open && std::fs::metadata(&place).map_or(true, |about| about.is_file()) {
+        return Ok(trunnion::files::write_whole(&place, text)?);
+    }
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
@@ -26,4 +32,40 @@ pub fn findings(findings: &Findings, page: Option<&Path>, json: bool) -> anyhow:
     }
     terminal::print(&findings_text(findings))?;
     report_page(page)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_written_whole_and_what_stands_next_to_it_goes() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("page.html"), folder.path().join("link.html"));
+        std::fs::write(&file, "old").unwrap();
+        let open = std::fs::File::open(&file).unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        write(&link, "new").unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
+        assert!(link.is_symlink(), "the link stays");
+        // Whoever reads the old one has all of it.
+        assert_eq!(std::io::read_to_string(open).unwrap(), "old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+        let gone = folder.path().join("none/page.html");
+        assert!(write(&gone, "new").unwrap_err().to_string().contains("none/page.html"));
+    }
+
+    #[test]
+    fn a_pipe_and_a_device_take_the_text() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || std::fs::read_to_string(pipe).unwrap()
+        });
+        write(&pipe, "a page").unwrap();
+        assert_eq!(reader.join().unwrap(), "a page");
+        write(Path::new("/dev/null"), "a page").unwrap();
+    }
 }

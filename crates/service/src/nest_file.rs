@@ -48,6 +48,17 @@ pub fn write_nest(config: &Path, directions: [[f64; 3]; 3], wall_ns: i64) -> Res
     Ok(before)
 }
 
+/// What a person does where the service may not write its configuration, as the installed one may not.
+pub fn by_hand(config: &Path, directions: [[f64; 3]; 3]) -> String {
+    // An empty text is TOML.
+    let lines = with_nest("", directions).unwrap_or_default();
+    format!(
+        "write these lines into {} as root, in place of its table [nest], then start the service again (systemctl restart trunnion):\n{}",
+        config.display(),
+        lines.trim_end()
+    )
+}
+
 /// A configuration with these directions of its probes; whatever else a person wrote in it stays.
 ///
 /// # Errors
@@ -79,6 +90,22 @@ mod tests {
         }
         let without = with_nest("name = \"m\"\n", [[1.0, 0.0, 0.0]; 3]).expect("it is TOML");
         assert!(without.contains("[nest]\nprobe_1 = [1.0, 0.0, 0.0]"), "{without}");
+    }
+
+    #[test]
+    fn a_configuration_that_cannot_be_written_gets_its_lines_by_hand() {
+        let directions = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        // procfs takes no file, whoever asks.
+        let config = Path::new("/proc/trunnion.toml");
+        assert!(write_nest(config, directions, 0).is_err());
+        let words = by_hand(config, directions);
+        let (what, lines) = words.split_once('\n').unwrap();
+        assert!(
+            what.contains("/proc/trunnion.toml as root") && what.contains("systemctl restart trunnion"),
+            "{what}"
+        );
+        assert_eq!(lines, with_nest("", directions).unwrap().trim_end());
+        assert!(lines.starts_with("[nest]\nprobe_1 = [0.0, 1.0, 0.0]"), "{lines}");
     }
 
     #[test]

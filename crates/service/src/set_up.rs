@@ -6,7 +6,7 @@
 use crate::board::Board;
 use crate::error::chain;
 use crate::latest::{Latest, Mounted};
-use crate::nest_file::write_nest;
+use crate::nest_file::{by_hand, write_nest};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use trunnion::nest::NestSteps;
@@ -71,7 +71,7 @@ pub enum NoSetUp {
     #[error("no nest was calibrated since the last one was written")]
     NotCalibrated,
     /// The configuration stayed as it was.
-    #[error("{0}; trunnion calibrate-nest --write does the same for who may write it")]
+    #[error("{0}")]
     NotWritten(String),
 }
 
@@ -104,7 +104,7 @@ impl SetUp {
         let directions = nest.directions(false).ok_or(NoSetUp::NotCalibrated)?;
         let before = write_nest(&file.path, directions, file.clock.wall_ns()).map_err(|failure| {
             self.lock().calibrated = Some(nest.clone());
-            NoSetUp::NotWritten(chain(&failure))
+            NoSetUp::NotWritten(format!("{}; {}", chain(&failure), by_hand(&file.path, directions)))
         })?;
         self.lock().written = Some(directions);
         if let (Some(plan), Some(nest)) = (&self.plan, NestCalibration::along(directions)) {
