@@ -100,7 +100,7 @@ fn run(view: &PlantView) -> Variant {
     view.result.as_ref().map_or_else(String::new, |result| result.run.clone()).into()
 }
 
-/// The service knows no tolerance: it says whether there is a verdict.
+/// No result is compared with the tolerance of the machine file here: it says whether there is a verdict.
 fn evaluation(view: &PlantView) -> Variant {
     match view.result.as_ref().map(|result| result.verdict) {
         Some(Verdict::NotJudged | Verdict::Undecided) => NOT_DECIDABLE.into(),

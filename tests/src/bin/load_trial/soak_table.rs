@@ -15,7 +15,7 @@ pub fn document(soak: &Soak) -> String {
     let Rates { probe_hz, encoder_hz, axes_hz } = soak.rates;
     let cores = std::thread::available_parallelism().map_or(0, usize::from);
     let mut text = format!(
-        "# The service for hours\n\n\
+        "# The service over many cycles\n\n\
          Written by `load-trial soak --program target/release/trunnion --markdown docs/measured/soak.md` of `trunnion-tests`. \
          `trunnion daemon` of an optimised build reads simulated devices of another process at full rate: three optoNCDT probes at \
          {probe_hz} Hz each, a CANopen encoder at {encoder_hz} Hz, axes at {axes_hz} Hz from an MTConnect agent. One program of {:.0} s \
