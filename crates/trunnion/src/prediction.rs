@@ -16,12 +16,11 @@ use trunnion_core::convert::{mm_from_um, um_from_mm};
 use trunnion_cycles::Run;
 use trunnion_effects::{self as effects, FittedValue, FittedValues, Instance, ModelEffect};
 use trunnion_engine::fit::Options;
+use trunnion_engine::solve::normal::COVERAGE_95;
 use trunnion_engine::{HeldOut, Identification, IdentifyError, Status};
 use trunnion_results as results;
 use trunnion_results::sentences::is_setting;
 
-/// Two-sided 95 % of a normal distribution, in standard uncertainties [GUM, table G.1].
-const COVERAGE_95: f64 = 1.96;
 /// Columns of the settings below this share of the largest are no direction of their own.
 const INDEPENDENT: f64 = 1e-9;
 

@@ -1,7 +1,7 @@
 //! The normal distribution.
 
 /// Two-sided 95 % of a normal distribution, in standard uncertainties [GUM, table G.1].
-pub(crate) const COVERAGE_95: f64 = 1.96;
+pub const COVERAGE_95: f64 = 1.96;
 
 /// Probability of |z| within this many standard deviations: erf(z/√2) by [Abramowitz 1964 §7.1.26], error below 1.5·10⁻⁷.
 pub(crate) fn within(z: f64) -> f64 {

@@ -5,9 +5,7 @@ use crate::control_chart::t_beyond;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
-
-/// Half of a 95 % interval in standard uncertainties [GUM G.6.6].
-const COVERAGE_95: f64 = 1.96;
+use trunnion_engine::solve::normal::COVERAGE_95;
 
 /// A part of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
