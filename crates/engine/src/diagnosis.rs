@@ -7,6 +7,7 @@
 
 mod answer;
 mod constancy;
+mod entries;
 mod expressions;
 mod families;
 pub mod judged;

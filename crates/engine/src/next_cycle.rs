@@ -9,6 +9,7 @@
 //! Limits: linear in small errors; the noise stays what it is; nothing is charged for the number of parameters.
 
 mod advice;
+mod again;
 mod answer;
 mod candidates;
 mod choose;

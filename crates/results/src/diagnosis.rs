@@ -23,7 +23,8 @@ pub struct Diagnosis {
     pub residual: Residual,
     /// The answer in one word.
     pub verdict: Verdict,
-    /// Why these data cannot say, of an `undecided`; else empty.
+    /// Why these data cannot say, of an `undecided`; why nothing was judged; why a structure has no expression; what was found but cannot be
+    /// fitted. Else empty.
     #[serde(default)]
     pub why: String,
     /// What the noise learned from these readings consists of.
@@ -75,7 +76,8 @@ pub struct Residual {
     pub holdout_unit: Option<LeftOut>,
     /// Repeatability of a reading, µm per component; null where no pose was measured twice.
     pub noise_um: Option<f64>,
-    /// Share of the residual's mean square that what was found explains, 0…1.
+    /// Share of the residual's mean square that all that was found together leaves, 0…1; 1 where nothing was found, null where nothing was
+    /// judged.
     pub unexplained_fraction: Option<f64>,
 }
 
@@ -84,13 +86,13 @@ pub struct Residual {
 pub struct Candidate {
     /// Effect id.
     pub effect: String,
-    /// log₁₀ of the Bayes factor against noise only.
+    /// log₁₀ of the odds against noise only: Bayes factor times prior, after the price of the choice among all candidates.
     pub evidence: f64,
     /// Residual with it in the model, µm rms.
     pub rms_um_after: f64,
     /// Held-out error with it in the model, µm rms; null when nothing could be left out.
     pub holdout_rms_um_after: Option<f64>,
-    /// Share of the explainable mean square that it explains, 0…1.
+    /// Share of what all that was found explains together that it explains alone, 0…1.
     pub explains_fraction: f64,
     /// Its parameters as fitted, shape numbers included.
     pub parameters: Vec<Parameter>,
@@ -125,13 +127,13 @@ pub struct FormulaProposal {
     /// The components of all entries, the first one's first.
     #[serde(default)]
     pub components: Vec<String>,
-    /// log₁₀ of the Bayes factor against noise only.
+    /// log₁₀ of the odds against noise only: Bayes factor times prior, after the price of the choice among all candidates.
     pub evidence: f64,
     /// Residual with it in the model, µm rms.
     pub rms_um_after: f64,
     /// Held-out error with it in the model, µm rms; null when nothing could be left out.
     pub holdout_rms_um_after: Option<f64>,
-    /// Share of the explainable mean square that it explains, 0…1.
+    /// Share of what all that was found explains together that it explains alone, 0…1.
     pub explains_fraction: f64,
     /// What it does, and where, in words.
     #[serde(alias = "lives")]
@@ -164,7 +166,16 @@ impl Diagnosis {
     /// Share of the residual's mean square that what was found explains, where anything was found.
     pub fn explained(&self) -> Option<f64> {
         let found = !self.candidates.is_empty() || self.formula.is_some();
-        self.residual.unexplained_fraction.filter(|_| found)
+        self.residual.unexplained_fraction.filter(|_| found).map(|left| 1.0 - left)
+    }
+
+    /// Whether the model explains the readings; `None` where this diagnosis does not say.
+    pub fn model_adequate(&self) -> Option<bool> {
+        match self.verdict {
+            Verdict::NoiseFloor => Some(true),
+            Verdict::MissingEffect | Verdict::UnnamedStructure => Some(false),
+            Verdict::Undecided | Verdict::NotJudged => None,
+        }
     }
 
     /// The effect or formula that leads, if the verdict names one.
@@ -252,7 +263,7 @@ impl From<&engine::FormulaProposal> for FormulaProposal {
             rms_um_after: formula.rms_um_after,
             holdout_rms_um_after: formula.holdout_rms_um_after.and_then(finite),
             explains_fraction: formula.explains_fraction,
-            location: formula.lives.clone(),
+            location: formula.location.clone(),
             resembles: formula.resembles.clone(),
         }
     }

@@ -1,14 +1,15 @@
 //! From scans to the answer: candidates in order, what each would do, what it could be mistaken for, the verdict.
 
 use crate::diagnosis::constancy::is_constant;
+use crate::diagnosis::entries::entries;
 use crate::diagnosis::families::Number;
 use crate::diagnosis::judged::{OpenEffect, Verdict};
 use crate::diagnosis::judgement::{
     noise_sizes, nothing_claimed, noticeable_um, open_effects, remainder_is_natural, within_repeats,
 };
 use crate::diagnosis::options::{DiagnoseError, Options};
-use crate::diagnosis::refits::{Explained, Refit, refits};
-use crate::diagnosis::rivals::confused_with;
+use crate::diagnosis::refits::{Explained, Refit, Unfitted, refits};
+use crate::diagnosis::rivals::{CONFUSED_LN, confused_with};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::{Found, search};
 use crate::diagnosis::verdict::{
@@ -23,8 +24,6 @@ use std::f64::consts::LN_10;
 use trunnion_core::convert::um_from_mm;
 use trunnion_effects::{Formula, ModelEffect};
 
-/// Fits closer than this, ln, are as good.
-const CONFUSED_LN: f64 = 3.0;
 /// A named effect that explains at least this share leads, although a part remains.
 const MOSTLY: f64 = 0.8;
 /// An expression beside a named effect is proposed when it explains a share that is not printed as 0 %.
@@ -36,8 +35,17 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let all_found_mm = scan.left(&columns_of(found.items.iter(), scan.remainder.y.len()));
     let alone_mm = scan.left(&DMatrix::zeros(scan.remainder.y.len(), 0));
     let is_constant = is_constant(scan, &found, options.claim_ln);
-    let context =
-        Context { problem, scan, options, found: &found, floor_mm: all_found_mm, alone_mm, is_constant };
+    let entries = entries(scan, &problem.model().effects, &found.items);
+    let context = Context {
+        problem,
+        scan,
+        options,
+        found: &found,
+        entries,
+        floor_mm: all_found_mm,
+        alone_mm,
+        is_constant,
+    };
 
     let listed = context.listed();
     let refits = context.refits(&listed);
@@ -51,13 +59,19 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         .formula(refits.formula.as_ref(), &explained)
         .filter(|formula| formula_leads || formula.explains_fraction >= SHOWN);
     let fit = problem.fit();
-    let (verdict, why, next) = match (candidates.is_empty(), formula_leads) {
+    let (verdict, mut why, mut next) = match (candidates.is_empty(), formula_leads) {
         (_, true) => (Verdict::UnnamedStructure, String::new(), String::new()),
         (false, false) => (Verdict::MissingEffect, String::new(), String::new()),
         (true, false) if listed.is_empty() => nothing_claimed(scan, fit, &found),
         // Something was found that cannot be added.
         (true, false) => (Verdict::UnnamedStructure, String::new(), String::new()),
     };
+    for unfitted in &refits.unfitted {
+        why = format!("{why} {}", unfitted.words()).trim_start().into();
+    }
+    if verdict == Verdict::UnnamedStructure && formula.is_none() && next.is_empty() {
+        next = NextCycle::REPEAT_THIS_PASS.into();
+    }
     let next_cycle = candidates
         .first()
         .map(|candidate| candidate.separate_by.clone())
@@ -75,7 +89,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
             holdout_rms_um: fit.holdout_rms_mm().map(um_from_mm),
             holdout_unit: fit.holdout.map(|holdout| holdout.left_out),
             noise_um: fit.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
-            unexplained_fraction: explained.together(),
+            unexplained_fraction: explained.by_nothing(),
         },
         verdict,
         why,
@@ -120,6 +134,8 @@ struct Context<'a> {
     scan: &'a Scan<'a>,
     options: &'a Options,
     found: &'a Found,
+    /// Model entries of each item found.
+    entries: Vec<Vec<ModelEffect>>,
     /// What the scan leaves with all that was found, and with nothing, mm rms.
     floor_mm: f64,
     alone_mm: f64,
@@ -134,6 +150,8 @@ struct Refits {
     formula: Option<Refit>,
     /// With everything that was found together.
     set: Option<Refit>,
+    /// Those that failed.
+    unfitted: Vec<Unfitted>,
 }
 
 impl Refits {
@@ -178,15 +196,17 @@ impl Context<'_> {
             vec![ModelEffect { id, ..ModelEffect::default() }]
         };
         let mut additions: Vec<_> = listed.iter().map(alone).collect();
-        let formula = self.strongest(true).map(|item| self.entries(item));
+        let formula = self.strongest(true).map(|item| self.entries_of(item).to_vec());
         let set = (self.found.items.len() > 1).then(|| self.set());
         let (with_formula, with_set) = (formula.is_some(), set.is_some());
         additions.extend(formula);
         additions.extend(set);
-        let mut candidates = refits(self.problem, additions);
+        let mut unfitted = Vec::new();
+        let fitted = |refit: Result<Refit, Unfitted>| refit.map_err(|failed| unfitted.push(failed)).ok();
+        let mut candidates: Vec<_> = refits(self.problem, additions).into_iter().map(fitted).collect();
         let set = if with_set { candidates.pop().flatten() } else { None };
         let formula = if with_formula { candidates.pop().flatten() } else { None };
-        Refits { candidates, formula, set }
+        Refits { candidates, formula, set, unfitted }
     }
 
     /// One for each of the listed that can be added.
@@ -225,18 +245,13 @@ impl Context<'_> {
 
     /// Model entries of what the search kept.
     fn set(&self) -> Vec<ModelEffect> {
-        self.found.items.iter().flat_map(|item| self.entries(item)).collect()
+        self.entries.concat()
     }
 
-    fn entries(&self, item: &Item) -> Vec<ModelEffect> {
-        match &item.what {
-            What::Named(group) => vec![ModelEffect {
-                id: self.scan.named[*group].instance.id(),
-                shape: item.shape.clone(),
-                ..ModelEffect::default()
-            }],
-            What::Open(term) => self.scan.vocabulary.entries(term, &item.shape),
-        }
+    /// Those of one of the items found.
+    fn entries_of(&self, item: &Item) -> &[ModelEffect] {
+        let at = self.found.items.iter().position(|other| std::ptr::eq(other, item));
+        at.map_or(&[], |at| &self.entries[at])
     }
 
     fn candidate(&self, group: usize, item: &Item, refit: &Refit, explained: &Explained) -> Candidate {
@@ -291,9 +306,8 @@ impl Context<'_> {
     fn formula(&self, refit: Option<&Refit>, explained: &Explained) -> Option<FormulaProposal> {
         let (item, refit) = (self.strongest(true)?, refit?);
         let What::Open(term) = &item.what else { return None };
-        let vocabulary = &self.scan.vocabulary;
-        let family = &vocabulary.families[term.family];
-        let entries = vocabulary.entries(term, &item.shape);
+        let family = &self.scan.vocabulary.families[term.family];
+        let entries = self.entries_of(item).to_vec();
         let first = entries.first()?.clone();
         let resembles = self.found.first.iter().find_map(|scored| match scored.item.what {
             What::Named(group) if scored.item.ln_odds > self.options.claim_ln => {
@@ -309,7 +323,7 @@ impl Context<'_> {
             unit: number.unit(),
         };
         let shape: Vec<ShapeNumber> = family.numbers.iter().zip(&item.shape).map(number).collect();
-        let lives = words::lives(&site, &components, &words::placed(&family.words, &shape));
+        let location = words::location(&site, &components, &words::placed(&family.words, &shape));
         Some(FormulaProposal {
             name: Formula::name_of(&first.id).unwrap_or(&first.id).into(),
             component: first.component.unwrap_or_default(),
@@ -319,7 +333,7 @@ impl Context<'_> {
             rms_um_after: refit.rms_um(),
             holdout_rms_um_after: refit.holdout_rms_um(),
             explains_fraction: explained.by(refit.rms_mm()),
-            lives,
+            location,
             resembles,
             site,
             entries,

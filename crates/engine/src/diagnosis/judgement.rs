@@ -7,6 +7,7 @@ use crate::diagnosis::judged::{LearnedNoise, Verdict};
 use crate::diagnosis::named::{BARE_MENTION_LN, price_ln};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::Found;
+use crate::diagnosis::verdict::NextCycle;
 use crate::diagnosis::view::What;
 use crate::evidence::turned;
 use crate::fit::identification::Identification;
@@ -15,18 +16,15 @@ use crate::noise::outliers::median;
 use nalgebra::DMatrix;
 use trunnion_core::convert::um_from_mm;
 
-/// Share of the points that must have been read again.
-const REPEATED_SHARE: f64 = 0.2;
 /// Every machine has repeatable motions; up to this times the noise of a single reading they are no finding.
 const NATURAL_PATTERN: f64 = 1.5;
-/// The residual may be this times the repeatability, √(1 + 1.5²): what repeats leave out (offsets of passes, drift, natural motions) is
-/// no finding up to 1.5 times the repeatability.
-const MOST_OF_REPEATABILITY: f64 = 1.8;
-/// Share of what exceeds the repeatability that a pattern that comes back must make up to be called one.
+/// Share of what exceeds the repeatability that a pattern that comes back must make up to be called one: the larger part.
 const PATTERN_SHARE: f64 = 0.5;
 /// An effect is noticed in half of the cases where ½ z² reaches its price, almost always at 1.4 times that.
 const ALMOST_ALWAYS: f64 = 1.4;
-/// Median size of an effect in units of its prior's.
+/// Usual size of an effect over the white noise: the lower median of the eight sizes that every effect is weighed at
+/// [docs/decisions/0002-thresholds-of-model-comparison.md]. At half or double of it the size that would have been noticed changes by 3 to
+/// 7 %: ½ ln 4 for each direction in a price of 11 (one direction) to 31 (six).
 const PRICE_OF_SIZE: f64 = 2.0;
 
 /// Sizes at x = (ln s, ln ρ).
@@ -48,18 +46,15 @@ pub fn noise_sizes(scan: &Scan<'_>, x: &[f64]) -> LearnedNoise {
 /// Verdict, its reason and what to measure where nothing is claimed.
 pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> (Verdict, String, String) {
     let undecided = |why: String, next: &str| (Verdict::Undecided, why, next.to_string());
-    let repeats = fit
-        .repeatability
-        .filter(|repeatability| repeatability.repeats as f64 >= REPEATED_SHARE * fit.points as f64);
     let open: Vec<String> = open_effects(scan, found).map(|(g, _)| scan.named[g].instance.id()).collect();
     let speaks = format!(
         "Something speaks for {}, but no more than offsets of passes and small patterns may do.",
         open.join(", ")
     );
-    let Some(repeatability) = repeats else {
+    let Some(repeatability) = fit.known_repeatability() else {
         let why = "Too few poses were measured twice, so the repeatability is not known.";
         let why = if open.is_empty() { why.to_string() } else { format!("{speaks} {why}") };
-        return undecided(why, "Repeat this pass: the same poses once more, in the opposite direction too.");
+        return undecided(why, NextCycle::REPEAT_THIS_PASS);
     };
     if !open.is_empty() {
         return undecided(
@@ -68,7 +63,7 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
         );
     }
     let (rms_um, noise_um) = (um_from_mm(fit.rms_mm), um_from_mm(repeatability.sigma_mm));
-    if within_repeats(fit, fit.rms_mm) {
+    if repeatability.allows(fit.rms_mm) {
         return (Verdict::NoiseFloor, String::new(), String::new());
     }
     let sizes = noise_sizes(scan, found.last.null.x());
@@ -82,7 +77,9 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
              expression describes it.",
             pattern.sqrt()
         );
-        return (Verdict::UnnamedStructure, why, String::new());
+        let next =
+            "Measure the same positions with half the step: a finer grid shows the form of the pattern.";
+        return (Verdict::UnnamedStructure, why, next.into());
     }
     let why = format!(
         "The residual, {rms_um:.2} µm, is larger than repeats allow ({noise_um:.2} µm). It wanders with time or differs from \
@@ -93,7 +90,7 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
 
 /// True where a residual is no larger than repeats allow, or where no repeat says what they allow.
 pub fn within_repeats(fit: &Identification, rms_mm: f64) -> bool {
-    fit.repeatability.is_none_or(|noise| rms_mm <= MOST_OF_REPEATABILITY * noise.sigma_mm)
+    fit.repeatability.is_none_or(|noise| noise.allows(rms_mm))
 }
 
 /// True where the pattern that remains next to all that was found, and the scatter from stop to stop, are no larger than natural: what an

@@ -2,6 +2,9 @@
 
 use crate::fit::options::IdentifyError;
 
+/// An effect is claimed above this ln of the odds, a factor of 20 [docs/decisions/0002-thresholds-of-model-comparison.md].
+pub const CLAIM_LN: f64 = 3.0;
+
 /// What may be asked of a diagnosis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -17,7 +20,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { claim_ln: 3.0, candidates: 6, look_ahead: 4, without: Vec::new() }
+        Self { claim_ln: CLAIM_LN, candidates: 6, look_ahead: 4, without: Vec::new() }
     }
 }
 

@@ -3,7 +3,9 @@
 use crate::diagnosis::verdict::CandidateParameter;
 use crate::evidence::parallel;
 use crate::fit::identification::Identification;
+use crate::fit::options::IdentifyError;
 use crate::problem::Problem;
+use crate::words::chain;
 use trunnion_core::convert::um_from_mm;
 use trunnion_effects::{Instance, ModelEffect, Scene, Unit};
 
@@ -13,10 +15,32 @@ pub struct Refit {
     fit: Identification,
 }
 
-/// Fits the model with each of the additions, in their order; `None` where the fit fails, so that it cannot be added either.
-pub fn refits(problem: &Problem<'_>, additions: Vec<Vec<ModelEffect>>) -> Vec<Option<Refit>> {
-    let fits = parallel(additions.len(), |i| problem.with(&additions[i]).ok().map(|with| with.fit().clone()));
-    additions.into_iter().zip(fits).map(|(added, fit)| Some(Refit { added, fit: fit? })).collect()
+/// An addition with which the model cannot be fitted, so that it cannot be added either.
+pub struct Unfitted {
+    added: Vec<ModelEffect>,
+    error: IdentifyError,
+}
+
+impl Unfitted {
+    /// What cannot be fitted, and why.
+    pub fn words(&self) -> String {
+        let ids: Vec<&str> = self.added.iter().map(|entry| entry.id.as_str()).collect();
+        format!(
+            "The model with {} cannot be fitted to these readings: {}.",
+            ids.join(", "),
+            chain(&self.error)
+        )
+    }
+}
+
+/// Fits the model with each of the additions, in their order.
+pub fn refits(problem: &Problem<'_>, additions: Vec<Vec<ModelEffect>>) -> Vec<Result<Refit, Unfitted>> {
+    let fits = parallel(additions.len(), |i| problem.with(&additions[i]).map(Problem::into_fit));
+    let with = |(added, fit)| match fit {
+        Ok(fit) => Ok(Refit { added, fit }),
+        Err(error) => Err(Unfitted { added, error }),
+    };
+    additions.into_iter().zip(fits).map(with).collect()
 }
 
 /// Shares of the mean square that the additions explain together.
@@ -37,9 +61,9 @@ impl Explained {
         ((self.before_mm.powi(2) - after_mm.powi(2)) / explainable).clamp(0.0, 1.0)
     }
 
-    /// Share of the mean square that all together explain, 0…1.
-    pub fn together(&self) -> f64 {
-        1.0 - (self.least_mm / self.before_mm.max(f64::MIN_POSITIVE)).powi(2)
+    /// Share of the mean square that all together leave, 0…1.
+    pub fn by_nothing(&self) -> f64 {
+        (self.least_mm / self.before_mm.max(f64::MIN_POSITIVE)).powi(2)
     }
 }
 
@@ -123,5 +147,21 @@ impl Refit {
                 }
             });
         fitted.chain(shapes).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_fitted_is_named_with_the_reason() {
+        let id = "formula:ball-dx".to_string();
+        let entry = ModelEffect { id: id.clone(), ..ModelEffect::default() };
+        let unfitted = Unfitted { added: vec![entry], error: IdentifyError::EffectTwice { effect: id } };
+        assert_eq!(
+            unfitted.words(),
+            "The model with formula:ball-dx cannot be fitted to these readings: the model lists effect formula:ball-dx twice; keep one."
+        );
     }
 }

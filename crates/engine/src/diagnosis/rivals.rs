@@ -1,4 +1,4 @@
-//! What these data cannot tell from an effect: names with nearly its evidence, and names that imitate what was fitted with it.
+//! What is confounded with an effect in these data: names with nearly its evidence, and names that imitate what was fitted with it.
 
 use crate::diagnosis::named::named;
 use crate::diagnosis::scan::Scan;
@@ -9,8 +9,9 @@ use crate::evidence::{beside, turned};
 use crate::noise::learned::Real;
 use nalgebra::DVector;
 
-/// Rivals within this ln of the Bayes factor are confused (a factor of 20).
-const CONFUSED_LN: f64 = 3.0;
+/// Rivals within this ln of the Bayes factor are confused, and fits as close are as good: odds below 20 to 1 are no strong evidence
+/// [Kass 1995].
+pub const CONFUSED_LN: f64 = 3.0;
 /// Share of the fitted signal, in the metric of the learned noise, at which a block is another name for the same readings.
 const IMITATES: f64 = 0.95;
 /// Directions of a block below this share of its largest eigenvalue are not seen.

@@ -17,7 +17,7 @@ pub struct Diagnosis {
     pub residual: ResidualSummary,
     /// The answer in one word.
     pub verdict: Verdict,
-    /// Why nothing is claimed and nothing cleared; empty with every other verdict.
+    /// Why nothing is claimed and nothing cleared, and what was found but cannot be fitted; else empty.
     pub why: String,
     /// What the learned noise consists of, with all that was found in the model.
     pub noise: LearnedNoise,
@@ -50,7 +50,7 @@ pub struct ResidualSummary {
     pub holdout_unit: Option<LeftOut>,
     /// Repeatability of a reading, µm per component; `None` where no pose was measured twice.
     pub noise_um: Option<f64>,
-    /// Share of the residual's mean square that all that was found explains together, 0…1.
+    /// Share of the residual's mean square that all that was found together leaves, 0…1; 1 where nothing was found.
     pub unexplained_fraction: f64,
 }
 
@@ -92,7 +92,9 @@ impl Diagnosis {
                 first.why = format!("{} {doubts}", first.why)
             }
             _ => {
-                (self.candidates, self.set, self.formula, self.next_cycle) = Default::default();
+                (self.candidates, self.set, self.formula) = Default::default();
+                self.residual.unexplained_fraction = 1.0;
+                self.next_cycle = Some(NextCycle::repeat());
                 self.why = format!("{doubts} {}", self.why).trim_end().into();
                 self.verdict = Verdict::Undecided;
             }
@@ -106,7 +108,7 @@ impl Diagnosis {
 pub struct Candidate {
     /// Effect id.
     pub effect: String,
-    /// log₁₀ of the Bayes factor against nothing, after the prior for the number of candidates.
+    /// log₁₀ of the odds against noise only: Bayes factor times the prior for the number of candidates.
     pub evidence: f64,
     /// Residual after adding it, µm rms.
     pub rms_um_after: f64,
@@ -116,7 +118,7 @@ pub struct Candidate {
     pub explains_fraction: f64,
     /// Its parameters as fitted; shape numbers included.
     pub parameters: Vec<CandidateParameter>,
-    /// Effects that the data cannot well tell from it.
+    /// Effects that the data do not well distinguish from it.
     pub confused_with: Vec<String>,
     /// The measurement that would separate them; empty when nothing is confused.
     pub separate_by: String,
@@ -156,7 +158,7 @@ pub struct FormulaProposal {
     pub shape: Vec<ShapeNumber>,
     /// The whole proposal as entries of a model file, one for each component; the first is the one described above.
     pub entries: Vec<ModelEffect>,
-    /// log₁₀ of the Bayes factor against nothing, after the price of its complexity.
+    /// log₁₀ of the odds against noise only: Bayes factor times the prior of an expression so complex.
     pub evidence: f64,
     /// Residual after adding it, µm rms.
     pub rms_um_after: f64,
@@ -164,8 +166,8 @@ pub struct FormulaProposal {
     pub holdout_rms_um_after: Option<f64>,
     /// Share of what all that was found explains together that it explains alone, 0…1.
     pub explains_fraction: f64,
-    /// Where it lives: frame, direction, range, in words.
-    pub lives: String,
+    /// Where it acts: frame, direction, range, in words.
+    pub location: String,
     /// The named effect it resembles most, if any.
     pub resembles: Option<String>,
 }
@@ -183,6 +185,15 @@ impl NextCycle {
     /// Advice of the catalogue; nothing was planned yet.
     pub(crate) fn advice(suggestion: String) -> Self {
         Self { suggestion, cycle: None }
+    }
+
+    /// What to measure where too little was measured twice.
+    pub(crate) const REPEAT_THIS_PASS: &str =
+        "Repeat this pass: the same poses once more, in the opposite direction too.";
+
+    /// Advice for data that decide nothing.
+    pub(crate) fn repeat() -> Self {
+        Self::advice(Self::REPEAT_THIS_PASS.into())
     }
 }
 

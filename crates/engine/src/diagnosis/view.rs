@@ -10,6 +10,8 @@ use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
 /// In a quiet noise every size is at most this share of the noise of a single reading: the learned noise may have swallowed an effect.
+/// A judgement, as is the next: small enough to hide nothing worth a name, large enough for a covariance. They only choose what is looked at
+/// again in the learned noise; no claim rests on them. Half and double were not tried.
 const QUIET: f64 = 0.05;
 /// And at least this much below what was learned, ln.
 const QUIETER_LN: f64 = 1.5;

@@ -44,7 +44,7 @@ pub fn why(instance: &Instance, numbers: &Numbers, period: Option<&Wave>, adequa
     sentences.join(" ")
 }
 
-/// The measurement that tells an effect from its rivals; empty without rivals.
+/// The measurement that separates an effect from its rivals; empty without rivals.
 pub fn separate_by(instance: &Instance, rivals: &[&Instance]) -> String {
     if rivals.is_empty() {
         return String::new();
@@ -56,8 +56,8 @@ pub fn separate_by(instance: &Instance, rivals: &[&Instance]) -> String {
     format!("{}.", parts.join("; "))
 }
 
-/// Where a term of the grammar lives.
-pub fn lives(site: &str, components: &[&str], words: &str) -> String {
+/// Where a term of the grammar acts.
+pub fn location(site: &str, components: &[&str], words: &str) -> String {
     let along = |prefix: &str, names: [&str; 3]| {
         let of_sort = components.iter().filter_map(|component| component.strip_prefix(prefix));
         let letters: Vec<&str> = of_sort
@@ -98,8 +98,8 @@ mod tests {
     #[test]
     fn components_of_a_sort_are_named_together() {
         let centre = ShapeNumber { name: "centre".into(), value: 0.5585, unit: "rad" };
-        let told = lives("axis:B", &["dx", "dz", "ec"], &placed("near one angle of B", &[centre]));
+        let words = location("axis:B", &["dx", "dz", "ec"], &placed("near one angle of B", &[centre]));
         let expected = "displacement along X and Z with rotation about Z at axis B, in the axes of what carries it: near 32° of B";
-        assert_eq!(told, expected);
+        assert_eq!(words, expected);
     }
 }

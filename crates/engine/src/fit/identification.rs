@@ -159,6 +159,20 @@ pub struct Holdout {
     pub parts: usize,
 }
 
+/// Share of the points that must have been read again for repeats to say how readings repeat
+/// [docs/decisions/0002-thresholds-of-model-comparison.md].
+const REPEATED_SHARE: f64 = 0.2;
+/// The residual may be this times the repeatability, √(1 + 1.5²): what repeats leave out (offsets of passes, drift, natural motions) is
+/// no finding up to 1.5 times the repeatability [docs/decisions/0002-thresholds-of-model-comparison.md].
+const MOST_OF_REPEATABILITY: f64 = 1.8;
+
+impl Repeatability {
+    /// True where a residual is no larger than repeats allow.
+    pub fn allows(&self, rms_mm: f64) -> bool {
+        rms_mm <= MOST_OF_REPEATABILITY * self.sigma_mm
+    }
+}
+
 impl FittedParameter {
     /// True when the parameter has a number.
     pub fn observable(&self) -> bool {
@@ -185,6 +199,16 @@ impl Identification {
     /// The parameter of this name.
     pub fn parameter(&self, name: &str) -> Option<&FittedParameter> {
         self.parameters.iter().find(|parameter| parameter.name == name)
+    }
+
+    /// How well readings repeat; `None` where too few poses were measured twice to judge a residual by.
+    pub fn known_repeatability(&self) -> Option<Repeatability> {
+        self.repeatability.filter(|found| found.repeats as f64 >= REPEATED_SHARE * self.points as f64)
+    }
+
+    /// True where repeats show that the model leaves more than they allow. False says nothing: a small effect may be missing.
+    pub fn exceeds_repeats(&self) -> bool {
+        self.known_repeatability().is_some_and(|known| !known.allows(self.rms_mm))
     }
 
     /// Root mean square on held-out data, mm.

@@ -1,24 +1,41 @@
-//! A diagnosis that leaves rivals open gets the cycle that separates them.
+//! A diagnosis that leaves rivals open gets the cycle that separates them; one that decides nothing, the cycle that may.
 
+use super::again::again;
 use super::answer::Plan;
 use super::choose::plan_problem;
 use super::options::Options;
 use super::planned::PlannedCycle;
 use super::rivals::{Rivals, wanted};
-use crate::Diagnosis;
+use crate::diagnosis::judged::Verdict;
 use crate::problem::Problem;
-use std::error::Error;
+use crate::words::chain;
+use crate::{Diagnosis, NextCycle};
 use std::f64::consts::LN_10;
 
-/// Plans the next cycle when a candidate is confused with others, and leaves every other diagnosis as it is: planning takes
-/// longer than the diagnosis itself. When no plan can be made the advice stays and says why.
+/// Plans the next cycle when a candidate is confused with others, or the data are undecided between effects; where no cycle separates
+/// these, an undecided answer has the present cycle once more. Every other diagnosis stays as it is: planning takes longer than the
+/// diagnosis itself. When no plan can be made the advice stays and says why.
 pub fn advise(problem: &Problem<'_>, diagnosis: &mut Diagnosis, options: &Options) {
-    if diagnosis.candidates.iter().all(|candidate| candidate.confused_with.is_empty()) {
-        return;
+    let undecided = diagnosis.verdict == Verdict::Undecided;
+    if undecided || diagnosis.candidates.iter().any(|candidate| !candidate.confused_with.is_empty()) {
+        separate(problem, diagnosis, options);
     }
+    if undecided {
+        let next = diagnosis.next_cycle.get_or_insert_with(NextCycle::repeat);
+        next.cycle = next.cycle.take().or_else(|| again(problem.experiment(), options));
+    }
+}
+
+fn separate(problem: &Problem<'_>, diagnosis: &mut Diagnosis, options: &Options) {
     let Rivals::Separate(rivals) = wanted(diagnosis) else { return };
-    let next = diagnosis.next_cycle.get_or_insert_default();
+    let undecided = diagnosis.verdict == Verdict::Undecided;
+    let next = diagnosis.next_cycle.get_or_insert_with(|| match undecided {
+        true => NextCycle::repeat(),
+        false => NextCycle::default(),
+    });
     match plan_problem(problem, &Rivals::Separate(rivals), options) {
+        // Where nothing was found, repeats decide what no cycle separates.
+        Ok(plan) if undecided && plan.next.is_none() => {}
         Ok(plan) => {
             next.cycle = planned(&plan);
             next.suggestion = plan.answer;
@@ -33,15 +50,9 @@ fn planned(plan: &Plan) -> Option<PlannedCycle> {
         name: cycle.name.clone(),
         what: row.what.clone(),
         minutes: row.minutes,
-        separation_before: plan.before_ln / LN_10,
-        separation: row.separation_ln / LN_10,
+        separation_before: Some(plan.before_ln / LN_10),
+        separation: Some(row.separation_ln / LN_10),
         separates: row.apart.clone(),
         file: cycle.to_text(),
     })
-}
-
-/// An error with its causes, for a sentence.
-fn chain(error: &dyn Error) -> String {
-    let cause = error.source().map_or(String::new(), |cause| format!(": {}", chain(cause)));
-    format!("{error}{cause}")
 }

@@ -19,6 +19,16 @@ const RUN_UP: f64 = PI / 12.0;
 /// Distance of the second height and of the second radius, mm.
 const APART_MM: f64 = 100.0;
 
+/// When a point of a planned cycle may be read.
+pub(super) const SETTLE: Settle = Settle {
+    window_s: 0.5,
+    drift_mm: 0.5e-3,
+    noise_mm: 2e-3,
+    standstill_mm: 2e-3,
+    standstill_rad: 0.001 * PI / 180.0,
+    timeout_s: 10.0,
+};
+
 /// A cycle and what it is good for.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
@@ -251,15 +261,7 @@ impl Shop<'_> {
         grid: Vec<GridAxis>,
         rounds: Rounds,
     ) -> Candidate {
-        let settle = Settle {
-            window_s: 0.5,
-            drift_mm: 0.5e-3,
-            noise_mm: 2e-3,
-            standstill_mm: 2e-3,
-            standstill_rad: convert::rad_from_deg(0.001),
-            timeout_s: 10.0,
-        };
-        let motion = Motion::Static { grid, passes: vec![1.0, -1.0], settle };
+        let motion = Motion::Static { grid, passes: vec![1.0, -1.0], settle: SETTLE };
         self.candidate(name, what, setups, motion, rounds)
     }
 

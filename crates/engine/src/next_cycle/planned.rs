@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A cycle that separates effects.
+/// A cycle that separates effects, or repeats the present one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PlannedCycle {
     /// Its name.
@@ -12,10 +12,10 @@ pub struct PlannedCycle {
     pub what: String,
     /// Machine time with mounting, min.
     pub minutes: f64,
-    /// log₁₀ of the expected odds between the hardest pair in the present data.
-    pub separation_before: f64,
+    /// log₁₀ of the expected odds between the hardest pair in the present data; null where it separates no pair.
+    pub separation_before: Option<f64>,
     /// The same after the cycle.
-    pub separation: f64,
+    pub separation: Option<f64>,
     /// Pairs of effects that it separates.
     pub separates: Vec<[String; 2]>,
     /// The cycle file, `trunnion-cycle/1`.

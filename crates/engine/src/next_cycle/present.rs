@@ -137,6 +137,14 @@ impl Present {
     }
 }
 
+/// The last run of an experiment.
+pub(super) fn last_run(experiment: &Experiment) -> Option<Run> {
+    let run = experiment.runs.len().checked_sub(1)?;
+    let own: Vec<usize> =
+        (0..experiment.points.len()).filter(|&i| experiment.run_of_point[i] == run).collect();
+    (!own.is_empty()).then(|| part_of(experiment, run, &own))
+}
+
 /// Some points of one run of an experiment as a run of its own.
 fn part_of(experiment: &Experiment, run: usize, points: &[usize]) -> Run {
     let mut used: Vec<usize> = points.iter().map(|&i| experiment.points[i].state.setup).collect();

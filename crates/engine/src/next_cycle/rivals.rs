@@ -1,5 +1,6 @@
 //! Which effects to separate: those a diagnosis confuses, or those the present cycle cannot see.
 
+use crate::diagnosis::judged::Verdict;
 use crate::{Diagnosis, FormulaProposal};
 use trunnion_effects::{Formula, Instance, ModelEffect, UnknownEffect};
 use trunnion_machine::Machine;
@@ -27,9 +28,16 @@ impl Rivals {
     }
 }
 
-/// What a diagnosis leaves open: its first candidate that is confused with others; a formula against the named effect it
-/// resembles; otherwise everything the present cycle cannot see.
+/// Effects compared with each other, at most: as many as a diagnosis lists as candidates.
+const MOST_UNDECIDED: usize = 6;
+
+/// What a diagnosis leaves open: the effects it is undecided between; its first candidate that is confused with others; a formula
+/// against the named effect it resembles; otherwise everything the present cycle cannot see.
 pub fn wanted(diagnosis: &Diagnosis) -> Rivals {
+    if diagnosis.verdict == Verdict::Undecided && diagnosis.undecided.len() > 1 {
+        let open = diagnosis.undecided.iter().take(MOST_UNDECIDED);
+        return Rivals::Separate(open.map(|open| named(&open.effect)).collect());
+    }
     if let Some(best) = diagnosis.candidates.iter().find(|candidate| !candidate.confused_with.is_empty()) {
         let ids = std::iter::once(&best.effect).chain(&best.confused_with);
         return Rivals::Separate(ids.map(|id| named(id)).collect());

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod advice;
 mod beam_tilts;
 mod common;
 mod excluded_points;

@@ -132,7 +132,7 @@ fn the_first_page_says_what_was_not_seen() {
 #[test]
 fn nothing_found_explains_no_share_of_anything() {
     let mut diagnosis = verdict(Verdict::NoiseFloor);
-    diagnosis.residual.unexplained_fraction = Some(0.0);
+    diagnosis.residual.unexplained_fraction = Some(1.0);
     let story = story(&Comparison { diagnosis: Some(diagnosis.clone()), ..Comparison::default() });
     assert!(story.sure[0].starts_with("Nothing significant was found"), "{:?}", story.sure);
     let text = trunnion_report::diagnosis_text(&diagnosis);

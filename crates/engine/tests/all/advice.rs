@@ -1,0 +1,63 @@
+//! An answer that is undecided between effects has the cycle that separates them.
+
+use crate::common::points_run;
+use trunnion_core::axis::iso::C;
+use trunnion_cycles::{Cycle, Run};
+use trunnion_effects::Model;
+use trunnion_engine::next_cycle::{Options, advise};
+use trunnion_engine::{Diagnosis, Experiment, OpenEffect, Problem, Verdict, diagnose_problem};
+
+fn advised(run: Run, open: &[&str]) -> (Experiment, Diagnosis) {
+    let experiment = Experiment::new(&[run]).unwrap();
+    let problem = Problem::new(&experiment, &Model::base("table-bc")).unwrap();
+    let mut diagnosis = diagnose_problem(&problem, &Default::default()).unwrap();
+    diagnosis.verdict = Verdict::Undecided;
+    let effect = |id: &&str| OpenEffect { effect: id.to_string(), evidence: 0.9 };
+    diagnosis.undecided = open.iter().map(effect).collect();
+    diagnosis.next_cycle = None;
+    advise(&problem, &mut diagnosis, &Options::default());
+    (experiment, diagnosis)
+}
+
+#[test]
+fn effects_that_the_data_leave_open_get_the_cycle_that_separates_them() {
+    // Five waves a turn along the circle that C carries the ball on: at one radius a pitch of the drive, or C moving on its bearing.
+    let mut run = points_run("points-nothing-hidden");
+    for point in &mut run.points {
+        point.reading_mm[1] += 1e-3 * (5.0 * point.state.position[C]).sin();
+    }
+    let (_, diagnosis) = advised(run, &["drive-pitch:C", "radial-error-motion:C"]);
+    let next = diagnosis.next_cycle.unwrap();
+    println!("{next:?}");
+    let cycle = next.cycle.expect("a cycle");
+    assert_eq!(cycle.separates, [["drive-pitch:C".to_string(), "radial-error-motion:C".into()]]);
+    assert!(cycle.separation.unwrap() > cycle.separation_before.unwrap());
+    Cycle::parse("next.toml", &cycle.file).unwrap();
+}
+
+#[test]
+fn where_nothing_is_named_the_present_poses_are_measured_once_more() {
+    let (experiment, diagnosis) = advised(points_run("points-nothing-hidden"), &[]);
+    let next = diagnosis.next_cycle.unwrap();
+    assert!(next.suggestion.starts_with("Repeat this pass"), "{next:?}");
+    let planned = next.cycle.expect("a cycle");
+    assert!(planned.separates.is_empty() && planned.separation.is_none() && planned.minutes > 0.0);
+    let cycle = Cycle::parse("next.toml", &planned.file).unwrap();
+    let poses = cycle.poses(experiment.machine()).unwrap();
+    assert_eq!(poses.len(), experiment.points.len(), "both directions, as they were measured");
+    for pose in poses {
+        let joints = experiment.machine().joints();
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-3;
+        let visited = experiment.points.iter().any(|point| {
+            joints.iter().all(|joint| near(point.state.position[*joint], pose.position[*joint]))
+        });
+        assert!(visited, "{pose:?}");
+    }
+}
+
+#[test]
+fn where_no_cycle_separates_what_is_open_the_advice_is_to_repeat() {
+    let (_, diagnosis) = advised(points_run("points-nothing-hidden"), &["backlash:C", "setup-slip"]);
+    let next = diagnosis.next_cycle.unwrap();
+    assert!(next.suggestion.starts_with("Repeat this pass") && next.cycle.is_some(), "{next:?}");
+}
