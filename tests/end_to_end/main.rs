@@ -11,6 +11,7 @@ mod correct;
 mod dated;
 mod demo;
 mod devices;
+mod eighty_columns;
 mod history;
 mod history_on_page;
 mod host_faults;

@@ -7,7 +7,7 @@ use anyhow::Context;
 use fold::fold;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use textwrap::{Options, WrapAlgorithm};
+use textwrap::{Options, WordSeparator, WordSplitter, WrapAlgorithm};
 
 /// Columns and lines where nobody says how many there are (a pipe, a file).
 const USUAL: Screen = Screen { columns: 80, lines: 40 };
@@ -97,7 +97,7 @@ fn gone_is_fine(written: std::io::Result<()>) -> std::io::Result<()> {
     }
 }
 
-/// Lines of at most `width` columns, broken between words. What continues a line of a table hangs under its last
+/// Lines of at most `width` columns, broken at blanks alone: an id, a flag or a path stays whole. What continues a line of a table hangs under its last
 /// column, or begins in the middle where that is further left; what continues a sentence hangs under its beginning.
 fn wrap(text: &str, width: usize) -> String {
     let mut out = String::with_capacity(text.len());
@@ -112,6 +112,8 @@ fn wrap(text: &str, width: usize) -> String {
                 .initial_indent(&line[..begins])
                 .subsequent_indent(&hanging)
                 .wrap_algorithm(WrapAlgorithm::FirstFit)
+                .word_separator(WordSeparator::AsciiSpace)
+                .word_splitter(WordSplitter::NoHyphenation)
                 .break_words(false);
             out += &textwrap::wrap(&line[begins..], options).join("\n");
         }
@@ -149,10 +151,20 @@ mod tests {
         assert_eq!(wrap(row, 40), "EX0C   4.1 um   contains EX0A and\n                nothing else\n");
     }
 
+    #[test]
+    fn ids_and_flags_stay_whole() {
+        let sentence = "Missing from the model is gravity-sag:B, as --although-inadequate says.\n";
+        assert_eq!(
+            wrap(sentence, 40),
+            "Missing from the model is gravity-sag:B,\nas --although-inadequate says.\n"
+        );
+        assert_eq!(wrap(sentence, 39).lines().next(), Some("Missing from the model is"));
+    }
+
     proptest! {
         #[test]
         fn no_line_is_too_long_and_no_word_is_lost(
-            words in proptest::collection::vec("[a-zµ°]{1,12}", 1..60), indent in 0_usize..6,
+            words in proptest::collection::vec("[a-zµ°:-]{1,12}", 1..60), indent in 0_usize..6,
         ) {
             let text = format!("{}{}\n", " ".repeat(indent), words.join(" "));
             let wrapped = wrap(&text, 40);

@@ -52,6 +52,8 @@ fn in_words(name: &str) -> (String, String) {
     let (symbol, what) = name.split_once(' ').unwrap_or((name, ""));
     match error_in_words(symbol) {
         Some(words) if what.is_empty() => (format!("The {words}"), format!(" ({symbol})")),
+        // Which trace shows it, `by C-XY`, follows the name.
+        Some(words) if what.starts_with("by ") => (format!("The {words} {what}"), format!(" ({symbol})")),
         Some(words) => (format!("The {what} of the {words}"), format!(" ({symbol})")),
         None => (name.into(), String::new()),
     }

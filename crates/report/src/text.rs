@@ -31,7 +31,7 @@ use crate::words::{
     trial_verdict, verdict, wave,
 };
 use std::iter::once;
-use table::{bar, clean, columns, moved_table, paragraph, with_bars};
+use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
 use trunnion_results::sentences::complete;
 use trunnion_results::{
     Candidate, Check, Comparison, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Moved,
@@ -197,7 +197,7 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
         format!("; what was found explains {} of the mean square", percent(fraction))
     });
     out += &format!(
-        "{} rms left ({}); held-out error {}{explained}.\n",
+        "Residual {} rms ({}); held-out error {}{explained}.\n",
         um(residual.rms_um),
         repeatability(residual.noise_um),
         held_out(residual.holdout_rms_um, residual.holdout_unit),
@@ -206,8 +206,7 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
     out += &noticeable(diagnosis).map_or(String::new(), |sentence| paragraph(&sentence));
     if !diagnosis.candidates.is_empty() {
         out += "\n";
-        let head =
-            ["candidate", "evidence", "error after", "held-out", "explains", "adequate", "confounded with"];
+        let head = ["candidate", "evidence", "error after", "held-out", "explains", "adequate"];
         let rows = diagnosis.candidates.iter().map(|c| {
             vec![
                 c.effect.clone(),
@@ -216,11 +215,14 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
                 um_or_dash(c.holdout_rms_um_after),
                 percent(c.explains_fraction),
                 if c.adequate { "yes" } else { "no" }.into(),
-                c.confused_with.join(", "),
             ]
         });
         let rows: Vec<_> = once(head.map(String::from).to_vec()).chain(rows).collect();
-        out += &columns(&rows, &[1, 2, 3, 4]);
+        out += &titled(&rows, &[1, 2, 3, 4]);
+        // What the best is confounded with follows in its own paragraph.
+        for c in diagnosis.candidates.iter().skip(1).filter(|c| !c.confused_with.is_empty()) {
+            out += &paragraph(&format!("{} is confounded with {}.", c.effect, c.confused_with.join(", ")));
+        }
     }
     let formula = diagnosis.formula.as_ref().map_or(String::new(), formula);
     let best = diagnosis.candidates.first().map_or(String::new(), best_candidate);
@@ -286,7 +288,7 @@ fn parameters(rows: &[Parameter]) -> String {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         vec![p.name.clone(), value, u, p.effect.clone(), p.note.clone()]
     });
-    columns(&once(head).chain(rows).collect::<Vec<_>>(), &[1, 2])
+    titled(&once(head).chain(rows).collect::<Vec<_>>(), &[1, 2])
 }
 
 fn places(places: &[Place], none: &str) -> String {

@@ -1,6 +1,6 @@
 //! What a named method found, for the terminal.
 
-use super::table::{clean, columns, paragraph};
+use super::table::{clean, paragraph, titled};
 use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row, verdict};
 use trunnion_results::Findings;
 
@@ -13,10 +13,11 @@ pub fn findings_text(findings: &Findings) -> String {
     for sentence in verdict(findings) {
         out += &paragraph(&sentence);
     }
-    out += "\n";
-    let mut rows = vec![VALUE_HEADS.map(String::from).to_vec()];
-    rows.extend(findings.values.iter().map(value_row));
-    out += &columns(&rows, &[1, 2]);
+    if !findings.values.is_empty() {
+        let mut rows = vec![VALUE_HEADS.map(String::from).to_vec()];
+        rows.extend(findings.values.iter().map(value_row));
+        out += &format!("\n{}", titled(&rows, &[1, 2]));
+    }
     for note in &findings.notes {
         out += "\n";
         out += &paragraph(note);
@@ -25,7 +26,7 @@ pub fn findings_text(findings: &Findings) -> String {
         out += &format!("\n{}\n", clean(&table.caption));
         let mut rows = vec![heads(table)];
         rows.extend(table.rows.iter().map(|row| cells(table, row)));
-        out += &columns(&rows, &numeric(table));
+        out += &titled(&rows, &numeric(table));
     }
     out
 }

@@ -1,6 +1,6 @@
 //! The runs of a machine as text: what changed first, then the runs, then the values with their limits.
 
-use super::table::{columns, paragraph};
+use super::table::{columns, paragraph, titled};
 use crate::number::{MISSING, justified, um_or_dash, unit_on_screen, value_and_u};
 use trunnion_results::sentences::verdict_in_short;
 use trunnion_results::{HistoryRun, MachineHistory, Watched};
@@ -74,7 +74,7 @@ fn runs(history: &MachineHistory) -> String {
         ]
     };
     rows.extend(history.runs.iter().map(row));
-    columns(&rows, &[2, 3])
+    titled(&rows, &[2, 3])
 }
 
 /// What the next run of an unchanged machine is expected to show; nothing before enough days were measured.

@@ -1,7 +1,7 @@
 //! The ladder as bars of characters: error of the fit, held-out error and repeatability of every rung.
 
-use super::table::{BAR, columns, moved_table};
-use crate::number::{um, um_or_dash};
+use super::table::{columns, longest_bar, moved_table};
+use crate::number::um_or_dash;
 use crate::words::{most_moved, moved_words};
 use std::iter::once;
 use trunnion_results::{Ladder, LadderRow};
@@ -14,37 +14,46 @@ pub fn ladder_text(ladder: &Ladder, noise_um: Option<f64>) -> String {
     let fits = ladder.added().flat_map(|(_, row)| [Some(row.error_after_um), row.holdout_after_um]);
     let fits = fits.chain([Some(first.error_before_um), first.holdout_before_um, noise_um]).flatten();
     let largest = fits.filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let head = ["added", "fit", "held-out", "noise", "", "location error that moved most"];
-    let step = |name: String, fit_um: f64, holdout_um: Option<f64>, noise_um: Option<f64>, moved: String| {
-        let bar = marked_bar(fit_um, holdout_um, noise_um, largest);
-        vec![name, um(fit_um), um_or_dash(holdout_um), um_or_dash(noise_um), bar, moved]
-    };
+    let head = ["added", "fit", "held-out", "noise"].map(String::from).to_vec();
     let floor = |row: &LadderRow| row.noise_um.or(noise_um);
-    let start =
-        step("(before)".into(), first.error_before_um, first.holdout_before_um, floor(first), String::new());
+    let start = ("(before)".into(), [Some(first.error_before_um), first.holdout_before_um, floor(first)]);
     let steps = ladder.added().map(|(effect, row)| {
-        let moved = most_moved(&row.moved).map_or(String::new(), moved_words);
-        step(format!("+ {effect}"), row.error_after_um, row.holdout_after_um, floor(row), moved)
+        (format!("+ {effect}"), [Some(row.error_after_um), row.holdout_after_um, floor(row)])
     });
-    let table: Vec<_> = once(head.map(String::from).to_vec()).chain(once(start)).chain(steps).collect();
-    let mut out = columns(&table, &[1, 2, 3]);
+    let steps: Vec<(String, [Option<f64>; 3])> = once(start).chain(steps).collect();
+    let cells = |(name, values): &(String, [Option<f64>; 3])| {
+        once(name.clone()).chain(values.map(um_or_dash)).collect::<Vec<_>>()
+    };
+    let mut rows: Vec<Vec<String>> = once(head).chain(steps.iter().map(cells)).collect();
+    let longest = longest_bar(&rows);
+    for (row, (_, values)) in rows.iter_mut().skip(1).zip(&steps) {
+        row.push(marked_bar(*values, largest, longest));
+    }
+    let mut out = columns(&rows, &[1, 2, 3]);
     out += "Bars: # error of the fit, o error on data left out of the fit, | repeatability; µm rms.\n";
-    for (effect, row) in ladder.added().filter(|(_, row)| row.moved.iter().any(|m| m.in_u() > 2.0)) {
-        out += &format!("\nMoved by more than 2 u when {effect} came in\n");
+    for (effect, row) in ladder.added() {
         let moved: Vec<_> = row.moved.iter().filter(|m| m.in_u() > 2.0).cloned().collect();
-        out += &moved_table(&moved);
+        if !moved.is_empty() {
+            out += &format!("\nMoved by more than 2 u when {effect} came in\n{}", moved_table(&moved));
+        } else if let Some(most) = most_moved(&row.moved) {
+            out += &format!(
+                "\nNothing moved by more than 2 u when {effect} came in; most of the location errors: {}.\n",
+                moved_words(most)
+            );
+        }
     }
     out
 }
 
 /// `######|###   o`.
-fn marked_bar(fit_um: f64, holdout_um: Option<f64>, noise_um: Option<f64>, largest: f64) -> String {
+fn marked_bar([fit_um, holdout_um, noise_um]: [Option<f64>; 3], largest_um: f64, longest: f64) -> String {
+    // The last character is for the mark of the largest value.
     let place = |value: f64| {
-        let share = value / largest;
-        share.is_finite().then(|| (share * BAR).round().clamp(0.0, BAR) as usize)
+        let share = value / largest_um;
+        share.is_finite().then(|| (share * (longest - 1.0)).round().clamp(0.0, longest - 1.0) as usize)
     };
-    let mut bar = vec![' '; BAR as usize + 1];
-    bar[..place(fit_um).unwrap_or(0)].fill('#');
+    let mut bar = vec![' '; longest as usize];
+    bar[..fit_um.and_then(place).unwrap_or(0)].fill('#');
     for (value, mark) in [(noise_um, '|'), (holdout_um, 'o')] {
         if let Some(at) = value.and_then(place) {
             bar[at] = mark;

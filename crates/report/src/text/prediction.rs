@@ -1,6 +1,6 @@
 //! A prediction of other runs, for the terminal.
 
-use super::table::{clean, columns, paragraph};
+use super::table::{clean, paragraph, titled};
 use crate::number::{percent, um};
 use crate::words::differences;
 use std::iter::once;
@@ -20,23 +20,25 @@ pub fn prediction_text(prediction: &Prediction) -> String {
         clean(&prediction.effects.join(" + ")),
         um(prediction.reading_um)
     );
-    let head = ["predicted run", "points", "error", "without model", "largest", "95 % band", "inside", ""]
+    let head = ["predicted run", "points", "error", "without model", "largest", "95 % band", "inside"]
         .map(String::from)
         .to_vec();
     let row = |run: &RunPrediction| {
         vec![
-            run.run.clone(),
+            if run.was_fitted { format!("{} *", run.run) } else { run.run.clone() },
             run.points.to_string(),
             format!("{} rms", um(run.rms_um)),
             format!("{} rms", um(run.without_model_rms_um)),
             um(run.largest_um),
             format!("± {}", um(run.band_95_um)),
             percent(run.inside_95_fraction),
-            if run.was_fitted { "fitted to it".into() } else { String::new() },
         ]
     };
     let rows: Vec<_> = once(head).chain(prediction.runs.iter().map(row)).collect();
-    out += &columns(&rows, &[1, 2, 3, 4, 5, 6]);
+    out += &titled(&rows, &[1, 2, 3, 4, 5, 6]);
+    if prediction.runs.iter().any(|run| run.was_fitted) {
+        out += &paragraph("* The model was fitted to this run: this is no prediction of it.");
+    }
     out += "\n";
     for run in &prediction.runs {
         if let Some(distance_um) = run.mean_distance_um {

@@ -192,7 +192,7 @@ fn check(fit: &Fit, what: &str) -> Diagnosed {
     );
     let names = ["Residual", "Repeatability", "Held-out error"];
     assert_said(&compared.page(), &answer, names, &format!("{what}, page"));
-    let residual = format!("{} rms left", um(answer.rms_um));
+    let residual = format!("Residual {} rms", um(answer.rms_um));
     assert!(diagnosed.summary().contains(&residual), "{what}: {}", diagnosed.summary());
     diagnosed
 }
