@@ -1,16 +1,9 @@
 //! Directions of the axes that a points file does not state: from one commanded position to the next.
 
-use crate::{AxisValues, Joint, Point, Slot, State};
+use crate::{AxisValues, Joint, Slot, State};
 
 /// Smallest travel that counts as motion, mm or rad.
 const STANDSTILL: f64 = 1e-6;
-
-/// Fills the direction of every axis in `letters` with the sign of its last travel (0 before the first),
-/// and `since_reversal` of all axes with the travel since they last turned round.
-pub fn fill_directions(points: &mut [Point], letters: &[Joint]) {
-    let mut travel = Travel::default();
-    points.iter_mut().for_each(|point| travel.fill(&mut point.state, letters));
-}
 
 /// The travel of all axes so far, from point to point.
 #[derive(Clone, Debug, Default)]
@@ -21,7 +14,8 @@ pub struct Travel {
 }
 
 impl Travel {
-    /// As [`fill_directions`], one point after the other.
+    /// Fills the direction of every axis in `letters` with the sign of its last travel (0 before the first), and
+    /// `since_reversal` of all axes with the travel since they last turned round; one point after the other.
     pub fn fill(&mut self, state: &mut State, letters: &[Joint]) {
         let Some(last) = self.last.replace(state.position) else { return };
         for slot in Slot::ALL {

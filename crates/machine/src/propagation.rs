@@ -6,7 +6,7 @@
 //! [`crate::tripod`] instead.
 
 use crate::tripod::LegMotion;
-use crate::{JointErrors, Machine, Side, Site};
+use crate::{JointErrors, Machine, Site};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use trunnion_core::{AxisValues, Joint, Twist};
 
@@ -68,23 +68,6 @@ impl Machine {
             machine_from_carrier *= axis.motion(position[axis.letter]);
         }
         None
-    }
-
-    /// Sum of the linear displacements of a point fixed to the table or to the tool, machine axes, mm.
-    pub fn linear_displacement_mm(
-        &self,
-        side: Side,
-        position: &AxisValues<f64>,
-        point_in_machine_mm: &Point3<f64>,
-        errors: &JointErrors,
-    ) -> Vector3<f64> {
-        self.from_bed(side)
-            .into_iter()
-            .filter_map(|axis| {
-                let frame = self.joint_frame(axis.letter, position)?;
-                Some(frame.displacement_mm(point_in_machine_mm, &errors[axis.letter]))
-            })
-            .sum()
     }
 }
 

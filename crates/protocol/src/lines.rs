@@ -54,11 +54,6 @@ impl Lines {
         }
     }
 
-    /// True while a line is half received.
-    pub fn is_midway(&self) -> bool {
-        !self.line.is_empty()
-    }
-
     /// What was seen and lost.
     pub fn counts(&self) -> LineCounts {
         self.counts

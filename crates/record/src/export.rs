@@ -124,11 +124,6 @@ fn cell(run: &Run, column: &Column, point: &Point, actual: Option<&AxisSample>) 
     }
 }
 
-/// How many points of the run [`points_csv`] leaves out.
-pub fn points_left_out(run: &Run) -> usize {
-    run.points.iter().filter(|point| point.quality != Quality::Good).count()
-}
-
 /// Probe samples: `time_s,probe,device_ticks,raw,value_um`; an empty value means the device reported an
 /// error.
 pub fn probe_samples_csv(header: &RunHeader, samples: &[ProbeSample]) -> String {

@@ -102,9 +102,4 @@ impl Complete {
         }
         self
     }
-
-    /// Points without a reading.
-    pub fn missing_count(&self) -> usize {
-        self.missing.iter().map(|missing| missing.count).sum()
-    }
 }

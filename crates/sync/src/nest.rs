@@ -7,10 +7,6 @@
 //! a: the steps show directions in the axes of the travel; what carries the nest is turned against these by the location errors of the
 //! rotary axes between, which nobody has measured yet. A turn of all three probes together leaves no residual.
 
-mod indexing;
-
-pub use indexing::{BallOffset, ball_offset};
-
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use trunnion_core::input::Table;
 
@@ -58,11 +54,6 @@ impl NestCalibration {
     /// The reading of these probes in nest axes, mm, minus its value at zero. NaN in, NaN out.
     pub fn reading_mm(&self, probes_mm: [f64; 3]) -> Vector3<f64> {
         self.nest_from_probes * Vector3::from(probes_mm) - self.zero_mm
-    }
-
-    /// The same calibration with zero where the probes read `probes_mm`.
-    pub fn zeroed_at(self, probes_mm: [f64; 3]) -> Self {
-        Self { zero_mm: self.nest_from_probes * Vector3::from(probes_mm), ..self }
     }
 }
 
@@ -295,8 +286,6 @@ mod tests {
         }
         let ball = Vector3::new(0.031, -0.017, 0.008);
         assert!((fit.calibration.reading_mm(probes(ball)) - ball).norm() < 1e-12);
-        let there = fit.calibration.zeroed_at(probes(ball));
-        assert!((there.reading_mm(probes(2.0 * ball)) - ball).norm() < 1e-12);
     }
 
     #[test]

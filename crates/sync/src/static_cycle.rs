@@ -96,11 +96,6 @@ impl StaticCycle {
         Progress { done: self.next, total: self.poses.len(), seconds_left }
     }
 
-    /// True once it has ended.
-    pub fn is_ended(&self) -> bool {
-        self.ended
-    }
-
     /// Takes the next step of the alignment; steps come in order of time. What happened goes to the end of `events`.
     pub fn push(&mut self, step: &Aligned, events: &mut Vec<CycleEvent>) {
         match step.channels_mm {

@@ -46,8 +46,6 @@ pub enum LineParity {
 impl Framing {
     /// 8N1, as nearly everything.
     pub const PLAIN: Self = Self { seven_bits: false, parity: LineParity::None, two_stop_bits: false };
-    /// 7E2, as length gauges.
-    pub const SEVEN_EVEN_TWO: Self = Self { seven_bits: true, parity: LineParity::Even, two_stop_bits: true };
 
     /// Every framing with its usual name.
     pub const NAMES: [(&'static str, Self); 8] = {

@@ -51,11 +51,6 @@ impl Bitrate {
     pub fn bits_per_s(self) -> u32 {
         [10, 20, 50, 100, 125, 250, 500, 800, 1000][self as usize] * 1000
     }
-
-    /// The bit rate of this many bits per second, if the protocol has it.
-    pub fn from_bits_per_s(bits_per_s: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|rate| rate.bits_per_s() == bits_per_s)
-    }
 }
 
 /// What a host says to an adapter.

@@ -25,7 +25,7 @@ fn commands_have_the_manuals_bytes() {
         assert_eq!(command.encode(), expected);
         assert_eq!(AdapterDecoder::default().push(expected), [Some(command)]);
     };
-    check(HostCommand::SetBitrate(Bitrate::from_bits_per_s(1_000_000).unwrap()), b"S8\r");
+    check(HostCommand::SetBitrate(Bitrate::K1000), b"S8\r");
     check(HostCommand::Open, b"O\r");
     check(HostCommand::Listen, b"L\r");
     check(HostCommand::Close, b"C\r");

@@ -1,7 +1,7 @@
 //! Whitening in one pass over time: a Kalman filter whose gains do not depend on the data.
 
 use super::order::{Noise, Order};
-use nalgebra::{DMatrix, Matrix3, Matrix3x4, Matrix4, Matrix4x3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Matrix3x4, Matrix4, Matrix4x3};
 use std::ops::Range;
 
 /// The operator W of one noise model.
@@ -67,28 +67,6 @@ impl Whitener {
             match step.rows.len() {
                 3 => step.filter3(data, &mut state, width),
                 _ => step.filter1(data, &mut state, width),
-            }
-        }
-    }
-
-    /// Wᵀ applied to whitened vectors held transposed (vector × row), in place.
-    pub fn adjoint(&self, transposed: &mut DMatrix<f64>) {
-        for j in 0..transposed.nrows() {
-            let mut state = nalgebra::Vector4::zeros();
-            for step in self.steps.iter().rev() {
-                let mut whitened = Vector3::zeros();
-                for (k, row) in step.rows.clone().enumerate() {
-                    whitened[k] = transposed[(j, row)];
-                }
-                let reading = step.inverse_cholesky.transpose() * whitened + step.gain.transpose() * state;
-                for (k, row) in step.rows.clone().enumerate() {
-                    transposed[(j, row)] = reading[k];
-                }
-                state -= step.observe.transpose() * reading;
-                for k in 0..3 {
-                    state[k] *= step.keep_drift;
-                }
-                state[3] *= step.keep_slow;
             }
         }
     }
@@ -224,8 +202,5 @@ mod tests {
         assert!(difference.amax() < 1e-10, "{}", difference.amax());
         let log_det = 2.0 * sigma.cholesky().unwrap().l().diagonal().map(f64::ln).sum();
         assert!((log_det - whitener.log_det).abs() < 1e-9);
-        let mut adjoint = DMatrix::identity(rows, rows);
-        whitener.adjoint(&mut adjoint);
-        assert!((adjoint - w).amax() < 1e-12);
     }
 }

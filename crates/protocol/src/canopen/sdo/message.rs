@@ -20,8 +20,6 @@ impl AbortCode {
     pub const COMMAND: Self = Self(0x0504_0001);
     /// Out of memory.
     pub const MEMORY: Self = Self(0x0504_0005);
-    /// Attempt to read a write-only object.
-    pub const WRITE_ONLY: Self = Self(0x0601_0001);
     /// Attempt to write a read-only object.
     pub const READ_ONLY: Self = Self(0x0601_0002);
     /// Object does not exist.
@@ -30,14 +28,6 @@ impl AbortCode {
     pub const LENGTH: Self = Self(0x0607_0010);
     /// Sub-index does not exist.
     pub const NO_SUB_INDEX: Self = Self(0x0609_0011);
-    /// General error.
-    pub const GENERAL: Self = Self(0x0800_0000);
-
-    /// True when the node says that the object or sub-index does not exist.
-    pub fn means_absent(self) -> bool {
-        matches!(self, Self::NO_OBJECT | Self::NO_SUB_INDEX)
-    }
-
     pub(super) fn text(self) -> &'static str {
         match self.0 {
             0x0503_0000 => "toggle bit not alternated",
