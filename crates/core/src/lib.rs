@@ -21,6 +21,7 @@ pub mod secret;
 pub mod setup;
 mod spans;
 mod state;
+pub mod statistics;
 pub mod time;
 mod twist;
 

@@ -4,5 +4,5 @@ pub(crate) mod combinations;
 pub(crate) mod direction;
 pub(crate) mod golden_section;
 pub mod linear;
-pub mod normal;
+pub(crate) mod normal;
 pub mod null_space;

@@ -20,6 +20,7 @@ pub use error::AttributionError;
 
 use nalgebra::{Point3, Vector3};
 use std::ops::Range;
+use trunnion_core::statistics::rms;
 use trunnion_core::{AxisValues, Joint};
 use trunnion_machine::JointErrors;
 
@@ -150,7 +151,7 @@ impl Deviation {
 
     /// Root mean square of the deviation along X, Y, Z, mm.
     pub fn rms_mm(&self) -> [f64; 3] {
-        [0, 1, 2].map(|k| rms(self.place_mm.iter().map(|place| place[k])))
+        [0, 1, 2].map(|k| rms(self.place_mm.iter().map(|place| place[k])).unwrap_or(0.0))
     }
 
     /// Largest rotation of the tool, rad.
@@ -160,7 +161,7 @@ impl Deviation {
 
     /// Root mean square of the rotation of the tool, rad.
     pub fn rms_rad(&self) -> f64 {
-        rms(self.turn_rad.iter().map(Vector3::norm))
+        rms(self.turn_rad.iter().map(Vector3::norm)).unwrap_or(0.0)
     }
 }
 
@@ -172,9 +173,4 @@ fn without(value: f64, rounding: f64) -> f64 {
 /// The value with the largest size, with its sign.
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
-}
-
-fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = values.len().max(1) as f64;
-    (values.map(|value| value * value).sum::<f64>() / count).sqrt()
 }

@@ -4,6 +4,7 @@
 
 use crate::number::degrees;
 use trunnion_core::convert::rad_from_deg;
+use trunnion_core::statistics;
 use trunnion_results::{ResidualPoint, Residuals};
 
 /// More stations than this are gathered in sectors.
@@ -105,14 +106,12 @@ pub fn rms_um<'a>(residuals: &'a Residuals, points: impl Iterator<Item = &'a Res
 
 /// Root mean square; NaN of nothing.
 pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
-    (sum / count).sqrt()
+    statistics::rms(values).unwrap_or(f64::NAN)
 }
 
 /// Mean; NaN of nothing.
 pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
-    sum / count
+    statistics::mean(values).unwrap_or(f64::NAN)
 }
 
 /// Names of the components in the order they first appear in the setups.

@@ -12,9 +12,9 @@ use crate::diagnosis::view::What;
 use crate::evidence::turned;
 use crate::fit::identification::Identification;
 use crate::noise::learned::kernels::Part;
-use crate::noise::outliers::median;
 use nalgebra::DMatrix;
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::statistics::upper_median;
 
 /// Every machine has repeatable motions; up to this times the noise of a single reading they are no finding.
 const NATURAL_PATTERN: f64 = 1.5;
@@ -153,5 +153,5 @@ pub fn noticeable_um(scan: &Scan<'_>, found: &Found, claim_ln: f64) -> Option<f6
             (information > 0.0).then(|| (2.0 * price * seen / information).sqrt())
         })
         .collect();
-    (!sizes.is_empty()).then(|| um_from_mm(ALMOST_ALWAYS * median(&sizes) * scan.remainder.unit_mm))
+    upper_median(&sizes).map(|size| um_from_mm(ALMOST_ALWAYS * size * scan.remainder.unit_mm))
 }

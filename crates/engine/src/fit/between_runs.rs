@@ -11,9 +11,9 @@
 //! 89 to 100 %.
 
 use crate::fit::identification::Identification;
-use crate::solve::normal::COVERAGE_95;
 use crate::solve::normal::within;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use trunnion_core::statistics::COVERAGE_95;
 
 /// Grid of λ: sixths of a decade, a fifth in s. Its ends hardly matter: an s below does not show, an s above is a rare guess with two runs.
 const DECADES: [i32; 2] = [-3, 5];

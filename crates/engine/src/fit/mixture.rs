@@ -1,6 +1,7 @@
 //! Intervals of a mixture of normal distributions, one for each draw of numbers that are themselves uncertain.
 
-use crate::solve::normal::{COVERAGE_95, within};
+use crate::solve::normal::within;
+use trunnion_core::statistics::COVERAGE_95;
 
 /// Draws, a prime. Every one of their coordinates takes 1021 places evenly, so a half-width errs by what is left of several together.
 const DRAWS: u64 = 1021;

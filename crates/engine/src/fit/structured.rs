@@ -26,9 +26,9 @@ use crate::noise::learned::posterior::{Size, sizes};
 use crate::noise::learned::remainder::{Fitted, Learned, Remainder};
 use crate::problem::design::{Design, unused_rows};
 use crate::problem::rows::Rows;
-use crate::solve::normal::COVERAGE_95;
 use nalgebra::{DMatrix, DVector};
 use std::convert::Infallible;
+use trunnion_core::statistics::COVERAGE_95;
 use trunnion_cycles::RunKind;
 
 const FEWEST_DEGREES_OF_FREEDOM: usize = 20;

@@ -8,6 +8,7 @@
 use crate::Experiment;
 use crate::problem::sequence::in_order_taken;
 use nalgebra::DVector;
+use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 
 const SIGMAS: f64 = 5.0;
 const LONGEST_RUN: usize = 2;
@@ -15,7 +16,7 @@ const LARGEST_SHARE: f64 = 0.06;
 /// Readings are never trusted below this, mm: ten times under the resolution of any probe.
 const FINEST_MM: f64 = 1e-6;
 /// Median of the length of a standard normal vector of one and of three components.
-const MEDIAN_LENGTH: [f64; 2] = [0.6745, 1.5382];
+const MEDIAN_LENGTH: [f64; 2] = [MEDIAN_OF_NORMAL, 1.5382];
 /// Rounds of excluding points.
 const MOST_ROUNDS: usize = 6;
 
@@ -49,7 +50,8 @@ fn without_outliers(experiment: &Experiment, sequence: &[usize], residual_mm: &D
         (norm, norm / of_median)
     };
     let lengths: Vec<(f64, f64)> = (0..experiment.points.len()).map(length).collect();
-    let sigma = median(&lengths.iter().map(|(_, in_sigma)| *in_sigma).collect::<Vec<_>>()).max(FINEST_MM);
+    let sigma = upper_median(&lengths.iter().map(|(_, in_sigma)| *in_sigma).collect::<Vec<_>>());
+    let sigma = sigma.unwrap_or(0.0).max(FINEST_MM);
     let flags: Vec<bool> = sequence.iter().map(|&i| lengths[i].0 > SIGMAS * sigma).collect();
     let mut used = vec![true; lengths.len()];
     for (&i, far) in sequence.iter().zip(isolated(flags)) {
@@ -74,15 +76,6 @@ fn isolated(mut flagged: Vec<bool>) -> Vec<bool> {
         flagged.fill(false);
     }
     flagged
-}
-
-pub(crate) fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    if sorted.is_empty() {
-        return 0.0;
-    }
-    let middle = sorted.len() / 2;
-    *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -9,17 +9,15 @@
 use crate::Experiment;
 use crate::fit::identification::Repeatability;
 use crate::noise::learned::display::{Display, nominal_mm};
-use crate::noise::outliers::median;
 use crate::problem::passes::Passes;
 use nalgebra::Vector3;
 use std::collections::HashMap;
+use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 
 /// Fewer differences than this say nothing.
 const FEWEST: usize = 6;
 /// A difference of differences beyond this many robust standard deviations holds an outlier; as for points of a fit.
 const SIGMAS: f64 = 5.0;
-/// Median of |x| for a standard normal x.
-const MEDIAN_LENGTH: f64 = 0.6745;
 
 /// A pose measured again.
 struct Repeat {
@@ -37,7 +35,8 @@ pub(crate) fn repeatability(experiment: &Experiment, passes: &Passes) -> Option<
     let differences_mm: Vec<f64> = neighbours
         .flat_map(|pair| pair[0].difference_mm.iter().zip(&pair[1].difference_mm).map(|(a, b)| b - a))
         .collect();
-    let robust_mm = median(&differences_mm.iter().map(|d| d.abs()).collect::<Vec<_>>()) / MEDIAN_LENGTH;
+    let sizes_mm: Vec<f64> = differences_mm.iter().map(|d| d.abs()).collect();
+    let robust_mm = upper_median(&sizes_mm).unwrap_or(0.0) / MEDIAN_OF_NORMAL;
     // Coarse readings may repeat exactly at most poses: then no distance is far.
     let near = differences_mm.iter().filter(|d| robust_mm == 0.0 || d.abs() <= SIGMAS * robust_mm);
     let (count, squares) = near.fold((0, 0.0), |(count, squares), d| (count + 1, squares + d * d));

@@ -13,10 +13,10 @@
 
 use crate::Experiment;
 use crate::fit::identification::GroupNoise;
-use crate::noise::outliers::median;
 use crate::problem::passes::passes;
 use nalgebra::DVector;
 use trunnion_core::InstrumentKind;
+use trunnion_core::statistics::upper_median;
 use trunnion_cycles::RunKind;
 
 const MEDIAN_OF_CHI_SQUARE: f64 = 0.4549;
@@ -179,7 +179,7 @@ fn shortness(experiment: &Experiment) -> Vec<f64> {
     for (point, &pass) in experiment.points.iter().zip(&passes.pass) {
         samples[pass].push(f64::from(point.samples.max(1)));
     }
-    let usual: Vec<f64> = samples.iter().map(|of_pass| median(of_pass)).collect();
+    let usual: Vec<f64> = samples.iter().map(|of_pass| upper_median(of_pass).unwrap_or(0.0)).collect();
     for (i, point) in experiment.points.iter().enumerate() {
         if experiment.kinds[experiment.run_of_point[i]] == RunKind::OnTheFly {
             let length = (usual[passes.pass[i]] / f64::from(point.samples.max(1))).max(1.0);

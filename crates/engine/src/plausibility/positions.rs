@@ -5,7 +5,7 @@ use super::found::Implausible;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::PI;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::{AxisValues, InstrumentKind, Joint, Setup};
+use trunnion_core::{AxisValues, InstrumentKind, Joint, Setup, statistics};
 use trunnion_cycles::Run;
 use trunnion_machine::{JointErrors, Machine, shipped};
 
@@ -45,8 +45,7 @@ fn apart_mm(machine: &Machine, setup: &Setup, position: &AxisValues<f64>) -> Vec
 }
 
 fn rms(distances: impl Iterator<Item = Vector3<f64>>) -> f64 {
-    let (sum, count) = distances.fold((0.0, 0.0), |(sum, count), d| (sum + d.norm_squared(), count + 1.0));
-    if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
+    statistics::rms(distances.map(|d| d.norm())).unwrap_or(0.0)
 }
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {

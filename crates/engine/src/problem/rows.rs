@@ -4,11 +4,11 @@
 //! their neighbours of the same pass; points far apart are thinned. A mean hides what repeats within it: the answer judges the size of the residual on all points.
 
 use crate::Experiment;
-use crate::noise::outliers::median;
 use crate::problem::sequence::in_order_taken;
 use crate::problem::taken::Taken;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
+use trunnion_core::statistics::upper_median;
 use trunnion_cycles::RunKind;
 
 /// Readings that are looked at: a covariance of that size takes some 30 ms to invert.
@@ -70,7 +70,9 @@ impl<'a> Rows<'a> {
             RunKind::Static => 1.0,
         };
         let of_node = |node: usize| self.points_of(node).into_iter().map(of_point).sum::<f64>();
-        median(&(0..self.points.points.len()).map(of_node).collect::<Vec<f64>>()).max(1.0)
+        upper_median(&(0..self.points.points.len()).map(of_node).collect::<Vec<f64>>())
+            .unwrap_or(0.0)
+            .max(1.0)
     }
 
     /// The points of each row group.

@@ -1,8 +1,5 @@
 //! The normal distribution.
 
-/// Two-sided 95 % of a normal distribution, in standard uncertainties [GUM, table G.1].
-pub const COVERAGE_95: f64 = 1.96;
-
 /// Probability of |z| within this many standard deviations: erf(z/√2) by [Abramowitz 1964 §7.1.26], error below 1.5·10⁻⁷.
 pub(crate) fn within(z: f64) -> f64 {
     const A: [f64; 5] = [0.254_829_592, -0.284_496_736, 1.421_413_741, -1.453_152_027, 1.061_405_429];

@@ -4,10 +4,10 @@
 //! s from the median of |r|), so that what sticks out for a short time has no say.
 //! Limits: a path that bends within two knots is smoothed away; its size is (h ω)⁴/384 of a swing of frequency ω.
 
+use trunnion_core::statistics::MEDIAN_OF_NORMAL;
+
 /// Rounds of weighing.
 const ROUNDS: usize = 12;
-/// A standard deviation in terms of the median of |r| of normal noise.
-const FROM_MEDIAN: f64 = 1.4826;
 /// Weights vanish at this many standard deviations.
 const WIDE: f64 = 6.0;
 /// Share of the size of the positions below which residuals are rounding.
@@ -56,7 +56,7 @@ impl Path {
             let off: Vec<f64> = measured.iter().zip(&path).map(|(m, p)| m - p).collect();
             let mut sizes: Vec<f64> = off.iter().map(|r| r.abs()).collect();
             sizes.sort_by(f64::total_cmp);
-            let s = FROM_MEDIAN * sizes[sizes.len() / 2] + ROUNDING * size;
+            let s = sizes[sizes.len() / 2] / MEDIAN_OF_NORMAL + ROUNDING * size;
             if s == 0.0 {
                 break;
             }

@@ -2,6 +2,7 @@
 
 use super::GeometryError;
 use nalgebra::{DMatrix, SVector};
+use trunnion_core::statistics;
 
 /// Spread below this share of the largest is rounding.
 const FLAT: f64 = 1e-12;
@@ -53,5 +54,5 @@ pub(super) fn pointing_up<const N: usize>(direction: SVector<f64, N>) -> SVector
 
 /// Root mean square of distances.
 pub(super) fn rms(distances: &[f64]) -> f64 {
-    (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt()
+    statistics::rms(distances.iter().copied()).unwrap_or(f64::NAN)
 }

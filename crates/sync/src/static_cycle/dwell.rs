@@ -4,13 +4,12 @@ use super::StaticRules;
 use crate::align::AxisState;
 use crate::nest::NestCalibration;
 use std::collections::VecDeque;
+use trunnion_core::statistics::{MEDIAN_OF_NORMAL, median};
 use trunnion_core::{AxisValues, Joint};
 use trunnion_cycles::cycle::Settle;
 
 /// A stationary machine this long (at most half a window) dwells, s.
 const ARRIVAL_S: f64 = 0.2;
-/// Normal distribution: standard deviation over median absolute deviation.
-const SIGMA_PER_MAD: f64 = 1.4826;
 /// Rounding of times.
 const TIME_SLACK_S: f64 = 1e-9;
 
@@ -198,18 +197,9 @@ impl Dwell {
     }
 }
 
-/// Median, and 1.4826 times the median absolute deviation from it; NaN of nothing.
+/// Median, and the standard deviation of a normal law from the median absolute deviation; NaN of nothing.
 fn median_and_spread(values: &[f64]) -> (f64, f64) {
-    let median = median(values.to_vec());
-    let deviations = values.iter().map(|value| (value - median).abs()).collect();
-    (median, SIGMA_PER_MAD * self::median(deviations))
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => f64::NAN,
-        n if n % 2 == 1 => values[n / 2],
-        n => (values[n / 2 - 1] + values[n / 2]) / 2.0,
-    }
+    let Some(middle) = median(values) else { return (f64::NAN, f64::NAN) };
+    let deviations: Vec<f64> = values.iter().map(|value| (value - middle).abs()).collect();
+    (middle, median(&deviations).unwrap_or(f64::NAN) / MEDIAN_OF_NORMAL)
 }

@@ -5,7 +5,7 @@ use crate::prediction::orthonormal;
 use crate::{Experiment, Fit};
 use nalgebra::{DMatrix, DVector, Vector3};
 use trunnion_core::convert::{deg_from_rad, um_from_mm};
-use trunnion_core::{AxisValues, Joint, Setup, State, Twist};
+use trunnion_core::{AxisValues, Joint, Setup, State, Twist, statistics};
 use trunnion_effects::Instance;
 use trunnion_instruments::{Projector, predict};
 use trunnion_machine::{Errors, Machine, Site};
@@ -163,7 +163,7 @@ impl Shown {
 }
 
 fn rms(values: &DVector<f64>) -> f64 {
-    (values.norm_squared() / values.len().max(1) as f64).sqrt()
+    statistics::rms(values.iter().copied()).unwrap_or(0.0)
 }
 
 /// What the errors change of a reading, mm.

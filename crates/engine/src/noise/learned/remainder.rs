@@ -7,14 +7,12 @@ use super::mode::{Effort, Mode, Readings};
 use super::tails;
 use crate::Experiment;
 use crate::evidence::{beside, orthonormal};
-use crate::noise::outliers::median;
 use crate::problem::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 use std::fmt;
 use std::sync::Arc;
+use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 
-/// Median of |x| for a standard normal x.
-const MEDIAN_LENGTH: f64 = 0.6745;
 /// Of the robust size of the residual, what is white to begin with.
 const WHITE_FIRST: f64 = 0.7;
 /// Readings are never trusted below this, mm: ten times under the resolution of any probe.
@@ -82,7 +80,7 @@ impl<'a> Remainder<'a> {
         let mut base = columns(&rows, &root)?;
         let residual = rows.of_vector(fitted.residual_mm.clone()).component_mul(&root);
         let sizes: Vec<f64> = residual.iter().map(|r| r.abs()).collect();
-        let unit_mm = (median(&sizes) / MEDIAN_LENGTH).max(FINEST_MM);
+        let unit_mm = (upper_median(&sizes).unwrap_or(0.0) / MEDIAN_OF_NORMAL).max(FINEST_MM);
         let display = Display::of(experiment);
         let least_mm = display.as_ref().map_or(0.0, |display| display.hidden_mm()).max(FINEST_MM);
         let coarse_display = display.filter(|display| display.step_mm > unit_mm);

@@ -5,9 +5,9 @@
 
 use super::Real;
 use super::mode::Mode;
-use crate::noise::outliers::median;
 use nalgebra::DVector;
 use std::ops::Range;
+use trunnion_core::statistics::upper_median;
 
 /// Of χ²_k/k: median and the point beyond which 1 % of a normal law lies, for one and for three components.
 const MEDIAN: [f64; 2] = [0.455, 0.789];
@@ -37,7 +37,7 @@ pub(crate) fn weights(
     let sort = |rows: &Range<usize>| usize::from(rows.len() > 1);
     let of_sort = |sort_wanted: usize| {
         let chosen = (0..squares.len()).filter(|&i| used[i] && sort(&rows_of_point[i]) == sort_wanted);
-        median(&chosen.map(|i| squares[i]).collect::<Vec<_>>()).max(1e-12)
+        upper_median(&chosen.map(|i| squares[i]).collect::<Vec<_>>()).unwrap_or(0.0).max(1e-12)
     };
     let medians = [of_sort(0), of_sort(1)];
     let relative: Vec<(f64, f64)> = (0..squares.len())

@@ -6,6 +6,7 @@ use crate::common::stations::Stations;
 use crate::geometry;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector, Vector2};
+use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 use trunnion_engine::solve::linear::least_squares;
 use trunnion_machine::Machine;
 
@@ -297,10 +298,9 @@ fn noise(samples: &[Sample], left: &DVector<f64>) -> f64 {
     let of_one_way =
         |i: &usize| samples[i - 1].way == samples[*i].way && samples[*i].way == samples[i + 1].way;
     let inner = 1..samples.len().saturating_sub(1);
-    let mut second: Vec<f64> =
+    let second: Vec<f64> =
         inner.filter(of_one_way).map(|i| (left[i - 1] - 2.0 * left[i] + left[i + 1]).abs()).collect();
-    second.sort_by(f64::total_cmp);
-    second.get(second.len() / 2).map_or(0.0, |median| median / (0.6745 * 6.0_f64.sqrt()))
+    upper_median(&second).map_or(0.0, |median| median / (MEDIAN_OF_NORMAL * 6.0_f64.sqrt()))
 }
 
 fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {

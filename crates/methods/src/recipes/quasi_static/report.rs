@@ -5,13 +5,14 @@ use super::sweeps::{Sweep, Sweeps};
 use crate::findings::{AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot};
 use crate::recipes::{Convention, Method};
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::statistics::COVERAGE_95;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
 /// Errors that are drawn.
 const DRAWN: usize = 4;
 /// A part this many times its u is significant, a chance of 5 % each.
-const SIGNIFICANT: f64 = 1.96;
+const SIGNIFICANT: f64 = COVERAGE_95;
 
 pub(super) fn findings(
     method: &Method,

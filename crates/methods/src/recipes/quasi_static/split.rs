@@ -5,7 +5,7 @@ use crate::control_chart::t_beyond;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
-use trunnion_engine::solve::normal::COVERAGE_95;
+use trunnion_core::statistics::COVERAGE_95;
 
 /// A part of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,6 +6,7 @@ use crate::common::stations::Stations;
 use crate::common::turning::{Turned, Turning, TurningSet};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Vector2, Vector3};
+use trunnion_core::statistics;
 
 /// Heights nearer than this count as one, mm.
 const APART_MM: f64 = 5.0;
@@ -232,6 +233,5 @@ impl PerPass {
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
-    if count > 0.0 { sum / count } else { 0.0 }
+    statistics::mean(values).unwrap_or(0.0)
 }
