@@ -1,7 +1,7 @@
 //! Bad input through the binary: file, line, what was found, what is allowed; exit codes of the contract.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 fn data(file: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-gravity")).join(file)
@@ -42,6 +42,28 @@ fn a_broken_points_file_is_refused_with_line_and_column() {
     import_with(&points.replacen("dx_um", "dx_mm", 1), &setup, &["points.csv:1", "dx_mm", "dx_um"]);
     import_with(&points.replacen("\nlow,", "\nmiddle,", 1), &setup, &["points.csv:2", "middle", "low"]);
     import_with(&points, &setup.replace("table-bc", "table-xy"), &["setup.toml:2", "table-xy"]);
+}
+
+#[test]
+fn a_mistyped_effect_gets_the_nearest_names_first() {
+    let output = trunnion(&["demo", "--hidden", "gravty-sag:B"]);
+    let error = String::from_utf8(output.stderr).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(error.contains("allowed: gravity-sag:B, "), "{error}");
+    assert!(error.contains("(did you mean gravity-sag:B?)") && error.len() < 200, "{error}");
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let cycle = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/cycles/touch-probe-column.toml");
+    for format in [&["--all"][..], &["--json"]] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+        command.args(["plan", "--cycle", cycle]).args(format);
+        let mut program = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(program.stdout.take()); // as `| head -0` does
+        let ended = program.wait_with_output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&ended.stderr), "", "{format:?}");
+        assert_eq!(ended.status.code(), Some(0), "{format:?}");
+    }
 }
 
 #[test]

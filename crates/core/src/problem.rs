@@ -79,8 +79,10 @@ impl fmt::Display for Problems {
                 writeln!(f)?;
             }
             write!(f, "{problem}")?;
-            if again > 0 {
-                write!(f, "\n  The same {again} more times, the last in line {last}.")?;
+            match again {
+                0 => {}
+                1 => write!(f, "\n  The same once more, in line {last}.")?,
+                _ => write!(f, "\n  The same {again} more times, the last in line {last}.")?,
             }
         }
         Ok(())

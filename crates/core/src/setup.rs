@@ -132,6 +132,13 @@ pub fn parse_setup_file(file: &str, text: &str) -> Result<SetupFile, Problems> {
     document.finish(parsed)
 }
 
+/// The machine that a setup file names, whatever else is wrong with the file.
+pub fn machine_of_setup_file(file: &str, text: &str) -> Option<String> {
+    let document = Document::parse(file, text).ok()?;
+    let name = document.root().string("machine");
+    name
+}
+
 /// Reads the `[[setup]]` tables of a file; notes duplicate names and an empty list.
 pub fn read_setups(root: &Table<'_>) -> Option<Vec<Setup>> {
     let tables = root.tables("setup");

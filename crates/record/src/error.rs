@@ -31,7 +31,7 @@ pub enum RecordError {
         path: PathBuf,
     },
     /// A recording of this name exists.
-    #[error("{} exists already; choose another name, or run recovery if it is left over", path.display())]
+    #[error("{} exists already; choose another name, or remove it", path.display())]
     Exists {
         /// The file in the way.
         path: PathBuf,

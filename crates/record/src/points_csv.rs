@@ -15,10 +15,10 @@ use header::{Known, read_header, wanted};
 use notes::Notes;
 use renamed::Renaming;
 use row::read_row;
-use trunnion_core::setup::parse_setup_file;
-use trunnion_core::{AxisSample, Point, Problem, Problems, Renamed, Setup};
+use trunnion_core::setup::{machine_of_setup_file, parse_setup_file};
+use trunnion_core::{AxisSample, Point, Problem, Problems, Renamed, Setup, names};
 use trunnion_cycles::{Run, RunKind};
-use trunnion_machine::Machine;
+use trunnion_machine::{Machine, shipped};
 
 /// Receives the run without its points, a point, and what the encoders read there.
 pub type OnRow<'v> = &'v mut dyn FnMut(&Run, Point, Option<AxisSample>);
@@ -73,10 +73,15 @@ pub fn visit_files(
 ) -> Result<Run, Problems> {
     let mut problems = Vec::new();
     let setup = parse_setup_file(setup_file, setup_text).map_err(|wrong| problems.extend(wrong.0)).ok();
-    let machine = setup.as_ref().and_then(|setup| {
-        let machine = machine_by_name(&setup.machine);
+    let named = match &setup {
+        Some(setup) => Some(setup.machine.clone()),
+        None => machine_of_setup_file(setup_file, setup_text),
+    };
+    let machine = named.and_then(|name| {
+        let machine = machine_by_name(&name);
         if machine.is_none() {
-            problems.push(unknown_machine(setup_file, setup_text, &setup.machine));
+            problems.push(unknown_machine(setup_file, setup_text, &name));
+            problems.sort_by(|one, other| one.file.cmp(&other.file).then(one.line.cmp(&other.line)));
         }
         machine
     });
@@ -104,7 +109,7 @@ fn unknown_machine(file: &str, text: &str, name: &str) -> Problem {
         column: usize::from(line > 0),
         found: format!("machine = \"{name}\" is not known"),
         allowed: "the name of a machine file in config/machines, or a path".into(),
-        advice: String::new(),
+        advice: format!("Shipped: {}.", names::allowed(name, shipped::FILES.iter().map(|(name, _)| name))),
     }
 }
 

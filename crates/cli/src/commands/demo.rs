@@ -23,7 +23,7 @@ use trunnion::results::sentences::repeatability;
 use trunnion::results::{CycleState, Demo, DemoFormat, DemoStep, TimeQuality};
 use trunnion::{Model, page as pages};
 use trunnion_acquire::config::channels;
-use trunnion_core::Clock;
+use trunnion_core::{Clock, names};
 use trunnion_hil_sim::devices::{Later, SimulatedCell, World, cell};
 use trunnion_hil_sim::physics::hidden;
 use trunnion_hil_sim::scenario::{Pace, Station};
@@ -210,7 +210,8 @@ fn hidden_choices(args: &Args, machine: &trunnion::Machine) -> anyhow::Result<Ve
                 .find(|id| *id == name)
                 .or_else(|| ids.iter().find(|id| id.split(':').next() == Some(name)));
             let Some(id) = wanted else {
-                bail!("there is no hidden physics \"{name}\"; allowed: none, random, {}", ids.join(", "))
+                let choices = ["none", "random"].into_iter().chain(ids.iter().map(String::as_str));
+                bail!("there is no hidden physics \"{name}\"; allowed: {}", names::allowed(name, choices))
             };
             Ok(vec![HiddenChoice { id: id.clone(), sigma: args.size }])
         }

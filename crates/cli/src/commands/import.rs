@@ -44,8 +44,13 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             machine: run.machine.name,
         })?;
     } else {
-        let setups = run.setups.len();
-        terminal::print(&format!("{points} points of {setups} setups -> {}\n", args.output.display()))?;
+        let setups = counted(run.setups.len() as u64, "setup");
+        terminal::print(&format!("{} of {setups} -> {}\n", counted(points, "point"), args.output.display()))?;
     }
     Ok(Outcome::Done)
+}
+
+/// `1 setup`, `2 setups`.
+fn counted(count: u64, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }

@@ -62,16 +62,17 @@ pub(super) fn read_header(
     }
     let names = allowed.iter().map(Column::name).collect::<Vec<_>>().join(", ") + ", NAME_degc";
 
+    // Spreadsheets like capitals.
+    let parse = |cell: &String| {
+        Column::parse(cell, &allowed).or_else(|| Column::parse(&cell.to_ascii_lowercase(), &allowed))
+    };
+    let there: Vec<Column> = header.iter().filter_map(|(_, cell)| parse(cell)).collect();
+    let absent = |column: &Column| !there.contains(column);
     let mut columns: Vec<Option<Column>> = Vec::new();
     for &(at, ref cell) in header {
-        // Spreadsheets like capitals.
-        let column =
-            Column::parse(cell, &allowed).or_else(|| Column::parse(&cell.to_ascii_lowercase(), &allowed));
+        let column = parse(cell);
         if column.is_none() && (machine.is_some() || !may_be_joint(cell)) {
-            let advice = match nearest(
-                cell,
-                allowed.iter().map(Column::name).collect::<Vec<_>>().iter().map(String::as_str),
-            ) {
+            let advice = match meant(cell, &required, &absent).or_else(|| meant(cell, &allowed, &absent)) {
                 Some(near) => format!("Did you mean {near}?"),
                 None => String::new(),
             };
@@ -88,6 +89,12 @@ pub(super) fn read_header(
         }
     }
     columns
+}
+
+/// The nearest name of a column that the header lacks.
+fn meant(cell: &str, of: &[Column], absent: &dyn Fn(&Column) -> bool) -> Option<String> {
+    let names: Vec<String> = of.iter().filter(|column| absent(column)).map(Column::name).collect();
+    nearest(cell, names.iter().map(String::as_str)).map(String::from)
 }
 
 /// Without its machine nobody knows whether a column is about one of its joints.

@@ -85,6 +85,15 @@ fn every_problem_of_both_files_is_reported_at_once() {
 
     let shown = import(POINTS, &SETUP.replace("table-bc", "table-cb")).unwrap_err().to_string();
     assert!(shown.contains("setup.toml:2:1: machine = \"table-cb\" is not known"), "{shown}");
+    assert!(shown.contains("table-bc-y") && shown.contains("(did you mean table-bc?)"), "{shown}");
+
+    let two = SETUP.replace("table-bc", "table-cb").replacen("r-test", "r-tset", 1);
+    let shown = import(POINTS, &two).unwrap_err().to_string();
+    assert!(shown.contains("table-cb") && shown.contains("r-tset"), "both at once: {shown}");
+
+    // x_mm is as near, but it is there already.
+    let shown = import(&POINTS.replacen("dx_um", "dx_mm", 1), SETUP).unwrap_err().to_string();
+    assert!(shown.contains("Did you mean dx_um?"), "{shown}");
     assert!(import("", SETUP).unwrap_err().to_string().contains("points.csv: the file is empty"));
 }
 
@@ -94,6 +103,8 @@ fn one_problem_in_every_row_is_said_once_with_its_count() {
     let text = import(&wrong, SETUP).unwrap_err().to_string();
     assert!(text.contains("The same 335 more times, the last in line 337."), "{text}");
     assert!(text.lines().count() < 10 && !text.contains("not listed"), "{text}");
+    let twice = import(&POINTS.replacen("\nlow,", "\nlwo,", 2), SETUP).unwrap_err().to_string();
+    assert!(twice.contains("The same once more, in line 3."), "{twice}");
 }
 
 #[test]
