@@ -31,7 +31,7 @@ fn record(path: &Path, run: Run) -> PathBuf {
         machine_text: trunnion::files::machine_text(&run.machine.name).unwrap(),
         machine_name: run.machine.name.clone(),
         setups: run.setups.clone(),
-        temperature_channels: vec![],
+        temperature_channels: run.channels.clone(),
         probes: vec![],
         probe_roles: vec![],
         cycle_text: String::new(),
@@ -104,7 +104,9 @@ async fn a_run_in_parts_is_one_run_judged_by_the_model_of_its_cycle() {
 #[tokio::test]
 async fn the_story_of_the_service_is_shown_without_a_second_analysis_until_something_changes() {
     let (folder, program) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let recording = record(&folder.path().join("run.mcap"), points());
+    let mut warm = Run { channels: vec!["room".into()], ..points() };
+    warm.points.iter_mut().for_each(|point| point.state.temperature_degc = vec![20.5]);
+    let recording = record(&folder.path().join("run.mcap"), warm);
     write_report(&recording, None, "2026-11-23").unwrap();
     // Whoever asks for an analysis gets none.
     let runs =
@@ -115,6 +117,9 @@ async fn the_story_of_the_service_is_shown_without_a_second_analysis_until_somet
     let run = trunnion::open(&recording).unwrap();
     let asked = run.fit(&run.base_model()).unwrap().compare().unwrap().story();
     assert_eq!(story, serde_json::to_value(asked).unwrap());
+
+    let history = page.json("GET /api/history", "", "").await;
+    assert_eq!(history["runs"][0]["temperature_degc"], 20.5, "{history}");
 
     // A model of its own, or another recording: it is analysed, which this program cannot.
     let own = recording.with_extension("model.toml");

@@ -59,9 +59,9 @@ impl Script<'_> {
                 '$' if quote == '`' && self.rest.peek() == Some(&'{') => {
                     self.next();
                     self.code(Some('}'));
-                    lines.last_mut().expect("a line was begun").1.push_str("{}");
+                    lines.last_mut().unwrap().1.push_str("{}");
                 }
-                _ => lines.last_mut().expect("a line was begun").1.push(c),
+                _ => lines.last_mut().unwrap().1.push(c),
             }
         }
         let lines: Vec<(usize, &str)> = lines.iter().map(|(line, text)| (*line, text.as_str())).collect();
