@@ -204,10 +204,15 @@ fn machines_with_a_head_are_corrected_as_tables_are() {
             let truth = drawn(machine, &[60.0, 160.0], &[], seed);
             let shop = Shop::measured(truth, Some(cycle), &model(machine, &[]));
             let before_um = rms_um(&shop.path("before.mcap"));
-            let (file, answer) = shop.correct("csv", &["--although-inadequate"]);
-            let after_um = rms_um(&shop.measure("after", &["--compensation", &file]));
-            println!("{machine} {seed}: {before_um:.2} µm before, {after_um:.3} µm after");
-            assert!(before_um > 3.0 && after_um < 1.1 * NOISE_UM, "{machine} {seed}: {after_um} {answer}");
+            for format in ["csv", "etalon", "isg"] {
+                let (file, answer) = shop.correct(format, &["--although-inadequate"]);
+                let after_um = rms_um(&shop.measure("after", &["--compensation", &file]));
+                println!("{machine} {seed} {format}: {before_um:.2} µm before, {after_um:.3} µm after");
+                assert!(
+                    before_um > 3.0 && after_um < 1.1 * NOISE_UM,
+                    "{machine} {seed} {format}: {after_um} {answer}"
+                );
+            }
         }
     }
 }
@@ -222,13 +227,17 @@ fn quiet_truth(name: &str) -> Truth {
 
 #[test]
 fn a_control_of_a_head_turns_about_lines_that_begin_at_the_tool() {
-    // Most that the control leaves, µm: Siemens the lean of the tool over half the difference of two lengths of tool, Fanuc in addition all directions.
-    for (machine, leaves_um) in
-        [("head-bc", [1.0, 2.6]), ("head-a-table-c", [1.0, 3.5]), ("head-bc-spindle", [1.5, 2.8])]
-    {
+    // Most that the control leaves, µm: Siemens the lean of the tool over half the difference of two lengths of tool, Fanuc in addition all directions,
+    // Heidenhain all that is on the side of the tool (of a head with both axes everything, so nothing is written).
+    let controls: [(&str, &[(&str, f64)]); 3] = [
+        ("head-bc", &[("siemens", 1.0), ("fanuc", 2.6)]),
+        ("head-a-table-c", &[("siemens", 1.0), ("fanuc", 3.5), ("heidenhain", 2.5)]),
+        ("head-bc-spindle", &[("siemens", 1.5), ("fanuc", 2.8)]),
+    ];
+    for (machine, controls) in controls {
         let truth = quiet_truth(machine);
         let shop = Shop::measured(truth, Some(&format!("r-test-{machine}")), &model(machine, &[]));
-        for (control, leaves_um) in ["siemens", "fanuc"].into_iter().zip(leaves_um) {
+        for &(control, leaves_um) in controls {
             let (file, answer) = shop.correct(control, &["--although-inadequate"]);
             let [before_um, expected_um, wrong_um] =
                 ["before_um", "after_um", "wrong_sign_um"].map(|name| number(&answer["expected"][name]));
@@ -273,12 +282,59 @@ fn nothing_is_written_for_a_control_whose_share_of_the_errors_makes_it_no_better
 fn the_component_of_linuxcnc_computes_what_takes_the_errors_away() {
     let shop = Shop::new(5);
     let (file, answer) = shop.correct("linuxcnc", &[]);
-    let component = std::fs::read_to_string(&file).unwrap();
+    let machine = trunnion::files::machine("table-bc").unwrap();
+    let virtual_machine = VirtualMachine::new(machine.clone(), shop.truth.clone()).unwrap();
+    let placed: Vec<SimSetup> = shop.truth.setups.iter().map(|placed| placed.setup.clone()).collect();
+    let states = grid::standard_bc(&machine, &placed);
+    let joints = [Joint::B, Joint::C, Joint::X, Joint::Y, Joint::Z];
+    let [before, after, wrong] =
+        with_the_component(&shop, &file, &virtual_machine, &placed, &states, &joints);
+    println!("{before:.3} µm before, {after:.4} after, {wrong:.3} with the wrong sign");
+    // What is left is what noise of 0.1 µm put into some thirty parameters found from 1008 readings: 0.1 √(30/1008).
+    assert!(after < 0.3 * NOISE_UM, "{before} before, {after} after");
+    assert!((wrong / before - 2.0).abs() < 0.01, "{before} before, {wrong} with the wrong sign");
+    assert_eq!(answer["undo"][0], "halcmd setp trunnion-correction.enable 0");
+}
+
+#[test]
+fn the_component_of_linuxcnc_takes_the_errors_of_heads_away() {
+    use trunnion_core::axis::iso::{A, B, C, X, Y, Z};
+    // Joints from the bed outward, those of the table first, as the component names them.
+    let machines = [("head-bc", vec![X, Y, Z, C, B]), ("head-a-table-c", vec![C, X, Y, Z, A])];
+    for (name, joints) in machines {
+        let cycle_name = format!("r-test-{name}");
+        let shop = Shop::measured(quiet_truth(name), Some(&cycle_name), &model(name, &[]));
+        let (file, answer) = shop.correct("linuxcnc", &["--although-inadequate"]);
+        let machine = trunnion::files::machine(name).unwrap();
+        let text = std::fs::read_to_string(format!("{CYCLES}/{cycle_name}.toml")).unwrap();
+        let cycle = trunnion_cycles::Cycle::parse(&cycle_name, &text).unwrap();
+        let setups: Vec<SimSetup> = cycle.setups.iter().map(SimSetup::from).collect();
+        let states = cycle.visits(&machine, &trunnion_cycles::Pace::default()).unwrap().states;
+        let virtual_machine = VirtualMachine::new(machine, shop.truth.mounted(&setups, 1)).unwrap();
+        let [before, after, wrong] =
+            with_the_component(&shop, &file, &virtual_machine, &setups, &states, &joints);
+        println!("{name}: {before:.3} µm before, {after:.4} after, {wrong:.3} with the wrong sign");
+        assert!(before > 3.0 && after < NOISE_UM, "{name}: {before} before, {after} after: {answer}");
+        assert!((wrong / before - 2.0).abs() < 0.02, "{name}: {before} before, {wrong} with the wrong sign");
+    }
+}
+
+/// What is left of the ideal readings without the component of a file, with it, and with the opposite of it, µm: its C is compiled and asked
+/// at every state, with the ball of the state's setup as tool point.
+fn with_the_component(
+    shop: &Shop,
+    file: &str,
+    virtual_machine: &VirtualMachine,
+    setups: &[SimSetup],
+    states: &[State],
+    joints: &[Joint],
+) -> [f64; 3] {
+    let component = std::fs::read_to_string(file).unwrap();
     let core = component.split("/* begin: core */").nth(1).unwrap().split("/* end: core */").next().unwrap();
     let program = format!(
-        "#include <math.h>\n#include <stdio.h>\n{core}\nint main(void) {{\n double q[JOINTS], t[3], zero[3] = {{0,0,0}};\n \
-         while (scanf(\"%lf %lf %lf %lf %lf\", q, q+1, q+2, q+3, q+4) == 5)\n \
-         if (correction(q, zero, t)) printf(\"%.12f %.12f %.12f\\n\", t[0], t[1], t[2]);\n return 0;\n}}\n"
+        "#include <math.h>\n#include <stdio.h>\n{core}\nint main(void) {{\n double q[JOINTS], t[3], tool[3];\n \
+         while (scanf(\"%lf %lf %lf %lf %lf %lf %lf %lf\", q, q+1, q+2, q+3, q+4, tool, tool+1, tool+2) == 8)\n \
+         if (correction(q, tool, t)) printf(\"%.12f %.12f %.12f\\n\", t[0], t[1], t[2]);\n return 0;\n}}\n"
     );
     std::fs::write(shop.path("core.c"), program).unwrap();
     let compiled = Command::new("cc")
@@ -286,31 +342,24 @@ fn the_component_of_linuxcnc_computes_what_takes_the_errors_away() {
         .output()
         .unwrap();
     assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
-
-    let machine = trunnion::files::machine("table-bc").unwrap();
-    let virtual_machine = VirtualMachine::new(machine.clone(), shop.truth.clone()).unwrap();
-    let placed: Vec<SimSetup> = shop.truth.setups.iter().map(|placed| placed.setup.clone()).collect();
-    let states = grid::standard_bc(&machine, &placed);
     let mut core =
         Command::new(shop.path("core")).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    let joints = [Joint::B, Joint::C, Joint::X, Joint::Y, Joint::Z];
-    let asked: String = states
-        .iter()
-        .map(|state| {
-            let place = |joint: Joint| {
-                let position = state.position[joint];
-                if joint.is_rotary() { position.to_degrees() } else { position }.to_string()
-            };
-            joints.map(place).join(" ") + "\n"
-        })
-        .collect();
+    let asked = |state: &State| {
+        let place = |joint: &Joint| {
+            let position = state.position[*joint];
+            if joint.is_rotary() { position.to_degrees() } else { position }
+        };
+        let tool = setups[state.setup].ball_in_tool_mm;
+        let numbers = joints.iter().map(place).chain([tool.x, tool.y, tool.z]);
+        numbers.map(|number| number.to_string()).collect::<Vec<_>>().join(" ") + "\n"
+    };
+    let asked: String = states.iter().map(asked).collect();
     core.stdin.take().unwrap().write_all(asked.as_bytes()).unwrap();
     let said = String::from_utf8(core.wait_with_output().unwrap().stdout).unwrap();
     let travels: Vec<Vec<f64>> =
         said.lines().map(|line| line.split(' ').map(|n| n.parse().unwrap()).collect()).collect();
     assert_eq!(travels.len(), states.len());
-
-    let left_um = |share: f64| {
+    [0.0, 1.0, -1.0].map(|share| {
         let moved = states.iter().zip(&travels).map(|(state, travel)| {
             let mut position: AxisValues<f64> = state.position;
             for (k, letter) in Joint::LINEAR.into_iter().enumerate() {
@@ -319,13 +368,7 @@ fn the_component_of_linuxcnc_computes_what_takes_the_errors_away() {
             (state.setup, virtual_machine.ideal_reading_mm(state.setup, &State { position, ..state.clone() }))
         });
         about_mean_um(&moved.collect::<Vec<_>>())
-    };
-    let (before, after, wrong) = (left_um(0.0), left_um(1.0), left_um(-1.0));
-    println!("{before:.3} µm before, {after:.4} after, {wrong:.3} with the wrong sign");
-    // What is left is what noise of 0.1 µm put into some thirty parameters found from 1008 readings: 0.1 √(30/1008).
-    assert!(after < 0.3 * NOISE_UM, "{before} before, {after} after");
-    assert!((wrong / before - 2.0).abs() < 0.01, "{before} before, {wrong} with the wrong sign");
-    assert_eq!(answer["undo"][0], "halcmd setp trunnion-correction.enable 0");
+    })
 }
 
 /// Rms about the mean of each component in each setup, µm.

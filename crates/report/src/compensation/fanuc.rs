@@ -3,7 +3,8 @@
 //! Nos. 19700–19702 rotary table position, 19703–19705 vector between the rotary axes of the table, 19709–19711 vector from the tool axis
 //! (the line of the spindle) to the rotary axis of the tool that is next to it, 19712–19714 from there to the other [FANUC A-79348E pp. 59, 82–84]. All at zero
 //! of the rotary axes, machine axes, mm. An NC program that adds to the parameters.
-//! Limits: these parameters hold places, no directions and no tables.
+//! Limits: these parameters hold places, no directions and no tables. The three-dimensional error compensation of linear axes, which [FANUC A-79351E]
+//! documents, is not written.
 
 use super::format::{Format, Signs, header};
 use super::lines::{Kind, Zeros, added, kind, lines, without_lean};
@@ -27,7 +28,8 @@ pub(super) static FORMAT: Format = Format {
     undo: &["Enter the old values of Nos. 19700 to 19714."],
     unconfirmed: &[
         "Reading a parameter as PRM[number] in a custom macro: not found in a public manual.",
-        "Parameters for directions of the rotary axes and for errors over their position exist (three-dimensional rotary error compensation); their format is not public, so that nothing is written for them.",
+        "Parameters for directions of the rotary axes and for errors over their position exist (three-dimensional rotary error compensation): no public manual with their format was found, so that nothing is written for them.",
+        "Errors of the linear axes over the volume can be entered as three-dimensional error compensation (values at lattice points; FANUC A-79351E describes it). It is not built here: nothing of the linear axes is written for this control.",
         "A place for a lean of the tool axis: not found in a public manual; nothing is written for it.",
     ],
     takes,
