@@ -42,6 +42,20 @@ pub struct FoundValue {
     pub u: Option<f64>,
     /// A remark for a person; may be empty.
     pub note: String,
+    /// What it is about.
+    pub kind: ValueKind,
+}
+
+/// What a value is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ValueKind {
+    /// An error of the machine, or a number that goes with it.
+    #[default]
+    Error,
+    /// What mounting left.
+    Setting,
+    /// What the whole measurement comes to, as its standard names it.
+    Summary,
 }
 
 /// A table; every row has one cell for each column.
@@ -175,13 +189,19 @@ pub struct MapPlace {
 impl FoundValue {
     /// A value without a remark.
     pub fn new(name: impl Into<String>, value: f64, unit: Unit, u: Option<f64>) -> Self {
-        Self { name: name.into(), value, unit, u, note: String::new() }
+        Self { name: name.into(), value, unit, u, note: String::new(), kind: ValueKind::Error }
     }
 
     /// The same with a remark.
     #[must_use]
     pub fn note(self, note: impl Into<String>) -> Self {
         Self { note: note.into(), ..self }
+    }
+
+    /// The same, about something else than an error.
+    #[must_use]
+    pub fn kind(self, kind: ValueKind) -> Self {
+        Self { kind, ..self }
     }
 }
 
@@ -205,8 +225,11 @@ impl Curve {
 }
 
 impl Plot {
-    /// A map whose largest deviation is drawn at about a quarter of its size, at most 10 000 times as large (S1).
-    pub fn plane_map(names: [String; 2], places: Vec<MapPlace>) -> Self {
+    /// A map with this magnification; without one its largest deviation is drawn at about a quarter of its size, at most 10 000 times as large (S1).
+    pub fn plane_map(names: [String; 2], places: Vec<MapPlace>, magnification: Option<f64>) -> Self {
+        if let Some(magnification) = magnification {
+            return Self::PlaneMap { names, magnification, places };
+        }
         let largest = |of: fn(&MapPlace) -> [f64; 2]| {
             let sizes = places.iter().map(|place| of(place)[0].hypot(of(place)[1]));
             sizes.filter(|size| size.is_finite()).fold(0.0, f64::max)

@@ -1,8 +1,9 @@
 //! What text and page of a named method share: numbers in their units, heads of tables.
 
 use crate::number::{MISSING, plain, signed, unit_on_screen, value_and_u};
-use trunnion_results::sentences::error_in_words;
-use trunnion_results::{Cell, Column, Findings, FoundValue, Table};
+use std::cmp::Ordering::Equal;
+use trunnion_results::sentences::{at_tool_um, error_in_words};
+use trunnion_results::{Cell, Column, Findings, FoundValue, Table, ValueKind};
 
 /// Heads of the table of values.
 pub const VALUE_HEADS: [&str; 4] = ["value", "", "u", "remark"];
@@ -16,25 +17,35 @@ pub fn value_row(found: &FoundValue) -> Vec<String> {
 /// A value counts as different from zero above so many standard uncertainties: the 95 % interval of the GUM, k = 2.
 const CLEAR_U: f64 = 2.0;
 
-/// What a method comes to: the value that stands out most, how many do, and what these runs do not show.
+/// What a method comes to: its summary, the significant error that moves the tool most, how many are significant, and what these runs do not
+/// show.
 pub fn verdict(findings: &Findings) -> Vec<String> {
     let in_u = |found: &FoundValue| Some(found.value?.abs() / found.u.filter(|u| *u > 0.0)?);
     let (shown, hidden): (Vec<_>, Vec<_>) = findings.values.iter().partition(|found| found.value.is_some());
     let clear: Vec<&FoundValue> =
         shown.iter().copied().filter(|found| in_u(found).is_some_and(|size| size > CLEAR_U)).collect();
     let with_u = shown.iter().filter(|found| in_u(found).is_some()).count();
-    let most = clear.iter().copied().max_by(|a, b| in_u(a).unwrap_or(0.0).total_cmp(&in_u(b).unwrap_or(0.0)));
+    let at_tool = |found: &FoundValue| at_tool_um(found.value?, &found.unit);
+    let errors = clear.iter().copied().filter(|found| found.kind == ValueKind::Error);
+    let most = errors.max_by(|a, b| at_tool(a).partial_cmp(&at_tool(b)).unwrap_or(Equal));
     let first = match most {
         Some(found) => {
             let (value, u) = value_and_u(found.value, found.u, &found.unit);
             let (name, symbol) = in_words(&found.name);
-            format!("{name} stands out most: {value}, standard uncertainty {u}{symbol}")
+            let over = match at_tool(found) {
+                Some(um) if found.unit != "um" => format!(" ({} µm over 100 mm)", plain(um)),
+                _ => String::new(),
+            };
+            format!("{name} moves the tool most: {value}{over}, standard uncertainty {u}{symbol}")
         }
+        None if !clear.is_empty() => "Only what mounting left is significantly different from zero".into(),
         None if with_u > 0 => "No value is significantly different from zero".into(),
         None if shown.is_empty() => "These runs show none of the values of this method".into(),
         None => format!("{} values, without an uncertainty", shown.len()),
     };
-    let mut sentences = vec![format!("{first}.")];
+    let mut sentences: Vec<String> =
+        shown.iter().filter(|found| found.kind == ValueKind::Summary).map(|found| summary(found)).collect();
+    sentences.push(format!("{first}."));
     if with_u > 0 {
         let count = clear.len();
         sentences
@@ -47,15 +58,24 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
     sentences
 }
 
-/// The name of a value in words, and its symbol in brackets: a headline begins with no symbol.
+/// `Bidirectional circular deviation: 6.61 µm (XY G(b)).`
+fn summary(found: &FoundValue) -> String {
+    let (value, _) = value_and_u(found.value, found.u, &found.unit);
+    let mut letters = found.note.chars();
+    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    format!("{first}{}: {value} ({}).", letters.as_str(), found.name)
+}
+
+/// The name of a value in words, and its symbol in brackets: a headline begins with no symbol. `XY EC0Y` is said of its plane.
 fn in_words(name: &str) -> (String, String) {
-    let (symbol, what) = name.split_once(' ').unwrap_or((name, ""));
-    match error_in_words(symbol) {
-        Some(words) if what.is_empty() => (format!("The {words}"), format!(" ({symbol})")),
+    let (first, rest) = name.split_once(' ').unwrap_or((name, ""));
+    match (error_in_words(first), error_in_words(rest)) {
+        (Some(words), _) if rest.is_empty() => (format!("The {words}"), format!(" ({first})")),
         // Which trace shows it, `by C-XY`, follows the name.
-        Some(words) if what.starts_with("by ") => (format!("The {words} {what}"), format!(" ({symbol})")),
-        Some(words) => (format!("The {what} of the {words}"), format!(" ({symbol})")),
-        None => (name.into(), String::new()),
+        (Some(words), _) if rest.starts_with("by ") => (format!("The {words} {rest}"), format!(" ({first})")),
+        (Some(words), _) => (format!("The {rest} of the {words}"), format!(" ({first})")),
+        (None, Some(words)) => (format!("In {first}, the {words}"), format!(" ({rest})")),
+        (None, None) => (name.into(), String::new()),
     }
 }
 

@@ -54,6 +54,22 @@ pub struct FoundValue {
     pub u: Option<f64>,
     /// A remark; may be empty.
     pub note: String,
+    /// What it is about.
+    #[serde(default)]
+    pub kind: ValueKind,
+}
+
+/// What a value is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ValueKind {
+    /// An error of the machine, or a number that goes with it.
+    #[default]
+    Error,
+    /// What mounting left.
+    Setting,
+    /// What the whole measurement comes to, as its standard names it.
+    Summary,
 }
 
 /// A table; every row has one cell for each column.
@@ -204,6 +220,11 @@ impl From<&found::Findings> for Findings {
             unit: v.unit.symbol.into(),
             u: v.u.map(|u| u * v.unit.per_inside).and_then(finite),
             note: with_authors(&v.note),
+            kind: match v.kind {
+                found::ValueKind::Error => ValueKind::Error,
+                found::ValueKind::Setting => ValueKind::Setting,
+                found::ValueKind::Summary => ValueKind::Summary,
+            },
         };
         Self {
             format: FindingsFormat::V1,

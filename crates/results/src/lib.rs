@@ -74,7 +74,7 @@ pub use doubt::{Doubt, DoubtReason};
 pub use filed::{Identity, Report, ReportFormat, RunIdentity, TemperatureRange};
 pub use findings::{
     AxisName, Cell, Chart, Column, Curve, Findings, FindingsFormat, FoundValue, MapPlace, NamedAmount, Plot,
-    Table,
+    Table, ValueKind,
 };
 pub use forecast::{DayForecast, ForecastFormat, ForecastValue};
 pub use history::{HistoryFormat, HistoryRun, MachineHistory, RunChange, Watched, WatchedPoint};

@@ -14,6 +14,15 @@ const CLEAR_U: f64 = 3.0;
 /// A turn is weighed against a shift at this distance, mm.
 const LEVER_MM: f64 = 100.0;
 
+/// How far a value moves the tool, µm: a turn, or a scale, over [`LEVER_MM`]; `None` for a unit that is no shift of the tool.
+pub fn at_tool_um(value: f64, unit: &str) -> Option<f64> {
+    match unit {
+        "um" => Some(value.abs()),
+        "urad" | "um/m" => Some(value.abs() * LEVER_MM * 1e-3),
+        _ => None,
+    }
+}
+
 /// What the catalogue knows of an effect id; `None` for a formula or a foreign id.
 pub fn about(id: &str) -> Option<&'static About> {
     effect(id).map(|effect| &effect.about)
@@ -102,7 +111,7 @@ pub fn location_sentence(parameters: &[Parameter], lead: &str) -> Option<String>
         .iter()
         .filter_map(|p| {
             let value = p.value.filter(|_| is_clear(p))?;
-            let size = if p.unit == "urad" { value.abs() * LEVER_MM * 1e-3 } else { value.abs() };
+            let size = at_tool_um(value, &p.unit)?;
             Some((size, location_words(&p.name, value, p.u.unwrap_or(f64::NAN))?))
         })
         .collect();

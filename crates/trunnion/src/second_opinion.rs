@@ -3,6 +3,7 @@
 use crate::{Error, files};
 use std::path::Path;
 use trunnion_record::b5r::{BarResult, Feature};
+use trunnion_results::number::unit_on_screen;
 use trunnion_results::{Cell, Column, Findings, FoundValue, Table};
 
 /// Adds the numbers of a `.b5r` file to findings of the method `circular`: a table with ours next to them, and what it leaves open.
@@ -57,14 +58,14 @@ fn table(findings: &Findings, theirs: &BarResult, axes: [&str; 2]) -> Table {
         |name: &str| findings.values.iter().find(|value| value.name == format!("{} {name}", axes.concat()));
     let row = |name: String, theirs: Option<&Feature>, ours: Option<&FoundValue>| {
         let number = |number: Option<f64>| number.map_or(Cell::Missing, Cell::Number);
-        let text = |text: Option<&str>| text.map_or(Cell::Missing, |text| Cell::Text(text.into()));
+        let shown = |unit: Option<&str>| unit.map_or(Cell::Missing, |unit| Cell::Text(unit_on_screen(unit)));
         vec![
             Cell::Text(name),
             number(theirs.map(|feature| feature.value)),
-            text(theirs.map(|feature| feature.unit)),
+            shown(theirs.map(|feature| feature.unit)),
             number(ours.and_then(|ours| ours.value)),
             number(ours.and_then(|ours| ours.u)),
-            text(ours.map(|ours| ours.unit.as_str())),
+            shown(ours.map(|ours| ours.unit.as_str())),
         ]
     };
     let of_feature = |feature: &Feature| {
@@ -131,9 +132,10 @@ mod tests {
             unit: unit.into(),
             u: Some(0.2),
             note: String::new(),
+            ..FoundValue::default()
         };
         let values = vec![
-            value("XY EC0Y", 30.1, "µrad"),
+            value("XY EC0Y", 30.1, "urad"),
             value("XY backlash Y", -2.0, "µm"),
             value("XY unexplained share", 0.07, ""),
         ];
@@ -150,6 +152,7 @@ mod tests {
         let rows = &findings.tables[0].rows;
         let numbers = |row: usize| [rows[row][1].clone(), rows[row][3].clone()];
         assert_eq!(numbers(0), [Cell::Number(29.4), Cell::Number(30.1)]);
+        assert_eq!(rows[0][5], Cell::Text("µrad".into()), "no id of a unit on a screen");
         assert_eq!(numbers(1), [Cell::Number(2.1), Cell::Number(-2.0)]);
         assert_eq!(numbers(2), [Cell::Number(3.0), Cell::Missing]);
         assert_eq!(numbers(3), [Cell::Missing, Cell::Number(0.07)]);

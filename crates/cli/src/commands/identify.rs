@@ -43,6 +43,9 @@ pub struct Args {
     /// Signs of the method's values: right-handed, or source (as its source prints them)
     #[arg(long, value_name = "NAME", requires = "method", default_value = "right-handed", value_parser = convention)]
     convention: Convention,
+    /// Deviations on maps of places (error-map) so many times as large as they are, e.g. 10000; by default what suits them
+    #[arg(long, value_name = "TIMES", requires = "method", value_parser = magnification)]
+    magnification: Option<f64>,
     /// Result file of a Renishaw QC20-W (.b5r) of the same circles: its numbers next to ours
     #[arg(long, value_name = "FILE.B5R", requires = "method")]
     against: Option<PathBuf>,
@@ -63,6 +66,11 @@ fn method_help() -> String {
 
 fn convention(text: &str) -> Result<Convention, String> {
     one_of(&Convention::NAMES, text)
+}
+
+fn magnification(text: &str) -> Result<f64, String> {
+    let times = text.parse::<f64>().ok().filter(|times| times.is_finite() && *times >= 1.0);
+    times.ok_or_else(|| "is no number of 1 or more".into())
 }
 
 fn notation(text: &str) -> Result<Notation, String> {
@@ -99,7 +107,7 @@ fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
     method(name)?;
     let Loaded { experiment, outcome } = load::runs_for_method(&args.runs)?;
     let axis = args.axis.as_deref().map(|name| experiment.rotary_joint(name)).transpose()?;
-    let options = MethodOptions { axis, convention: args.convention };
+    let options = MethodOptions { axis, convention: args.convention, magnification: args.magnification };
     let mut findings = experiment.by_method(name, &options)?;
     if let Some(path) = &args.against {
         add_bar_result(&mut findings, path)?;

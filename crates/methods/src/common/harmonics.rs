@@ -5,9 +5,12 @@
 //! Under noise alone A²/2u² ~ F(2, ν), so p = (1 + A²/(ν u²))^(−ν/2).
 //! Significant: p < 5 %/N (Bonferroni). The range of x as read grows with the noise of its extremes; here it is that of the significant
 //! harmonics, each with the amplitude √(A² − 2u²), since noise adds 2u² to A² on average.
+//! Where none is significant, an upper bound stands in its place: noise is longer than q with a chance of 5 %, q² = ν u² (0.05^(−2/ν) − 1), so a true
+//! amplitude is at most A + q, and the range of any one wave at most 2 (A + q).
+//! Of K contours of one error motion that are judged together: p < 5 %/(N K).
 //! Limits: whole turn; what has more than N waves counts as noise.
 
-use crate::findings::{Cell, Column, FoundTable};
+use crate::findings::{Cell, Column, FoundTable, FoundValue};
 use nalgebra::{DMatrix, DVector, Vector2};
 use std::f64::consts::TAU;
 use trunnion_core::convert::deg_from_rad;
@@ -16,7 +19,7 @@ use trunnion_engine::solve::linear::least_squares;
 
 /// Highest order: more waves than this a turn are rollers and gears, which the joint fit looks for.
 const HIGHEST: usize = 12;
-/// Chance that noise alone makes any of the harmonics significant.
+/// Chance that noise alone makes any of the harmonics significant, and that a true amplitude is above its upper bound.
 const BY_CHANCE: f64 = 0.05;
 /// Values a wave that show an order asked for.
 const VALUES_A_WAVE: usize = 3;
@@ -49,6 +52,8 @@ pub(crate) struct Harmonics {
     pub range: f64,
     /// Standard uncertainty of the range.
     pub u_range: f64,
+    /// Range of any one wave at most (95 %), whether significant or not.
+    pub most: f64,
 }
 
 /// How a wave differs between two contours.
@@ -71,11 +76,20 @@ impl Harmonic {
 impl Harmonics {
     /// Of values over an angle (rad); `None` where they do not go around, or are too few.
     pub fn of(points: &[(f64, f64)]) -> Option<Self> {
-        Self::with(points, &[])
+        Self::fitted(points, &[], 1)
     }
 
     /// The same with further orders, of those that so many values show.
     pub fn with(points: &[(f64, f64)], further: &[usize]) -> Option<Self> {
+        Self::fitted(points, further, 1)
+    }
+
+    /// The same for one of so many contours of an error motion, of which the largest will be shown.
+    pub fn among(points: &[(f64, f64)], contours: usize) -> Option<Self> {
+        Self::fitted(points, &[], contours)
+    }
+
+    fn fitted(points: &[(f64, f64)], further: &[usize], contours: usize) -> Option<Self> {
         let m = points.len();
         // As many degrees of freedom are left to the noise as the harmonics take.
         let highest = (m / 4).min(HIGHEST);
@@ -104,12 +118,25 @@ impl Harmonics {
             let ratio = amplitude / u.max(f64::MIN_POSITIVE);
             let p = (1.0 + ratio * ratio / freedom).powf(-0.5 * freedom);
             let crest_rad = fit.x[l].atan2(fit.x[k]).rem_euclid(TAU) / order as f64;
-            let significant = p < BY_CHANCE / orders.len() as f64 && amplitude > ROUNDING * values.amax();
+            let trials = (orders.len() * contours) as f64;
+            let significant = p < BY_CHANCE / trials && amplitude > ROUNDING * values.amax();
             Harmonic { order, amplitude, crest_rad, u, p, significant }
         };
         let all: Vec<Harmonic> = orders.iter().enumerate().map(harmonic).collect();
         let (range, u_range) = range(&all);
-        Some(Self { all, range, u_range })
+        let longest = (freedom * (BY_CHANCE.powf(-2.0 / freedom) - 1.0)).sqrt();
+        let most = all.iter().map(|h| 2.0 * (h.amplitude + longest * h.u)).fold(0.0, f64::max);
+        Some(Self { all, range, u_range, most })
+    }
+
+    /// The range as a value: that of the significant waves with its u, else an upper bound that says so in its name.
+    pub fn range_value(&self, name: &str, unit: Unit) -> FoundValue {
+        if self.all.iter().any(|harmonic| harmonic.significant) {
+            return FoundValue::new(format!("{name} range"), self.range, unit, Some(self.u_range))
+                .note(self.words(unit));
+        }
+        let note = "no harmonic is significant; upper bound (95 %) of the range of any one wave";
+        FoundValue::new(format!("{name} range at most"), self.most, unit, None).note(note)
     }
 
     /// The harmonic of this order.
@@ -233,6 +260,19 @@ mod tests {
         let false_alarms = (0..2000).filter(|&seed| found(seed).range > 0.0).count();
         // 5 % of 2000, ± 3 standard deviations of a binomial.
         assert!((70..=130).contains(&false_alarms), "{false_alarms} of 2000");
+    }
+
+    #[test]
+    fn a_wave_that_is_not_significant_is_below_the_upper_bound() {
+        for (steps, amplitude) in [(12, 0.0), (12, 0.6), (36, 0.4)] {
+            let of = |seed| Harmonics::of(&noisy(steps, 1.0, seed, |a| amplitude * (2.0 * a).cos())).unwrap();
+            let all: Vec<Harmonics> = (0..1000).map(of).collect();
+            let held = all.iter().filter(|of| of.most >= 2.0 * amplitude).count();
+            assert!(held >= 950, "{held} of 1000 at {amplitude}");
+            let silent = all.iter().find(|of| of.significant().is_empty()).unwrap();
+            let value = silent.range_value("EXC", Unit::UM);
+            assert_eq!((value.name.as_str(), value.value, value.u), ("EXC range at most", silent.most, None));
+        }
     }
 
     #[test]

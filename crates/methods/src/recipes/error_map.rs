@@ -62,7 +62,7 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let experiment = Experiment::new(runs)?;
     let joint = identify(&experiment, &Model::base(&grid.machine.name), &Options::default())?;
     let locations = Locations::of(&grid, &b_errors, &joint);
-    let b_errors = b_errors.without_gauge(&locations.gauge);
+    let b_errors = b_errors.without_datum(&locations.datum);
     let found = Found { grid: &grid, b_errors, c_errors, locations, joint, calibration };
-    Ok(values::findings(&METHOD, runs, &found, options.convention))
+    Ok(values::findings(&METHOD, runs, &found, options))
 }

@@ -32,6 +32,8 @@ pub struct MethodOptions {
     pub axis: Option<Joint>,
     /// Signs of the values.
     pub convention: Convention,
+    /// How much larger maps of places draw deviations than they are; by default what suits their size.
+    pub magnification: Option<f64>,
 }
 
 /// Why a method cannot be applied.

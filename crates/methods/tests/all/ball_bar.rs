@@ -154,7 +154,7 @@ fn s4_tables_3_and_4_are_printed_back() {
         assert!(value.note.contains("S4 table 2"), "{} names no cause: {}", value.name, value.note);
     }
     // Nothing is said of steps with the direction, which these readings do not have.
-    assert!(!found.values.iter().any(|value| value.note.contains("play or friction")));
+    assert!(!found.values.iter().any(|value| value.note.contains("backlash or friction")));
     assert!(found.values.iter().all(|v| v.value.is_finite()));
 }
 

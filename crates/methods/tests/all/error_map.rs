@@ -128,3 +128,73 @@ fn a_ball_beside_the_nest_is_refused() {
     let error = (method.run)(&[run], &MethodOptions::default()).unwrap_err().to_string();
     assert!(error.contains("12.0 mm off the nest") && error.contains("linear axes"), "{error}");
 }
+
+#[test]
+fn errors_of_c_have_uncertainties_that_hold_where_nothing_is_hidden() {
+    let findings = error_map(points_run("points-nothing-hidden"));
+    let map = table(&findings, "Errors of C at each pose");
+    let count = (map.columns.len() - 2) / 2;
+    assert_eq!(count, 5);
+    assert!((0..count).all(|k| map.columns[2 + count + k].name == format!("u {}", map.columns[2 + k].name)));
+    let pairs = map
+        .rows
+        .iter()
+        .flat_map(|row| (0..count).map(|k| (number(&row[2 + k]), number(&row[2 + count + k]))));
+    let held: Vec<bool> = pairs.map(|(value, u)| value.abs() <= 1.96 * u).collect();
+    let share = held.iter().filter(|held| **held).count() as f64 / held.len() as f64;
+    // 95 % of some 400 numbers, a little more where the map of B has taken the mean over C.
+    assert!((0.92..=0.995).contains(&share), "{share} of {}", held.len());
+    for name in ["EXC", "EYC", "EZC", "EAC", "EBC"] {
+        let of = |ending: &str| findings.value(&format!("{name} {ending}"));
+        assert!(of("variation").is_none(), "a range as read has no place next to one without noise");
+        for range in ["range", "largest range"] {
+            let (found, bound) = (of(range), of(&format!("{range} at most")));
+            assert!(
+                found.is_some_and(|v| v.u.is_some()) != bound.is_some_and(|v| v.value > 0.0),
+                "{name} {range}"
+            );
+        }
+    }
+}
+
+#[test]
+fn coning_is_printed_as_the_source_prints_it_and_maps_have_the_magnification_asked_for() {
+    let options = MethodOptions {
+        convention: recipes::Convention::Source,
+        magnification: Some(20_000.0),
+        ..MethodOptions::default()
+    };
+    let method = recipes::find("error-map").expect("registered");
+    let mut run = points_run("points-nothing-hidden");
+    // The table leans about X by 200 µrad · sin B; what of it is no location error stays.
+    let machine = run.machine.clone();
+    for point in &mut run.points {
+        let position = &point.state.position;
+        let lean = 200e-6 * position[trunnion_core::Joint::B].sin();
+        let machine_from_table = machine.machine_from_table(position, &Default::default());
+        let frame = machine.joint_frame(trunnion_core::Joint::B, position).expect("B");
+        let nest = machine_from_table * run.setups[point.state.setup].ball_in_table_mm;
+        let twist = trunnion_core::Twist::rotation(Vector3::x() * lean);
+        let moved = machine_from_table.rotation.inverse() * -frame.displacement_mm(&nest, &twist);
+        point.reading_mm = (Vector3::from(point.reading_mm) + moved).into();
+    }
+    let findings = (method.run)(&[run], &options).unwrap_or_else(|error| panic!("{error}"));
+    let variation = findings.value("EAB variation").expect("a value");
+    let note = variation.note.replace('−', "-");
+    let mut ends = note.split("; ").next().unwrap().trim_start_matches("from ").split(" to ");
+    let mut end =
+        || ends.next().unwrap().trim_end_matches('°').parse::<f64>().unwrap_or_else(|_| panic!("{note}"));
+    let (low, high) = (end(), end());
+    assert!(low < -0.002 && high > 0.002, "{note}");
+    assert!(
+        (high - low - variation.value.to_degrees()).abs() < 2e-4,
+        "{note}: {}",
+        variation.value.to_degrees()
+    );
+    let maps = findings.charts.iter().filter_map(|chart| match &chart.plot {
+        trunnion_methods::findings::Plot::PlaneMap { magnification, .. } => Some(*magnification),
+        _ => None,
+    });
+    let maps: Vec<f64> = maps.collect();
+    assert!(maps.len() >= 4 && maps.iter().all(|m| *m == 20_000.0), "{maps:?}");
+}

@@ -17,9 +17,9 @@ const NOISE_MM: f64 = 0.3 * UM;
 /// From sweep to sweep.
 const OFFSET_MM: f64 = 0.1 * UM;
 const SEEDS: u64 = 30;
-/// Quasi-static, with the way, with speed, with acceleration, µm at the fastest feed.
+/// Quasi-static, with the direction, with speed, with acceleration, µm at the fastest feed.
 const PARTS: [(&str, f64); 4] =
-    [("quasi-static", 8.0), ("with the way", -0.7), ("with speed", 3.0), ("with acceleration", -2.0)];
+    [("quasi-static", 8.0), ("with the direction", -0.7), ("with speed", 3.0), ("with acceleration", -2.0)];
 
 fn cycle(name: &str, change: (&str, &str)) -> Cycle {
     let path = format!("{}/../../config/cycles/{name}.toml", env!("CARGO_MANIFEST_DIR"));

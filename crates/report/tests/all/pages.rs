@@ -13,7 +13,7 @@ use trunnion_report::{
     compare_html, compare_text, findings_html, findings_text, ladder_html, ladder_text, trial_html,
     trial_text,
 };
-use trunnion_results::{Comparison, Findings, Ladder, Trial};
+use trunnion_results::{Comparison, Findings, FoundValue, Ladder, Trial, ValueKind};
 
 /// Two heights, B every 45°, C every 45° forth and back; the tool reads 2.5 µm further along Z with C going forward, and
 /// as much less with C going back. Where a pass begins, C comes from the other side.
@@ -128,7 +128,7 @@ fn the_page_of_a_named_method_shows_values_charts_and_tables() {
     let findings = Findings::from(&(method.run)(&[run], &MethodOptions::default()).unwrap());
     let page = findings_html(&findings, "Trunnion <test>");
     let (verdict, source) =
-        (page.find(" stands out most: ").unwrap(), page.find("Method and source").unwrap());
+        (page.find(" moves the tool most: ").unwrap(), page.find("Method and source").unwrap());
     assert!(
         verdict < page.find("<table").unwrap() && source > page.rfind("<table").unwrap(),
         "the verdict first, the source last"
@@ -202,4 +202,38 @@ fn the_ladder_shows_fit_held_out_noise_and_what_moved() {
     let page = ladder_html("mill", &Ladder::from(&model()));
     assert!(page.contains("EX0C −3.20 → −1.10 µm, 8 u"));
     assert!(page.contains("<h1>Machine mill: one effect took the error from"), "the verdict first");
+}
+
+#[test]
+fn a_method_is_summed_up_and_names_first_what_moves_the_tool_most() {
+    let value = |name: &str, value, unit: &str, u| FoundValue {
+        name: name.into(),
+        value: Some(value),
+        unit: unit.into(),
+        u: Some(u),
+        ..FoundValue::default()
+    };
+    let findings = Findings {
+        values: vec![
+            FoundValue {
+                u: None,
+                note: "bidirectional circular deviation".into(),
+                kind: ValueKind::Summary,
+                ..value("XY G(b)", 6.6, "um", 0.0)
+            },
+            FoundValue { kind: ValueKind::Setting, ..value("setting.low.x", 200.0, "um", 0.1) },
+            // 0.05 µm over 100 mm, 500 standard uncertainties; 6 µm over 100 mm, 12; 4 µm, 40.
+            value("EA0B", 0.5, "urad", 0.001),
+            value("XY EC0Y", 60.0, "urad", 5.0),
+            value("EX0C", 4.0, "um", 0.1),
+        ],
+        ..Findings::default()
+    };
+    let text = findings_text(&findings).split_whitespace().collect::<Vec<_>>().join(" ");
+    let summary = text.find("Bidirectional circular deviation: 6.6").unwrap_or_else(|| panic!("{text}"));
+    let largest = text
+        .find("In XY, the direction of axis Y about Z moves the tool most: 60")
+        .unwrap_or_else(|| panic!("{text}"));
+    assert!(summary < largest && text.contains("µm over 100 mm), standard uncertainty"), "{text}");
+    assert!(findings_html(&findings, "").contains("<h1>Machine , : Bidirectional circular deviation: 6.6"));
 }

@@ -164,7 +164,7 @@ pub(super) fn of_number(kind: ErrorKind, value: f64, u: f64) -> &'static str {
             "likely: assembly or an old zero offset, the axis line is not where the controller has it (S4 table 1)"
         }
         ErrorKind::Reversal => {
-            "likely: play or friction in bearings or drive, seen as a step with the direction (S4 §4.3)"
+            "likely: backlash or friction in bearings or drive, seen as a step with the direction (S4 §4.3)"
         }
         ErrorKind::Radial | ErrorKind::Axial | ErrorKind::Tilt => "",
     }

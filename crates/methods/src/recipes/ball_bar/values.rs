@@ -23,7 +23,6 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
     let counts = |axis: Axis| runs.first().map_or_else(Counts::default, |run| Counts::of(&run.machine, axis));
     for motion in found.axes.iter().flat_map(error_motions) {
         let as_read = span(motion.points.iter().map(|(_, value)| *value));
-        let name = format!("{} range", motion.name);
         let counted = counts(motion.axis);
         values.push(match Harmonics::with(&motion.points, &counted.orders()) {
             Some(of) => {
@@ -33,12 +32,13 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
                 let causes = causes(motion.kind, motion.upright, counted, &of);
                 let row = |cause| Row::of_wave(&motion.name, motion.axis, motion.kind, cause, &dependences);
                 waves.extend(causes.iter().map(row));
-                let note = said(&[&motion.about, &of.words(motion.unit), &read, &likely]);
-                let value = FoundValue::new(name, of.range, motion.unit, Some(of.u_range)).note(note);
+                let value = of.range_value(&motion.name, motion.unit);
+                let note = said(&[&motion.about, &value.note, &read, &likely]);
+                let value = value.note(note);
                 of_motions.push((motion.name, motion.unit, of));
                 value
             }
-            None => FoundValue::new(name, as_read, motion.unit, None)
+            None => FoundValue::new(format!("{} range", motion.name), as_read, motion.unit, None)
                 .note(said(&[&motion.about, "as read, noise included"])),
         });
     }

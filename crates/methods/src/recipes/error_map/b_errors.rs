@@ -58,9 +58,9 @@ impl BErrors {
 
     /// The map without what an offset of the zero pose along and about the turning axis adds to it.
     #[must_use]
-    pub fn without_gauge(mut self, gauge: &[Twist]) -> Self {
-        for (twist, gauge) in self.at_tilt.iter_mut().zip(gauge) {
-            *twist += *gauge * -1.0;
+    pub fn without_datum(mut self, datum: &[Twist]) -> Self {
+        for (twist, datum) in self.at_tilt.iter_mut().zip(datum) {
+            *twist += *datum * -1.0;
         }
         self
     }

@@ -10,7 +10,12 @@ use trunnion_core::convert::deg_from_rad;
 use trunnion_core::{Joint, Twist};
 use trunnion_effects::Unit;
 
-pub(super) fn charts(grid: &Grid<'_>, b_errors: &BErrors, c_errors: &CErrors) -> Vec<Chart> {
+pub(super) fn charts(
+    grid: &Grid<'_>,
+    b_errors: &BErrors,
+    c_errors: &CErrors,
+    magnification: Option<f64>,
+) -> Vec<Chart> {
     let upright = grid.tilt_near(0.0);
     let steepest = (0..grid.tilts_rad.len())
         .max_by(|&a, &b| grid.tilts_rad[a].abs().total_cmp(&(grid.tilts_rad[b].abs() - 1e-9)))
@@ -20,7 +25,7 @@ pub(super) fn charts(grid: &Grid<'_>, b_errors: &BErrors, c_errors: &CErrors) ->
         charts.extend(over_turning(grid, c_errors, tilt));
     }
     let tilts = [Some(upright), steepest].into_iter().flatten();
-    charts.extend(alike(tilts.flat_map(|tilt| places(grid, b_errors, tilt)).collect()));
+    charts.extend(alike(tilts.flat_map(|tilt| places(grid, b_errors, tilt, magnification)).collect()));
     charts
 }
 
@@ -80,7 +85,7 @@ fn sorted(
 }
 
 /// Commanded, measured and simulated places of the nests on the plane in which the table tilts and on the table.
-fn places(grid: &Grid<'_>, b_errors: &BErrors, tilt: usize) -> Vec<Chart> {
+fn places(grid: &Grid<'_>, b_errors: &BErrors, tilt: usize, magnification: Option<f64>) -> Vec<Chart> {
     let across = if grid.tilting == Joint::A { 1 } else { 0 };
     let names = ["X", "Y", "Z"];
     let group = "Places of the nest: commanded (dot), measured (circle), by the errors of the tilting axis (cross) (S1 Fig. 5, 8)";
@@ -116,7 +121,7 @@ fn places(grid: &Grid<'_>, b_errors: &BErrors, tilt: usize) -> Vec<Chart> {
         let chart = |title: String, names: [&str; 2], places: Vec<MapPlace>| Chart {
             group: group.into(),
             title: format!("{title}, nest {nest}, {at}"),
-            plot: Plot::plane_map(names.map(String::from), places),
+            plot: Plot::plane_map(names.map(String::from), places, magnification),
         };
         let plane = format!("{}{} plane of the machine", names[across], names[2]);
         charts.push(chart(plane, [names[across], names[2]], in_machine.collect()));

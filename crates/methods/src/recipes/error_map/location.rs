@@ -22,7 +22,7 @@ const ARM_MM: f64 = 100.0;
 pub(super) struct Locations {
     pub rows: Vec<Location>,
     /// What the offsets of the zero pose add to the map at each tilt.
-    pub gauge: Vec<Twist>,
+    pub datum: Vec<Twist>,
     /// What the location errors make of the map at each tilt.
     pub constants: Vec<Twist>,
 }
@@ -88,7 +88,7 @@ impl Locations {
         };
         Self {
             rows: observable.iter().enumerate().map(found).collect(),
-            gauge: part(first..constants.len()),
+            datum: part(first..constants.len()),
             constants: part(0..first),
         }
     }

@@ -2,17 +2,22 @@
 //!
 //! With both rotary axes at rest the linear axes move the ball by commanded steps t; component k of the reading shows
 //! `m_k = a_k·t + m_0`: a_k is its direction vector times its gain. They are fitted as those of probes
-//! ([`trunnion_sync::nest::calibrate`]); the readings of the setup become `A⁻¹ m`. The spindle's angle is on no recording, so the ball's offset from the spindle line is taken as removed before.
+//! ([`trunnion_sync::nest::calibrate`]); the readings of the setup become `A⁻¹ m`. The ball's offset from the
+//! spindle line turns with the spindle: it is taken as removed before, unless the machine file has the spindle as a joint, whose angle is then a position of
+//! every reading (S2 tables 2–3).
 //! Limits: linear axes free of error over the steps; steps that span three directions.
 
 use crate::findings::{Cell, Column, FoundTable};
 use nalgebra::Vector3;
-use trunnion_core::{InstrumentKind, Point, Quality, Slot};
+use trunnion_core::{InstrumentKind, Joint, Point, Quality, Slot};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
 use trunnion_sync::nest::{NestFit, NestStep, STEP_MM, calibrate};
+
+/// Angles nearer than this are the same, rad: below the last digit of a position in a file (0.0001°).
+const SAME_RAD: f64 = 1e-6;
 
 /// What calibrating found.
 pub(super) struct Calibration {
@@ -56,13 +61,36 @@ pub(super) fn apply(runs: &[Run]) -> (Calibration, Vec<Run>) {
             unusable.join(", ")
         );
     }
-    note += " No recording holds the angle of the spindle: the ball's offset from the spindle line must be removed before (S1 §3.2).";
+    note += spindle_note(runs);
     let mut columns = vec![Column::plain("setup"), Column::plain("component"), Column::plain("gain")];
     columns.extend(["x", "y", "z"].map(|axis| Column::plain(format!("direction {axis}"))));
     columns.push(Column::of("angle to its axis", Unit::DEG));
     let caption = "Probe directions and gains by linear steps".into();
     let table = (!rows.is_empty()).then_some(FoundTable { caption, columns, rows });
     (Calibration { table, note }, calibrated)
+}
+
+/// What must be true of the ball's offset from the spindle line.
+fn spindle_note(runs: &[Run]) -> &'static str {
+    let joints: Vec<_> = runs.iter().filter_map(|run| Some((run, run.machine.spindle?))).collect();
+    let angle_rad = |(run, joint): &(&Run, Joint)| {
+        let angles = run.points.iter().map(|point| point.state.position[*joint]);
+        angles
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), angle| (low.min(angle), high.max(angle)))
+    };
+    let (low, high) = joints
+        .iter()
+        .map(angle_rad)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| (low.min(l), high.max(h)));
+    if joints.is_empty() {
+        " The machine file has no joint of the spindle, so its angle is not read: keep the spindle at one angle, or remove the ball's offset from the spindle \
+         line before (S1 §3.2)."
+    } else if high - low > SAME_RAD {
+        " The spindle turns in these runs. The map takes no account of the ball's offset from the spindle line; the joint fit (identify without --method) has the \
+         errors of that line."
+    } else {
+        " The spindle stands at one angle, so the ball's offset from the spindle line is part of the setting of the ball."
+    }
 }
 
 /// True when the ball was commanded off the nest.
@@ -82,7 +110,7 @@ fn steps(run: &Run, setup: usize) -> Option<Vec<NestStep>> {
     let first = run.points.iter().filter(of_setup).find(|point| is_step(run, point))?;
     let same_pose = |p: &&Point| {
         let turned = |letter: Slot| (p.state.position[letter] - first.state.position[letter]).abs();
-        Slot::ALL.into_iter().filter(|slot| slot.is_rotary()).all(|slot| turned(slot) < 1e-6)
+        Slot::ALL.into_iter().filter(|slot| slot.is_rotary()).all(|slot| turned(slot) < SAME_RAD)
     };
     let here = run.points.iter().filter(of_setup).filter(same_pose);
     let step = |p: &Point| NestStep { ball_in_nest_mm: commanded_mm(run, p), probes_mm: p.reading_mm };

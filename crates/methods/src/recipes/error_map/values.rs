@@ -3,20 +3,28 @@
 use super::b_errors::BErrors;
 use super::c_errors::CErrors;
 use super::charts::charts;
-use super::components::{components, is_about_itself};
+use super::components::{Component, components, is_about_itself};
 use super::found::Found;
 use super::grid::Grid;
 use super::location::Locations;
 use crate::common::harmonics::{self, Harmonics};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
-use crate::recipes::{Convention, Method};
+use crate::recipes::{Convention, Method, MethodOptions};
 use nalgebra::Vector3;
+use std::cmp::Ordering::Equal;
 use trunnion_core::Twist;
+use trunnion_core::convert::deg_from_rad;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_engine::Identification;
 
-pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convention: Convention) -> Findings {
+pub(super) fn findings(
+    method: &Method,
+    runs: &[Run],
+    found: &Found<'_>,
+    options: &MethodOptions,
+) -> Findings {
+    let convention = options.convention;
     let Found { grid, b_errors, c_errors, locations, joint, calibration } = found;
     let mut values: Vec<FoundValue> = locations
         .rows
@@ -27,15 +35,17 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
             FoundValue::new(row.name.clone(), row.by_map, row.unit, Some(row.u_by_map)).note(note)
         })
         .collect();
-    values.extend(variations(grid, b_errors, c_errors, locations));
+    values.extend(variations(grid, b_errors, locations, convention));
     values.extend(left(grid, b_errors, c_errors, joint));
     let mut tables = vec![compared(locations), map_of_tilting(grid, b_errors)];
     tables.push(map_of_turning(grid, c_errors));
     let around = harmonics_of_turning(grid, c_errors);
     values.extend(around.iter().map(|(name, unit, of)| {
-        let value = FoundValue::new(format!("{name} range"), of.range, *unit, Some(of.u_range));
-        value.note(format!("mean over {}, without the bias of noise; {}", grid.tilting, of.words(*unit)))
+        let value = of.range_value(name, *unit);
+        let note = format!("mean over {}, without the bias of noise; {}", grid.tilting, value.note);
+        value.note(note)
     }));
+    values.extend(at_the_tilts(grid, c_errors));
     tables.extend(harmonics::table(&around));
     tables.extend(calibration.table.clone());
     let mut notes = notes(grid, b_errors);
@@ -43,44 +53,75 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
     Findings {
         values,
         tables,
-        charts: charts(grid, b_errors, c_errors),
+        charts: charts(grid, b_errors, c_errors, options.magnification),
         notes,
         ..method.findings(runs, convention)
     }
 }
 
-/// How far each component varies beyond what constant location errors make of it.
+/// How far each component of the tilting axis varies beyond what constant location errors make of it; as S1 prints them, tilts between
+/// their ends in degrees (S1 §5.3: coning, αB from −0.013° to +0.013°).
 fn variations(
     grid: &Grid<'_>,
     b_errors: &BErrors,
-    c_errors: &CErrors,
     locations: &Locations,
+    convention: Convention,
 ) -> Vec<FoundValue> {
-    let range = |numbers: &mut dyn Iterator<Item = f64>| {
-        let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        high - low
+    let ends = |numbers: &mut dyn Iterator<Item = f64>| {
+        numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
     };
     let mut values = Vec::new();
     for (name, unit, of) in components(grid.tilting) {
         let u = b_errors.u_at_tilt.iter().map(of).fold(0.0, f64::max);
-        let value = range(&mut b_errors.at_tilt.iter().zip(&locations.constants).map(|(t, c)| of(t) - of(c)));
+        let (low, high) =
+            ends(&mut b_errors.at_tilt.iter().zip(&locations.constants).map(|(t, c)| of(t) - of(c)));
+        let printed = match convention {
+            Convention::Source if unit == Unit::URAD => {
+                format!("from {:+.4}° to {:+.4}°; ", deg_from_rad(low), deg_from_rad(high)).replace('-', "−")
+            }
+            _ => String::new(),
+        };
         let note = format!(
-            "range over {} beyond location errors; u of one value at most {:.2} {}",
+            "{printed}range over {} beyond location errors, noise included; u of one value at most {:.2} {}",
             grid.tilting,
             u * unit.per_inside,
             unit.text()
         );
         values.push(
-            FoundValue::new(format!("{name} variation"), value, unit, Some(u * std::f64::consts::SQRT_2))
-                .note(note),
+            FoundValue::new(
+                format!("{name} variation"),
+                high - low,
+                unit,
+                Some(u * std::f64::consts::SQRT_2),
+            )
+            .note(note),
         );
     }
-    for (name, unit, of) in components(grid.turning).into_iter().filter(|(name, ..)| !is_about_itself(name)) {
-        let value = range(&mut c_errors.at.iter().flatten().flatten().map(of));
-        let note = format!("range over {} and {}", grid.tilting, grid.turning);
-        values.push(FoundValue::new(format!("{name} variation"), value, unit, None).note(note));
-    }
     values
+}
+
+/// Of each component of the turning axis the tilt at which its significant waves range most; where none is significant, the upper bound
+/// of the tilt that allows most.
+fn at_the_tilts(grid: &Grid<'_>, c_errors: &CErrors) -> Vec<FoundValue> {
+    let tilts = grid.tilts_rad.len();
+    let shown = components(grid.turning).into_iter().filter(|(name, ..)| !is_about_itself(name));
+    let largest = |(name, unit, of): Component| {
+        let at = |tilt: usize| {
+            let read = grid.turns_rad.iter().zip(&c_errors.at[tilt]);
+            let points: Vec<_> =
+                read.filter_map(|(turn, twist)| Some((*turn, of(twist.as_ref()?)))).collect();
+            Some((tilt, Harmonics::among(&points, tilts)?))
+        };
+        let size = |of: &Harmonics| (of.range, of.most);
+        let (tilt, most) =
+            (0..tilts).filter_map(at).max_by(|a, b| size(&a.1).partial_cmp(&size(&b.1)).unwrap_or(Equal))?;
+        let angle = (deg_from_rad(grid.tilts_rad[tilt]) * 100.0).round() / 100.0 + 0.0;
+        let value = most.range_value(&format!("{name} largest"), unit);
+        let note =
+            format!("at {} = {angle}°, of {tilts} tilts judged together; {}", grid.tilting, value.note);
+        Some(value.note(note.replace("= -", "= −")))
+    };
+    shown.filter_map(largest).collect()
 }
 
 /// What each step leaves of the readings, rms per component.
@@ -171,11 +212,16 @@ fn map_of_turning(grid: &Grid<'_>, c_errors: &CErrors) -> FoundTable {
     let shown = || components.iter().filter(|(name, ..)| !is_about_itself(name));
     let mut columns = [grid.tilting, grid.turning].map(|axis| Column::of(axis.as_str(), Unit::DEG)).to_vec();
     columns.extend(shown().map(|(name, unit, _)| Column::of(name.clone(), *unit)));
+    columns.extend(shown().map(|(name, unit, _)| Column::of(format!("u {name}"), *unit)));
     let mut rows = Vec::new();
-    for (tilt, of_tilt) in grid.tilts_rad.iter().zip(&c_errors.at) {
-        for (turn, twist) in grid.turns_rad.iter().zip(of_tilt) {
+    for ((tilt, of_tilt), u_of_tilt) in grid.tilts_rad.iter().zip(&c_errors.at).zip(&c_errors.u_at) {
+        for ((turn, twist), u) in grid.turns_rad.iter().zip(of_tilt).zip(u_of_tilt) {
             let mut row = vec![Cell::Number(*tilt), Cell::Number(*turn)];
-            row.extend(shown().map(|(.., of)| twist.as_ref().map_or(Cell::Missing, |t| Cell::Number(of(t)))));
+            for twist in [twist, u] {
+                let cell =
+                    |of: fn(&Twist) -> f64| twist.as_ref().map_or(Cell::Missing, |t| Cell::Number(of(t)));
+                row.extend(shown().map(|(.., of)| cell(*of)));
+            }
             rows.push(row);
         }
     }

@@ -175,7 +175,7 @@ fn notes(sweeps: &Sweeps, parts: &Parts) -> Vec<String> {
     ));
     if !parts.both_ways {
         notes.push(
-            "One way only: what changes with the way is in the quasi-static part. Run every feed both ways."
+            "One way only: what changes with the direction is in the quasi-static part. Run every feed both ways."
                 .into(),
         );
     }

@@ -22,7 +22,7 @@ impl Part {
     pub fn name(self) -> &'static str {
         match self {
             Self::QuasiStatic => "quasi-static",
-            Self::Way => "with the way",
+            Self::Way => "with the direction",
             Self::Speed => "with speed",
             Self::Acceleration => "with acceleration",
         }
@@ -81,7 +81,9 @@ pub(super) fn parts(method: &Method, sweeps: &Sweeps) -> Result<Parts, MethodErr
         ));
     }
     let Some(cofactor) = (design.transpose() * &design).try_inverse() else {
-        return Err(method.lacks("the ways were run at different feeds", "Run every feed both ways."));
+        return Err(
+            method.lacks("the two directions were run at different feeds", "Run every feed both ways.")
+        );
     };
     let wider = t_beyond(0.05, freedom) / COVERAGE_95;
     let of_error = |error: usize| {

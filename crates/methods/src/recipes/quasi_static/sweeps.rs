@@ -170,14 +170,14 @@ impl Leading {
         matches!(self, Self::Rotary(_))
     }
 
-    /// Speed, with the way as its sign.
+    /// Speed, with the direction as its sign.
     fn velocity(&self, point: &Point) -> f64 {
         match self {
             Self::Rotary(joint) => point.state.velocity[*joint],
             Self::Linear { middle, across } => {
                 let velocity = linear(&point.state.velocity);
                 let turned = (linear(&point.state.position) - middle).cross(&velocity).dot(across);
-                // On a straight line the way is that of the axes.
+                // On a straight line the direction is that of the axes.
                 let round = ROUND * (linear(&point.state.position) - middle).norm() * velocity.norm();
                 let way = if turned.abs() < round { velocity.sum() } else { turned };
                 velocity.norm() * way.signum()

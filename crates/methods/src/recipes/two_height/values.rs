@@ -6,7 +6,7 @@ use super::error_motions::{ErrorMotion, Signs, error_motions};
 use super::fit::{HeightFit, Heights};
 use crate::common::harmonics::{self, Harmonics};
 use crate::common::turning::Turning;
-use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
+use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind};
 use crate::recipes::{Convention, Method};
 use trunnion_core::convert::deg_from_rad;
 use trunnion_cycles::Run;
@@ -61,7 +61,8 @@ fn settings(turning: &Turning, heights: &Heights) -> Vec<FoundValue> {
     let of_set = |set: &HeightFit| {
         [0, 1].map(|k| {
             let name = format!("setting.{}.{}", set.name, turning.frame[k].lower());
-            FoundValue::new(name, set.all.setting_mm[k], Unit::UM, Some(set.u.setting_mm[k]))
+            let value = FoundValue::new(name, set.all.setting_mm[k], Unit::UM, Some(set.u.setting_mm[k]));
+            value.kind(ValueKind::Setting)
         })
     };
     heights.sets.iter().flat_map(of_set).collect()
@@ -80,12 +81,10 @@ fn of_motion(motion: &ErrorMotion) -> Vec<FoundValue> {
     let point = u.map_or(String::new(), |u| format!("; u of one angle {:.3} {}", u * scale, unit.text()));
     let range = match Harmonics::of(points) {
         Some(of) => {
-            FoundValue::new(format!("{name} range"), of.range, *unit, Some(of.u_range)).note(format!(
-                "{}; as read {:.2} {}, noise included{point}",
-                of.words(*unit),
-                (high - low) * scale,
-                unit.text()
-            ))
+            let value = of.range_value(name, *unit);
+            let as_read = (high - low) * scale;
+            let note = format!("{}; as read {as_read:.2} {}, noise included{point}", value.note, unit.text());
+            value.note(note)
         }
         // The ends of a range are two values.
         None => FoundValue::new(
