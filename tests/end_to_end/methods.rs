@@ -286,9 +286,19 @@ fn a_circle_from_a_file_tells_the_same_as_the_run_it_came_from() {
     let (back, foreign) = (path("back.mcap"), path("foreign.mcap"));
     done(&["import", &points, "--setup", &setup, "--kind", "on-the-fly", "-o", &back]);
     done(&["import", &bare, "--setup", &setup, "-o", &foreign]);
-    for (run, servo, put_in) in
-        [(&run, "XY servo X−Y", 0.4), (&back, "XY servo X−Y", 0.4), (&foreign, "XY servo X−Y × speed", 6.67)]
-    {
+    // The same with times, imported as if it were static.
+    let kept = ["setup", "time_s", "x_mm", "y_mm", "z_mm", "dr_um"];
+    let at = kept.map(|name| heads.iter().position(|head| *head == name).unwrap());
+    let row = |line: &str| at.map(|k| line.split(',').nth(k).unwrap().to_string()).join(",") + "\n";
+    let (timed, by_time) = (path("timed.csv"), path("timed.mcap"));
+    std::fs::write(&timed, text.lines().map(row).collect::<String>()).unwrap();
+    done(&["import", &timed, "--setup", &setup, "-o", &by_time]);
+    for (run, servo, put_in) in [
+        (&run, "XY servo X−Y", 0.4),
+        (&back, "XY servo X−Y", 0.4),
+        (&by_time, "XY servo X−Y", 0.4),
+        (&foreign, "XY servo X−Y × speed", 6.67),
+    ] {
         let text = done(&["identify", run, "--method", "circular", "--json"]);
         let found: Value = serde_json::from_str(&text).unwrap();
         near(value(&found, "XY backlash X"), -2.0, 0.3);
@@ -296,6 +306,17 @@ fn a_circle_from_a_file_tells_the_same_as_the_run_it_came_from() {
         let names = found["values"].as_array().unwrap().iter().map(|v| v["name"].as_str().unwrap());
         assert!(!names.into_iter().any(|name| name.contains("spike")), "{found}");
     }
+}
+
+#[test]
+fn a_result_file_of_a_ball_bar_is_no_table_of_points_and_the_way_to_use_it_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (file, run) = (path("xy.b5r"), path("xy.mcap"));
+    std::fs::write(&file, "<T><PLANE TEST_PLANE=\"XY\"/></T>").unwrap();
+    let reported = crate::program::refused(&["import", &file, "-o", &run]);
+    assert!(reported.contains(&format!("--method circular --against {file}")), "{reported}");
+    assert!(!Path::new(&run).exists());
 }
 
 #[test]
@@ -314,7 +335,7 @@ fn error_motions_are_the_harmonics_that_were_put_in() {
     // A bar names the cause of what is significant, and of nothing else.
     let run = simulate_on(folder.path(), "table-bc-y", lobed, "s4-c");
     let text = done(&["identify", &run, "--method", "ball-bar", "--json"]);
-    assert!(text.contains("three-lobed ring") && !text.contains("play or friction"), "{text}");
+    assert!(text.contains("three-lobed ring") && !text.contains("backlash or friction"), "{text}");
     assert!(!text.contains("oval ring"), "{text}");
 }
 

@@ -28,7 +28,7 @@ pub const SQUARE: &[&str] = &["EC0Y", "EB0Z", "EA0Z"];
 pub const SQUARE_AND_SCALES: &[&str] =
     &["EC0Y", "EB0Z", "EA0Z", "linear-scale:X.scale", "linear-scale:Y.scale", "linear-scale:Z.scale"];
 
-/// What the truths `three-axis-volume` and `table-bc-volume` hold besides squarenesses, by the names of a volume: scales as displacement at the
+/// What the truths `three-axis-volume` and `table-bc-volume` hold in addition to squarenesses, by the names of a volume: scales as displacement at the
 /// end of the measured range (µm), bows P2 and S-shapes P3 of the guides (µm), turns of the carriages (µrad).
 const fn volume(exx: f64, eyy: f64, ezz: f64) -> [(&'static str, f64); 24] {
     [

@@ -10,11 +10,13 @@
 //! read as backlash and spikes.
 //! [ISO 230-4:2005 clause 3; Kakino, Ihara, Shinohara 1990 (DBB method); docs/design/physics.md §5.2]. Each error's own circularity is the range of
 //! what it alone makes of the trace, centred. What all of them leave is given as share of the variance and in µm, beside the
-//! noise of the readings by their second differences: more than noise is something the list lacks.
+//! noise of the readings by their second differences: more than noise is something the list lacks. What the list lacks may also read as an error
+//! of the list; `confounded` says which causes of the catalogue do, and by how far they may move it.
 //! Limits: first order in errors over R; mean scale is not distinguished from a bar without calibrated length, nor an error that makes a
 //! first lobe from the setting; straightness only as a bow; spikes by one decay s₀ for each axis.
 
 mod charts;
+mod confounded;
 mod fit;
 mod list;
 mod planes;

@@ -1,11 +1,13 @@
 //! The whole list fitted to one trace, each error's own circularity, and what is left.
 
+use super::confounded::{Other, Together, others, together};
 use super::list::{Listed, ListedKind, columns, listed};
 use super::trace::{Sample, Trace};
 use crate::common::stations::Stations;
 use crate::geometry;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector, Vector2};
+use std::ops::Range;
 use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 use trunnion_engine::solve::linear::least_squares;
 use trunnion_machine::Machine;
@@ -17,7 +19,9 @@ const LONGEST_DECAY: f64 = 0.05;
 /// A spike must be this many times its uncertainty: its decay was chosen among many.
 const SPIKE_STANDS_OUT: f64 = 5.0;
 /// Relative singular value below which errors are not distinguished.
-const TOLERANCE: f64 = 1e-6;
+pub(super) const TOLERANCE: f64 = 1e-6;
+/// Columns of the centring: 1, cos φ, sin φ.
+pub(super) const CENTRING: usize = 3;
 
 /// Angle (rad) and deviation (mm) in the order of the angle.
 pub(super) type Contour = Vec<(f64, f64)>;
@@ -27,6 +31,10 @@ pub(super) struct Fitted<'a> {
     pub trace: &'a Trace,
     /// Largest circularity first.
     pub errors: Vec<FittedError>,
+    /// Causes that are not on the list and read as errors of the list.
+    pub others: Vec<Other>,
+    /// Those that together leave nothing that shows them.
+    pub together: Vec<Together>,
     /// Values of ISO 230-4.
     pub iso: Iso,
     /// Standard deviation of what the centring leaves, mm.
@@ -49,7 +57,10 @@ pub(super) struct FittedError {
     pub listed: Listed,
     /// Inside units.
     pub value: f64,
+    /// Holds what a significant cause that is not on the list would move it by.
     pub u: f64,
+    /// Its columns of the fit.
+    pub columns: Range<usize>,
     /// Range of what this error alone makes of the trace, centred, mm.
     pub circularity_mm: f64,
     /// s₀ of a spike, mm.
@@ -84,22 +95,27 @@ impl<'a> Fitted<'a> {
         let list = listed(machine, trace);
         let samples = &trace.samples;
         let deviation = DVector::from_iterator(samples.len(), samples.iter().map(|s| s.deviation_mm));
-        let centring = DMatrix::from_fn(samples.len(), 3, |i, k| centre_row(&samples[i])[k]);
+        let centring = DMatrix::from_fn(samples.len(), CENTRING, |i, k| centre_row(&samples[i])[k]);
         let centred = |of: &DVector<f64>| of - &centring * least_squares(&centring, of, TOLERANCE).x;
         let (list, decay_mm) = without_doubtful_spikes(trace, list, &deviation);
         let design = design(trace, &list, decay_mm);
         let fit = least_squares(&design, &deviation, TOLERANCE);
         let left = &deviation - &design * &fit.x;
         let widened = widened(&left);
+        let kinds: Vec<ListedKind> = list.iter().map(|item| item.kind).collect();
+        let others = others(trace, &kinds, &design, &left);
         let mut errors = Vec::new();
-        let mut first = 3;
+        let mut first = CENTRING;
         for item in list {
             let count = columns(item.kind, trace, decay_mm, &samples[0]).len();
             let x = fit.x.rows(first, count);
             let made = centred(&(design.columns(first, count) * x));
+            let its = first..first + count;
+            let moved = others.iter().map(|other| other.moved(&its).abs()).fold(0.0, f64::max);
             errors.push(FittedError {
                 value: if count == 1 { x[0] } else { x.norm() },
-                u: widened * fit.u.rows(first, count).norm() / (count as f64).sqrt(),
+                u: moved.hypot(widened * fit.u.rows(first, count).norm() / (count as f64).sqrt()),
+                columns: its,
                 circularity_mm: range(made.iter().copied()),
                 decay_mm: match item.kind {
                     ListedKind::ReversalSpike(k) => Some(decay_mm[k]),
@@ -138,6 +154,8 @@ impl<'a> Fitted<'a> {
             centred_circularity_mm: over(0),
             contours,
             errors,
+            together: together(&others, &design),
+            others,
         })
     }
 
@@ -196,7 +214,7 @@ impl Iso {
     }
 }
 
-fn centre_row(sample: &Sample) -> [f64; 3] {
+fn centre_row(sample: &Sample) -> [f64; CENTRING] {
     let (sin, cos) = sample.angle_rad.sin_cos();
     [1.0, cos, sin]
 }
@@ -255,7 +273,7 @@ fn without_doubtful_spikes(
         let design = design(trace, &list, decay_mm);
         let fit = least_squares(&design, deviation, TOLERANCE);
         let widened = widened(&(deviation - design * &fit.x));
-        let (mut first, mut weakest) = (3, None);
+        let (mut first, mut weakest) = (CENTRING, None);
         for (i, item) in list.iter().enumerate() {
             let stands_out = fit.x[first].abs() / (widened * fit.u[first]).max(f64::MIN_POSITIVE);
             if matches!(item.kind, ListedKind::ReversalSpike(_))
@@ -284,7 +302,7 @@ fn contour(stations: &Stations, samples: &[Sample], way: f64, of: &DVector<f64>)
 
 /// How much wider uncertainties are than of white noise: root of the integrated autocorrelation of what is left, up to where it
 /// first falls into the noise (Sokal 1989). One for white noise.
-fn widened(left: &DVector<f64>) -> f64 {
+pub(super) fn widened(left: &DVector<f64>) -> f64 {
     let (n, all) = (left.len(), left.norm_squared().max(f64::MIN_POSITIVE));
     let correlation = |lag: usize| left.rows(lag, n - lag).dot(&left.rows(0, n - lag)) / all;
     let in_noise = 2.0 / (n as f64).sqrt();

@@ -32,6 +32,22 @@ pub(super) enum ListedKind {
     Straightness(usize),
 }
 
+impl ListedKind {
+    /// The phenomenon of the catalogue that it is; `None` for what the catalogue lacks.
+    pub fn phenomenon(self) -> Option<&'static str> {
+        match self {
+            Self::Squareness => Some("squareness"),
+            Self::ScaleMismatch => Some("linear-scale"),
+            Self::ServoMismatch | Self::ServoDistance => Some("servo-lag"),
+            Self::Backlash(_) => Some("backlash"),
+            Self::LateralPlay(_) => None,
+            Self::ReversalSpike(_) => Some("reversal-spike"),
+            Self::Cyclic(..) => Some("ballscrew-pitch"),
+            Self::Straightness(_) => Some("straightness"),
+        }
+    }
+}
+
 /// Every error that this trace can hold.
 pub(super) fn listed(machine: &Machine, trace: &Trace) -> Vec<Listed> {
     let [a, b] = trace.plane;

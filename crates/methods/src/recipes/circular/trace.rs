@@ -2,7 +2,7 @@
 
 use crate::common::{Mounted, Recognised};
 use crate::recipes::{Method, MethodError};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use trunnion_core::{InstrumentKind, Joint, Point, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_instruments::predict;
@@ -13,6 +13,8 @@ const STILL_MM: f64 = 0.05;
 const STILL_RAD: f64 = 1e-4;
 /// Sine of the angle by which a bar may leave its plane.
 const FLAT: f64 = 1e-3;
+/// Rows farther apart than so many usual steps do not follow a path; feeds of one circle do not differ by so much.
+const FARTHEST_STEPS: f64 = 10.0;
 /// The list has some twenty unknowns.
 const LEAST_READINGS: usize = 60;
 
@@ -31,14 +33,31 @@ pub(super) struct Trace {
     /// The bar's length is known.
     pub calibrated: bool,
     pub on_the_fly: bool,
+    /// Where the speed along the path is from.
+    pub speed: Speed,
+    /// The run with the readings of this trace alone.
+    pub run: Run,
     /// In the order they were read.
     pub samples: Vec<Sample>,
+}
+
+/// Where the speed along the path is from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Speed {
+    /// The run was read on the fly.
+    Run,
+    /// Times of rows that follow the path.
+    Times,
+    /// There are times, but the rows do not follow them along the path.
+    OutOfOrder,
+    /// No time, no feed.
+    Unknown,
 }
 
 impl Trace {
     /// Whether the run shows the speed along the path.
     pub fn knows_speed(&self) -> bool {
-        self.samples.iter().any(|sample| sample.speed_mm_per_s > 0.0)
+        matches!(self.speed, Speed::Run | Speed::Times)
     }
 }
 
@@ -69,14 +88,15 @@ pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Traces, Method
     let what = "no setup holds a circle of two linear axes";
     let next = "Run a cycle such as config/cycles/circle-xy.toml; rotary axes under a ball bar are for --method ball-bar.";
     Traces::of(method, runs, (what, next), |Mounted { name, run, setup, points }, others| {
-        let trace = circle(&run.machine, setup, points)?;
+        let trace = circle(run, setup, points)?;
         let taken = others.iter().any(|other| other.plane == trace.plane);
         let name = if taken { format!("{} {name}", trace.name) } else { trace.name };
         Ok(Trace { name, on_the_fly: run.kind == RunKind::OnTheFly, ..trace })
     })
 }
 
-fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, String> {
+fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> {
+    let machine = &run.machine;
     if setup.instrument != InstrumentKind::BallBar {
         return Err(format!("is read by a {}, not by a ball bar", setup.instrument.name()));
     }
@@ -147,15 +167,63 @@ fn circle(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, 
             speed_mm_per_s: state.velocity[a].hypot(state.velocity[b]),
         }
     });
+    let mut samples: Vec<Sample> = samples.collect();
+    let speed = match samples.iter().any(|sample| sample.speed_mm_per_s > 0.0) {
+        true => Speed::Run,
+        false => speed_by_times(points, &mut samples),
+    };
     let name = format!("{a}{b}");
     Ok(Trace {
+        speed,
+        run: Run { points: points.iter().map(|&point| point.clone()).collect(), ..run.clone() },
         name,
         plane: [a, b],
         radius_mm,
         calibrated: setup.calibrated,
         on_the_fly: true,
-        samples: samples.collect(),
+        samples,
     })
+}
+
+/// Speeds of readings whose rows follow the path in time: way over time to the neighbours of the same way. Rows of which one is not later than
+/// the one before, or that jump within a way, follow no path.
+fn speed_by_times(points: &[&Point], samples: &mut [Sample]) -> Speed {
+    let times: Vec<f64> = points.iter().filter_map(|point| point.state.time_s).collect();
+    if times.len() < points.len() {
+        return Speed::Unknown;
+    }
+    if times.windows(2).any(|pair| pair[1] <= pair[0]) {
+        return Speed::OutOfOrder;
+    }
+    let step_mm = |i: usize| {
+        let [from, to] = [i, i + 1].map(|k| Vector2::from(samples[k].position_mm));
+        (samples[i].way == samples[i + 1].way).then(|| (to - from).norm())
+    };
+    let steps_mm: Vec<Option<f64>> = (0..times.len() - 1).map(step_mm).collect();
+    let usual_mm = median(steps_mm.iter().flatten().copied());
+    // A row out of order is away from both its neighbours; between two circles of one way there is one jump.
+    let jumps = steps_mm.iter().flatten().filter(|step| **step > FARTHEST_STEPS * usual_mm).count();
+    if jumps > 1 {
+        return Speed::OutOfOrder;
+    }
+    let speed = |i: usize| Some(steps_mm.get(i).copied()?? / (times[i + 1] - times[i]));
+    let usual = median((0..steps_mm.len()).filter_map(speed));
+    let speeds: Vec<f64> = (0..samples.len())
+        .map(|i| {
+            let near: Vec<f64> = [i.checked_sub(1).and_then(speed), speed(i)].into_iter().flatten().collect();
+            if near.is_empty() { usual } else { near.iter().sum::<f64>() / near.len() as f64 }
+        })
+        .collect();
+    for (sample, speed_mm_per_s) in samples.iter_mut().zip(speeds) {
+        sample.speed_mm_per_s = speed_mm_per_s;
+    }
+    Speed::Times
+}
+
+fn median(of: impl Iterator<Item = f64>) -> f64 {
+    let mut of: Vec<f64> = of.collect();
+    of.sort_by(f64::total_cmp);
+    of.get(of.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Tool ball − table ball of the nominal machine, machine axes, mm.

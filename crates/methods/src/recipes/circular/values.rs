@@ -1,12 +1,14 @@
 //! What the circular method reports.
 
 use super::charts::charts;
+use super::confounded::{Other, Seen, Together};
 use super::fit::{Fitted, FittedError};
 use super::list::ListedKind;
 use super::planes::together;
-use super::trace::Traces;
-use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
+use super::trace::{Speed, Traces};
+use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind};
 use crate::recipes::{Convention, Method};
+use std::cmp::Ordering::Equal;
 use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::Run;
@@ -15,6 +17,8 @@ use trunnion_machine::Machine;
 
 /// What is left may be this much more than noise before it says that the list lacks something.
 const NOISE_AND_MORE: f64 = 1.5;
+/// Causes shown for one error of the list, those that may move it most; a page has no room for more.
+const SHOWN_CAUSES: usize = 3;
 
 pub(super) fn findings(
     method: &Method,
@@ -37,7 +41,7 @@ pub(super) fn findings(
     }));
     Findings {
         values,
-        tables: fits.iter().map(ranking).collect(),
+        tables: fits.iter().map(ranking).chain(fits.iter().filter_map(doubts)).collect(),
         charts: fits.iter().flat_map(charts).collect(),
         notes: notes(machine, traces, fits),
         ..method.findings(runs, Convention::RightHanded)
@@ -47,8 +51,10 @@ pub(super) fn findings(
 fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
     let plane = &fit.trace.name;
     let mut values = Vec::new();
+    let whole = if fit.iso.g_b_mm.is_some() { "G(b)" } else { "G(" };
     let mut iso = |name: &str, value: f64, note: &str| {
-        values.push(FoundValue::new(format!("{plane} {name}"), value, Unit::UM, None).note(note));
+        let kind = if name.starts_with(whole) { ValueKind::Summary } else { ValueKind::Error };
+        values.push(FoundValue::new(format!("{plane} {name}"), value, Unit::UM, None).note(note).kind(kind));
     };
     for (way, g_mm) in &fit.iso.g_mm {
         let (sign, words) = if *way < 0.0 { ("−", "clockwise") } else { ("+", "counter-clockwise") };
@@ -71,8 +77,9 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
     } else {
         "no more than the noise of the readings"
     };
+    let shown = strongest(fit).map_or(String::new(), |names| format!(", but {names} shows in it"));
     let note = format!(
-        "{:.1} % of the variance of the trace is left by the whole list, {:.2} µm rms of {:.2} µm; noise of the readings {:.2} µm; {verdict}",
+        "{:.1} % of the variance of the trace is left by the whole list, {:.2} µm rms of {:.2} µm; noise of the readings {:.2} µm; {verdict}{shown}",
         100.0 * share,
         um_from_mm(fit.left_rms_mm),
         um_from_mm(fit.centred_rms_mm),
@@ -90,9 +97,93 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
         let value = FoundValue::new(name, error.value, error.listed.unit, Some(error.u));
         let circularity_um = um_from_mm(error.circularity_mm);
         let doubt = if error.significant() { "" } else { "; below twice its uncertainty" };
+        let doubt = format!("{doubt}{}", confounded_with(fit, error));
         values.push(value.note(format!("makes {circularity_um:.2} µm; {}{doubt}", error.listed.about)));
     }
     values
+}
+
+/// The cause that stands out most of those that are not on the list, with those that leave the same and so are not separated from it.
+fn strongest(fit: &Fitted<'_>) -> Option<String> {
+    let in_u = |other: &Other| {
+        let seen = other.seen.as_ref().filter(|seen| seen.significant)?;
+        Some(seen.amount.abs() / seen.u.max(f64::MIN_POSITIVE))
+    };
+    let most = fit.others.iter().filter(|other| in_u(other).is_some());
+    let most = most.max_by(|a, b| in_u(a).partial_cmp(&in_u(b)).unwrap_or(Equal))?;
+    let alike = fit.others.iter().filter(|other| other.leaves_the_same_as(most));
+    let names: Vec<String> = alike.map(Other::words).collect();
+    Some(names.join(" or "))
+}
+
+/// What reads as this error and leaves nothing that shows it, as a remark.
+fn confounded_with(fit: &Fitted<'_>, error: &FittedError) -> String {
+    let mut names = Vec::new();
+    for other in fit.others.iter().filter(|other| other.seen.is_none()) {
+        // The error that takes up most of the cause.
+        let takes_mm = |error: &FittedError| {
+            let of_one = error.circularity_mm / error.value.abs().max(f64::MIN_POSITIVE);
+            error.columns.clone().map(|k| other.moves[k].abs()).fold(0.0, f64::max) * of_one
+        };
+        let most = fit.errors.iter().max_by(|a, b| takes_mm(a).total_cmp(&takes_mm(b)));
+        if most.is_some_and(|most| most.columns == error.columns) {
+            names.push(other.words());
+        }
+    }
+    let of_error = |group: &&Together| error.columns.clone().any(|k| group.moved[k]);
+    names.extend(
+        fit.together.iter().filter(of_error).map(|group| format!("{} together", group.names.join(", "))),
+    );
+    if names.is_empty() { String::new() } else { format!("; confounded with {}", names.join("; ")) }
+}
+
+/// What the readings bound of causes that read as errors of the list: those that may move an error by more than its u.
+fn doubts(fit: &Fitted<'_>) -> Option<FoundTable> {
+    let heads = [
+        "error",
+        "value",
+        "u",
+        "unit",
+        "other cause",
+        "its amount",
+        "its u",
+        "its unit",
+        "value with it",
+        "moved at most, circle",
+        "moved at most, whole travel",
+    ];
+    let mut rows = Vec::new();
+    for error in &fit.errors {
+        let most = |other: &Other| other.at_most(&error.columns);
+        let mut of_error: Vec<(&Other, &Seen, [f64; 2])> = fit
+            .others
+            .iter()
+            .filter_map(|other| Some((other, other.seen.as_ref()?, most(other)?)))
+            .filter(|(.., [within, far])| within.max(*far) > error.u)
+            .collect();
+        of_error.sort_by(|a, b| b.2[0].total_cmp(&a.2[0]));
+        let scale = error.listed.unit.per_inside;
+        for (other, seen, [within, far]) in of_error.into_iter().take(SHOWN_CAUSES) {
+            rows.push(vec![
+                Cell::Text(error.listed.name.clone()),
+                Cell::Number(error.value * scale),
+                Cell::Number(error.u * scale),
+                Cell::Text(error.listed.unit.text()),
+                Cell::Text(other.words()),
+                Cell::Number(seen.amount * other.unit.per_inside),
+                Cell::Number(seen.u * other.unit.per_inside),
+                Cell::Text(other.unit.text()),
+                Cell::Number((error.value - other.moved(&error.columns)) * scale),
+                Cell::Number(within * scale),
+                Cell::Number(far * scale),
+            ]);
+        }
+    }
+    (!rows.is_empty()).then(|| FoundTable {
+        caption: format!("What else may read as errors of the list in {}", fit.trace.name),
+        columns: heads.map(Column::plain).to_vec(),
+        rows,
+    })
 }
 
 impl FittedError {
@@ -163,6 +254,17 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
     ];
     for fit in fits {
         let plane = &fit.trace.name;
+        notes.push(format!(
+            "{plane}: values hold for the guides within the circle, ±{:.0} mm. A guide that is S-shaped leans differently over a longer travel. The table of what else may \
+             read as errors of the list says by how far an error may be moved (95 %): within the circle, and over the whole travel if the guide goes on as it does there.",
+            fit.trace.radius_mm
+        ));
+        if let Some(names) = strongest(fit) {
+            notes.push(format!(
+                "{plane}: what the list leaves looks like {names}, which is not on the list. The readings do not say which of both an error is; its u holds the \
+                 difference."
+            ));
+        }
         if fit.left_rms_mm > NOISE_AND_MORE * fit.noise_mm {
             notes.push(format!(
                 "{plane}: the list does not explain everything. See the chart of the residual: where it is large, and whether both ways agree. \
@@ -174,11 +276,21 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
                 "{plane} was read one way only: G(b), backlash, lateral play and servo mismatch are not observable, and a servo mismatch \
                  reads as squareness. Run it both ways."
             ));
-        } else if !fit.trace.knows_speed() {
-            notes.push(format!(
-                "{plane}: the run knows no speed (no time_s, no feed_mm_per_min). Servo mismatch is given as a distance at that speed; \
-                 this holds for one constant speed only, so do not trust backlash and spikes where the feed changed."
-            ));
+        }
+        let distance = "Servo mismatch is given as a distance at that speed; this holds for one constant speed only, so do not trust backlash and spikes \
+                        where the feed changed.";
+        match fit.trace.speed {
+            Speed::Run => {}
+            Speed::Times => notes.push(format!(
+                "{plane}: the speed is that of the rows by time_s. The run was imported as static: if the axes stopped for each reading, servo mismatch means \
+                 nothing; if they moved, import with --kind on-the-fly."
+            )),
+            Speed::OutOfOrder => notes.push(format!(
+                "{plane}: the run has time_s, but its rows do not follow the path in time, so it knows no speed. {distance} Sort the rows by time and import \
+                 with --kind on-the-fly."
+            )),
+            Speed::Unknown => notes
+                .push(format!("{plane}: the run knows no speed (no time_s, no feed_mm_per_min). {distance}")),
         }
         if !fit.trace.calibrated {
             notes.push(format!(

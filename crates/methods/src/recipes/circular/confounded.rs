@@ -1,0 +1,206 @@
+//! What else reads as an error of the list: causes of the catalogue whose columns the list takes up, wholly or in part.
+//!
+//! c the column of one unit of a cause at the readings of a trace, A the columns of the list with its centring, l what the list leaves:
+//!     m = A⁺ c  is how far one unit moves each error of the list;  r = c − A m  is what shows that the cause is there.
+//!     Amount next to the list: a = rᵀ l / rᵀ r; with the cause, an error of the list is x − a m.
+//! Wholly confounded: r = 0. Two causes with parallel r are not separated from each other, so both together may move an error and leave nothing.
+//! Significant: exp(−t²/2) < 5 %/N for t = |a|/u(a) and N causes (the two tails of a normal distribution are below exp(−t²/2); Bonferroni).
+//! An error of the list then is uncertain by a m, since the readings do not say which of both it is.
+//! A straightness belongs to a range, and so does the squareness next to it: over the circle for u, over the travel of the machine file for
+//! how far the squareness of the whole machine may be from that of the circle, if the guide goes on as it does there.
+//! Limits: causes of the two axes that move, one by one; causes with shape numbers (periods, time constants) and descriptions are not tried.
+
+use super::fit::widened;
+use super::list::ListedKind;
+use super::trace::Trace;
+use nalgebra::{DMatrix, DVector};
+use trunnion_core::Joint;
+use trunnion_effects::{Instance, Role, Subject, Unit};
+use trunnion_engine::Experiment;
+use trunnion_engine::solve::linear::least_squares;
+
+/// Chance that noise makes any of the causes significant.
+const BY_CHANCE: f64 = 0.05;
+/// Half of a 95 % interval in standard uncertainties [GUM G.6.6].
+const COVERAGE_95: f64 = 1.96;
+/// Share of a column that is rounding: below the tolerance of the fit of the list.
+const ROUNDING: f64 = 1e-6;
+
+/// A cause that is not on the list.
+pub(super) struct Other {
+    /// Its parameter, e.g. `EYX.P3`.
+    pub name: String,
+    /// The cause, e.g. `straightness:X`.
+    pub id: String,
+    pub unit: Unit,
+    /// m: of each column of the fit, for one unit.
+    pub moves: DVector<f64>,
+    /// What shows it; `None` when it is wholly confounded.
+    pub seen: Option<Seen>,
+}
+
+/// A cause that the residual shows in part.
+pub(super) struct Seen {
+    /// a and u(a), inside units.
+    pub amount: f64,
+    pub u: f64,
+    pub significant: bool,
+    /// How far it moves each column of the fit at most (95 %), where the same shape goes on over the whole travel.
+    pub most_over_travel: DVector<f64>,
+    /// r over its length.
+    along: DVector<f64>,
+    /// Its length for one unit.
+    length: f64,
+}
+
+/// Causes that together move an error and leave nothing that shows them.
+pub(super) struct Together {
+    pub names: Vec<String>,
+    /// Which columns of the fit they move.
+    pub moved: Vec<bool>,
+}
+
+impl Other {
+    /// By how far it moves a part of the fit, with its sign where that is one number; zero when it is not significant.
+    pub fn moved(&self, columns: &std::ops::Range<usize>) -> f64 {
+        let significant = self.seen.as_ref().filter(|seen| seen.significant);
+        significant.map_or(0.0, |seen| part(&self.moves, columns) * seen.amount)
+    }
+
+    /// By how far it may move a part of the fit (95 %), within the circle and over the whole travel; `None` when nothing bounds it.
+    pub fn at_most(&self, columns: &std::ops::Range<usize>) -> Option<[f64; 2]> {
+        let seen = self.seen.as_ref()?;
+        let within = part(&self.moves, columns).abs() * (seen.amount.abs() + COVERAGE_95 * seen.u);
+        Some([within, part(&seen.most_over_travel, columns).abs()])
+    }
+
+    /// True when both leave the same, so that the readings do not separate them.
+    pub fn leaves_the_same_as(&self, other: &Self) -> bool {
+        self.seen.as_ref().zip(other.seen.as_ref()).is_some_and(|(one, two)| one.leaves_the_same_as(two))
+    }
+
+    /// `EYX.P3 (straightness:X)`.
+    pub fn words(&self) -> String {
+        format!("{} ({})", self.name, self.id)
+    }
+}
+
+impl Seen {
+    fn leaves_the_same_as(&self, other: &Self) -> bool {
+        1.0 - self.along.dot(&other.along).abs() < ROUNDING
+    }
+}
+
+/// One number of several columns: the number itself, or their length.
+fn part(of: &DVector<f64>, columns: &std::ops::Range<usize>) -> f64 {
+    if columns.len() == 1 { of[columns.start] } else { of.rows_range(columns.clone()).norm() }
+}
+
+/// Every cause of the two axes in the catalogue that moves an error of the list `kinds`, whose columns with the centring are `design`.
+pub(super) fn others(
+    trace: &Trace,
+    kinds: &[ListedKind],
+    design: &DMatrix<f64>,
+    left: &DVector<f64>,
+) -> Vec<Other> {
+    let Ok(within) = Experiment::of_points(std::slice::from_ref(&trace.run)) else { return Vec::new() };
+    if within.rows() != left.len() {
+        return Vec::new();
+    }
+    let mut over_travel = within.clone();
+    for joint in Joint::LINEAR {
+        if let Some(axis) = trace.run.machine.axis(joint) {
+            over_travel.scene.position_range[joint] = axis.travel;
+        }
+    }
+    let machine = &trace.run.machine;
+    let is_tried = |cause: &Instance| {
+        matches!(cause.role(), Role::Cause { .. })
+            && matches!(cause.subject(), Subject::Axis(joint) if trace.plane.contains(&joint))
+            && cause.out_of_reach(&within.scene).is_none()
+            && cause.shapes(&within.scene).names.is_empty()
+    };
+    let mut found = Vec::new();
+    for cause in Instance::all(machine).into_iter().filter(is_tried) {
+        let parameters = cause.parameters(&within.scene);
+        let [columns, far] = [&within, &over_travel].map(|of| of.columns(&cause, &[]));
+        let id = cause.id();
+        let is_own = kinds.iter().any(|kind| kind.phenomenon() == id.split(':').next());
+        for (k, parameter) in parameters.into_iter().enumerate() {
+            let column = columns.column(k).into_owned();
+            let Some((moves, shown)) = split(design, &column) else { continue };
+            let seen = shown.map(|shown| {
+                let (amount, u) = amount(&shown, left);
+                let most_over_travel = match split(design, &far.column(k).into_owned()) {
+                    Some((moves, Some(shown))) => {
+                        let (amount, u) = self::amount(&shown, left);
+                        moves * (amount.abs() + COVERAGE_95 * u)
+                    }
+                    _ => &moves * (amount.abs() + COVERAGE_95 * u),
+                };
+                let length = shown.norm();
+                Seen { amount, u, significant: false, most_over_travel, along: shown / length, length }
+            });
+            if seen.is_some() || !is_own {
+                found.push(Other { name: parameter.name, id: id.clone(), unit: parameter.unit, moves, seen });
+            }
+        }
+    }
+    let count = found.iter().filter(|other| other.seen.is_some()).count() as f64;
+    for seen in found.iter_mut().filter_map(|other| other.seen.as_mut()) {
+        let t = seen.amount / seen.u.max(f64::MIN_POSITIVE);
+        seen.significant = (-0.5 * t * t).exp() < BY_CHANCE / count;
+    }
+    found
+}
+
+/// m and r of a column; r is `None` where it is rounding. `None` for one that the centring takes up, or that is nothing.
+fn split(design: &DMatrix<f64>, column: &DVector<f64>) -> Option<(DVector<f64>, Option<DVector<f64>>)> {
+    let centring = design.columns(0, super::fit::CENTRING).into_owned();
+    let beyond = column - &centring * least_squares(&centring, column, super::fit::TOLERANCE).x;
+    if beyond.norm() <= ROUNDING * column.norm() {
+        return None;
+    }
+    let moves = least_squares(design, column, super::fit::TOLERANCE).x;
+    let shown = column - design * &moves;
+    let is_rounding = shown.norm() <= ROUNDING * beyond.norm();
+    Some((moves, (!is_rounding).then_some(shown)))
+}
+
+/// a and u(a): u by what is left with the cause, widened by its correlation.
+fn amount(shown: &DVector<f64>, left: &DVector<f64>) -> (f64, f64) {
+    let square = shown.norm_squared();
+    let amount = shown.dot(left) / square;
+    let after = left - shown * amount;
+    let sigma = after.norm() / (after.len() as f64).sqrt();
+    (amount, widened(&after) * sigma / square.sqrt())
+}
+
+/// Causes with parallel r that together move an error of the list: by more than rounding of the part that shows each.
+pub(super) fn together(others: &[Other], design: &DMatrix<f64>) -> Vec<Together> {
+    let mut groups: Vec<Vec<(&Other, &Seen)>> = Vec::new();
+    for (other, seen) in others.iter().filter_map(|other| Some((other, other.seen.as_ref()?))) {
+        let parallel = |group: &&mut Vec<(&Other, &Seen)>| group[0].1.leaves_the_same_as(seen);
+        match groups.iter_mut().find(parallel) {
+            Some(group) => group.push((other, seen)),
+            None => groups.push(vec![(other, seen)]),
+        }
+    }
+    let of_group = |group: Vec<(&Other, &Seen)>| {
+        let (first, first_seen) = *group.first()?;
+        // What a unit of r needs of each cause, and by how far that moves the list: alike for all, or both together move it.
+        let per_length = |other: &Other, seen: &Seen| {
+            &other.moves * (first_seen.along.dot(&seen.along).signum() / seen.length)
+        };
+        let of_first = per_length(first, first_seen);
+        let apart: Vec<_> = group.iter().map(|(other, seen)| per_length(other, seen) - &of_first).collect();
+        let moved = design
+            .column_iter()
+            .enumerate()
+            .map(|(k, column)| apart.iter().any(|apart| apart[k].abs() * column.norm() > ROUNDING.sqrt()));
+        let moved: Vec<bool> = moved.collect();
+        let names = group.iter().map(|(other, _)| other.words()).collect();
+        (group.len() > 1 && moved.contains(&true)).then_some(Together { names, moved })
+    };
+    groups.into_iter().filter_map(of_group).collect()
+}
