@@ -8,6 +8,7 @@ pub mod compensation;
 pub mod devices;
 mod instruments;
 pub mod motion;
+pub mod pauses;
 pub mod physics;
 pub mod scenario;
 pub mod truth;

@@ -18,6 +18,13 @@ fn the_demo_finds_the_hidden_sag_and_replay_repeats_its_bytes() {
     let reported: Value = serde_json::from_str(&stdout).unwrap();
     let losses: Vec<&str> = reported["losses"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
     assert_eq!(code == Some(0), losses.is_empty(), "{losses:?}");
+    // The reason is said with the pause that was measured.
+    let why_lost = reported["why_lost"].as_str().unwrap();
+    assert_eq!(why_lost.is_empty(), losses.is_empty(), "{why_lost}");
+    assert!(
+        losses.is_empty() || (why_lost.starts_with("Data loss") && why_lost.contains(" ms")),
+        "{why_lost}"
+    );
     // While the ball is mounted again the probes are out of range, and before the program starts nothing is asked.
     assert!(losses.iter().all(|loss| !loss.contains("range") && !loss.contains("from -")), "{losses:?}");
     assert_eq!(reported["diagnosis"]["candidates"][0]["effect"], "gravity-sag:B", "{reported}");

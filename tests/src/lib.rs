@@ -9,7 +9,6 @@ pub mod in_turn;
 pub mod log;
 pub mod mosquitto;
 pub mod page_status;
-pub mod pauses;
 pub mod peer;
 pub mod schemes;
 pub mod section;
@@ -20,6 +19,7 @@ pub use section::workspace_root;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use trunnion_hil_sim::devices::orthogonal_nest;
+pub use trunnion_hil_sim::pauses;
 
 /// What the program logs is shown when a test fails.
 pub fn show_log() {

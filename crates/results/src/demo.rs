@@ -33,6 +33,9 @@ pub struct Demo {
     pub report: String,
     /// What was lost while recording.
     pub losses: Vec<String>,
+    /// Why it was lost, as far as a measured pause of the computer shows; empty when nothing was.
+    #[serde(default)]
+    pub why_lost: String,
 }
 
 /// Format and version of a demo.

@@ -239,7 +239,7 @@ async fn measure(
     clock: &dyn Clock,
 ) -> Option<(String, Unfinished)> {
     let cycle = &choice.plan.cycle.name;
-    let name = free_name(&config.recordings, cycle, clock.wall_ns());
+    let name = run_name(&config.recordings, cycle, clock.wall_ns());
     let about = json!({ "cycle": cycle, "program": start.program, "why": start.why });
     states.begin(CycleState::Measuring, &name, about);
     live.latest().set_mounted(Mounted::of(&choice.plan));
@@ -291,12 +291,16 @@ async fn finish_and_report(
     }
 }
 
-/// The name of a new run: two cycles may begin within a second.
-pub fn free_name(folder: &Path, cycle: &str, wall_ns: i64) -> String {
-    let name = format!("{cycle}-{}", file_stamp(wall_ns));
+/// The name of a new run of a cycle that begins now.
+pub fn run_name(folder: &Path, cycle: &str, wall_ns: i64) -> String {
+    free_name(folder, &format!("{cycle}-{}", file_stamp(wall_ns)))
+}
+
+/// A name that no recording has: two cycles may begin within a second, and nothing is overwritten.
+pub fn free_name(folder: &Path, name: &str) -> String {
     let is_free = |name: &String| {
         ["mcap", "mcap.active"].iter().all(|ending| !folder.join(format!("{name}.{ending}")).exists())
     };
     let numbered = (2..).map(|number| format!("{name}-{number}"));
-    std::iter::once(name.clone()).chain(numbered).find(is_free).unwrap_or(name)
+    std::iter::once(name.to_owned()).chain(numbered).find(is_free).unwrap_or_else(|| name.to_owned())
 }

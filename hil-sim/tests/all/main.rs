@@ -3,6 +3,4 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod devices;
-#[path = "../../../tests/src/pauses.rs"]
-mod pauses;
 mod physics;

@@ -3,6 +3,7 @@
 //! The simulator hides an effect and seals the truth; the program measures through its own drivers, identifies,
 //! doubts, names what is missing, adds it. Only when all is printed the seal is broken.
 
+mod losses;
 mod page;
 mod story;
 
@@ -25,6 +26,7 @@ use trunnion::{Model, page as pages};
 use trunnion_acquire::config::channels;
 use trunnion_core::{Clock, names};
 use trunnion_hil_sim::devices::{Later, SimulatedCell, World, cell};
+use trunnion_hil_sim::pauses::Pauses;
 use trunnion_hil_sim::physics::hidden;
 use trunnion_hil_sim::scenario::{Pace, Station};
 use trunnion_hil_sim::{HiddenChoice, SimSetup, Truth, VirtualMachine, scenario};
@@ -118,7 +120,10 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     };
     show(&format!("Static cycle: {} poses, two heights, both directions.\n", stations.len()))?;
     let world = scenario::static_cycle(virtual_machine.clone(), &static_cycle.name, &stations, PACE)?;
+    let pauses = Pauses::watch();
     let recorded = measure(args, &board, &static_cycle, STATIC_CYCLE, world, "static").await?;
+    let mut longest_pause = pauses.longest();
+    drop(pauses);
     show(&format!("Recorded {}\n\n", recorded.path.display()))?;
 
     let date = daemon::day(SystemClock::start().wall_ns());
@@ -139,7 +144,10 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         let sweep_cycle = Cycle::parse("demo-sweep-c.toml", SWEEP_CYCLE)?;
         show("\nOn-the-fly cycle: C turns both ways at two feeds.\n")?;
         let world = sweep_world(virtual_machine.clone(), &sweep_cycle)?;
+        let pauses = Pauses::watch();
         let swept = measure(args, &board, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c").await?;
+        longest_pause = longest_pause.max(pauses.longest());
+        drop(pauses);
         losses.extend(pages::losses(&swept.gaps, swept.lost_samples));
         let swept_runs = trunnion::open(&swept.path)?;
         // What a turning C cannot show is left out, not guessed.
@@ -155,8 +163,9 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         Some(fit)
     };
 
-    if !losses.is_empty() {
-        show(&format!("{}\n", too_slow(losses.len())))?;
+    let why_lost = losses::why(&losses, longest_pause);
+    if !why_lost.is_empty() {
+        show(&format!("{why_lost}\n"))?;
     }
     let report = args.output.join("report.html");
     let compared = analysed.compare()?.with_losses(&losses).with_time_quality(&timing);
@@ -180,21 +189,13 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
             on_the_fly,
             report: report.display().to_string(),
             losses: losses.clone(),
+            why_lost,
         })?;
     }
     if let Some(served) = served {
         served.until_interrupted().await?;
     }
     Ok(if losses.is_empty() { Outcome::Done } else { Outcome::DataLoss })
-}
-
-/// The simulated devices lose nothing by themselves.
-fn too_slow(losses: usize) -> String {
-    let gaps = if losses == 1 { "1 gap" } else { &format!("{losses} gaps") };
-    format!(
-        "Data loss: this computer was too slow to simulate the machine and to measure it at the same time ({gaps}, listed in the report); \
-         end other programs and run the demo again."
-    )
 }
 
 fn hidden_choices(args: &Args, machine: &trunnion::Machine) -> anyhow::Result<Vec<HiddenChoice>> {
@@ -269,7 +270,7 @@ async fn measure(
         .await
         .context("the simulated controller did not start its program within 20 s")?
         .context("the simulated devices went away")?;
-    let run_name = free_name(&args.output, name);
+    let run_name = daemon::free_name(&args.output, name);
     let mut bar = ProgressBar::new(args.json);
     let run = NewRun { plan: &plan, texts: &texts, folder: &args.output, name: &run_name };
     states.begin(CycleState::Measuring, &run_name, serde_json::json!({ "cycle": cycle.name }));
@@ -290,20 +291,6 @@ async fn measure(
     cell.shutdown().await;
     std::fs::remove_dir_all(&ports).with_context(|| format!("cannot remove {}", ports.display()))?;
     Ok(recorded?)
-}
-
-/// Recordings are never overwritten.
-fn free_name(folder: &Path, name: &str) -> String {
-    let taken = |name: &str| {
-        folder.join(format!("{name}.mcap")).exists() || folder.join(format!("{name}.mcap.active")).exists()
-    };
-    let mut free = name.to_string();
-    let mut number = 2;
-    while taken(&free) {
-        free = format!("{name}-{number}");
-        number += 1;
-    }
-    free
 }
 
 fn config_text(ports: &Path, agent: &str, recordings: &Path) -> String {

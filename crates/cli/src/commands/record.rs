@@ -65,7 +65,7 @@ async fn record(config: &Config, choice: &Choice, clock: Arc<dyn Clock>) -> anyh
         }
     });
     let bounds = CycleBounds::new(config.cycle_start.clone());
-    let name = daemon::free_name(&config.recordings, &plan.cycle.name, clock.wall_ns());
+    let name = daemon::run_name(&config.recordings, &plan.cycle.name, clock.wall_ns());
     let mut live = Live::start(config.devices.clone(), bounds, clock, cancel);
     live.latest().set_mounted(Mounted::of(plan));
     terminal::remark(&format!("waiting for {}", config.cycle_start.about()));

@@ -2,11 +2,11 @@
 
 use super::client::{bounded, open};
 use super::floor::cell;
-use crate::pauses::Pauses;
 use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio_serial::SerialStream;
 use trunnion_hil_sim::devices::{DeviceClock, Fault, InjectError, ScheduledFault, World};
+use trunnion_hil_sim::pauses::Pauses;
 use trunnion_protocol::optoncdt::command::OutputField;
 use trunnion_protocol::optoncdt::{
     Block, BlockLength, Command, Decoder, Event, Layout, Reply, SensorInfo, Unwrap, distance_mm,
