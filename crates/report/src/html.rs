@@ -136,5 +136,9 @@ fn losses(input: &Comparison) -> String {
         true => String::new(),
         false => format!("<p>The recording is not whole:</p>{}", listed(&input.losses)),
     };
-    format!("<section><h2>What is missing from the data</h2>\n{points}{gaps}</section>\n")
+    let left_out = match input.left_out.is_empty() {
+        true => String::new(),
+        false => format!("<p>This report lacks:</p>{}", listed(&input.left_out)),
+    };
+    format!("<section><h2>What is missing from the data</h2>\n{points}{gaps}{left_out}</section>\n")
 }

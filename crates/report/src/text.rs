@@ -144,6 +144,7 @@ pub fn compare_text(input: &Comparison) -> String {
     for loss in &input.losses {
         out += &format!("\nData loss: {}\n", clean(loss));
     }
+    out += &input.left_out.iter().map(|note| paragraph(note)).collect::<String>();
     out += &timing_text(&input.time_quality);
     out
 }

@@ -45,6 +45,9 @@ pub struct Comparison {
     pub correctable: Option<Correctable>,
     /// What is missing from the recordings, one sentence each.
     pub losses: Vec<String>,
+    /// Side notes that failed and were left out, one sentence each with the reason.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<String>,
     /// Measured and predicted readings.
     pub residuals: Residuals,
     /// The page that was written.

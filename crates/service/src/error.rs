@@ -42,20 +42,10 @@ pub enum ServiceError {
     Broken(&'static str),
 }
 
+pub(crate) use trunnion::chain;
+
 impl From<trunnion::Error> for ServiceError {
     fn from(failure: trunnion::Error) -> Self {
         Self::File(Box::new(failure))
     }
-}
-
-/// Every cause of an error in one line.
-pub(crate) fn chain(failure: &dyn std::error::Error) -> String {
-    let mut text = failure.to_string();
-    let mut cause = failure.source();
-    while let Some(next) = cause {
-        text.push_str(": ");
-        text.push_str(&next.to_string());
-        cause = next.source();
-    }
-    text
 }

@@ -1,5 +1,6 @@
 //! A whole analysis: identify, diagnose, add, and again until nothing is missing. The same for a live run, a replay and the demo.
 
+use crate::compared::left_out;
 use crate::{Compared, Diagnosed, Error, Experiment, Fit, Model, Step};
 use trunnion_results::Verdict;
 
@@ -8,6 +9,7 @@ pub struct Analysed {
     before: Fit,
     steps: Vec<Step>,
     diagnoses: Vec<Diagnosed>,
+    left_out: Vec<String>,
 }
 
 /// Most effects that an analysis adds by itself.
@@ -18,23 +20,31 @@ impl Experiment {
     /// ladder rows.
     ///
     /// # Errors
-    /// When a fit or a diagnosis fails.
+    /// When the fit of the model fails. A diagnosis that fails judges nothing and a step that fails is left out, with the reason.
     pub fn analyse(&self, model: &Model, date: &str) -> Result<Analysed, Error> {
         let before = self.fit(model)?;
         let (mut steps, mut diagnoses): (Vec<Step>, Vec<Diagnosed>) = Default::default();
         loop {
-            let diagnosed = Diagnosed::without_plan(steps.last().map_or(&before, Step::fit))?;
+            let diagnosed = Diagnosed::or_not_judged(steps.last().map_or(&before, Step::fit));
             let missing = diagnosed.results().verdict == Verdict::MissingEffect && steps.len() < MOST_STEPS;
-            let step = match diagnosed.best().filter(|_| missing) {
-                Some(effect) => Some(diagnosed.add(&effect)?.dated(date)?),
-                None => None,
+            let added = |effect: String| {
+                let step = diagnosed.add(&effect).and_then(|step| step.dated(date));
+                step.map_err(|error| left_out(&format!("A further step with {effect}"), &error))
+            };
+            let (step, failed) = match diagnosed.best().filter(|_| missing).map(added) {
+                Some(Ok(step)) => (Some(step), None),
+                Some(Err(failed)) => (None, Some(failed)),
+                None => (None, None),
             };
             // What is reported is planned for: the first diagnosis and the last.
             let reported = diagnoses.is_empty() || step.is_none();
             diagnoses.push(if reported { diagnosed.planned() } else { diagnosed });
             match step {
                 Some(step) => steps.push(step),
-                None => return Ok(Analysed { before, steps, diagnoses }),
+                None => {
+                    let left_out = failed.into_iter().collect();
+                    return Ok(Analysed { before, steps, diagnoses, left_out });
+                }
             }
         }
     }
@@ -71,16 +81,18 @@ impl Analysed {
         self.last().fit()
     }
 
+    /// Steps that failed and were left out, one sentence each.
+    pub fn left_out(&self) -> &[String] {
+        &self.left_out
+    }
+
     /// Ids of the effects that were added.
     pub fn added(&self) -> Vec<&str> {
         self.steps.iter().map(Step::effect).collect()
     }
 
     /// Where the final model fails.
-    ///
-    /// # Errors
-    /// As [`Diagnosed::compare`].
-    pub fn compare(&self) -> Result<Compared, Error> {
+    pub fn compare(&self) -> Compared {
         self.last().compare()
     }
 }

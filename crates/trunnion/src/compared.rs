@@ -1,6 +1,7 @@
 //! Where a model fails, and what one more effect would do: values, text and page.
 
 use crate::analysis::FormulaText;
+use crate::error::chain;
 use crate::{Diagnosed, Error, Fit, Step, page};
 use trunnion_effects::catalogue::BASE;
 use trunnion_engine::spectrum::spectra;
@@ -18,12 +19,9 @@ pub struct Trial {
 }
 
 impl Fit {
-    /// Where the model fails, with what is missing from it.
-    ///
-    /// # Errors
-    /// When the diagnosis fails.
-    pub fn compare(&self) -> Result<Compared, Error> {
-        self.diagnose()?.compare()
+    /// Where the model fails, with what is missing from it; where no diagnosis is possible, without a verdict and with the reason.
+    pub fn compare(&self) -> Compared {
+        Diagnosed::or_not_judged(self).planned().compare()
     }
 
     /// What one more effect would do; the model stays as it is. `text` is what a user says of the expression of a formula.
@@ -39,27 +37,26 @@ impl Fit {
 }
 
 impl Diagnosed {
-    /// Where the model fails.
-    ///
-    /// # Errors
-    /// When the fit behind the delays of a run on the fly fails.
-    pub fn compare(&self) -> Result<Compared, Error> {
+    /// Where the model fails. A side note that fails is left out with its reason and costs no report.
+    pub fn compare(&self) -> Compared {
         let (fit, diagnosis) = (self.fit(), self.results());
         let spectra = match diagnosis.verdict {
             results::Verdict::NotJudged => Vec::new(),
-            // A side note that fails costs no report.
             _ => spectra(&fit.problem()).iter().flatten().map(results::AxisSpectrum::from).collect(),
         };
+        let correctable = fit.correctable();
+        let left_out = correctable.as_ref().err().map(|error| left_out(CORRECTABLE, error));
         let answer = results::Comparison {
             spectra,
             losses: fit.experiment().losses().to_vec(),
             time_quality: fit.experiment().time_quality(),
             ladder: fit.model().ladder(),
-            correctable: Some(fit.correctable()?),
+            correctable: correctable.ok(),
+            left_out: left_out.into_iter().collect(),
             identification: fit.results(),
             ..results::Comparison::new(fit.experiment().points(), fit.identification(), Some(diagnosis))
         };
-        Ok(Compared { diagnosed: self.clone(), answer })
+        Compared { diagnosed: self.clone(), answer }
     }
 }
 
@@ -73,6 +70,13 @@ impl Compared {
                 self.answer.losses.push(loss.clone());
             }
         }
+        self
+    }
+
+    /// With what was left out on the way to it, one sentence each.
+    #[must_use]
+    pub fn with_left_out(mut self, left_out: &[String]) -> Self {
+        self.answer.left_out.extend_from_slice(left_out);
         self
     }
 
@@ -108,16 +112,26 @@ impl Compared {
         trunnion_report::compare_html(&self.answer, &page::label())
     }
 
-    /// The same with the best candidate put in for a trial.
-    ///
-    /// # Errors
-    /// When the fit with the best candidate fails.
-    pub fn with_best(mut self) -> Result<Self, Error> {
+    /// The same with the best candidate put in for a trial; left out with its reason where that fails.
+    #[must_use]
+    pub fn with_best(mut self) -> Self {
         if let Some(effect) = self.diagnosed.best() {
-            self.answer.trial = Some(Trial::of(&self.diagnosed.add(&effect)?)?.answer);
+            match self.diagnosed.add(&effect).and_then(|step| Trial::of(&step)) {
+                Ok(trial) => self.answer.trial = Some(trial.answer),
+                Err(error) => {
+                    self.answer.left_out.push(left_out(&format!("A trial of {effect}"), &error));
+                }
+            }
         }
-        Ok(self)
+        self
     }
+}
+
+/// What may be left out of a comparison.
+const CORRECTABLE: &str = "What could be entered into the control";
+
+pub(crate) fn left_out(what: &str, error: &Error) -> String {
+    format!("{what} is left out, because it failed: {}.", chain(error))
 }
 
 impl Trial {
@@ -142,5 +156,28 @@ impl Trial {
     /// The answer as a page of its own.
     pub fn page(&self) -> String {
         trunnion_report::trial_html(&self.answer, &page::label())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A diagnosis whose best candidate cannot be added: the model has it already.
+    #[test]
+    fn a_trial_that_fails_is_left_out_with_its_reason() {
+        let points = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-gravity/points.csv");
+        let run = crate::open(points).expect("committed points");
+        let base = run.fit(&run.base_model()).expect("they can be fitted");
+        let diagnosed = Diagnosed::without_plan(&base).expect("they can be judged");
+        let best = diagnosed.best().expect("they lack an effect");
+        let with_it = diagnosed.add(&best).expect("it can be added").fit().clone();
+        let compared = diagnosed.of_fit(with_it).compare().with_best();
+        assert!(compared.results().trial.is_none());
+        let [left_out] = &compared.results().left_out[..] else { panic!("one is left out") };
+        assert!(left_out.starts_with(&format!("A trial of {best} is left out")), "{left_out}");
+        for surface in [compared.page(), compared.summary()] {
+            assert!(surface.contains("is left out, because"), "{surface}");
+        }
     }
 }

@@ -52,11 +52,26 @@ impl Diagnosed {
         Ok(Self { fit: fit.clone(), diagnosis: Arc::new(diagnosis) })
     }
 
+    /// The same; where a diagnosis fails, nothing is judged and the reason is said.
+    pub(crate) fn or_not_judged(fit: &Fit) -> Self {
+        Self::without_plan(fit).unwrap_or_else(|error| {
+            let why = format!("The diagnosis failed: {}.", crate::error::chain(&error));
+            let diagnosis = Arc::new(Diagnosis::not_judged(&fit.problem(), why));
+            Self { fit: fit.clone(), diagnosis }
+        })
+    }
+
     /// With the cycle that separates what is confused.
     pub(crate) fn planned(self) -> Self {
         let mut diagnosis = self.diagnosis().clone();
         next_cycle::advise(&self.fit.problem(), &mut diagnosis, &next_cycle::Options::default());
         Self { fit: self.fit, diagnosis: Arc::new(diagnosis) }
+    }
+
+    /// The same diagnosis said of another fit.
+    #[cfg(test)]
+    pub(crate) fn of_fit(&self, fit: Fit) -> Self {
+        Self { fit, diagnosis: self.diagnosis.clone() }
     }
 
     /// The fit that was diagnosed.

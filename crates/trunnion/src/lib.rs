@@ -57,7 +57,7 @@ pub use analysis::{AnalysisError, FormulaText};
 pub use compared::{Compared, Trial};
 pub use correction::Corrected;
 pub use diagnosed::Diagnosed;
-pub use error::Error;
+pub use error::{Error, chain};
 pub use experiment::{Experiment, open, open_all, open_with, read, read_points};
 pub use filing::Filing;
 pub use fit::Fit;

@@ -72,9 +72,9 @@ fn frozen(args: &Args, answer: Comparison) -> anyhow::Result<()> {
 }
 
 fn compare(args: &Args, fit: &Fit) -> anyhow::Result<()> {
-    let compared = fit.compare()?;
+    let compared = fit.compare();
     // A page shows the best candidate at work.
-    let compared = if args.html.is_some() { compared.with_best()? } else { compared };
+    let compared = if args.html.is_some() { compared.with_best() } else { compared };
     if let Some(path) = &args.html {
         output::write(path, &compared.page())?;
     }

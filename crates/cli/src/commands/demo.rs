@@ -168,7 +168,7 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         show(&format!("{why_lost}\n"))?;
     }
     let report = args.output.join("report.html");
-    let compared = analysed.compare()?.with_losses(&losses).with_time_quality(&timing);
+    let compared = analysed.compare().with_losses(&losses).with_time_quality(&timing);
     output::write(&report, &compared.page())?;
     let model_path = args.output.join("model.toml");
     analysed.fit().model().save(&model_path)?;

@@ -102,7 +102,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         tolerance_um: args.tolerance_um,
         written: today()?,
     };
-    let compared = experiment.fit(&args.model.model(&experiment)?)?.compare()?.with_best()?;
+    let compared = experiment.fit(&args.model.model(&experiment)?)?.compare().with_best();
     let mut report = compared.report(&args.runs.runs, &filing)?;
     let page = args.output.clone().unwrap_or_else(|| args.runs.runs[0].with_extension("report.html"));
     output::write(&page, &report_html(&report, args.language))?;

@@ -15,6 +15,7 @@ pub fn in_short(input: &Comparison) -> Vec<String> {
         said.extend(sentences::complete(&fit.complete));
     }
     said.extend(input.losses.iter().map(|loss| format!("Data loss: {loss}")));
+    said.extend(input.left_out.iter().cloned());
     let without: Vec<_> = fit.parameters.iter().filter(|p| !p.observable && !is_setting(&p.effect)).collect();
     let locations: Vec<&str> =
         without.iter().map(|p| p.name.as_str()).filter(|name| is_location(name)).collect();

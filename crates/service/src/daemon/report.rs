@@ -65,9 +65,9 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
     let experiment = opened(&files).map_err(failed)?;
     let model = model.map_or_else(|| experiment.base_model(), Model::clone);
     let analysed = experiment.analyse(&model, date).map_err(failed)?;
-    let compared = analysed.first().compare().map_err(failed)?.with_losses(&state.losses);
+    let compared = analysed.first().compare().with_losses(&state.losses).with_left_out(analysed.left_out());
     kept_story::write(recording, &files, &compared)?;
-    let compared = compared.with_best().map_err(failed)?;
+    let compared = compared.with_best();
     let answers = [
         ("html", compared.page()),
         ("identification.json", to_json(&analysed.before().results())?),

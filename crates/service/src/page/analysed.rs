@@ -73,7 +73,7 @@ impl AnalysedRuns {
             Some(path) => Model::load(path)?,
             None => experiment.base_model(),
         };
-        let compared = experiment.fit(&model)?.compare()?.with_losses(&state.losses);
+        let compared = experiment.fit(&model)?.compare().with_losses(&state.losses);
         let found = found(&compared);
         self.open.push_back(Open { recording: recording.clone(), compared, found, stamps });
         Ok(&self.open[self.open.len() - 1])

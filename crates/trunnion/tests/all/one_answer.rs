@@ -177,7 +177,7 @@ fn check(fit: &Fit, what: &str) -> Diagnosed {
     let same = |other: &Figures, who: &str| figures.assert_same(other, &format!("{what}, {who}"));
     let diagnosed = fit.diagnose().unwrap();
     same(&Figures::of_residual(&diagnosed.results(), &figures), "residual of the diagnosis");
-    let compared = diagnosed.compare().unwrap();
+    let compared = diagnosed.compare();
     same(&Figures::of_fit(&compared.results().identification), "comparison");
     same(&Figures::of_fit(&in_json(&answer, "")), "JSON of the fit");
     same(&Figures::of_fit(&in_json(&compared.results(), "/identification")), "JSON of the comparison");

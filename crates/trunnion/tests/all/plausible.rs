@@ -163,7 +163,7 @@ fn what_is_not_plausible_is_not_judged_and_says_why_on_every_surface() {
     let answer = diagnosed.results();
     assert_eq!((answer.verdict, answer.candidates.len()), (Verdict::NotJudged, 0));
     assert_eq!(diagnosed.best(), None);
-    let page = fit.compare().unwrap().page();
+    let page = fit.compare().page();
     for surface in [answer.why.as_str(), &diagnosed.summary(), &fit.summary(), &page] {
         let words = surface.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains("the sense of C reversed"), "{surface}");

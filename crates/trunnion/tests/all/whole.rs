@@ -77,7 +77,7 @@ fn ten_of_72_poses_are_not_judged_and_every_surface_says_why() {
     let missing = vec![of_setup("low", 62, "11 to 72"), of_setup("high", 72, "73 to 144")];
     assert_eq!(check.complete, Complete { planned: Some(144), read: 10, missing, ..Complete::default() });
     assert_eq!(answer.complete.missing, fit.results().complete.missing);
-    let page = diagnosed.compare().unwrap().page();
+    let page = diagnosed.compare().page();
     for (surface, words) in [
         (fit.summary(), "62 of 72 points are missing"),
         (page.clone(), "62 of 72 points are missing"),
