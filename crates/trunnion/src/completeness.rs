@@ -7,9 +7,11 @@
 //! The states are the nominal ones: what the controller recorded scatters about them and would show directions that the cycle
 //! does not. Runs without a cycle (imports) plan what they hold.
 
+mod passes;
+
 use nalgebra::DMatrix;
-use std::collections::HashMap;
-use trunnion_core::{Joint, Point, Quality, State};
+use passes::Passes;
+use trunnion_core::{Point, Quality, State};
 use trunnion_cycles::cycle::Motion;
 use trunnion_cycles::{Cycle, Pace, Run};
 use trunnion_effects::Model;
@@ -27,8 +29,6 @@ const MOST_STATES: usize = 600;
 const DETERMINED: f64 = 1e-9;
 /// More stretches of missing points than this are not listed.
 const MOST_RANGES: usize = 8;
-/// A sweep belongs to a feed of the cycle within this part of it, as in `trunnion_sync::SweepRules`.
-const FEED_TOLERANCE: f64 = 0.05;
 
 /// What became of a planned point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,25 +47,6 @@ pub struct Planned {
     passes: Option<Passes>,
 }
 
-/// Planned angles of one setup at one feed, in order.
-type Angles = Vec<Place>;
-
-/// A planned angle: the states of its rounds, and how often the axis came by.
-struct Place {
-    angle: f64,
-    rounds: Vec<usize>,
-    visits: usize,
-}
-
-/// Planned states of a run on the fly by setup and feed.
-struct Passes {
-    axis: Joint,
-    feeds: Vec<f64>,
-    angles: HashMap<(usize, usize), Angles>,
-    /// Where the last sample belonged: (setup, feed, angle).
-    at: Option<(usize, usize, usize)>,
-}
-
 impl Planned {
     /// From the cycle in a recording; `None` when it holds none that this machine can run.
     pub(crate) fn of(header: &RunHeader, machine: &Machine) -> Option<Self> {
@@ -81,13 +62,11 @@ impl Planned {
                 };
                 cycle.poses(machine)?.into_iter().map(state).collect()
             }
-            Motion::OnTheFly { .. } => cycle.visits(machine, &Pace::default()).ok()?.states,
-            Motion::Path { .. } => return None,
+            Motion::OnTheFly { .. } | Motion::Path { .. } => {
+                cycle.visits(machine, &Pace::default()).ok()?.states
+            }
         };
-        let passes = match &cycle.motion {
-            Motion::OnTheFly { axis, .. } => Some(Passes::of(*axis, &states)),
-            _ => None,
-        };
+        let passes = Passes::of(&cycle, machine, &states);
         Some(Self { cycle, fates: vec![Fate::Missing; states.len()], states, passes })
     }
 
@@ -125,53 +104,6 @@ impl Planned {
         };
         let names: Vec<String> = self.cycle.setups.iter().map(|setup| setup.name.clone()).collect();
         names.iter().enumerate().filter_map(of_setup).collect()
-    }
-}
-
-impl Passes {
-    fn of(axis: Joint, states: &[State]) -> Self {
-        let mut feeds: Vec<f64> = Vec::new();
-        let mut angles: HashMap<(usize, usize), Angles> = HashMap::new();
-        for (k, state) in states.iter().enumerate() {
-            let (feed, angle) = (state.velocity[axis], state.position[axis]);
-            let is_same = |known: &f64| (known - feed).abs() <= 1e-9 * feed.abs();
-            let index = feeds.iter().position(is_same).unwrap_or_else(|| {
-                feeds.push(feed);
-                feeds.len() - 1
-            });
-            let list = angles.entry((state.setup, index)).or_default();
-            match list.iter_mut().find(|place| (place.angle - angle).abs() < 1e-9) {
-                Some(place) => place.rounds.push(k),
-                None => list.push(Place { angle, rounds: vec![k], visits: 0 }),
-            }
-        }
-        angles.values_mut().for_each(|list| list.sort_by(|a, b| a.angle.total_cmp(&b.angle)));
-        Self { axis, feeds, angles, at: None }
-    }
-
-    /// The planned states of a sample: the nearest, and its neighbours, because at the ends of a pass the axis still speeds up. A
-    /// round ends when its angle is left.
-    fn find(&mut self, point: &Point) -> Vec<usize> {
-        let (velocity, angle) = (point.state.velocity[self.axis], point.state.position[self.axis]);
-        let is_at = |feed: &f64| (velocity - feed).abs() <= FEED_TOLERANCE * feed.abs();
-        let Some(feed) = self.feeds.iter().position(is_at) else { return Vec::new() };
-        let Some(list) = self.angles.get_mut(&(point.state.setup, feed)) else { return Vec::new() };
-        let above = list.partition_point(|place| place.angle < angle);
-        let distance = |k: &usize| (list[*k].angle - angle).abs();
-        let around = [above.checked_sub(1), Some(above).filter(|k| *k < list.len())];
-        let nearest = around.into_iter().flatten().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let Some(nearest) = nearest else { return Vec::new() };
-        let here = (point.state.setup, feed, nearest);
-        if self.at.replace(here) == Some(here) {
-            return Vec::new();
-        }
-        let round = list[nearest].visits;
-        list[nearest].visits += 1;
-        let last = (nearest + 1).min(list.len() - 1);
-        list[nearest.saturating_sub(1)..=last]
-            .iter()
-            .filter_map(|place| place.rounds.get(round).copied())
-            .collect()
     }
 }
 

@@ -7,6 +7,8 @@ use trunnion_core::{Point, Quality, State};
 use trunnion_machine::shipped;
 
 const STATIC: &str = include_str!("../../../../config/cycles/demo-static.toml");
+const CIRCLE: &str = include_str!("../../../../config/cycles/circle-xy.toml");
+const CONE: &str = include_str!("../../../../config/cycles/bk4-cone.toml");
 const SWEEP: &str = include_str!("../../../../config/cycles/demo-sweep-c.toml");
 
 /// Three positions of B, twelve of C, both ways: 72 poses of two setups each.
@@ -138,6 +140,46 @@ fn parts_of_one_cycle_are_judged_together() {
     assert_eq!(check(&[&first.path]).plausibility.len(), 1);
     let both = check(&[&first.path, &second.path]);
     assert_eq!((both.plausibility.len(), both.complete.read, both.complete.planned), (0, 144, Some(288)));
+}
+
+#[test]
+fn a_circle_and_a_cone_are_planned_along_their_curve_and_half_of_one_is_not_judged() {
+    let turns = CIRCLE.replace("from_deg = 0\nto_deg = 360", "from_deg = -180\nto_deg = 540");
+    assert_ne!(turns, CIRCLE);
+    for (text, halves) in [(CIRCLE, 4), (&turns[..], 8), (CONE, 4)] {
+        let whole = Recorded::new(text, |_, _| Some(Quality::Good));
+        let check = trunnion::open(&whole.path).unwrap().check();
+        let planned = check.complete.planned.unwrap();
+        assert_eq!((check.complete.read, check.complete.missing.len()), (planned, 0), "{text}");
+        assert_eq!(check.plausibility, [], "{text}");
+
+        // Both directions of one half: the same way twice, and still only half of it.
+        let part = planned / halves;
+        let half = Recorded::new(text, |k, _| (k < part).then_some(Quality::Good));
+        let experiment = trunnion::open(&half.path).unwrap();
+        let check = experiment.check();
+        // The last place of the part has a neighbour.
+        assert!(check.complete.read.abs_diff(part) <= 2, "{} of {part}: {text}", check.complete.read);
+        assert_eq!(check.complete.missing_count(), planned - check.complete.read, "{text}");
+        let [doubt] = &check.plausibility[..] else { panic!("one doubt: {:?}", check.plausibility) };
+        assert_eq!(doubt.question, Question::Whole);
+        assert!(doubt.hypothesis.contains("Repeat the cycle"), "{}", doubt.hypothesis);
+        let compared = experiment.fit(&experiment.base_model()).unwrap().compare();
+        assert_eq!(compared.diagnosed().results().verdict, Verdict::NotJudged);
+        assert!(!compared.page().contains("Nothing is missing"), "{text}");
+    }
+}
+
+#[test]
+fn the_directions_of_a_circle_are_planned_each() {
+    let one_way = Recorded::new(CIRCLE, |_, state| {
+        let turns = state.position[trunnion_core::Joint::X] * state.velocity[trunnion_core::Joint::Y]
+            - state.position[trunnion_core::Joint::Y] * state.velocity[trunnion_core::Joint::X];
+        (turns > 0.0).then_some(Quality::Good)
+    });
+    let check = trunnion::open(&one_way.path).unwrap().check();
+    let planned = check.complete.planned.unwrap();
+    assert_eq!((check.complete.read, check.complete.missing_count()), (planned / 2, planned / 2));
 }
 
 #[test]
