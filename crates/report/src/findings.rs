@@ -2,7 +2,7 @@
 
 use crate::number::{MISSING, plain, signed, unit_on_screen, value_and_u};
 use std::cmp::Ordering::Equal;
-use trunnion_results::sentences::{at_tool_um, error_in_words};
+use trunnion_results::sentences::{at_tool_um, error_in_words, not_plausible};
 use trunnion_results::{Cell, Column, Findings, FoundValue, Table, ValueKind};
 
 /// Heads of the table of values.
@@ -43,8 +43,14 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
         None if shown.is_empty() => "These runs show none of the values of this method".into(),
         None => format!("{} values, without an uncertainty", shown.len()),
     };
-    let mut sentences: Vec<String> =
-        shown.iter().filter(|found| found.kind == ValueKind::Summary).map(|found| summary(found)).collect();
+    let mut sentences = Vec::new();
+    if !findings.plausibility.is_empty() {
+        let doubt = "These numbers are not to be relied on, because the runs are not plausible or not whole.";
+        sentences.extend([doubt.into(), not_plausible(&findings.plausibility)]);
+    }
+    sentences.extend(
+        shown.iter().filter(|found| found.kind == ValueKind::Summary).map(|found| summary(found)),
+    );
     sentences.push(format!("{first}."));
     if with_u > 0 {
         let count = clear.len();

@@ -1,6 +1,7 @@
 //! What a named method of the literature, or an attribution, found: values, tables and charts.
 
 use crate::number::finite;
+use crate::plausibility::Plausibility;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_effects::Unit;
@@ -22,6 +23,9 @@ pub struct Findings {
     pub machine: String,
     /// Names of the runs used.
     pub runs: Vec<String>,
+    /// Why these runs cannot be judged; empty for good ones.
+    #[serde(default)]
+    pub plausibility: Vec<Plausibility>,
     /// What was found, most important first.
     pub values: Vec<FoundValue>,
     /// Further numbers.
@@ -233,6 +237,7 @@ impl From<&found::Findings> for Findings {
             convention: findings.convention.name().into(),
             machine: findings.machine.clone(),
             runs: findings.runs.clone(),
+            plausibility: Vec::new(),
             values: findings.values.iter().map(value).collect(),
             tables: findings.tables.iter().map(table).collect(),
             charts: findings.charts.iter().map(chart).collect(),

@@ -1,6 +1,6 @@
 //! Named methods, attribution, volumetric accuracy, axis errors and notations of opened runs.
 
-use crate::{Error, Experiment, Fit, files};
+use crate::{Error, Experiment, Fit, files, open};
 use std::path::Path;
 use trunnion_core::{Joint, names};
 use trunnion_cycles::Cycle;
@@ -53,7 +53,8 @@ impl Experiment {
     /// No method of this name; runs that lack what it needs.
     pub fn by_method(&self, name: &str, options: &MethodOptions) -> Result<results::Findings, Error> {
         let method = recipes::find(name)?;
-        Ok((&(method.run)(self.runs(), options)?).into())
+        let found = (method.run)(self.runs(), options)?;
+        Ok(results::Findings { plausibility: self.plausibility(), ..(&found).into() })
     }
 
     /// Every named method, with what the runs lack for it.
@@ -177,8 +178,10 @@ pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attribute
         cycle: cycle.as_ref(),
         knot_s,
     })?;
+    // Samples of the axes alone can be attributed too: without points there is nothing that could be doubted.
+    let plausibility = open(path).map_or_else(|_| Vec::new(), |experiment| experiment.plausibility());
     Ok(Attributed {
-        findings: (&attribution.to_findings()).into(),
+        findings: results::Findings { plausibility, ..(&attribution.to_findings()).into() },
         damage: recording.damage.as_ref().map(ToString::to_string),
     })
 }

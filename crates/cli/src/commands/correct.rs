@@ -137,7 +137,8 @@ fn self_test(corrected: &Corrected, path: &Path) -> anyhow::Result<SelfTest> {
 }
 
 fn judge(args: &Args, corrected: &Corrected) -> anyhow::Result<Outcome> {
-    let Loaded { experiment, outcome } = load::runs(&RunArgs::of(args.judge.clone()))?;
+    let loaded = load::runs(&RunArgs::of(args.judge.clone()))?;
+    let (outcome, experiment) = (loaded.stated_judgement(), loaded.experiment);
     let answer = corrected.judge(&experiment)?;
     if args.json {
         terminal::print_json(&answer)?;

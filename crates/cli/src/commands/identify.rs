@@ -2,7 +2,7 @@
 //! literature.
 
 use super::add::today;
-use crate::load::{Loaded, ModelArgs, RunArgs};
+use crate::load::{ModelArgs, RunArgs};
 use crate::one_of::one_of;
 use crate::outcome::Outcome;
 use crate::{load, output, terminal};
@@ -105,7 +105,8 @@ fn jointly(args: &Args) -> anyhow::Result<Outcome> {
 
 fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
     method(name)?;
-    let Loaded { experiment, outcome } = load::runs_for_method(&args.runs)?;
+    let loaded = load::runs_for_method(&args.runs)?;
+    let (outcome, experiment) = (loaded.judgement(), loaded.experiment);
     let axis = args.axis.as_deref().map(|name| experiment.rotary_joint(name)).transpose()?;
     let options = MethodOptions { axis, convention: args.convention, magnification: args.magnification };
     let mut findings = experiment.by_method(name, &options)?;

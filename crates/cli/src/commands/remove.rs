@@ -1,7 +1,7 @@
 //! `trunnion remove`: take an effect out of the model, and measure the later rows of the ladder again.
 
 use crate::commands::add::today;
-use crate::load::{Loaded, RunArgs};
+use crate::load::RunArgs;
 use crate::outcome::Outcome;
 use crate::{load, terminal};
 use std::path::PathBuf;
@@ -31,7 +31,8 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let model = Model::load(&args.model)?;
-    let Loaded { experiment, outcome } = load::runs(&args.runs)?;
+    let loaded = load::runs(&args.runs)?;
+    let (outcome, experiment) = (loaded.judgement(), loaded.experiment);
     let without = experiment.fit(&model)?.remove(&args.effect, &today()?, args.by.as_deref())?;
     without.model().save(&args.model)?;
     if args.json {
