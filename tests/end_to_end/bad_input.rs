@@ -99,6 +99,88 @@ fn a_broken_configuration_machine_and_model_are_refused_with_their_lines() {
 }
 
 #[test]
+fn a_named_method_of_runs_that_are_doubted_says_so_and_exits_with_3() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    // A probe that sticks.
+    let points = std::fs::read_to_string(data("points.csv")).unwrap();
+    let column = points.lines().next().unwrap().split(',').position(|name| name == "dy_um").unwrap();
+    let stuck = points.lines().enumerate().map(|(i, line)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if i > 200 {
+            cells[column] = "5.00".into();
+        }
+        cells.join(",") + "\n"
+    });
+    std::fs::write(path("points.csv"), stuck.collect::<String>()).unwrap();
+    std::fs::copy(data("setup.toml"), path("setup.toml")).unwrap();
+    assert!(trunnion(&["import", &path("points.csv"), "-o", &path("run.mcap")]).status.success());
+    let method = ["identify", &path("run.mcap"), "--method", "error-map", "--html", &path("page.html")];
+    let output = trunnion(&method);
+    let page = std::fs::read_to_string(path("page.html")).unwrap();
+    for text in [String::from_utf8(output.stdout).unwrap(), page] {
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains("not to be relied on") && words.contains("probe dy reads the same"), "{text}");
+    }
+    assert_eq!(output.status.code(), Some(3));
+    let output = trunnion(&[&method[..4], &["--json"]].concat());
+    assert_eq!(output.status.code(), Some(3));
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["plausibility"].as_array().unwrap().len(), 1, "{answer}");
+}
+
+#[test]
+fn what_a_configuration_names_is_touched_and_what_is_absent_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    std::fs::write(path("c.toml"), include_str!("../../config/cycles/r-test-static.toml")).unwrap();
+    let broker = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = broker.local_addr().unwrap().port();
+    let controller = super::shop::agent(&format!("http://127.0.0.1:{port}/"));
+    let tables =
+        format!("[mqtt]\nhost = \"127.0.0.1\"\nport = {port}\nuser = \"cell\"\npassword_file = \"mqtt\"\n");
+    let ports = folder.path().join("ports");
+    let good = super::shop::config(&ports, "runs", &controller, &tables);
+    let check = |text: &str| {
+        std::fs::write(path("trunnion.toml"), text).unwrap();
+        let output = trunnion(&["check-config", &path("trunnion.toml")]);
+        let said = [output.stdout, output.stderr].map(|said| String::from_utf8(said).unwrap()).join("\n");
+        (output.status.code(), said.split_whitespace().collect::<Vec<_>>().join(" "))
+    };
+
+    // The password file is not there: a failure.
+    let (code, said) = check(&good);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("[mqtt]: the password file") && said.contains("chmod 640"), "{said}");
+
+    // Ports that are not plugged in are a state; controller and broker answer.
+    std::fs::write(path("mqtt"), "secret\n").unwrap();
+    let (code, said) = check(&good);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(said.matches("is not there now: No such file").count(), 3, "{said}");
+    assert!(
+        said.contains("3 things are not there now") && said.contains("the service waits for it"),
+        "{said}"
+    );
+    assert!(!said.contains("the broker") && !said.contains("device cnc"), "{said}");
+    assert!(!folder.path().join("runs").exists(), "nothing is made");
+
+    // Controller and broker are off: states too.
+    drop(broker);
+    let (code, said) = check(&good);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(
+        said.contains("the broker of [mqtt] at 127.0.0.1") && said.contains("device cnc (mtconnect)"),
+        "{said}"
+    );
+
+    // Nobody can write there.
+    let (code, said) = check(&good.replacen("recordings = \"runs\"", "recordings = \"/proc/nowhere\"", 1));
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("recordings = \"/proc/nowhere\" cannot be made"), "{said}");
+}
+
+#[test]
 fn a_truncated_recording_is_read_as_far_as_it_goes_and_exits_with_3() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run.mcap");

@@ -1,15 +1,22 @@
-//! `trunnion check-config`: every problem of the configuration and the files it names, before anything runs.
+//! `trunnion check-config`: every problem of the configuration and of what it names, before anything runs.
+
+mod reach;
 
 use crate::commands::daemon::prepare;
 use crate::outcome::Outcome;
 use crate::terminal;
-use anyhow::Context;
+use anyhow::{Context, bail};
+use reach::{Reached, reach};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use trunnion_core::secret::holds_secret;
 use trunnion_service::page::Access;
 
-/// Check a configuration and the files it names
+/// Check a configuration and what it names
+///
+/// Files are read, the folder of the recordings and the password files are tried, and ports, controllers and the broker are looked
+/// for, 3 s at most. A folder that cannot be written or a password file that cannot be read is a failure (exit code 1). A port,
+/// controller or broker that is not there is a state: it is said, the service waits for it, and the exit code stays 0.
 ///
 /// Example: trunnion check-config config/trunnion.toml
 #[derive(clap::Args)]
@@ -28,13 +35,23 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(lan) = prepared.config.page.as_ref().and_then(|page| page.lan.as_ref()) {
         Access::of_lan(lan).context("[page] cannot let other computers in")?;
     }
+    let Reached { failures, absent } = reach(&prepared.config);
+    absent.iter().for_each(|absent| terminal::remark(absent));
+    if !failures.is_empty() {
+        bail!("{}: {}", args.config.display(), failures.join("\n"));
+    }
     let cycles: Vec<&str> = prepared.cycles.names().collect();
     let several = if cycles.len() == 1 { "cycle" } else { "cycles" };
     let machine = prepared.cycles.machine();
     terminal::print(&format!(
-        "{}: good; machine {machine}, {several} {}, {devices} devices\n",
+        "{}: good; machine {machine}, {several} {}, {devices} devices{}\n",
         args.config.display(),
-        cycles.join(", ")
+        cycles.join(", "),
+        match absent.len() {
+            0 => String::new(),
+            1 => "; one thing is not there now".into(),
+            count => format!("; {count} things are not there now"),
+        }
     ))?;
     Ok(Outcome::Done)
 }
