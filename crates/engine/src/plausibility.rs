@@ -4,8 +4,10 @@
 //! tried as a named mistake: with the mistake undone everything must fit. The rules look only for gross mistakes; what a
 //! machine itself can do is never one.
 
+mod channels;
 mod found;
 mod order;
+mod places;
 mod positions;
 mod readings;
 
@@ -16,7 +18,9 @@ use trunnion_cycles::Run;
 /// Everything about these runs that is not plausible, the gravest first; empty for good runs.
 pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let positions = positions::implausible(runs);
-    // Readings say nothing of their own where they are attached to wrong positions.
-    let readings = if positions.is_empty() { readings::implausible(runs) } else { Vec::new() };
-    [positions, readings, order::implausible(runs)].concat()
+    let channels = channels::implausible(runs);
+    // Readings say nothing of their own where they are attached to wrong positions, or where a probe is dead.
+    let belong = positions.is_empty() && channels.is_empty();
+    let readings = if belong { readings::implausible(runs) } else { Vec::new() };
+    [positions, channels, readings, order::implausible(runs)].concat()
 }

@@ -6,12 +6,18 @@ use trunnion_cycles::{Run, RunKind};
 
 /// No cycle lasts longer; the longest of docs/use are thermal runs of a night, s.
 const LONGEST_S: f64 = 3.0 * 86_400.0;
-/// So many equal steps in a row are a pass, not a random order.
+/// So many equal steps in a row are a pass: in a random order of twelve positions two steps are equal with a chance below 1/12, and four
+/// in a row with one below 1/1000.
 const STREAK: usize = 4;
-/// Share of the steps that must go against the stated direction.
-const AGAINST: f64 = 0.2;
-/// Steps of an axis below which nothing is said of its direction.
-const FEWEST_STEPS: usize = 8;
+/// Share of the steps that must go against the stated direction: in a cycle of one direction each pass, of [`STREAK`] steps or more,
+/// may be followed by one step back.
+const AGAINST: f64 = 1.0 / (STREAK as f64 + 1.0);
+/// Steps of an axis below which nothing is said of its direction: two passes.
+const FEWEST_STEPS: usize = 2 * STREAK;
+/// A count is not that of a random order when it is so many standard deviations away: one in 700 on one side [normal distribution].
+const SURE: f64 = 3.0;
+/// With fewer steps in time a random order is not told from a restart of the clock.
+const FEWEST_TIMES: usize = 12;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let mut found: Vec<Implausible> = same_run(runs);
@@ -87,14 +93,34 @@ fn times(run: &Run) -> Vec<f64> {
     run.points.iter().filter_map(|point| point.state.time_s).collect()
 }
 
+/// Time that runs backward, or in no order. The number of descents of a random order of n + 1 values has the mean n/2 and the variance
+/// (n + 2)/12 [Eulerian numbers, Graham 1994 §6.2]; in the order in which points are taken there are none, but where a setup begins.
 fn backward(run: &Run) -> Option<Implausible> {
-    let times = times(run);
-    let back = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
-    (2 * back > times.len()).then(|| {
-        plain(
-            format!("{}: time runs backward from row to row ({back} of {} steps).", run.name, times.len() - 1),
+    let of_one_setup = |pair: &&[Point]| pair[0].state.setup == pair[1].state.setup;
+    let steps: Vec<f64> = run
+        .points
+        .windows(2)
+        .filter(of_one_setup)
+        .filter_map(|pair| Some(pair[1].state.time_s? - pair[0].state.time_s?))
+        .collect();
+    let back = steps.iter().filter(|step| **step < 0.0).count();
+    let (count, mean) = (steps.len(), steps.len() as f64 / 2.0);
+    let random = SURE * ((count as f64 + 2.0) / 12.0).sqrt();
+    if count < FEWEST_TIMES || (back as f64) < mean - random {
+        return None;
+    }
+    Some(match back as f64 > mean + random {
+        true => plain(
+            format!("{}: time runs backward from row to row ({back} of {count} steps).", run.name),
             "The rows stand in reversed order, or the times do. Give the rows in the order in which they were taken.",
-        )
+        ),
+        false => plain(
+            format!(
+                "{}: the rows are in no order of time: it runs back in {back} of {count} steps.",
+                run.name
+            ),
+            "The rows were shuffled, or the times belong to other rows. Give the rows in the order in which they were taken.",
+        ),
     })
 }
 

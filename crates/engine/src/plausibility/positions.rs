@@ -1,18 +1,19 @@
-//! Do the axes follow the ball? An R-test reads a ball in its nest, so both must be at one place, whatever the machine's
-//! errors are: these are a thousand times smaller than any mistake here.
+//! Do the axes follow the ball? An R-test reads a ball in its nest, so both must be at one place; a ball bar keeps its two balls its length
+//! apart. Both hold whatever the machine's errors are: these are a thousand times smaller than any mistake here.
 
 use super::found::Implausible;
-use nalgebra::{Point3, Vector3};
+use super::places;
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::{AxisValues, InstrumentKind, Joint, Setup, statistics};
 use trunnion_cycles::Run;
 use trunnion_machine::{JointErrors, Machine, shipped};
 
-/// Farther apart than any probe of an R-test reads, mm.
+/// Farther off than any probe of an R-test reads, and than any ball bar grows or shrinks, mm.
 const FAR_MM: f64 = 5.0;
-/// With a mistake undone, ball and nest may stay this far apart: settings by hand and rounded positions, mm.
-const TOGETHER_MM: f64 = 1.0;
+/// With a mistake undone, the balls may stay this far off: settings by hand and rounded positions, mm.
+pub(super) const TOGETHER_MM: f64 = 1.0;
 /// Points of which the distance is formed while mistakes are tried: evenly chosen, for time only.
 const TRIED_POINTS: usize = 600;
 /// More mistakes that explain all are not listed.
@@ -20,28 +21,41 @@ const MOST_LISTED: usize = 3;
 const MM_OF_INCH: f64 = 25.4;
 
 /// What a run says of itself, or would say with a mistake undone.
-struct Claim<'a> {
-    machine: &'a Machine,
-    setups: Vec<Setup>,
-    positions: Vec<(usize, AxisValues<f64>)>,
+#[derive(Clone)]
+pub(super) struct Claim<'a> {
+    pub machine: &'a Machine,
+    pub setups: Vec<Setup>,
+    pub positions: Vec<(usize, AxisValues<f64>)>,
 }
 
 impl Claim<'_> {
-    fn rms_mm(&self) -> f64 {
-        rms(self.positions.iter().map(|(setup, at)| apart_mm(self.machine, &self.setups[*setup], at)))
+    /// How far off the balls are at every position, mm.
+    pub fn off_mm(&self) -> Vec<Vector3<f64>> {
+        let off = |(setup, at): &(usize, AxisValues<f64>)| off_mm(self.machine, &self.setups[*setup], at);
+        self.positions.iter().map(off).collect()
     }
 
-    fn turned(&self, change: impl Fn(&AxisValues<f64>) -> AxisValues<f64>) -> f64 {
+    pub fn rms_mm(&self) -> f64 {
+        rms(self.off_mm().into_iter())
+    }
+
+    /// The same with other positions.
+    pub fn turned(&self, change: impl Fn(&AxisValues<f64>) -> AxisValues<f64>) -> Self {
         let positions = self.positions.iter().map(|(setup, position)| (*setup, change(position)));
-        Claim { machine: self.machine, setups: self.setups.clone(), positions: positions.collect() }.rms_mm()
+        Self { positions: positions.collect(), ..self.clone() }
     }
 }
 
-/// From the nest to the ball by nominal kinematics, machine axes, mm.
-fn apart_mm(machine: &Machine, setup: &Setup, position: &AxisValues<f64>) -> Vector3<f64> {
+/// How far off the balls are by nominal kinematics, mm: from the nest to the ball in machine axes; of a ball bar, how much farther apart
+/// its balls are than it is long.
+fn off_mm(machine: &Machine, setup: &Setup, position: &AxisValues<f64>) -> Vector3<f64> {
     let none = JointErrors::default();
-    machine.machine_from_tool(position, &none) * setup.ball_in_tool_mm
-        - machine.machine_from_table(position, &none) * setup.ball_in_table_mm
+    let apart = machine.machine_from_tool(position, &none) * setup.ball_in_tool_mm
+        - machine.machine_from_table(position, &none) * setup.ball_in_table_mm;
+    match setup.bar_length_mm.filter(|_| setup.instrument.keeps_bar_length()) {
+        Some(length_mm) => Vector3::x() * (apart.norm() - length_mm),
+        None => apart,
+    }
 }
 
 fn rms(distances: impl Iterator<Item = Vector3<f64>>) -> f64 {
@@ -53,14 +67,17 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
 }
 
 fn of_run(run: &Run) -> Option<Implausible> {
-    let brings_together = |setup: usize| run.setups[setup].instrument == InstrumentKind::RTest;
-    let rows: Vec<usize> =
-        (0..run.points.len()).filter(|&row| brings_together(run.points[row].state.setup)).collect();
-    let apart_mm = |row: usize| {
-        let state = &run.points[row].state;
-        apart_mm(&run.machine, &run.setups[state.setup], &state.position)
+    let is_known = |setup: usize| {
+        let instrument = run.setups[setup].instrument;
+        instrument == InstrumentKind::RTest || instrument.keeps_bar_length()
     };
-    let far: Vec<usize> = rows.iter().copied().filter(|&row| apart_mm(row).norm() > FAR_MM).collect();
+    let rows: Vec<usize> =
+        (0..run.points.len()).filter(|&row| is_known(run.points[row].state.setup)).collect();
+    let off = |row: usize| {
+        let state = &run.points[row].state;
+        off_mm(&run.machine, &run.setups[state.setup], &state.position)
+    };
+    let far: Vec<usize> = rows.iter().copied().filter(|&row| off(row).norm() > FAR_MM).collect();
     let (first, last) = (*far.first()?, *far.last()?);
     if let Some(found) = standing(run, &rows, &far) {
         return Some(found);
@@ -69,13 +86,14 @@ fn of_run(run: &Run) -> Option<Implausible> {
     let at = |&row: &usize| (run.points[row].state.setup, run.points[row].state.position);
     let claim =
         Claim { machine: &run.machine, setups: run.setups.clone(), positions: tried_rows.map(at).collect() };
-    let apart_mm = rms(rows.iter().map(|&row| apart_mm(row)));
+    let apart_mm = rms(rows.iter().map(|&row| off(row)));
     let mut tried = mistakes(run, &claim);
     let best =
         |tried: &[(String, f64)]| tried.iter().map(|(_, rms_mm)| *rms_mm).fold(f64::INFINITY, f64::min);
-    // Places that are fitted explain what any mistake of a number does: they count where no mistake without a free number is enough.
+    // Numbers that are fitted explain what any mistake does: they count where no mistake without a free number is enough.
     if best(&tried) > TOGETHER_MM {
-        tried = other_places(&claim);
+        tried = places::offsets(&claim);
+        tried.extend(places::other_places(&claim));
     }
     let best_mm = best(&tried);
     // Mistakes that undo it equally well are listed together: positions alone cannot choose.
@@ -85,8 +103,13 @@ fn of_run(run: &Run) -> Option<Implausible> {
         .map(|(mistake, _)| mistake.as_str())
         .collect();
     listed.truncate(MOST_LISTED);
+    let of_bar = run.setups[run.points[first].state.setup].instrument.keeps_bar_length();
+    let how_far = match of_bar {
+        true => format!("the ends of the ball bar are {apart_mm:.1} mm off its length"),
+        false => format!("ball and nest are {apart_mm:.1} mm apart"),
+    };
     let finding = format!(
-        "{}: in {} of {} points (rows {} to {}) the axes do not follow the ball: by their positions, ball and nest are {apart_mm:.1} mm apart.",
+        "{}: in {} of {} points (rows {} to {}) the axes do not follow the ball: by their positions, {how_far}.",
         run.name,
         far.len(),
         rows.len(),
@@ -96,7 +119,8 @@ fn of_run(run: &Run) -> Option<Implausible> {
     let hypothesis = if listed.is_empty() {
         "No single mistake of those tried explains it. Compare the points with the setup file and the machine file.".into()
     } else {
-        format!("With {} they are {best_mm:.1} mm apart. Change it?", listed.join(", or "))
+        let left = if of_bar { "off" } else { "apart" };
+        format!("With {} they are {best_mm:.1} mm {left}. Change it?", listed.join(", or "))
     };
     let rms_um_with_it = (!listed.is_empty()).then(|| um_from_mm(best_mm));
     Some(Implausible { finding, hypothesis, rms_um_with_it })
@@ -148,7 +172,7 @@ fn mistakes(run: &Run, claim: &Claim<'_>) -> Vec<(String, f64)> {
             changed[joint] = -changed[joint];
             changed
         });
-        tried.push((format!("the sense of {joint} reversed (sign −1)"), turned));
+        tried.push((format!("the sense of {joint} reversed (sign −1)"), turned.rms_mm()));
     }
     for joints in [&linear, &rotary] {
         for (k, &a) in joints.iter().enumerate() {
@@ -158,16 +182,17 @@ fn mistakes(run: &Run, claim: &Claim<'_>) -> Vec<(String, f64)> {
                     (changed[a], changed[b]) = (changed[b], changed[a]);
                     changed
                 });
-                tried.push((format!("the columns of the axes {a} and {b} exchanged"), swapped));
+                tried.push((format!("the columns of the axes {a} and {b} exchanged"), swapped.rms_mm()));
             }
         }
     }
     let scaled = |joints: &[Joint], factor: f64| {
-        claim.turned(|position| {
+        let turned = claim.turned(|position| {
             let mut changed = *position;
             joints.iter().for_each(|&joint| changed[joint] *= factor);
             changed
-        })
+        });
+        turned.rms_mm()
     };
     // What was read as degrees is in radians inside; a number of radians read as degrees is too small by π/180.
     tried.push(("angles given in radians, not in degrees".into(), scaled(&rotary, 180.0 / PI)));
@@ -196,57 +221,10 @@ fn exchanged_setups(claim: &Claim<'_>) -> Vec<(String, f64)> {
             let mut setups = claim.setups.clone();
             setups[a].ball_in_table_mm = claim.setups[b].ball_in_table_mm;
             setups[b].ball_in_table_mm = claim.setups[a].ball_in_table_mm;
-            let rms_mm =
-                Claim { machine: claim.machine, setups, positions: claim.positions.clone() }.rms_mm();
+            let rms_mm = Claim { setups, ..claim.clone() }.rms_mm();
             let [a, b] = [a, b].map(|k| claim.setups[k].name.as_str());
             tried.push((format!("the setups {a} and {b} exchanged (position of the ball)"), rms_mm));
         }
     }
     tried
-}
-
-/// The balls where the axes say they are, on the table or in the tool.
-fn other_places(claim: &Claim<'_>) -> Vec<(String, f64)> {
-    let none = JointErrors::default();
-    let machine = claim.machine;
-    let fitted = |place: &dyn Fn(&AxisValues<f64>, &Setup) -> Point3<f64>, k: usize| -> Option<Point3<f64>> {
-        let own = claim.positions.iter().filter(|(setup, _)| *setup == k);
-        let places: Vec<Vector3<f64>> =
-            own.map(|(_, position)| place(position, &claim.setups[k]).coords).collect();
-        let sum: Vector3<f64> = places.iter().sum();
-        (!places.is_empty()).then(|| Point3::from(sum / places.len() as f64))
-    };
-    let in_table = |position: &AxisValues<f64>, setup: &Setup| {
-        machine.machine_from_table(position, &none).inverse()
-            * (machine.machine_from_tool(position, &none) * setup.ball_in_tool_mm)
-    };
-    let in_tool = |position: &AxisValues<f64>, setup: &Setup| {
-        machine.machine_from_tool(position, &none).inverse()
-            * (machine.machine_from_table(position, &none) * setup.ball_in_table_mm)
-    };
-    let (mut on_table, mut on_tool) = (claim.setups.clone(), claim.setups.clone());
-    let (mut moved_on_table, mut moved_on_tool) = (Vec::new(), Vec::new());
-    let words = |setup: &Setup, key: &str, from: &Point3<f64>, to: &Point3<f64>| {
-        format!(
-            "the position of the ball of setup {}, {key}, at [{:.1}, {:.1}, {:.1}], not [{:.1}, {:.1}, {:.1}] mm",
-            setup.name, to.x, to.y, to.z, from.x, from.y, from.z
-        )
-    };
-    for k in 0..claim.setups.len() {
-        let setup = &claim.setups[k];
-        if let Some(place) = fitted(&in_table, k) {
-            if (place - setup.ball_in_table_mm).norm() > TOGETHER_MM {
-                moved_on_table.push(words(setup, "ball_in_table_mm", &setup.ball_in_table_mm, &place));
-            }
-            on_table[k].ball_in_table_mm = place;
-        }
-        if let Some(place) = fitted(&in_tool, k) {
-            if (place - setup.ball_in_tool_mm).norm() > TOGETHER_MM {
-                moved_on_tool.push(words(setup, "ball_in_tool_mm", &setup.ball_in_tool_mm, &place));
-            }
-            on_tool[k].ball_in_tool_mm = place;
-        }
-    }
-    let rms_mm = |setups: Vec<Setup>| Claim { machine, setups, positions: claim.positions.clone() }.rms_mm();
-    vec![(moved_on_table.join(" and "), rms_mm(on_table)), (moved_on_tool.join(" and "), rms_mm(on_tool))]
 }

@@ -17,32 +17,31 @@ use trunnion_effects::{Instance, Model};
 const BELIEVED: f64 = 3.0;
 /// Below this nothing is gross, µm rms.
 const GROSS_UM: f64 = 2.0;
-/// Readings that are all smaller: no ball is set so well in its nest, and no probe is worth less than its last digit, µm.
-const TOO_SMALL_UM: f64 = 0.5;
-/// A channel reads one value for at least this share of the points, while another moves over this, µm.
-const DEAD_SHARE: f64 = 0.9;
-const ALIVE_UM: f64 = 10.0;
-/// Readings of one pose scatter by at least this share of the scatter of all poses: they do not depend on the pose.
+/// Readings of one pose scatter by at least this share of the scatter of all poses: they do not depend on the pose. Of noise alone the
+/// share is 1 with the standard deviation 1/√(2f) of f repeats [Neumann 1941]: this is two of them below at 32 repeats, so that
+/// fewer are doubted a little too seldom.
 const NO_STRUCTURE: f64 = 0.75;
 /// Fewer points say nothing.
-const FEWEST_POINTS: usize = 12;
+pub(super) const FEWEST_POINTS: usize = 12;
 /// Longer runs are reduced to so many points, for time only.
 const MOST_POINTS: usize = 1_500;
+/// Neighbours that stay together: a reading that belongs to the row before is still next to it.
+const STRETCH: usize = 100;
 /// Relative singular value of a direction that the columns do not see.
 const UNSEEN: f64 = 1e-6;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let small: Vec<Run> = runs.iter().map(thinned).collect();
-    let mut found: Vec<Implausible> =
-        small.iter().filter(|run| run.points.len() >= FEWEST_POINTS).filter_map(channel).collect();
-    if found.is_empty() {
-        found.extend(small.iter().filter(|run| run.points.len() >= FEWEST_POINTS).filter_map(exchanged));
-    }
-    found
+    let enough = || small.iter().filter(|run| run.points.len() >= FEWEST_POINTS);
+    let found: Vec<Implausible> = enough().filter_map(nothing_but_scatter).collect();
+    if found.is_empty() { enough().filter_map(exchanged).collect() } else { found }
 }
 
-/// The run with at most [`MOST_POINTS`] points: a stretch of neighbours, so that their order means what it meant.
+/// The run with some [`MOST_POINTS`] points: stretches of neighbours, evenly from its beginning to its end.
 fn thinned(run: &Run) -> Run {
+    let good: Vec<&Point> = run.good_points().collect();
+    let every = good.len().div_ceil(MOST_POINTS).max(1);
+    let chosen = good.iter().enumerate().filter(|(k, _)| (k / STRETCH).is_multiple_of(every));
     // Field by field: a clone of the run would copy a million points to throw them away.
     Run {
         name: run.name.clone(),
@@ -50,7 +49,7 @@ fn thinned(run: &Run) -> Run {
         kind: run.kind,
         setups: run.setups.clone(),
         channels: run.channels.clone(),
-        points: run.good_points().take(MOST_POINTS).cloned().collect(),
+        points: chosen.map(|(_, point)| (*point).clone()).collect(),
     }
 }
 
@@ -59,54 +58,14 @@ fn names(run: &Run) -> Vec<&'static str> {
     run.setups.first().map_or_else(Vec::new, |setup| setup.instrument.components().to_vec())
 }
 
-/// What is wrong with a channel by itself.
-fn channel(run: &Run) -> Option<Implausible> {
-    let alike = run
-        .setups
-        .iter()
-        .all(|setup| setup.instrument.deflects_probes() && setup.instrument == run.setups[0].instrument);
-    if !alike {
-        return None;
-    }
-    let names = names(run);
-    let of = |k: usize| run.points.iter().map(move |point| um_from_mm(point.reading_mm[k]));
-    let span = |k: usize| of(k).fold(f64::NEG_INFINITY, f64::max) - of(k).fold(f64::INFINITY, f64::min);
-    let largest = (0..names.len()).map(span).fold(0.0, f64::max);
-    for (k, name) in names.iter().enumerate() {
-        let mut counts: HashMap<u64, usize> = HashMap::new();
-        of(k).for_each(|value| *counts.entry(value.to_bits()).or_default() += 1);
-        let most = counts.values().copied().max().unwrap_or(0);
-        if largest > ALIVE_UM && most as f64 > DEAD_SHARE * run.points.len() as f64 {
-            return Some(Implausible {
-                finding: format!(
-                    "{}: the probe d{name} reads the same value in {most} of {} points, while others move by {largest:.0} µm.",
-                    run.name,
-                    run.points.len()
-                ),
-                hypothesis: "The probe is dead, stuck or not connected. Check it and measure again.".into(),
-                rms_um_with_it: None,
-            });
-        }
-    }
-    let most_um = (0..names.len()).flat_map(of).fold(0.0, |most: f64, value| most.max(value.abs()));
-    if most_um < TOO_SMALL_UM {
-        return Some(Implausible {
-            finding: format!(
-                "{}: no reading is larger than {most_um:.3} µm, which is too small for a ball set in a nest.",
-                run.name
-            ),
-            hypothesis:
-                "In mm instead of µm (factor 1000) they would be plausible. Check the units of the readings."
-                    .into(),
-            rms_um_with_it: None,
-        });
-    }
-    nothing_but_scatter(run, names.len())
-}
-
 /// Readings that depend neither on the pose nor on those before: backlash differs at one pose, and so does drift, but not from one
 /// reading to the next.
-fn nothing_but_scatter(run: &Run, components: usize) -> Option<Implausible> {
+fn nothing_but_scatter(run: &Run) -> Option<Implausible> {
+    let first = run.setups.first()?.instrument;
+    if !first.deflects_probes() || run.setups.iter().any(|setup| setup.instrument != first) {
+        return None;
+    }
+    let components = first.components().len();
     let joints = run.machine.joints();
     let setup = run.points.iter().map(|point| point.state.setup).collect();
     let positions: Vec<_> = run.points.iter().map(|point| &point.state.position).collect();

@@ -7,10 +7,14 @@ mod joined;
 mod library;
 mod linear;
 mod losses;
+mod mistakes;
 mod nest;
 mod one_answer;
 mod plausible;
 mod replayed;
+#[allow(dead_code, reason = "the tests of this crate use a part")]
+#[path = "../../../../tests/src/section.rs"]
+mod section;
 mod values;
 mod whole;
 

@@ -1,0 +1,220 @@
+//! Is every channel alive, and can its readings be so small and so quiet? Asked of every instrument, setup by setup.
+//!
+//! A channel that reads one value in every digit while the axes move is stuck. A coarse display shows one value for a while by itself, so
+//! the longest stretch is judged against the second longest of the same channel and against the other channels. Lengths of stretches
+//! have an exponential tail of some scale τ. Then the longest of them exceeds the second longest by an exponential of the same τ,
+//! whatever their number [Rényi 1953]: P(L₁ − L₂ > x) = e^(−x/τ). L₂ is no smaller than τ and stands for it.
+//! Limits: a channel that is stuck in two stretches of like length passes; one that is stuck at a resting machine is not looked at.
+
+use super::found::Implausible;
+use super::readings::FEWEST_POINTS;
+use crate::Experiment;
+use crate::noise::repeatability::repeatability;
+use crate::problem::passes::passes;
+use trunnion_core::Point;
+use trunnion_core::convert::um_from_mm;
+use trunnion_cycles::{Run, RunKind};
+
+/// Chance of a stretch that long in a channel that is alive.
+const CHANCE: f64 = 1e-4;
+/// Readings that differ by less are one value, mm: a thousandth of the finest step that a points file of µm shows.
+const SAME_MM: f64 = 1e-8;
+/// A channel reads one value in at least this share of the points, in whatever order: what is left are single wrong values.
+const DEAD_SHARE: f64 = 0.9;
+/// Steps of the display by which another channel moves meanwhile: one that moves by one or two may well rest in another direction.
+const ALIVE_STEPS: f64 = 10.0;
+/// Readings that are all smaller: no ball is set so well in its nest, and no probe is worth less than its last digit, µm.
+const TOO_SMALL_UM: f64 = 0.5;
+/// Repeatability of a reading at rest below which the unit is doubted, µm: no axis comes back so well. Four of it are the unidirectional
+/// repeatability of ISO 230-2: 0.08 µm, where the finest machines are sold with 0.2 to 0.5. A judgement, tuned on no data.
+const TOO_FINE_UM: f64 = 0.02;
+
+pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
+    runs.iter().filter(|run| run.good_points().count() >= FEWEST_POINTS).filter_map(of_run).collect()
+}
+
+fn of_run(run: &Run) -> Option<Implausible> {
+    (0..run.setups.len())
+        .find_map(|setup| {
+            let channels = Channels::of(run, setup);
+            channels.stuck().or_else(|| channels.dead())
+        })
+        .or_else(|| too_small(run))
+        .or_else(|| too_fine(run))
+}
+
+fn plain(finding: String, hypothesis: &str) -> Implausible {
+    Implausible { finding, hypothesis: hypothesis.into(), rms_um_with_it: None }
+}
+
+/// The channels of one setup of a run.
+struct Channels<'a> {
+    run: &'a Run,
+    setup: usize,
+    points: Vec<&'a Point>,
+    /// Rows in the run, counted from 1.
+    rows: Vec<usize>,
+}
+
+/// Neighbouring points at which a channel reads one value: from the first to the last of them, and how many of them are at another
+/// position than the one before.
+#[derive(Clone, Copy)]
+struct Stretch {
+    first: usize,
+    last: usize,
+    length: usize,
+}
+
+impl<'a> Channels<'a> {
+    fn of(run: &'a Run, setup: usize) -> Self {
+        let own = |(_, point): &(usize, &Point)| {
+            point.state.setup == setup && point.quality == trunnion_core::Quality::Good
+        };
+        let (rows, points) =
+            run.points.iter().enumerate().filter(own).map(|(row, point)| (row + 1, point)).unzip();
+        Self { run, setup, points, rows }
+    }
+
+    fn names(&self) -> Vec<String> {
+        let instrument = self.run.setups[self.setup].instrument;
+        let name = |(component, column): (&&str, &trunnion_core::ReadingColumn)| match instrument
+            .deflects_probes()
+        {
+            true => format!("the probe d{component}"),
+            false => format!("the channel {}", column.name()),
+        };
+        instrument.components().iter().zip(instrument.columns()).map(name).collect()
+    }
+
+    fn value_mm(&self, channel: usize, at: usize) -> f64 {
+        self.points[at].reading_mm[channel]
+    }
+
+    fn is_same(&self, channel: usize, at: usize, other: usize) -> bool {
+        (self.value_mm(channel, at) - self.value_mm(channel, other)).abs() < SAME_MM
+    }
+
+    /// Stretches of one value between two points, the longest first.
+    fn stretches(&self, channel: usize, (from, to): (usize, usize)) -> Vec<Stretch> {
+        let mut found: Vec<Stretch> = Vec::new();
+        for at in from..=to {
+            let has_moved =
+                at == from || self.points[at].state.position != self.points[at - 1].state.position;
+            match found.last_mut() {
+                Some(last) if self.is_same(channel, at, last.first) => {
+                    last.last = at;
+                    last.length += usize::from(has_moved);
+                }
+                _ => found.push(Stretch { first: at, last: at, length: 1 }),
+            }
+        }
+        found.sort_by_key(|stretch| std::cmp::Reverse(stretch.length));
+        found
+    }
+
+    /// A stretch that is too long for the display.
+    fn stuck(&self) -> Option<Implausible> {
+        let whole = (0, self.points.len().checked_sub(1)?);
+        let channels: Vec<usize> = (0..self.names().len()).collect();
+        let too_long = |first: usize, second: usize| {
+            (first.saturating_sub(second)) as f64 > second as f64 * CHANCE.recip().ln()
+        };
+        let found = channels.iter().find_map(|&channel| {
+            let stretches = self.stretches(channel, whole);
+            let longest = stretches[0];
+            let second = stretches.get(1).map_or(1, |stretch| stretch.length);
+            // The others have the same display: where they rest as well, all are stuck, or it is too coarse for this machine.
+            let of_others: Vec<usize> = channels
+                .iter()
+                .filter(|other| **other != channel)
+                .map(|&other| self.stretches(other, (longest.first, longest.last))[0].length)
+                .collect();
+            let all_rest = of_others.iter().all(|length| *length == longest.length);
+            let one_goes_on = of_others.iter().any(|length| too_long(longest.length, *length));
+            (too_long(longest.length, second) && (all_rest || one_goes_on))
+                .then_some((channel, longest, all_rest))
+        });
+        let (channel, stretch, all_rest) = found?;
+        let names = self.names();
+        let which = if all_rest { names.join(" and ") } else { names[channel].clone() };
+        Some(plain(
+            format!(
+                "{}: in rows {} to {} {which} reads the same value in every digit, while the axes move.",
+                self.run.name, self.rows[stretch.first], self.rows[stretch.last]
+            ),
+            "The probe is dead, stuck or not connected. Check it and measure again.",
+        ))
+    }
+
+    /// One value in nearly all points, in whatever order.
+    fn dead(&self) -> Option<Implausible> {
+        let count = self.points.len();
+        let names = self.names();
+        let sorted = |channel: usize| {
+            let mut values: Vec<f64> = (0..count).map(|at| self.value_mm(channel, at)).collect();
+            values.sort_by(f64::total_cmp);
+            values
+        };
+        let all: Vec<Vec<f64>> = (0..names.len()).map(sorted).collect();
+        let span =
+            |values: &Vec<f64>| values.last().zip(values.first()).map_or(0.0, |(last, first)| last - first);
+        let steps = all.iter().flat_map(|values| values.windows(2).map(|pair| pair[1] - pair[0]));
+        let step_mm = steps.filter(|step| *step > SAME_MM).fold(f64::INFINITY, f64::min);
+        let largest_mm = all.iter().map(span).fold(0.0, f64::max);
+        if count < FEWEST_POINTS || largest_mm < ALIVE_STEPS * step_mm {
+            return None;
+        }
+        all.iter().zip(&names).find_map(|(values, name)| {
+            let same = values.chunk_by(|a, b| (a - b).abs() < SAME_MM);
+            let most = same.map(<[f64]>::len).max().unwrap_or(0);
+            let is_dead = most as f64 > DEAD_SHARE * count as f64 && span(values) < largest_mm;
+            is_dead.then(|| {
+                plain(
+                    format!(
+                        "{}: {name} reads the same value in {most} of {count} points, while others move by {:.0} µm.",
+                        self.run.name,
+                        um_from_mm(largest_mm)
+                    ),
+                    "The probe is dead, stuck or not connected. Check it and measure again.",
+                )
+            })
+        })
+    }
+}
+
+/// True where contact probes read.
+fn has_probes(run: &Run) -> bool {
+    run.setups.iter().all(|setup| setup.instrument.deflects_probes())
+}
+
+fn too_small(run: &Run) -> Option<Implausible> {
+    let readings = run.good_points().flat_map(|point| point.reading_mm);
+    let most_um = um_from_mm(readings.fold(0.0, |most: f64, mm| most.max(mm.abs())));
+    (has_probes(run) && most_um < TOO_SMALL_UM).then(|| {
+        plain(
+            format!(
+                "{}: no reading is larger than {most_um:.3} µm, which is too small for a ball set in a nest.",
+                run.name
+            ),
+            "In mm instead of µm (factor 1000) they would be plausible. Check the units of the readings.",
+        )
+    })
+}
+
+/// Readings of a pose that comes again, closer than any axis comes back.
+fn too_fine(run: &Run) -> Option<Implausible> {
+    if run.kind != RunKind::Static || !has_probes(run) {
+        return None;
+    }
+    let experiment = Experiment::of_points(&[run]).ok()?;
+    let sigma_um = um_from_mm(repeatability(&experiment, &passes(&experiment))?.sigma_mm);
+    (sigma_um < TOO_FINE_UM).then(|| {
+        plain(
+            format!(
+                "{}: readings of one pose repeat within {sigma_um:.3} µm, which is too small: no axis comes back so well.",
+                run.name
+            ),
+            "In inches or mm instead of µm (factor 25.4 or 1000 too small) they would be plausible. Check the units of the readings.",
+        )
+    })
+}
