@@ -90,7 +90,7 @@ pub type Starting = Pin<Box<dyn Future<Output = Handle> + Send>>;
 
 /// One cell of the matrix.
 pub enum Cell {
-    /// It cannot befall this device, because.
+    /// This device cannot have it, because.
     Cannot(&'static str),
     /// This must follow.
     Case(Case),

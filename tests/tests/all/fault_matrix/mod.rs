@@ -1,4 +1,4 @@
-//! Every device through everything that can befall it: the state it comes to, the gap in the recording, and the words a
+//! Every device through every fault that it can have: the state it comes to, the gap in the recording, and the words a
 //! technician reads. The devices are virtual, their ports and all that reads them are real. docs/measured/faults.md is written
 //! from these cells.
 
