@@ -240,7 +240,7 @@ impl CycleBounds {
             Step::Moves { stood_s, pattern } => {
                 let (begins, why) = match self.rule {
                     StartRule::Motion { rest_s, .. } => (stood_s >= rest_s, "an axis moves"),
-                    _ => (pattern, "the stands of the configuration"),
+                    _ => (pattern, "the dwells of the configuration"),
                 };
                 if self.running || !begins { None } else { self.begin(at, why.into(), false, false) }
             }
