@@ -12,6 +12,8 @@ pub const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 const REFERENCES: &str = "docs/design/references.md";
 /// This file holds wrong citations on purpose.
 const SELF: &str = "citations.rs";
+/// Endings of files whose citations are checked.
+const CITED_FROM: [&str; 3] = ["rs", "md", "toml"];
 /// The commands of an adapter are called like sources.
 const NOT_SOURCES: &str = "slcan";
 /// Documents that nobody has.
@@ -31,7 +33,7 @@ fn every_citation_resolves() {
     }
     assert!(found.problems.is_empty(), "{}", found.problems.join("\n"));
     // A walk that finds nothing proves nothing.
-    assert!(found.documents > 100 && found.sections > 100, "{found:?}");
+    assert!(found.documents > 100 && found.sections > 100 && found.files > 100, "{found:?}");
     assert!(found.links > 50 && found.sources > 100, "{found:?}");
 }
 
@@ -66,6 +68,8 @@ fn a_citation_that_leads_nowhere_is_found() {
         "// Pearson 1901",
         "// GUM H.3",
         "// METHODS §2",
+        "// crates/c/src/moved.rs",
+        "let a = 1; // as tests/peers/moved.rs does",
     ] {
         assert_eq!(problems("crates/c/src/lib.rs", wrong), 1, "{wrong}");
     }
@@ -87,6 +91,7 @@ fn a_citation_that_leads_nowhere_is_found() {
 #[derive(Debug, Default)]
 struct Found {
     documents: usize,
+    files: usize,
     sections: usize,
     links: usize,
     sources: usize,
@@ -124,13 +129,18 @@ impl Library {
     }
 
     fn check(&self, path: &Path, text: &str, found: &mut Found) {
-        if path.ends_with(SELF) {
+        let is_cited_from = |ending: &str| CITED_FROM.contains(&ending);
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        if path.ends_with(SELF) || !ending.is_some_and(is_cited_from) {
             return;
         }
         let mut fenced = false;
         for (i, line) in text.lines().enumerate() {
             let before = found.problems.len();
             self.documents(line, found);
+            if let Some(prose) = prose(path, line) {
+                self.source_files(path, prose, found);
+            }
             if path != Path::new(REFERENCES) && !path.components().any(|part| part.as_os_str() == NOT_SOURCES)
             {
                 self.sources(line, found);
@@ -176,6 +186,30 @@ impl Library {
                 let headings = self.headings.get(cited);
                 if !headings.is_some_and(|headings| headings.numbers.contains(number)) {
                     found.problems.push(format!("{} has no section {number}", cited.display()));
+                }
+            }
+        }
+    }
+
+    /// `crates/…`, `tests/…` and other files and folders, from the root or, in a crate, from the crate.
+    fn source_files(&self, path: &Path, prose: &str, found: &mut Found) {
+        let of_path = |c: char| c.is_ascii_alphanumeric() || "/._-".contains(c);
+        let of_crate: PathBuf = path.iter().take(2).collect();
+        for folder in ["crates/", "hil-sim/", "tests/", "config/", "systemd/", ".ci/"] {
+            for (at, _) in prose.match_indices(folder) {
+                if prose[..at].chars().next_back().is_some_and(of_path) {
+                    continue;
+                }
+                let length = prose[at..].find(|c| !of_path(c)).unwrap_or(prose.len() - at);
+                let (cited, rest) = prose[at..].split_at(length);
+                if rest.starts_with(['{', '*', '…', '<']) {
+                    continue;
+                }
+                found.files += 1;
+                let cited = Path::new(cited.trim_end_matches(['.', '/', '-']));
+                let in_crate = path.starts_with("crates") && self.has(&of_crate.join(cited));
+                if !in_crate && !self.has(cited) {
+                    found.problems.push(format!("{} does not exist", cited.display()));
                 }
             }
         }
@@ -320,11 +354,22 @@ fn year_of(word: &str) -> Option<&str> {
     (year.len() == 4 && (year.starts_with("19") || year.starts_with("20")) && closes).then_some(year)
 }
 
+/// What of a line is written for people: a comment, or all of a document.
+fn prose<'a>(path: &Path, line: &'a str) -> Option<&'a str> {
+    let after = |mark: &str| line.find(mark).map(|at| &line[at + mark.len()..]);
+    match path.extension()?.to_str()? {
+        "rs" => after("//"),
+        "toml" => after("#"),
+        "md" => Some(line),
+        _ => None,
+    }
+}
+
 fn is_markdown(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "md")
 }
 
-/// Every `.rs`, `.md`, `.toml` and `.js` file below `root` that was written here, its path relative to it.
+/// Every file of text below `root` that people read or that holds what they read, and was written here; its path relative to it.
 pub fn files(root: &Path) -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
     let mut folders = vec![root.to_path_buf()];
@@ -336,8 +381,10 @@ pub fn files(root: &Path) -> Vec<(PathBuf, String)> {
                 if !name.starts_with('.') && name != "target" {
                     folders.push(path);
                 }
-            } else if matches!(path.extension().and_then(|e| e.to_str()), Some("rs" | "md" | "toml" | "js"))
-                && !name.ends_with(".min.js")
+            } else if matches!(
+                path.extension().and_then(|e| e.to_str()),
+                Some("rs" | "md" | "toml" | "js" | "json" | "py" | "pyi" | "rules" | "service" | "conf")
+            ) && !name.ends_with(".min.js")
             {
                 let relative = path.strip_prefix(root).unwrap().to_path_buf();
                 files.push((relative, std::fs::read_to_string(&path).unwrap()));

@@ -46,7 +46,7 @@ const ATTEMPTS: usize = 3;
 /// Cells that may fail once on a computer that did not pause and then hold: other work can also delay without one long pause.
 const SPORADIC: usize = 1;
 
-/// Drivers without a subject: SocketCAN needs a kernel with CAN, so its faults are a peer test (tests/peers/socketcan.rs).
+/// Drivers without a subject: SocketCAN needs a kernel with CAN, so its faults are a peer test (tests/tests/peers/socketcan.rs).
 const ELSEWHERE: [&str; 1] = ["canopen-socketcan"];
 
 #[test]
