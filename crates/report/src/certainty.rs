@@ -60,7 +60,7 @@ fn noise(diagnosis: &Diagnosis) -> String {
         (Some(share), _) => {
             format!("What was found explains {share} of the mean square of the residual; {known}.")
         }
-        (None, Verdict::NotJudged) => format!("Nothing was weighed; {known}."),
+        (None, Verdict::NotJudged) => format!("No effect was judged; {known}."),
         (None, Verdict::NoiseFloor) => format!("Nothing significant was found in the residual; {known}."),
         (None, _) => format!("Nothing was found that could be named; {known}."),
     }

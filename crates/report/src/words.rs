@@ -19,12 +19,12 @@ pub fn headline(input: &Comparison) -> String {
         return match input.identification.noise_um {
             Some(noise_um) if rms_um > 1.25 * noise_um => {
                 format!(
-                    "Something is missing from the model: {left} rms left, repeatability {}",
+                    "Something is missing from the model: residual {left} rms, repeatability {}",
                     um(noise_um)
                 )
             }
             Some(noise_um) => {
-                format!("The model reaches the noise: {left} rms left, repeatability {}", um(noise_um))
+                format!("The model reaches the noise: residual {left} rms, repeatability {}", um(noise_um))
             }
             None => format!("The model leaves {left} rms; how much of it is noise is not known"),
         };
@@ -115,7 +115,7 @@ fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
 pub fn nothing_named(diagnosis: &Diagnosis) -> &str {
     match diagnosis.verdict {
         Verdict::Undecided => &diagnosis.why,
-        Verdict::NotJudged => "No effect was weighed, because the runs are not plausible or not whole.",
+        Verdict::NotJudged => "No effect was judged, because the runs are not plausible or not whole.",
         _ => "No effect explains the residual significantly better than noise does.",
     }
 }

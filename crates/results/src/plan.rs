@@ -46,7 +46,7 @@ pub enum PlanFormat {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Goal {
-    /// To separate effects that explain the present data alike.
+    /// To separate effects that explain the present data equally well.
     Separate,
     /// To show effects that the present cycle does not show.
     Reveal,

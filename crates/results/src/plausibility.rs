@@ -27,7 +27,7 @@ pub struct Plausibility {
     pub finding: String,
     /// The mistake that would explain it, and what to do or to repeat.
     pub hypothesis: String,
-    /// What is left with the mistake undone, µm rms; null where it is no question of size.
+    /// Residual with the mistake undone, µm rms; null where it is no question of size.
     pub rms_um_with_it: Option<f64>,
 }
 

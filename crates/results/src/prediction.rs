@@ -52,7 +52,7 @@ pub struct RunPrediction {
     pub readings: usize,
     /// Root mean square of measured − predicted, µm.
     pub rms_um: f64,
-    /// The same for a nominal machine, with the settings fitted alike.
+    /// The same for a nominal machine, with the settings fitted too.
     pub without_model_rms_um: f64,
     /// Largest |measured − predicted|, µm.
     pub largest_um: f64,

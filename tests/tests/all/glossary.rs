@@ -1,4 +1,5 @@
-//! What users read has the words of docs/glossary.md: literals of the crates and of the page's scripts, documents, comments of the configuration.
+//! What users read has the words of docs/glossary.md: literals of the crates and of the page's scripts, documents, comments of
+//! the configuration, descriptions in schemas, the Python package, the files of systemd.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
@@ -7,7 +8,7 @@ mod passages;
 
 use crate::citations::{ROOT, files};
 use javascript::of_javascript;
-use passages::{Passage, of_markdown, of_rust, of_toml};
+use passages::{Passage, of_markdown, of_rust, of_schema, of_toml};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -67,6 +68,11 @@ const REPLACED: &[(&str, &str)] = &[
     ("noise floor", "repeatability"),
     ("readings scatter by", "repeatability"),
     ("lives", "is (position, location, path)"),
+    ("weighed", "compared, judged, ranked by utility"),
+    ("left over", "residual, remainder"),
+    ("rms left", "residual {} rms"),
+    ("enough alone", "adequate"),
+    ("chance of", "probability of, significant"),
 ];
 
 /// Heads of columns that the glossary replaces.
@@ -140,6 +146,7 @@ fn a_replaced_word_is_found() {
         ("config/a.toml", "told = \"told\" # reported"),
         ("tests/a.rs", "\"told\""),
         (script, "// told\nconst told = `It ${told(`is ${\"said\"}`)} ends.`; /* told */"),
+        ("docs/schemas/run.schema.json", "\"told\": { \"title\": \"told\" }"),
     ] {
         assert_eq!(found(path, right), [""; 0], "{right}");
     }
@@ -156,6 +163,14 @@ fn a_replaced_word_is_found() {
         ("docs/README.md", "The error\nleft is 3.", "1 error left: The error left is 3."),
         ("docs/README.md", "| enough |\n|---|\n| 1 |", "1 enough: enough"),
         ("config/a.toml", "a = \"#\" # no\n# patience", "2 patience: no patience"),
+        (source, "\"{} rms left ({});\"", "1 rms left: {} rms left ({});"),
+        ("systemd/a.rules", "A=\"told\"\n# unless told otherwise", "2 told: unless told otherwise"),
+        ("docs/schemas/run.schema.json", "{\n  \"description\": \"Told.\"", "2 told: Told."),
+        (
+            "crates/python/python/a.pyi",
+            "def a(self) -> str:\n    \"\"\"Told.\"\"\"",
+            "2 told: def a(self) -> str: \"\"\"Told.\"\"\"",
+        ),
     ] {
         assert_eq!(found(path, wrong), [expected], "{wrong}");
     }
@@ -175,6 +190,10 @@ fn passages(path: &str, text: &str) -> Vec<Passage> {
         Some("js") if is_source => of_javascript(text),
         Some("md") if below("docs") || top.contains(&path) => of_markdown(text),
         Some("toml") if below("config") => of_toml(text),
+        Some("json") if below("docs/schemas") => of_schema(text),
+        // The stubs and the package are read with their names, which are words of the interface.
+        Some("py" | "pyi") if below("crates/python") => of_markdown(text),
+        _ if below("systemd") => of_toml(text),
         _ => Vec::new(),
     }
 }

@@ -211,8 +211,15 @@ fn range(all: &[Harmonic]) -> (f64, f64) {
 
 /// The harmonics of several error motions, those that are significant and the largest that is not.
 pub(crate) fn table(motions: &[(String, Unit, Harmonics)]) -> Option<FoundTable> {
-    let columns =
-        ["error motion", "waves a turn", "amplitude", "u", "unit", "crest at, °", "chance of noise alone"];
+    let columns = [
+        "error motion",
+        "waves a turn",
+        "amplitude",
+        "u",
+        "unit",
+        "crest at, °",
+        "probability of noise alone",
+    ];
     let mut rows = Vec::new();
     for (name, unit, harmonics) in motions {
         let insignificant = harmonics.all.iter().filter(|h| !h.significant);

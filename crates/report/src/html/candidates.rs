@@ -94,7 +94,7 @@ fn candidates_table(candidates: &[Candidate]) -> String {
         })
         .collect();
     let head =
-        ["effect", "evidence (log10)", "error after", "held-out after", "explains", "enough alone", "source"];
+        ["effect", "evidence (log10)", "error after", "held-out after", "explains", "adequate", "source"];
     table(
         "Candidates, best first. Evidence 2 means 100 to 1, 3 means 1000 to 1.",
         &head,

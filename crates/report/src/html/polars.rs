@@ -59,7 +59,7 @@ pub fn section(residuals: &Residuals) -> String {
     }
     let mut body = plots(&motions, "µm");
     if !leans.is_empty() {
-        body += "<h3>Tilt left over, from the two heights</h3>\n";
+        body += "<h3>Residual tilt, from the two heights</h3>\n";
         body += &plots(&leans, "urad");
     }
     format!(

@@ -126,6 +126,15 @@ pub fn of_toml(text: &str) -> Vec<Passage> {
     passages
 }
 
+/// The descriptions of a JSON schema, one a line as the tests write it; names of keys are no text.
+pub fn of_schema(text: &str) -> Vec<Passage> {
+    let described = |(i, line): (usize, &str)| {
+        let text = line.trim().strip_prefix("\"description\": ")?;
+        Some(Passage::new(&[(i + 1, text.trim_end_matches(',').trim_matches('"'))]))
+    };
+    text.lines().enumerate().filter_map(described).collect()
+}
+
 /// String literals outside comments, attributes and test modules, and doc comments that clap prints. Names of JSON objects are no
 /// text: their schemas hold them.
 pub fn of_rust(text: &str) -> Vec<Passage> {

@@ -31,7 +31,7 @@ pub(super) fn switching(duration_s: f64, scene: &Scene, drafts: &mut Vec<Draft>)
         (0.0, duration_s),
         &moments,
     ));
-    // Faster than two points a period cannot be told from slower.
+    // Faster than two points a period is not distinguishable from slower.
     let fastest = scene.time_step_s.map_or(PI * 20.0 / duration_s, |step_s| PI / step_s);
     let rate = |cycles: f64| TAU * cycles / duration_s;
     let rates = |cycles: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
