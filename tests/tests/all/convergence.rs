@@ -1,4 +1,5 @@
-//! Every shipped cycle is fitted with and without position scatter; docs/measured/convergence.md has a hundred trials of each.
+//! Every shipped cycle is fitted with and without position scatter; docs/measured/convergence.md has
+//! more trials of each, as many as its third column says.
 
 use std::collections::BTreeSet;
 use trunnion_tests::convergence::{CASES, trial};

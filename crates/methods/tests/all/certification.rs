@@ -70,7 +70,7 @@ fn monte_carlo_agrees_with_linear_propagation() {
     assert!(outcome.worst_ratio() < 4.0 * 0.016, "{}", outcome.worst_ratio());
     for row in &outcome.rows {
         assert!((row.held_known - 0.95).abs() < 4.0 * 0.0049, "{}: {}", row.parameter, row.held_known);
-        assert!(row.held_stated > 0.95 - 4.0 * 0.0049, "{}: {}", row.parameter, row.held_stated);
+        assert!(row.held_clusters > 0.95 - 4.0 * 0.0049, "{}: {}", row.parameter, row.held_clusters);
         assert!(row.bias.abs() < 4.0 / (TRIALS as f64).sqrt(), "{}: {}", row.parameter, row.bias);
     }
     assert!((outcome.mean(|row| row.held_known) - 0.95).abs() < 0.005);

@@ -28,7 +28,7 @@ fn introduction(seconds: f64) -> String {
          the figures are of the computer it ran on, written by that command). C turns at 3600°/min; at {RADIUS_MM} mm from it 1 µs is\n\
          {um_per_us:.3} µm of path. That is the cost where something is computed from axis positions and readings of different\n\
          instants. A reading of an R-test whose linear axes follow the ball costs only |de/dθ|·ω·δt, some hundred times less.\n\n\
-         Stamped on arrival: when the bytes were read. Line: the lower hull of arrivals against the device's clock (`acquire::clock`),\n\
+         Stamped on arrival: when the bytes were read. Line: the lower hull of arrivals against the device's clock (`sync::clock`),\n\
          as it goes, and fitted over the whole run. Mean ± spread (rms about the mean), µs; the mean is latency, which nobody can see in\n\
          one stream. Aligned: the delay of the synchronisation moves is subtracted; mean and spread of the remainder against the axes by MTConnect.\n\n"
     )

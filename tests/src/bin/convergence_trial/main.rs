@@ -57,8 +57,8 @@ fn main() -> anyhow::Result<()> {
 
 const HEAD: &str = "# Convergence\n\n\
     Written by `cargo run --release -p trunnion-tests --bin convergence-trial -- --trials N --output docs/measured/convergence.md`. \
-    N is the number in the third column. Each trial draws a machine (errors 0.1 to 10 times the usual) and a mounting (likewise, the place \
-    moved by up to 15 mm). It draws a scatter of the recorded positions of 0 to 5 µm (rotary axes: to 10 µrad), and fits the run with and \
-    without it. A trial fails when a fit or a named method fails. It fails when the scatter changes what is observable, the residual, or a \
-    number by more than 6 u.\n\n\
+    N is the number in the third column; rows of another N were written with `--only`. Each trial draws a machine (errors 0.1 to 10 times \
+    the usual) and a mounting (likewise, the place moved by up to 15 mm). It draws a scatter of the recorded positions of 0 to 5 µm \
+    (rotary axes: to 10 µrad), and fits the run with and without it. A trial fails when a fit or a named method fails. It fails when the \
+    scatter changes what is observable, the residual, or a number by more than 6 u.\n\n\
     | cycle | model | failed | how |\n|---|---|---:|---|\n";
