@@ -19,6 +19,7 @@ mod hybrid;
 mod long_lists;
 mod methods;
 mod nc_program;
+mod numbers_on_page;
 mod outside_data;
 #[path = "../src/page_status.rs"]
 mod page_status;

@@ -11,29 +11,64 @@ export function el(tag, attributes = {}, ...children) {
   return made;
 }
 
-// Two digits at least, three where they are left of the second decimal, as the program writes its figures.
+// Figures as crates/results/src/number.rs writes them; a test compares both.
+
+// Two digits at least, three where they are left of the second decimal; a power of ten where that is too long.
 export function plain(value) {
-  const size = Math.abs(value);
-  const decimals = size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.0995 || size === 0 ? 2 : size >= 0.00995 ? 3 : 4;
-  return minus(value.toFixed(decimals));
+  if (!Number.isFinite(value)) return "—";
+  const decimals = decimalsOf(value);
+  return minus(decimals === null ? power(value) : fixed(value, decimals));
 }
 
 // The same with no digit that a standard uncertainty does not justify.
 export function justified(value, u) {
-  if (!(u > 0)) return plain(value);
-  const decimals = Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u))));
-  const most = plain(value).split(".")[1]?.length ?? 0;
-  return minus(value.toFixed(Math.min(decimals, most)));
+  if (!(Number.isFinite(value) && Number.isFinite(u) && u > 0)) return plain(value);
+  const most = decimalsOfU(u);
+  const own = decimalsOf(value);
+  if (own === null && Math.abs(value) >= 1) return plain(value);
+  const decimals = Math.min(own ?? most, most);
+  const whole = 10 ** decimals;
+  const rounded = Math.sign(value) * Math.round(Math.abs(value) * whole) / whole;
+  return minus(fixed(rounded + 0, decimals));
 }
 
 // A value and its standard uncertainty with two digits of that.
 export function withU(value, u) {
-  if (!(u > 0)) return [plain(value), "—"];
-  const decimals = Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u))));
-  return [minus(value.toFixed(decimals)), u.toFixed(decimals)];
+  if (!(Number.isFinite(value) && Number.isFinite(u) && u > 0)) return [plain(value), "—"];
+  const decimals = decimalsOfU(u);
+  return [minus(fixed(value, decimals)), fixed(u, decimals)];
 }
 
-export const minus = (text) => text.replace("-", "−");
+export const minus = (text) => text.replaceAll("-", "−");
+
+// Decimals of `plain`; none for what is written with a power of ten.
+function decimalsOf(value) {
+  const size = Math.abs(value);
+  if (size >= 1e6 || (size > 0 && size < 1e-3)) return null;
+  return size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.0995 || size === 0 ? 2 : size >= 0.00995 ? 3 : 4;
+}
+
+const decimalsOfU = (u) => Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u))));
+
+// Digits beyond which a number that is no tie differs from one.
+const DIGITS = 40;
+
+// So many decimals; what lies in the middle goes to the even digit, which `toFixed` does not.
+const fixed = (value, decimals) => even(value.toFixed(decimals), value.toFixed(DIGITS), DIGITS - decimals);
+
+// Two digits and a power of ten.
+function power(value) {
+  const [digits, exponent] = value.toExponential(1).split("e");
+  const [exact, below] = value.toExponential(DIGITS).split("e");
+  // A mantissa that is rounded up to ten has another exponent, and is no tie to an even digit.
+  const shown = exponent === below ? even(digits, exact, DIGITS - 1) : digits;
+  return `${shown}e${Number(exponent)}`;
+}
+
+function even(up, exact, cut) {
+  const low = exact.slice(0, -cut).replace(/\.$/, "");
+  return /^50*$/.test(exact.slice(-cut)) && Number(low.at(-1)) % 2 === 0 ? low : up;
+}
 
 export const paragraphs = (texts) => texts.map((text) => el("p", {}, text));
 
