@@ -20,6 +20,7 @@ mod long_lists;
 mod methods;
 mod nc_program;
 mod numbers_on_page;
+mod one_answer;
 mod outside_data;
 #[path = "../src/page_status.rs"]
 mod page_status;
