@@ -9,6 +9,7 @@ mod table;
 use crate::load;
 use crate::outcome::Outcome;
 use anyhow::bail;
+use clap::builder::PossibleValuesParser;
 use request::{Format, Request};
 
 /// Export recordings as a table, or for a 3D viewer
@@ -30,14 +31,14 @@ use request::{Format, Request};
 #[derive(clap::Args)]
 pub struct Args {
     /// What to write
-    #[arg(value_parser = FORMATS.map(|format| format.name))]
+    #[arg(value_parser = PossibleValuesParser::new(FORMATS.iter().map(|format| format.name)))]
     format: String,
     #[command(flatten)]
     request: Request,
 }
 
 /// Every format.
-const FORMATS: [Format; 3] = [csv::FORMAT, foxglove::FORMAT, parquet::FORMAT];
+const FORMATS: &[Format] = &[csv::FORMAT, foxglove::FORMAT, parquet::FORMAT];
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     for run in &args.request.runs {
@@ -49,5 +50,29 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     match FORMATS.iter().find(|format| format.name == args.format) {
         Some(format) => (format.run)(&args.request),
         None => bail!("there is no format {}", args.format),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_file_with_a_format_is_in_the_list_under_its_name() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/commands/export");
+        let mut files = BTreeSet::new();
+        for file in std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()) {
+            if std::fs::read_to_string(&file).unwrap().contains("const FORMAT: Format") {
+                files.insert(file.file_stem().unwrap().to_string_lossy().into_owned());
+            }
+        }
+        let listed: Vec<String> = FORMATS.iter().map(|format| format.name.to_string()).collect();
+        assert_eq!(
+            listed.iter().cloned().collect::<BTreeSet<_>>(),
+            files,
+            "FORMATS in crates/cli/src/commands/export.rs"
+        );
+        assert_eq!(listed.len(), files.len(), "each name once");
     }
 }
