@@ -13,6 +13,7 @@ mod edges;
 mod empty_sweeps;
 mod fault_matrix;
 mod glossary;
+mod house;
 #[path = "../../../crates/cycles/tests/all/nc/interpreter.rs"]
 mod interpreter;
 mod licences;
