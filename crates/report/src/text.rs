@@ -26,13 +26,13 @@ pub use volumetric::{location_text, volumetric_text};
 use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::views::cuts;
 use crate::words::{
-    NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads, formula_shape,
-    formula_site, headline, left_out, no_place, noise_origin, noticeable, planned_words, repeatability,
-    trial_verdict, verdict, wave,
+    EXPLAINS, NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads,
+    formula_shape, formula_site, headline, left_out, no_place, noise_origin, noticeable, planned_words,
+    repeatability, trial_verdict, verdict, wave,
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
-use trunnion_results::sentences::complete;
+use trunnion_results::sentences::{complete, inadequate};
 use trunnion_results::{
     Candidate, Check, Comparison, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Moved,
     Parameter, Place, Plausibility, Trial,
@@ -54,6 +54,9 @@ pub fn identification_text(view: &Identification) -> String {
         &[],
     );
     out += "\n";
+    out += &inadequate(view).map_or(String::new(), |sentence| {
+        paragraph(&format!("{sentence} Run `trunnion diagnose` with the same runs and model.")) + "\n"
+    });
     out += &parameters(&view.parameters);
     out += &another_run(view);
     out += &view.doubts.iter().map(|doubt| paragraph(&format!("Doubt: {}", doubt.words))).collect::<String>();
@@ -220,6 +223,7 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
         });
         let rows: Vec<_> = once(head.map(String::from).to_vec()).chain(rows).collect();
         out += &titled(&rows, &[1, 2, 3, 4]);
+        out += &paragraph(EXPLAINS);
         // What the best is confounded with follows in its own paragraph.
         for c in diagnosis.candidates.iter().skip(1).filter(|c| !c.confused_with.is_empty()) {
             out += &paragraph(&format!("{} is confounded with {}.", c.effect, c.confused_with.join(", ")));
@@ -227,10 +231,10 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
     }
     let formula = diagnosis.formula.as_ref().map_or(String::new(), formula);
     let best = diagnosis.candidates.first().map_or(String::new(), best_candidate);
-    out += &if formula_leads(diagnosis) {
-        format!("{formula}\nThe named effect closest to it:{best}")
-    } else {
-        best + &formula
+    out += &match (formula_leads(diagnosis), best.is_empty()) {
+        (true, false) => format!("{formula}\nThe named effect closest to it:{best}"),
+        (true, true) => formula,
+        (false, _) => best + &formula,
     };
     let said = diagnosis.candidates.first().map_or("", |best| best.separate_by.as_str());
     if let Some(next) = diagnosis.next_cycle.as_ref().filter(|next| next.suggestion != said) {
@@ -255,7 +259,7 @@ fn formula(formula: &FormulaProposal) -> String {
     format!("\nformula:{} ({})\n", formula.name, formula_site(formula))
         + &format!("  {}\n{}", clean(&formula.expression), numbers)
         + &paragraph(&format!(
-            "It is a {}; it leaves {} and explains {}. {}.",
+            "It is a {}; it leaves {} and explains {} of what was found. {}.",
             formula.location,
             um(formula.rms_um_after),
             percent(formula.explains_fraction),

@@ -2,8 +2,8 @@
 
 use crate::number::{percent, um, um_or_dash};
 use trunnion_results::{
-    Candidate, Comparison, Diagnosis, FormulaProposal, Prediction, Question, RunPrediction, SpectrumWave,
-    Then, Trial, Verdict,
+    Candidate, Comparison, Diagnosis, FormulaProposal, Ladder, LeftOut, Prediction, Question, RunPrediction,
+    SpectrumWave, Then, Trial, Verdict,
 };
 
 pub use trunnion_results::sentences::*;
@@ -52,7 +52,10 @@ pub fn verdict(input: &Comparison) -> Vec<String> {
     if let Some(diagnosis) = &input.diagnosis {
         match (diagnosis.verdict, diagnosis.candidates.first(), &diagnosis.formula) {
             (Verdict::NoiseFloor, ..) => sentences.extend(nothing_left(input, diagnosis)),
-            (Verdict::MissingEffect, Some(best), _) => sentences.extend(named(diagnosis, best)),
+            (Verdict::MissingEffect, Some(best), _) => {
+                sentences.extend(named(diagnosis, best));
+                sentences.extend(why(diagnosis));
+            }
             (Verdict::Undecided | Verdict::NotJudged, ..) => sentences.extend(undecided(diagnosis)),
             (_, _, formula) => {
                 sentences.push(format!(
@@ -61,16 +64,18 @@ pub fn verdict(input: &Comparison) -> Vec<String> {
                     um(diagnosis.residual.rms_um),
                     repeatability(diagnosis.residual.noise_um)
                 ));
-                match formula {
-                    Some(formula) => sentences.push(unnamed(diagnosis, formula)),
-                    None => sentences.extend(Some(diagnosis.why.clone()).filter(|why| !why.is_empty())),
-                }
+                sentences.extend(formula.as_ref().map(|formula| unnamed(diagnosis, formula)));
+                sentences.extend(why(diagnosis));
             }
         }
     }
     let lead = if sentences.is_empty() { "" } else { "In addition, " };
     sentences.extend(location_sentence(&input.identification.parameters, lead));
     sentences
+}
+
+fn why(diagnosis: &Diagnosis) -> Option<String> {
+    Some(diagnosis.why.clone()).filter(|why| !why.is_empty())
 }
 
 pub(crate) fn is_only_incomplete(input: &Comparison) -> bool {
@@ -181,9 +186,8 @@ fn unnamed(diagnosis: &Diagnosis, formula: &FormulaProposal) -> String {
         format!(" The named effect closest to it is {}, which does not fit fully.", effect_name(id))
     });
     format!(
-        "It looks like a {}. An expression for it takes {} of it away and leaves {} rms, {part}.{resembles}",
+        "It looks like a {}. An expression for it leaves {} rms, {part}.{resembles}",
         formula.location,
-        percent(formula.explains_fraction),
         um(formula.rms_um_after)
     )
 }
@@ -195,10 +199,15 @@ pub fn trial_verdict(trial: &Trial) -> String {
     let then = trial.then.as_ref().map_or(String::new(), |then| format!(" {}", then_sentence(then)));
     let Some((out_before, out_after)) = trial.holdout_rms_um.before.zip(trial.holdout_rms_um.after) else {
         return format!(
-            "{fit}; there is no pass to leave out, so nothing proves that it predicts anything.{then}"
+            "{fit}; there is no unit to leave out, so nothing proves that it predicts anything.{then}"
         );
     };
-    let out = format!("on data left out of the fit from {} to {}", um(out_before), um(out_after));
+    let out = format!(
+        "{} from {} to {}",
+        left_out(trial.identification.holdout_unit),
+        um(out_before),
+        um(out_after)
+    );
     let word = match out_after / out_before {
         ratio if ratio < 0.9 => "It helps: it also predicts readings it has not seen.",
         ratio if ratio < 0.99 => "It helps a little.",
@@ -207,6 +216,33 @@ pub fn trial_verdict(trial: &Trial) -> String {
     };
     format!("{fit}, {out} (repeatability {}). {word}{then}", um_or_dash(trial.noise_um))
 }
+
+/// What the bars and marks of a chart of errors are; `units`: what was left out of the fits in turn.
+pub fn bars_legend(units: &[&str]) -> String {
+    let held_out = match units.is_empty() {
+        true => String::new(),
+        false => format!(" Diamonds: error on {} left out of the fit.", units.join(" or ")),
+    };
+    format!("Bars: error of the fit.{held_out} Dashed: repeatability.")
+}
+
+/// What was left out of the fits in turn, as [`bars_legend`] takes it.
+pub fn units(unit: Option<LeftOut>) -> Vec<&'static str> {
+    unit.map(LeftOut::plural).into_iter().collect()
+}
+
+/// What was left out of the fits of a ladder in turn, each once.
+pub fn units_of(ladder: &Ladder) -> Vec<&'static str> {
+    let mut units: Vec<&str> = Vec::new();
+    for (_, row) in ladder.added() {
+        let unit = row.holdout_unit.as_deref().and_then(LeftOut::named).map(LeftOut::plural);
+        units.extend(unit.filter(|unit| !units.contains(unit)));
+    }
+    units
+}
+
+/// What the shares of candidates are shares of.
+pub const EXPLAINS: &str = "Explains: the share of what all that was found explains together.";
 
 /// Said where no place can be blamed: nothing is left, or it is spread over everything.
 pub const NO_PLACE: &str = "No place stands out from the others.";

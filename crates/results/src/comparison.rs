@@ -151,7 +151,8 @@ impl Comparison {
         let silent = diagnosis.as_ref().is_some_and(|d| d.verdict.blames_no_place());
         Self {
             places: if silent { Vec::new() } else { worst_places(experiment, fit) },
-            identification: fit.into(),
+            identification: Identification::from(fit)
+                .judged(diagnosis.as_ref().and_then(Diagnosis::model_adequate)),
             diagnosis,
             residuals: residuals(experiment, fit),
             ..Self::default()
@@ -196,7 +197,7 @@ impl Trial {
                 before: residuals(experiment, before),
                 after: residuals(experiment, after),
             },
-            identification: with,
+            identification: with.judged(then.and_then(Diagnosis::model_adequate)),
             html: None,
         }
     }

@@ -46,6 +46,10 @@ pub struct Identification {
     pub noise_parts: Vec<NoisePart>,
     /// Noise of each run and instrument, as the readings were weighted.
     pub noise_by_run: Vec<NoiseOfRun>,
+    /// Whether the model explains the readings. False: repeats show that it leaves more than they allow, or a diagnosis found something
+    /// missing; then no number of this fit is better than the model. True: a diagnosis made with this fit found nothing missing. Null: not known.
+    #[serde(default)]
+    pub model_adequate: Option<bool>,
     /// Held-out error, µm rms; null when nothing could be left out.
     pub holdout_rms_um: Option<f64>,
     /// The unit that was left out in turn for the held-out error.
@@ -232,6 +236,12 @@ pub struct Combination {
 }
 
 impl Identification {
+    /// The same with what a diagnosis made with it says of its model.
+    #[must_use]
+    pub fn judged(self, model_adequate: Option<bool>) -> Self {
+        Self { model_adequate: model_adequate.or(self.model_adequate), ..self }
+    }
+
     /// The parameter of this name.
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|parameter| parameter.name == name)
@@ -260,6 +270,7 @@ impl From<&engine::Identification> for Identification {
             },
             noise_parts: fit.noise_parts.iter().map(noise_part).collect(),
             noise_by_run: fit.noise_by_run.iter().map(noise_of_run).collect(),
+            model_adequate: fit.exceeds_repeats().then_some(false),
             holdout_rms_um: fit.holdout_rms_mm().map(um_from_mm).and_then(finite),
             holdout_unit: fit.holdout.map(|holdout| holdout.left_out.into()),
             holdout_parts: fit.holdout.map(|holdout| holdout.parts),
@@ -279,6 +290,14 @@ impl From<&engine::Identification> for Identification {
 }
 
 impl LeftOut {
+    /// The unit of this name, as a ladder row keeps it.
+    pub fn named(name: &str) -> Option<Self> {
+        [engine::LeftOut::Runs, engine::LeftOut::Setups, engine::LeftOut::Passes, engine::LeftOut::Blocks]
+            .into_iter()
+            .find(|unit| unit.name() == name)
+            .map(Self::from)
+    }
+
     /// Several of them, in a word.
     pub fn plural(self) -> &'static str {
         match self {

@@ -5,9 +5,11 @@ use crate::{
     Candidate, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Missing, Moved, Parameter,
     PlannedCycle, Plausibility, Samples, ShapeNumber, Verdict,
 };
+use std::f64::consts::LN_10;
 use trunnion_effects::catalogue::effect;
 pub use trunnion_effects::sources::{sources, with_authors};
 use trunnion_effects::{About, Role};
+use trunnion_engine::diagnosis::options::CLAIM_LN;
 
 /// A parameter is worth reporting when it exceeds this many standard uncertainties.
 const CLEAR_U: f64 = 3.0;
@@ -211,7 +213,7 @@ pub fn most_moved(moved: &[Moved]) -> Option<&Moved> {
     moved.iter().find(|m| is_location(&m.name))
 }
 
-/// What log₁₀ evidence means.
+/// What the log₁₀ of odds means.
 pub fn evidence_words(evidence: f64) -> String {
     let odds = match evidence {
         e if e >= 6.0 => "more than a million to one".into(),
@@ -220,11 +222,11 @@ pub fn evidence_words(evidence: f64) -> String {
     };
     let word = match evidence {
         e if e >= 4.0 => "It is significant",
-        e if e >= 2.0 => "It is probably significant",
-        e if e >= 1.3 => "It may be noise",
-        _ => "It may well be noise",
+        // What is claimed is not called noise.
+        e if e * LN_10 >= CLAIM_LN => "It is probably significant",
+        _ => "It may be noise",
     };
-    format!("{word}: {odds} against noise only (Bayes factor 10^{evidence:.1})")
+    format!("{word}: {odds} against noise only (odds after the prior 10^{evidence:.1})")
 }
 
 /// What a diagnosis says of a candidate beyond what the catalogue says of the effect.
@@ -268,11 +270,16 @@ pub fn planned_words(cycle: &PlannedCycle) -> String {
     let pair = |[a, b]: &[String; 2]| format!("{} from {}", effect_name(a), effect_name(b));
     let pairs: Vec<String> = cycle.separates.iter().map(pair).collect();
     format!(
-        "Cycle \"{}\": about {:.0} minutes of machine time with mounting. It separates {}. The command \"trunnion plan\" with the \
-         same recordings and model writes its file.",
+        "Cycle \"{}\": about {:.0} minutes of machine time with mounting. {}",
         cycle.name,
         cycle.minutes,
-        pairs.join("; ")
+        match pairs.is_empty() {
+            true => format!("It is {}; `trunnion diagnose --json` holds its file.", cycle.what),
+            false => format!(
+                "It separates {}. The command \"trunnion plan\" with the same recordings and model writes its file.",
+                pairs.join("; ")
+            ),
+        }
     )
 }
 
@@ -310,6 +317,17 @@ pub fn repeatability(noise_um: Option<f64>) -> String {
         || "repeatability not known: no pose was measured twice".into(),
         |noise_um| format!("repeatability {}", um(noise_um)),
     )
+}
+
+/// How far the numbers of an inadequate model hold; `None` where nothing shows that it is one.
+pub fn inadequate(fit: &Identification) -> Option<String> {
+    (fit.model_adequate == Some(false)).then(|| {
+        format!(
+            "These numbers hold only as far as the model does: it leaves {} rms ({}).",
+            um(fit.rms_um),
+            repeatability(fit.noise_um)
+        )
+    })
 }
 
 /// What was left out of the fit for its held-out error.

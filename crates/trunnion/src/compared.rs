@@ -53,7 +53,7 @@ impl Diagnosed {
             ladder: fit.model().ladder(),
             correctable: correctable.ok(),
             left_out: left_out.into_iter().collect(),
-            identification: fit.results(),
+            identification: fit.results().judged(diagnosis.model_adequate()),
             ..results::Comparison::new(fit.experiment().points(), fit.identification(), Some(diagnosis))
         };
         Compared { diagnosed: self.clone(), answer }

@@ -4,7 +4,9 @@ use super::trial;
 use crate::markup::{element, escape, table};
 use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::svg::{Bar, bars};
-use crate::words::{about, effect_name, formula_shape, formula_site, nothing_named, sources};
+use crate::words::{
+    EXPLAINS, about, bars_legend, effect_name, formula_shape, formula_site, nothing_named, sources, units,
+};
 use trunnion_results::{Candidate, Comparison, Diagnosis, FormulaProposal, Parameter};
 
 pub fn section(input: &Comparison) -> String {
@@ -24,7 +26,7 @@ fn found(input: &Comparison, diagnosis: &Diagnosis) -> String {
     }
     let mut body = bars(
         "Error before and after each candidate",
-        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: repeatability.",
+        &bars_legend(&units(diagnosis.residual.holdout_unit)),
         &steps(input, diagnosis),
         diagnosis.residual.noise_um,
     );
@@ -89,14 +91,23 @@ fn candidates_table(candidates: &[Candidate]) -> String {
                 um_or_dash(c.holdout_rms_um_after),
                 percent(c.explains_fraction),
                 if c.adequate { "yes" } else { "no" }.into(),
+                c.confused_with.join(", "),
                 about(&c.effect).map_or(String::new(), |about| sources(about.source)),
             ]
         })
         .collect();
-    let head =
-        ["effect", "evidence (log10)", "error after", "held-out after", "explains", "adequate", "source"];
+    let head = [
+        "effect",
+        "evidence (log10)",
+        "error after",
+        "held-out after",
+        "explains",
+        "adequate",
+        "confounded with",
+        "source",
+    ];
     table(
-        "Candidates, best first. Evidence 2 means 100 to 1, 3 means 1000 to 1.",
+        &format!("Candidates, best first. Evidence 2 means 100 to 1, 3 means 1000 to 1. {EXPLAINS}"),
         &head,
         &[1, 2, 3, 4],
         &rows,

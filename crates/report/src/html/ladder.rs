@@ -4,7 +4,7 @@ use super::trial::{clearly, moved_table};
 use crate::markup::table;
 use crate::number::{MISSING, um, um_or_dash};
 use crate::svg::{Bar, bars};
-use crate::words::{most_moved, moved_words};
+use crate::words::{bars_legend, most_moved, moved_words, units_of};
 use trunnion_results::{Ladder, LadderRow};
 
 pub fn section(ladder: &Ladder) -> String {
@@ -26,8 +26,10 @@ pub fn section(ladder: &Ladder) -> String {
     let steps: Vec<_> = std::iter::once(start).chain(ladder.added().map(step)).collect();
     let chart = bars(
         "Ladder: error after each effect",
-        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: repeatability. Next to each effect: \
-         the location error that moved most when it came in, and by how many standard uncertainties u.",
+        &format!(
+            "{} Next to each effect: the location error that moved most when it came in, and by how many standard uncertainties u.",
+            bars_legend(&units_of(ladder))
+        ),
         &steps,
         None,
     );

@@ -2,6 +2,7 @@
 
 use crate::markup::{element, escape, table};
 use crate::number::value_and_u;
+use trunnion_results::sentences::inadequate;
 use trunnion_results::{Combination, Comparison, Parameter};
 
 fn cells(p: &Parameter) -> Vec<String> {
@@ -18,14 +19,14 @@ pub fn section(input: &Comparison) -> String {
     let fit = &input.identification;
     let mut effects: Vec<&str> = fit.parameters.iter().map(|p| p.effect.as_str()).collect();
     effects.dedup();
-    let mut body = String::new();
+    let mut body = inadequate(fit).map_or(String::new(), |sentence| element("p", &sentence));
     for effect in effects {
         let rows: Vec<_> = fit.parameters.iter().filter(|p| p.effect == effect).map(cells).collect();
         let head = ["parameter", "value", "standard uncertainty", "remark"];
         body += &table(&crate::words::effect_name(effect), &head, &[1, 2], &rows);
     }
-    if body.is_empty() {
-        body = element("p", "The model has no parameters.");
+    if fit.parameters.is_empty() {
+        body += &element("p", "The model has no parameters.");
     }
     if !fit.seen_together.is_empty() {
         let rows: Vec<Vec<String>> = fit.seen_together.iter().map(together).collect();

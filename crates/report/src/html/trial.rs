@@ -6,7 +6,7 @@ use crate::markup::{element, escape, table};
 use crate::number::{justified, um_or_dash, unit_on_screen, value_and_u};
 use crate::svg::{Bar, Mark, Series, XyChart, bars, legend, nice_above, xy_chart};
 use crate::views::{Axes, component_name, component_names, residuals_um, thinned};
-use crate::words::{NO_PLACE, about, effect_name, trial_verdict};
+use crate::words::{NO_PLACE, about, bars_legend, effect_name, trial_verdict, units};
 use std::collections::HashSet;
 use trunnion_core::convert::s_from_min;
 use trunnion_results::sentences::noise_origin;
@@ -44,7 +44,7 @@ pub fn headline(trial: &Trial, label: &str) -> String {
     });
     let chart = bars(
         "Error before and after",
-        "Bars: error of the fit. Diamonds: error on data left out of the fit. Dashed: repeatability.",
+        &bars_legend(&units(trial.identification.holdout_unit)),
         &steps,
         trial.noise_um,
     );

@@ -2,7 +2,7 @@
 
 use super::table::{columns, longest_bar, moved_table};
 use crate::number::um_or_dash;
-use crate::words::{most_moved, moved_words};
+use crate::words::{most_moved, moved_words, units_of};
 use std::iter::once;
 use trunnion_results::{Ladder, LadderRow};
 
@@ -30,7 +30,11 @@ pub fn ladder_text(ladder: &Ladder, noise_um: Option<f64>) -> String {
         row.push(marked_bar(*values, largest, longest));
     }
     let mut out = columns(&rows, &[1, 2, 3]);
-    out += "Bars: # error of the fit, o error on data left out of the fit, | repeatability; µm rms.\n";
+    let held_out = match units_of(ladder)[..] {
+        [] => String::new(),
+        ref units => format!(" o error on {} left out of the fit,", units.join(" or ")),
+    };
+    out += &format!("Bars: # error of the fit,{held_out} | repeatability; µm rms.\n");
     for (effect, row) in ladder.added() {
         let moved: Vec<_> = row.moved.iter().filter(|m| m.in_u() > 2.0).cloned().collect();
         if !moved.is_empty() {

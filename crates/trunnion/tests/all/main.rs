@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod adequate;
 mod examples;
 mod joined;
 mod library;
@@ -10,11 +11,13 @@ mod losses;
 mod mistakes;
 mod nest;
 mod one_answer;
+mod periods;
 mod plausible;
 mod replayed;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../../tests/src/section.rs"]
 mod section;
+mod undecided;
 mod values;
 mod whole;
 

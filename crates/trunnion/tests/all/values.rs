@@ -183,3 +183,32 @@ fn temperatures_that_change_together_and_impossible_coefficients_are_doubted() {
     assert_eq!(of(DoubtReason::BeyondPhysical).collect::<Vec<_>>(), ["far.x"], "{doubts:?}");
     assert!(fit.summary().contains("changed together"), "{}", fit.summary());
 }
+
+/// A third sensor stands next to the first: the cause is found all the same, and that no coefficient is that of one sensor is said.
+#[test]
+fn a_thermal_day_has_its_cause_named_and_its_collinear_sensors_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let days = Days { coefficients: [8.0, -3.0], between_um_per_k: 0.0, drift: (0.3, 10.0), white_um: 0.3 };
+    let (files, _) = days.write(folder.path(), 2);
+    let table = std::fs::read_to_string(&files[0]).unwrap();
+    let mut lines = table.lines();
+    let mut text = format!("{},twin_degc\n", lines.next().unwrap());
+    for (k, line) in lines.enumerate() {
+        let bed: f64 = line.split(',').nth(6).unwrap().parse().unwrap();
+        text += &format!("{line},{:.4}\n", bed + 0.01 * ((k * 7) % 5) as f64);
+    }
+    let file = folder.path().join("twin.csv");
+    std::fs::write(&file, text).unwrap();
+    let run = trunnion::open(file).unwrap();
+    let diagnosed = run.fit(&run.base_model()).unwrap().diagnose().unwrap();
+    assert_eq!(diagnosed.best().as_deref(), Some("thermal-expansion"), "{}", diagnosed.summary());
+    let fit = diagnosed.add("thermal-expansion").unwrap().fit().clone();
+    let doubts = fit.results().doubts;
+    let twins = doubts.iter().find(|doubt| doubt.reason == DoubtReason::Collinear);
+    assert_eq!(
+        twins.map(|doubt| &doubt.names[..]),
+        Some(&["bed.x".to_string(), "twin.x".into()][..]),
+        "{doubts:?}"
+    );
+    assert!(fit.summary().contains("changed together"), "{}", fit.summary());
+}

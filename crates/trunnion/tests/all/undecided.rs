@@ -1,0 +1,51 @@
+//! Data that cannot decide between causes say so, and what to measure next.
+
+use std::path::PathBuf;
+use trunnion::Experiment;
+use trunnion::results::Verdict;
+use trunnion_cycles::Cycle;
+
+/// The committed run without a hidden effect, readings changed; the passes backwards read `um` more along Y of the table.
+fn with_offset_of_a_pass(um: f64) -> (tempfile::TempDir, Experiment) {
+    let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/points-nothing-hidden");
+    let text = std::fs::read_to_string(data.join("points.csv")).unwrap();
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = |name: &str| head.iter().position(|cell| *cell == name).unwrap();
+    let (direction, dy) = (column("direction_c"), column("dy_um"));
+    let mut changed = head.join(",");
+    for line in lines {
+        let mut cells: Vec<String> = line.split(',').map(String::from).collect();
+        if cells[direction].parse::<f64>().unwrap() < 0.0 {
+            cells[dy] = format!("{:.4}", cells[dy].parse::<f64>().unwrap() + um);
+        }
+        changed += &format!("\n{}", cells.join(","));
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("points.csv"), changed + "\n").unwrap();
+    std::fs::copy(data.join("setup.toml"), folder.path().join("setup.toml")).unwrap();
+    let run = trunnion::open(folder.path().join("points.csv")).unwrap();
+    (folder, run)
+}
+
+#[test]
+fn two_passes_that_differ_are_undecided_and_the_cycle_that_decides_is_named() {
+    // Along the circle that C carries the ball on, as a backlash of C does.
+    let (_folder, run) = with_offset_of_a_pass(0.3);
+    let diagnosed = run.fit(&run.base_model()).unwrap().diagnose().unwrap();
+    let answer = diagnosed.results();
+    assert_eq!(answer.verdict, Verdict::Undecided, "{answer:?}");
+    assert_eq!(answer.undecided[0].effect, "backlash:C", "{:?}", answer.undecided);
+    assert!(answer.why.contains("backlash:C") && answer.why.contains("offsets of passes"), "{}", answer.why);
+    let next = answer.next_cycle.unwrap();
+    assert!(next.suggestion.starts_with("Repeat this pass"), "{next:?}");
+    let planned = next.cycle.unwrap();
+    assert!(planned.separates.is_empty() && planned.separation.is_none(), "{planned:?}");
+    let cycle = Cycle::parse("next.toml", &planned.file).unwrap();
+    assert_eq!(cycle.poses(run.machine()).unwrap().len(), 336, "every pose in both directions");
+    let text = diagnosed.summary().replace('\n', " ");
+    assert!(
+        text.contains("Measure next: Repeat this pass") && text.contains("the present poses once more"),
+        "{text}"
+    );
+}
