@@ -19,7 +19,7 @@ use trunnion_cycles::{Run, RunKind};
 const CHANCE: f64 = 1e-4;
 /// Readings that differ by less are one value, mm: a thousandth of the finest step that a points file of µm shows.
 const SAME_MM: f64 = 1e-8;
-/// A channel reads one value in at least this share of the points, in whatever order: what is left are single wrong values.
+/// A channel reads one value in at least this share of the points, in whatever order: the others are single wrong values.
 const DEAD_SHARE: f64 = 0.9;
 /// Steps of the display by which another channel moves meanwhile: one that moves by one or two may well rest in another direction.
 const ALIVE_STEPS: f64 = 10.0;

@@ -16,7 +16,7 @@ const AGAINST: f64 = 1.0 / (STREAK as f64 + 1.0);
 const FEWEST_STEPS: usize = 2 * STREAK;
 /// A count is not that of a random order when it is so many standard deviations away: one in 700 on one side [normal distribution].
 const SURE: f64 = 3.0;
-/// With fewer steps in time a random order is not told from a restart of the clock.
+/// With fewer steps in time a random order and a restart of the clock look the same.
 const FEWEST_TIMES: usize = 12;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {

@@ -99,7 +99,7 @@ const MISTAKES: [Mistake; 31] = [
     ("another machine", |f| f.replace("\"table-bc\"", "\"head-bc\""), &["another machine, table-bc"]),
     ("ball elsewhere", |f| f.replace("[150", "[15"), &["position of the ball of setup low", "[150.0, "]),
     (
-        "positions stand still",
+        "positions not updated",
         |f| {
             for column in ["b_deg", "c_deg"].map(|name| f.column(name)) {
                 let first = f.rows[100][column].clone();

@@ -86,7 +86,7 @@ fn place(address: &str) -> Place {
 
 /// A connection that is tried in a thread of its own, because a name may take longer than the limit.
 fn connecting(host: String) -> mpsc::Receiver<io::Result<()>> {
-    let (tell, answer) = mpsc::channel();
+    let (send, answer) = mpsc::channel();
     std::thread::spawn(move || {
         let tried = host.to_socket_addrs().and_then(|addresses| {
             let mut last = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
@@ -99,7 +99,7 @@ fn connecting(host: String) -> mpsc::Receiver<io::Result<()>> {
             Err(last)
         });
         // Who asked may have given up.
-        tell.send(tried).ok();
+        send.send(tried).ok();
     });
     answer
 }
