@@ -5,6 +5,7 @@
 //! machine itself can do is never one.
 
 mod channels;
+mod claim;
 mod found;
 mod order;
 mod places;

@@ -1,6 +1,6 @@
 //! Mistakes with a number in them, which is fitted: a constant offset of an axis, the length of a bar, the place of a ball.
 
-use super::positions::{Claim, TOGETHER_MM};
+use super::claim::{Claim, TOGETHER_MM};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 use trunnion_core::convert::deg_from_rad;

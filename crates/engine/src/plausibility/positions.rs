@@ -1,66 +1,22 @@
 //! Do the axes follow the ball? An R-test reads a ball in its nest, so both must be at one place; a ball bar keeps its two balls its length
 //! apart. Both hold whatever the machine's errors are: these are a thousand times smaller than any mistake here.
 
+use super::claim::{Claim, TOGETHER_MM, off_mm, rms};
 use super::found::Implausible;
 use super::places;
-use nalgebra::Vector3;
 use std::f64::consts::PI;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::{AxisValues, InstrumentKind, Joint, Setup, statistics};
+use trunnion_core::{InstrumentKind, Joint};
 use trunnion_cycles::Run;
-use trunnion_machine::{JointErrors, Machine, shipped};
+use trunnion_machine::shipped;
 
 /// Farther off than any probe of an R-test reads, and than any ball bar grows or shrinks, mm.
 const FAR_MM: f64 = 5.0;
-/// With a mistake undone, the balls may stay this far off: settings by hand and rounded positions, mm.
-pub(super) const TOGETHER_MM: f64 = 1.0;
 /// Points of which the distance is formed while mistakes are tried: evenly chosen, for time only.
 const TRIED_POINTS: usize = 600;
 /// More mistakes that explain all are not listed.
 const MOST_LISTED: usize = 3;
 const MM_OF_INCH: f64 = 25.4;
-
-/// What a run says of itself, or would say with a mistake undone.
-#[derive(Clone)]
-pub(super) struct Claim<'a> {
-    pub machine: &'a Machine,
-    pub setups: Vec<Setup>,
-    pub positions: Vec<(usize, AxisValues<f64>)>,
-}
-
-impl Claim<'_> {
-    /// How far off the balls are at every position, mm.
-    pub fn off_mm(&self) -> Vec<Vector3<f64>> {
-        let off = |(setup, at): &(usize, AxisValues<f64>)| off_mm(self.machine, &self.setups[*setup], at);
-        self.positions.iter().map(off).collect()
-    }
-
-    pub fn rms_mm(&self) -> f64 {
-        rms(self.off_mm().into_iter())
-    }
-
-    /// The same with other positions.
-    pub fn turned(&self, change: impl Fn(&AxisValues<f64>) -> AxisValues<f64>) -> Self {
-        let positions = self.positions.iter().map(|(setup, position)| (*setup, change(position)));
-        Self { positions: positions.collect(), ..self.clone() }
-    }
-}
-
-/// How far off the balls are by nominal kinematics, mm: from the nest to the ball in machine axes; of a ball bar, how much farther apart
-/// its balls are than it is long.
-fn off_mm(machine: &Machine, setup: &Setup, position: &AxisValues<f64>) -> Vector3<f64> {
-    let none = JointErrors::default();
-    let apart = machine.machine_from_tool(position, &none) * setup.ball_in_tool_mm
-        - machine.machine_from_table(position, &none) * setup.ball_in_table_mm;
-    match setup.bar_length_mm.filter(|_| setup.instrument.keeps_bar_length()) {
-        Some(length_mm) => Vector3::x() * (apart.norm() - length_mm),
-        None => apart,
-    }
-}
-
-fn rms(distances: impl Iterator<Item = Vector3<f64>>) -> f64 {
-    statistics::rms(distances.map(|d| d.norm())).unwrap_or(0.0)
-}
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     runs.iter().filter_map(of_run).collect()
