@@ -115,7 +115,7 @@ async fn the_story_of_the_service_is_shown_without_a_second_analysis_until_somet
     let story = page.json("GET /api/runs/run", "", "").await;
     // It is what the page would have found by itself.
     let run = trunnion::open(&recording).unwrap();
-    let asked = run.fit(&run.base_model()).unwrap().compare().unwrap().story();
+    let asked = run.fit(&run.base_model()).unwrap().compare().story();
     assert_eq!(story, serde_json::to_value(asked).unwrap());
 
     let history = page.json("GET /api/history", "", "").await;
