@@ -135,8 +135,8 @@ pub fn parse_setup_file(file: &str, text: &str) -> Result<SetupFile, Problems> {
 /// The machine that a setup file names, whatever else is wrong with the file.
 pub fn machine_of_setup_file(file: &str, text: &str) -> Option<String> {
     let document = Document::parse(file, text).ok()?;
-    let name = document.root().string("machine");
-    name
+    let root = document.root();
+    root.string("machine")
 }
 
 /// Reads the `[[setup]]` tables of a file; notes duplicate names and an empty list.
