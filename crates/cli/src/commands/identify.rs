@@ -43,7 +43,7 @@ pub struct Args {
     /// Signs of the method's values: right-handed, or source (as its source prints them)
     #[arg(long, value_name = "NAME", requires = "method", default_value = "right-handed", value_parser = convention)]
     convention: Convention,
-    /// Deviations on maps of places (error-map) so many times as large as they are, e.g. 10000; by default what suits them
+    /// Magnification of deviations on maps of places (error-map), e.g. 10000; by default what suits them
     #[arg(long, value_name = "TIMES", requires = "method", value_parser = magnification)]
     magnification: Option<f64>,
     /// Result file of a Renishaw QC20-W (.b5r) of the same circles: its numbers next to ours

@@ -36,8 +36,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.points.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("b5r")) {
         let path = args.points.display();
         anyhow::bail!(
-            "{path} is the result file of a ball bar, not a table of points: no public document names its readings. Its numbers stand next to those of \
-             your own run of the circle by `trunnion identify RUN.MCAP --method circular --against {path}`"
+            "{path} is the result file of a ball bar, not a table of points: no public document names its readings. To see its numbers next to yours, use \
+             `trunnion identify RUN.MCAP --method circular --against {path}`"
         );
     }
     let setup_path = args.setup.clone().unwrap_or_else(|| args.points.with_file_name("setup.toml"));

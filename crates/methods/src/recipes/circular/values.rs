@@ -255,8 +255,9 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
     for fit in fits {
         let plane = &fit.trace.name;
         notes.push(format!(
-            "{plane}: values hold for the guides within the circle, ±{:.0} mm. A guide that is S-shaped leans differently over a longer travel. The table of what else may \
-             read as errors of the list says by how far an error may be moved (95 %): within the circle, and over the whole travel if the guide goes on as it does there.",
+            "{plane}: values hold for the guides within the circle, ±{:.0} mm. A guide that is S-shaped leans differently over a longer travel. A table gives what else may \
+             read as errors of the list, and by how far it may move them (95 %). It gives two bounds: within the circle, and over the whole travel if the guide goes on \
+             as it does there.",
             fit.trace.radius_mm
         ));
         if let Some(names) = strongest(fit) {
@@ -277,13 +278,13 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
                  reads as squareness. Run it both ways."
             ));
         }
-        let distance = "Servo mismatch is given as a distance at that speed; this holds for one constant speed only, so do not trust backlash and spikes \
-                        where the feed changed.";
+        let distance = "Servo mismatch is given as a distance at that speed. This holds for one constant speed only: do not trust backlash and spikes where the feed \
+                        changed.";
         match fit.trace.speed {
             Speed::Run => {}
             Speed::Times => notes.push(format!(
-                "{plane}: the speed is that of the rows by time_s. The run was imported as static: if the axes stopped for each reading, servo mismatch means \
-                 nothing; if they moved, import with --kind on-the-fly."
+                "{plane}: the speed is that of the rows by time_s, because the run was imported as static. If the axes stopped for each reading, servo mismatch means \
+                 nothing. If they moved, import with --kind on-the-fly."
             )),
             Speed::OutOfOrder => notes.push(format!(
                 "{plane}: the run has time_s, but its rows do not follow the path in time, so it knows no speed. {distance} Sort the rows by time and import \

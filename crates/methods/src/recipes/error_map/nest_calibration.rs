@@ -83,8 +83,8 @@ fn spindle_note(runs: &[Run]) -> &'static str {
         .map(angle_rad)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| (low.min(l), high.max(h)));
     if joints.is_empty() {
-        " The machine file has no joint of the spindle, so its angle is not read: keep the spindle at one angle, or remove the ball's offset from the spindle \
-         line before (S1 §3.2)."
+        " The machine file has no joint of the spindle, so its angle is not read. Keep the spindle at one angle, or remove the ball's offset from the \
+         spindle line before (S1 §3.2)."
     } else if high - low > SAME_RAD {
         " The spindle turns in these runs. The map takes no account of the ball's offset from the spindle line; the joint fit (identify without --method) has the \
          errors of that line."
