@@ -338,7 +338,8 @@ fn error_motions_are_the_harmonics_that_were_put_in() {
     };
     let ranges = ["EXC range", "EYC range"].map(range);
     near(ranges[0].max(ranges[1]), 6.0, 0.25);
-    assert!(ranges[0].min(ranges[1]) < 0.3, "{ranges:?}");
+    // A tenth of it bounds what noise hides (95 %) along the other.
+    assert!(ranges[0].min(ranges[1]) < 0.6, "{ranges:?}");
     assert!(text.contains("3 a turn: 3.0") || text.contains("3 a turn: 2.9"), "{text}");
     // A bar names the cause of what is significant, and of nothing else.
     let run = simulate_on(folder.path(), "table-bc-y", lobed, "s4-c");

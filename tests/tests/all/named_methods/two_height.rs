@@ -217,7 +217,7 @@ fn two_recordings_of_one_height_each_tell_the_same() {
     let method = recipes::find("two-height").expect("registered");
     let [together, apart] = [std::slice::from_ref(&both), &apart[..]]
         .map(|runs| (method.run)(runs, &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}")));
-    for name in ["EX0C", "EY0C", "EA0C", "EB0C", "EXC range"] {
+    for name in ["EX0C", "EY0C", "EA0C", "EB0C", "EXC rms"] {
         near(value(&together, name), value(&apart, name), 1e-12, name);
     }
 }
