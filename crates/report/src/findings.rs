@@ -48,9 +48,8 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
         let doubt = "These numbers are not to be relied on, because the runs are not plausible or not whole.";
         sentences.extend([doubt.into(), not_plausible(&findings.plausibility)]);
     }
-    sentences.extend(
-        shown.iter().filter(|found| found.kind == ValueKind::Summary).map(|found| summary(found)),
-    );
+    sentences
+        .extend(shown.iter().filter(|found| found.kind == ValueKind::Summary).map(|found| summary(found)));
     sentences.push(format!("{first}."));
     if with_u > 0 {
         let count = clear.len();

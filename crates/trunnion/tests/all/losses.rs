@@ -33,7 +33,7 @@ fn gap(from_s: f64, to_s: f64) -> Gap {
 
 fn compared(recording: &Path) -> Compared {
     let run = trunnion::open(recording).unwrap();
-    run.fit(&run.base_model()).unwrap().compare().unwrap()
+    run.fit(&run.base_model()).unwrap().compare()
 }
 
 /// What each surface says, by name.

@@ -121,7 +121,7 @@ fn check_stage(run: &Experiment, every: usize, lead_mm: Option<f64>) {
     };
     close(answer.candidates[0].period.as_ref().unwrap(), STAGE[0], 0.3);
     assert!(diagnosed.summary().contains("0.2500 mm"), "{}", diagnosed.summary());
-    let compared = diagnosed.compare().unwrap().results();
+    let compared = diagnosed.compare().results();
     let second: Vec<&Period> = compared
         .spectra
         .iter()
