@@ -148,7 +148,17 @@ pub fn wave(axis: &str, wave: &SpectrumWave) -> String {
 /// What an all-clear is worth.
 pub fn noticeable(diagnosis: &Diagnosis) -> Option<String> {
     let noticeable_um = diagnosis.noticeable_um.filter(|_| diagnosis.verdict == Verdict::NoiseFloor)?;
-    Some(format!("A usual effect of {} rms or more would have been noticed.", um(noticeable_um)))
+    let noticed = format!("A usual effect of {} rms or more would have been noticed.", um(noticeable_um));
+    // What passes differ by is part of the noise, and looks like either.
+    let passes_um = diagnosis.noise.passes_um;
+    Some(match passes_um > noticeable_um {
+        true => format!(
+            "{noticed} Not so backlash or a slip of the setup: passes differ by some {}, and these data do not say why. Repeat one \
+             pass to know.",
+            um(passes_um)
+        ),
+        false => noticed,
+    })
 }
 
 fn named(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {

@@ -4,8 +4,11 @@ use std::path::Path;
 use trunnion_tests::section::is_writing;
 use trunnion_tests::{section, workspace_root};
 
+/// An area, its crates before with their lines, its crates now.
+type Area = (&'static str, &'static [(&'static str, usize)], &'static [&'static str]);
+
 /// Lines of Rust at commit 0f1fa37, before the present layout of the crates; what stands for each area now.
-const AREAS: [(&str, &[(&str, usize)], &[&str]); 15] = [
+const AREAS: [Area; 15] = [
     ("units, nouns, readers", &[("units", 658)], &["crates/core"]),
     ("machines", &[("machine", 1496)], &["crates/machine"]),
     ("effects", &[("effects", 6875)], &["crates/effects"]),

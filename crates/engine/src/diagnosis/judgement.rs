@@ -1,7 +1,7 @@
 //! The verdict where nothing is claimed: an all-clear that is earned, or that these data cannot say.
 //!
-//! An all-clear needs repeats that show the repeatability, a residual no larger than they and the natural motions of a machine allow, and no effect that has
-//! anything to say for it. It states the size of effect that would have been noticed.
+//! An all-clear needs repeats that show the repeatability, a residual and a held-out error no larger than they and the natural motions of a
+//! machine allow, and no effect that has anything to say for it. It states the size of effect that would have been noticed.
 
 use crate::diagnosis::judged::{LearnedNoise, Verdict};
 use crate::diagnosis::named::{BARE_MENTION_LN, price_ln};
@@ -63,8 +63,19 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
         );
     }
     let (rms_um, noise_um) = (um_from_mm(fit.rms_mm), um_from_mm(repeatability.sigma_mm));
-    if repeatability.allows(fit.rms_mm) {
-        return (Verdict::NoiseFloor, String::new(), String::new());
+    // What was left out is what the user meets next: noise that no pass predicts of another is no all-clear.
+    let surprise = fit.holdout.filter(|held_out| !repeatability.allows(held_out.rms_mm));
+    match (repeatability.allows(fit.rms_mm), surprise) {
+        (true, None) => return (Verdict::NoiseFloor, String::new(), String::new()),
+        (true, Some(held_out)) => {
+            let (units, of_them) = (held_out.left_out.plural(), um_from_mm(held_out.rms_mm));
+            let why = format!(
+                "The {units} differ: one left out of the fit is predicted to {of_them:.2} µm only, where readings repeat to \
+                 {noise_um:.2} µm. Backlash, a slip of the setup and an offset look alike in these data."
+            );
+            return undecided(why, NextCycle::REPEAT_THIS_PASS);
+        }
+        (false, _) => {}
     }
     let sizes = noise_sizes(scan, found.last.null.x());
     let excess = rms_um.powi(2) - noise_um.powi(2);

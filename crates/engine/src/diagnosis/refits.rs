@@ -18,7 +18,7 @@ pub struct Refit {
 /// An addition with which the model cannot be fitted, so that it cannot be added either.
 pub struct Unfitted {
     added: Vec<ModelEffect>,
-    error: IdentifyError,
+    error: Box<IdentifyError>,
 }
 
 impl Unfitted {
@@ -28,7 +28,7 @@ impl Unfitted {
         format!(
             "The model with {} cannot be fitted to these readings: {}.",
             ids.join(", "),
-            chain(&self.error)
+            chain(self.error.as_ref())
         )
     }
 }
@@ -38,7 +38,7 @@ pub fn refits(problem: &Problem<'_>, additions: Vec<Vec<ModelEffect>>) -> Vec<Re
     let fits = parallel(additions.len(), |i| problem.with(&additions[i]).map(Problem::into_fit));
     let with = |(added, fit)| match fit {
         Ok(fit) => Ok(Refit { added, fit }),
-        Err(error) => Err(Unfitted { added, error }),
+        Err(error) => Err(Unfitted { added, error: Box::new(error) }),
     };
     additions.into_iter().zip(fits).map(with).collect()
 }
@@ -158,7 +158,8 @@ mod tests {
     fn what_cannot_be_fitted_is_named_with_the_reason() {
         let id = "formula:ball-dx".to_string();
         let entry = ModelEffect { id: id.clone(), ..ModelEffect::default() };
-        let unfitted = Unfitted { added: vec![entry], error: IdentifyError::EffectTwice { effect: id } };
+        let unfitted =
+            Unfitted { added: vec![entry], error: Box::new(IdentifyError::EffectTwice { effect: id }) };
         assert_eq!(
             unfitted.words(),
             "The model with formula:ball-dx cannot be fitted to these readings: the model lists effect formula:ball-dx twice; keep one."

@@ -136,10 +136,13 @@ impl<'a> Channels<'a> {
         });
         let (channel, stretch, all_rest) = found?;
         let names = self.names();
-        let which = if all_rest { names.join(" and ") } else { names[channel].clone() };
+        let which = match &names[..] {
+            [_, _, ..] if all_rest => format!("{} each read", names.join(" and ")),
+            _ => format!("{} reads", names[channel]),
+        };
         Some(plain(
             format!(
-                "{}: in rows {} to {} {which} reads the same value in every digit, while the axes move.",
+                "{}: in rows {} to {} {which} the same value in every digit, while the axes move.",
                 self.run.name, self.rows[stretch.first], self.rows[stretch.last]
             ),
             "The probe is dead, stuck or not connected. Check it and measure again.",

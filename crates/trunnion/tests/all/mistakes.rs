@@ -126,7 +126,7 @@ const MISTAKES: [Mistake; 31] = [
     (
         "every probe reads 5.00",
         |f| READINGS.into_iter().for_each(|c| f.change(c, |_| 5.0)),
-        &["rows 1 to 168 the probe dx and the probe dy and the probe dz reads the same value"],
+        &["rows 1 to 168 the probe dx and the probe dy and the probe dz each read the same value"],
     ),
     (
         "a probe sticks from row 151 on",
