@@ -20,6 +20,7 @@ mod confounded;
 mod fit;
 mod list;
 mod planes;
+mod solved;
 mod trace;
 mod values;
 

@@ -10,19 +10,18 @@
 //! how far the squareness of the whole machine may be from that of the circle, if the guide goes on as it does there.
 //! Limits: causes of the two axes that move, one by one; causes with shape numbers (periods, time constants) and descriptions are not tried.
 
-use super::fit::widened;
 use super::list::ListedKind;
+use super::solved::{CENTRING, TOLERANCE, widened};
 use super::trace::Trace;
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::Joint;
+use trunnion_core::statistics::COVERAGE_95;
 use trunnion_effects::{Instance, Role, Subject, Unit};
 use trunnion_engine::Experiment;
 use trunnion_engine::solve::linear::least_squares;
 
 /// Chance that noise makes any of the causes significant.
 const BY_CHANCE: f64 = 0.05;
-/// Half of a 95 % interval in standard uncertainties [GUM G.6.6].
-const COVERAGE_95: f64 = 1.96;
 /// Share of a column that is rounding: below the tolerance of the fit of the list.
 const ROUNDING: f64 = 1e-6;
 
@@ -156,12 +155,12 @@ pub(super) fn others(
 
 /// m and r of a column; r is `None` where it is rounding. `None` for one that the centring takes up, or that is nothing.
 fn split(design: &DMatrix<f64>, column: &DVector<f64>) -> Option<(DVector<f64>, Option<DVector<f64>>)> {
-    let centring = design.columns(0, super::fit::CENTRING).into_owned();
-    let beyond = column - &centring * least_squares(&centring, column, super::fit::TOLERANCE).x;
+    let centring = design.columns(0, CENTRING).into_owned();
+    let beyond = column - &centring * least_squares(&centring, column, TOLERANCE).x;
     if beyond.norm() <= ROUNDING * column.norm() {
         return None;
     }
-    let moves = least_squares(design, column, super::fit::TOLERANCE).x;
+    let moves = least_squares(design, column, TOLERANCE).x;
     let shown = column - design * &moves;
     let is_rounding = shown.norm() <= ROUNDING * beyond.norm();
     Some((moves, (!is_rounding).then_some(shown)))

@@ -2,6 +2,7 @@
 
 use super::confounded::{Other, Together, others, together};
 use super::list::{Listed, ListedKind, columns, listed};
+use super::solved::{CENTRING, TOLERANCE, widened};
 use super::trace::{Sample, Trace};
 use crate::common::stations::Stations;
 use crate::geometry;
@@ -18,10 +19,6 @@ const DECAYS: [f64; 8] = [0.002, 0.0035, 0.006, 0.01, 0.015, 0.022, 0.033, 0.045
 const LONGEST_DECAY: f64 = 0.05;
 /// A spike must be this many times its uncertainty: its decay was chosen among many.
 const SPIKE_STANDS_OUT: f64 = 5.0;
-/// Relative singular value below which errors are not distinguished.
-pub(super) const TOLERANCE: f64 = 1e-6;
-/// Columns of the centring: 1, cos φ, sin φ.
-pub(super) const CENTRING: usize = 3;
 
 /// Angle (rad) and deviation (mm) in the order of the angle.
 pub(super) type Contour = Vec<(f64, f64)>;
@@ -298,16 +295,6 @@ fn contour(stations: &Stations, samples: &[Sample], way: f64, of: &DVector<f64>)
     }
     let read = sums.iter().zip(&stations.angles_rad).filter(|((_, count), _)| *count > 0.0);
     read.map(|((sum, count), &angle)| (angle, sum / count)).collect()
-}
-
-/// How much wider uncertainties are than of white noise: root of the integrated autocorrelation of what is left, up to where it
-/// first falls into the noise (Sokal 1989). One for white noise.
-pub(super) fn widened(left: &DVector<f64>) -> f64 {
-    let (n, all) = (left.len(), left.norm_squared().max(f64::MIN_POSITIVE));
-    let correlation = |lag: usize| left.rows(lag, n - lag).dot(&left.rows(0, n - lag)) / all;
-    let in_noise = 2.0 / (n as f64).sqrt();
-    let correlated: f64 = (1..n / 4).map(correlation).take_while(|rho| *rho > in_noise).sum();
-    (1.0 + 2.0 * correlated).sqrt()
 }
 
 /// Noise by second differences of neighbours in time within a way, from their median: var(l₁ − 2 l₂ + l₃) = 6 σ² (von Neumann 1941), and the
