@@ -132,7 +132,7 @@ impl World for Followed {
 /// Starts the program and goes on after each stop, as the operator would. Ends with the program.
 fn operate(program: &Path) {
     let mut operator = reach();
-    operator.say("set enable EMCTOO");
+    operator.enable();
     operator.until("set estop off", "get estop", "ESTOP", "OFF");
     operator.until("set machine on", "get machine", "MACHINE", "ON");
     operator.until("set mode auto", "get mode", "MODE", "AUTO");

@@ -212,6 +212,11 @@ impl Conversation {
         }
     }
 
+    /// Lets this connection give orders. Said once, it may be taken for the word of another connection, and no order would be obeyed.
+    pub fn enable(&mut self) {
+        self.until("set enable EMCTOO", "get enable", "ENABLE", "ON");
+    }
+
     pub fn axes(&mut self) -> AxisValues<f64> {
         let reported = self.answer("get joint_pos", "JOINT_POS");
         let numbers: Vec<f64> = reported.split(' ').map(|number| number.parse().unwrap()).collect();
