@@ -8,7 +8,7 @@ use trunnion_machine::shipped;
 /// A gap may be noted so much earlier or later than the samples next to it: a batch.
 const NEAR_S: f64 = 0.3;
 /// A hole is longer than so many usual steps.
-const HOLE_STEPS: f64 = 10.0;
+pub const HOLE_STEPS: f64 = 10.0;
 
 /// Every gap of some recordings, and holes between samples of a probe that no gap covers.
 pub fn gaps_and_silent_losses(files: &[PathBuf]) -> (Vec<Gap>, Vec<String>) {

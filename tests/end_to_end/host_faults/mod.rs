@@ -10,12 +10,17 @@ mod losses;
 use super::section;
 use bench::Bench;
 use faults::FAULTS;
+use losses::HOLE_STEPS;
 use std::sync::Arc;
+use std::time::Duration;
 use tokio::sync::Semaphore;
 use trunnion::results::RunState;
+use trunnion_hil_sim::pauses::Pauses;
 
 /// Services at once: each simulates three probes at 1 kHz, and one more analyses.
 const AT_ONCE: usize = 2;
+/// Attempts at a row that failed while the computer paused.
+const ATTEMPTS: usize = 3;
 
 /// A fault, and what it must lead to.
 struct Fault {
@@ -53,6 +58,26 @@ impl Fault {
     }
 }
 
+/// A row that did not hold.
+struct Failure {
+    said: String,
+    /// The computer paused for as long as a hole between samples: the simulated devices of this process stood still.
+    paused: bool,
+}
+
+async fn attempt(fault: &'static Fault) -> Result<(), Failure> {
+    let pauses = Pauses::watch();
+    let judged = tokio::spawn(bench::judge(fault)).await;
+    let said = match judged {
+        Ok(Ok(())) => return Ok(()),
+        Ok(Err(said)) => said,
+        Err(panic) => format!("{}: {panic}", fault.name),
+    };
+    // Simulated probes send every millisecond.
+    let paused = pauses.longest() > Duration::from_secs_f64(HOLE_STEPS * 1e-3);
+    Err(Failure { said, paused })
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn each_fault_of_the_computer_is_reported_costs_no_sample_in_silence_and_ends_in_a_state() {
     let only = std::env::var("TRUNNION_HOST_FAULTS").unwrap_or_default();
@@ -62,13 +87,36 @@ async fn each_fault_of_the_computer_is_reported_costs_no_sample_in_silence_and_e
         let room = Arc::clone(&room);
         running.spawn(async move {
             let _place = room.acquire_owned().await.unwrap();
-            bench::judge(fault).await
+            (fault, attempt(fault).await)
         });
     }
-    let mut wrong = Vec::new();
+    let (mut wrong, mut again) = (Vec::new(), Vec::new());
     while let Some(judged) = running.join_next().await {
-        let judged = judged.unwrap_or_else(|panic| Err(panic.to_string()));
-        wrong.extend(judged.err());
+        match judged {
+            Ok((_, Ok(()))) => {}
+            Ok((_, Err(Failure { said, paused: false }))) => wrong.push(said),
+            Ok((fault, Err(Failure { said, paused: true }))) => again.push((fault, said)),
+            Err(panic) => wrong.push(panic.to_string()),
+        }
+    }
+    // Alone: what failed beside other work while the computer paused says nothing of the service.
+    for (fault, mut said) in again {
+        for _ in 1..ATTEMPTS {
+            println!("{}: not judged, the computer paused: {said}", fault.name);
+            match attempt(fault).await {
+                Ok(()) => {
+                    said.clear();
+                    break;
+                }
+                Err(failure) => {
+                    said = failure.said;
+                    if !failure.paused {
+                        break;
+                    }
+                }
+            }
+        }
+        wrong.extend(Some(said).filter(|said| !said.is_empty()));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
     if only.is_empty() {
