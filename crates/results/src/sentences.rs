@@ -16,7 +16,7 @@ const CLEAR_U: f64 = 3.0;
 /// A turn is weighed against a shift at this distance, mm.
 const LEVER_MM: f64 = 100.0;
 
-/// How far a value moves the tool, µm: a turn, or a scale, over [`LEVER_MM`]; `None` for a unit that is no shift of the tool.
+/// How far a value moves the tool, µm: a turn, or a scale, over 100 mm; `None` for a unit that is no shift of the tool.
 pub fn at_tool_um(value: f64, unit: &str) -> Option<f64> {
     match unit {
         "um" => Some(value.abs()),
