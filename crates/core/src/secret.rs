@@ -79,6 +79,9 @@ pub fn redacted(text: &str) -> String {
     let secrets: Vec<&str> = values
         .iter()
         .map(|value| text[value.clone()].trim_matches(['"', '\'']))
+        // Of a login, `user:password`, the password alone.
+        .flat_map(|secret| [Some(secret), secret.split_once(':').map(|(_, password)| password)])
+        .flatten()
         .filter(|secret| !secret.is_empty() && *secret != LEFT_OUT)
         .collect();
     for comment in comments(text, &spans.all()) {
@@ -246,6 +249,8 @@ text = """
         let expected = "# left out\n[mqtt]\npassword = \"left out\" # left out\nport = 1 # usual\nurl = \"http://left-out@c\" # left out\n";
         assert_eq!(out, expected);
         assert_eq!(redacted(&out), out, "nothing is left to take out");
+        let of_login = redacted("# it is hunter2\nurl = \"http://cell:hunter2@c\"\n# cell 2\n");
+        assert_eq!(of_login, "# left out\nurl = \"http://left-out@c\"\n# cell 2\n");
     }
 
     #[test]
