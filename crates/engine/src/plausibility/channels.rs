@@ -6,7 +6,7 @@
 //! whatever their number [Rényi 1953]: P(L₁ − L₂ > x) = e^(−x/τ). L₂ is no smaller than τ and stands for it.
 //! Limits: a channel that is stuck in two stretches of like length passes; one that is stuck at a resting machine is not looked at.
 
-use super::found::Implausible;
+use super::found::{Implausible, plain};
 use super::readings::FEWEST_POINTS;
 use crate::Experiment;
 use crate::noise::repeatability::repeatability;
@@ -29,6 +29,8 @@ const TOO_SMALL_UM: f64 = 0.5;
 /// repeatability of ISO 230-2: 0.08 µm, where the finest machines are sold with 0.2 to 0.5. A judgement, tuned on no data.
 const TOO_FINE_UM: f64 = 0.02;
 
+const CHECK_PROBE: &str = "The probe is dead, stuck or not connected. Check it and measure again.";
+
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     runs.iter().filter(|run| run.good_points().count() >= FEWEST_POINTS).filter_map(of_run).collect()
 }
@@ -41,10 +43,6 @@ fn of_run(run: &Run) -> Option<Implausible> {
         })
         .or_else(|| too_small(run))
         .or_else(|| too_fine(run))
-}
-
-fn plain(finding: String, hypothesis: &str) -> Implausible {
-    Implausible { finding, hypothesis: hypothesis.into(), rms_um_with_it: None }
 }
 
 /// The channels of one setup of a run.
@@ -145,7 +143,7 @@ impl<'a> Channels<'a> {
                 "{}: in rows {} to {} {which} the same value in every digit, while the axes move.",
                 self.run.name, self.rows[stretch.first], self.rows[stretch.last]
             ),
-            "The probe is dead, stuck or not connected. Check it and measure again.",
+            CHECK_PROBE,
         ))
     }
 
@@ -178,7 +176,7 @@ impl<'a> Channels<'a> {
                         self.run.name,
                         um_from_mm(largest_mm)
                     ),
-                    "The probe is dead, stuck or not connected. Check it and measure again.",
+                    CHECK_PROBE,
                 )
             })
         })

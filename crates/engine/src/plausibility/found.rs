@@ -10,3 +10,8 @@ pub struct Implausible {
     /// Root mean square of what is left with the mistake undone, µm; `None` where it is no question of size.
     pub rms_um_with_it: Option<f64>,
 }
+
+/// A finding that is no question of size.
+pub(super) fn plain(finding: String, hypothesis: &str) -> Implausible {
+    Implausible { finding, hypothesis: hypothesis.into(), rms_um_with_it: None }
+}

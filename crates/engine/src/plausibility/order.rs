@@ -1,6 +1,6 @@
 //! Times, directions and copies: does the order of the points make sense?
 
-use super::found::Implausible;
+use super::found::{Implausible, plain};
 use trunnion_core::{Joint, Point};
 use trunnion_cycles::{Run, RunKind};
 
@@ -28,10 +28,6 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
         found.extend(run.machine.joints().into_iter().filter_map(|joint| against(run, joint)));
     }
     found
-}
-
-fn plain(finding: String, hypothesis: &str) -> Implausible {
-    Implausible { finding, hypothesis: hypothesis.into(), rms_um_with_it: None }
 }
 
 /// The same in everything that was measured.
@@ -106,10 +102,13 @@ fn backward(run: &Run) -> Option<Implausible> {
     let back = steps.iter().filter(|step| **step < 0.0).count();
     let (count, mean) = (steps.len(), steps.len() as f64 / 2.0);
     let random = SURE * ((count as f64 + 2.0) / 12.0).sqrt();
-    if count < FEWEST_TIMES || (back as f64) < mean - random {
+    let few = count < FEWEST_TIMES;
+    // Of few steps a majority says that the order is reversed; that they are in no order cannot be said of them.
+    let reversed = if few { 2 * back > count + 1 } else { back as f64 > mean + random };
+    if !reversed && (few || (back as f64) < mean - random) {
         return None;
     }
-    Some(match back as f64 > mean + random {
+    Some(match reversed {
         true => plain(
             format!("{}: time runs backward from row to row ({back} of {count} steps).", run.name),
             "The rows stand in reversed order, or the times do. Give the rows in the order in which they were taken.",
@@ -170,4 +169,35 @@ fn against(run: &Run, joint: Joint) -> Option<Implausible> {
             &format!("The directions were never filled in. Give {column} as the axis moved, or 0 where it is not known."),
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+    use trunnion_core::{InstrumentKind, NestSide, Quality, Setup, State};
+
+    fn found(times: &[f64]) -> Option<String> {
+        let ball = Setup::new("ball", InstrumentKind::RTest, NestSide::Table, Point3::new(100.0, 0.0, 50.0));
+        let machine = trunnion_machine::shipped::machine("table-bc").unwrap();
+        let at = |time: &f64| Point {
+            state: State { time_s: Some(*time), ..State::default() },
+            reading_mm: [0.0; 3],
+            spread_mm: [0.0; 3],
+            samples: 1,
+            quality: Quality::Good,
+        };
+        let points = times.iter().map(at).collect();
+        let kind = RunKind::Static;
+        let run = Run { name: "short".into(), machine, kind, setups: vec![ball], channels: vec![], points };
+        backward(&run).map(|found| found.finding)
+    }
+
+    #[test]
+    fn few_rows_in_reversed_order_are_named_and_a_clock_that_began_again_is_not() {
+        assert_eq!(found(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), None);
+        let reversed = found(&[5.0, 4.0, 3.0, 2.0, 1.0, 0.0]).expect("a finding");
+        assert!(reversed.contains("backward from row to row (5 of 5 steps)"), "{reversed}");
+        assert_eq!(found(&[0.0, 1.0, 2.0, 0.0, 1.0, 2.0]), None, "the clock began again");
+    }
 }
