@@ -75,8 +75,8 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let next_cycle = candidates
         .first()
         .map(|candidate| candidate.separate_by.clone())
-        .or(Some(next))
         .filter(|suggestion| !suggestion.is_empty())
+        .or_else(|| Some(next).filter(|next| !next.is_empty()))
         .map(NextCycle::advice);
     let open = |(group, ln_bf): (usize, f64)| OpenEffect {
         effect: scan.named[group].instance.id(),

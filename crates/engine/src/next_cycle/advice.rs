@@ -17,23 +17,26 @@ use std::f64::consts::LN_10;
 /// diagnosis itself. When no plan can be made the advice stays and says why.
 pub fn advise(problem: &Problem<'_>, diagnosis: &mut Diagnosis, options: &Options) {
     let undecided = diagnosis.verdict == Verdict::Undecided;
-    if undecided || diagnosis.candidates.iter().any(|candidate| !candidate.confused_with.is_empty()) {
-        separate(problem, diagnosis, options);
+    let confused = diagnosis.candidates.iter().any(|candidate| !candidate.confused_with.is_empty());
+    if !undecided && !confused {
+        return;
     }
-    if undecided {
-        let next = diagnosis.next_cycle.get_or_insert_with(NextCycle::repeat);
-        next.cycle = next.cycle.take().or_else(|| again(problem.experiment(), options));
-    }
-}
-
-fn separate(problem: &Problem<'_>, diagnosis: &mut Diagnosis, options: &Options) {
-    let Rivals::Separate(rivals) = wanted(diagnosis) else { return };
-    let undecided = diagnosis.verdict == Verdict::Undecided;
+    let rivals = wanted(diagnosis);
     let next = diagnosis.next_cycle.get_or_insert_with(|| match undecided {
         true => NextCycle::repeat(),
         false => NextCycle::default(),
     });
-    match plan_problem(problem, &Rivals::Separate(rivals), options) {
+    separate(problem, rivals, next, undecided, options);
+    if undecided {
+        next.cycle = next.cycle.take().or_else(|| again(problem.experiment(), options));
+    }
+}
+
+fn separate(problem: &Problem<'_>, rivals: Rivals, next: &mut NextCycle, undecided: bool, options: &Options) {
+    if let Rivals::Reveal(_) = rivals {
+        return;
+    }
+    match plan_problem(problem, &rivals, options) {
         // Where nothing was found, repeats decide what no cycle separates.
         Ok(plan) if undecided && plan.next.is_none() => {}
         Ok(plan) => {

@@ -11,15 +11,17 @@ use trunnion_core::convert::{deg_from_rad, rad_from_deg};
 use trunnion_cycles::cycle::{Bar, GridAxis, Motion, Rounds};
 use trunnion_cycles::{Cycle, RunKind};
 
+/// Programs are written to 0.0001 mm and 0.0001° at the finest [Fanuc, increment system IS-C].
+const PER_UNIT: f64 = 1e4;
+
 /// The poses of the last run as a cycle; `None` on the fly, and where they are no grid that a cycle file can write.
 pub(super) fn again(experiment: &Experiment, options: &Options) -> Option<PlannedCycle> {
     let cycle = cycle(experiment)?;
     let visits = cycle.visits(experiment.machine(), &options.pace).ok()?;
-    let mounted_s = options.pace.mount_s * cycle.setups.len() as f64;
     Some(PlannedCycle {
         name: cycle.name.clone(),
         what: "the present poses once more, in both directions".into(),
-        minutes: (visits.duration_s.max(0.0) + mounted_s) / 60.0,
+        minutes: visits.duration_s / 60.0,
         separation_before: None,
         separation: None,
         separates: Vec::new(),
@@ -51,7 +53,8 @@ fn cycle(experiment: &Experiment) -> Option<Cycle> {
             .map(|i| std::iter::once(setup(i)).chain(stands.iter().map(|of| of[i])).collect())
             .collect()
     };
-    let whole = grid.iter().map(|axis| axis.stations.len()).product::<usize>() * setups.len();
+    // A scatter of positions spans a grid of more poses than can be counted: it is none.
+    let whole = grid.iter().try_fold(setups.len(), |poses, axis| poses.checked_mul(axis.stations.len()))?;
     (visited.len() == whole).then(|| Cycle {
         name,
         machine: machine.name.clone(),
@@ -79,6 +82,3 @@ fn stations(experiment: &Experiment, letter: Joint) -> GridAxis {
     };
     GridAxis { letter, stations: stations.into_iter().map(rounded).collect() }
 }
-
-/// Controls are given 0.0001 mm and 0.0001° at the finest: the usual least increment of a program (IS-C).
-const PER_UNIT: f64 = 1e4;

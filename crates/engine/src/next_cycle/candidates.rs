@@ -25,7 +25,7 @@ pub(super) const SETTLE: Settle = Settle {
     drift_mm: 0.5e-3,
     noise_mm: 2e-3,
     standstill_mm: 2e-3,
-    standstill_rad: 0.001 * PI / 180.0,
+    standstill_rad: convert::rad_from_deg(0.001),
     timeout_s: 10.0,
 };
 
