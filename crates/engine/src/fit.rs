@@ -214,7 +214,7 @@ fn parameter(joint: &SideBySide, fit: &Converged, covariance: &DMatrix<f64>, j: 
         Status::Held => "held by the model".into(),
         Status::ZeroByConvention if of_standing => "its axis is at rest in these runs".into(),
         Status::ZeroByConvention => "zero by the datum convention: confounded with others".into(),
-        Status::Unobservable => match joint.parameters[j].u_beforehand {
+        Status::Unobservable => match second_order::u_beforehand(joint, fit, j) {
             Some(u) => {
                 let unit = joint.parameters[j].unit;
                 let (u, unit) = (u * unit.per_inside, unit.text());

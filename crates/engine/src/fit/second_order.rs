@@ -4,18 +4,20 @@
 //!
 //! l: readings of the fitted machine; l′, l″: by differences over ± σ; H: from readings to parameters; σ: known beforehand, from the
 //! instrument or from a prior of the model. d is what the squares make on average, a correction that is known and not made
-//! [GUM F.2.4.5]. A beam off by ε before a mirror that was found off by m scales its line by −mε + ½ε²: u of its scale is σ √(m² + σ²).
+//! [GUM F.2.4.5]. The two tilts ε₁, ε₂ of a beam before a mirror that was found off by m₁, m₂
+//! scale its line by −m₁ε₁ − m₂ε₂ + ½(ε₁² + ε₂²): σ √(m² + σ²) about its mean σ², which d holds.
 //! Limits: products of two such tilts of one beam are left out, they are of the fourth order; the tilts of two setups are independent.
 
 use crate::fit::gauss_newton::Converged;
 use crate::problem::design::{Design, unused_rows};
+use crate::problem::side_by_side::SideBySide;
 use crate::solve::direction::Status;
 use nalgebra::{DMatrix, DVector};
 
 /// Of the determined parameters; `None` where the model has no such unknown.
 pub(crate) fn second_order(design: &Design<'_>, fit: &Converged, used: &[bool]) -> Option<DMatrix<f64>> {
     let unknown: Vec<(usize, f64)> =
-        (0..design.joint.width()).filter_map(|j| Some((j, u_beforehand(design, fit, j)?))).collect();
+        (0..design.joint.width()).filter_map(|j| Some((j, u_beforehand(&design.joint, fit, j)?))).collect();
     if unknown.is_empty() || fit.datum.determined.is_empty() {
         return None;
     }
@@ -47,9 +49,9 @@ pub(crate) fn second_order(design: &Design<'_>, fit: &Converged, used: &[bool]) 
 }
 
 /// σ of a parameter that the readings do not determine.
-fn u_beforehand(design: &Design<'_>, fit: &Converged, j: usize) -> Option<f64> {
-    let of_instrument = design.joint.parameters[j].u_beforehand?;
-    let prior = design.joint.priors.iter().find(|prior| prior.parameter == j);
+pub(crate) fn u_beforehand(joint: &SideBySide, fit: &Converged, j: usize) -> Option<f64> {
+    let of_instrument = joint.parameters[j].u_beforehand?;
+    let prior = joint.priors.iter().find(|prior| prior.parameter == j);
     match (fit.datum.status[j], prior) {
         (Status::Identified | Status::Unobservable, Some(prior)) => Some(prior.u),
         (Status::Unobservable, None) => Some(of_instrument),
