@@ -1,4 +1,4 @@
-//! Statistics of plain numbers, each once.
+//! Statistics of plain numbers.
 //!
 //! mean = Σx/n; rms = √(Σx²/n); the median of an even count is the mean of the middle two. `None` of nothing: what a caller
 //! takes then is its own affair.

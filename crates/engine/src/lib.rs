@@ -1,4 +1,4 @@
-//! One engine gives every answer: from points and a model to a fit, its uncertainties, the residual in views, the
+//! One engine gives every answer: from points and a model to a fit, its uncertainties, the
 //! missing effects, and the next cycle.
 //!
 //! [`problem`] lays points and model out, [`noise`] says how readings scatter, [`solve`] does the arithmetic, [`fit`]

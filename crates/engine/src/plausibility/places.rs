@@ -4,10 +4,11 @@ use super::claim::{Claim, TOGETHER_MM};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 use trunnion_core::convert::deg_from_rad;
+use trunnion_core::statistics::mean;
 use trunnion_core::{AxisValues, Joint, Setup};
 use trunnion_machine::JointErrors;
 
-/// Steps of Gauss and Newton; the last change nothing that is shown.
+/// Gauss–Newton steps; the last change nothing that is shown.
 const MOST_STEPS: usize = 20;
 /// Beginnings of the search over a turn.
 const STARTS: usize = 8;
@@ -108,7 +109,7 @@ pub(super) fn other_places(claim: &Claim<'_>) -> Vec<(String, f64)> {
         on_tool[k].ball_in_tool_mm = place;
         if let Some(given_mm) = length_mm(setup) {
             let apart = seen_in_table.iter().map(|seen| (seen - setup.ball_in_table_mm).norm());
-            let mean_mm = apart.sum::<f64>() / own.len() as f64;
+            let mean_mm = mean(apart).unwrap_or(given_mm);
             if (mean_mm - given_mm).abs() > TOGETHER_MM {
                 lengthened.push(format!(
                     "the length of the bar of setup {}, bar_length_mm, {mean_mm:.1}, not {given_mm:.1} mm",
@@ -130,8 +131,8 @@ fn length_mm(setup: &Setup) -> Option<f64> {
 /// The place that is nearest to where the other ball was seen; of a bar, nearest to its length away from there.
 fn fitted(seen: &[Point3<f64>], setup: &Setup, given: &Point3<f64>) -> Point3<f64> {
     let sum: Vector3<f64> = seen.iter().map(|seen| seen.coords).sum();
-    let mean = Point3::from(sum / seen.len() as f64);
-    let Some(length_mm) = length_mm(setup) else { return mean };
+    let middle = Point3::from(sum / seen.len() as f64);
+    let Some(length_mm) = length_mm(setup) else { return middle };
     let off = |place: &Point3<f64>| {
         DVector::from_iterator(seen.len(), seen.iter().map(|seen| (place - seen).norm() - length_mm))
     };
@@ -149,7 +150,7 @@ fn fitted(seen: &[Point3<f64>], setup: &Setup, given: &Point3<f64>) -> Point3<f6
         }
         place
     };
-    [from(*given), from(mean)]
+    [from(*given), from(middle)]
         .into_iter()
         .min_by(|a, b| off(a).norm().total_cmp(&off(b).norm()))
         .unwrap_or(*given)

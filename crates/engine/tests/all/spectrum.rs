@@ -117,7 +117,6 @@ fn round_c(step_deg: f64, cycles: f64, amplitude_um: f64) -> AxisSpectrum {
 fn a_wave_at_a_broken_number_per_turn_is_found_and_has_no_whole_name() {
     let spectrum = round_c(5.0, 7.3, 3.0);
     let wave = &spectrum.waves[0];
-    println!("{wave:?}");
     assert_eq!(wave.unit, "per turn");
     assert!((wave.value - 7.3).abs() < 5.0 * wave.u && wave.u < 0.05, "{wave:?}");
     assert_eq!(wave.is, None, "{wave:?}");
@@ -135,8 +134,6 @@ fn on_a_grid_of_30_degrees_n_and_12_minus_n_give_the_same_readings_and_both_are_
         }
         let experiment = Experiment::new(&[run]).unwrap();
         let diagnosis = diagnose(&experiment, &Model::base("table-bc"), &Default::default()).unwrap();
-        let periods: Vec<_> = diagnosis.candidates.iter().map(|c| (&c.effect, &c.period)).collect();
-        println!("{cycles}: {:?} {periods:?} {:?}", diagnosis.verdict, diagnosis.formula);
         let wave = diagnosis.candidates.iter().find_map(|c| c.period.as_ref()).unwrap();
         let found = (wave.value, wave.alias.unwrap());
         assert!((found.0 - 5.0).abs() < 0.05 && (found.1 - 7.0).abs() < 0.05, "{wave:?}");
