@@ -1,5 +1,7 @@
 //! Bad input through the binary: file, line, what was found, what is allowed; exit codes of the contract.
 
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -163,6 +165,12 @@ fn what_a_configuration_names_is_touched_and_what_is_absent_is_said() {
         "{said}"
     );
     assert!(!said.contains("the broker") && !said.contains("device cnc"), "{said}");
+    let readable = format!("chmod 640 {}", path("mqtt"));
+    for (mode, is_said) in [(0o640, false), (0o644, true)] {
+        std::fs::set_permissions(path("mqtt"), Permissions::from_mode(mode)).unwrap();
+        let (code, said) = check(&good);
+        assert_eq!((code, said.contains(&readable)), (Some(0), is_said), "{mode:o}: {said}");
+    }
     assert!(!folder.path().join("runs").exists(), "nothing is made");
 
     // Controller and broker are off: states too.

@@ -24,13 +24,24 @@ pub fn value(secret: &Secret) -> Result<String, String> {
     match secret {
         Secret::Given(password) => Ok(password.clone()),
         Secret::File { name, folder } => {
-            let path =
-                place(name, folder, std::env::var_os("CREDENTIALS_DIRECTORY").as_deref().map(Path::new));
+            let path = place_now(name, folder);
             let text = std::fs::read_to_string(&path)
                 .map_err(|error| format!("the password file {} cannot be read: {error}", path.display()))?;
             Ok(text.trim_end_matches(['\r', '\n']).to_owned())
         }
     }
+}
+
+/// The file of a secret; `None` where it stands in the configuration.
+pub fn file(secret: &Secret) -> Option<PathBuf> {
+    match secret {
+        Secret::Given(_) => None,
+        Secret::File { name, folder } => Some(place_now(name, folder)),
+    }
+}
+
+fn place_now(name: &Path, folder: &Path) -> PathBuf {
+    place(name, folder, std::env::var_os("CREDENTIALS_DIRECTORY").as_deref().map(Path::new))
 }
 
 /// A relative name is that of a credential that systemd gives the service, else of a file next to the configuration.

@@ -7,9 +7,14 @@ use crate::outcome::Outcome;
 use crate::terminal;
 use anyhow::{Context, bail};
 use reach::{Reached, reach};
+use std::collections::BTreeSet;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
+use trunnion_acquire::credentials;
+use trunnion_core::Secret;
+use trunnion_core::input::Document;
 use trunnion_core::secret::holds_secret;
+use trunnion_service::config::Config;
 use trunnion_service::page::Access;
 
 /// Check a configuration and what it names
@@ -29,9 +34,9 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let prepared = prepare(&args.config)?;
     let devices = prepared.config.devices.len();
-    if let Some(remark) = open_to_others(&args.config, &prepared.config.text)? {
-        terminal::remark(&remark);
-    }
+    let named = secret_files(&prepared.config).into_iter().filter_map(|file| open_secret(&file));
+    let remarks = open_to_others(&args.config, &prepared.config.text)?.into_iter().chain(named);
+    remarks.for_each(|remark| terminal::remark(&remark));
     if let Some(lan) = prepared.config.page.as_ref().and_then(|page| page.lan.as_ref()) {
         Access::of_lan(lan).context("[page] cannot let other computers in")?;
     }
@@ -58,12 +63,37 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 /// What to say of a file with a password in it that other users of the computer can read.
 fn open_to_others(file: &Path, text: &str) -> anyhow::Result<Option<String>> {
-    let mode = std::fs::metadata(file)?.permissions().mode();
-    let others_read = mode & 0o004 != 0;
-    Ok((others_read && holds_secret(text)).then(|| {
+    Ok((others_read(file)? && holds_secret(text)).then(|| {
         format!(
             "{0}: holds a password that every user of this computer can read; chmod 640 {0}, or move it to a password_file",
             file.display()
         )
     }))
+}
+
+/// What to say of a file that is a password, a key or a token, and that other users of the computer can read. One that cannot be
+/// looked at is reported where it is read.
+fn open_secret(file: &Path) -> Option<String> {
+    let is_open = others_read(file).unwrap_or(false);
+    is_open.then(|| {
+        format!("{0}: is a secret that every user of this computer can read; chmod 640 {0}", file.display())
+    })
+}
+
+fn others_read(file: &Path) -> std::io::Result<bool> {
+    Ok(std::fs::metadata(file)?.permissions().mode() & 0o004 != 0)
+}
+
+/// Every file of a password, a key or a token that the configuration names, once.
+fn secret_files(config: &Config) -> BTreeSet<PathBuf> {
+    let file = config.file.display().to_string();
+    let Ok(document) = Document::parse(&file, &config.text) else { return BTreeSet::new() };
+    let root = document.root();
+    let (page, mqtt) = (root.optional_table("page"), root.optional_table("mqtt"));
+    let tls = mqtt.as_ref().and_then(|mqtt| mqtt.optional_table("tls"));
+    let tables = page.into_iter().chain(mqtt).chain(tls).chain(root.tables("device"));
+    let keys = ["password_file", "token_file", "key_file"];
+    let secrets: Vec<Secret> =
+        tables.flat_map(|table| keys.map(|key| Secret::read_file(&table, key))).flatten().collect();
+    secrets.iter().filter_map(credentials::file).collect()
 }
