@@ -8,8 +8,8 @@ use trunnion::report::check_text;
 /// Check whether recordings are plausible before any physics is blamed
 ///
 /// Axes must follow the ball, readings must belong to the positions, and times and directions to the order of the points. What
-/// does not fit is tried as a named mistake: swapped or reversed axes, units, setups, probes. `identify`, `diagnose` and
-/// `compare` ask this first; exit code 3 when something is not plausible.
+/// does not fit is tried as a named mistake: swapped or reversed axes, units, setups, probes. Every command that
+/// judges a recording asks this first; exit code 3 when something is not plausible or not whole.
 ///
 /// Example: trunnion check run.mcap
 #[derive(clap::Args)]
