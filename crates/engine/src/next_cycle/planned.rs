@@ -12,7 +12,7 @@ pub struct PlannedCycle {
     pub what: String,
     /// Machine time with mounting, min.
     pub minutes: f64,
-    /// log₁₀ of the expected odds between the hardest pair in the present data; null where it separates no pair.
+    /// log₁₀ of the expected Bayes factor between the hardest pair in the present data; null where it separates no pair.
     pub separation_before: Option<f64>,
     /// The same after the cycle.
     pub separation: Option<f64>,
