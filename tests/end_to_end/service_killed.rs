@@ -133,5 +133,8 @@ fn an_analysis_that_hangs_or_takes_too_much_memory_is_ended_and_tried_only_so_of
     let shown = until("the result", || status(&page).filter(|shown| shown["topics"]["result"].is_object()));
     assert_eq!(shown["topics"]["result"]["run"], "run.mcap");
     assert_eq!(shown["topics"]["result"]["verdict"], "missing-effect");
+    let shown =
+        until("the alarms", || status(&page).filter(|shown| shown["topics"]["alarms"]["run"] == "run"));
+    assert_eq!(shown["topics"]["alarms"], serde_json::json!({ "run": "run", "watched": 0, "alarms": [] }));
     drop(service);
 }

@@ -3,6 +3,7 @@
 //! Numbers are in screen units (mm, µm, degrees, µrad); a number that is not known is `null`. JSON is written from these
 //! types and read back into them. Text and pages are made from them too ([`number`]), so that they show the same figures.
 
+mod alarms;
 mod axis_errors;
 mod chain;
 mod change;
@@ -49,6 +50,7 @@ mod topics;
 mod volumetric;
 mod written;
 
+pub use alarms::{Alarm, AlarmsNow};
 pub use axis_errors::{AxisErrors, AxisErrorsFormat, AxisTable, ConfoundedErrors};
 pub use chain::{Chain, ChainJoint};
 pub use change::ChangedParameter;

@@ -1,11 +1,11 @@
 //! The JSON schemas, generated from the types.
 
 use crate::{
-    Added, AxisErrors, Check, Comparison, Correction, CorrectionJudged, DayForecast, Demo, DevicesChecked,
-    DevicesFound, Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported, Joined, Ladder,
-    Linear, Live, MachineHistory, MethodList, NcProgram, NestCalibrated, PageStatus, Plan, Prediction,
-    Preview, Removed, Report, RunList, RunRecord, SamplesRemoved, Scrubbed, ServiceStatus, SetUpState,
-    SignTest, Simulation, StorageNow, Story, TimeQuality, Trial, Volumetric, to_json,
+    Added, AlarmsNow, AxisErrors, Check, Comparison, Correction, CorrectionJudged, DayForecast, Demo,
+    DevicesChecked, DevicesFound, Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported,
+    Joined, Ladder, Linear, Live, MachineHistory, MethodList, NcProgram, NestCalibrated, PageStatus, Plan,
+    Prediction, Preview, Removed, Report, RunList, RunRecord, SamplesRemoved, Scrubbed, ServiceStatus,
+    SetUpState, SignTest, Simulation, StorageNow, Story, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -51,6 +51,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("history", schema_for!(MachineHistory)),
         ("status", schema_for!(ServiceStatus)),
         ("storage", schema_for!(StorageNow)),
+        ("alarms", schema_for!(AlarmsNow)),
         ("samples-removed", schema_for!(SamplesRemoved)),
         ("sign-test", schema_for!(SignTest)),
         ("set-up", schema_for!(SetUpState)),

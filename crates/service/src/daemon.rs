@@ -88,7 +88,10 @@ pub async fn serve_on(
         }
     };
     let states = States::new(board.clone());
+    let page_analyst = PageAnalyst::new(analyst.clone(), config.analysis, clock.clone());
+    let runs = page::Runs::of_folder(&config.recordings, None, page_analyst).judged_by(cycles.clone());
     let analyses = Analyses {
+        runs: Arc::new(runs),
         analyst,
         limits: config.analysis,
         board: board.clone(),
@@ -99,6 +102,7 @@ pub async fn serve_on(
     };
     let known = Known::read(&config.recordings);
     analyses.publish_last(&known);
+    analyses.publish_alarms().await;
     let names: Vec<&str> = cycles.names().collect();
     states.begin(CycleState::Ready, "", json!({ "cycles": names, "waits_for": config.cycle_start.about() }));
     let broker = config.mqtt.clone().map(|mqtt| tokio::spawn(mqtt::run(mqtt, board.clone(), cancel.clone())));
@@ -122,10 +126,7 @@ pub async fn serve_on(
     let watched = tokio::spawn(disk.clone().watch(cancel.clone()));
     let pinged = tokio::spawn(watchdog::watch(live.latest().clone(), clock.clone(), cancel.clone()));
     let page = match &config.page {
-        Some(place) => {
-            let analyst = PageAnalyst::new(analyses.analyst.clone(), analyses.limits, clock.clone());
-            page(place, &set_up, &config, &cycles, analyst, &analyses)
-        }
+        Some(place) => page(place, &set_up, &config, &cycles, &analyses),
         None => None,
     };
     let adapter = plants::adapter(&config, &board, &cancel);
@@ -196,8 +197,7 @@ fn page(
     set_up: &SetUp,
     config: &Config,
     cycles: &Cycles,
-    analyst: PageAnalyst,
-    Analyses { board, clock, cancel, .. }: &Analyses,
+    Analyses { board, clock, cancel, runs, .. }: &Analyses,
 ) -> Option<JoinHandle<()>> {
     let access = match place.lan.as_ref().map_or_else(|| Ok(Access::this_computer()), Access::of_lan) {
         Ok(access) => access,
@@ -210,7 +210,7 @@ fn page(
     let shared = page::Shared {
         serves: Serves::Service,
         name: config.name.clone(),
-        runs: Arc::new(page::Runs::of_folder(&config.recordings, None, analyst).judged_by(cycles.clone())),
+        runs: runs.clone(),
         board: board.clone(),
         cycles: cycles.all().map(Choice::shown).collect(),
         clock: clock.clone(),

@@ -12,7 +12,8 @@ use crate::{Diagnosed, Error, Model, moment};
 use std::path::{Path, PathBuf};
 use trunnion_results::sentences::{is_setting, not_plausible};
 use trunnion_results::{
-    CorrectionEntered, HistoryRun, MachineHistory, Parameter, RunChange, RunFound, RunLine, Verdict,
+    Alarm, AlarmsNow, CorrectionEntered, HistoryRun, MachineHistory, Parameter, RunChange, RunFound, RunLine,
+    Verdict,
 };
 
 /// Which runs make a history.
@@ -107,6 +108,35 @@ pub fn of_found(lines: &[RunLine], corrections: &[CorrectionEntered]) -> Machine
     }
     watched(&mut history, 0, corrections);
     history
+}
+
+/// What of the newest run lies outside its limits.
+pub fn alarms(history: &MachineHistory) -> AlarmsNow {
+    let Some((last, run)) = history.runs.iter().enumerate().next_back() else { return AlarmsNow::default() };
+    let points = history.watched.iter().filter_map(|watched| {
+        let point = watched.points.last().filter(|point| point.run == last)?;
+        Some((watched, point, point.limits?))
+    });
+    let mut now = AlarmsNow { run: Some(run.run.clone()), ..AlarmsNow::default() };
+    for (watched, point, [mean, low, high]) in points {
+        now.watched += 1;
+        if !point.alarm {
+            continue;
+        }
+        let since = watched.points.iter().rev().take_while(|point| point.alarm).last();
+        now.alarms.push(Alarm {
+            name: watched.name.clone(),
+            words: watched.words.clone(),
+            unit: watched.unit.clone(),
+            value: point.value,
+            u: point.u,
+            mean,
+            low,
+            high,
+            since: since.map_or_else(String::new, |point| history.runs[point.run].run.clone()),
+        });
+    }
+    now
 }
 
 fn of_line(line: &RunLine, found: &RunFound) -> HistoryRun {

@@ -10,6 +10,7 @@ use crate::board::Board;
 use crate::child::Unanswered;
 use crate::clock::{day, moment};
 use crate::error::{ServiceError, chain};
+use crate::page::Runs;
 use crate::run_record;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -30,6 +31,8 @@ pub(super) struct Analyses {
     pub(super) clock: Arc<dyn Clock>,
     pub(super) cancel: CancellationToken,
     pub(super) one: Arc<Semaphore>,
+    /// The runs of the folder, for what each is compared with.
+    pub(super) runs: Arc<Runs>,
 }
 
 impl Analyses {
@@ -56,7 +59,10 @@ impl Analyses {
         });
         let broken = |_| Err(Unanswered::Failed(ServiceError::Broken("analysis").to_string()));
         match analysing.await.unwrap_or_else(broken) {
-            Ok(answer) => self.done(&recording, &name, begun, answer),
+            Ok(answer) => {
+                self.done(&recording, &name, begun, answer);
+                self.publish_alarms().await;
+            }
             Err(Unanswered::Failed(why)) => self.failed(&recording, &name, RunRecord { why, ..begun }),
             Err(Unanswered::Stopped) => {
                 info!(run = name, "the service stops; it is analysed at the next start");
@@ -69,6 +75,25 @@ impl Analyses {
         publish(&self.board, &answer);
         self.keep(recording, &run_record::reported(begun, answer));
         self.states.go_on(CycleState::Done, name, json!({}));
+    }
+
+    /// What of the newest run lies outside its limits, on the board and, where it changed, in the log.
+    pub(super) async fn publish_alarms(&self) {
+        let runs = self.runs.clone();
+        let alarms = tokio::task::spawn_blocking(move || runs.alarms()).await;
+        match alarms {
+            Ok(Ok(now)) => {
+                let names: Vec<&str> = now.alarms.iter().map(|alarm| alarm.name.as_str()).collect();
+                if !names.is_empty() {
+                    warn!(run = now.run, values = names.join(", "), "outside the limits of the runs before");
+                }
+                self.board.publish(&now);
+            }
+            Ok(Err(refusal)) => warn!("limits of the values are not known: {}", chain(&refusal)),
+            Err(_) => {
+                warn!("limits of the values are not known: {}", ServiceError::Broken("limits of the values"))
+            }
+        }
     }
 
     fn failed(&self, recording: &Path, name: &str, begun: RunRecord) {

@@ -96,7 +96,14 @@ struct Corrected {
 async fn corrected(State(page): State<Page>, body: Result<Json<Corrected>, JsonRejection>) -> Answer {
     let Corrected { by, what } = body.map_err(wrong)?.0;
     let wall_ns = page.shared.clock.wall_ns();
-    history_of(page.runs, move |runs| runs.enter_correction(wall_ns, &by, &what)).await
+    let board = page.shared.board.clone();
+    let enter = move |runs: &Runs| {
+        runs.enter_correction(wall_ns, &by, &what)?;
+        // Limits begin again.
+        board.publish(&runs.alarms()?);
+        Ok(())
+    };
+    history_of(page.runs, enter).await
 }
 
 async fn next_day(State(page): State<Page>) -> Answer {

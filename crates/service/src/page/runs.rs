@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::Semaphore;
-use trunnion::results::{CorrectionEntered, RunFound, RunLine, RunList, RunListFormat};
+use trunnion::results::{AlarmsNow, CorrectionEntered, RunFound, RunLine, RunList, RunListFormat};
 use trunnion::{Model, history};
 
 /// Answers that are kept, bytes; what-if of 10 000 poses has 9 MB, a report 1 MB.
@@ -136,6 +136,11 @@ impl Runs {
         let Some(change) = history.change else { return Ok(None) };
         let there = self.path(&change.from).ok().filter(|_| self.path(&change.to).is_ok());
         Ok(there.map(|earlier| (change.to, earlier)))
+    }
+
+    /// What of the newest run lies outside the limits that the runs before it set.
+    pub fn alarms(&self) -> Result<AlarmsNow, Refusal> {
+        Ok(history::alarms(&history::of_found(&self.list().runs, &self.corrections()?)))
     }
 
     /// Corrections that were entered, kept next to the recordings.

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod adequate;
+mod alarms;
 mod examples;
 mod joined;
 mod library;

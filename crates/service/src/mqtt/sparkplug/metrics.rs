@@ -4,7 +4,7 @@ use crate::board::Board;
 use crate::plant::{PlantView, topic};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use trunnion::results::{DeviceNow, Live, Published, StorageNow};
+use trunnion::results::{AlarmsNow, DeviceNow, Live, Published, StorageNow};
 
 /// Metrics by name.
 pub type Metrics = BTreeMap<String, Metric>;
@@ -116,6 +116,11 @@ fn node(plant: &PlantView, board: &Board) -> Metrics {
     list.text("Storage/Why", of_storage.and_then(|storage| storage.why.clone()));
     list.number("Storage/Free", of_storage.and_then(|storage| storage.free_mb), "MB");
     list.count("Storage/Lost samples", of_storage.and_then(|storage| storage.lost_samples.try_into().ok()));
+    let alarms: Option<AlarmsNow> = topic(board, AlarmsNow::TOPIC);
+    let names = |now: &AlarmsNow| now.alarms.iter().map(|alarm| alarm.name.clone()).collect::<Vec<_>>();
+    list.count("Alarms/Count", alarms.as_ref().and_then(|now| now.alarms.len().try_into().ok()));
+    list.text("Alarms/Values", alarms.as_ref().map(|now| names(now).join(", ")));
+    list.text("Alarms/Run", alarms.and_then(|now| now.run));
     result(&mut list, plant);
     list.0
 }
