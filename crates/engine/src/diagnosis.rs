@@ -1,7 +1,7 @@
 //! Which physical effect is missing from the model.
 //!
 //! The evidence of every catalogued effect is weighed against noise learned from the run itself (offsets of passes, re-positioning,
-//! drift, a pattern that repeats), learned again beside every candidate, and every candidate is compared with an open grammar of expressions
+//! drift, a pattern that repeats), learned again with every candidate, and every candidate is compared with an open grammar of expressions
 //! that have no name. The scan may look at a part of the points; what is printed of a candidate is the fit of the model with it to
 //! all of them.
 
@@ -63,9 +63,9 @@ pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diag
                     Some(real) => diagnosis.doubted(&doubts, &real),
                 });
             }
-            Answer::Without { effect, why, beside } => {
+            Answer::Without { effect, why, with } => {
                 let is_real = |id: &String| real.as_ref().is_none_or(|real| real.contains(id));
-                real = Some(beside.into_iter().filter(is_real).collect());
+                real = Some(with.into_iter().filter(is_real).collect());
                 options.without.push(effect);
                 doubts.push(why);
             }

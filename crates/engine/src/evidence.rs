@@ -9,7 +9,7 @@
 
 mod algebra;
 
-pub use algebra::{beside, log_mean_exp, orthonormal, parallel, turned};
+pub use algebra::{joined, log_mean_exp, orthonormal, parallel, turned};
 
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;

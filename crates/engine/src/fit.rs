@@ -53,11 +53,11 @@ pub fn identify(
     model: &Model,
     options: &Options,
 ) -> Result<Identification, IdentifyError> {
-    identify_beside(experiment, model, options, None)
+    identify_sharing(experiment, model, options, None)
 }
 
 /// The same next to another fit of the same points, of which it takes what depends on the points alone.
-pub(crate) fn identify_beside(
+pub(crate) fn identify_sharing(
     experiment: &Experiment,
     model: &Model,
     options: &Options,
@@ -181,9 +181,9 @@ fn gather(
 
 /// What parameters are called in sentences: by their effect where several effects have one of that name.
 fn names(joint: &SideBySide) -> Vec<Named> {
-    let alike = |name: &str| joint.parameters.iter().filter(|other| other.name == name).count();
+    let count_of = |name: &str| joint.parameters.iter().filter(|other| other.name == name).count();
     let named = |(j, parameter): (usize, &Parameter)| Named {
-        name: match alike(&parameter.name) {
+        name: match count_of(&parameter.name) {
             1 => parameter.name.clone(),
             _ => format!("{}.{}", joint.effects[joint.effect_of[j]].id, parameter.name),
         },

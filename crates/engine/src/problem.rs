@@ -19,7 +19,7 @@ pub(crate) mod taken;
 
 use crate::fit::identification::Identification;
 use crate::fit::options::{IdentifyError, Options};
-use crate::fit::{identify, identify_beside};
+use crate::fit::{identify, identify_sharing};
 use crate::problem::experiment::Experiment;
 use credible::credible_columns;
 use nalgebra::DMatrix;
@@ -56,7 +56,7 @@ impl<'a> Problem<'a> {
     pub fn with(&self, added: &[ModelEffect]) -> Result<Self, IdentifyError> {
         let mut model = self.model().clone();
         model.effects.extend_from_slice(added);
-        let fit = identify_beside(self.experiment, &model, &Options::default(), Some(&self.fit))?;
+        let fit = identify_sharing(self.experiment, &model, &Options::default(), Some(&self.fit))?;
         Ok(Self { experiment: self.experiment, model: Cow::Owned(model), fit: Cow::Owned(fit) })
     }
 

@@ -109,7 +109,7 @@ fn joints(
             return None;
         }
     };
-    if let Some((a, b)) = alike(&joints) {
+    if let Some((a, b)) = quantity_of_another(&joints) {
         let allowed = "names that expressions can distinguish";
         root.problem("tool", format!("has joints {a} and {b}: {b} is also a quantity of {a}"), allowed, "");
     }
@@ -119,7 +119,7 @@ fn joints(
 }
 
 /// Two joints of which one name is a prefix of expressions (v, a, dir, since) and the other.
-fn alike(joints: &[Joint]) -> Option<(Joint, Joint)> {
+fn quantity_of_another(joints: &[Joint]) -> Option<(Joint, Joint)> {
     let letters = Joint::ISO;
     let pairs = letters.iter().chain(joints).flat_map(|&a| joints.iter().map(move |&b| (a, b)));
     pairs

@@ -82,7 +82,7 @@ impl Tripod {
         legs: [Leg; 3],
         travels_mm: [(f64, f64); 3],
     ) -> Result<Self, TripodError> {
-        let alike = |what, joint: fn(&Leg) -> Vector3<f64>| {
+        let in_one_plane = |what, joint: fn(&Leg) -> Vector3<f64>| {
             let apart = joint(&legs[0]) - joint(&legs[2]);
             let axes = "y or z; they lie on one line along x";
             (apart.yz().amax() < 1e-9).then_some(()).ok_or(TripodError::NotInOnePlane {
@@ -92,8 +92,8 @@ impl Tripod {
                 axes,
             })
         };
-        alike("base joints", |leg| leg.base_joint_mm)?;
-        alike("platform joints", |leg| leg.platform_joint_mm)?;
+        in_one_plane("base joints", |leg| leg.base_joint_mm)?;
+        in_one_plane("platform joints", |leg| leg.platform_joint_mm)?;
         let mut tripod =
             Self { machine_from_base, at_zero: guess(&legs), legs, zero_from_machine: Isometry3::identity() };
         let open = |q: &AxisValues<f64>| TripodError::Open {

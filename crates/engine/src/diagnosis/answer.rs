@@ -26,7 +26,7 @@ use trunnion_effects::{Formula, ModelEffect};
 
 /// A named effect that explains at least this share leads, although a part remains.
 const MOSTLY: f64 = 0.8;
-/// An expression beside a named effect is proposed when it explains a share that is not printed as 0 %.
+/// An expression next to a named effect is proposed when it explains a share that is not printed as 0 %.
 const SHOWN: f64 = 0.005;
 
 /// Answers for the model of `problem`, unless a named effect that was found cannot be the cause.
@@ -51,7 +51,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let refits = context.refits(&listed);
     let explained = refits.explained(problem);
     if let Some((effect, why)) = context.not_the_cause(&listed, &refits.candidates) {
-        return Ok(Answer::Without { beside: context.found_beside(&effect), effect, why });
+        return Ok(Answer::Without { with: context.found_with(&effect), effect, why });
     }
     let candidates = context.candidates(&listed, &refits.candidates, &explained);
     let formula_leads = context.formula_leads(&listed);
@@ -113,7 +113,7 @@ pub enum Answer {
         effect: String,
         why: String,
         /// What was found together with it: only this is not what it leaves behind.
-        beside: Vec<String>,
+        with: Vec<String>,
     },
 }
 
@@ -239,7 +239,7 @@ impl Context<'_> {
     }
 
     /// Ids of what was found with an effect in the model.
-    fn found_beside(&self, effect: &str) -> Vec<String> {
+    fn found_with(&self, effect: &str) -> Vec<String> {
         self.set().into_iter().map(|entry| entry.id).filter(|id| id != effect).collect()
     }
 

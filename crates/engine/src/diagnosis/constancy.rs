@@ -6,8 +6,8 @@
 
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::Found;
-use crate::diagnosis::view::{Item, columns_of, fitted, weighed_beside};
-use crate::evidence::{beside, orthonormal, turned};
+use crate::diagnosis::view::{Item, columns_of, fitted, weighed_relearned};
+use crate::evidence::{joined, orthonormal, turned};
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
 use crate::noise::machine_noise::modulated;
@@ -29,15 +29,15 @@ pub fn is_constant(scan: &Scan<'_>, found: &Found, claim_ln: f64) -> bool {
         .map(|block| (found.last.ln_bf(&block), block))
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, block)) = best.filter(|(ln_bf, _)| *ln_bf > price) else { return true };
-    let beside = found.last.beside(scan, &block);
-    beside.is_none_or(|beside| weighed_beside(&beside, &block).ln_bf <= price)
+    let noise = found.last.relearned(scan, &block);
+    noise.is_none_or(|noise| weighed_relearned(&noise, &block).ln_bf <= price)
 }
 
 /// What an item explains with the others in the model, weighted.
 fn signal(scan: &Scan<'_>, found: &Found, item: &Item) -> Option<DVector<f64>> {
     let others = found.items.iter().filter(|other| other.what != item.what);
-    let others = beside(&columns_of(others, scan.remainder.y.len()), &found.further);
-    let basis = orthonormal(&beside(&scan.remainder.base, &others)).cast::<Real>();
+    let others = joined(&columns_of(others, scan.remainder.y.len()), &found.further);
+    let basis = orthonormal(&joined(&scan.remainder.base, &others)).cast::<Real>();
     let alone = Projected::new(found.last.null.here.sigma.clone(), &scan.remainder.y, &basis)?;
     Some(fitted(&alone, &turned(&item.columns)))
 }

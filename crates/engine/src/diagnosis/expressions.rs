@@ -1,11 +1,11 @@
-//! The best that the open grammar has to say: screened on its grid, the noise learned beside it, then brought to its best shape with
+//! The best that the open grammar has to say: screened on its grid, the noise learned with it in the model, then brought to its best shape with
 //! its relatives and its further components.
 
 use crate::diagnosis::named::natural_share;
 use crate::diagnosis::refine::{Shaped, refined, stretches};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::{SHAPE_MAY_ADD_LN, Scored, term_price_ln};
-use crate::diagnosis::view::{Beside, Item, View, What, weighed_beside};
+use crate::diagnosis::view::{Item, Relearned, View, What, weighed_relearned};
 use crate::diagnosis::vocabulary::{Screened, Term};
 use crate::evidence::{parallel, turned, weigh};
 use nalgebra::DMatrix;
@@ -30,16 +30,16 @@ pub fn best_term(scan: &Scan<'_>, view: &View, beat_ln: [f64; 2]) -> Option<Scor
     let shaped = parallel(starts.len(), |i| {
         let start = starts[i];
         let shape = &scan.vocabulary.families[start.term.family].grid[start.shape];
-        let beside = view.beside(scan, &turned(&columns(scan, &start.term, shape)?))?;
-        let relatives = shaped_relatives(scan, view, &start.term, &beside);
+        let noise = view.relearned(scan, &turned(&columns(scan, &start.term, shape)?))?;
+        let relatives = shaped_relatives(scan, view, &start.term, &noise);
         let first_best = |a: Scored, b: Scored| if b.item.ln_odds > a.item.ln_odds { b } else { a };
-        Some((relatives.into_iter().reduce(first_best)?, beside))
+        Some((relatives.into_iter().reduce(first_best)?, noise))
     });
-    let first_best = |a: (Scored, Beside), b: (Scored, Beside)| {
+    let first_best = |a: (Scored, Relearned), b: (Scored, Relearned)| {
         if b.0.item.ln_odds > a.0.item.ln_odds { b } else { a }
     };
-    let (best, beside) = shaped.into_iter().flatten().reduce(first_best)?;
-    Some(with_siblings(scan, view, best, &beside))
+    let (best, noise) = shaped.into_iter().flatten().reduce(first_best)?;
+    Some(with_siblings(scan, view, best, &noise))
 }
 
 /// The best terms on the grid, bundles included, best first.
@@ -91,16 +91,16 @@ fn columns(scan: &Scan<'_>, term: &Term, shape: &[f64]) -> Option<DMatrix<f64>> 
 }
 
 /// A term and its relatives at their best shapes; of the relatives only the most promising on their grids.
-fn shaped_relatives(scan: &Scan<'_>, view: &View, term: &Term, beside: &Beside) -> Vec<Scored> {
+fn shaped_relatives(scan: &Scan<'_>, view: &View, term: &Term, noise: &Relearned) -> Vec<Scored> {
     let families = &scan.vocabulary.families;
     let own = &families[term.family];
-    let Some(form) = Form::new(scan, term.clone(), beside, &own.grid) else { return Vec::new() };
+    let Some(form) = Form::new(scan, term.clone(), noise, &own.grid) else { return Vec::new() };
     let parent = form.shaped(scan, view);
     let numbers: Vec<(&str, f64)> =
         own.numbers.iter().zip(&parent.item.shape).map(|(number, value)| (number.name, *value)).collect();
     let relative = |family: usize| {
         let grid = families[family].grid_at(&numbers);
-        Form::new(scan, Term { family, carriers: term.carriers.clone() }, beside, &grid)
+        Form::new(scan, Term { family, carriers: term.carriers.clone() }, noise, &grid)
     };
     let mut relatives: Vec<Form<'_>> =
         scan.vocabulary.relatives(term.family).into_iter().filter_map(relative).collect();
@@ -109,25 +109,25 @@ fn shaped_relatives(scan: &Scan<'_>, view: &View, term: &Term, beside: &Beside) 
     relatives.into_iter().map(|form| form.shaped(scan, view)).chain([parent]).collect()
 }
 
-/// A term on its way to its best shape, at the noise learned beside its idea.
+/// A term on its way to its best shape, at the noise learned with its idea in the model.
 struct Form<'a> {
     term: Term,
     /// Best of its grid.
     start: Shaped,
-    beside: &'a Beside,
+    noise: &'a Relearned,
 }
 
 impl<'a> Form<'a> {
-    fn new(scan: &Scan<'_>, term: Term, beside: &'a Beside, grid: &[Vec<f64>]) -> Option<Self> {
+    fn new(scan: &Scan<'_>, term: Term, noise: &'a Relearned, grid: &[Vec<f64>]) -> Option<Self> {
         let mut start: Option<Shaped> = None;
         for shape in grid {
             let Some(columns) = columns(scan, &term, shape) else { continue };
-            let gain_ln = weigh(&beside.alone, &turned(&columns)).ln_bf;
+            let gain_ln = weigh(&noise.alone, &turned(&columns)).ln_bf;
             if start.as_ref().is_none_or(|best| gain_ln > best.gain_ln) {
                 start = Some(Shaped { shape: shape.clone(), columns, gain_ln });
             }
         }
-        Some(Self { term, start: start?, beside })
+        Some(Self { term, start: start?, noise })
     }
 
     fn shaped(self, scan: &Scan<'_>, view: &View) -> Scored {
@@ -135,9 +135,9 @@ impl<'a> Form<'a> {
         let limits: Vec<(f64, f64)> = family.numbers.iter().map(|number| (number.low, number.high)).collect();
         let within = stretches(&family.grid, &self.start.shape, Some(&limits));
         let columns = |shape: &[f64]| columns(scan, &self.term, shape);
-        let gain_ln = |columns: &DMatrix<f64>| weigh(&self.beside.alone, &turned(columns)).ln_bf;
+        let gain_ln = |columns: &DMatrix<f64>| weigh(&self.noise.alone, &turned(columns)).ln_bf;
         let Shaped { shape, columns, .. } = refined(self.start.clone(), &within, columns, gain_ln);
-        scored(scan, view, self.term.clone(), shape, columns, self.beside)
+        scored(scan, view, self.term.clone(), shape, columns, self.noise)
     }
 }
 
@@ -148,20 +148,20 @@ fn scored(
     term: Term,
     shape: Vec<f64>,
     columns: DMatrix<f64>,
-    beside: &Beside,
+    noise: &Relearned,
 ) -> Scored {
     let block = turned(&columns);
-    let weighed = weighed_beside(beside, &block);
+    let weighed = weighed_relearned(noise, &block);
     let natural = scan.vocabulary.families[term.family].natural;
-    let noticeable = !natural || view.share(scan, beside, &block) > natural_share(scan, view);
+    let noticeable = !natural || view.share(scan, noise, &block) > natural_share(scan, view);
     let ln_odds = weighed.ln_bf - term_price_ln(scan, &term, &shape);
     let item = Item { what: What::Open(term), shape, columns, ln_odds };
-    let sigma = beside.mode.here.sigma.clone();
+    let sigma = noise.mode.here.sigma.clone();
     Scored { item, ln_bf: weighed.ln_bf, fit_ln: weighed.fit_ln, sigma, noticeable }
 }
 
 /// The same with fewer or further components of the same site, as long as that pays.
-fn with_siblings(scan: &Scan<'_>, view: &View, mut best: Scored, beside: &Beside) -> Scored {
+fn with_siblings(scan: &Scan<'_>, view: &View, mut best: Scored, noise: &Relearned) -> Scored {
     let What::Open(term) = best.item.what.clone() else { return best };
     for sibling in term.carriers.iter().copied().chain(scan.vocabulary.siblings(term.carriers[0])) {
         let What::Open(mut other) = best.item.what.clone() else { return best };
@@ -174,7 +174,7 @@ fn with_siblings(scan: &Scan<'_>, view: &View, mut best: Scored, beside: &Beside
         }
         let shape = best.item.shape.clone();
         let Some(columns) = columns(scan, &other, &shape) else { continue };
-        let trial = scored(scan, view, other, shape, columns, beside);
+        let trial = scored(scan, view, other, shape, columns, noise);
         if trial.item.ln_odds > best.item.ln_odds {
             best = trial;
         }

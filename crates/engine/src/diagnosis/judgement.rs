@@ -79,7 +79,7 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
     }
     let sizes = noise_sizes(scan, found.last.null.x());
     let excess = rms_um.powi(2) - noise_um.powi(2);
-    // What looks white beside all kernels and yet comes back in repeats is a pattern finer than they are.
+    // What looks white next to all kernels and yet comes back in repeats is a pattern finer than they are.
     let fine = (sizes.white_um.powi(2) - noise_um.powi(2)).max(0.0);
     let pattern = sizes.pattern_um.powi(2) + fine;
     if pattern > PATTERN_SHARE * excess {
@@ -126,8 +126,8 @@ pub fn open_effects<'a>(scan: &'a Scan<'_>, found: &'a Found) -> impl Iterator<I
 fn any_effect_ln(scan: &Scan<'_>, found: &Found) -> f64 {
     let is_in = |group: usize| found.items.iter().any(|item| item.what == What::Named(group));
     let ln_bf = |group: usize| {
-        let beside = found.open.iter().find(|(open, _)| *open == group).map(|(_, ln_bf)| *ln_bf);
-        beside.unwrap_or(found.last.named[group].ln_bf)
+        let open_ln = found.open.iter().find(|(open, _)| *open == group).map(|(_, ln_bf)| *ln_bf);
+        open_ln.unwrap_or(found.last.named[group].ln_bf)
     };
     let counts = |group: &usize| !scan.named[*group].natural && !is_in(*group);
     let terms =

@@ -1,4 +1,4 @@
-//! Comparison of the catalogue with the open grammar, each at its best shape, the noise learned beside each (docs/design/statistics.md §4.3).
+//! Comparison of the catalogue with the open grammar, each at its best shape, the noise learned with each (docs/design/statistics.md §4.3).
 //!
 //! A term wins only when it leads clearly, when no named effect fits as well (the term is then a part of it at a lower price), and
 //! when no two named effects together do better.
@@ -9,7 +9,7 @@ use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
 use crate::diagnosis::view::{View, What};
 use crate::diagnosis::views::{Seen, Views};
-use crate::evidence::beside;
+use crate::evidence::joined;
 
 /// A term beats the catalogue when it leads by more than this.
 const CLEAR_LEAD_LN: f64 = 3.0;
@@ -24,7 +24,7 @@ const FIRST_OF_TWO: usize = 2;
 pub struct Additions {
     /// The best, whether or not it is worth claiming.
     pub best: Option<Scored>,
-    /// Named effects with the noise learned beside them, best first.
+    /// Named effects with the noise learned with them, best first.
     pub named: Vec<Scored>,
 }
 
@@ -85,7 +85,7 @@ fn two_do_better(
     term: &Scored,
 ) -> Option<Scored> {
     let second = |first: &Scored, also: Option<usize>| {
-        let chosen = beside(&view.chosen, &first.item.columns);
+        let chosen = joined(&view.chosen, &first.item.columns);
         let next = views.of(scan, chosen, &first.sigma);
         let price = (scan.named.len() as f64).ln();
         let free = |g: &usize| !taken.contains(g) && also != Some(*g);

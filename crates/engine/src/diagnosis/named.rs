@@ -1,9 +1,9 @@
-//! Named effects beside a model: those worth it get the noise learned beside them, and their best shape.
+//! Named effects next to a model: those worth it get the noise learned with them, and their best shape.
 
 use crate::diagnosis::refine::{Shaped, refined, stretches};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::{Scored, shape_price_ln};
-use crate::diagnosis::view::{Item, OnGrid, View, What, weighed_beside};
+use crate::diagnosis::view::{Item, OnGrid, View, What, weighed_relearned};
 use crate::diagnosis::views::Seen;
 use crate::evidence::{turned, weigh, weigh_all};
 use nalgebra::DMatrix;
@@ -18,7 +18,7 @@ const SEEN_LN: f64 = 3.0;
 /// Repeatable motions of a rotary axis are natural up to this share of the variance of a single reading: every bearing, encoder and gear has
 /// some. Not quite half the standard deviation where nothing else is at work; next to a larger effect they are not what is missing.
 pub const NATURAL_SHARE: f64 = 0.2;
-pub const NATURAL_SHARE_BESIDE: f64 = 0.6;
+pub const NATURAL_SHARE_WITH_OTHERS: f64 = 0.6;
 
 /// ln odds at which something is claimed come after this: the prior for the number of effects and its own.
 pub fn price_ln(scan: &Scan<'_>, group: usize) -> f64 {
@@ -27,7 +27,7 @@ pub fn price_ln(scan: &Scan<'_>, group: usize) -> f64 {
 
 /// Those worth it, best first; `but` are left out.
 pub fn named(scan: &Scan<'_>, view: &Seen, but: &[usize], claim_ln: f64) -> Vec<Scored> {
-    let mut scored = beside_each(scan, view, &worth_it(scan, view, but, claim_ln));
+    let mut scored = scored_each(scan, view, &worth_it(scan, view, but, claim_ln));
     scored.sort_by(|a, b| b.item.ln_odds.total_cmp(&a.item.ln_odds));
     plainest_first(scan, &mut scored);
     scored
@@ -65,36 +65,36 @@ fn worth_it(scan: &Scan<'_>, view: &View, but: &[usize], claim_ln: f64) -> Vec<u
     chosen
 }
 
-/// Some effects, each with the noise learned beside it.
-pub fn beside_each(scan: &Scan<'_>, view: &Seen, groups: &[usize]) -> Vec<Scored> {
-    view.scored(groups, |view, group| beside(scan, view, group))
+/// Some effects, each with the noise learned with it.
+pub fn scored_each(scan: &Scan<'_>, view: &Seen, groups: &[usize]) -> Vec<Scored> {
+    view.scored(groups, |view, group| scored(scan, view, group))
 }
 
-fn beside(scan: &Scan<'_>, view: &View, group: usize) -> Option<Scored> {
+fn scored(scan: &Scan<'_>, view: &View, group: usize) -> Option<Scored> {
     let named = &scan.named[group];
     let on_grid = &view.named[group];
     let part = if on_grid.ln_bf > SEEN_LN { on_grid.part } else { on_grid.quiet_part };
-    let beside = view.beside(scan, &scan.part(part))?;
+    let noise = view.relearned(scan, &scan.part(part))?;
     let first = scan.widths[..named.parts.start].iter().sum::<usize>();
     let widths = &scan.widths[named.parts.clone()];
     let own = scan.columns.columns(first, widths.iter().sum()).into_owned();
-    let scores = weigh_all(&beside.alone, &own, widths);
+    let scores = weigh_all(&noise.alone, &own, widths);
     let ln: Vec<f64> = scores.iter().map(|score| score.ln_bf).collect();
     let best = (0..ln.len()).max_by(|&a, &b| ln[a].total_cmp(&ln[b]))?;
-    let averaged = (named.averaged(&ln) + beside.offset_ln).max(on_grid.ln_bf);
-    let (shape, columns) = best_shape(scan, &beside.alone, group, best);
+    let averaged = (named.averaged(&ln) + noise.offset_ln).max(on_grid.ln_bf);
+    let (shape, columns) = best_shape(scan, &noise.alone, group, best);
     let block = turned(&columns);
-    let at_best = weighed_beside(&beside, &block);
+    let at_best = weighed_relearned(&noise, &block);
     let ln_bf = averaged.max(at_best.ln_bf - shape_price_ln(named.tries, &shape));
     let least = natural_share(scan, view);
-    let noticeable = !named.natural || view.share(scan, &beside, &block) > least;
+    let noticeable = !named.natural || view.share(scan, &noise, &block) > least;
     let item = Item { what: What::Named(group), shape, columns, ln_odds: ln_bf - price_ln(scan, group) };
-    Some(Scored { item, ln_bf, fit_ln: at_best.fit_ln, sigma: beside.mode.here.sigma.clone(), noticeable })
+    Some(Scored { item, ln_bf, fit_ln: at_best.fit_ln, sigma: noise.mode.here.sigma.clone(), noticeable })
 }
 
 /// Share of the white variance up to which a repeatable motion is natural.
 pub fn natural_share(scan: &Scan<'_>, view: &View) -> f64 {
-    let of_single = if view.chosen.ncols() == 0 { NATURAL_SHARE } else { NATURAL_SHARE_BESIDE };
+    let of_single = if view.chosen.ncols() == 0 { NATURAL_SHARE } else { NATURAL_SHARE_WITH_OTHERS };
     of_single * scan.remainder.kernels.single.powi(2)
 }
 

@@ -5,7 +5,7 @@ use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
 use crate::diagnosis::search::Found;
 use crate::diagnosis::view::{Item, View, What, columns_of, fitted};
-use crate::evidence::{beside, turned};
+use crate::evidence::{joined, turned};
 use crate::noise::learned::Real;
 use nalgebra::DVector;
 
@@ -22,7 +22,7 @@ pub fn confused_with(scan: &Scan<'_>, found: &Found, item: &Item, claim_ln: f64)
     let What::Named(group) = item.what else { return Vec::new() };
     let kept = |g: &usize| found.items.iter().any(|other| other.what == What::Named(*g));
     let others = found.items.iter().filter(|other| other.what != item.what);
-    let chosen = beside(&columns_of(others, scan.remainder.y.len()), &found.further);
+    let chosen = joined(&columns_of(others, scan.remainder.y.len()), &found.further);
     let alone = chosen.ncols() == 0;
     let view = match alone {
         true => Some(found.before.clone()),

@@ -3,7 +3,7 @@
 
 use crate::diagnosis::options::DiagnoseError;
 use crate::diagnosis::vocabulary::Vocabulary;
-use crate::evidence::{beside, log_mean_exp, orthonormal, turned};
+use crate::evidence::{joined, log_mean_exp, orthonormal, turned};
 use crate::noise::learned::mode::{Mode, Readings};
 use crate::noise::learned::remainder::{Fitted, Remainder};
 use crate::noise::learned::{Real, tails};
@@ -103,7 +103,7 @@ impl<'a> Scan<'a> {
         let counts = |row: &usize| self.white[*row] < tails::NOTHING;
         let Remainder { base, y, unit_mm, .. } = &self.remainder;
         let rows: Vec<usize> = (0..y.len()).filter(counts).collect();
-        let basis = orthonormal(&beside(base, chosen).select_rows(&rows));
+        let basis = orthonormal(&joined(base, chosen).select_rows(&rows));
         let y = y.select_rows(&rows).cast::<f64>();
         let left = &y - &basis * basis.tr_mul(&y);
         (left.norm_squared() / rows.len().max(1) as f64).sqrt() * unit_mm

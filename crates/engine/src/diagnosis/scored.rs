@@ -11,7 +11,7 @@ pub const SHAPE_MAY_ADD_LN: f64 = 12.0;
 /// Price of each shape number that was brought to its best value, ln.
 const NUMBER_LN: f64 = 1.0;
 
-/// One that takes part, the noise learned beside it.
+/// One that takes part, the noise learned with it.
 #[derive(Clone)]
 pub struct Scored {
     pub item: Item,
@@ -19,7 +19,7 @@ pub struct Scored {
     pub ln_bf: f64,
     /// How well it fits, whatever its columns cost, ln.
     pub fit_ln: f64,
-    /// Noise beside it.
+    /// Noise with it.
     pub sigma: Arc<Sigma>,
     /// False for a repeatable motion that is no larger than natural.
     pub noticeable: bool,

@@ -3,15 +3,15 @@
 //!
 //! Two effects that hide each other are named together: the best that has something to say for it but not enough is added on trial, and both
 //! stay if together they earn both names. A further shape of an effect that is in already (a second lobe number) is no further name: its columns go into
-//! the model beside it.
+//! the model next to it.
 
 use crate::diagnosis::model_comparison::{Additions, additions};
-use crate::diagnosis::named::{beside_each, price_ln};
+use crate::diagnosis::named::{price_ln, scored_each};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
 use crate::diagnosis::view::{Item, What, columns_of};
 use crate::diagnosis::views::{Seen, Views};
-use crate::evidence::beside;
+use crate::evidence::joined;
 use crate::noise::learned::sigma::Sigma;
 use nalgebra::DMatrix;
 use std::rc::Rc;
@@ -30,9 +30,9 @@ pub struct Found {
     pub open: Vec<(usize, f64)>,
     /// Further shapes of effects among the items, weighted.
     pub further: DMatrix<f64>,
-    /// The noise beside all items.
+    /// The noise with all items.
     pub last: Rc<Seen>,
-    /// The noise beside nothing, and what was looked at next to it.
+    /// The noise with none, and what was looked at next to it.
     pub before: Rc<Seen>,
     pub first: Vec<Scored>,
     /// Whatever else was looked at.
@@ -67,7 +67,7 @@ pub fn search(scan: &Scan<'_>, claim_ln: f64, most: usize) -> Option<Found> {
         }
         let is_further = enough && state.is_further(&best);
         if is_further {
-            state.further = beside(&state.further, &best.item.columns);
+            state.further = joined(&state.further, &best.item.columns);
             further += 1;
             if further > MOST_FURTHER {
                 complete = false;
@@ -106,7 +106,7 @@ struct State<'a> {
 
 impl State<'_> {
     fn chosen(&self) -> DMatrix<f64> {
-        beside(&columns_of(self.items.iter(), self.scan.remainder.y.len()), &self.further)
+        joined(&columns_of(self.items.iter(), self.scan.remainder.y.len()), &self.further)
     }
 
     /// What could come next. Effects that are in may come again with a further shape, where they have shapes to choose from.
@@ -144,7 +144,7 @@ impl State<'_> {
         let mut sigma = sigma.clone();
         for i in 0..self.items.len() - 1 {
             let others = self.items.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, item)| item);
-            let chosen = beside(&columns_of(others, self.scan.remainder.y.len()), &self.further);
+            let chosen = joined(&columns_of(others, self.scan.remainder.y.len()), &self.further);
             let Some(view) = self.views.of(self.scan, chosen, &sigma) else { continue };
             let taken: Vec<usize> = (0..self.items.len())
                 .filter(|j| *j != i)
@@ -157,7 +157,7 @@ impl State<'_> {
                 self.items[i] = best.item;
                 continue;
             }
-            let now = beside_each(self.scan, &view, &[group]);
+            let now = scored_each(self.scan, &view, &[group]);
             let now = now.first().map_or(-price_ln(self.scan, group), |scored| scored.item.ln_odds);
             if best.item.ln_odds > now && (!best.item.is_open() || best.item.ln_odds > now + self.claim_ln) {
                 sigma = best.sigma.clone();

@@ -1,8 +1,8 @@
-//! The readings with some columns in the model: the noise learned beside them, and what everything named scores there.
+//! The readings with some columns in the model: the noise learned with them, and what everything named scores there.
 
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::vocabulary::Term;
-use crate::evidence::{Weighed, beside, orthonormal, parallel, weigh, weigh_grams};
+use crate::evidence::{Weighed, joined, orthonormal, parallel, weigh, weigh_grams};
 use crate::noise::learned::Real;
 use crate::noise::learned::mode::{Effort, Mode};
 use crate::noise::learned::sigma::{Projected, Sigma};
@@ -73,8 +73,8 @@ pub struct View {
     pub grams: Vec<DMatrix<f64>>,
 }
 
-/// The noise learned beside some columns.
-pub struct Beside {
+/// The noise learned with some columns in the model.
+pub struct Relearned {
     /// With the columns in the model.
     pub mode: Mode,
     /// The same noise without them.
@@ -87,7 +87,7 @@ impl View {
     /// `start`: a noise near by.
     pub fn of(scan: &Scan<'_>, chosen: DMatrix<f64>, start: &Arc<Sigma>) -> Option<Self> {
         let readings = scan.readings();
-        let basis = orthonormal(&beside(&scan.remainder.base, &chosen)).cast::<Real>();
+        let basis = orthonormal(&joined(&scan.remainder.base, &chosen)).cast::<Real>();
         let null = if chosen.ncols() == 0 {
             scan.first.clone()
         } else {
@@ -110,23 +110,23 @@ impl View {
         weigh(&self.null.here, columns).ln_bf.max(weigh(&self.quiet, columns).ln_bf)
     }
 
-    /// Learns the noise beside columns.
-    pub fn beside(&self, scan: &Scan<'_>, columns: &DMatrix<f64>) -> Option<Beside> {
+    /// Learns the noise with columns in the model.
+    pub fn relearned(&self, scan: &Scan<'_>, columns: &DMatrix<f64>) -> Option<Relearned> {
         let readings = scan.readings();
-        let all = beside(&beside(&scan.remainder.base, &self.chosen), columns);
+        let all = joined(&joined(&scan.remainder.base, &self.chosen), columns);
         let basis = orthonormal(&all).cast::<Real>();
         let mode = readings.learn(&basis, self.null.here.sigma.clone(), Effort::AGAIN)?;
         let alone = Projected::new(mode.here.sigma.clone(), &scan.remainder.y, &self.basis)?;
         let offset_ln = readings.posterior(&alone) - 0.5 * mode.log_information - self.null.evidence();
-        Some(Beside { mode, alone, offset_ln })
+        Some(Relearned { mode, alone, offset_ln })
     }
 
     /// Mean square in a reading of what turned columns explain, in units of the white variance.
-    pub fn share(&self, scan: &Scan<'_>, beside: &Beside, columns: &DMatrix<f64>) -> f64 {
-        let fitted = fitted(&beside.alone, columns);
+    pub fn share(&self, scan: &Scan<'_>, noise: &Relearned, columns: &DMatrix<f64>) -> f64 {
+        let fitted = fitted(&noise.alone, columns);
         let basis = self.basis.map(f64::from);
         let left = &fitted - &basis * basis.tr_mul(&fitted);
-        left.norm_squared() / scan.remainder.y.len() as f64 / beside.mode.white().powi(2)
+        left.norm_squared() / scan.remainder.y.len() as f64 / noise.mode.white().powi(2)
     }
 }
 
@@ -173,13 +173,13 @@ fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, at_null: &[Weighed], at_quiet
     scan.named.iter().map(of_named).collect()
 }
 
-/// What turned columns say at a noise learned beside some: with its price against nothing more.
-pub fn weighed_beside(beside: &Beside, columns: &DMatrix<f64>) -> Weighed {
-    let plain = weigh(&beside.alone, columns);
-    Weighed { ln_bf: plain.ln_bf + beside.offset_ln, fit_ln: plain.fit_ln + beside.offset_ln }
+/// What turned columns say at a noise learned with some: with its price against nothing more.
+pub fn weighed_relearned(noise: &Relearned, columns: &DMatrix<f64>) -> Weighed {
+    let plain = weigh(&noise.alone, columns);
+    Weighed { ln_bf: plain.ln_bf + noise.offset_ln, fit_ln: plain.fit_ln + noise.offset_ln }
 }
 
 /// Columns of several items together.
 pub fn columns_of<'a>(items: impl Iterator<Item = &'a Item>, rows: usize) -> DMatrix<f64> {
-    items.fold(DMatrix::zeros(rows, 0), |all, item| beside(&all, &item.columns))
+    items.fold(DMatrix::zeros(rows, 0), |all, item| joined(&all, &item.columns))
 }

@@ -23,7 +23,7 @@ pub struct Seen {
 }
 
 impl Views {
-    /// The readings with columns in the model. `start`: a noise near by, where none was learned beside these columns before.
+    /// The readings with columns in the model. `start`: a noise near by, where none was learned with these columns before.
     pub fn of(&self, scan: &Scan<'_>, chosen: DMatrix<f64>, start: &Arc<Sigma>) -> Option<Rc<Seen>> {
         if let Some(seen) = self.0.borrow().iter().find(|seen| seen.chosen == chosen) {
             return Some(seen.clone());

@@ -41,7 +41,7 @@ pub fn turned(columns: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Two sets of columns side by side.
-pub fn beside(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
+pub fn joined(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
     let mut all = first.clone().resize_horizontally(first.ncols() + second.ncols(), 0.0);
     all.columns_mut(first.ncols(), second.ncols()).copy_from(second);
     all

@@ -232,8 +232,8 @@ mod tests {
 
     #[test]
     fn many_runs_give_the_difference_that_they_have() {
-        let alike: Vec<_> = (0..60).map(|r| (if r % 2 == 0 { 1e-3 } else { -1e-3 }, 1e-3)).collect();
-        assert!(of_values(&alike).unwrap().sd < 0.5e-3, "scatter that u explains is no difference");
+        let equal: Vec<_> = (0..60).map(|r| (if r % 2 == 0 { 1e-3 } else { -1e-3 }, 1e-3)).collect();
+        assert!(of_values(&equal).unwrap().sd < 0.5e-3, "scatter that u explains is no difference");
         let apart: Vec<_> = (0..60).map(|r| (if r % 2 == 0 { 7e-3 } else { -7e-3 }, 1e-3)).collect();
         let found = of_values(&apart).unwrap();
         // √(7² − 1) = 6.93, and a little for its own uncertainty.

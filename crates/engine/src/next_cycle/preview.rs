@@ -168,7 +168,7 @@ fn coinciding(parts: &[Part<'_>], information: &Information, view: &View, surviv
             if surviving[one] == 0 || surviving[other] == 0 {
                 continue;
             }
-            // Neighbouring time constants of one effect are alike by nature.
+            // Neighbouring time constants of one effect resemble each other by nature.
             let same = std::ptr::eq(parts[one].instance, parts[other].instance);
             if same && parts[one].shape.iter().any(|x| x.fract() != 0.0) {
                 continue;
@@ -178,12 +178,12 @@ fn coinciding(parts: &[Part<'_>], information: &Information, view: &View, surviv
             if shared == 0 {
                 continue;
             }
-            let alike = |pair: &Pair| {
+            let same_effects = |pair: &Pair| {
                 !same
                     && std::ptr::eq(parts[pair.one].instance, parts[one].instance)
                     && std::ptr::eq(parts[pair.other].instance, parts[other].instance)
             };
-            match pairs.iter_mut().find(|pair| alike(pair)) {
+            match pairs.iter_mut().find(|pair| same_effects(pair)) {
                 Some(known) if known.shared >= shared => {}
                 Some(known) => *known = Pair { one, other, shared },
                 None => pairs.push(Pair { one, other, shared }),

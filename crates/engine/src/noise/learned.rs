@@ -2,9 +2,9 @@
 //!
 //! y = X b + e,   e ~ N(0, Σ),   Σ = s² (W + Σ_k ρ_k² K_k),   ln ρ_k ~ N(ln m_k, σ_k²),   b and ln s flat
 //!
-//! Every kernel K_k is one thing that machines do beside what they are asked: offsets of passes, re-positioning, drift, a smooth
+//! Every kernel K_k is one thing that machines do in addition to what they are asked: offsets of passes, re-positioning, drift, a smooth
 //! pattern that repeats. It has mean variance 1 per reading, so that ρ_k is its size in units of the white noise s. The sizes are
-//! learned by restricted maximum likelihood with the prior above, for each run and again beside every effect that is weighed.
+//! learned by restricted maximum likelihood with the prior above, for each run and again with every effect that is weighed.
 
 mod dense;
 pub(crate) mod display;

@@ -28,7 +28,7 @@ pub struct Readings {
     /// Axes measured in both directions; of those that always went the same way only the one that moves most often.
     pub both_ways: Vec<Joint>,
     /// Axes that always went the way of another one: (that other one, the axis).
-    alike: Vec<(Joint, Joint)>,
+    confounded: Vec<(Joint, Joint)>,
     pub any_direction: bool,
     /// Every n-th point was taken.
     pub every: usize,
@@ -116,14 +116,14 @@ impl Readings {
             taken.windows(2).filter(|w| (position(w[0]) - position(w[1])).abs() > 1e-6).count()
         };
         candidates.sort_by_key(|&letter| std::cmp::Reverse(steps(letter)));
-        let (mut both_ways, mut alike): (Vec<Joint>, Vec<_>) = Default::default();
+        let (mut both_ways, mut confounded): (Vec<Joint>, Vec<_>) = Default::default();
         for letter in candidates {
             let follows = |&leader: &Joint| {
                 let same = taken.iter().filter(|&&i| sign(i, letter) == sign(i, leader)).count();
                 same as f64 >= SAME_WAY * taken.len() as f64
             };
             match both_ways.iter().copied().find(follows) {
-                Some(leader) => alike.push((leader, letter)),
+                Some(leader) => confounded.push((leader, letter)),
                 None => both_ways.push(letter),
             }
         }
@@ -155,7 +155,7 @@ impl Readings {
             dimensions,
             setups: experiment.setups.len(),
             both_ways,
-            alike,
+            confounded,
             any_direction,
             every,
             fast,
@@ -199,7 +199,7 @@ impl Readings {
     }
 
     /// Mean size of the clusters that `component` comes in, and the share of its mean square by which a cluster deviates from
-    /// the other clusters at the same stations: what all passes show alike there is no accident of one of them. Where no
+    /// the other clusters at the same stations: what all passes show there is no accident of one of them. Where no
     /// station was visited twice, the share by which clusters deviate from zero.
     pub fn clustering(&self, component: usize) -> (f64, f64) {
         let mut clusters: Vec<Cluster> = Vec::new();
@@ -247,7 +247,7 @@ impl Readings {
 
     /// `C`, or `B and C` where both always went the same way.
     pub fn name_of_way(&self, letter: Joint) -> String {
-        let followers = self.alike.iter().filter(|(leader, _)| *leader == letter).map(|(_, axis)| *axis);
+        let followers = self.confounded.iter().filter(|(leader, _)| *leader == letter).map(|(_, axis)| *axis);
         let mut names: Vec<String> = followers.chain([letter]).map(|axis| axis.to_string()).collect();
         names.sort();
         names.join(" and ")

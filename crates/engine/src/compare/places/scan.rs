@@ -57,7 +57,7 @@ pub fn best(readings: &Readings, chosen: &[Found]) -> Option<Found> {
 struct Spread {
     variance_um2: f64,
     cluster: f64,
-    alike: f64,
+    correlation: f64,
 }
 
 impl Spread {
@@ -67,17 +67,17 @@ impl Spread {
             return None;
         }
         let variance_um2 = values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64;
-        // Seen in table axes, an error that stays alike in machine axes turns with the table: the machine's view counts.
-        let (cluster, alike) = std::iter::once(component)
+        // Seen in table axes, an error that stays the same in machine axes turns with the table: the machine's view counts.
+        let (cluster, correlation) = std::iter::once(component)
             .chain(if component < 6 { 0..3 } else { 0..0 })
             .map(|component| readings.clustering(component))
             .fold((0.0, 0.0), |most: (f64, f64), one| (most.0.max(one.0), most.1.max(one.1)));
-        Some(Self { variance_um2, cluster, alike })
+        Some(Self { variance_um2, cluster, correlation })
     }
 
     /// What a box that takes `share` of each cluster explains by chance, times the ln of `choices`, twice.
     fn price(&self, share: f64, choices: f64) -> f64 {
-        let design_effect = 1.0 + (self.cluster * share - 1.0).max(0.0) * self.alike;
+        let design_effect = 1.0 + (self.cluster * share - 1.0).max(0.0) * self.correlation;
         2.0 * choices.ln() * self.variance_um2 * design_effect
     }
 }

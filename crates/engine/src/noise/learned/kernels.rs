@@ -1,4 +1,4 @@
-//! What machines do beside what they are asked: the kernels of the noise, as data.
+//! What machines do in addition to what they are asked: the kernels of the noise, as data.
 //!
 //! Each has a frame (in what it acts), pairs of points that it moves alike, and what is expected of its size. A free correlation time
 //! or length is a mixture of a few fixed ones with free sizes: every unknown is then a logarithm of a size. The expected sizes say
@@ -120,10 +120,10 @@ impl Kernels {
         let mut kernels = Self { list, frames, points, point_of_row, rows_of_point, components, single };
         let taken = Taken::new(experiment);
         let mut readings = In::frame(&mut kernels, of_readings(experiment), root);
-        readings.add(Part::Pass, alike(&taken.pass), 0.25, SPREAD_LN);
-        readings.add(Part::Pass, alike(&taken.heading), 0.25, SPREAD_LN);
-        readings.add(Part::Pass, alike(&taken.visit), 0.25, SPREAD_LN);
-        readings.add(Part::Station, alike(&taken.station), 0.12, SPREAD_LN);
+        readings.add(Part::Pass, same_group(&taken.pass), 0.25, SPREAD_LN);
+        readings.add(Part::Pass, same_group(&taken.heading), 0.25, SPREAD_LN);
+        readings.add(Part::Pass, same_group(&taken.visit), 0.25, SPREAD_LN);
+        readings.add(Part::Station, same_group(&taken.station), 0.12, SPREAD_LN);
         for tau in taken.times(DRIFT_OF_READINGS, SHORTEST_DRIFT_POINTS) {
             readings.add(Part::Drift, taken.drift(tau), 0.15, SPREAD_LN);
         }
@@ -135,7 +135,7 @@ impl Kernels {
             }
         }
         if f64::from(count(&taken.pose)) * REPEATED < points as f64 && !axes.turning.is_empty() {
-            readings.add(Part::Pattern, alike(&taken.pose), 0.1, SPREAD_LN);
+            readings.add(Part::Pattern, same_group(&taken.pose), 0.1, SPREAD_LN);
         }
         for (mean, lengths) in axes.lengths_of_readings() {
             readings.add(Part::Pattern, axes.field(&lengths), mean, SPREAD_LN);
@@ -144,7 +144,7 @@ impl Kernels {
             return kernels;
         }
         let mut machine = In::frame(&mut kernels, of_machine(experiment), root);
-        machine.add(Part::Pass, alike(&taken.pass), 0.15, SPREAD_LN);
+        machine.add(Part::Pass, same_group(&taken.pass), 0.15, SPREAD_LN);
         for tau in taken.times(DRIFT_OF_MACHINE, SHORTEST_DRIFT_POINTS) {
             machine.add(Part::Drift, taken.drift(tau), 0.1, SPREAD_LN);
         }
@@ -154,7 +154,7 @@ impl Kernels {
         if let Some(slow) = taken.slow {
             In::frame(&mut kernels, of_axis(experiment, slow), root).add(
                 Part::Station,
-                alike(&taken.station),
+                same_group(&taken.station),
                 0.2,
                 SPREAD_OF_ANGLES_LN,
             );
@@ -341,7 +341,7 @@ impl<'a> In<'a> {
 }
 
 /// 1 for two points of one group.
-fn alike(group: &[usize]) -> DMatrix<Real> {
+fn same_group(group: &[usize]) -> DMatrix<Real> {
     DMatrix::from_fn(group.len(), group.len(), |i, j| if group[i] == group[j] { 1.0 } else { 0.0 })
 }
 

@@ -6,7 +6,7 @@ use super::kernels::Kernels;
 use super::mode::{Effort, Mode, Readings};
 use super::tails;
 use crate::Experiment;
-use crate::evidence::{beside, orthonormal};
+use crate::evidence::{joined, orthonormal};
 use crate::problem::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 use std::fmt;
@@ -87,7 +87,7 @@ impl<'a> Remainder<'a> {
         if let Some(display) = &coarse_display {
             let mut saw = rows.of(display.saw(experiment, fitted.predicted_mm));
             saw.column_iter_mut().for_each(|mut column| column.component_mul_assign(&root));
-            base = beside(&base, &saw);
+            base = joined(&base, &saw);
         }
         let nodes = 0..rows.points.points.len();
         let used = nodes.map(|node| rows.points_of(node).iter().all(|&point| fitted.used[point])).collect();
@@ -100,12 +100,12 @@ impl<'a> Remainder<'a> {
         Ok(Self { rows, root, base, basis, y, unit_mm, coarse_display, kernels, least_ln, used })
     }
 
-    /// The noise beside the columns of the model, with the weights of points that it asks for; near the mode, as sizes need it.
+    /// The noise with the columns of the model, with the weights of points that it asks for; near the mode, as sizes need it.
     pub fn learn(&self) -> Option<(Learned, Mode)> {
         let of_point = |i: &usize| if self.used[*i] { 1.0 } else { tails::NOTHING };
         let kernels = &self.kernels;
         let mut white = DVector::from_iterator(self.y.len(), kernels.point_of_row.iter().map(of_point));
-        // What some points say may have no covariance of all: white noise that is nothing beside the rest.
+        // What some points say may have no covariance of all: white noise that is nothing next to the rest.
         let begun = self.mode(&white, &self.start(&white), Effort::SIZES);
         let mut mode = begun.or_else(|| self.mode(&white, &self.first(), Effort::SIZES))?;
         for _ in 0..WEIGHINGS {
