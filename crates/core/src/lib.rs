@@ -6,6 +6,7 @@
 
 mod artefact;
 pub mod axis;
+mod chain;
 pub mod channel;
 pub mod convert;
 pub mod direction;
@@ -27,6 +28,7 @@ mod twist;
 
 pub use artefact::{Artefact, Target};
 pub use axis::{AxisValues, Joint, JointError, Slot};
+pub use chain::chain;
 pub use channel::{Channel, Role};
 pub use kind::{InstrumentKind, ReadingColumn};
 pub use point::{Point, Quality};

@@ -15,7 +15,6 @@ pub mod plausibility;
 pub mod problem;
 pub mod solve;
 pub mod spectrum;
-mod words;
 
 pub use diagnosis::judged::{LearnedNoise, OpenEffect, Verdict};
 pub use diagnosis::options::DiagnoseError;

@@ -2,7 +2,6 @@
 
 use pyo3::exceptions::PyException;
 use pyo3::{PyErr, create_exception};
-use std::error::Error as _;
 
 create_exception!(
     trunnion,
@@ -13,11 +12,5 @@ create_exception!(
 
 /// The error with its chain of causes.
 pub fn raised(error: trunnion::Error) -> PyErr {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(behind) = cause {
-        text += &format!(": {behind}");
-        cause = behind.source();
-    }
-    Error::new_err(text)
+    Error::new_err(trunnion::chain(&error))
 }

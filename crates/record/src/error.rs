@@ -76,12 +76,6 @@ impl RecordError {
         matches!(self, Self::Io { .. } | Self::Write { source: mcap::McapError::Io(_), .. })
     }
 
-    /// The error with its causes, in one line.
-    pub(crate) fn chain(&self) -> String {
-        let causes = std::iter::successors(std::error::Error::source(self), |cause| cause.source());
-        causes.fold(self.to_string(), |text, cause| format!("{text}: {cause}"))
-    }
-
     pub(crate) fn io(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Io { what, path: path.into(), source }
     }

@@ -11,7 +11,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use trunnion_core::{Clock, Gap, HostTime};
+use trunnion_core::{Clock, Gap, HostTime, chain};
 
 /// How often waiting batches are looked at when nothing arrives.
 const IDLE: Duration = Duration::from_millis(20);
@@ -233,7 +233,7 @@ fn record(
     let mut finished = loop {
         let why = match closed.finish() {
             Ok(finished) => break finished,
-            Err(error) if error.may_pass() && waits() => error.chain(),
+            Err(error) if error.may_pass() && waits() => chain(&error),
             Err(error) => return Err(error),
         };
         if lock(shared).status.failing.replace(why.clone()) != Some(why.clone()) {

@@ -5,7 +5,7 @@
 
 use crate::error::RecordError;
 use std::time::Duration;
-use trunnion_core::HostTime;
+use trunnion_core::{HostTime, chain};
 
 /// From the beginning of one sync to that of the next, where the disk is quick: as long as a batch waits, so that it is written once.
 pub const PERIOD: Duration = Duration::from_millis(40);
@@ -42,7 +42,7 @@ impl Syncs {
         self.due = (began + PERIOD).max(ended + took.mul_f64(REST));
         let at_risk = ended - self.safe;
         self.at_risk = self.at_risk.max(at_risk);
-        let refused = refused.map(|error| error.chain());
+        let refused = refused.map(|error| chain(&error));
         if refused.is_none() {
             self.safe = began;
         }

@@ -20,7 +20,7 @@ pub use closed::{Closed, Finished};
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use trunnion_core::{AxisSample, Event, Gap, HostTime, ProbeSample};
+use trunnion_core::{AxisSample, Event, Gap, HostTime, ProbeSample, chain};
 
 /// Longest time a sample waits for its batch to fill.
 const BATCH_AGE: Duration = syncs::PERIOD;
@@ -192,7 +192,7 @@ impl Recorder {
     /// Ends the journals. What cannot be written even now is lost, and counted in a gap of the finished file.
     pub(crate) fn close(mut self, now: HostTime) -> Closed {
         if let Err(error) = self.sync(now) {
-            tracing::warn!("{}", error.chain());
+            tracing::warn!("{}", chain(&error));
         }
         self.retry_at = now;
         self.try_again(now);
@@ -200,7 +200,7 @@ impl Recorder {
             && let Err(error) = journal.close()
         {
             // What was written is in the file; only its end is missing, which nothing needs.
-            tracing::warn!("{}", error.chain());
+            tracing::warn!("{}", chain(&error));
         }
         while let Some((message, _)) = self.ring.pop_front() {
             self.lose(&message);
@@ -275,7 +275,7 @@ impl Recorder {
     }
 
     fn failed(&mut self, error: RecordError, now: HostTime) {
-        let why = error.chain();
+        let why = chain(&error);
         // It is tried again every second: reported once, and again when the reason is another.
         if self.reported.as_ref() != Some(&why) {
             tracing::error!("recording interrupted, kept in memory: {why}");

@@ -24,7 +24,6 @@ use crate::analysis::{Analyst, JudgedBy};
 use crate::board::Board;
 use crate::config::{Config, PageConfig};
 use crate::cycles::{Choice, Cycles};
-use crate::error::chain;
 use crate::latest::Mounted;
 use crate::live::{Live, Measured, Start};
 use crate::mqtt;
@@ -47,7 +46,7 @@ use tokio::task::{JoinHandle, JoinSet};
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
 use trunnion::results::{CycleState, Serves};
-use trunnion_core::Clock;
+use trunnion_core::{Clock, chain};
 use trunnion_sync::{CycleBounds, Progress};
 
 /// For how long the end of a recording waits for room on the disk: a person who works by day finds it. It holds 8 MB of memory.

@@ -42,8 +42,6 @@ pub enum ServiceError {
     Broken(&'static str),
 }
 
-pub(crate) use trunnion::chain;
-
 impl From<trunnion::Error> for ServiceError {
     fn from(failure: trunnion::Error) -> Self {
         Self::File(Box::new(failure))

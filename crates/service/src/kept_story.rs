@@ -2,7 +2,7 @@
 //!
 //! The page shows it at once, instead of analysing a second time, as long as recordings, model and program are what they were.
 
-use crate::error::{ServiceError, chain};
+use crate::error::ServiceError;
 use crate::found::found;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -13,6 +13,7 @@ use tracing::warn;
 use trunnion::Compared;
 use trunnion::page::label;
 use trunnion::results::{RunFound, to_json_line};
+use trunnion_core::chain;
 
 const ENDING: &str = "story.jsonl";
 

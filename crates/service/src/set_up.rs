@@ -4,7 +4,6 @@
 //! `trunnion watch --sign-test` do the same without a service.
 
 use crate::board::Board;
-use crate::error::chain;
 use crate::latest::{Latest, Mounted};
 use crate::nest_file::{by_hand, write_nest};
 use std::path::PathBuf;
@@ -12,7 +11,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use trunnion::nest::NestSteps;
 use trunnion::results::{NestCalibrated, SetUpState, SetUpStep, SignFinding};
 use trunnion_core::channel::instrument_channels;
-use trunnion_core::{Clock, Joint, NestSide};
+use trunnion_core::{Clock, Joint, NestSide, chain};
 use trunnion_sync::plan::Plan;
 use trunnion_sync::{NestCalibration, Timed};
 

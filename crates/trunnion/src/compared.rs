@@ -1,8 +1,8 @@
 //! Where a model fails, and what one more effect would do: values, text and page.
 
 use crate::analysis::FormulaText;
-use crate::error::chain;
 use crate::{Diagnosed, Error, Fit, Step, page};
+use trunnion_core::chain;
 use trunnion_effects::catalogue::BASE;
 use trunnion_engine::spectrum::spectra;
 use trunnion_results as results;

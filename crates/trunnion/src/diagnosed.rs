@@ -3,6 +3,7 @@
 use crate::analysis::diagnosed;
 use crate::{Error, Experiment, Fit};
 use std::sync::Arc;
+use trunnion_core::chain;
 use trunnion_engine::{Diagnosis, next_cycle};
 use trunnion_results as results;
 
@@ -55,7 +56,7 @@ impl Diagnosed {
     /// The same; where a diagnosis fails, nothing is judged and the reason is said.
     pub(crate) fn or_not_judged(fit: &Fit) -> Self {
         Self::without_plan(fit).unwrap_or_else(|error| {
-            let why = format!("The diagnosis failed: {}.", crate::error::chain(&error));
+            let why = format!("The diagnosis failed: {}.", chain(&error));
             let diagnosis = Arc::new(Diagnosis::not_judged(&fit.problem(), why));
             Self { fit: fit.clone(), diagnosis }
         })

@@ -218,18 +218,6 @@ pub enum Error {
     },
 }
 
-/// Every cause of an error in one line.
-pub fn chain(failure: &dyn std::error::Error) -> String {
-    let mut text = failure.to_string();
-    let mut cause = failure.source();
-    while let Some(next) = cause {
-        text.push_str(": ");
-        text.push_str(&next.to_string());
-        cause = next.source();
-    }
-    text
-}
-
 /// Large causes are boxed, so that an answer does not carry their size.
 macro_rules! boxed {
     ($($variant:ident: $cause:ty),* $(,)?) => {

@@ -7,10 +7,10 @@ use http_body_util::{BodyExt, Empty};
 use hyper::body::{Bytes, Incoming};
 use hyper::{Request, StatusCode, Uri, header};
 use hyper_util::rt::TokioIo;
-use std::error::Error;
 use std::time::Duration;
 use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout};
+use trunnion_core::chain;
 use trunnion_protocol::mtconnect::MAX_BODY_BYTES;
 
 /// Whom to ask.
@@ -151,16 +151,6 @@ impl Answer {
 fn silent(base: &Uri, waited: Duration) -> SessionEnd {
     let who = format!("{base} does not answer; check that the agent runs, and the network between");
     SessionEnd::Silent { who, waited }
-}
-
-fn chain(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        text += &format!(": {error}");
-        cause = error.source();
-    }
-    text
 }
 
 #[cfg(test)]

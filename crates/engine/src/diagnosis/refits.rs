@@ -5,7 +5,7 @@ use crate::evidence::parallel;
 use crate::fit::identification::Identification;
 use crate::fit::options::IdentifyError;
 use crate::problem::Problem;
-use crate::words::chain;
+use trunnion_core::chain;
 use trunnion_core::convert::um_from_mm;
 use trunnion_effects::{Instance, ModelEffect, Scene, Unit};
 

@@ -8,9 +8,9 @@ use super::planned::PlannedCycle;
 use super::rivals::{Rivals, wanted};
 use crate::diagnosis::judged::Verdict;
 use crate::problem::Problem;
-use crate::words::chain;
 use crate::{Diagnosis, NextCycle};
 use std::f64::consts::LN_10;
+use trunnion_core::chain;
 
 /// Plans the next cycle when a candidate is confused with others, or the data are undecided between effects; where no cycle separates
 /// these, an undecided answer has the present cycle once more. Every other diagnosis stays as it is: planning takes longer than the

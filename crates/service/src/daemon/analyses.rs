@@ -9,7 +9,7 @@ use crate::analysis::{AnalysisLimits, Analyst, JudgedBy};
 use crate::board::Board;
 use crate::child::Unanswered;
 use crate::clock::{day, moment};
-use crate::error::{ServiceError, chain};
+use crate::error::ServiceError;
 use crate::page::Runs;
 use crate::run_record;
 use serde_json::json;
@@ -19,7 +19,7 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
 use trunnion::results::{CycleState, RunAnswer, RunRecord, RunState};
-use trunnion_core::Clock;
+use trunnion_core::{Clock, chain};
 
 /// Analyses of a running service.
 #[derive(Clone)]

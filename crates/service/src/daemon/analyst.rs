@@ -3,14 +3,14 @@
 use super::report::write_report;
 use crate::analysis::{AnalysisLimits, Analyst, JudgedBy};
 use crate::child::{LOOK, Process, Unanswered};
-use crate::error::{ServiceError, chain};
+use crate::error::ServiceError;
 use std::io::Read;
 use std::path::Path;
 use std::process::ChildStdout;
 use std::thread::JoinHandle;
 use tokio_util::sync::CancellationToken;
 use trunnion::results::RunAnswer;
-use trunnion_core::Clock;
+use trunnion_core::{Clock, chain};
 
 /// The hidden command of the program that analyses one recording.
 const COMMAND: &str = "analyse-run";

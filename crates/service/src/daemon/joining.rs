@@ -3,7 +3,6 @@
 //! A recording goes on with the one before it where its program ran already when it began, and that one was cut off. What else
 //! must hold is asked by [`trunnion::join::join`] [docs/decisions/0013-parts-of-one-cycle.md].
 
-use crate::error::chain;
 use crate::run_record::{self, Known};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -11,6 +10,7 @@ use tracing::{info, warn};
 use trunnion::cycles::{Cycle, Pace};
 use trunnion::join::{UNDER_WAY, join};
 use trunnion::results::{RunRecord, RunState};
+use trunnion_core::chain;
 use trunnion_record::{Item, RunHeader, read_header, visit};
 
 /// How many times its planned duration a program may take: at half the feed override it takes twice as long.

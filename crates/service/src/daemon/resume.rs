@@ -4,12 +4,12 @@ use super::analyses::{Analyses, publish};
 use crate::analysis::JudgedBy;
 use crate::clock::moment;
 use crate::cycles::Cycles;
-use crate::error::chain;
 use crate::run_record::{self, Known, is_pending};
 use std::path::{Path, PathBuf};
 use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
 use trunnion::results::{RunRecord, RunState};
+use trunnion_core::chain;
 
 impl Analyses {
     /// Publishes the last report again.

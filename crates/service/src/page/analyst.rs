@@ -5,14 +5,13 @@ use super::analysed::AnalysedRuns;
 use super::question::{Head, NoAnswer, Question, Reply};
 use crate::analysis::{AnalysisLimits, Analyst};
 use crate::child::{LOOK, Process, Unanswered};
-use crate::error::chain;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{ChildStdin, ChildStdout};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use tokio_util::sync::CancellationToken;
-use trunnion_core::Clock;
+use trunnion_core::{Clock, chain};
 
 /// The hidden command of the program that answers.
 const COMMAND: &str = "answer-page";

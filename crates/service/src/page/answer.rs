@@ -64,7 +64,7 @@ impl Refusal {
 
 impl IntoResponse for Refusal {
     fn into_response(self) -> Response {
-        refused(self.status(), &crate::error::chain(&self))
+        refused(self.status(), &trunnion_core::chain(&self))
     }
 }
 

@@ -1,9 +1,9 @@
 //! What the page asks of a recording, and what it gets: one line of JSON to the process that analyses, a head and a text back.
 
-use crate::error::chain;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use trunnion::results::RunFound;
+use trunnion_core::chain;
 
 /// A question about one recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,6 @@ use super::answer::Refusal;
 use super::question::{Asks, NoAnswer, Question};
 use super::stamp::{Stamp, own_model, stamp, stamps};
 use crate::cycles::{Choice, Cycles};
-use crate::error::chain;
 use crate::{kept_story, run_record};
 use hyper::body::Bytes;
 use std::collections::{BTreeMap, VecDeque};
@@ -18,6 +17,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::Semaphore;
 use trunnion::results::{AlarmsNow, CorrectionEntered, RunFound, RunLine, RunList, RunListFormat};
 use trunnion::{Model, history};
+use trunnion_core::chain;
 
 /// Answers that are kept, bytes; what-if of 10 000 poses has 9 MB, a report 1 MB.
 const MOST_KEPT: usize = 64 << 20;

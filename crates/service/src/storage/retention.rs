@@ -3,11 +3,11 @@
 use super::config::{DAY, StorageConfig, mb};
 use super::today::Today;
 use crate::clock::moment;
-use crate::error::chain;
 use crate::run_record::{self, Known, is_pending};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use trunnion::results::RunRecord;
+use trunnion_core::chain;
 
 /// A run whose samples are there.
 #[derive(Clone, Debug)]

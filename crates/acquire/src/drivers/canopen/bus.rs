@@ -2,11 +2,10 @@
 
 use crate::link::Link;
 use crate::session_end::SessionEnd;
-use std::error::Error;
 use std::future::Future;
 use std::time::Duration;
 use tokio::time::Instant;
-use trunnion_core::HostTime;
+use trunnion_core::{HostTime, chain};
 use trunnion_protocol::can::CanFrame;
 use trunnion_protocol::canopen::{Message, NmtState, NodeDescription, NodeId, NodeStartup, StartupProgress};
 
@@ -137,10 +136,9 @@ pub(super) async fn describe(
                     if let Some(abort) = abort {
                         bus.send(abort).await?;
                     }
-                    let cause = error.source().map_or(String::new(), |cause| format!(": {cause}"));
                     return Err(SessionEnd::Protocol {
                         doing: "reading a node's description",
-                        fault: format!("{error}{cause}"),
+                        fault: chain(&error),
                     });
                 }
             }

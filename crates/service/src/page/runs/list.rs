@@ -46,7 +46,7 @@ pub fn read(name: String, path: &Path) -> RunLine {
                 ..RunLine::default()
             }
         }
-        Err(failure) => RunLine { name, trouble: crate::error::chain(&failure), ..RunLine::default() },
+        Err(failure) => RunLine { name, trouble: trunnion_core::chain(&failure), ..RunLine::default() },
     }
 }
 
