@@ -13,8 +13,6 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Runs in which one false alarm is allowed, over all values: a year of daily runs.
 pub const RUNS_PER_FALSE_ALARM: f64 = 365.0;
-/// Share of the runs of an unchanged machine that a forecast holds.
-const FORECAST: f64 = 0.95;
 /// Doublings and halvings that bring t to the last digits of a double.
 const STEPS: usize = 80;
 /// Degrees of freedom that are as good as ∞.
@@ -61,13 +59,6 @@ impl Baseline {
         let rule = Rule::of(watched);
         let t = t_beyond(rule.share, self.count - 1);
         Some(Limits { mean: self.mean, half_width: self.half_width(u, t, rule.kept) })
-    }
-
-    /// The 95 % interval for one more value of an unchanged machine [ISO 16269-8]; `None` before the third run.
-    pub fn next(&self) -> Option<Limits> {
-        let freedom = self.count.checked_sub(1).filter(|freedom| *freedom > 0)?;
-        let half_width = self.half_width(0.0, t_beyond(1.0 - FORECAST, freedom), 1.0);
-        Some(Limits { mean: self.mean, half_width })
     }
 
     fn half_width(&self, u: f64, t: f64, kept: f64) -> f64 {
@@ -130,24 +121,6 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
-
-    #[test]
-    fn a_forecast_holds_95_percent_of_the_next_values_however_few_runs_there_are() {
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(11);
-        let normal = Normal::new(3.0, 0.7).unwrap();
-        for runs in [2, 5, 20] {
-            let trials = 4000;
-            let inside = (0..trials).filter(|_| {
-                let mut baseline = Baseline::default();
-                (0..runs).for_each(|_| baseline.take(normal.sample(&mut rng), 0.1));
-                !baseline.next().unwrap().alarm(normal.sample(&mut rng))
-            });
-            let share = inside.count() as f64 / f64::from(trials);
-            // Four standard deviations of a share of 0.95 in 4000.
-            assert!((share - FORECAST).abs() < 0.014, "{share} after {runs} runs");
-        }
-        assert_eq!(Baseline::default().next(), None);
-    }
 
     #[test]
     fn quantiles_are_those_of_the_tables() {

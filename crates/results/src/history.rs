@@ -82,18 +82,18 @@ pub struct Watched {
     pub unit: String,
     /// Its value in every run that has one, with the limits that held then.
     pub points: Vec<WatchedPoint>,
-    /// What the next run of an unchanged machine is expected to show: mean and ends of the 95 % interval; null before enough days were
-    /// measured.
-    #[serde(default)]
-    pub next: Option<[f64; 3]>,
 }
 
 impl Watched {
-    /// `direction of axis B about X (EA0B)`.
+    /// Name of the residual among the watched values.
+    pub const RESIDUAL: &str = "rms";
+
+    /// `direction of axis B about X (EA0B)`; the residual has no symbol.
     pub fn title(&self) -> String {
-        match self.words == self.name || self.words.is_empty() {
-            true => self.name.clone(),
-            false => format!("{} ({})", self.words, self.name),
+        match self.name.as_str() {
+            name if self.words == name || self.words.is_empty() => name.into(),
+            Self::RESIDUAL => self.words.clone(),
+            name => format!("{} ({name})", self.words),
         }
     }
 }

@@ -23,6 +23,7 @@ struct Opened {
     points: trunnion_engine::Experiment,
     timing: Vec<TimeQuality>,
     damage: Vec<String>,
+    gaps: Vec<String>,
     losses: Vec<String>,
     reductions: Vec<String>,
     implausible: OnceLock<Vec<Implausible>>,
@@ -58,6 +59,25 @@ pub fn open_with<P: AsRef<Path>>(
         .into_iter()
         .map(|path| Ok((path.as_ref().to_owned(), read(path.as_ref(), Some(limits))?)))
         .collect::<Result<_, Error>>()?;
+    Experiment::of_recordings(recordings)
+}
+
+/// Opens runs of one machine to be fitted together, each with the recordings that hold it. The parts of a run have its name, its zero of
+/// time and its setups, so that their points are those of one run.
+///
+/// # Errors
+/// As [`open_all`].
+pub(crate) fn open_runs(runs: &[Vec<PathBuf>]) -> Result<Experiment, Error> {
+    let mut recordings = Vec::new();
+    for parts in runs {
+        let mut read = parts.iter().map(|path| Ok::<_, Error>((path, read(path, Some(Limits::default()))?)));
+        let Some(first) = read.next() else { continue };
+        let (path, mut whole) = first?;
+        for part in read {
+            whole.run.points.extend(part?.1.run.points);
+        }
+        recordings.push((path.clone(), whole));
+    }
     Experiment::of_recordings(recordings)
 }
 
@@ -109,13 +129,15 @@ impl Experiment {
     pub fn of_recordings(recordings: Vec<(PathBuf, Recording)>) -> Result<Self, Error> {
         let (mut runs, mut timing, mut damage, mut reductions) = (vec![], vec![], vec![], vec![]);
         let (mut planned, mut samples, mut plate) = (Vec::new(), Vec::new(), NamePlate::default());
-        let (mut losses, is_one) = (Vec::new(), recordings.len() == 1);
+        let (mut gaps, mut losses, is_one) = (Vec::new(), Vec::new(), recordings.len() == 1);
         for (path, recording) in recordings {
             let named = |text: String| format!("{}: {text}", path.display());
             damage.extend(recording.damage.as_ref().map(|damage| named(damage.to_string())));
             let name = &recording.run.name;
             let of_run = |text: String| if is_one { text } else { format!("{name}: {text}") };
-            losses.extend(page::losses(&recording.gaps, 0).into_iter().map(of_run));
+            let of_recording = page::losses(&recording.gaps, 0);
+            gaps.extend(of_recording.iter().map(|gap| named(gap.clone())));
+            losses.extend(of_recording.into_iter().map(of_run));
             losses.extend(recording.damage.map(|damage| of_run(format!("the file is {damage}"))));
             reductions.extend(recording.reduction.map(named));
             timing.extend(recording.timing);
@@ -136,6 +158,7 @@ impl Experiment {
                 points,
                 timing,
                 damage,
+                gaps,
                 losses,
                 reductions,
                 implausible: OnceLock::new(),
@@ -191,6 +214,11 @@ impl Experiment {
     /// What is wrong with the files, one sentence for each that is damaged.
     pub fn damage(&self) -> &[String] {
         &self.opened.damage
+    }
+
+    /// Gaps in what was asked of the devices, one sentence each with its file.
+    pub fn gaps(&self) -> &[String] {
+        &self.opened.gaps
     }
 
     /// What is missing from the recordings, one sentence each: gaps in what was asked of the devices, damage.

@@ -71,9 +71,9 @@ pub fn history(runs: &[Vec<PathBuf>], wanted: &Wanted) -> Result<MachineHistory,
     watched(&mut history, since, &wanted.corrections);
     history.forecast = Some(match days(&history, since) {
         Ok(days) => {
-            let of_days: Vec<PathBuf> =
-                days.into_iter().filter_map(|index| recordings[index].first().cloned()).collect();
-            next_day(&of_days, wanted.model.as_ref())?
+            let of_days: Vec<Vec<PathBuf>> =
+                days.into_iter().map(|index| recordings[index].clone()).collect();
+            next_day(&of_days, wanted.model.as_ref())
         }
         Err(why_not) => without(why_not),
     });

@@ -3,7 +3,7 @@
 use super::table::{columns, paragraph, titled};
 use crate::number::{MISSING, justified, um_or_dash, unit_on_screen, value_and_u};
 use trunnion_results::sentences::verdict_in_short;
-use trunnion_results::{HistoryRun, MachineHistory, Watched};
+use trunnion_results::{ForecastValue, HistoryRun, MachineHistory, Watched};
 
 /// The history of a machine.
 pub fn history_text(history: &MachineHistory) -> String {
@@ -26,10 +26,10 @@ pub fn history_text(history: &MachineHistory) -> String {
         text += &limits;
         text += "At most one false alarm in 365 runs over all of these values together.\n";
     }
-    text += &forecast(history);
     if let Some(next) = &history.forecast {
         text += "\nThe next day\n";
         text += &next.words.iter().map(|words| paragraph(words)).collect::<String>();
+        text += &expected(&next.values);
     }
     history.notes.iter().fold(text, |text, note| text + note + "\n")
 }
@@ -77,23 +77,18 @@ fn runs(history: &MachineHistory) -> String {
     titled(&rows, &[2, 3])
 }
 
-/// What the next run of an unchanged machine is expected to show; nothing before enough days were measured.
-fn forecast(history: &MachineHistory) -> String {
-    let row = |one: &Watched| {
-        let [mean, lower, upper] = one.next?;
-        let unit = unit_on_screen(&one.unit);
-        Some(vec![
-            one.name.clone(),
-            format!("{} {unit}", justified(mean, mean - lower)),
-            interval([lower, upper], &unit),
-        ])
-    };
-    let mut rows = vec![["value", "", "95 % interval"].map(String::from).to_vec()];
-    rows.extend(history.watched.iter().filter_map(row));
-    match rows.len() {
-        1 => String::new(),
-        _ => format!("\nExpected of the next run, if the machine stays as it is\n{}", columns(&rows, &[1])),
+/// Each value of the next day; nothing where nothing is expected.
+fn expected(values: &[ForecastValue]) -> String {
+    if values.is_empty() {
+        return String::new();
     }
+    let row = |one: &ForecastValue| {
+        let (value, u) = value_and_u(Some(one.value), Some(one.u), &one.unit);
+        vec![one.name.clone(), value, u]
+    };
+    let mut rows = vec![["expected", "", "u"].map(String::from).to_vec()];
+    rows.extend(values.iter().map(row));
+    columns(&rows, &[1, 2])
 }
 
 /// `−2.1 … 4.3 µm`, with the digits that its half width justifies.

@@ -131,7 +131,10 @@ impl Open {
                 let files = [earlier, &self.recording].map(|path| run_files(path));
                 to_json_line(&changed(&files, fit.model())?)
             }
-            Asks::NextDay { recordings } => to_json_line(&next_day(recordings, Some(fit.model()))?),
+            Asks::NextDay { recordings } => {
+                let runs: Vec<_> = recordings.iter().map(|path| run_files(path)).collect();
+                to_json_line(&next_day(&runs, Some(fit.model())))
+            }
             Asks::Methods => to_json_line(&fit.experiment().methods()),
             Asks::Report => Ok(compared.page()),
             Asks::Trial { effect } => Ok(fit.try_effect(effect, &FormulaText::default())?.page()),

@@ -34,9 +34,9 @@ pub enum Asks {
     Report,
     /// Columns for what-if.
     Linear,
-    /// What the day after these recordings is expected to show; the recording of the question is the last of them.
+    /// What the day after these runs is expected to show; the recording of the question is of the last of them.
     NextDay {
-        /// The recordings, oldest first.
+        /// A recording of each run, oldest first.
         recordings: Vec<PathBuf>,
     },
     /// What changed from another recording to that of the question, and which effect.

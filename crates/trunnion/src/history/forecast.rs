@@ -4,18 +4,23 @@
 //! A forecast is checked before it is given: the days before the last predict the last, which took no part in their fit.
 //! Limits: as long as nobody changes the machine. A season that no day of these belongs to is not in it.
 
-use super::watch::{DAY_S, FEWEST_DAYS};
-use crate::{Error, Experiment, Fit, Model, identity, open, open_all};
-use std::collections::BTreeSet;
+use crate::experiment::open_runs;
+use crate::{Error, Experiment, Fit, Model, identity};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
+use trunnion_core::chain;
 use trunnion_results::number::{percent, um};
 use trunnion_results::sentences::error_in_words;
 use trunnion_results::{DayForecast, ForecastValue, HistoryRun, MachineHistory, RunPrediction};
 
-/// Runs that are fitted together: the latest two working weeks. Older ones say less of tomorrow, and each costs a fit.
-const MOST_RUNS: usize = 10;
+/// Days on which was measured that a forecast needs: t of four degrees of freedom is 1.4 times that of many, of two it is 2.2 times.
+const FEWEST_DAYS: usize = 5;
+/// Days that are fitted together: the latest two working weeks. Older ones say less of tomorrow, and each costs a fit.
+const MOST_DAYS: usize = 10;
+const DAY_S: i64 = 86_400;
 
-/// Indices of the runs that a forecast is made from, oldest first; or why they do not allow one. `since` is the first run after a repair.
+/// Indices of the runs that a forecast is made from, one a day and oldest first; or why they do not allow one. `since` is the first run
+/// after a repair.
 ///
 /// # Errors
 /// A sentence that says what is missing.
@@ -30,16 +35,19 @@ pub fn days(history: &MachineHistory, since: usize) -> Result<Vec<usize>, String
     }
     let unchanged: Vec<usize> =
         all.into_iter().filter(|&index| history.runs[index].alarms.is_empty()).collect();
-    let day = |&index: &usize| history.runs[index].began_s.map(|at_s| at_s.div_euclid(DAY_S));
-    let measured = unchanged.iter().filter_map(day).collect::<BTreeSet<_>>().len();
-    if measured < FEWEST_DAYS {
+    // The last run of each day: runs of one day differ by less than days do, and would be taken for days that hardly differ.
+    let day = |&index: &usize| Some((history.runs[index].began_s?.div_euclid(DAY_S), index));
+    let days: Vec<usize> =
+        unchanged.iter().filter_map(day).collect::<BTreeMap<_, _>>().into_values().collect();
+    if days.len() < FEWEST_DAYS {
+        let measured = days.len();
         let after =
             if since > 0 || corrected_s.is_some() { " since the last correction or repair" } else { "" };
         let undated = unchanged.iter().any(|&index| history.runs[index].began_s.is_none());
         let undated = if undated { ", runs without a date not counted" } else { "" };
         return Err(format!("{measured} of {FEWEST_DAYS} days were measured{after}{undated}"));
     }
-    Ok(unchanged[unchanged.len().saturating_sub(MOST_RUNS)..].to_vec())
+    Ok(days[days.len().saturating_sub(MOST_DAYS)..].to_vec())
 }
 
 /// Nothing is expected, and why.
@@ -48,17 +56,19 @@ pub fn without(why_not: String) -> DayForecast {
     DayForecast { why_not, words, ..DayForecast::default() }
 }
 
-/// The forecast from these recordings, oldest first; the base model without a model.
-///
-/// # Errors
-/// A recording that cannot be read or fitted.
-pub fn next_day(recordings: &[PathBuf], model: Option<&Model>) -> Result<DayForecast, Error> {
-    let Some((last, before)) = recordings.split_last().filter(|_| recordings.len() >= FEWEST_DAYS) else {
-        return Ok(without(format!("{} of {FEWEST_DAYS} recordings are there", recordings.len())));
+/// The forecast from these runs, one a day and oldest first, each with the recordings that hold it; the base model without a model. A
+/// forecast that fails is none, with the reason.
+pub fn next_day(runs: &[Vec<PathBuf>], model: Option<&Model>) -> DayForecast {
+    forecast(runs, model).unwrap_or_else(|error| without(format!("it failed: {}", chain(&error))))
+}
+
+fn forecast(runs: &[Vec<PathBuf>], model: Option<&Model>) -> Result<DayForecast, Error> {
+    let Some((last, before)) = runs.split_last().filter(|_| runs.len() >= FEWEST_DAYS) else {
+        return Ok(without(format!("{} of {FEWEST_DAYS} days have samples", runs.len())));
     };
-    let last = open(last)?;
-    let checked = fitted(&open_all(before)?, model)?.predict(&last)?.runs.into_iter().next();
-    let days = fitted(&open_all(recordings)?, model)?;
+    let last = open_runs(std::slice::from_ref(last))?;
+    let checked = fitted(&open_runs(before)?, model)?.predict(&last)?.runs.into_iter().next();
+    let days = fitted(&open_runs(runs)?, model)?;
     let about = DayForecast {
         runs: days.experiment().runs().iter().map(|run| run.name.clone()).collect(),
         temperature_degc: temperatures(days.experiment()),
@@ -166,7 +176,7 @@ mod tests {
     fn what_the_days_do_not_allow_is_said() {
         assert_eq!(days(&runs(4), 0).unwrap_err(), "4 of 5 days were measured");
         assert_eq!(days(&runs(6), 0).unwrap(), [0, 1, 2, 3, 4, 5]);
-        assert_eq!(days(&runs(14), 0).unwrap().len(), MOST_RUNS, "the latest ones");
+        assert_eq!(days(&runs(14), 0).unwrap(), (4..14).collect::<Vec<_>>(), "the latest ones");
         let said = days(&runs(8), 5).unwrap_err();
         assert_eq!(said, "3 of 5 days were measured since the last correction or repair");
         let corrected = MachineHistory {
@@ -176,6 +186,15 @@ mod tests {
         assert_eq!(
             days(&corrected, 0).unwrap_err(),
             "2 of 5 days were measured since the last correction or repair"
+        );
+        let mut four_a_day = runs(24);
+        for (number, run) in (0..).zip(&mut four_a_day.runs) {
+            run.began_s = Some(number * DAY_S / 4);
+        }
+        assert_eq!(days(&four_a_day, 0).unwrap(), [3, 7, 11, 15, 19, 23], "one run a day, its last");
+        assert_eq!(
+            days(&four_a_day, 8).unwrap_err(),
+            "4 of 5 days were measured since the last correction or repair"
         );
         let mut changed = runs(8);
         changed.runs[7].alarms.push("EB0C".into());

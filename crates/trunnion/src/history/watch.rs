@@ -1,16 +1,11 @@
 //! Values of runs against the limits that the runs before them set (`trunnion_methods::control_chart`).
 
-use std::collections::BTreeSet;
 use trunnion_methods::control_chart::{Baseline, Limits};
 use trunnion_results::sentences::error_in_words;
 use trunnion_results::{HistoryRun, Parameter, Watched, WatchedPoint};
 
 /// Name of the residual among the watched values.
-const RMS: &str = "rms";
-
-/// Days on which was measured that a forecast needs: t of four degrees of freedom is 1.4 times that of many, of two it is 2.2 times.
-pub(super) const FEWEST_DAYS: usize = 5;
-pub(super) const DAY_S: i64 = 86_400;
+const RMS: &str = Watched::RESIDUAL;
 
 /// Watches the residual and every parameter of the runs; notes the alarms in them. The machine began to be what it is with the run at
 /// each of `begins`: a correction or repair before it.
@@ -26,37 +21,30 @@ pub(super) fn watch(runs: &mut [HistoryRun], begins: &[usize]) -> Vec<Watched> {
 }
 
 fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, name: String, unit: String) -> Watched {
-    // A residual is no less than nothing.
+    // A residual is not negative, and neither is its lower limit.
     let least = if name == RMS { 0.0 } else { f64::NEG_INFINITY };
     let ends = |l: Limits| [l.mean, (l.mean - l.half_width).max(least), l.mean + l.half_width];
     let mut baseline = Baseline::default();
     let mut points = Vec::new();
-    let mut days = BTreeSet::new();
     for (index, run) in runs.iter_mut().enumerate() {
         if begins.contains(&index) {
             baseline = Baseline::default();
-            days.clear();
         }
         let Some((value, u)) = value(run, &name) else { continue };
         let limits = baseline.limits(u, count);
         let alarm = limits.is_some_and(|limits| limits.alarm(value));
         match alarm {
             true => run.alarms.push(name.clone()),
-            false => {
-                baseline.take(value, u);
-                days.extend(run.began_s.map(|at_s| at_s.div_euclid(DAY_S)));
-            }
+            false => baseline.take(value, u),
         }
         let limits = limits.map(ends);
         points.push(WatchedPoint { run: index, value, u, limits, alarm });
     }
-    let next = Some(&baseline).filter(|_| days.len() >= FEWEST_DAYS).and_then(|baseline| baseline.next());
-    let next = next.map(ends);
     let words = match name.as_str() {
         RMS => "Residual, rms".into(),
         name => error_in_words(name).unwrap_or_else(|| name.into()),
     };
-    Watched { name, words, unit, points, next }
+    Watched { name, words, unit, points }
 }
 
 fn value(run: &HistoryRun, name: &str) -> Option<(f64, f64)> {
@@ -85,22 +73,6 @@ mod tests {
 
     fn scattered(count: usize, about: f64) -> Vec<HistoryRun> {
         (0..count).map(|k| run(0.3 + 0.01 * (k % 3) as f64, about + 0.4 * (k % 5) as f64)).collect()
-    }
-
-    #[test]
-    fn a_forecast_is_made_only_after_five_days_and_not_over_a_correction() {
-        let day = |k: usize, run: HistoryRun| HistoryRun { began_s: Some(DAY_S * k as i64 + 3600), ..run };
-        let dated = |runs: Vec<HistoryRun>| -> Vec<_> {
-            runs.into_iter().enumerate().map(|(k, run)| day(k, run)).collect()
-        };
-        let next = |runs: &[HistoryRun], begins: &[usize]| watch(&mut runs.to_vec(), begins)[1].next;
-        let runs = dated(scattered(6, 5.0));
-        assert_eq!(next(&runs[..4], &[0]), None, "four days");
-        let [mean, low, high] = next(&runs[..5], &[0]).unwrap();
-        assert!((mean - 5.8).abs() < 1e-9 && low < 5.0 && high > 6.6, "{low} {mean} {high}");
-        let one_day: Vec<_> = runs.iter().map(|run| HistoryRun { began_s: Some(0), ..run.clone() }).collect();
-        assert_eq!(next(&one_day, &[0]), None, "many runs of one day");
-        assert_eq!(next(&runs, &[0, 3]), None, "three days since the correction");
     }
 
     #[test]

@@ -5,6 +5,7 @@
 mod adequate;
 mod alarms;
 mod examples;
+mod forecast;
 mod joined;
 mod library;
 mod linear;
