@@ -92,7 +92,7 @@ pub struct Candidate {
     pub rms_um_after: f64,
     /// Held-out error with it in the model, µm rms; null when nothing could be left out.
     pub holdout_rms_um_after: Option<f64>,
-    /// Share of what all that was found explains together that it explains alone, 0…1.
+    /// What it explains alone, as a share of what everything that was found explains together, 0…1.
     pub explains_fraction: f64,
     /// Its parameters as fitted, shape numbers included.
     pub parameters: Vec<Parameter>,
@@ -133,7 +133,7 @@ pub struct FormulaProposal {
     pub rms_um_after: f64,
     /// Held-out error with it in the model, µm rms; null when nothing could be left out.
     pub holdout_rms_um_after: Option<f64>,
-    /// Share of what all that was found explains together that it explains alone, 0…1.
+    /// What it explains alone, as a share of what everything that was found explains together, 0…1.
     pub explains_fraction: f64,
     /// What it does, and where, in words.
     #[serde(alias = "lives")]

@@ -21,7 +21,8 @@ pub fn unit_on_screen(unit: &str) -> String {
         .replace("^2", "²")
 }
 
-/// Two significant digits at least, three where they are left of the second decimal; a true minus sign, no unit.
+/// Three significant digits from 1 on, and every digit before the decimal point; two below 1 and before a power of ten. A true minus
+/// sign, no unit.
 pub fn plain(value: f64) -> String {
     if !value.is_finite() {
         return MISSING.into();

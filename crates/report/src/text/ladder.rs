@@ -41,7 +41,7 @@ pub fn ladder_text(ladder: &Ladder, noise_um: Option<f64>) -> String {
             out += &format!("\nMoved by more than 2 u when {effect} came in\n{}", moved_table(&moved));
         } else if let Some(most) = most_moved(&row.moved) {
             out += &format!(
-                "\nNothing moved by more than 2 u when {effect} came in; most of the location errors: {}.\n",
+                "\nNothing moved by more than 2 u when {effect} came in. The location error that moved most: {}.\n",
                 moved_words(most)
             );
         }

@@ -195,7 +195,7 @@ fn the_ladder_shows_fit_held_out_noise_and_what_moved() {
     assert!(rung.contains("#####|####") && rung.contains('o') && rung.contains("0.50 µm"), "{rung}");
     let moved = text.split_once("Moved by more than 2 u when backlash:B came in\n").unwrap().1;
     let moved = moved.lines().find(|line| line.starts_with("EX0C")).unwrap();
-    assert!(["−3.20", "−1.10", "µm"].iter().all(|part| moved.contains(part)), "{moved}");
+    assert!(["−3.20", "−1.10", "µm", "8.1 u"].iter().all(|part| moved.contains(part)), "{moved}");
     for line in text.lines().filter(|line| !line.starts_with("Bars:")) {
         assert!(line.chars().count() <= 80, "{line}");
     }
