@@ -1,7 +1,7 @@
 //! What to do after a run: no more than its data allow.
 
 use crate::certainty::measure_next;
-use crate::words::{about, effect_name, is_only_incomplete, planned_words};
+use crate::words::{about, effect_name, is_failed, is_only_incomplete, planned_words};
 use trunnion_results::{Candidate, Comparison, Correctable, Diagnosis, Prediction, RunPrediction, Verdict};
 
 /// In the order in which it is done; never empty.
@@ -14,9 +14,12 @@ pub(crate) fn to_do(input: &Comparison) -> Vec<String> {
         Verdict::Undecided => vec!["Change nothing at the machine or in the control on these data.".into()],
         Verdict::NotJudged => vec![
             "Change nothing at the machine or in the control on these runs.".into(),
-            match is_only_incomplete(input) {
-                true => "Measure the whole cycle again, or the part that is missing.".into(),
-                false => "Undo the mistake named above, or measure again.".into(),
+            if is_failed(input) {
+                "Mend what made the diagnosis fail, and diagnose again.".into()
+            } else if is_only_incomplete(input) {
+                "Measure the whole cycle again, or the part that is missing.".into()
+            } else {
+                "Undo the mistake named above, or measure again.".into()
             },
         ],
     };

@@ -41,6 +41,7 @@ pub fn headline(input: &Comparison) -> String {
         (Verdict::NotJudged, _) if is_only_incomplete(input) => {
             "Not judged: a part of the cycle is missing".into()
         }
+        (Verdict::NotJudged, _) if is_failed(input) => "Not judged: the diagnosis failed".into(),
         (Verdict::NotJudged, _) => "Not judged: these runs cannot be what they say they are".into(),
         _ => "Something that the catalogue has no name for is missing from the model".into(),
     }
@@ -83,6 +84,12 @@ pub(crate) fn is_only_incomplete(input: &Comparison) -> bool {
     !asked.is_empty() && asked.iter().all(|one| one.question == Question::Whole)
 }
 
+/// True where nothing is wrong with the runs and the diagnosis itself gave no answer.
+pub(crate) fn is_failed(input: &Comparison) -> bool {
+    let not_judged = input.diagnosis.as_ref().is_some_and(|d| d.verdict == Verdict::NotJudged);
+    not_judged && input.identification.plausibility.is_empty()
+}
+
 fn undecided(diagnosis: &Diagnosis) -> Vec<String> {
     let next = diagnosis.next_cycle.as_ref().map(|next| next.suggestion.clone());
     [Some(diagnosis.why.clone()), next].into_iter().flatten().filter(|text| !text.is_empty()).collect()
@@ -117,9 +124,10 @@ fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
 }
 
 /// Why no effect is listed.
-pub fn nothing_named(diagnosis: &Diagnosis) -> &str {
+pub fn nothing_named<'d>(input: &Comparison, diagnosis: &'d Diagnosis) -> &'d str {
     match diagnosis.verdict {
         Verdict::Undecided => &diagnosis.why,
+        Verdict::NotJudged if is_failed(input) => "No effect was judged, because the diagnosis failed.",
         Verdict::NotJudged => "No effect was judged, because the runs are not plausible or not whole.",
         _ => "No effect explains the residual significantly better than noise does.",
     }
@@ -128,6 +136,7 @@ pub fn nothing_named(diagnosis: &Diagnosis) -> &str {
 /// Where nothing stands out, or nothing was looked for.
 pub fn no_place(input: &Comparison) -> &'static str {
     match &input.diagnosis {
+        _ if is_failed(input) => "Not looked for, because the diagnosis failed.",
         Some(diagnosis) if diagnosis.verdict == Verdict::NotJudged => {
             "Not looked for, because the runs are not plausible or not whole."
         }

@@ -22,7 +22,7 @@ pub fn section(input: &Comparison) -> String {
 
 fn found(input: &Comparison, diagnosis: &Diagnosis) -> String {
     if diagnosis.candidates.is_empty() && diagnosis.formula.is_none() {
-        return element("p", nothing_named(diagnosis));
+        return element("p", nothing_named(input, diagnosis));
     }
     let mut body = bars(
         "Error before and after each candidate",

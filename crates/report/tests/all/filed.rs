@@ -113,6 +113,37 @@ fn no_label_of_a_report_stays_english() {
 }
 
 #[test]
+fn a_diagnosis_that_failed_accuses_no_run() {
+    let mut failed = report();
+    failed.comparison.diagnosis =
+        Some(Diagnosis { why: "The diagnosis failed: too few.".into(), ..Diagnosis::default() });
+    failed.comparison.left_out =
+        vec!["A trial of backlash:C is left out, because it failed: too few.".into()];
+    failed.comparison.places.clear();
+    let page = report_html(&failed, Language::English);
+    for said in [
+        "<h1>Not judged: the diagnosis failed</h1>",
+        "Not looked for, because the diagnosis failed.",
+        "No effect was judged, because the diagnosis failed.",
+        "Mend what made the diagnosis fail, and diagnose again.",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    assert!(!page.contains("plausible") && !page.contains("what they say they are"), "the runs are good");
+    let german = report_html(&failed, Language::German);
+    for said in [
+        "<h1>Nicht beurteilt: Die Diagnose ist gescheitert</h1>",
+        "In diesem Bericht fehlt:",
+        "Eine Probe mit backlash:C fehlt, weil es gescheitert ist: too few.",
+    ] {
+        assert!(german.contains(said), "{said}");
+    }
+    let all_clear = "A usual effect of 1.2 µm rms or more would have been noticed. Not so backlash or a slip of the setup: passes \
+                     differ by some 2.4 µm, and these data do not say why. Repeat one pass to know.";
+    assert!(Language::German.say(all_clear).is_some_and(|said| said.contains("um etwa 2.4 µm, und")));
+}
+
+#[test]
 fn the_first_page_says_what_is_wrong_what_to_do_and_pass_or_fail_before_the_annex() {
     let page = report_html(&report(), Language::English);
     let order = [

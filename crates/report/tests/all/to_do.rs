@@ -71,6 +71,8 @@ fn nobody_is_left_without_the_next_step() {
         "{nothing_to_add:?}"
     );
     let mut part = Comparison { diagnosis: Some(verdict(Verdict::NotJudged)), ..Comparison::default() };
+    assert!(story(&part).to_do[1].starts_with("Mend what made the diagnosis fail"));
+    part.identification.plausibility = vec![Plausibility::default()];
     assert!(story(&part).to_do[1].starts_with("Undo the mistake named above"));
     part.identification.plausibility =
         vec![Plausibility { question: Question::Whole, ..Plausibility::default() }];
