@@ -66,7 +66,7 @@ pub struct Loaded {
 impl Loaded {
     /// How a command ends that shows numbers of these runs, and its doubts with them.
     pub fn judgement(&self) -> Outcome {
-        if self.experiment.plausibility().is_empty() { self.outcome } else { Outcome::Withheld }
+        if self.experiment.plausibility().is_empty() { self.outcome } else { self.outcome.or_withheld() }
     }
 
     /// The same for a command whose answer has no room for doubts: they go to standard error.
@@ -102,7 +102,7 @@ pub fn trusted_runs(args: &TrustedArgs) -> anyhow::Result<Loaded> {
 }
 
 /// Opens the recordings; those taken on the fly with more samples than `--blocks` are reduced to blocks while they are read.
-/// Damage is reported on standard error and ends in [`Outcome::DataLoss`].
+/// Damage and gaps are reported on standard error and end in [`Outcome::DataLoss`].
 pub fn runs(args: &RunArgs) -> anyhow::Result<Loaded> {
     reduced_runs(args, Limits::default().most_blocks)
 }
@@ -124,10 +124,15 @@ pub fn formed(run: &Path, form: &Form) -> anyhow::Result<Loaded> {
     Ok(stated(trunnion::open_formed(run, Limits::default(), form)?))
 }
 
-/// What was opened, with its reductions and damage on standard error.
+/// What was opened, with its reductions, damage and gaps on standard error.
 fn stated(experiment: Experiment) -> Loaded {
     experiment.reductions().iter().chain(experiment.damage()).for_each(|text| terminal::remark(text));
-    let outcome = if experiment.damage().is_empty() { Outcome::Done } else { Outcome::DataLoss };
+    match experiment.gaps() {
+        [] => {}
+        [gap] => terminal::remark(gap),
+        [first, further @ ..] => terminal::remark(&format!("{first}; {} further gaps", further.len())),
+    }
+    let outcome = if experiment.losses().is_empty() { Outcome::Done } else { Outcome::DataLoss };
     Loaded { experiment, outcome }
 }
 

@@ -91,8 +91,8 @@ impl Analysed {
         self.steps.iter().map(Step::effect).collect()
     }
 
-    /// Where the final model fails.
+    /// Where the final model fails, with the steps that were left out on the way to it.
     pub fn compare(&self) -> Compared {
-        self.last().compare()
+        self.last().compare().with_left_out(&self.left_out)
     }
 }

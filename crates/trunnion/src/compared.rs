@@ -66,7 +66,8 @@ impl Compared {
     pub fn with_losses(mut self, losses: &[String]) -> Self {
         for loss in losses {
             // Of several runs a sentence begins with the name of its run.
-            if !self.answer.losses.iter().any(|known| known.ends_with(loss)) {
+            let of_run = format!(": {loss}");
+            if !self.answer.losses.iter().any(|known| known == loss || known.ends_with(&of_run)) {
                 self.answer.losses.push(loss.clone());
             }
         }

@@ -25,20 +25,11 @@ impl Fit {
 }
 
 impl Fit {
-    /// The answer of a diagnosis in one word, and why where nothing is claimed; undecided where the runs are too few to ask.
-    ///
-    /// # Errors
-    /// A fit that fails on the way.
-    pub fn verdict(&self) -> Result<(results::Verdict, String), Error> {
-        match Diagnosed::without_plan(self) {
-            Ok(diagnosed) => {
-                let answer = diagnosed.results();
-                let found = answer.best().map_or(answer.why, |best| format!("It lacks {best}."));
-                Ok((answer.verdict, found))
-            }
-            Err(Error::Diagnose(why)) => Ok((results::Verdict::Undecided, why.to_string())),
-            Err(other) => Err(other),
-        }
+    /// The answer of a diagnosis in one word, and why where nothing is claimed; not judged where the diagnosis fails.
+    pub fn verdict(&self) -> (results::Verdict, String) {
+        let answer = Diagnosed::or_not_judged(self).results();
+        let found = answer.best().map_or(answer.why, |best| format!("It lacks {best}."));
+        (answer.verdict, found)
     }
 }
 

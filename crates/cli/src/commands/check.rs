@@ -29,5 +29,5 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else {
         terminal::print(&check_text(&check))?;
     }
-    Ok(if check.plausibility.is_empty() { outcome } else { Outcome::Withheld })
+    Ok(if check.plausibility.is_empty() { outcome } else { outcome.or_withheld() })
 }

@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use anyhow::bail;
 use std::path::PathBuf;
-use trunnion::results::{Comparison, Trial};
+use trunnion::results::{Comparison, Trial, Verdict};
 use trunnion::{Fit, FormulaText};
 
 /// Show where the model fails: tables, and a page with plots
@@ -49,15 +49,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let fit = experiment.fit(&model)?;
     let formula = args.formula.text();
     match &args.trial {
-        Some(effect) => try_effect(args, &fit, effect, &formula)?,
+        Some(effect) => {
+            try_effect(args, &fit, effect, &formula)?;
+            Ok(outcome)
+        }
         None if formula != FormulaText::default() => {
             bail!(
                 "--site, --component, --expression and --grid describe a formula to try: add --try formula:NAME"
             )
         }
-        None => compare(args, &fit)?,
+        None => Ok(outcome.with_verdict(compare(args, &fit)?)),
     }
-    Ok(outcome)
 }
 
 fn frozen(args: &Args, answer: Comparison) -> anyhow::Result<()> {
@@ -71,18 +73,21 @@ fn frozen(args: &Args, answer: Comparison) -> anyhow::Result<()> {
     output::report_page(args.html.as_deref())
 }
 
-fn compare(args: &Args, fit: &Fit) -> anyhow::Result<()> {
+fn compare(args: &Args, fit: &Fit) -> anyhow::Result<Verdict> {
     let compared = fit.compare();
     // A page shows the best candidate at work.
     let compared = if args.html.is_some() { compared.with_best() } else { compared };
     if let Some(path) = &args.html {
         output::write(path, &compared.page())?;
     }
+    let verdict = compared.diagnosed().results().verdict;
     if args.json {
-        return terminal::print_json(&Comparison { html: html(args), ..compared.results() });
+        terminal::print_json(&Comparison { html: html(args), ..compared.results() })?;
+        return Ok(verdict);
     }
     terminal::print(&compared.summary())?;
-    output::report_page(args.html.as_deref())
+    output::report_page(args.html.as_deref())?;
+    Ok(verdict)
 }
 
 fn try_effect(args: &Args, fit: &Fit, effect: &str, formula: &FormulaText) -> anyhow::Result<()> {

@@ -102,7 +102,7 @@ fn values(args: &Args, control: &Format) -> anyhow::Result<CorrectionValues> {
 
 /// The verdict on the model; refuses one that lacks something.
 fn adequate(args: &Args, fit: &Fit) -> anyhow::Result<Verdict> {
-    let (verdict, why) = fit.verdict()?;
+    let (verdict, why) = fit.verdict();
     match verdict {
         Verdict::MissingEffect | Verdict::UnnamedStructure if !args.although_inadequate => bail!(
             "nothing was written, because the model is inadequate. {why} Add what it lacks (trunnion diagnose, trunnion add); \

@@ -3,7 +3,6 @@
 use crate::load::{Loaded, ModelArgs, RunArgs};
 use crate::outcome::Outcome;
 use crate::{load, terminal};
-use trunnion::results::Verdict;
 
 /// Say which physical effect is missing from the model
 ///
@@ -29,5 +28,5 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else {
         terminal::print(&answer.summary())?;
     }
-    Ok(if answer.results().verdict == Verdict::NotJudged { Outcome::Withheld } else { outcome })
+    Ok(outcome.with_verdict(answer.results().verdict))
 }

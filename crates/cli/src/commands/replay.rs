@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use trunnion::Form;
 use trunnion::replay::{Happened, replay};
-use trunnion::results::{Verdict, to_json};
+use trunnion::results::to_json;
 
 /// Analyse a recording again; writes the same bytes as the live run did
 ///
@@ -47,9 +47,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     let model = args.model.model(&experiment)?;
     let analysed = experiment.analyse(&model, "")?;
+    analysed.left_out().iter().for_each(|left_out| terminal::remark(left_out));
     let identification = to_json(&analysed.before().results())?;
     let first = analysed.first().results();
-    let outcome = if first.verdict == Verdict::NotJudged { Outcome::Withheld } else { outcome };
+    let outcome = outcome.with_verdict(first.verdict);
     let diagnosis = to_json(&first)?;
     let Some(folder) = &args.output else {
         terminal::print_verbatim(&identification)?;

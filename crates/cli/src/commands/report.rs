@@ -103,6 +103,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         written: today()?,
     };
     let compared = experiment.fit(&args.model.model(&experiment)?)?.compare().with_best();
+    let outcome = outcome.with_verdict(compared.diagnosed().results().verdict);
     let mut report = compared.report(&args.runs.runs, &filing)?;
     let page = args.output.clone().unwrap_or_else(|| args.runs.runs[0].with_extension("report.html"));
     output::write(&page, &report_html(&report, args.language))?;

@@ -65,6 +65,24 @@ fn a_gap_of_a_recording_is_said_by_every_surface() {
 }
 
 #[test]
+fn a_gap_is_said_against_kept_values_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let holed = trunnion::open(recording(&folder.path().join("holed.mcap"), &[gap(10.25, 12.5)])).unwrap();
+    let fit = holed.fit(&holed.base_model()).unwrap();
+    let kept = fit.model().with_values(&fit.values("2026-03-01")).unwrap();
+    let [loss] = &kept.compare_frozen(&holed).unwrap().losses[..] else { panic!("one gap") };
+    assert!(loss.starts_with("probe-2: nothing from 10.25 s"), "{loss}");
+}
+
+#[test]
+fn what_ends_as_another_loss_is_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let holed = recording(&folder.path().join("holed.mcap"), &[gap(10.25, 12.5)]);
+    let shorter = ["2: nothing from 10.25 s to 12.50 s, 48 samples missing (unplugged)".to_owned()];
+    assert_eq!(compared(&holed).with_losses(&shorter).results().losses.len(), 2);
+}
+
+#[test]
 fn of_several_runs_a_gap_has_the_name_of_its_run() {
     let folder = tempfile::tempdir().unwrap();
     let holed = recording(&folder.path().join("holed.mcap"), &[gap(10.25, 12.5)]);

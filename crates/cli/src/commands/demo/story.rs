@@ -67,7 +67,7 @@ pub(super) fn story(analysed: &Analysed) -> String {
         },
         Verdict::Undecided => format!("\nThese data cannot say. {}\n", last.why),
         Verdict::MissingEffect => "\nMore may be missing; the demo stops adding here.\n".into(),
-        Verdict::NotJudged => "\nThe runs were not judged.\n".into(),
+        Verdict::NotJudged => format!("\nThe runs were not judged. {}\n", last.why),
     };
     let fit = analysed.fit().results();
     if !analysed.steps().is_empty() {
