@@ -2,19 +2,37 @@
 
 use crate::terminal;
 use anyhow::Context;
+use std::io::ErrorKind;
 use std::path::Path;
+use trunnion::Error;
 use trunnion::report::{findings_html, findings_text};
 use trunnion::results::Findings;
 
-/// Writes a text file whole or not at all; a pipe or a device takes the text as it comes.
+/// Writes a text file whole or not at all. A pipe or a device takes the text as it comes, and so does a file whose folder takes no other
+/// next to it.
 pub fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    // What a link leads to is written, not the link. /dev/stdout may lead to a file that is open.
+    let in_place = || std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()));
+    // /dev/stdout may lead to a file that is open.
     let is_open = path.starts_with("/dev") || path.starts_with("/proc");
-    let place = path.canonicalize().unwrap_or_else(|_| path.into());
-    if !is_open && std::fs::metadata(&place).map_or(true, |about| about.is_file()) {
-        return Ok(trunnion::files::write_whole(&place, text)?);
+    // A symbolic link stays, and what it leads to is written, there or not yet. A hard link keeps the old text.
+    let place = path.canonicalize().ok();
+    let is_link_to_nothing = place.is_none() && path.is_symlink();
+    let place = place.unwrap_or_else(|| path.into());
+    let is_file = std::fs::metadata(&place).map_or(true, |about| about.is_file());
+    if is_open || is_link_to_nothing || !is_file {
+        return in_place();
     }
-    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+    match trunnion::files::write_whole(&place, text) {
+        Err(Error::Write { source, .. }) if place.exists() && is_of_folder(source.kind()) => in_place(),
+        written => Ok(written?),
+    }
+}
+
+/// Why a folder takes no further file: its rights, a file system that is only read, a file that is mounted by itself, a name that
+/// would be too long. A full disk is none of these: it would cost the old file too.
+fn is_of_folder(refused: ErrorKind) -> bool {
+    use ErrorKind::{InvalidFilename, PermissionDenied, ReadOnlyFilesystem, ResourceBusy};
+    matches!(refused, InvalidFilename | PermissionDenied | ReadOnlyFilesystem | ResourceBusy)
 }
 
 /// Says which page was written, if any.
@@ -53,6 +71,26 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
         let gone = folder.path().join("none/page.html");
         assert!(write(&gone, "new").unwrap_err().to_string().contains("none/page.html"));
+    }
+
+    #[test]
+    fn a_file_is_written_where_no_other_can_be_made_next_to_it() {
+        let folder = tempfile::tempdir().unwrap();
+        // Longest name that a file may have [POSIX NAME_MAX of Linux]: a longer one, for the file next to it, is refused.
+        let file = folder.path().join("x".repeat(255));
+        std::fs::write(&file, "old").unwrap();
+        write(&file, "new").unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
+    }
+
+    #[test]
+    fn a_link_stays_where_it_leads_to_nothing_yet() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("page.html"), folder.path().join("link.html"));
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        write(&link, "new").unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
     }
 
     #[test]
