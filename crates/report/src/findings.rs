@@ -36,7 +36,9 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
                 Some(um) if found.unit != "um" => format!(" ({} µm over 100 mm)", plain(um)),
                 _ => String::new(),
             };
-            format!("{name} moves the tool most: {value}{over}, standard uncertainty {u}{symbol}")
+            // Of a unit without a shift it is not known how far it moves the tool.
+            let does = if at_tool(found).is_some() { "moves the tool most" } else { "is significant" };
+            format!("{name} {does}: {value}{over}, standard uncertainty {u}{symbol}")
         }
         None if !clear.is_empty() => "Only what mounting left is significantly different from zero".into(),
         None if with_u > 0 => "No value is significantly different from zero".into(),

@@ -236,4 +236,9 @@ fn a_method_is_summed_up_and_names_first_what_moves_the_tool_most() {
         .unwrap_or_else(|| panic!("{text}"));
     assert!(summary < largest && text.contains("µm over 100 mm), standard uncertainty"), "{text}");
     assert!(findings_html(&findings, "").contains("<h1>Machine , : Bidirectional circular deviation: 6.6"));
+
+    // Of a delay it is not known how far it moves the tool.
+    let delay = Findings { values: vec![value("delay", 2.0, "ms", 0.1)], ..Findings::default() };
+    let text = findings_text(&delay).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("delay is significant: 2.0") && !text.contains("moves the tool"), "{text}");
 }
