@@ -10,7 +10,7 @@ use trunnion_record::Item;
 pub use remounts::Remounts;
 
 /// No program moves sooner after its start, s: what was missing before is no loss of the run.
-pub const FIRST_MOTION_S: f64 = 0.05;
+const FIRST_MOTION_S: f64 = 0.05;
 
 /// Gaps of a run, without those in which nothing was asked of the devices.
 #[derive(Clone, Debug, Default)]
@@ -27,9 +27,9 @@ impl Gaps {
         }
     }
 
-    /// A pose that was decided at `decided_s`.
-    pub fn pose(&mut self, point: &Point, decided_s: f64) {
-        self.remounts.take(point, decided_s);
+    /// A pose that was decided.
+    pub fn pose(&mut self, point: &Point) {
+        self.remounts.take(point);
     }
 
     /// All, before it is known which of them count.
@@ -49,7 +49,7 @@ pub fn gaps_of(recording: &Path) -> Option<(String, Vec<Gap>)> {
     let mut take = |item: Item| {
         match item {
             Item::Gap(gap) => gaps.take(gap),
-            Item::Point(point) => gaps.pose(&point, point.state.time_s.unwrap_or(0.0)),
+            Item::Point(point) => gaps.pose(&point),
             _ => {}
         }
         true

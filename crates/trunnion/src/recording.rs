@@ -92,15 +92,13 @@ fn gather(
     header: RunHeader,
     machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
     limits: Option<Limits>,
-    (forming, timing, gaps): (Option<Forming>, Option<Timing>, Vec<Gap>),
+    (forming, timing, gaps): (Option<Forming>, Option<Timing>, Gaps),
 ) -> Result<Recording, RecordError> {
     let (send, batches) = mpsc::sync_channel::<Batch>(QUEUE);
     let of_header = header.machine().and_then(Result::ok).or_else(|| machine(&header.machine_name));
     let plate = NamePlate::parse("machine in the recording", &header.machine_text).unwrap_or_default();
     let planned = of_header.and_then(|machine| Planned::of(&header, &machine));
-    let mut asked = Gaps::default();
-    gaps.into_iter().for_each(|gap| asked.take(gap));
-    let mut points = Points { limits, start: None, kept: Vec::new(), reducing: None, planned, gaps: asked };
+    let mut points = Points { limits, start: None, kept: Vec::new(), reducing: None, planned, gaps };
     let read = std::thread::scope(|scope| {
         let unpack = scope.spawn(|| match (forming, &timing) {
             (Some(forming), Some(timing)) => form_again(path, &header, machine, forming, timing, send),
@@ -260,7 +258,7 @@ impl Points {
     fn take(&mut self, batch: Batch) {
         self.start = batch.start.or(self.start.take());
         for (index, point) in batch.points {
-            self.gaps.pose(&point, point.state.time_s.unwrap_or(0.0));
+            self.gaps.pose(&point);
             if let Some(planned) = &mut self.planned {
                 planned.take(index, &point);
             }

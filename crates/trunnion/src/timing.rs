@@ -1,6 +1,6 @@
 //! How well a recording is known in time: clocks fitted over the whole run, delays from its synchronisation moves, gaps and losses.
 
-use crate::gaps::FIRST_MOTION_S;
+use crate::gaps::Gaps;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -58,9 +58,9 @@ fn retimed(mut sample: AxisSample, retiming: &Retiming) -> AxisSample {
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<(Option<Timing>, Vec<Gap>), RecordError> {
+pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<(Option<Timing>, Gaps), RecordError> {
     let mut survey = Survey::default();
-    let (mut gaps, mut stamped) = (Vec::new(), false);
+    let (mut gaps, mut stamped) = (Gaps::default(), false);
     let (header, _) = visit_samples(path, &mut |item| {
         match item {
             Item::Probe(sample) => {
@@ -71,7 +71,7 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<(Option<Timing>, Vec<G
                 stamped |= !sample.stamp.arrival_s.is_nan();
                 survey.axes(&sample);
             }
-            Item::Gap(gap) if gap.to_s > FIRST_MOTION_S => gaps.push(gap),
+            Item::Gap(gap) => gaps.take(gap),
             _ => {}
         }
         true
@@ -90,7 +90,7 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<(Option<Timing>, Vec<G
             Stream::Axes => None,
         };
     }
-    share_out(&gaps, &mut streams);
+    share_out(gaps.so_far(), &mut streams);
     for channel in delays.iter().filter(|(_, delay)| delay.birge_ratio > DIFFERS).map(|(channel, _)| *channel)
     {
         notes.push(format!(

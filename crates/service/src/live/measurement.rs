@@ -149,8 +149,8 @@ impl<'m> Measurement<'m> {
     fn keep(&mut self, now: HostTime) {
         let mut formed = std::mem::take(&mut self.formed);
         for event in formed.drain(..) {
-            if let CycleEvent::Point { point, time_s, .. } = &event {
-                self.gaps.pose(point, *time_s);
+            if let CycleEvent::Point { point, .. } = &event {
+                self.gaps.pose(point);
             }
             match event.into_point() {
                 Ok(point) => {

@@ -1,26 +1,28 @@
-//! When the ball was mounted again: from the last pose of a setup until the first pose of the next is read, nothing is asked of
-//! the devices. A probe is out of its range then, and its cable may be pulled.
+//! When the ball was mounted again: between the last pose of a setup and the first pose of the next nothing is asked of the devices. A
+//! probe is out of its range then, and its cable may be pulled.
+//!
+//! The stretch goes from the middle of one reading to the middle of the other, which a recording holds too: where both were read, nothing
+//! that is missing in between cost a pose.
 
 use trunnion_core::{Gap, Point, Quality};
 
 /// Stretches of one run in which the ball was mounted again.
 #[derive(Clone, Debug, Default)]
 pub struct Remounts {
-    /// Setup of the last pose, and when it was decided, s.
-    last: Option<(usize, f64)>,
+    /// Setup of the last pose, and when it was read, s; `None` for one that was not read, which shows what the devices missed.
+    last: Option<(usize, Option<f64>)>,
     /// From when to when, s.
     stretches: Vec<(f64, f64)>,
 }
 
 impl Remounts {
-    /// A pose was decided at `decided_s`.
-    pub fn take(&mut self, point: &Point, decided_s: f64) {
+    /// The next pose that was decided.
+    pub fn take(&mut self, point: &Point) {
         let setup = point.state.setup;
-        let left = self.last.filter(|(last, _)| *last != setup);
-        // A pose that was not read shows what the devices missed.
         let read_s = point.state.time_s.filter(|_| point.quality == Quality::Good);
-        self.stretches.extend(left.zip(read_s).map(|((_, from_s), to_s)| (from_s, to_s)));
-        self.last = Some((setup, decided_s));
+        let left_s = self.last.filter(|(last, _)| *last != setup).and_then(|(_, left_s)| left_s);
+        self.stretches.extend(left_s.zip(read_s));
+        self.last = Some((setup, read_s));
     }
 
     /// True for a gap in which nothing was asked.
@@ -47,7 +49,7 @@ mod tests {
     fn only_what_is_missing_between_two_setups_is_no_loss() {
         let mut remounts = Remounts::default();
         for (setup, time_s) in [(0, 1.0), (0, 2.0), (1, 9.0), (1, 10.0)] {
-            remounts.take(&point(setup, time_s, Quality::Good), time_s + 0.1);
+            remounts.take(&point(setup, time_s, Quality::Good));
         }
         assert!(remounts.hold(&gap(2.2, 8.5)));
         assert!(!remounts.hold(&gap(1.2, 1.8)), "between two poses of a setup");
@@ -56,11 +58,16 @@ mod tests {
     }
 
     #[test]
-    fn a_first_pose_that_was_not_read_excuses_nothing() {
-        let mut remounts = Remounts::default();
-        remounts.take(&point(0, 1.0, Quality::Good), 1.1);
-        remounts.take(&point(1, 9.0, Quality::Unsettled), 9.1);
-        remounts.take(&point(1, 10.0, Quality::Good), 10.1);
-        assert!(!remounts.hold(&gap(2.0, 8.0)));
+    fn a_pose_that_was_not_read_excuses_nothing() {
+        let excused = |last: Quality, first: Quality| {
+            let mut remounts = Remounts::default();
+            remounts.take(&point(0, 1.0, last));
+            remounts.take(&point(1, 9.0, first));
+            remounts.take(&point(1, 10.0, Quality::Good));
+            remounts.hold(&gap(2.0, 8.0))
+        };
+        assert!(excused(Quality::Good, Quality::Good));
+        assert!(!excused(Quality::Good, Quality::Unsettled), "the first of the next setup");
+        assert!(!excused(Quality::Unsettled, Quality::Good), "the last of the setup");
     }
 }
