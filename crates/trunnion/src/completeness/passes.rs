@@ -9,17 +9,20 @@ use trunnion_core::{AxisValues, Joint, Point, State};
 use trunnion_cycles::cycle::Motion;
 use trunnion_cycles::{Cycle, Pace};
 use trunnion_machine::Machine;
+use trunnion_sync::SweepRules;
 
-/// A pass belongs to a feed of the cycle within this part of it, as in `trunnion_sync::SweepRules`.
-const FEED_TOLERANCE: f64 = 0.05;
-/// Time over which the speed along a curve is a difference, s: a thousandth of a radian at 360 turns a minute would be 27 µs of it.
+/// Time h over which the speed ω along a curve is a difference, s. The tangent leaves the angle of a circle by (ω h)²/3 of the speed,
+/// 3e-7 at 10 rad/s; the last digits of 1 m on a radius of 100 mm are 1e-9 of it at 0.01 rad/s.
 const NEAR_S: f64 = 1e-4;
-/// A sample on a curve belongs to a place within so many of their distances; farther out is the run-in.
+/// A sample on a curve belongs to a place within so many of their distances: half of its own, and one more place at the ends of a pass,
+/// where the axis still speeds up. Farther out is the run-in.
 const NEXT: f64 = 1.5;
 
 /// Planned states of a run on the fly by setup and feed.
 pub(super) struct Passes {
     way: Way,
+    /// Part of a feed within which a pass belongs to it.
+    feed_tolerance: f64,
     feeds: Vec<f64>,
     angles: HashMap<(usize, usize), Angles>,
     /// Where the last sample belonged: (setup, feed, angle).
@@ -113,12 +116,13 @@ impl Passes {
     /// `None` for a cycle at rest.
     pub fn of(cycle: &Cycle, machine: &Machine, states: &[State]) -> Option<Self> {
         let way = Way::of(cycle, machine)?;
+        let feed_tolerance = SweepRules::of(cycle)?.feed_tolerance;
         let mut feeds: Vec<f64> = Vec::new();
         let mut angles: HashMap<(usize, usize), Angles> = HashMap::new();
         for (k, state) in states.iter().enumerate() {
             let (angle, feed) = way.at(state);
-            // The speed along a curve is a difference, so equal feeds agree to some digits only.
-            let is_same = |known: &f64| (known - feed).abs() <= 1e-3 * feed.abs();
+            // Of nearer feeds a sample would belong to either.
+            let is_same = |known: &f64| (known - feed).abs() <= feed_tolerance * feed.abs();
             let index = feeds.iter().position(is_same).unwrap_or_else(|| {
                 feeds.push(feed);
                 feeds.len() - 1
@@ -131,14 +135,14 @@ impl Passes {
             }
         }
         angles.values_mut().for_each(|list| list.sort_by(|a, b| a.angle.total_cmp(&b.angle)));
-        Some(Self { way, feeds, angles, at: None })
+        Some(Self { way, feed_tolerance, feeds, angles, at: None })
     }
 
     /// The planned states of a sample: the nearest, and its neighbours, because at the ends of a pass the axis still speeds up. A
     /// round ends when its angle is left.
     pub fn find(&mut self, point: &Point) -> Vec<usize> {
         let (angle, velocity) = self.way.at(&point.state);
-        let is_at = |feed: &f64| (velocity - feed).abs() <= FEED_TOLERANCE * feed.abs();
+        let is_at = |feed: &f64| (velocity - feed).abs() <= self.feed_tolerance * feed.abs();
         let Some(feed) = self.feeds.iter().position(is_at) else { return Vec::new() };
         let Some(list) = self.angles.get_mut(&(point.state.setup, feed)) else { return Vec::new() };
         let above = list.partition_point(|place| place.angle < angle);
@@ -154,12 +158,24 @@ impl Passes {
         }
         let round = list[nearest].visits;
         list[nearest].visits += 1;
-        let last = (nearest + 1).min(list.len() - 1);
-        list[nearest.saturating_sub(1)..=last]
-            .iter()
-            .filter_map(|place| place.rounds.get(round))
-            .flatten()
-            .copied()
-            .collect()
+        let Some(own) = list[nearest].rounds.get(round) else { return Vec::new() };
+        // The places of a closed curve go on with the first behind the last.
+        let goes_on = |k: usize| matches!(self.way, Way::Curve(_)).then_some(k);
+        let before = nearest.checked_sub(1).or(goes_on(list.len() - 1));
+        let behind = Some(nearest + 1).filter(|k| *k < list.len()).or(goes_on(0));
+        let is_near =
+            |place: &&Place| self.way.distance(place.angle, list[nearest].angle, self.feeds[feed]).is_some();
+        let next_to = [before, behind].into_iter().flatten().map(|k| &list[k]).filter(is_near);
+        let neighbours =
+            next_to.flat_map(|place| place.rounds.iter().filter(|round| meet(own, round)).flatten());
+        own.iter().chain(neighbours).copied().collect()
     }
+}
+
+/// True for states that follow each other on the way.
+fn meet(one: &[usize], other: &[usize]) -> bool {
+    let follows = |early: &[usize], late: &[usize]| {
+        early.last().zip(late.first()).is_some_and(|(last, first)| last + 1 == *first)
+    };
+    follows(one, other) || follows(other, one)
 }

@@ -182,6 +182,18 @@ fn the_directions_of_a_circle_are_planned_each() {
     assert_eq!((check.complete.read, missing(&check.complete)), (planned / 2, planned / 2));
 }
 
+/// At the ends of a pass the axes still speed up: the first place stands for the one before it, over the turn too.
+#[test]
+fn a_circle_that_begins_just_before_a_turn_is_whole_without_its_first_state() {
+    for from_deg in [-1, 0, 90] {
+        let ends = format!("from_deg = {from_deg}\nto_deg = {}", from_deg + 360);
+        let text = CIRCLE.replace("from_deg = 0\nto_deg = 360", &ends);
+        let begun = Recorded::new(&text, |k, _| (k > 0).then_some(Quality::Good));
+        let check = trunnion::open(&begun.path).unwrap().check();
+        assert_eq!(check.complete.missing, [], "from {from_deg}°");
+    }
+}
+
 #[test]
 fn on_the_fly_a_lost_pass_is_missing() {
     let whole = Recorded::new(SWEEP, |_, _| Some(Quality::Good));
