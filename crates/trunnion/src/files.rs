@@ -1,7 +1,7 @@
 //! Machines and texts from the names and paths that a user gives.
 
 use crate::Error;
-use std::fs::{File, OpenOptions};
+use std::fs::OpenOptions;
 use std::io::Write;
 use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
@@ -61,8 +61,8 @@ fn decoded(bytes: Vec<u8>) -> Result<String, String> {
     String::from_utf16(&units).map_err(|error| format!("it is no text in UTF-16: {error}"))
 }
 
-/// Writes a text file whole or not at all: next to it first, then under its name. Who could not read the file before can read
-/// neither: a configuration may hold a password.
+/// Writes a text file whole or not at all: next to it first, then under its name. Whoever could not read the file before can read
+/// neither of the two: a configuration may hold a password.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -81,8 +81,7 @@ pub fn write_whole(path: &Path, text: &str) -> Result<(), Error> {
         file.sync_all()?;
         std::fs::rename(&beside, path)?;
         // The new name is not on the disk before its folder is.
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
+        trunnion_record::sync_folder(path)
     };
     write().map_err(|error| {
         // The half-written file is of no use; the first error is the one to report.
