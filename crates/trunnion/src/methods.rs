@@ -4,6 +4,7 @@ use crate::{Error, Experiment, Fit, files, open};
 use std::path::Path;
 use trunnion_core::{Joint, names};
 use trunnion_cycles::Cycle;
+use trunnion_engine::ExperimentError;
 use trunnion_methods::attribution::{Motion, attribute};
 use trunnion_methods::notation::{Layout, Notation};
 use trunnion_methods::recipes::{self, Method, MethodOptions};
@@ -178,8 +179,13 @@ pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attribute
         cycle: cycle.as_ref(),
         knot_s,
     })?;
-    // Samples of the axes alone can be attributed too: without points there is nothing that could be doubted.
-    let plausibility = open(path).map_or_else(|_| Vec::new(), |experiment| experiment.plausibility());
+    // Asked as every command asks it, of points that are formed from the samples again.
+    let plausibility = match open(path) {
+        Ok(experiment) => experiment.plausibility(),
+        // Samples of the axes alone can be attributed too: without points there is nothing that could be doubted.
+        Err(Error::Experiment(none)) if matches!(*none, ExperimentError::NoPoints { .. }) => Vec::new(),
+        Err(failed) => return Err(failed),
+    };
     Ok(Attributed {
         findings: results::Findings { plausibility, ..(&attribution.to_findings()).into() },
         damage: recording.damage.as_ref().map(ToString::to_string),
