@@ -98,14 +98,14 @@ pub struct Known {
 }
 
 impl Known {
-    /// Reads the folder; a recording without a state has the report that stands next to it, or none. A further part of a run is no
+    /// Reads the folder, recordings that are linked from elsewhere too; a recording without a state has the report that stands next to it, or none. A further part of a run is no
     /// run of its own.
     pub fn read(folder: &Path) -> Self {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        let plain = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
-        let mut aged: Vec<_> = plain
+        let mut aged: Vec<_> = entries
             .map(|entry| entry.path())
             .filter(|path| path.extension().is_some_and(|ending| ending == "mcap"))
+            .filter(|path| path.is_file() && !leads_back(path, folder))
             .map(|path| (path.metadata().and_then(|about| about.modified()).ok(), path))
             .collect();
         aged.sort_by(|a, b| b.cmp(a));
@@ -133,11 +133,38 @@ impl Known {
     }
 }
 
+/// True for a link to a file of the folder itself, which is there under its own name.
+fn leads_back(path: &Path, folder: &Path) -> bool {
+    let place = |path: &Path| path.canonicalize().ok();
+    path.is_symlink() && place(path).and_then(|file| Some(file.parent()? == place(folder)?)).unwrap_or(false)
+}
+
 /// True for a run that is still to be analysed.
 pub fn is_pending(record: &RunRecord, tries: u32) -> bool {
     match record.state {
         RunState::Recorded | RunState::Recovered => true,
         RunState::Analysing | RunState::Failed => record.tries < tries,
         RunState::Done | RunState::NotJudged => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::symlink;
+
+    #[test]
+    fn a_recording_that_is_linked_from_elsewhere_is_a_run_and_a_second_name_is_none() {
+        let (folder, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        std::fs::write(folder.path().join("monday.mcap"), b"").unwrap();
+        std::fs::write(elsewhere.path().join("tuesday.mcap"), b"").unwrap();
+        symlink(elsewhere.path().join("tuesday.mcap"), folder.path().join("tuesday.mcap")).unwrap();
+        symlink(folder.path().join("monday.mcap"), folder.path().join("latest.mcap")).unwrap();
+        symlink(folder.path().join("gone.mcap"), folder.path().join("broken.mcap")).unwrap();
+        std::fs::create_dir(folder.path().join("folder.mcap")).unwrap();
+        let mut names: Vec<_> =
+            Known::read(folder.path()).runs.iter().filter_map(|run| file_name(&run.0)).collect();
+        names.sort();
+        assert_eq!(names, ["monday.mcap", "tuesday.mcap"]);
     }
 }

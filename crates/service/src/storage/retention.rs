@@ -31,7 +31,7 @@ pub struct Removed {
 }
 
 impl Stored {
-    /// Every run of a folder, the newest first.
+    /// Every run of a folder, the newest first, without those that are linked from elsewhere: they take no room here.
     pub(super) fn read(folder: &Path, tries: u32) -> Vec<Self> {
         let stored = |(recording, record): (PathBuf, RunRecord)| {
             let files = run_record::every_file(&recording, &record);
@@ -41,7 +41,8 @@ impl Stored {
             let is_pending = is_pending(&record, tries);
             Some(Self { recording, record, bytes, written, is_pending })
         };
-        Known::read(folder).runs.into_iter().filter_map(stored).collect()
+        let runs = Known::read(folder).runs.into_iter();
+        runs.filter(|(recording, _)| !recording.is_symlink()).filter_map(stored).collect()
     }
 
     /// Removes its recordings and keeps why; `None` when the system refuses, which is logged.
