@@ -9,6 +9,7 @@ use crate::{Error, Experiment, Fit, Model, identity};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use trunnion_core::chain;
+use trunnion_effects::{FittedValue, Instance, Scene};
 use trunnion_results::number::{percent, um};
 use trunnion_results::sentences::error_in_words;
 use trunnion_results::{DayForecast, ForecastValue, HistoryRun, MachineHistory, RunPrediction};
@@ -68,30 +69,30 @@ fn forecast(runs: &[Vec<PathBuf>], model: Option<&Model>) -> Result<DayForecast,
     };
     let last = open_runs(std::slice::from_ref(last))?;
     let checked = fitted(&open_runs(before)?, model)?.predict(&last)?.runs.into_iter().next();
-    let days = fitted(&open_runs(runs)?, model)?;
+    let together = fitted(&open_runs(runs)?, model)?;
     let about = DayForecast {
-        runs: days.experiment().runs().iter().map(|run| run.name.clone()).collect(),
-        temperature_degc: temperatures(days.experiment()),
+        runs: together.experiment().runs().iter().map(|run| run.name.clone()).collect(),
+        temperature_degc: temperatures(together.experiment()),
         checked,
         ..DayForecast::default()
     };
-    if !days.between_runs().iter().any(Option::is_some) {
+    if !together.between_runs().iter().any(Option::is_some) {
         let why = "the runs are of different cycles, so what differs from day to day is not known";
         return Ok(DayForecast { runs: about.runs, ..without(why.into()) });
     }
     if let Some(run) = about.checked.as_ref().filter(|run| !run.holds()) {
-        let why = format!(
+        let why_not = format!(
             "the runs before {} do not predict it: {} of its readings lie in the 95 % band",
             run.run,
             percent(run.inside_95_fraction)
         );
-        let without = without(why);
-        return Ok(DayForecast { why_not: without.why_not, words: without.words, ..about });
+        let DayForecast { why_not, words, .. } = without(why_not);
+        return Ok(DayForecast { why_not, words, ..about });
     }
     // Of the last run only the poses count.
-    let band_95_um = days.predict(&last)?.runs.first().map(|run| run.band_95_um);
-    let forecast = DayForecast { band_95_um, values: values(&days), ..about };
-    Ok(DayForecast { words: words(&forecast), ..forecast })
+    let band_95_um = together.predict(&last)?.runs.first().map(|run| run.band_95_um);
+    let forecast = DayForecast { band_95_um, values: values(&together), ..about };
+    Ok(DayForecast { words: words(&forecast, follows_temperature(&together)), ..forecast })
 }
 
 fn fitted(experiment: &Experiment, model: Option<&Model>) -> Result<Fit, Error> {
@@ -99,8 +100,8 @@ fn fitted(experiment: &Experiment, model: Option<&Model>) -> Result<Fit, Error> 
     experiment.fit_within_reach(model.unwrap_or(&base))
 }
 
-fn values(days: &Fit) -> Vec<ForecastValue> {
-    let next = |value: trunnion_effects::FittedValue| {
+fn values(together: &Fit) -> Vec<ForecastValue> {
+    let next = |value: FittedValue| {
         Some(ForecastValue {
             u: value.u?.hypot(value.between_runs.unwrap_or_default()),
             words: error_in_words(&value.name).unwrap_or_else(|| value.name.clone()),
@@ -110,17 +111,17 @@ fn values(days: &Fit) -> Vec<ForecastValue> {
             value: value.value,
         })
     };
-    days.values("").parameters.into_iter().filter_map(next).collect()
+    together.values("").parameters.into_iter().filter_map(next).collect()
 }
 
-fn temperatures(days: &Experiment) -> Option<[f64; 2]> {
-    let ranges: Vec<_> = days.runs().iter().flat_map(identity::temperatures).collect();
+fn temperatures(together: &Experiment) -> Option<[f64; 2]> {
+    let ranges: Vec<_> = together.runs().iter().flat_map(identity::temperatures).collect();
     let lowest = ranges.iter().map(|range| range.lowest_degc).min_by(f64::total_cmp)?;
     let highest = ranges.iter().map(|range| range.highest_degc).max_by(f64::total_cmp)?;
     Some([lowest, highest])
 }
 
-fn words(forecast: &DayForecast) -> Vec<String> {
+fn words(forecast: &DayForecast, follows_temperature: bool) -> Vec<String> {
     let mut words = Vec::new();
     if let Some(band_um) = forecast.band_95_um {
         let between = forecast.temperature_degc.map_or(String::new(), |[lowest, highest]| {
@@ -135,7 +136,7 @@ fn words(forecast: &DayForecast) -> Vec<String> {
     }
     if forecast.temperature_degc.is_none() {
         words.push("No temperature was recorded: the forecast holds for days like these.".into());
-    } else if !forecast.values.iter().any(follows_temperature) {
+    } else if !follows_temperature {
         words.push(
             "No effect of the model follows a temperature: what it does from day to day widens the band like scatter.".into(),
         );
@@ -152,9 +153,14 @@ fn words(forecast: &DayForecast) -> Vec<String> {
     words
 }
 
-/// Of a coefficient per kelvin.
-fn follows_temperature(value: &ForecastValue) -> bool {
-    value.unit.contains('K')
+/// True where an effect of the model is out of reach without the temperatures of these runs.
+fn follows_temperature(together: &Fit) -> bool {
+    let points = together.experiment().points();
+    let without = Scene { channels: Vec::new(), ..points.scene.clone() };
+    together.model().entries().effects.iter().any(|entry| {
+        Instance::from_model_effect(entry, points.machine())
+            .is_ok_and(|effect| effect.out_of_reach(&without).is_some())
+    })
 }
 
 #[cfg(test)]
