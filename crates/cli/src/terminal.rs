@@ -97,8 +97,8 @@ fn gone_is_fine(written: std::io::Result<()>) -> std::io::Result<()> {
     }
 }
 
-/// Lines of at most `width` columns, broken at blanks alone: an id, a flag or a path stays whole. What continues a line of a table hangs under its last
-/// column, or begins in the middle where that is further left; what continues a sentence hangs under its beginning.
+/// Lines of at most `width` columns, broken at blanks alone: an id, a flag or a path stays whole. What continues a line of a table hangs
+/// under its last column, or begins in the middle where that is further left; what continues a sentence hangs under its beginning.
 fn wrap(text: &str, width: usize) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {

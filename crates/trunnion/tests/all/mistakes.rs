@@ -100,20 +100,15 @@ const MISTAKES: [Mistake; 31] = [
     ("ball elsewhere", |f| f.replace("[150", "[15"), &["position of the ball of setup low", "[150.0, "]),
     (
         "positions not updated",
-        |f| {
-            for column in ["b_deg", "c_deg"].map(|name| f.column(name)) {
-                let first = f.rows[100][column].clone();
-                f.rows[100..150].iter_mut().for_each(|row| row[column].clone_from(&first));
-            }
-        },
+        |f| ["b_deg", "c_deg"].into_iter().for_each(|c| f.hold(c, 100, 150)),
         &["elsewhere they do", "B and C stays the same"],
     ),
     (
         "one pose late",
         |f| {
-            let first = f.column("dx_um");
+            let columns = READINGS.map(|name| f.column(name));
             for k in (1..f.rows.len()).rev() {
-                for column in first..first + 3 {
+                for column in columns {
                     f.rows[k][column] = f.rows[k - 1][column].clone();
                 }
             }
@@ -162,7 +157,7 @@ const MISTAKES: [Mistake; 31] = [
     ("rows shuffled otherwise", |f| f.shuffle(2), &["in no order of time", "shuffled"]),
     (
         "mm under µm",
-        |f| ["dx_um", "dy_um", "dz_um"].into_iter().for_each(|c| f.change(c, |v| v / 1e3)),
+        |f| READINGS.into_iter().for_each(|c| f.change(c, |v| v / 1e3)),
         &["too small", "factor 1000"],
     ),
     (
@@ -170,9 +165,9 @@ const MISTAKES: [Mistake; 31] = [
         |f| {
             let mut state = 1_u64;
             for (k, row) in f.rows.iter_mut().enumerate() {
-                for column in 0..3 {
+                for name in READINGS {
                     state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(k as u64 | 1);
-                    let at = f.header.iter().position(|name| name == "dx_um").unwrap() + column;
+                    let at = f.header.iter().position(|column| column == name).unwrap();
                     row[at] = format!("{:.2}", (state >> 40) as f64 / f64::from(1 << 24) * 60.0 - 30.0);
                 }
             }

@@ -68,7 +68,6 @@ fn several_waves_of_one_axis_go_into_the_model_one_after_the_other() {
     let mut left_um = f64::INFINITY;
     for _ in 0..8 {
         let answer = diagnosed.results();
-        println!("{:?} {:?} {:.3}", answer.verdict, answer.set, answer.residual.rms_um);
         let ids = ids(&diagnosed);
         assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len(), "an id twice: {ids:?}");
         assert!(answer.residual.rms_um < left_um, "{} after {left_um}", answer.residual.rms_um);

@@ -55,7 +55,7 @@ fn readings_ten_times_too_large_are_doubted_where_they_repeat() {
         run.fit(&run.base_model()).unwrap().results().doubts
     };
     assert_eq!(doubts(&files), []);
-    ["dx_um", "dy_um", "dz_um"].iter().for_each(|column| files.change(column, |value| 10.0 * value));
+    READINGS.into_iter().for_each(|column| files.change(column, |value| 10.0 * value));
     let [doubt] = &doubts(&files)[..] else { panic!("one doubt") };
     assert_eq!(doubt.reason, DoubtReason::Scatter);
     assert!(
