@@ -4,6 +4,7 @@ use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use trunnion_core::Gap;
 
 fn data(file: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-gravity")).join(file)
@@ -129,6 +130,58 @@ fn a_named_method_of_runs_that_are_doubted_says_so_and_exits_with_3() {
     assert_eq!(output.status.code(), Some(3));
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(answer["plausibility"].as_array().unwrap().len(), 1, "{answer}");
+}
+
+/// Imports the committed points, of them as many as are `taken`.
+fn imported(folder: &Path, taken: usize) -> PathBuf {
+    let points = std::fs::read_to_string(data("points.csv")).unwrap();
+    let taken: Vec<&str> = points.lines().take(taken + 1).collect();
+    std::fs::write(folder.join("points.csv"), taken.join("\n") + "\n").unwrap();
+    std::fs::copy(data("setup.toml"), folder.join("setup.toml")).unwrap();
+    let (points, run) = (folder.join("points.csv"), folder.join("run.mcap"));
+    let args = ["import", points.to_str().unwrap(), "-o", run.to_str().unwrap()];
+    let output = trunnion(&args);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    run
+}
+
+#[test]
+fn a_gap_ends_every_answer_with_3_and_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = imported(folder.path(), usize::MAX - 1);
+    let recording = trunnion_record::read_run(&whole, &trunnion_machine::shipped::machine).unwrap();
+    let holed = folder.path().join("holed.mcap");
+    let mut writer = trunnion_record::RunWriter::create(&holed, &recording.header).unwrap();
+    recording.run.points.into_iter().for_each(|point| writer.point(point));
+    let gap = Gap {
+        source: "probe-2".into(),
+        from_s: 10.25,
+        to_s: 12.5,
+        lost_samples: Some(48),
+        reason: "unplugged".into(),
+    };
+    writer.item(trunnion_record::Item::Gap(gap), 10.25);
+    writer.finish().unwrap();
+    for command in ["check", "identify", "compare", "diagnose", "report"] {
+        let output = trunnion(&[command, holed.to_str().unwrap()]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(3), "{command}: {error}");
+        assert!(error.contains("holed.mcap: probe-2: nothing from 10.25 s to 12.50 s"), "{command}: {error}");
+    }
+    assert_eq!(trunnion(&["compare", whole.to_str().unwrap()]).status.code(), Some(0));
+}
+
+#[test]
+fn an_answer_whose_diagnosis_failed_exits_with_3() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = imported(folder.path(), 6).display().to_string();
+    for command in ["compare", "report", "replay"] {
+        let output = trunnion(&[command, &run]);
+        let text = String::from_utf8(output.stdout).unwrap();
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(output.status.code(), Some(3), "{command}: {text}");
+        assert!(text.contains("The diagnosis failed: "), "{command}: {text}");
+    }
 }
 
 #[test]

@@ -96,3 +96,18 @@ impl Analysed {
         self.last().compare().with_left_out(&self.left_out)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_comparison_names_the_steps_that_were_left_out() {
+        let points =
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-nothing-hidden/points.csv");
+        let run = crate::open(points).expect("committed points");
+        let mut analysed = run.analyse(&run.base_model(), "").expect("they can be fitted");
+        analysed
+            .left_out
+            .push("A further step with backlash:C is left out, because it failed: no fit.".into());
+        assert_eq!(analysed.compare().results().left_out, analysed.left_out());
+    }
+}
