@@ -1,9 +1,7 @@
 //! The figures of an answer, how sure it is, and what to measure next: for the report and the story of a page.
 
 use crate::number::{percent, um, um_or_dash};
-use crate::words::{
-    beyond_figures, effect_name, evidence_words, formula_leads, left_out, noise_origin, repeatability,
-};
+use crate::words::{effect_name, evidence_words, formula_leads, left_out, noise_origin, repeatability};
 use trunnion_results::{Candidate, Comparison, Diagnosis, Fact, Verdict};
 
 /// The figures at the top.
@@ -47,7 +45,7 @@ pub(crate) fn sure(input: &Comparison) -> Vec<String> {
     } else if let Some(best) = diagnosis.candidates.first() {
         items.push(format!("{}.", evidence_words(best.evidence)));
         items.extend(held_out(diagnosis, best));
-        items.push(beyond_figures(best));
+        items.push(best.remarks.join(" "));
         items.extend(rivals(best));
     }
     items.retain(|item| !item.is_empty());

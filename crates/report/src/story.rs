@@ -5,8 +5,7 @@ use crate::html;
 use crate::number::{um, value_and_u};
 use crate::to_do::to_do;
 use crate::words::{
-    beyond_figures, effect_name, evidence_words, explanation, formula_leads, formula_shape, formula_site,
-    headline, verdict,
+    effect_name, evidence_words, explanation, formula_leads, formula_shape, formula_site, headline, verdict,
 };
 use trunnion_results::sentences::complete;
 use trunnion_results::{
@@ -67,7 +66,7 @@ fn named(diagnosis: &Diagnosis, candidate: &Candidate) -> StoryCandidate {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         [p.name.clone(), value, u]
     };
-    let speaks = beyond_figures(candidate);
+    let speaks = candidate.remarks.join(" ");
     let mut about = Vec::new();
     if !speaks.is_empty() {
         about.push(["What speaks for it".into(), speaks]);

@@ -35,7 +35,7 @@ use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
 use trunnion_results::sentences::{complete, inadequate};
 use trunnion_results::{
     Candidate, Check, Comparison, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Moved,
-    Parameter, Place, Plausibility, Trial,
+    Parameter, Place, Plausibility, Residual, Trial,
 };
 
 /// Fit, parameters with uncertainty, and what is confounded or not observable.
@@ -230,7 +230,8 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
         }
     }
     let formula = diagnosis.formula.as_ref().map_or(String::new(), formula);
-    let best = diagnosis.candidates.first().map_or(String::new(), best_candidate);
+    let best =
+        diagnosis.candidates.first().map_or(String::new(), |best| best_candidate(best, &diagnosis.residual));
     out += &match (formula_leads(diagnosis), best.is_empty()) {
         (true, false) => format!("{formula}\nThe named effect closest to it:{best}"),
         (true, true) => formula,
@@ -267,12 +268,12 @@ fn formula(formula: &FormulaProposal) -> String {
         ))
 }
 
-fn best_candidate(best: &Candidate) -> String {
+fn best_candidate(best: &Candidate, residual: &Residual) -> String {
     let mut out = format!("\n{}\n", effect_name(&best.effect));
     for (label, text) in explanation(&best.effect) {
         out += &paragraph(&format!("{label}: {text}"));
     }
-    out += &paragraph(&format!("{}. {}", evidence_words(best.evidence), beyond_catalogue(best)));
+    out += &paragraph(&format!("{}. {}", evidence_words(best.evidence), beyond_catalogue(best, residual)));
     for p in &best.parameters {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         out += &format!("  {} = {value}, u = {u}\n", clean(&p.name));

@@ -3,6 +3,7 @@
 use crate::complete::Complete;
 use crate::identification::{LeftOut, Parameter};
 use crate::number::finite;
+use crate::sentences::why;
 use crate::spectrum::Period;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -105,6 +106,9 @@ pub struct Candidate {
     /// The period, where the effect waves along an axis.
     #[serde(default)]
     pub period: Option<Period>,
+    /// What a person should know of it that no number here says.
+    #[serde(default)]
+    pub remarks: Vec<String>,
     /// What it is and what speaks for it.
     pub why: String,
 }
@@ -190,22 +194,23 @@ impl Diagnosis {
 
 impl From<&engine::Diagnosis> for Diagnosis {
     fn from(diagnosis: &engine::Diagnosis) -> Self {
+        let residual = Residual {
+            rms_um: diagnosis.residual.rms_um,
+            holdout_rms_um: diagnosis.residual.holdout_rms_um.and_then(finite),
+            holdout_unit: diagnosis.residual.holdout_unit.map(LeftOut::from),
+            noise_um: diagnosis.residual.noise_um.and_then(finite),
+            unexplained_fraction: finite(diagnosis.residual.unexplained_fraction),
+        };
         Self {
             format: DiagnosisFormat::V1,
             model: diagnosis.model.clone(),
-            residual: Residual {
-                rms_um: diagnosis.residual.rms_um,
-                holdout_rms_um: diagnosis.residual.holdout_rms_um.and_then(finite),
-                holdout_unit: diagnosis.residual.holdout_unit.map(LeftOut::from),
-                noise_um: diagnosis.residual.noise_um.and_then(finite),
-                unexplained_fraction: finite(diagnosis.residual.unexplained_fraction),
-            },
+            candidates: diagnosis.candidates.iter().map(|c| Candidate::of(c, &residual)).collect(),
+            residual,
             verdict: diagnosis.verdict,
             why: diagnosis.why.clone(),
             noise: diagnosis.noise,
             noticeable_um: diagnosis.noticeable_um.and_then(finite),
             undecided: diagnosis.undecided.clone(),
-            candidates: diagnosis.candidates.iter().map(Candidate::from).collect(),
             set: diagnosis.set.iter().map(|entry| entry.id.clone()).collect(),
             formula: diagnosis.formula.as_ref().map(FormulaProposal::from),
             next_cycle: diagnosis.next_cycle.as_ref().map(NextCycle::from),
@@ -216,8 +221,8 @@ impl From<&engine::Diagnosis> for Diagnosis {
     }
 }
 
-impl From<&engine::Candidate> for Candidate {
-    fn from(candidate: &engine::Candidate) -> Self {
+impl Candidate {
+    fn of(candidate: &engine::Candidate, residual: &Residual) -> Self {
         let parameter = |p: &engine::CandidateParameter| Parameter {
             name: p.name.clone(),
             effect: candidate.effect.clone(),
@@ -228,7 +233,7 @@ impl From<&engine::Candidate> for Candidate {
             observable: p.value.is_some(),
             note: String::new(),
         };
-        Self {
+        let mut result = Self {
             effect: candidate.effect.clone(),
             evidence: candidate.evidence,
             rms_um_after: candidate.rms_um_after,
@@ -239,8 +244,11 @@ impl From<&engine::Candidate> for Candidate {
             separate_by: candidate.separate_by.clone(),
             adequate: candidate.adequate,
             period: candidate.period.as_ref().map(Period::from),
-            why: candidate.why.clone(),
-        }
+            remarks: candidate.remarks.clone(),
+            why: String::new(),
+        };
+        result.why = why(&result, residual);
+        result
     }
 }
 

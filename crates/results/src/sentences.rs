@@ -3,7 +3,7 @@
 use crate::number::{degrees, justified, plain, um, unit_on_screen};
 use crate::{
     Candidate, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Missing, Moved, Parameter,
-    PlannedCycle, Plausibility, Samples, ShapeNumber, Verdict,
+    PlannedCycle, Plausibility, Residual, Samples, ShapeNumber, Verdict,
 };
 use std::f64::consts::LN_10;
 use trunnion_effects::catalogue::effect;
@@ -229,15 +229,31 @@ pub fn evidence_words(evidence: f64) -> String {
     format!("{word}: {odds} against noise only (odds after the prior 10^{evidence:.1})")
 }
 
+/// What a candidate is, its likely cause, and what speaks for it.
+pub(crate) fn why(candidate: &Candidate, residual: &Residual) -> String {
+    let catalogue =
+        about(&candidate.effect).map(|about| format!("{} Likely cause: {}", about.explanation, about.cause));
+    catalogue.into_iter().chain([beyond_catalogue(candidate, residual)]).collect::<Vec<_>>().join(" ")
+}
+
 /// What a diagnosis says of a candidate beyond what the catalogue says of the effect.
-pub fn beyond_catalogue(candidate: &Candidate) -> String {
-    let mut why = candidate.why.clone();
-    if let Some(about) = about(&candidate.effect) {
-        for said in [format!("Likely cause: {}", about.cause), about.explanation.into(), about.cause.into()] {
-            why = why.replacen(&said, "", 1);
-        }
-    }
-    why.split_whitespace().collect::<Vec<_>>().join(" ")
+pub fn beyond_catalogue(candidate: &Candidate, residual: &Residual) -> String {
+    let held_out = residual.holdout_rms_um.zip(residual.holdout_unit).zip(candidate.holdout_rms_um_after);
+    let held_out = held_out.map_or(String::new(), |((before, unit), after)| {
+        format!("on {} left out of the fit from {} to {}; ", unit.plural(), um(before), um(after))
+    });
+    let falls = format!(
+        "With it the error falls from {} to {} ({held_out}{}).",
+        um(residual.rms_um),
+        um(candidate.rms_um_after),
+        repeatability(residual.noise_um)
+    );
+    let remains = match candidate.adequate {
+        true => "Nothing structured remains.",
+        false => "A part remains that it does not explain.",
+    };
+    let remarks = candidate.remarks.iter().map(String::as_str);
+    remarks.chain([falls.as_str(), remains]).collect::<Vec<_>>().join(" ")
 }
 
 /// Which cause goes with an effect: label and text, for those the catalogue knows.
@@ -254,15 +270,6 @@ pub fn explanation(id: &str) -> Vec<(&'static str, String)> {
         }
         said
     })
-}
-
-/// The same without the figures and the judgement that the page shows elsewhere.
-pub fn beyond_figures(candidate: &Candidate) -> String {
-    let shown = ["With it the error falls", "Nothing structured remains", "A part remains that"];
-    let why = beyond_catalogue(candidate);
-    let sentences =
-        why.split_inclusive(". ").filter(|s| !shown.iter().any(|start| s.trim_start().starts_with(start)));
-    sentences.collect::<String>().trim().to_string()
 }
 
 /// What a planned cycle costs and settles.

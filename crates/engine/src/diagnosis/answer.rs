@@ -262,13 +262,6 @@ impl Context<'_> {
         let confused =
             if is_found { confused_with(scan, self.found, item, self.options.claim_ln) } else { Vec::new() };
         let rivals: Vec<_> = confused.iter().map(|&g| &scan.named[g].instance).collect();
-        let fit = self.problem.fit();
-        let numbers = words::Numbers {
-            before_um: um_from_mm(fit.rms_mm),
-            after_um: refit.rms_um(),
-            repeatability_um: fit.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
-            holdout: fit.holdout.zip(refit.holdout_rms_um()),
-        };
         let period = refit.shape().and_then(|shape| Wave::of_effect(&scan.residual, instance, shape));
         Candidate {
             effect: instance.id(),
@@ -280,7 +273,7 @@ impl Context<'_> {
             separate_by: words::separate_by(instance, &rivals),
             confused_with: rivals.iter().map(|instance| instance.id()).collect(),
             adequate,
-            why: words::why(instance, &numbers, period.as_ref(), adequate),
+            remarks: period.iter().map(Wave::words).collect(),
             period,
         }
     }

@@ -86,12 +86,10 @@ impl Diagnosis {
     /// With the reasons why effects that would fit better cannot be the cause. A claim holds only for what is `real`, found next to
     /// them too: another name may describe what they leave behind. There is no all-clear.
     pub(crate) fn doubted(mut self, doubts: &[String], real: &[String]) -> Self {
-        let doubts = doubts.join(" ");
         match self.candidates.first_mut().filter(|first| real.contains(&first.effect)) {
-            Some(first) if self.verdict == Verdict::MissingEffect => {
-                first.why = format!("{} {doubts}", first.why)
-            }
+            Some(first) if self.verdict == Verdict::MissingEffect => first.remarks.extend_from_slice(doubts),
             _ => {
+                let doubts = doubts.join(" ");
                 (self.candidates, self.set, self.formula) = Default::default();
                 self.residual.unexplained_fraction = 1.0;
                 self.next_cycle = Some(NextCycle::repeat());
@@ -126,8 +124,8 @@ pub struct Candidate {
     pub adequate: bool,
     /// The period, where the effect waves along an axis.
     pub period: Option<Wave>,
-    /// What it is and what speaks for it, for a person.
-    pub why: String,
+    /// What a person should know of it that no number here says: its period in words, and what else was looked at.
+    pub remarks: Vec<String>,
 }
 
 /// A fitted parameter of a candidate.

@@ -1,48 +1,7 @@
 //! Sentences of a diagnosis.
 
 use crate::diagnosis::verdict::ShapeNumber;
-use crate::fit::identification::Holdout;
-use crate::spectrum::Wave;
-use trunnion_core::convert::um_from_mm;
 use trunnion_effects::Instance;
-
-/// Errors before and after, µm.
-pub struct Numbers {
-    pub before_um: f64,
-    pub after_um: f64,
-    /// `None`: no pose was measured twice.
-    pub repeatability_um: Option<f64>,
-    /// Held-out error before, and after, µm; `None` where nothing can be left out.
-    pub holdout: Option<(Holdout, f64)>,
-}
-
-/// What an effect is, its likely cause, and what adding it does.
-pub fn why(instance: &Instance, numbers: &Numbers, period: Option<&Wave>, adequate: bool) -> String {
-    let mut sentences = Vec::new();
-    if let Some(about) = instance.about() {
-        sentences.push(about.explanation.to_string());
-        sentences.push(format!("Likely cause: {}", about.cause));
-    }
-    sentences.extend(period.map(Wave::words));
-    let held_out = numbers.holdout.map_or(String::new(), |(before, after_um)| {
-        let (unit, before_um) = (before.left_out.plural(), um_from_mm(before.rms_mm));
-        format!("on {unit} left out of the fit from {before_um:.2} to {after_um:.2} µm; ")
-    });
-    let repeatability = numbers.repeatability_um.map_or_else(
-        || "repeatability not known: no pose was measured twice".into(),
-        |um| format!("repeatability {um:.2} µm"),
-    );
-    sentences.push(format!(
-        "With it the error falls from {:.2} to {:.2} µm ({held_out}{repeatability}).",
-        numbers.before_um, numbers.after_um
-    ));
-    sentences.push(if adequate {
-        "Nothing structured remains.".into()
-    } else {
-        "A part remains that it does not explain.".into()
-    });
-    sentences.join(" ")
-}
 
 /// The measurement that separates an effect from its rivals; empty without rivals.
 pub fn separate_by(instance: &Instance, rivals: &[&Instance]) -> String {
