@@ -112,3 +112,47 @@ fn values(history: &MachineHistory) -> String {
     rows.extend(history.watched.iter().filter_map(row));
     if rows.len() == 1 { String::new() } else { columns(&rows, &[1, 2]) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trunnion_results::DayForecast;
+
+    #[test]
+    fn the_values_of_the_next_day_are_printed_and_the_residual_has_no_symbol() {
+        let value = ForecastValue {
+            name: "EA0B".into(),
+            unit: "urad".into(),
+            value: 25.04,
+            u: 0.62,
+            ..ForecastValue::default()
+        };
+        let forecast = DayForecast {
+            words: vec!["The next day, if the machine stays as it is.".into()],
+            values: vec![value],
+            ..DayForecast::default()
+        };
+        let run = HistoryRun {
+            run: "friday".into(),
+            rms_um: Some(0.9),
+            alarms: vec![Watched::RESIDUAL.into()],
+            ..HistoryRun::default()
+        };
+        let residual = Watched {
+            name: Watched::RESIDUAL.into(),
+            words: "Residual, rms".into(),
+            unit: "um".into(),
+            ..Watched::default()
+        };
+        let history = MachineHistory {
+            runs: vec![run],
+            watched: vec![residual],
+            forecast: Some(forecast),
+            ..MachineHistory::default()
+        };
+        let text = history_text(&history);
+        assert!(text.starts_with("friday: outside its control limits: Residual, rms\n"), "{text}");
+        let row = text.lines().find(|line| line.contains("EA0B")).unwrap_or_default();
+        assert_eq!(row.split_whitespace().collect::<Vec<_>>(), ["EA0B", "25.04", "µrad", "0.62", "µrad"]);
+    }
+}
