@@ -3,6 +3,10 @@
 use nalgebra::Vector3;
 use std::ops::{Add, AddAssign, Mul};
 
+/// Lever over which a rotation is weighed against a translation, mm: S4 prints tilts over it (µm/100 mm), and it is about as far as
+/// work reaches from an axis.
+pub const LEVER_MM: f64 = 100.0;
+
 /// A small displacement of a body: (δ, ω) of docs/design/physics.md §2. The frame is the owner's to name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twist {

@@ -5,7 +5,7 @@
 
 use crate::{JointErrors, Machine, Side};
 use nalgebra::{DMatrix, DVector, Point3, Unit, Vector3};
-use trunnion_core::{AxisValues, Joint};
+use trunnion_core::{AxisValues, Joint, LEVER_MM};
 
 const MOST_STEPS: usize = 60;
 /// A place this near is reached, mm.
@@ -16,8 +16,6 @@ const REACHED_RAD: f64 = 1e-13;
 const ROUNDING_MM: f64 = 1e-8;
 /// Directions weaker than this share of the strongest cannot be moved in.
 const SINGULAR: f64 = 1e-9;
-/// mm for which a radian counts, so that places and directions weigh alike.
-const ARM_MM: f64 = 100.0;
 /// Longest step of a rotary axis, rad, and of a linear one, mm.
 const LONGEST_RAD: f64 = 0.5;
 const LONGEST_MM: f64 = 200.0;
@@ -79,7 +77,7 @@ impl Machine {
             if short_mm.norm() < REACHED_MM && short_rad.norm() < REACHED_RAD && !opposite {
                 return Some(position);
             }
-            let left_mm = short_mm.norm() + ARM_MM * short_rad.norm();
+            let left_mm = short_mm.norm() + LEVER_MM * short_rad.norm();
             if !left_mm.is_finite() {
                 return None;
             }
@@ -87,12 +85,12 @@ impl Machine {
                 return Some(position);
             }
             last_mm = left_mm;
-            let wanted = stacked(&short_mm, &(short_rad * ARM_MM), along.is_some());
+            let wanted = stacked(&short_mm, &(short_rad * LEVER_MM), along.is_some());
             let columns: Vec<DVector<f64>> = moved
                 .iter()
                 .map(|&letter| {
                     let (velocity, turning) = self.tool_rate(letter, &position, &place, &direction)?;
-                    Some(stacked(&velocity, &(turning * ARM_MM), along.is_some()))
+                    Some(stacked(&velocity, &(turning * LEVER_MM), along.is_some()))
                 })
                 .collect::<Option<_>>()?;
             let svd = DMatrix::from_columns(&columns).svd(true, true);

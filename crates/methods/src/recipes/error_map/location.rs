@@ -8,15 +8,12 @@
 use super::b_errors::BErrors;
 use super::grid::Grid;
 use nalgebra::{DMatrix, DVector, Vector3};
-use trunnion_core::{Joint, Twist};
+use trunnion_core::{Joint, LEVER_MM, Twist};
 use trunnion_effects::Unit;
 use trunnion_effects::catalogue::LOCATION_ERRORS;
 use trunnion_engine::solve::linear::least_squares;
 use trunnion_engine::{FittedParameter, Identification};
 use trunnion_machine::propagation::JointFrame;
-
-/// Arm at which a rotation counts like a translation, mm.
-const ARM_MM: f64 = 100.0;
 
 /// Location errors by maps and by the joint fit.
 pub(super) struct Locations {
@@ -114,6 +111,6 @@ fn as_tilting((tilting, turning): &(JointFrame, JointFrame), twist: &Twist) -> T
 }
 
 fn stacked(twist: &Twist) -> nalgebra::Vector6<f64> {
-    let (delta, omega) = (twist.translation_mm, twist.rotation_rad * ARM_MM);
+    let (delta, omega) = (twist.translation_mm, twist.rotation_rad * LEVER_MM);
     nalgebra::Vector6::new(delta.x, delta.y, delta.z, omega.x, omega.y, omega.z)
 }

@@ -1,0 +1,42 @@
+//! Numbers as people read them: a true minus sign, and none before what rounds to zero.
+
+/// What stands for a number that is not finite.
+pub const MISSING: &str = "—";
+
+/// With so many decimals.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    if !value.is_finite() {
+        return MISSING.into();
+    }
+    let size = format!("{:.decimals$}", value.abs());
+    match value < 0.0 && !is_zero(&size) {
+        true => format!("−{size}"),
+        false => size,
+    }
+}
+
+/// The same with an explicit plus.
+pub fn signed(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    match value > 0.0 && value.is_finite() && !is_zero(&text) {
+        true => format!("+{text}"),
+        false => text,
+    }
+}
+
+fn is_zero(size: &str) -> bool {
+    size.chars().all(|c| matches!(c, '0' | '.'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_rounds_to_zero_has_no_sign() {
+        assert_eq!([fixed(-1.25, 1), fixed(-0.04, 1), fixed(0.04, 1)], ["−1.2", "0.0", "0.0"]);
+        assert_eq!([fixed(-0.4, 0), fixed(-0.6, 0), fixed(-0.0, 4)], ["0", "−1", "0.0000"]);
+        assert_eq!([signed(2.25, 1), signed(-2.25, 1), signed(-0.04, 1)], ["+2.2", "−2.2", "0.0"]);
+        assert_eq!([fixed(f64::NAN, 1), signed(f64::INFINITY, 1)], [MISSING, MISSING]);
+    }
+}
