@@ -4,22 +4,27 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trunnion_core::axis::iso::{C, X};
+use trunnion_core::axis::iso::{B, C, X};
 use trunnion_core::{Point, Quality, State, Twist};
 use trunnion_cycles::{Cycle, Pace, Run, RunKind};
 use trunnion_instruments::predict;
 use trunnion_machine::{Errors, shipped};
 use trunnion_methods::Findings;
-use trunnion_methods::recipes::{self, MethodError, MethodOptions};
+use trunnion_methods::findings::{Cell, ValueKind};
+use trunnion_methods::recipes::{self, Convention, MethodError, MethodOptions};
 
 const UM: f64 = 1e-3;
 const NOISE_MM: f64 = 0.3 * UM;
 /// From sweep to sweep.
 const OFFSET_MM: f64 = 0.1 * UM;
 const SEEDS: u64 = 30;
-/// Quasi-static, with the direction, with speed, with acceleration, µm at the fastest feed.
-const PARTS: [(&str, f64); 4] =
-    [("quasi-static", 8.0), ("with the direction", -0.7), ("with speed", 3.0), ("with acceleration", -2.0)];
+/// µm at the fastest feed.
+const PARTS: [(&str, f64); 4] = [
+    ("quasi-static part", 8.0),
+    ("part with the direction", -0.7),
+    ("part with speed", 3.0),
+    ("part with acceleration", -2.0),
+];
 
 fn cycle(name: &str, change: (&str, &str)) -> Cycle {
     let path = format!("{}/../../config/cycles/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -52,7 +57,11 @@ fn measured(cycle: &Cycle, seed: u64, errors: impl Fn(&State) -> Errors) -> Run 
 }
 
 fn split(runs: &[Run]) -> Result<Findings, MethodError> {
-    (recipes::find("quasi-static").unwrap().run)(runs, &MethodOptions::default())
+    split_by(runs, MethodOptions::default())
+}
+
+fn split_by(runs: &[Run], options: MethodOptions) -> Result<Findings, MethodError> {
+    (recipes::find("quasi-static").unwrap().run)(runs, &options)
 }
 
 /// C goes along X by known parts; the fastest feed is 7200 °/min.
@@ -103,9 +112,9 @@ fn a_lag_of_one_axis_is_the_part_of_squareness_that_grows_with_speed() {
             "{value:?}, true {expected}"
         );
     };
-    near("EC0Y with speed", -lag_s * (4000.0 / 60.0) / 150.0);
-    near("EC0Y quasi-static", 0.0);
-    near("EC0Y with acceleration", 0.0);
+    near("EC0Y part with speed", -lag_s * (4000.0 / 60.0) / 150.0);
+    near("EC0Y quasi-static part", 0.0);
+    near("EC0Y part with acceleration", 0.0);
 }
 
 #[test]
@@ -116,7 +125,7 @@ fn runs_of_one_feed_each_are_split_together() {
     };
     let runs: Vec<Run> = feeds.into_iter().enumerate().map(run).collect();
     let found = split(&runs).unwrap();
-    let value = found.value("EX0C with speed").unwrap();
+    let value = found.value("EX0C part with speed").unwrap();
     assert!((value.value - 3.0 * UM).abs() < 4.5 * value.u.unwrap(), "{value:?}");
     // The ball may have been mounted again.
     assert!(found.values.iter().all(|value| !value.name.starts_with("ball-setting")));
@@ -135,4 +144,69 @@ fn too_few_feeds_or_sweeps_are_sent_to_measure_more() {
     assert!(one.contains("one feed") && one.contains("second feed"), "{one}");
     let two = refused("[1800, 3600]", "count = 1");
     assert!(two.contains("no degree of freedom") && two.contains("third feed"), "{two}");
+}
+
+/// What stays where the machine was not moved, C alone shifted.
+fn still(_: &State) -> Errors {
+    let mut errors = Errors::default();
+    errors.joints[C] = Twist::translation(Vector3::x() * (8.0 * UM));
+    errors
+}
+
+#[test]
+fn errors_that_do_not_depend_on_the_feed_are_seldom_said_to() {
+    let cycle = cycle("r-test-feeds-c", ("", ""));
+    let is_alarmed = |seed: &u64| {
+        let found = split(&[measured(&cycle, *seed, still)]).unwrap();
+        let note = &found.notes[0];
+        assert!(
+            note.contains("(5 % for all of them together): ") != note.starts_with("No error depends"),
+            "{note}"
+        );
+        !note.starts_with("No error depends")
+    };
+    let alarms = (0..SEEDS).filter(is_alarmed).count();
+    // 5 % of 30; six or more come by chance once in 300.
+    assert!(alarms <= 5, "{alarms} of {SEEDS}");
+}
+
+#[test]
+fn what_mounting_left_is_no_error_of_the_machine_unless_it_grows_with_the_feed() {
+    let cycle = cycle("r-test-feeds-c", ("", ""));
+    let found = split(&[measured(&cycle, 3, of_c)]).unwrap();
+    let kind = |name: &str| found.value(name).unwrap_or_else(|| panic!("no {name}")).kind;
+    assert_eq!(kind("ball-setting.low.y quasi-static part"), ValueKind::Setting);
+    assert_eq!(kind("ball-setting.low.y part with speed"), ValueKind::Error);
+    assert_eq!(kind("EX0C quasi-static part"), ValueKind::Error);
+}
+
+#[test]
+fn a_fast_feed_of_few_readings_is_a_feed() {
+    // 10 readings a second: 1080 of a turn at 200 °/min, 30 at 7200 °/min.
+    let cycle = cycle("r-test-feeds-c", ("[1800, 3600, 7200]", "[200, 7200]"));
+    let found = split(&[measured(&cycle, 1, of_c)]).unwrap_or_else(|error| panic!("{error}"));
+    let table = found.tables.iter().find(|table| table.caption.contains("at each feed")).unwrap();
+    let feeds: Vec<f64> = table
+        .rows
+        .iter()
+        .map(|row| match row[0] {
+            Cell::Number(feed) => (feed * table.columns[0].unit.unwrap().per_inside).round(),
+            _ => f64::NAN,
+        })
+        .collect();
+    assert_eq!(feeds, [200.0, 7200.0]);
+}
+
+#[test]
+fn signs_are_right_handed_whatever_is_asked_and_another_axis_is_refused() {
+    let run = measured(&cycle("r-test-feeds-c", ("", "")), 1, of_c);
+    let source = MethodOptions { convention: Convention::Source, ..MethodOptions::default() };
+    let found = split_by(std::slice::from_ref(&run), source).unwrap();
+    assert_eq!(found.convention, Convention::RightHanded, "the source has no signs of its own");
+    let asked = |axis| {
+        split_by(std::slice::from_ref(&run), MethodOptions { axis: Some(axis), ..MethodOptions::default() })
+    };
+    assert!(asked(C).is_ok());
+    let refused = asked(B).unwrap_err().to_string();
+    assert!(refused.contains("axis B") && refused.contains("C turns"), "{refused}");
 }

@@ -1,32 +1,26 @@
 //! What the split reports.
 
 use super::split::{Part, Parts};
-use super::sweeps::{Sweep, Sweeps};
-use crate::findings::{AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot};
+use super::sweeps::{SplitError, Sweep, Sweeps};
+use crate::common::feed::{feed_of, feeds};
+use crate::findings::{
+    AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot, ValueKind,
+};
 use crate::recipes::{Convention, Method};
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::statistics::COVERAGE_95;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
 /// Errors that are drawn.
 const DRAWN: usize = 4;
-/// A part this many times its u is significant, a chance of 5 % each.
-const SIGNIFICANT: f64 = COVERAGE_95;
 
-pub(super) fn findings(
-    method: &Method,
-    runs: &[Run],
-    sweeps: &Sweeps,
-    parts: &Parts,
-    convention: Convention,
-) -> Findings {
+pub(super) fn findings(method: &Method, runs: &[Run], sweeps: &Sweeps, parts: &Parts) -> Findings {
     Findings {
         values: values(sweeps, parts),
         tables: tables(sweeps, parts),
         charts: charts(sweeps, parts),
         notes: notes(sweeps, parts),
-        ..method.findings(runs, convention)
+        ..method.findings(runs, Convention::RightHanded)
     }
 }
 
@@ -41,10 +35,13 @@ fn feed_words(sweeps: &Sweeps, feed: f64) -> String {
 
 fn values(sweeps: &Sweeps, parts: &Parts) -> Vec<FoundValue> {
     let mut values = Vec::new();
-    for (error, (name, unit)) in sweeps.errors.iter().enumerate() {
+    for (error, SplitError { name, unit, is_setting }) in sweeps.errors.iter().enumerate() {
         for (part, (value, u)) in parts.separated.iter().zip(&parts.of_errors[error]) {
             let found = FoundValue::new(format!("{name} {}", part.name()), *value, *unit, Some(*u));
             values.push(match part {
+                Part::QuasiStatic if *is_setting => {
+                    found.note("the same at every feed").kind(ValueKind::Setting)
+                }
                 Part::QuasiStatic => found.note("the same at every feed"),
                 Part::Way => found.note("forward; backward with the other sign"),
                 Part::Speed if parts.both_ways => {
@@ -62,7 +59,7 @@ fn values(sweeps: &Sweeps, parts: &Parts) -> Vec<FoundValue> {
 /// A table for each unit, and what the base model leaves at each feed.
 fn tables(sweeps: &Sweeps, parts: &Parts) -> Vec<FoundTable> {
     let mut units: Vec<Unit> = Vec::new();
-    for (_, unit) in &sweeps.errors {
+    for SplitError { unit, .. } in &sweeps.errors {
         if !units.contains(unit) {
             units.push(*unit);
         }
@@ -72,9 +69,9 @@ fn tables(sweeps: &Sweeps, parts: &Parts) -> Vec<FoundTable> {
         for part in Part::ALL {
             columns.extend([Column::of(part.name(), unit), Column::of("u", unit)]);
         }
-        let of_unit = sweeps.errors.iter().enumerate().filter(|(_, (_, other))| *other == unit);
-        let row = |(error, (name, _)): (usize, &(String, Unit))| {
-            let mut row = vec![Cell::Text(name.clone())];
+        let of_unit = sweeps.errors.iter().enumerate().filter(|(_, other)| other.unit == unit);
+        let row = |(error, split): (usize, &SplitError)| {
+            let mut row = vec![Cell::Text(split.name.clone())];
             for part in Part::ALL {
                 let at = parts.separated.iter().position(|separated| *separated == part);
                 row.extend(match at.map(|at| parts.of_errors[error][at]) {
@@ -86,7 +83,7 @@ fn tables(sweeps: &Sweeps, parts: &Parts) -> Vec<FoundTable> {
         };
         FoundTable {
             caption: format!(
-                "Parts of each error; with speed and acceleration at {}",
+                "Parts of each error; parts with speed and acceleration at {}",
                 fastest(sweeps, parts)
             ),
             columns,
@@ -97,12 +94,10 @@ fn tables(sweeps: &Sweeps, parts: &Parts) -> Vec<FoundTable> {
 }
 
 fn by_feed(sweeps: &Sweeps) -> FoundTable {
-    let mut feeds: Vec<f64> = sweeps.all.iter().map(|sweep| sweep.feed).collect();
-    feeds.sort_by(f64::total_cmp);
-    feeds.dedup_by(|next, kept| *next < 1.05 * *kept);
-    let row = |feed: &f64| {
+    let feeds = feeds(sweeps.all.iter().map(|sweep| sweep.feed).collect());
+    let row = |(k, feed): (usize, &f64)| {
         let of_feed: Vec<&Sweep> =
-            sweeps.all.iter().filter(|sweep| (sweep.feed / feed).ln().abs() < 0.05).collect();
+            sweeps.all.iter().filter(|sweep| feed_of(&feeds, sweep.feed) == Some(k)).collect();
         let square = of_feed.iter().map(|sweep| sweep.rms_mm.powi(2)).sum::<f64>() / of_feed.len() as f64;
         vec![Cell::Number(*feed), Cell::Text(of_feed.len().to_string()), Cell::Number(square.sqrt())]
     };
@@ -113,25 +108,16 @@ fn by_feed(sweeps: &Sweeps) -> FoundTable {
             Column::plain("sweeps"),
             Column::of("rms residual", Unit::UM),
         ],
-        rows: feeds.iter().map(row).collect(),
+        rows: feeds.iter().enumerate().map(row).collect(),
     }
-}
-
-/// How far a part that depends on the feed is from nothing, in u.
-fn clearest(parts: &Parts, error: usize) -> f64 {
-    let of_feed = parts.separated.iter().zip(&parts.of_errors[error]);
-    of_feed
-        .filter(|(part, _)| matches!(part, Part::Speed | Part::Acceleration))
-        .map(|(_, (value, u))| value.abs() / u.max(f64::MIN_POSITIVE))
-        .fold(0.0, f64::max)
 }
 
 /// Errors over the feed, those that change most clearly first.
 fn charts(sweeps: &Sweeps, parts: &Parts) -> Vec<Chart> {
     let mut order: Vec<usize> = (0..sweeps.errors.len()).collect();
-    order.sort_by(|&a, &b| clearest(parts, b).total_cmp(&clearest(parts, a)));
+    order.sort_by(|&a, &b| parts.clearest(b).total_cmp(&parts.clearest(a)));
     let chart = |error: usize| {
-        let (name, unit) = &sweeps.errors[error];
+        let SplitError { name, unit, .. } = &sweeps.errors[error];
         let ways = [(1.0, "forward"), (-1.0, "backward")];
         let ways = ways.into_iter().filter(|(way, _)| sweeps.all.iter().any(|sweep| sweep.way == *way));
         let curves = ways.flat_map(|(way, words)| {
@@ -159,13 +145,11 @@ fn charts(sweeps: &Sweeps, parts: &Parts) -> Vec<Chart> {
 }
 
 fn notes(sweeps: &Sweeps, parts: &Parts) -> Vec<String> {
-    let significant: Vec<&str> = (0..sweeps.errors.len())
-        .filter(|&error| clearest(parts, error) > SIGNIFICANT)
-        .map(|error| sweeps.errors[error].0.as_str())
-        .collect();
+    let significant: Vec<&str> =
+        parts.significant().into_iter().map(|error| sweeps.errors[error].name.as_str()).collect();
     let mut notes = vec![match significant.is_empty() {
-        true => "No error depends on the feed by more than its uncertainty.".into(),
-        false => format!("Depend on the feed by more than their uncertainty: {}.", significant.join(", ")),
+        true => "No error depends significantly on the feed.".into(),
+        false => format!("Depend on the feed (5 % for all of them together): {}.", significant.join(", ")),
     }];
     notes.push(format!(
         "{} sweeps, {} parts: {} degrees of freedom. u is widened by Student's t, so that ± 1.96 u holds 95 %.",

@@ -1,11 +1,14 @@
 //! Least squares of each error over the sweeps: quasi-static part, and parts with way, speed and acceleration.
 
-use super::sweeps::{Sweep, Sweeps};
+use super::sweeps::Sweeps;
+use crate::common::feed;
 use crate::control_chart::t_beyond;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector};
-use std::collections::BTreeSet;
 use trunnion_core::statistics::COVERAGE_95;
+
+/// What a 95 % interval leaves outside; also the chance that any error is said to depend on the feed where none does.
+const BY_CHANCE: f64 = 0.05;
 
 /// A part of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,11 +24,15 @@ impl Part {
 
     pub fn name(self) -> &'static str {
         match self {
-            Self::QuasiStatic => "quasi-static",
-            Self::Way => "with the direction",
-            Self::Speed => "with speed",
-            Self::Acceleration => "with acceleration",
+            Self::QuasiStatic => "quasi-static part",
+            Self::Way => "part with the direction",
+            Self::Speed => "part with speed",
+            Self::Acceleration => "part with acceleration",
         }
+    }
+
+    pub fn depends_on_feed(self) -> bool {
+        matches!(self, Self::Speed | Self::Acceleration)
     }
 }
 
@@ -41,6 +48,25 @@ pub(super) struct Parts {
 }
 
 impl Parts {
+    /// How far a part that depends on the feed is from nothing at most, in u.
+    pub fn clearest(&self, error: usize) -> f64 {
+        let of_feed = self.separated.iter().zip(&self.of_errors[error]);
+        of_feed
+            .filter(|(part, _)| part.depends_on_feed())
+            .map(|(_, (value, u))| value.abs() / u.max(f64::MIN_POSITIVE))
+            .fold(0.0, f64::max)
+    }
+
+    /// Errors that depend on the feed, with a chance of 5 % for all of them together that none does: of n parts each is beyond t(0.05/n; ν)
+    /// [Bonferroni], and u holds t(0.05; ν)/1.96.
+    pub fn significant(&self) -> Vec<usize> {
+        let count =
+            self.of_errors.len() * self.separated.iter().filter(|part| part.depends_on_feed()).count();
+        let beyond = |share: f64| t_beyond(share, self.degrees_of_freedom);
+        let limit = COVERAGE_95 * beyond(BY_CHANCE / count as f64) / beyond(BY_CHANCE);
+        (0..self.of_errors.len()).filter(|&error| self.clearest(error) > limit).collect()
+    }
+
     /// The error of a sweep one way at a feed, by its parts.
     pub fn at(&self, error: usize, way: f64, feed: f64) -> f64 {
         let row = row(&self.separated, self.both_ways, way, feed / self.fastest);
@@ -51,8 +77,7 @@ impl Parts {
 pub(super) fn parts(method: &Method, sweeps: &Sweeps) -> Result<Parts, MethodError> {
     let all = &sweeps.all;
     let fastest = all.iter().map(|sweep| sweep.feed).fold(0.0, f64::max);
-    let tenths = |sweep: &Sweep| (20.0 * (sweep.feed / fastest).ln()).round() as i64;
-    let feeds = all.iter().map(tenths).collect::<BTreeSet<_>>().len();
+    let feeds = feed::feeds(all.iter().map(|sweep| sweep.feed).collect()).len();
     let both_ways = all.iter().any(|sweep| sweep.way > 0.0) && all.iter().any(|sweep| sweep.way < 0.0);
     if feeds < 2 {
         let found = format!("there is one feed in {} sweeps", all.len());
@@ -85,7 +110,7 @@ pub(super) fn parts(method: &Method, sweeps: &Sweeps) -> Result<Parts, MethodErr
             method.lacks("the two directions were run at different feeds", "Run every feed both ways.")
         );
     };
-    let wider = t_beyond(0.05, freedom) / COVERAGE_95;
+    let wider = t_beyond(BY_CHANCE, freedom) / COVERAGE_95;
     let of_error = |error: usize| {
         let values = DVector::from_iterator(all.len(), all.iter().map(|sweep| sweep.values[error]));
         let solution = &cofactor * design.tr_mul(&values);

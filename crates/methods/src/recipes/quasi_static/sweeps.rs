@@ -1,27 +1,32 @@
 //! Sweeps: all readings of one run that were taken one way at one feed, all its setups together, and the base model fitted to each.
 
-use crate::common::feed::{ONE_FEED, is_one_feed};
+use crate::common::feed::{by_feed, feed_of, middle};
 use crate::recipes::{Method, MethodError};
 use nalgebra::Vector3;
+use trunnion_core::statistics::upper_median;
 use trunnion_core::{AxisValues, Joint, Point};
 use trunnion_cycles::{Run, RunKind};
-use trunnion_effects::{Model, Unit};
+use trunnion_effects::catalogue::effect;
+use trunnion_effects::{Model, Role, Unit};
 use trunnion_engine::fit::Options;
-use trunnion_engine::{Experiment, HeldOut, Uncertainties, identify};
+use trunnion_engine::{Experiment, FittedParameter, HeldOut, Uncertainties, identify};
 use trunnion_machine::Machine;
 
-/// A feed held for less than this share of the readings is a ramp between feeds.
+/// A feed held over less than this share of the path is a ramp between feeds: 0.5 s of ramp at either end of 30 s are 1.7 % of the path.
+/// A judgement, tuned on no data.
 const RAMP: f64 = 0.03;
-/// Fewer readings are no sweep.
+/// Fewer readings are no sweep: the base model has some ten unknowns. A judgement, tuned on no data.
 const LEAST_READINGS: usize = 12;
-/// Where more of the readings belong to no sweep, the feed is not constant.
+/// Where more of the readings belong to no sweep, the feed is not constant. A judgement, tuned on no data.
 const MOST_LEFT_OUT: f64 = 0.2;
-/// Steps this many times as long as usual are a pause: another sweep begins.
+/// Steps this many times as long as usual are a pause, so that another sweep begins; three lost readings in a row are none. A judgement, tuned on
+/// no data.
 const PAUSE: f64 = 4.0;
 /// An axis that is slower stands, mm/s and rad/s.
 const STANDS: f64 = 1e-9;
 
-/// Sine of the angle between path and place, from the middle, below which a path is straight.
+/// Sine of the angle between path and place, from the middle, below which a path is straight: 0.6°, where a circle has 90° and a straight line
+/// that is read a few hundredths of a millimetre off its middle none. A judgement, tuned on no data.
 const ROUND: f64 = 0.01;
 
 /// What all sweeps gave.
@@ -29,12 +34,20 @@ pub(super) struct Sweeps {
     pub all: Vec<Sweep>,
     /// Unit of a feed.
     pub unit: Unit,
-    /// Names, units of the errors that every sweep determines.
-    pub errors: Vec<(String, Unit)>,
+    /// What every sweep determines.
+    pub errors: Vec<SplitError>,
     /// Settings may have changed between runs and are left out.
     pub several_runs: bool,
     /// Readings that belong to no sweep.
     pub left_out: usize,
+}
+
+/// An error, or a setting, that is split.
+pub(super) struct SplitError {
+    pub name: String,
+    pub unit: Unit,
+    /// What mounting left.
+    pub is_setting: bool,
 }
 
 /// One sweep.
@@ -53,8 +66,8 @@ pub(super) struct Sweep {
 const MM_PER_MIN: Unit = Unit { symbol: "mm/min", per_inside: 60.0 };
 const DEG_PER_MIN: Unit = Unit { symbol: "deg/min", per_inside: 60.0 * Unit::DEG.per_inside };
 
-/// Finds the sweeps and fits each.
-pub(super) fn fitted(method: &Method, runs: &[Run]) -> Result<Sweeps, MethodError> {
+/// Finds the sweeps and fits each; `asked`: the axis that must turn.
+pub(super) fn fitted(method: &Method, runs: &[Run], asked: Option<Joint>) -> Result<Sweeps, MethodError> {
     let machine = &runs[0].machine;
     let mut groups: Vec<Group> = Vec::new();
     let mut left_out = 0;
@@ -64,6 +77,11 @@ pub(super) fn fitted(method: &Method, runs: &[Run]) -> Result<Sweeps, MethodErro
             "Run a cycle on the fly, such as config/cycles/r-test-feeds-c.toml.",
         )
     })?;
+    if let Some(asked) = asked.filter(|asked| leading.turns() != Some(*asked)) {
+        let turns = leading.turns().map_or("linear axes move".into(), |joint| format!("axis {joint} turns"));
+        let found = format!("axis {asked} is asked for, but {turns}");
+        return Err(method.lacks(found, "Leave --axis out, or give runs of that axis."));
+    }
     let mut total = 0;
     for run in runs {
         let mut grouped = grouped(run, &leading);
@@ -80,7 +98,7 @@ pub(super) fn fitted(method: &Method, runs: &[Run]) -> Result<Sweeps, MethodErro
     }
     let several_runs = runs.len() > 1;
     let mut all = Vec::new();
-    let mut errors: Option<Vec<(String, Unit)>> = None;
+    let mut errors: Option<Vec<SplitError>> = None;
     for group in &groups {
         let run = Run { points: group.points.clone(), ..group.run.clone() };
         let options = Options {
@@ -102,8 +120,15 @@ pub(super) fn fitted(method: &Method, runs: &[Run]) -> Result<Sweeps, MethodErro
             .collect();
         let known = |name: &str| found.iter().any(|parameter| parameter.name == name);
         match &mut errors {
-            None => errors = Some(found.iter().map(|p| (p.name.clone(), p.unit)).collect()),
-            Some(errors) => errors.retain(|(name, _)| known(name)),
+            None => {
+                let split = |p: &&FittedParameter| SplitError {
+                    name: p.name.clone(),
+                    unit: p.unit,
+                    is_setting: effect(&p.effect).is_some_and(|effect| effect.role == Role::Setting),
+                };
+                errors = Some(found.iter().map(split).collect());
+            }
+            Some(errors) => errors.retain(|error| known(&error.name)),
         }
         let values = found.iter().filter_map(|p| Some((p.name.clone(), p.value?))).collect();
         all.push((group, values, fit.rms_mm));
@@ -119,12 +144,12 @@ pub(super) fn fitted(method: &Method, runs: &[Run]) -> Result<Sweeps, MethodErro
         Sweep {
             way: group.way,
             feed: group.feed,
-            values: errors.iter().map(|(name, _)| of(name)).collect(),
+            values: errors.iter().map(|error| of(&error.name)).collect(),
             rms_mm,
         }
     };
     let all = all.into_iter().map(sweep).collect();
-    let unit = if leading.is_rotary() { DEG_PER_MIN } else { MM_PER_MIN };
+    let unit = if leading.turns().is_some() { DEG_PER_MIN } else { MM_PER_MIN };
     Ok(Sweeps { all, unit, errors, several_runs, left_out })
 }
 
@@ -166,8 +191,12 @@ impl Leading {
         Some(Self::Linear { middle, across })
     }
 
-    fn is_rotary(&self) -> bool {
-        matches!(self, Self::Rotary(_))
+    /// The rotary axis.
+    fn turns(&self) -> Option<Joint> {
+        match self {
+            Self::Rotary(joint) => Some(*joint),
+            Self::Linear { .. } => None,
+        }
     }
 
     /// Speed, with the direction as its sign.
@@ -197,17 +226,15 @@ fn grouped<'a>(run: &'a Run, leading: &Leading) -> Vec<Group<'a>> {
     }
     let points: Vec<(&Point, f64)> =
         run.good_points().map(|point| (point, leading.velocity(point))).collect();
-    let feeds = feeds(points.iter().map(|(_, velocity)| velocity.abs()).collect());
-    let feed_of = |speed: f64| feeds.iter().position(|feed| is_one_feed(*feed, speed));
-    let mut steps: Vec<f64> = points.windows(2).filter_map(step_s).filter(|step| *step > 0.0).collect();
-    steps.sort_by(f64::total_cmp);
-    let usual_s = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let feeds = held(points.iter().map(|(_, velocity)| velocity.abs()).collect());
+    let steps: Vec<f64> = points.windows(2).filter_map(step_s).filter(|step| *step > 0.0).collect();
+    let usual_s = upper_median(&steps).unwrap_or(f64::INFINITY);
     // (setup, way, feed) of the sweep under way, and how many of each kind there were.
     let mut groups: Vec<(Group<'a>, usize, usize)> = Vec::new();
     let mut begun: Vec<(usize, bool, usize)> = Vec::new();
     let mut last: Option<((usize, bool, usize), &Point)> = None;
     for (point, velocity) in points {
-        let Some(feed) = feed_of(velocity.abs()) else { continue };
+        let Some(feed) = feed_of(&feeds, velocity.abs()) else { continue };
         let kind = (point.state.setup, velocity > 0.0, feed);
         let goes_on = last.is_some_and(|(before, from)| {
             before == kind && step_s(&[(from, 0.0), (point, 0.0)]).is_none_or(|step| step <= PAUSE * usual_s)
@@ -232,21 +259,13 @@ fn grouped<'a>(run: &'a Run, leading: &Leading) -> Vec<Group<'a>> {
     groups.into_iter().map(|(group, ..)| group).collect()
 }
 
-/// Feeds that were held: the middles of speeds within [`ONE_FEED`] of each other, slowest first.
-fn feeds(mut speeds: Vec<f64>) -> Vec<f64> {
+/// Feeds that were held over enough of the path, slowest first. Readings follow one another in time, so each stands for a way that goes as its
+/// speed.
+fn held(mut speeds: Vec<f64>) -> Vec<f64> {
     speeds.retain(|speed| *speed > STANDS);
-    speeds.sort_by(f64::total_cmp);
-    let least = RAMP * speeds.len() as f64;
-    let mut feeds = Vec::new();
-    let mut rest = &speeds[..];
-    while let Some(&slowest) = rest.first() {
-        let held = rest.partition_point(|speed| *speed <= ONE_FEED * slowest);
-        if held as f64 >= least {
-            feeds.push(rest[held / 2]);
-        }
-        rest = &rest[held..];
-    }
-    feeds
+    let least = RAMP * speeds.iter().sum::<f64>();
+    let held = |speeds: &Vec<f64>| (speeds.iter().sum::<f64>() >= least).then(|| middle(speeds));
+    by_feed(speeds).iter().filter_map(held).collect()
 }
 
 fn step_s(pair: &[(&Point, f64)]) -> Option<f64> {
