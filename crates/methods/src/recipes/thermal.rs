@@ -9,7 +9,7 @@
 
 mod curve;
 
-use super::{Method, MethodError, MethodOptions, one_machine};
+use super::{Convention, Method, MethodError, MethodOptions, one_machine};
 use crate::Findings;
 use crate::findings::{AxisName, Cell, Chart, Column, Curve, FoundTable, FoundValue, Plot};
 use curve::{Moment, settled};
@@ -42,7 +42,7 @@ struct Round {
     fit: Identification,
 }
 
-fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
+fn run(runs: &[Run], _: &MethodOptions) -> Result<Findings, MethodError> {
     one_machine(runs)?;
     let [run] = runs else {
         let found = format!("there are {} runs, and each has a clock of its own", runs.len());
@@ -57,7 +57,7 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
         return Err(METHOD.lacks(found, "Repeat the cycle: count in [rounds] of the cycle file."));
     }
     let rounds: Vec<Round> = rounds.iter().map(|points| fitted(run, points)).collect::<Result<_, _>>()?;
-    Ok(described(runs, run, &rounds, options))
+    Ok(described(runs, run, &rounds))
 }
 
 /// Points of each whole round; the last one counts when it has at least half the points of the first.
@@ -145,8 +145,8 @@ fn followed(rounds: &[Round]) -> Vec<Followed> {
         .collect()
 }
 
-fn described(runs: &[Run], run: &Run, rounds: &[Round], options: &MethodOptions) -> Findings {
-    let mut findings = METHOD.findings(runs, options.convention);
+fn described(runs: &[Run], run: &Run, rounds: &[Round]) -> Findings {
+    let mut findings = METHOD.findings(runs, Convention::RightHanded);
     let followed = followed(rounds);
     for one in &followed {
         let (change, u) = one.change();
