@@ -2,8 +2,13 @@
 
 use crate::common::{point, points_run};
 use nalgebra::{Matrix3, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use trunnion_core::State;
-use trunnion_cycles::Run;
+use trunnion_cycles::{Cycle, Pace, Run, RunKind};
+use trunnion_instruments::predict;
+use trunnion_machine::{Errors, shipped};
 use trunnion_methods::findings::{Cell, FoundTable};
 use trunnion_methods::recipes::MethodOptions;
 use trunnion_methods::{Findings, recipes};
@@ -148,7 +153,7 @@ fn errors_of_c_have_uncertainties_that_hold_where_nothing_is_hidden() {
         let of = |ending: &str| findings.value(&format!("{name} {ending}"));
         assert!(of("variation").is_none(), "a range as read has no place next to one without noise");
         for range in ["range", "largest range"] {
-            let (found, bound) = (of(range), of(&format!("{range} at most")));
+            let (found, bound) = (of(range), of(&format!("{range} of one wave at most")));
             assert!(
                 found.is_some_and(|v| v.u.is_some()) != bound.is_some_and(|v| v.value > 0.0),
                 "{name} {range}"
@@ -197,4 +202,47 @@ fn coning_is_printed_as_the_source_prints_it_and_maps_have_the_magnification_ask
     });
     let maps: Vec<f64> = maps.collect();
     assert!(maps.len() >= 4 && maps.iter().all(|m| *m == 20_000.0), "{maps:?}");
+}
+
+/// Six angles of C, each pose read once: nothing repeats, and the errors of C take five of six readings of a pose.
+#[test]
+fn uncertainties_of_a_small_grid_hold() {
+    const NOISE_MM: f64 = 0.3e-3;
+    let path = format!("{}/../../config/cycles/r-test-static.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace("to_deg = 330\nstep_deg = 30", "to_deg = 300\nstep_deg = 60");
+    let text = text.replace("passes = [\"+\", \"-\"]", "passes = [\"+\"]");
+    let cycle = Cycle::parse("cycle.toml", &text).unwrap_or_else(|problems| panic!("{problems}"));
+    let machine = shipped::machine(&cycle.machine).unwrap();
+    let states = cycle.visits(&machine, &Pace::default()).unwrap().states;
+    let (mut squares, mut count, mut u_um) = (0.0, 0, Vec::new());
+    for seed in 0..10 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut noise = || -> f64 { StandardNormal.sample(&mut rng) };
+        let mut read = |state: &State| {
+            let nominal = predict(&machine, &cycle.setups[state.setup], state, &Errors::default());
+            point(state.clone(), [0, 1, 2].map(|k| nominal[k] + NOISE_MM * noise()))
+        };
+        let points = states.iter().map(&mut read).collect();
+        let (name, setups) = (cycle.name.clone(), cycle.setups.clone());
+        let kind = RunKind::Static;
+        let run = Run { name, machine: machine.clone(), kind, setups, channels: vec![], points };
+        let findings = error_map(run);
+        let map = table(&findings, "Errors of C at each pose");
+        assert_eq!(map.rows.len(), 42);
+        for row in &map.rows {
+            for k in 0..5 {
+                let (value, u) = (number(&row[2 + k]), number(&row[7 + k]));
+                squares += (value / u).powi(2);
+                count += 1;
+            }
+            u_um.push(number(&row[7]) * 1e3);
+        }
+    }
+    // The mean over C counts as an error of B: one twist of the six at a tilt.
+    let rms = (squares / f64::from(count)).sqrt();
+    assert!((0.8..=1.05).contains(&rms), "rms of value over u: {rms}, u(EXC) {:.2} µm", u_um[0]);
+    // By hand: heights of 60 and 160 mm, a joint at 0: 0.3 µm √(60² + 160²)/100.
+    let mean_um = u_um.iter().sum::<f64>() / u_um.len() as f64;
+    assert!((mean_um - 0.513).abs() < 0.06, "u(EXC) {mean_um} µm");
 }

@@ -2,8 +2,10 @@
 //!
 //! In the axes of what carries the turning axis: tilts ω = (α, β, 0) from the differences between nest positions,
 //! `e_s − ē = ω × (ρ_s − ρ̄)`, then `δ = ē − ω × ρ̄`. The rotation about the axis itself is taken as zero.
-//! u by propagation of one mean reading: the larger of what repeats say, and of what both maps leave with its degrees of freedom (5 at a
-//! pose, 6 at a tilt are used up).
+//! u by propagation of one mean reading: the larger of what repeats say, and of what both maps leave at poses read in all N nest positions,
+//! with ν = 3 N n − 5 n − used degrees of freedom at n poses. The 5 of a pose also hold every twist of the tilting axis there, but the turn about
+//! C; of two nest positions they hold that as well, since a turn about the line between them moves neither. Used are then the distance
+//! of the two offsets (1), with more nest positions one turn for each tilt and the shape of their offsets (3 N − 6).
 
 use super::b_errors::BErrors;
 use super::grid::{Cell, Grid};
@@ -24,6 +26,8 @@ impl CErrors {
     pub fn of(grid: &Grid<'_>, b_errors: &BErrors) -> Self {
         let (mut errors, mut leverages) =
             (Self { at: Vec::new(), u_at: Vec::new(), residual_mm: Vec::new() }, Vec::new());
+        // Of what is left at poses that have errors.
+        let (mut squares_mm2, mut numbers) = (0.0, 0);
         for tilt in 0..grid.tilts_rad.len() {
             let mut of_tilt = vec![None; grid.turns_rad.len()];
             let mut leverage = of_tilt.clone();
@@ -37,29 +41,37 @@ impl CErrors {
                 (of_tilt[turn], leverage[turn]) =
                     grid.has_all(tilt, turn).then(|| at_pose(grid, &here)).flatten().unzip();
                 let twist = of_tilt[turn].unwrap_or_default();
-                errors.residual_mm.extend(here.iter().map(|(cell, left)| left - cell.of_turning(&twist)));
+                let after = here.iter().map(|(cell, left)| left - cell.of_turning(&twist));
+                if of_tilt[turn].is_some() {
+                    squares_mm2 += after.clone().map(|left| left.norm_squared()).sum::<f64>();
+                    numbers += 3 * here.len();
+                }
+                errors.residual_mm.extend(after);
             }
             errors.at.push(of_tilt);
             leverages.push(leverage);
         }
-        let u_mm = errors.u_of_mean_mm(grid);
-        let scaled = |leverage: Option<Twist>| leverage.map(|of_one_mm| of_one_mm * u_mm);
+        let poses = errors.at.iter().flatten().flatten().count();
+        let used = match grid.nests.len() {
+            2 => 1,
+            nests => grid.tilts_rad.len() + 3 * nests - 6,
+        };
+        let freedom = numbers.saturating_sub(5 * poses + used);
+        let by_residual_mm = (freedom > 0).then(|| (squares_mm2 / freedom as f64).sqrt());
+        // Where neither is known, no u is.
+        let u_mm = [by_residual_mm, by_repeats_mm(grid)].into_iter().flatten().reduce(f64::max);
+        let scaled = |leverage: Option<Twist>| Some(leverage? * u_mm?);
         errors.u_at =
             leverages.into_iter().map(|of_tilt| of_tilt.into_iter().map(scaled).collect()).collect();
         errors
     }
+}
 
-    /// Standard uncertainty of one component of the mean of a cell, mm.
-    fn u_of_mean_mm(&self, grid: &Grid<'_>) -> f64 {
-        let poses = self.at.iter().flatten().flatten().count();
-        let freedom = (3 * self.residual_mm.len()).saturating_sub(5 * poses + 6 * grid.tilts_rad.len());
-        let left: f64 = self.residual_mm.iter().map(Vector3::norm_squared).sum();
-        let by_residual_mm = (left / freedom.max(1) as f64).sqrt();
-        let all = || grid.cells.iter().flatten().flatten().flatten();
-        let shares: f64 = all().map(|cell| 1.0 / cell.readings as f64).sum();
-        let by_repeats_mm = grid.repeat_mm.unwrap_or(0.0) * (shares / all().count().max(1) as f64).sqrt();
-        by_residual_mm.max(by_repeats_mm)
-    }
+/// Standard uncertainty of one component of the mean of a cell by the repeats of one pose, mm.
+fn by_repeats_mm(grid: &Grid<'_>) -> Option<f64> {
+    let all = || grid.cells.iter().flatten().flatten().flatten();
+    let shares: f64 = all().map(|cell| 1.0 / cell.readings as f64).sum();
+    Some(grid.repeat_mm? * (shares / all().count().max(1) as f64).sqrt())
 }
 
 /// The errors, and their standard uncertainties for one of 1 mm of each component of a reading; `None` when the nest positions lie on
