@@ -21,7 +21,7 @@ use trunnion_engine::solve::linear::least_squares;
 const HIGHEST: usize = 12;
 /// Chance that noise alone makes any of the harmonics significant, and that a true amplitude is above its upper bound.
 const BY_CHANCE: f64 = 0.05;
-/// Values a wave that show an order asked for.
+/// Values a wave that show an order asked for: more than the two of Nyquist, which may both lie where the wave crosses zero.
 const VALUES_A_WAVE: usize = 3;
 /// A gap between angles wider than this share of a turn is no whole turn.
 const WIDEST_GAP: f64 = 1.0 / 6.0;
@@ -54,6 +54,8 @@ pub(crate) struct Harmonics {
     pub u_range: f64,
     /// Range of any one wave at most (95 %), whether significant or not.
     pub most: f64,
+    /// ν.
+    freedom: f64,
 }
 
 /// How a wave differs between two contours.
@@ -65,7 +67,18 @@ pub(crate) struct Difference {
     pub u: f64,
 }
 
+/// Chance that noise alone makes an amplitude so many u long, with ν degrees of freedom.
+fn chance(in_u: f64, freedom: f64) -> f64 {
+    (1.0 + in_u * in_u / freedom).powf(-0.5 * freedom)
+}
+
 impl Harmonic {
+    /// 2 (A + q), where q is the length that noise exceeds with a chance of 5 %.
+    fn range_at_most(&self, freedom: f64) -> f64 {
+        let longest = (freedom * (BY_CHANCE.powf(-2.0 / freedom) - 1.0)).sqrt();
+        2.0 * (self.amplitude + longest * self.u)
+    }
+
     /// (aₙ, bₙ).
     fn phasor(&self) -> Vector2<f64> {
         let (sin, cos) = (self.order as f64 * self.crest_rad).sin_cos();
@@ -115,8 +128,7 @@ impl Harmonics {
             let (k, l) = (2 * i + 1, 2 * i + 2);
             let amplitude = fit.x[k].hypot(fit.x[l]);
             let u = (0.5 * (fit.u[k].powi(2) + fit.u[l].powi(2))).sqrt();
-            let ratio = amplitude / u.max(f64::MIN_POSITIVE);
-            let p = (1.0 + ratio * ratio / freedom).powf(-0.5 * freedom);
+            let p = chance(amplitude / u.max(f64::MIN_POSITIVE), freedom);
             let crest_rad = fit.x[l].atan2(fit.x[k]).rem_euclid(TAU) / order as f64;
             let trials = (orders.len() * contours) as f64;
             let significant = p < BY_CHANCE / trials && amplitude > ROUNDING * values.amax();
@@ -124,9 +136,8 @@ impl Harmonics {
         };
         let all: Vec<Harmonic> = orders.iter().enumerate().map(harmonic).collect();
         let (range, u_range) = range(&all);
-        let longest = (freedom * (BY_CHANCE.powf(-2.0 / freedom) - 1.0)).sqrt();
-        let most = all.iter().map(|h| 2.0 * (h.amplitude + longest * h.u)).fold(0.0, f64::max);
-        Some(Self { all, range, u_range, most })
+        let most = all.iter().map(|h| h.range_at_most(freedom)).fold(0.0, f64::max);
+        Some(Self { all, range, u_range, most, freedom })
     }
 
     /// The range as a value: that of the significant waves with its u, else an upper bound that says so in its name.
@@ -136,7 +147,7 @@ impl Harmonics {
                 .note(self.words(unit));
         }
         let note = "no harmonic is significant; upper bound (95 %) of the range of any one wave";
-        FoundValue::new(format!("{name} range at most"), self.most, unit, None).note(note)
+        FoundValue::new(format!("{name} range of one wave at most"), self.most, unit, None).note(note)
     }
 
     /// The harmonic of this order.
@@ -144,8 +155,8 @@ impl Harmonics {
         self.all.iter().find(|harmonic| harmonic.order == order)
     }
 
-    /// Waves that differ from those of `other` beyond chance: Δ²/2u² of two alike is an exponential variable.
-    pub fn differs(&self, other: &Self) -> Vec<Difference> {
+    /// Waves that differ from those of `other` beyond chance, where so many contours are compared: Δ²/2u² ~ F(2, ν₁ + ν₂) of two alike, u² that of Δ.
+    pub fn differs(&self, other: &Self, comparisons: usize) -> Vec<Difference> {
         let difference = |one: &Harmonic| {
             let two = other.order(one.order)?;
             let u = one.u.hypot(two.u);
@@ -153,8 +164,10 @@ impl Harmonics {
             Some(Difference { order: one.order, half: 0.5 * (one_at - two_at).norm(), u: 0.5 * u })
         };
         let all: Vec<Difference> = self.all.iter().filter_map(difference).collect();
-        let chance = |of: &Difference| (-0.5 * (of.half / of.u.max(f64::MIN_POSITIVE)).powi(2)).exp();
-        let beyond = |of: &&Difference| chance(of) < BY_CHANCE / all.len() as f64;
+        let freedom = self.freedom + other.freedom;
+        let trials = (all.len() * comparisons) as f64;
+        let beyond =
+            |of: &&Difference| chance(of.half / of.u.max(f64::MIN_POSITIVE), freedom) < BY_CHANCE / trials;
         all.iter().filter(beyond).copied().collect()
     }
 
@@ -270,15 +283,28 @@ mod tests {
     }
 
     #[test]
+    fn contours_that_are_alike_differ_as_seldom_as_promised() {
+        let found = |seed: u64| Harmonics::of(&noisy(12, 1.0, seed, |_| 0.0)).unwrap();
+        let differ = |seed: &u64| !found(*seed).differs(&found(seed + 2000), 1).is_empty();
+        let false_alarms = (0..2000).filter(differ).count();
+        // 5 % of 2000, ± 3 standard deviations of a binomial.
+        assert!((70..=130).contains(&false_alarms), "{false_alarms} of 2000");
+    }
+
+    #[test]
     fn a_wave_that_is_not_significant_is_below_the_upper_bound() {
-        for (steps, amplitude) in [(12, 0.0), (12, 0.6), (36, 0.4)] {
+        for (steps, amplitude) in [(12, 0.6), (36, 0.4)] {
             let of = |seed| Harmonics::of(&noisy(steps, 1.0, seed, |a| amplitude * (2.0 * a).cos())).unwrap();
             let all: Vec<Harmonics> = (0..1000).map(of).collect();
-            let held = all.iter().filter(|of| of.most >= 2.0 * amplitude).count();
+            let bound = |of: &&Harmonics| of.order(2).unwrap().range_at_most(of.freedom) >= 2.0 * amplitude;
+            let held = all.iter().filter(bound).count();
             assert!(held >= 950, "{held} of 1000 at {amplitude}");
             let silent = all.iter().find(|of| of.significant().is_empty()).unwrap();
             let value = silent.range_value("EXC", Unit::UM);
-            assert_eq!((value.name.as_str(), value.value, value.u), ("EXC range at most", silent.most, None));
+            assert_eq!(
+                (value.name.as_str(), value.value, value.u),
+                ("EXC range of one wave at most", silent.most, None)
+            );
         }
     }
 

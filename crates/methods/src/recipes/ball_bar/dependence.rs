@@ -1,6 +1,6 @@
 //! On what a wave of a trace depends: direction, feed, where the other rotary axes stand. Each rules causes in or out.
 //!
-//! The waves of two contours of one measurement are compared order by order [`Harmonics::differs`]. What changes with the direction or the
+//! The waves of two contours of one measurement are compared order by order [`Harmonics::differs`], with a chance of 5 % for all comparisons together that any is said to differ where none does. What changes with the direction or the
 //! feed is drive, friction or inertia and not the ring of a bearing; what changes with the tilt of the axis is gravity or what carries it
 //! [S4 table 2, §4.3].
 //! Limits: whole turns; what is not shown to depend may do so by less than its uncertainty.
@@ -11,6 +11,7 @@ use super::track::Kind;
 use crate::common::harmonics::{Difference, Harmonics};
 use trunnion_core::Joint;
 use trunnion_core::convert::deg_from_rad;
+use trunnion_core::number::fixed;
 
 /// What a wave depends on.
 #[derive(Clone, Debug)]
@@ -47,11 +48,29 @@ pub(super) fn dependences(shapes: &[Shape]) -> Vec<Dependence> {
             }
         }
     };
-    for (i, shape) in shapes.iter().enumerate() {
+    let comparisons = comparisons(shapes);
+    for Comparison { shape, one, two, words } in &comparisons {
+        add(shape, one.differs(two, comparisons.len()), words);
+    }
+    found
+}
+
+/// Two contours of one measurement between which one thing changed.
+struct Comparison<'a> {
+    shape: &'a Shape,
+    one: Harmonics,
+    two: Harmonics,
+    words: String,
+}
+
+fn comparisons(shapes: &[Shape]) -> Vec<Comparison<'_>> {
+    let mut all = Vec::new();
+    for (i, shape) in shapes.iter().enumerate().filter(|(_, shape)| kind_of(shape.kind).is_some()) {
         if let [(_, forward), (_, backward)] = &shape.contours[..]
-            && let (Some(forward), Some(backward)) = (Harmonics::of(forward), Harmonics::of(backward))
+            && let (Some(one), Some(two)) = (Harmonics::of(forward), Harmonics::of(backward))
         {
-            add(shape, forward.differs(&backward), "changes with the direction: drive or friction");
+            let words = "changes with the direction: drive or friction".into();
+            all.push(Comparison { shape, one, two, words });
         }
         for other in shapes[..i].iter().filter(|other| shape.is_same_measurement(other)) {
             let (Some(one), Some(two)) =
@@ -59,20 +78,17 @@ pub(super) fn dependences(shapes: &[Shape]) -> Vec<Dependence> {
             else {
                 continue;
             };
-            let (stands, feeds) = (shape.stands_as(other), shape.turns_as_fast(other));
-            if stands && !feeds {
-                add(shape, one.differs(&two), "changes with the feed: servo or inertia");
-            }
-            if !stands && feeds {
-                add(
-                    shape,
-                    one.differs(&two),
-                    &format!("changes with {}: gravity, or what carries the axis", moved(other, shape)),
-                );
-            }
+            let words = match (shape.stands_as(other), shape.turns_as_fast(other)) {
+                (true, false) => "changes with the feed: servo or inertia".into(),
+                (false, true) => {
+                    format!("changes with {}: gravity, or what carries the axis", moved(other, shape))
+                }
+                _ => continue,
+            };
+            all.push(Comparison { shape, one, two, words });
         }
     }
-    found
+    all
 }
 
 fn kind_of(kind: Kind) -> Option<ErrorKind> {
@@ -91,6 +107,6 @@ fn moved(from: &Shape, to: &Shape) -> String {
     });
     most.map_or(String::new(), |joint| {
         let [from, to] = [from, to].map(|shape| deg_from_rad(shape.stood_rad[joint]));
-        format!("{joint} ({from:.0}° to {to:.0}°)").replace('-', "−")
+        format!("{joint} ({}° to {}°)", fixed(from, 0), fixed(to, 0))
     })
 }
