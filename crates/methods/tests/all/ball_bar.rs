@@ -283,4 +283,39 @@ fn a_wave_that_changes_with_direction_feed_or_tilt_is_said_to() {
         of("2")[3].contains("changes with B (0° to 30°): gravity") && of("3")[3].is_empty(),
         "{ranked:?}"
     );
+    // Four waves across, the same both ways; along the axis four that flip with the direction and so have no mean.
+    let mut read = waves_of_c("[720]", &plain, |angle, _| (4.0 * angle).cos());
+    for point in read.points.iter_mut().filter(|point| point.state.setup == 4) {
+        let state = &point.state;
+        let way = state.velocity[Joint::C].signum();
+        point.reading_mm[0] += UM * (2.0 * way - 1.0) * (4.0 * state.position[Joint::C]).cos();
+    }
+    let ranked = ranking(&by(&[read], Convention::RightHanded));
+    let along = ranked.iter().find(|row| row[1] == "4" && row[0] == "along C");
+    assert!(along.is_some_and(|row| row[3].contains("direction")), "{ranked:?}");
+}
+
+#[test]
+fn traces_at_another_tilt_are_said_to_serve_the_comparison() {
+    let leaning =
+        |text: String| text.replace("feeds_deg_per_min = [720]", "feeds_deg_per_min = [720]\nb_deg = 30");
+    let run = |change: &dyn Fn(String) -> String| waves_of_c("[720]", change, |angle, _| (3.0 * angle).cos());
+    let plain = |text: String| text;
+    let (upright, leaning) = (run(&plain), run(&leaning));
+    let note = |runs: &[Run]| {
+        let found = by(runs, Convention::RightHanded);
+        let notes: Vec<String> =
+            found.notes.iter().filter(|note| note.contains("comparison")).cloned().collect();
+        (notes, found)
+    };
+    assert!(note(std::slice::from_ref(&upright)).0.is_empty());
+    let (notes, _) = note(&[upright.clone(), leaning.clone()]);
+    assert!(notes[0].contains("of C are by the traces at B = 0° alone") && notes.len() == 1, "{notes:?}");
+    assert!(notes[0].contains("; C-Y(−Z) 2.C-Y(-Z), C-Y(+Z)"), "{notes:?}");
+    // One height upright, two leaning: the lean of the line is known from those.
+    let mut one_height = upright;
+    one_height.points.retain(|point| ![2, 3].contains(&point.state.setup));
+    let (notes, found) = note(&[one_height, leaning]);
+    assert!(notes[0].contains("at B = 30° alone"), "{notes:?}");
+    assert!(found.value("EA0C").is_some(), "{:?}", found.values);
 }

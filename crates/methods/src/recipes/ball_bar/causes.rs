@@ -85,9 +85,10 @@ const LEAST_SHARE: f64 = 0.1;
 
 /// The wave of a gear: every tooth pushes the axis once.
 const TEETH: &str = "the teeth of its worm wheel or last gear (S4 table 2: pitch of the transmission)";
-/// Without slip the cage goes around half as fast as the ring, so half of the rollers pass a place in a turn; less at the outer ring and
-/// more at the inner by the ratio of the diameters of roller and bearing.
 const ROLLERS: &str = "rollers of unlike size: about half of them pass a place in a turn (S4 table 2)";
+/// Share f of the rollers that pass a place of a ring in a turn: the middle of a roller goes half as fast as the ring that it rolls on without slip,
+/// so f = ½ (1 ∓ d/D), − at an outer ring that stands, + at an inner one that turns, with d the diameter of a roller and D that of the circle of their
+/// middles. The range is d/D ≤ 0.3.
 const PASSING: std::ops::RangeInclusive<f64> = 0.35..=0.65;
 
 /// What the machine file counts on an axis.

@@ -8,10 +8,9 @@ use super::dependence::Dependence;
 use super::found::Found;
 use super::track::Axis;
 use crate::findings::{Cell, Column, FoundTable};
-use trunnion_core::Joint;
+use trunnion_core::{Joint, LEVER_MM};
 use trunnion_effects::Unit;
 
-const LEVER_MM: f64 = 100.0;
 /// Cause of a wave that is no ring of a bearing, which does not know how the axis turns.
 const CHANGES: &str = "not the bearing alone: see what it depends on";
 
@@ -19,6 +18,8 @@ const CHANGES: &str = "not the bearing alone: see what it depends on";
 pub(super) struct Row {
     what: String,
     axis: Option<Joint>,
+    /// In which traces a wave is seen.
+    kind: Option<ErrorKind>,
     waves: Option<usize>,
     amount_mm: f64,
     u_mm: f64,
@@ -46,6 +47,7 @@ impl Row {
         Self {
             what: name.into(),
             axis: Some(axis.letter),
+            kind: Some(seen_in),
             waves: Some(cause.harmonic.order),
             amount_mm: cause.harmonic.amplitude * lever,
             u_mm: cause.harmonic.u * lever,
@@ -59,6 +61,7 @@ impl Row {
         Self {
             what: format!("{way} {}", dependence.axis),
             axis: Some(dependence.axis),
+            kind: Some(dependence.kind),
             waves: Some(dependence.order),
             amount_mm: dependence.half_mm,
             u_mm: dependence.u_mm,
@@ -72,6 +75,7 @@ impl Row {
         (!words.is_empty()).then(|| Self {
             what: what.into(),
             axis: None,
+            kind: None,
             waves: None,
             amount_mm: value_mm.abs(),
             u_mm,
@@ -86,7 +90,8 @@ pub(super) fn ranked(found: &Found<'_>, waves: Vec<Row>, dependences: &[Dependen
     let mut rows = waves;
     // What changes sign has no mean, so it is no wave of an error motion.
     let is_unnamed = |other: &&Dependence| {
-        !rows.iter().any(|row| (row.axis, row.waves) == (Some(other.axis), Some(other.order)))
+        let its = (Some(other.axis), Some(other.kind), Some(other.order));
+        !rows.iter().any(|row| (row.axis, row.kind, row.waves) == its)
     };
     let alone: Vec<Row> = dependences.iter().filter(is_unnamed).map(Row::of_dependence).collect();
     rows.extend(alone);

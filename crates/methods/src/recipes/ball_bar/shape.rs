@@ -140,7 +140,7 @@ impl Shape {
 impl Shape {
     /// Whether the other rotary axes stood where they do in `other`.
     pub fn stands_as(&self, other: &Self) -> bool {
-        self.stood_rad.0.iter().zip(&other.stood_rad.0).all(|(a, b)| (a - b).abs() < SAME_RAD)
+        self.stood_rad.0.iter().zip(&other.stood_rad.0).all(|(a, b)| is_same_angle(*a, *b))
     }
 
     /// Whether the axis turned as fast as in `other`; not known counts as yes.
@@ -159,6 +159,11 @@ impl Shape {
             _ => false,
         }
     }
+}
+
+/// Whether an axis stands at one place.
+pub(super) fn is_same_angle(a_rad: f64, b_rad: f64) -> bool {
+    (a_rad - b_rad).abs() < SAME_RAD
 }
 
 /// Columns of the fit: the mean first.
@@ -227,6 +232,10 @@ pub(super) struct AxisShapes {
     pub radial_at_mm: [Option<f64>; 2],
     /// Tilts about u and v, rad.
     pub tilt: [Contour; 2],
+    /// Where the other rotary axes stood, rad.
+    pub stood_rad: AxisValues<f64>,
+    /// Traces of the axis where others stood elsewhere: they are in none of these.
+    pub elsewhere: Vec<String>,
 }
 
 impl AxisShapes {
@@ -242,17 +251,26 @@ impl AxisShapes {
         }
         axes.into_iter()
             .filter_map(|axis| {
-                // Where the others stood first: what carries the axis is in its errors.
                 let own = |shape: &&Shape| shape.kind.axis() == Some(axis) && shape.kind.alone();
-                let first = shapes.iter().find(own)?;
-                let here: Vec<&Shape> =
-                    shapes.iter().filter(own).filter(|shape| shape.stands_as(first)).collect();
-                Some(Self::of(axis, &here))
+                let own: Vec<&Shape> = shapes.iter().filter(own).collect();
+                // Where the others stood at most heights, of equals first: what carries the axis is in its errors.
+                let mut here: Vec<&Shape> = Vec::new();
+                for first in &own {
+                    let stand: Vec<&Shape> =
+                        own.iter().copied().filter(|shape| shape.stands_as(first)).collect();
+                    if here.is_empty() || heights(&stand) > heights(&here) {
+                        here = stand;
+                    }
+                }
+                let first = *here.first()?;
+                let elsewhere = own.iter().filter(|shape| !shape.stands_as(first));
+                let elsewhere = elsewhere.map(|shape| shape.label.clone()).collect();
+                Some(Self::of(axis, first, &here, elsewhere))
             })
             .collect()
     }
 
-    fn of(axis: Axis, shapes: &[&Shape]) -> Self {
+    fn of(axis: Axis, first: &Shape, shapes: &[&Shape], elsewhere: Vec<String>) -> Self {
         let across = |wanted: usize| -> Vec<(f64, &Shape)> {
             let of = |shape: &'_ Shape| match shape.kind {
                 Kind::Across { axis: a, k, height_mm } if a == axis && k == wanted => Some(height_mm),
@@ -268,6 +286,8 @@ impl AxisShapes {
             translation: [Vec::new(), Vec::new(), along.into_iter().next().unwrap_or_default()],
             radial_at_mm: [None, None],
             tilt: [Vec::new(), Vec::new()],
+            stood_rad: first.stood_rad,
+            elsewhere,
         };
         for k in 0..2 {
             let traces = across(k);
@@ -300,4 +320,21 @@ impl AxisShapes {
         }
         found
     }
+}
+
+/// At how many heights bars lay across the axis: of the direction with more of them, and of both together.
+fn heights(shapes: &[&Shape]) -> (usize, usize) {
+    let of = |wanted: usize| {
+        let mut heights: Vec<f64> = shapes
+            .iter()
+            .filter_map(|shape| match shape.kind {
+                Kind::Across { k, height_mm, .. } if k == wanted => Some(height_mm),
+                _ => None,
+            })
+            .collect();
+        heights.sort_by(f64::total_cmp);
+        heights.dedup_by(|next, kept| *next - *kept < APART_MM);
+        heights.len()
+    };
+    (of(0).max(of(1)), of(0) + of(1))
 }

@@ -5,6 +5,7 @@ use crate::geometry;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Point3, Vector2, Vector3};
 use trunnion_core::convert::rad_from_deg;
+use trunnion_core::statistics::upper_median;
 use trunnion_core::{AxisValues, InstrumentKind, Joint, Point, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_instruments::predict;
@@ -193,16 +194,15 @@ impl<'a> Seen<'a> {
         for joint in rotary.into_iter().filter(|joint| Some(*joint) != lone) {
             stood_rad[joint] = self.points[0].state.position[joint];
         }
-        let mut speeds: Vec<f64> =
+        let speeds: Vec<f64> =
             self.points.iter().map(|p| lone.map_or(0.0, |joint| p.state.velocity[joint].abs())).collect();
-        speeds.sort_by(f64::total_cmp);
         Ok(Track {
             setup: name.into(),
             kind,
             calibrated: self.setup.calibrated,
             on_the_fly,
             stood_rad,
-            feed_rad_per_s: speeds[speeds.len() / 2],
+            feed_rad_per_s: upper_median(&speeds).unwrap_or(0.0),
             samples,
         })
     }

@@ -7,12 +7,14 @@ use super::error_motions::error_motions;
 use super::found::Found;
 use super::location::Location;
 use super::ranking::{Row, ranked};
-use super::shape::Shape;
+use super::shape::{AxisShapes, Shape, is_same_angle};
 use super::track::{Axis, Kind, span};
 use crate::common::harmonics::{self, Harmonics};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method};
+use trunnion_core::Joint;
 use trunnion_core::convert::{deg_from_rad, um_from_mm};
+use trunnion_core::number::fixed;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
@@ -174,6 +176,16 @@ fn comparison(found: &Found<'_>, convention: Convention) -> FoundTable {
     }
 }
 
+/// Where the axes stood that stand elsewhere in other traces, `B = 0°`.
+fn stand(of_axis: &AxisShapes, shapes: &[Shape]) -> String {
+    let own: Vec<&Shape> = shapes.iter().filter(|shape| of_axis.elsewhere.contains(&shape.label)).collect();
+    let differs = |joint: &Joint| {
+        own.iter().any(|shape| !is_same_angle(shape.stood_rad[*joint], of_axis.stood_rad[*joint]))
+    };
+    let words = |joint: Joint| format!("{joint} = {}°", fixed(deg_from_rad(of_axis.stood_rad[joint]), 0));
+    Joint::ROTARY.into_iter().filter(differs).map(words).collect::<Vec<_>>().join(", ")
+}
+
 fn notes(found: &Found<'_>) -> Vec<String> {
     let mut notes = vec![
         "Each trace is centred: a shape that turns once with the axis counts as setting of the ball. Uncertainties come from \
@@ -185,6 +197,13 @@ fn notes(found: &Found<'_>) -> Vec<String> {
     }
     for of_axis in found.axes {
         let letter = of_axis.axis.letter;
+        if !of_axis.elsewhere.is_empty() {
+            notes.push(format!(
+                "Location errors and error motions of {letter} are by the traces at {} alone; {} serve the comparison.",
+                stand(of_axis, found.shapes),
+                of_axis.elsewhere.join(", ")
+            ));
+        }
         if !of_axis.calibrated {
             notes.push(format!(
                 "A bar across {letter} has no calibrated length: the place of its line is not known; its tilt is, if the bar was the same at both heights."
