@@ -253,6 +253,11 @@ fn an_s_shaped_guide_is_announced_and_the_doubt_covers_the_squareness() {
     let within_circle = 30.0 + 5.71;
     assert!((value - within_circle).abs() <= 2.0 * u, "{value} ± {u}, within the circle {within_circle}");
     assert!(u < 1.5, "the doubt within the circle is no excuse: {u}");
+    assert!(
+        found.notes.iter().any(|note| note.contains("a table gives what else may read")),
+        "{:?}",
+        found.notes
+    );
     let [u_shown, with_it, _, over_travel] = doubt(&found, "EC0Y", "EYX.P3 (straightness:X)");
     near(u_shown, u, 1e-9, "u of the table");
     near(with_it, within_circle, 0.5, "value with the S-shape");
@@ -305,6 +310,15 @@ fn a_static_run_whose_rows_follow_the_path_has_the_speed_of_its_times() {
         assert!((found.value - put_in).abs() < 4.0 * found.u.unwrap(), "{found:?}");
     }
     assert!(found.notes.iter().any(|note| note.contains("by time_s") && note.contains("--kind on-the-fly")));
+    // Times to the second, where ten rows follow one another in it.
+    let mut coarse = run.clone();
+    for point in &mut coarse.points {
+        point.state.time_s = point.state.time_s.map(f64::floor);
+    }
+    let found = circular(coarse);
+    assert!(found.value("XY servo X−Y × speed").is_some());
+    assert!(found.notes.iter().any(|note| note.contains("too few decimals")), "{:?}", found.notes);
+    assert!(!found.notes.iter().any(|note| note.contains("do not follow the path")), "{:?}", found.notes);
     // Times that say nothing of the way from row to row.
     run.points.reverse();
     let found = circular(run);

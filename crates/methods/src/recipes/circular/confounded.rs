@@ -14,6 +14,7 @@ use super::list::ListedKind;
 use super::solved::{CENTRING, TOLERANCE, widened};
 use super::trace::Trace;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use trunnion_core::Joint;
 use trunnion_core::statistics::COVERAGE_95;
 use trunnion_effects::{Instance, Role, Subject, Unit};
@@ -60,14 +61,23 @@ pub(super) struct Together {
 }
 
 impl Other {
-    /// By how far it moves a part of the fit, with its sign where that is one number; zero when it is not significant.
-    pub fn moved(&self, columns: &std::ops::Range<usize>) -> f64 {
-        let significant = self.seen.as_ref().filter(|seen| seen.significant);
-        significant.map_or(0.0, |seen| part(&self.moves, columns) * seen.amount)
+    /// By how far it moves a part of the fit; zero when it is not significant.
+    pub fn moved(&self, columns: &Range<usize>) -> f64 {
+        (self.amount() * part(&self.moves, columns)).abs()
+    }
+
+    /// What an error of the list is with the cause, x − a m, where x is its part of the fit; x itself when the cause is not significant.
+    pub fn value_with(&self, x: &DVector<f64>, columns: &Range<usize>) -> f64 {
+        one_number(&(x - self.moves.rows_range(columns.clone()) * self.amount()))
+    }
+
+    /// a; zero when it is not significant.
+    fn amount(&self) -> f64 {
+        self.seen.as_ref().filter(|seen| seen.significant).map_or(0.0, |seen| seen.amount)
     }
 
     /// By how far it may move a part of the fit (95 %), within the circle and over the whole travel; `None` when nothing bounds it.
-    pub fn at_most(&self, columns: &std::ops::Range<usize>) -> Option<[f64; 2]> {
+    pub fn at_most(&self, columns: &Range<usize>) -> Option<[f64; 2]> {
         let seen = self.seen.as_ref()?;
         let within = part(&self.moves, columns).abs() * (seen.amount.abs() + COVERAGE_95 * seen.u);
         Some([within, part(&seen.most_over_travel, columns).abs()])
@@ -90,21 +100,27 @@ impl Seen {
     }
 }
 
-/// One number of several columns: the number itself, or their length.
-fn part(of: &DVector<f64>, columns: &std::ops::Range<usize>) -> f64 {
-    if columns.len() == 1 { of[columns.start] } else { of.rows_range(columns.clone()).norm() }
+/// Some columns of the fit as one number.
+fn part(of: &DVector<f64>, columns: &Range<usize>) -> f64 {
+    one_number(&of.rows_range(columns.clone()).into_owned())
 }
 
-/// Every cause of the two axes in the catalogue that moves an error of the list `kinds`, whose columns with the centring are `design`.
+/// The number itself, or the length of several.
+pub(super) fn one_number(of: &DVector<f64>) -> f64 {
+    if of.len() == 1 { of[0] } else { of.norm() }
+}
+
+/// Every cause of the two axes in the catalogue that moves an error of the list `kinds`, whose columns with the centring are `design`; `None` where
+/// the readings give no columns.
 pub(super) fn others(
     trace: &Trace,
     kinds: &[ListedKind],
     design: &DMatrix<f64>,
     left: &DVector<f64>,
-) -> Vec<Other> {
-    let Ok(within) = Experiment::of_points(std::slice::from_ref(&trace.run)) else { return Vec::new() };
+) -> Option<Vec<Other>> {
+    let within = Experiment::of_points(std::slice::from_ref(&trace.run)).ok()?;
     if within.rows() != left.len() {
-        return Vec::new();
+        return None;
     }
     let mut over_travel = within.clone();
     for joint in Joint::LINEAR {
@@ -150,7 +166,7 @@ pub(super) fn others(
         let t = seen.amount / seen.u.max(f64::MIN_POSITIVE);
         seen.significant = (-0.5 * t * t).exp() < BY_CHANCE / count;
     }
-    found
+    Some(found)
 }
 
 /// m and r of a column; r is `None` where it is rounding. `None` for one that the centring takes up, or that is nothing.
@@ -176,7 +192,7 @@ fn amount(shown: &DVector<f64>, left: &DVector<f64>) -> (f64, f64) {
 }
 
 /// Causes with parallel r that together move an error of the list: by more than rounding of the part that shows each.
-pub(super) fn together(others: &[Other], design: &DMatrix<f64>) -> Vec<Together> {
+pub(super) fn confounded_together(others: &[Other], design: &DMatrix<f64>) -> Vec<Together> {
     let mut groups: Vec<Vec<(&Other, &Seen)>> = Vec::new();
     for (other, seen) in others.iter().filter_map(|other| Some((other, other.seen.as_ref()?))) {
         let parallel = |group: &&mut Vec<(&Other, &Seen)>| group[0].1.leaves_the_same_as(seen);
@@ -202,4 +218,30 @@ pub(super) fn together(others: &[Other], design: &DMatrix<f64>) -> Vec<Together>
         (group.len() > 1 && moved.contains(&true)).then_some(Together { names, moved })
     };
     groups.into_iter().filter_map(of_group).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_of_two_columns_is_a_length_after_the_cause_is_taken_off() {
+        let along = DVector::from_element(4, 0.5);
+        let seen = Seen {
+            amount: 3.0,
+            u: 0.1,
+            significant: true,
+            most_over_travel: DVector::zeros(4),
+            along,
+            length: 1.0,
+        };
+        let moves = DVector::from_vec(vec![0.0, -2.0, 1.0, 0.0]);
+        let cause =
+            Other { name: "EXX.P1".into(), id: "some:X".into(), unit: Unit::UM, moves, seen: Some(seen) };
+        // A wave of (3, 4) less 3 times (1, 0) is one of (0, 4).
+        assert_eq!(cause.value_with(&DVector::from_vec(vec![3.0, 4.0]), &(2..4)), 4.0);
+        // One number keeps its sign.
+        assert_eq!(cause.value_with(&DVector::from_vec(vec![-7.0]), &(1..2)), -1.0);
+        assert_eq!(cause.moved(&(1..2)), 6.0);
+    }
 }

@@ -1,6 +1,6 @@
 //! The whole list fitted to one trace, each error's own circularity, and what is left.
 
-use super::confounded::{Other, Together, others, together};
+use super::confounded::{Other, Together, confounded_together, one_number, others};
 use super::list::{Listed, ListedKind, columns, listed};
 use super::solved::{CENTRING, TOLERANCE, widened};
 use super::trace::{Sample, Trace};
@@ -28,8 +28,8 @@ pub(super) struct Fitted<'a> {
     pub trace: &'a Trace,
     /// Largest circularity first.
     pub errors: Vec<FittedError>,
-    /// Causes that are not on the list and read as errors of the list.
-    pub others: Vec<Other>,
+    /// Causes that are not on the list and read as errors of the list; `None` where they could not be computed.
+    pub others: Option<Vec<Other>>,
     /// Those that together leave nothing that shows them.
     pub together: Vec<Together>,
     /// Values of ISO 230-4.
@@ -52,8 +52,10 @@ pub(super) struct Fitted<'a> {
 #[derive(Clone)]
 pub(super) struct FittedError {
     pub listed: Listed,
-    /// Inside units.
+    /// Inside units; of a wave its amplitude.
     pub value: f64,
+    /// Its part of the fit.
+    pub x: DVector<f64>,
     /// Holds what a significant cause that is not on the list would move it by.
     pub u: f64,
     /// Its columns of the fit.
@@ -105,12 +107,13 @@ impl<'a> Fitted<'a> {
         let mut first = CENTRING;
         for item in list {
             let count = columns(item.kind, trace, decay_mm, &samples[0]).len();
-            let x = fit.x.rows(first, count);
-            let made = centred(&(design.columns(first, count) * x));
+            let x = fit.x.rows(first, count).into_owned();
+            let made = centred(&(design.columns(first, count) * &x));
             let its = first..first + count;
-            let moved = others.iter().map(|other| other.moved(&its).abs()).fold(0.0, f64::max);
+            let moved = others.iter().flatten().map(|other| other.moved(&its)).fold(0.0, f64::max);
             errors.push(FittedError {
-                value: if count == 1 { x[0] } else { x.norm() },
+                value: one_number(&x),
+                x,
                 u: moved.hypot(widened * fit.u.rows(first, count).norm() / (count as f64).sqrt()),
                 columns: its,
                 circularity_mm: range(made.iter().copied()),
@@ -151,9 +154,14 @@ impl<'a> Fitted<'a> {
             centred_circularity_mm: over(0),
             contours,
             errors,
-            together: together(&others, &design),
+            together: others.as_deref().map_or_else(Vec::new, |others| confounded_together(others, &design)),
             others,
         })
+    }
+
+    /// Causes that are not on the list and read as errors of the list, as far as they are known.
+    pub fn others(&self) -> impl Iterator<Item = &Other> {
+        self.others.iter().flatten()
     }
 
     /// Share of the variance of the centred trace that the list leaves, 0…1.

@@ -3,6 +3,7 @@
 use crate::common::{Mounted, Recognised};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Vector2, Vector3};
+use trunnion_core::statistics::upper_median;
 use trunnion_core::{InstrumentKind, Joint, Point, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_instruments::predict;
@@ -13,7 +14,7 @@ const STILL_MM: f64 = 0.05;
 const STILL_RAD: f64 = 1e-4;
 /// Sine of the angle by which a bar may leave its plane.
 const FLAT: f64 = 1e-3;
-/// Rows farther apart than so many usual steps do not follow a path; feeds of one circle do not differ by so much.
+/// Rows farther apart than so many usual steps do not follow a path; feeds of one circle do not differ by so much. A judgement, tuned on no data.
 const FARTHEST_STEPS: f64 = 10.0;
 /// The list has some twenty unknowns.
 const LEAST_READINGS: usize = 60;
@@ -50,6 +51,8 @@ pub(super) enum Speed {
     Times,
     /// There are times, but the rows do not follow them along the path.
     OutOfOrder,
+    /// Rows one after the other have the same time.
+    TooCoarse,
     /// No time, no feed.
     Unknown,
 }
@@ -185,29 +188,32 @@ fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> 
     })
 }
 
-/// Speeds of readings whose rows follow the path in time: way over time to the neighbours of the same way. Rows of which one is not later than
+/// Speeds of readings whose rows follow the path in time: way over time to the neighbours of the same way. Rows of which one is earlier than
 /// the one before, or that jump within a way, follow no path.
 fn speed_by_times(points: &[&Point], samples: &mut [Sample]) -> Speed {
     let times: Vec<f64> = points.iter().filter_map(|point| point.state.time_s).collect();
     if times.len() < points.len() {
         return Speed::Unknown;
     }
-    if times.windows(2).any(|pair| pair[1] <= pair[0]) {
+    if times.windows(2).any(|pair| pair[1] < pair[0]) {
         return Speed::OutOfOrder;
+    }
+    if times.windows(2).any(|pair| pair[1] == pair[0]) {
+        return Speed::TooCoarse;
     }
     let step_mm = |i: usize| {
         let [from, to] = [i, i + 1].map(|k| Vector2::from(samples[k].position_mm));
         (samples[i].way == samples[i + 1].way).then(|| (to - from).norm())
     };
     let steps_mm: Vec<Option<f64>> = (0..times.len() - 1).map(step_mm).collect();
-    let usual_mm = median(steps_mm.iter().flatten().copied());
+    let usual_mm = usual(steps_mm.iter().flatten().copied());
     // A row out of order is away from both its neighbours; between two circles of one way there is one jump.
     let jumps = steps_mm.iter().flatten().filter(|step| **step > FARTHEST_STEPS * usual_mm).count();
     if jumps > 1 {
         return Speed::OutOfOrder;
     }
     let speed = |i: usize| Some(steps_mm.get(i).copied()?? / (times[i + 1] - times[i]));
-    let usual = median((0..steps_mm.len()).filter_map(speed));
+    let usual = usual((0..steps_mm.len()).filter_map(speed));
     let speeds: Vec<f64> = (0..samples.len())
         .map(|i| {
             let near: Vec<f64> = [i.checked_sub(1).and_then(speed), speed(i)].into_iter().flatten().collect();
@@ -220,10 +226,8 @@ fn speed_by_times(points: &[&Point], samples: &mut [Sample]) -> Speed {
     Speed::Times
 }
 
-fn median(of: impl Iterator<Item = f64>) -> f64 {
-    let mut of: Vec<f64> = of.collect();
-    of.sort_by(f64::total_cmp);
-    of.get(of.len() / 2).copied().unwrap_or(0.0)
+fn usual(of: impl Iterator<Item = f64>) -> f64 {
+    upper_median(&of.collect::<Vec<_>>()).unwrap_or(0.0)
 }
 
 /// Tool ball − table ball of the nominal machine, machine axes, mm.

@@ -11,6 +11,7 @@ use crate::recipes::{Convention, Method};
 use std::cmp::Ordering::Equal;
 use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::number::signed;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_machine::Machine;
@@ -51,24 +52,24 @@ pub(super) fn findings(
 fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
     let plane = &fit.trace.name;
     let mut values = Vec::new();
-    let whole = if fit.iso.g_b_mm.is_some() { "G(b)" } else { "G(" };
-    let mut iso = |name: &str, value: f64, note: &str| {
-        let kind = if name.starts_with(whole) { ValueKind::Summary } else { ValueKind::Error };
+    let mut iso = |name: &str, value: f64, kind: ValueKind, note: &str| {
         values.push(FoundValue::new(format!("{plane} {name}"), value, Unit::UM, None).note(note).kind(kind));
     };
+    // Of both directions G(b) is what the measurement comes to, of one its G.
+    let of_one_way = if fit.iso.g_b_mm.is_some() { ValueKind::Error } else { ValueKind::Summary };
     for (way, g_mm) in &fit.iso.g_mm {
         let (sign, words) = if *way < 0.0 { ("−", "clockwise") } else { ("+", "counter-clockwise") };
-        iso(&format!("G({sign})"), *g_mm, &format!("circular deviation, {words}"));
+        iso(&format!("G({sign})"), *g_mm, of_one_way, &format!("circular deviation, {words}"));
     }
     if let Some(g_b_mm) = fit.iso.g_b_mm {
-        iso("G(b)", g_b_mm, "bidirectional circular deviation");
+        iso("G(b)", g_b_mm, ValueKind::Summary, "bidirectional circular deviation");
     }
     if let Some(d_mm) = fit.iso.d_mm {
-        iso("D", d_mm, "mean bidirectional radial deviation");
+        iso("D", d_mm, ValueKind::Error, "mean bidirectional radial deviation");
     }
     if let Some([high, low]) = fit.iso.f_mm {
-        iso("F max", high, "radial deviation, largest");
-        iso("F min", low, "radial deviation, smallest");
+        iso("F max", high, ValueKind::Error, "radial deviation, largest");
+        iso("F min", low, ValueKind::Error, "radial deviation, smallest");
     }
     let share = fit.unexplained();
     let lacks = fit.left_rms_mm > NOISE_AND_MORE * fit.noise_mm;
@@ -77,7 +78,10 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
     } else {
         "no more than the noise of the readings"
     };
-    let shown = strongest(fit).map_or(String::new(), |names| format!(", but {names} shows in it"));
+    let shown = match &strongest(fit)[..] {
+        [] => String::new(),
+        names => format!(", but {} shows in it", names.join(" or ")),
+    };
     let note = format!(
         "{:.1} % of the variance of the trace is left by the whole list, {:.2} µm rms of {:.2} µm; noise of the readings {:.2} µm; {verdict}{shown}",
         100.0 * share,
@@ -103,23 +107,23 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
     values
 }
 
-/// The cause that stands out most of those that are not on the list, with those that leave the same and so are not separated from it.
-fn strongest(fit: &Fitted<'_>) -> Option<String> {
+/// The cause that stands out most of those that are not on the list, with those that leave the same and so are not separated from it;
+/// nothing where none stands out.
+fn strongest(fit: &Fitted<'_>) -> Vec<String> {
     let in_u = |other: &Other| {
         let seen = other.seen.as_ref().filter(|seen| seen.significant)?;
         Some(seen.amount.abs() / seen.u.max(f64::MIN_POSITIVE))
     };
-    let most = fit.others.iter().filter(|other| in_u(other).is_some());
-    let most = most.max_by(|a, b| in_u(a).partial_cmp(&in_u(b)).unwrap_or(Equal))?;
-    let alike = fit.others.iter().filter(|other| other.leaves_the_same_as(most));
-    let names: Vec<String> = alike.map(Other::words).collect();
-    Some(names.join(" or "))
+    let most = fit.others().filter(|other| in_u(other).is_some());
+    let most = most.max_by(|a, b| in_u(a).partial_cmp(&in_u(b)).unwrap_or(Equal));
+    let alike = |other: &&Other| most.is_some_and(|most| other.leaves_the_same_as(most));
+    fit.others().filter(alike).map(Other::words).collect()
 }
 
 /// What reads as this error and leaves nothing that shows it, as a remark.
 fn confounded_with(fit: &Fitted<'_>, error: &FittedError) -> String {
     let mut names = Vec::new();
-    for other in fit.others.iter().filter(|other| other.seen.is_none()) {
+    for other in fit.others().filter(|other| other.seen.is_none()) {
         // The error that takes up most of the cause.
         let takes_mm = |error: &FittedError| {
             let of_one = error.circularity_mm / error.value.abs().max(f64::MIN_POSITIVE);
@@ -156,8 +160,7 @@ fn doubts(fit: &Fitted<'_>) -> Option<FoundTable> {
     for error in &fit.errors {
         let most = |other: &Other| other.at_most(&error.columns);
         let mut of_error: Vec<(&Other, &Seen, [f64; 2])> = fit
-            .others
-            .iter()
+            .others()
             .filter_map(|other| Some((other, other.seen.as_ref()?, most(other)?)))
             .filter(|(.., [within, far])| within.max(*far) > error.u)
             .collect();
@@ -173,7 +176,7 @@ fn doubts(fit: &Fitted<'_>) -> Option<FoundTable> {
                 Cell::Number(seen.amount * other.unit.per_inside),
                 Cell::Number(seen.u * other.unit.per_inside),
                 Cell::Text(other.unit.text()),
-                Cell::Number((error.value - other.moved(&error.columns)) * scale),
+                Cell::Number(other.value_with(&error.x, &error.columns) * scale),
                 Cell::Number(within * scale),
                 Cell::Number(far * scale),
             ]);
@@ -196,7 +199,7 @@ impl FittedError {
             ListedKind::Squareness => format!("squareness compensation {}", self.listed.name),
             _ => return None,
         };
-        self.significant().then(|| format!("{what}: add {number:+.1} {unit}"))
+        self.significant().then(|| format!("{what}: add {} {unit}", signed(number, 1)))
     }
 }
 
@@ -255,15 +258,27 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
     for fit in fits {
         let plane = &fit.trace.name;
         notes.push(format!(
-            "{plane}: values hold for the guides within the circle, ±{:.0} mm. A guide that is S-shaped leans differently over a longer travel. A table gives what else may \
-             read as errors of the list, and by how far it may move them (95 %). It gives two bounds: within the circle, and over the whole travel if the guide goes on \
-             as it does there.",
+            "{plane}: values hold for the guides within the circle, ±{:.0} mm. A guide that is S-shaped leans differently over a longer travel.",
             fit.trace.radius_mm
         ));
-        if let Some(names) = strongest(fit) {
+        if doubts(fit).is_some() {
             notes.push(format!(
-                "{plane}: what the list leaves looks like {names}, which is not on the list. The readings do not say which of both an error is; its u holds the \
-                 difference."
+                "{plane}: a table gives what else may read as errors of the list, and by how far it may move them (95 %). It gives two bounds: within the circle, and over \
+                 the whole travel if the guide goes on as it does there."
+            ));
+        }
+        if fit.others.is_none() {
+            notes.push(format!(
+                "{plane}: which other causes read as errors of the list was not computed, so u does not hold them."
+            ));
+        }
+        let names = strongest(fit);
+        if !names.is_empty() {
+            let listed =
+                if names.len() > 1 { "; none of them is on the list" } else { ", which is not on the list" };
+            notes.push(format!(
+                "{plane}: what the list leaves looks like {}{listed}. The readings do not say which of them an error is; its u holds the difference.",
+                names.join(" or ")
             ));
         }
         if fit.left_rms_mm > NOISE_AND_MORE * fit.noise_mm {
@@ -289,6 +304,9 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
             Speed::OutOfOrder => notes.push(format!(
                 "{plane}: the run has time_s, but its rows do not follow the path in time, so it knows no speed. {distance} Sort the rows by time and import \
                  with --kind on-the-fly."
+            )),
+            Speed::TooCoarse => notes.push(format!(
+                "{plane}: time_s has too few decimals to give a speed: rows one after the other have the same time. {distance} Export it with more decimals."
             )),
             Speed::Unknown => notes
                 .push(format!("{plane}: the run knows no speed (no time_s, no feed_mm_per_min). {distance}")),
