@@ -8,6 +8,7 @@
 use super::{AttributionError, Ideal, Motion, smooth};
 use std::f64::consts::{PI, TAU};
 use std::ops::{Range, RangeInclusive};
+use trunnion_core::statistics::upper_median;
 use trunnion_core::{AxisSample, AxisValues, Joint};
 use trunnion_cycles::cycle::Sweep;
 use trunnion_cycles::{Cycle, cycle};
@@ -235,9 +236,8 @@ fn possible(times_s: &[f64]) -> RangeInclusive<f64> {
 
 /// Ranges of samples without a gap between them.
 fn stretches(times_s: &[f64]) -> Vec<Range<usize>> {
-    let mut steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    let usual_s = steps[steps.len() / 2];
+    let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let usual_s = upper_median(&steps).unwrap_or(0.0);
     let mut first = 0;
     let mut found = Vec::new();
     for stretch in times_s.chunk_by(|a, b| (0.0..=GAP * usual_s).contains(&(b - a))) {

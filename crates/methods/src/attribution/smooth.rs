@@ -4,7 +4,7 @@
 //! s from the median of |r|), so that what sticks out for a short time has no say.
 //! Limits: a path that bends within two knots is smoothed away; its size is (h ω)⁴/384 of a swing of frequency ω.
 
-use trunnion_core::statistics::MEDIAN_OF_NORMAL;
+use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 
 /// Rounds of weighing.
 const ROUNDS: usize = 12;
@@ -54,9 +54,8 @@ impl Path {
         let mut path = self.fit(measured, &weights);
         for _ in 0..ROUNDS {
             let off: Vec<f64> = measured.iter().zip(&path).map(|(m, p)| m - p).collect();
-            let mut sizes: Vec<f64> = off.iter().map(|r| r.abs()).collect();
-            sizes.sort_by(f64::total_cmp);
-            let s = sizes[sizes.len() / 2] / MEDIAN_OF_NORMAL + ROUNDING * size;
+            let sizes: Vec<f64> = off.iter().map(|r| r.abs()).collect();
+            let s = upper_median(&sizes).unwrap_or(0.0) / MEDIAN_OF_NORMAL + ROUNDING * size;
             if s == 0.0 {
                 break;
             }

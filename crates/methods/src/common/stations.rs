@@ -5,6 +5,7 @@
 
 use std::f64::consts::TAU;
 use trunnion_core::convert::rad_from_deg;
+use trunnion_core::statistics::upper_median;
 
 /// Narrowest and widest bin.
 const FINEST_RAD: f64 = rad_from_deg(1.0);
@@ -35,10 +36,9 @@ impl Stations {
 
     /// Bins for sweeps; `angles` in the order they were read.
     pub fn of_sweeps(angles: &[f64], turn: bool) -> Self {
-        let mut steps: Vec<f64> =
+        let steps: Vec<f64> =
             angles.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 1e-9).collect();
-        steps.sort_by(f64::total_cmp);
-        let usual = steps.get(steps.len() / 2).copied().unwrap_or(COARSEST_RAD);
+        let usual = upper_median(&steps).unwrap_or(COARSEST_RAD);
         let width = usual.clamp(FINEST_RAD, COARSEST_RAD);
         let (low, high) = if turn {
             (0.0, TAU)
