@@ -25,8 +25,8 @@ const DEAD_SHARE: f64 = 0.9;
 const ALIVE_STEPS: f64 = 10.0;
 /// Readings that are all smaller: no ball is set so well in its nest, and no probe is worth less than its last digit, µm.
 const TOO_SMALL_UM: f64 = 0.5;
-/// Repeatability of a reading at rest below which the unit is doubted, µm: no axis comes back so well. Four of it are the unidirectional
-/// repeatability of ISO 230-2: 0.08 µm, where the finest machines are sold with 0.2 to 0.5. A judgement, tuned on no data.
+/// Repeatability of a reading at rest below which the unit is doubted, µm: no axis comes back so well. 0.5 µm, a usual repeatability, is
+/// 0.5/25.4 = 0.02 µm where readings in thousandths of an inch are taken for µm. A judgement, tuned on no data.
 const TOO_FINE_UM: f64 = 0.02;
 
 const CHECK_PROBE: &str = "The probe is dead, stuck or not connected. Check it and measure again.";
@@ -215,7 +215,8 @@ fn too_fine(run: &Run) -> Option<Implausible> {
                 "{}: readings of one pose repeat within {sigma_um:.3} µm, which is too small: no axis comes back so well.",
                 run.name
             ),
-            "In inches or mm instead of µm (factor 25.4 or 1000 too small) they would be plausible. Check the units of the readings.",
+            "In thousandths of an inch or mm instead of µm (factor 25.4 or 1000 too small) they would be plausible. Check the units of the readings, or \
+             the run was simulated without noise.",
         )
     })
 }

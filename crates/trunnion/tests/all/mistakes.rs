@@ -134,7 +134,7 @@ const MISTAKES: [Mistake; 31] = [
         &["in rows 101 to 130 the probe dz reads the same value in every digit"],
     ),
     (
-        "inches under µm",
+        "thousandths of an inch under µm",
         |f| READINGS.into_iter().for_each(|c| f.change(c, |v| v / 25.4)),
         &["repeat within 0.012 µm", "too small", "25.4"],
     ),
