@@ -1,22 +1,36 @@
 //! Bad input through the binary: file, line, what was found, what is allowed; exit codes of the contract.
 
+use crate::program::answer;
 use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use trunnion_core::Gap;
 
 fn data(file: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-gravity")).join(file)
 }
 
-fn trunnion(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap()
+/// The points with one column changed row by row, imported into a folder: the recording.
+fn imported_with(folder: &Path, column: &str, change: impl Fn(usize, &str) -> String) -> String {
+    let path = |name: &str| folder.join(name).display().to_string();
+    let points = std::fs::read_to_string(data("points.csv")).unwrap();
+    let (head, rows) = points.split_once('\n').unwrap();
+    let column = head.split(',').position(|name| name == column).unwrap();
+    let changed = rows.lines().enumerate().map(|(row, line)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        cells[column] = change(row, &cells[column]);
+        cells.join(",") + "\n"
+    });
+    std::fs::write(path("points.csv"), format!("{head}\n{}", changed.collect::<String>())).unwrap();
+    std::fs::copy(data("setup.toml"), path("setup.toml")).unwrap();
+    assert!(answer(&["import", &path("points.csv"), "-o", &path("run.mcap")]).status.success());
+    path("run.mcap")
 }
 
 /// Expects exit 1 and every one of `words` on standard error.
 fn check_refused(args: &[&str], words: &[&str]) {
-    let output = trunnion(args);
+    let output = answer(args);
     let error = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{args:?}: {error}");
     for word in words {
@@ -49,7 +63,7 @@ fn a_broken_points_file_is_refused_with_line_and_column() {
 
 #[test]
 fn a_mistyped_effect_gets_the_nearest_names_first() {
-    let output = trunnion(&["demo", "--hidden", "gravty-sag:B"]);
+    let output = answer(&["demo", "--hidden", "gravty-sag:B"]);
     let error = String::from_utf8(output.stderr).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(error.contains("allowed: gravity-sag:B, "), "{error}");
     assert!(error.contains("(did you mean gravity-sag:B?)") && error.len() < 200, "{error}");
@@ -90,7 +104,7 @@ fn a_broken_configuration_machine_and_model_are_refused_with_their_lines() {
     check_refused(&["import", &points, "--setup", &setup, "-o", &run], &["mine.toml"]);
 
     let good_setup = data("setup.toml").display().to_string();
-    assert!(trunnion(&["import", &points, "--setup", &good_setup, "-o", &run]).status.success());
+    assert!(answer(&["import", &points, "--setup", &good_setup, "-o", &run]).status.success());
     let model = write(
         "model.toml",
         "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"gravity-sag:Q\"\n",
@@ -106,27 +120,17 @@ fn a_named_method_of_runs_that_are_doubted_says_so_and_exits_with_3() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     // A probe that sticks.
-    let points = std::fs::read_to_string(data("points.csv")).unwrap();
-    let column = points.lines().next().unwrap().split(',').position(|name| name == "dy_um").unwrap();
-    let stuck = points.lines().enumerate().map(|(i, line)| {
-        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-        if i > 200 {
-            cells[column] = "5.00".into();
-        }
-        cells.join(",") + "\n"
-    });
-    std::fs::write(path("points.csv"), stuck.collect::<String>()).unwrap();
-    std::fs::copy(data("setup.toml"), path("setup.toml")).unwrap();
-    assert!(trunnion(&["import", &path("points.csv"), "-o", &path("run.mcap")]).status.success());
-    let method = ["identify", &path("run.mcap"), "--method", "error-map", "--html", &path("page.html")];
-    let output = trunnion(&method);
+    let run =
+        imported_with(folder.path(), "dy_um", |row, cell| if row >= 200 { "5.00" } else { cell }.into());
+    let method = ["identify", &run, "--method", "error-map", "--html", &path("page.html")];
+    let output = answer(&method);
     let page = std::fs::read_to_string(path("page.html")).unwrap();
     for text in [String::from_utf8(output.stdout).unwrap(), page] {
         let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains("not to be relied on") && words.contains("probe dy reads the same"), "{text}");
     }
     assert_eq!(output.status.code(), Some(3));
-    let output = trunnion(&[&method[..4], &["--json"]].concat());
+    let output = answer(&[&method[..4], &["--json"]].concat());
     assert_eq!(output.status.code(), Some(3));
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(answer["plausibility"].as_array().unwrap().len(), 1, "{answer}");
@@ -140,7 +144,7 @@ fn imported(folder: &Path, taken: usize) -> PathBuf {
     std::fs::copy(data("setup.toml"), folder.join("setup.toml")).unwrap();
     let (points, run) = (folder.join("points.csv"), folder.join("run.mcap"));
     let args = ["import", points.to_str().unwrap(), "-o", run.to_str().unwrap()];
-    let output = trunnion(&args);
+    let output = answer(&args);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     run
 }
@@ -163,12 +167,12 @@ fn a_gap_ends_every_answer_with_3_and_is_said() {
     writer.item(trunnion_record::Item::Gap(gap), 10.25);
     writer.finish().unwrap();
     for command in ["check", "identify", "compare", "diagnose", "report"] {
-        let output = trunnion(&[command, holed.to_str().unwrap()]);
+        let output = answer(&[command, holed.to_str().unwrap()]);
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(3), "{command}: {error}");
         assert!(error.contains("holed.mcap: probe-2: nothing from 10.25 s to 12.50 s"), "{command}: {error}");
     }
-    assert_eq!(trunnion(&["compare", whole.to_str().unwrap()]).status.code(), Some(0));
+    assert_eq!(answer(&["compare", whole.to_str().unwrap()]).status.code(), Some(0));
 }
 
 #[test]
@@ -177,7 +181,7 @@ fn an_answer_whose_diagnosis_failed_exits_with_3() {
     // Twelve readings for seven parameters.
     let run = imported(folder.path(), 4).display().to_string();
     for command in ["compare", "report", "replay"] {
-        let output = trunnion(&[command, &run]);
+        let output = answer(&[command, &run]);
         let text = String::from_utf8(output.stdout).unwrap();
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(output.status.code(), Some(3), "{command}: {text}");
@@ -199,7 +203,7 @@ fn what_a_configuration_names_is_touched_and_what_is_absent_is_said() {
     let good = super::shop::config(&ports, "runs", &controller, &tables);
     let check = |text: &str| {
         std::fs::write(path("trunnion.toml"), text).unwrap();
-        let output = trunnion(&["check-config", &path("trunnion.toml")]);
+        let output = answer(&["check-config", &path("trunnion.toml")]);
         let said = [output.stdout, output.stderr].map(|said| String::from_utf8(said).unwrap()).join("\n");
         (output.status.code(), said.split_whitespace().collect::<Vec<_>>().join(" "))
     };
@@ -249,10 +253,10 @@ fn a_truncated_recording_is_read_as_far_as_it_goes_and_exits_with_3() {
     let (points, setup) = (data("points.csv"), data("setup.toml"));
     let args =
         ["import", points.to_str().unwrap(), "--setup", setup.to_str().unwrap(), "-o", run.to_str().unwrap()];
-    assert!(trunnion(&args).status.success());
+    assert!(answer(&args).status.success());
     let bytes = std::fs::read(&run).unwrap();
     std::fs::write(&run, &bytes[..bytes.len() - 200]).unwrap();
-    let output = trunnion(&["identify", run.to_str().unwrap()]);
+    let output = answer(&["identify", run.to_str().unwrap()]);
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{error}");
     std::fs::write(&run, &bytes[..17]).unwrap();
@@ -261,43 +265,31 @@ fn a_truncated_recording_is_read_as_far_as_it_goes_and_exits_with_3() {
 
 #[test]
 fn wrong_usage_exits_with_2() {
-    assert_eq!(trunnion(&["identify"]).status.code(), Some(2));
-    assert_eq!(trunnion(&["no-such-command"]).status.code(), Some(2));
+    assert_eq!(answer(&["identify"]).status.code(), Some(2));
+    assert_eq!(answer(&["no-such-command"]).status.code(), Some(2));
 }
 
 #[test]
 fn runs_that_cannot_be_what_they_say_are_shown_with_a_doubt_and_not_acted_on() {
     let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
     // The sense of C reversed: its column has the opposite sign.
-    let points = std::fs::read_to_string(data("points.csv")).unwrap();
-    let column = points.lines().next().unwrap().split(',').position(|name| name == "c_deg").unwrap();
-    let reversed = points.lines().enumerate().map(|(i, line)| {
-        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-        if i > 0 {
-            cells[column] = format!("{}", -cells[column].parse::<f64>().unwrap());
-        }
-        cells.join(",") + "\n"
-    });
-    std::fs::write(path("points.csv"), reversed.collect::<String>()).unwrap();
-    std::fs::copy(data("setup.toml"), path("setup.toml")).unwrap();
-    let (run, model) = (path("run.mcap"), path("m.toml"));
-    assert!(trunnion(&["import", &path("points.csv"), "-o", &run]).status.success());
+    let run = imported_with(folder.path(), "c_deg", |_, cell| format!("{}", -cell.parse::<f64>().unwrap()));
+    let model = folder.path().join("m.toml").display().to_string();
 
     let words =
         [("check", "Doubt"), ("identify", "Doubt"), ("compare", "Not judged"), ("diagnose", "Not judged")];
     for (command, says) in words {
-        let output = trunnion(&[command, &run]);
+        let output = answer(&[command, &run]);
         assert_eq!(output.status.code(), Some(3), "{command}");
         let text = String::from_utf8(output.stdout).unwrap();
         assert!(text.contains(says) && text.contains("reversed"), "{command}: {text}");
     }
     let add = ["add", "gravity-sag:B", &run, "--model", &model];
-    let refused = trunnion(&add);
+    let refused = answer(&add);
     let error = String::from_utf8(refused.stderr).unwrap();
     assert_eq!(refused.status.code(), Some(3), "{error}");
     assert!(error.contains("nothing was done") && !Path::new(&model).exists(), "{error}");
-    let anyway = trunnion(&[&add[..], &["--anyway"]].concat());
+    let anyway = answer(&[&add[..], &["--anyway"]].concat());
     assert_eq!(anyway.status.code(), Some(3), "the doubt remains");
     assert!(Path::new(&model).exists(), "{}", String::from_utf8_lossy(&anyway.stderr));
 }

@@ -1,6 +1,6 @@
 //! On a terminal of 80 columns no word is broken, and no table loses its columns.
 
-use crate::program::{data, import, trunnion};
+use crate::program::{data, import_and_add, trunnion};
 use std::path::Path;
 use std::process::Command;
 
@@ -15,9 +15,7 @@ fn shown(columns: usize, folder: &Path, args: &[&str]) -> String {
 #[test]
 fn no_id_flag_or_value_is_broken() {
     let folder = tempfile::tempdir().unwrap();
-    let run = import("points-gravity", folder.path());
-    let model = folder.path().join("model.toml").display().to_string();
-    trunnion(&["add", "gravity-sag:B", &run, "--model", &model]);
+    import_and_add("points-gravity", "gravity-sag:B", folder.path());
     let (circle, bar) = (folder.path().join("circle.mcap"), folder.path().join("bar.mcap"));
     for (truth, cycle, run) in [("three-axis", "circle-xy", &circle), ("table-bc", "bk2-c", &bar)] {
         let config = data("../../config");
@@ -59,9 +57,7 @@ fn no_id_flag_or_value_is_broken() {
 #[test]
 fn tables_of_the_main_screens_fit_without_a_wrapped_head_or_a_lone_value() {
     let folder = tempfile::tempdir().unwrap();
-    let run = import("points-gravity", folder.path());
-    let model = folder.path().join("model.toml").display().to_string();
-    trunnion(&["add", "gravity-sag:B", &run, "--model", &model]);
+    import_and_add("points-gravity", "gravity-sag:B", folder.path());
     let commands: &[(&[&str], &str)] = &[
         (&["identify", "run.mcap"], "parameter"),
         (&["diagnose", "run.mcap"], "candidate"),

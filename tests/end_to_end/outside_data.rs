@@ -1,6 +1,6 @@
 //! Points from an independent simulator, through the binary: import, diagnose, add.
 
-use crate::program::{data, import, json, trunnion};
+use crate::program::{data, import, import_and_add, json, trunnion};
 use serde_json::Value;
 #[test]
 fn gravity_is_named_first_and_adding_it_lowers_the_error_also_on_held_out_passes() {
@@ -92,9 +92,7 @@ fn export_gives_the_points_back() {
 #[test]
 fn what_each_effect_takes_adds_up_to_the_prediction() {
     let folder = tempfile::tempdir().unwrap();
-    let run = import("points-gravity", folder.path());
-    let model = folder.path().join("model.toml").display().to_string();
-    trunnion(&["add", "gravity-sag:B", &run, "--model", &model]);
+    let (run, model) = import_and_add("points-gravity", "gravity-sag:B", folder.path());
     let export = |what: &str| -> Vec<Vec<String>> {
         let table = trunnion(&["export", "csv", &run, "--model", &model, "--what", what]);
         table.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()

@@ -2,15 +2,20 @@
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 
-/// Runs `trunnion`: whether it exits with 0, standard output, standard error.
-pub fn output(args: &[&str]) -> (bool, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_trunnion"))
+/// Runs `trunnion`.
+pub fn answer(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_trunnion"))
         .args(args)
         .env("COLUMNS", "1000") // sentences are searched for in one piece
         .output()
-        .expect("the program starts");
+        .expect("the program starts")
+}
+
+/// The same: whether it exits with 0, standard output, standard error.
+pub fn output(args: &[&str]) -> (bool, String, String) {
+    let output = answer(args);
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("it writes UTF-8");
     (output.status.success(), text(output.stdout), text(output.stderr))
 }
@@ -45,4 +50,12 @@ pub fn import(set: &str, folder: &Path) -> String {
     let file = |name: &str| data(set).join(name).display().to_string();
     trunnion(&["import", &file("points.csv"), "--setup", &file("setup.toml"), "-o", &run]);
     run
+}
+
+/// The same, and a model to which an effect is added: recording and model.
+pub fn import_and_add(set: &str, effect: &str, folder: &Path) -> (String, String) {
+    let run = import(set, folder);
+    let model = folder.join("model.toml").display().to_string();
+    trunnion(&["add", effect, &run, "--model", &model]);
+    (run, model)
 }

@@ -1,6 +1,6 @@
 //! A report to be filed, and a certificate, through the binary.
 
-use crate::program::{data, import, json, output, trunnion};
+use crate::program::{data, import, import_and_add, json, output, trunnion};
 use std::path::Path;
 use std::process::Command;
 
@@ -14,10 +14,8 @@ fn with_browser(browser: &Path, args: &[&str]) -> (String, Option<i32>) {
 #[test]
 fn a_report_says_which_recording_it_is_of_and_whether_the_tolerance_is_kept() {
     let folder = tempfile::tempdir().unwrap();
-    let run = import("points-gravity", folder.path());
-    let file = |name: &str| folder.path().join(name).display().to_string();
-    let (model, page) = (file("model.toml"), file("filed.html"));
-    trunnion(&["add", "gravity-sag:B", &run, "--model", &model]);
+    let (run, model) = import_and_add("points-gravity", "gravity-sag:B", folder.path());
+    let page = folder.path().join("filed.html").display().to_string();
     let written = json(&[
         "report",
         &run,

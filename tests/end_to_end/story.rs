@@ -1,6 +1,6 @@
 //! The story a user reads, through the binary: where the model fails, an effect on trial, the ladder, and taking it back.
 
-use crate::program::{import, json, refused, trunnion};
+use crate::program::{import, import_and_add, json, refused, trunnion};
 use serde_json::Value;
 #[test]
 fn compare_says_in_words_where_the_model_fails_and_blames_no_place_for_noise() {
@@ -60,9 +60,7 @@ fn an_effect_on_trial_shows_before_and_after_and_leaves_the_model_file_alone() {
 #[test]
 fn the_ladder_reports_what_moved_and_removing_an_effect_undoes_adding_it() {
     let folder = tempfile::tempdir().unwrap();
-    let run = import("points-backlash-and-drift", folder.path());
-    let model = folder.path().join("model.toml").display().to_string();
-    trunnion(&["add", "backlash:C", &run, "--model", &model]);
+    let (run, model) = import_and_add("points-backlash-and-drift", "backlash:C", folder.path());
     let with_backlash = std::fs::read_to_string(&model)
         .unwrap()
         .replace("[[effect]]\nid = \"ball", "# set by hand\n[[effect]]\nid = \"ball");
