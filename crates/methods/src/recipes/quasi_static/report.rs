@@ -83,7 +83,7 @@ fn tables(sweeps: &Sweeps, parts: &Parts) -> Vec<FoundTable> {
         };
         FoundTable {
             caption: format!(
-                "Parts of each error; parts with speed and acceleration at {}",
+                "Parts of each error; those with speed and acceleration at {}",
                 fastest(sweeps, parts)
             ),
             columns,
