@@ -6,6 +6,7 @@ use crate::{
     PlannedCycle, Plausibility, Residual, Samples, ShapeNumber, Verdict,
 };
 use std::f64::consts::LN_10;
+use trunnion_core::LEVER_MM;
 use trunnion_effects::catalogue::effect;
 pub use trunnion_effects::sources::{sources, with_authors};
 use trunnion_effects::{About, Role};
@@ -13,9 +14,6 @@ use trunnion_engine::diagnosis::options::CLAIM_LN;
 
 /// A parameter is worth reporting when it exceeds this many standard uncertainties.
 const CLEAR_U: f64 = 3.0;
-/// A turn is weighed against a shift at this distance, mm.
-const LEVER_MM: f64 = 100.0;
-
 /// How far a value moves the tool, µm: a turn, or a scale, over 100 mm; `None` for a unit that is no shift of the tool.
 pub fn at_tool_um(value: f64, unit: &str) -> Option<f64> {
     match unit {
