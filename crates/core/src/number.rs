@@ -24,6 +24,17 @@ pub fn signed(value: f64, decimals: usize) -> String {
     }
 }
 
+/// With at most so many decimals and none that are zero, as a value that a person chose is written: a place, a limit, a scale.
+pub fn trimmed(value: f64, most_decimals: usize) -> String {
+    if !value.is_finite() {
+        return MISSING.into();
+    }
+    let whole = 10_f64.powi(most_decimals as i32);
+    let rounded = (value * whole).round() / whole;
+    let size = format!("{}", rounded.abs());
+    if rounded < 0.0 { format!("−{size}") } else { size }
+}
+
 fn is_zero(size: &str) -> bool {
     size.chars().all(|c| matches!(c, '0' | '.'))
 }
@@ -37,6 +48,10 @@ mod tests {
         assert_eq!([fixed(-1.25, 1), fixed(-0.04, 1), fixed(0.04, 1)], ["−1.2", "0.0", "0.0"]);
         assert_eq!([fixed(-0.4, 0), fixed(-0.6, 0), fixed(-0.0, 4)], ["0", "−1", "0.0000"]);
         assert_eq!([signed(2.25, 1), signed(-2.25, 1), signed(-0.04, 1)], ["+2.2", "−2.2", "0.0"]);
-        assert_eq!([fixed(f64::NAN, 1), signed(f64::INFINITY, 1)], [MISSING, MISSING]);
+        assert_eq!(
+            [trimmed(-75.0, 3), trimmed(2.0, 3), trimmed(0.05, 3), trimmed(-1e-9, 3)],
+            ["−75", "2", "0.05", "0"]
+        );
+        assert_eq!([fixed(f64::NAN, 1), signed(f64::INFINITY, 1), trimmed(f64::NAN, 1)], [MISSING; 3]);
     }
 }

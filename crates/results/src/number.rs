@@ -1,8 +1,7 @@
 //! Numbers with their units: what JSON holds ([`finite`]), and what a person reads. What is not finite is not known: `null`
 //! there, a dash here.
 
-/// What stands for a number that is missing or not finite.
-pub const MISSING: &str = "—";
+pub use trunnion_core::number::{MISSING, fixed, signed, trimmed};
 
 /// A number that JSON can hold.
 pub fn finite(value: f64) -> Option<f64> {
@@ -28,8 +27,8 @@ pub fn plain(value: f64) -> String {
         return MISSING.into();
     }
     match decimals(value) {
-        Some(decimals) => minus(format!("{value:.decimals$}")),
-        None => minus(format!("{value:.1e}")),
+        Some(decimals) => fixed(value, decimals),
+        None => format!("{value:.1e}").replace('-', "−"),
     }
 }
 
@@ -61,18 +60,8 @@ pub fn justified(value: f64, u: f64) -> String {
         None if value.abs() < 1.0 => most,
         None => return plain(value),
     };
-    // Nothing below half a digit has a sign.
     let whole = 10_f64.powi(decimals as i32);
-    minus(format!("{:.decimals$}", (value * whole).round() / whole + 0.0))
-}
-
-/// A value that a person chose (a place, a limit, a scale), with at most so many decimals and none that are zero.
-pub fn trimmed(value: f64, most_decimals: i32) -> String {
-    if !value.is_finite() {
-        return MISSING.into();
-    }
-    let whole = 10_f64.powi(most_decimals);
-    minus(format!("{}", (value * whole).round() / whole + 0.0))
+    fixed((value * whole).round() / whole, decimals)
 }
 
 /// A number with its unit, `3.14 µm`.
@@ -97,7 +86,7 @@ pub fn um_or_dash(value_um: Option<f64>) -> String {
 
 /// Whole per cent of a share 0…1.
 pub fn percent(share: f64) -> String {
-    if share.is_finite() { format!("{} %", minus(format!("{:.0}", share * 100.0))) } else { MISSING.into() }
+    if share.is_finite() { format!("{} %", fixed(share * 100.0, 0)) } else { MISSING.into() }
 }
 
 /// Degrees from rad, `−90°`, with decimals only where needed.
@@ -115,8 +104,8 @@ pub fn value_and_u(value: Option<f64>, u: Option<f64>, unit: &str) -> (String, S
         (Some(value), Some(u)) if value.is_finite() && u.is_finite() && u > 0.0 => {
             let decimals = decimals_of_u(u);
             (
-                format!("{} {unit_text}", minus(format!("{value:.decimals$}"))).trim_end().into(),
-                format!("{u:.decimals$} {unit_text}").trim_end().into(),
+                format!("{} {unit_text}", fixed(value, decimals)).trim_end().into(),
+                format!("{} {unit_text}", fixed(u, decimals)).trim_end().into(),
             )
         }
         (Some(value), _) => (with_unit(value, unit), MISSING.into()),
@@ -127,22 +116,7 @@ pub fn value_and_u(value: Option<f64>, u: Option<f64>, unit: &str) -> (String, S
 /// Tick label: as many decimals as the step needs.
 pub fn tick(value: f64, step: f64) -> String {
     let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
-    minus(format!("{:.decimals$}", if value.abs() < step * 1e-6 { 0.0 } else { value }))
-}
-
-/// The same with an explicit plus.
-pub fn signed(value: f64, decimals: usize) -> String {
-    if !value.is_finite() {
-        return MISSING.into();
-    }
-    let text = format!("{value:+.decimals$}");
-    let is_zero = text.chars().all(|c| !c.is_ascii_digit() || c == '0');
-    if is_zero { text[1..].into() } else { minus(text) }
-}
-
-/// A true minus sign for each hyphen.
-pub fn minus(text: String) -> String {
-    text.replace('-', "−")
+    fixed(value, decimals)
 }
 
 #[cfg(test)]
@@ -164,14 +138,14 @@ mod tests {
         assert_eq!((justified(13.562, 25.0), justified(0.339, 0.2)), ("14".into(), "0.34".into()));
         assert_eq!((justified(-7.9e-4, 0.3), justified(-7.9e-4, 1e-5)), ("0.00".into(), "−0.000790".into()));
         assert_eq!((justified(61.16, 0.021), justified(61.16, f64::NAN)), ("61.2".into(), "61.2".into()));
-        assert_eq!(
-            [trimmed(-75.0, 3), trimmed(2.0, 3), trimmed(0.05, 3), trimmed(-1e-9, 3)],
-            ["−75", "2", "0.05", "0"]
-        );
         assert_eq!(value_and_u(Some(13.5975), Some(0.213), "um"), ("13.60 µm".into(), "0.21 µm".into()));
         assert_eq!(value_and_u(None, None, "um").0, "not observable");
         assert_eq!(value_and_u(Some(3.0), None, "1").0, "3.00");
-        assert_eq!(signed(-0.04, 1), "0.0");
-        assert_eq!(signed(2.25, 1), "+2.2");
+        // Nothing that is written as zero has a sign.
+        assert_eq!(value_and_u(Some(-4e-5), Some(0.02), "deg").0, "0.000 °");
+        assert_eq!(
+            (percent(-0.002), tick(-1e-9, 0.5), plain(-0.0)),
+            ("0 %".into(), "0.0".into(), "0.00".into())
+        );
     }
 }

@@ -39,7 +39,8 @@ export function withU(value, u) {
   return [minus(fixed(value, decimals)), fixed(u, decimals)];
 }
 
-export const minus = (text) => text.replaceAll("-", "−");
+// A true minus sign, and none before what is written as zero.
+export const minus = (text) => (/[1-9]/.test(text) ? text.replaceAll("-", "−") : text.replace("-", ""));
 
 // Decimals of `plain`; none for what is written with a power of ten.
 function decimalsOf(value) {
