@@ -2,6 +2,7 @@
 
 use super::views::{Drawing, Plot, Series};
 use std::fmt::Write;
+use trunnion_core::number::fixed;
 
 const WIDTH: f64 = 640.0;
 /// Shades from blue (negative) over white to red.
@@ -59,9 +60,9 @@ fn number(value: f64) -> String {
     } else {
         2
     };
-    let text = format!("{value:.digits$}").replace('-', "−");
+    let text = fixed(value, digits);
     let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if trimmed.is_empty() || trimmed == "−0" { "0".into() } else { trimmed.into() }
+    trimmed.into()
 }
 
 fn maps(body: &mut String, b_deg: &[f64], c_deg: &[f64], xyz_um: &[Vec<f64>; 3]) -> f64 {

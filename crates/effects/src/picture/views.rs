@@ -4,6 +4,7 @@ use crate::catalogue::BASE;
 use crate::{Effect, Example, Instance, Scene, SceneSetup, View, r_test_reading};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use std::f64::consts::{PI, TAU};
+use trunnion_core::number::trimmed;
 use trunnion_core::{AxisValues, Joint, State};
 use trunnion_machine::{Machine, shipped};
 
@@ -134,7 +135,7 @@ fn caption(placed: &Placed<'_>, example: &Example, left: Option<f64>, conditions
         |name: &str| parameters.iter().find(|p| p.name == name).map_or(String::new(), |p| p.unit.text());
     let value = |&(name, value): &(&str, f64)| {
         let short = name.rsplit_once(&format!("{}.", example.id)).map_or(name, |(_, short)| short);
-        format!("{short} {value} {}", unit(name)).replace('-', "−")
+        format!("{short} {} {}", trimmed(value, 9), unit(name))
     };
     let values: Vec<String> = example.values.iter().map(value).collect();
     let share = left.map_or(String::new(), |left| {

@@ -17,6 +17,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use trunnion_core::Joint;
+use trunnion_core::number::{signed, trimmed};
 
 use found::{Found, Way};
 use readings::{Dimension, Readings};
@@ -97,11 +98,11 @@ impl Place {
 
     /// Signed size: `+4.1 µm`, or `+2.0 µm with C forward, −2.0 µm with C back`.
     pub fn size(&self) -> String {
-        let signed = |um: f64| format!("{um:+.1} µm").replace('-', "−");
+        let um = |um: f64| format!("{} µm", signed(um, 1));
         match &self.turns_with {
-            None => signed(self.mean_um),
+            None => um(self.mean_um),
             Some(axis) => {
-                let (forward, back) = (signed(self.mean_um), signed(-self.mean_um));
+                let (forward, back) = (um(self.mean_um), um(-self.mean_um));
                 format!("{forward} with {axis} forward, {back} with {axis} back")
             }
         }
@@ -211,10 +212,7 @@ fn range_in_words(dimension: &Dimension, from: usize, to: usize) -> String {
         };
     };
     let unit = if letter.is_rotary() { "°" } else { " mm" };
-    let number = |x: f64| {
-        let rounded = (x * 10.0).round() / 10.0 + 0.0;
-        format!("{rounded}{unit}").replace('-', "−")
-    };
+    let number = |x: f64| format!("{}{unit}", trimmed(x, 1));
     match (from, to) {
         _ if low == high => format!("{letter} at {}", number(low)),
         _ if dimension.is_full_turn => format!("{letter} {} to {}", number(low), number(high)),

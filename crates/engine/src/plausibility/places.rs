@@ -4,6 +4,7 @@ use super::claim::{Claim, TOGETHER_MM};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 use trunnion_core::convert::deg_from_rad;
+use trunnion_core::number::signed;
 use trunnion_core::statistics::mean;
 use trunnion_core::{AxisValues, Joint, Setup};
 use trunnion_machine::JointErrors;
@@ -29,10 +30,9 @@ pub(super) fn offsets(claim: &Claim<'_>) -> Vec<(String, f64)> {
             .map(|start| offset_from(claim, joint, *start))
             .min_by(|a, b| a.1.total_cmp(&b.1))?;
         let change = match joint.is_rotary() {
-            true => format!("{:+.1}°", deg_from_rad(offset - (offset / TAU).round() * TAU)),
-            false => format!("{offset:+.1} mm"),
+            true => format!("{}°", signed(deg_from_rad(offset - (offset / TAU).round() * TAU), 1)),
+            false => format!("{} mm", signed(offset, 1)),
         };
-        let change = change.replace('-', "−");
         Some((
             format!("every position of {joint} changed by {change} (a constant offset, as of a wrong zero)"),
             rms_mm,

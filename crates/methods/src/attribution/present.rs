@@ -6,6 +6,7 @@ use crate::findings::{AxisName, Cell, Chart, Column, Curve, FoundTable, FoundVal
 use crate::recipes::Convention;
 use nalgebra::Vector3;
 use trunnion_core::Joint;
+use trunnion_core::number::signed;
 use trunnion_effects::Unit;
 
 /// Axes drawn next to the sum.
@@ -38,8 +39,10 @@ impl Attribution {
             let own = share.own[i] * own_unit(share).per_inside;
             let unit = if share.axis.is_rotary() { "µrad" } else { "µm" };
             format!(
-                "at {:.3} s: X {x}, Y {y}, Z {z} µm, by {own:+.2} {unit} of {}",
-                self.time_s[i], share.axis
+                "at {:.3} s: X {x}, Y {y}, Z {z} µm, by {} {unit} of {}",
+                self.time_s[i],
+                signed(own, 2),
+                share.axis
             )
         });
         FoundValue::new(format!("peak by {}", share.axis), share.deviation.peak_mm(), Unit::UM, None)
@@ -63,7 +66,7 @@ impl Attribution {
         let of_share = |share: &Share| {
             let own = largest(share.own.iter().copied()) * own_unit(share).per_inside;
             let unit = if share.axis.is_rotary() { "µrad" } else { "µm" };
-            row(share.axis.to_string(), format!("{own:+.2} {unit}"), &share.deviation)
+            row(share.axis.to_string(), format!("{} {unit}", signed(own, 2)), &share.deviation)
         };
         let mut rows: Vec<Vec<Cell>> = self.shares.iter().map(of_share).collect();
         rows.push(row("all together".into(), String::new(), &self.together));
@@ -192,5 +195,5 @@ fn own_unit(share: &Share) -> Unit {
 }
 
 fn signed_um(mm: f64) -> String {
-    format!("{:+.1}", mm * 1e3)
+    signed(mm * 1e3, 1)
 }

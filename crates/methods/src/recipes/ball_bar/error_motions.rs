@@ -3,6 +3,7 @@
 use super::causes::ErrorKind;
 use super::shape::{AxisShapes, Contour};
 use super::track::Axis;
+use trunnion_core::number::fixed;
 use trunnion_effects::Unit;
 
 /// One error motion over the turn.
@@ -30,7 +31,7 @@ pub(super) fn error_motions(of_axis: &AxisShapes) -> Vec<ErrorMotion> {
                 let at = at.unwrap_or(0.0);
                 (
                     ErrorKind::Radial,
-                    format!("radial error motion at height {at:.0} mm over the reference point"),
+                    format!("radial error motion at height {} mm over the reference point", fixed(at, 0)),
                 )
             }
         };

@@ -14,7 +14,7 @@ use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method};
 use trunnion_core::Joint;
 use trunnion_core::convert::{deg_from_rad, um_from_mm};
-use trunnion_core::number::fixed;
+use trunnion_core::number::{fixed, signed};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
@@ -98,7 +98,7 @@ fn location(location: &Location, convention: Convention) -> FoundValue {
     let found = FoundValue::new(&*location.name, value, location.unit, Some(location.u));
     let words = of_number(location.kind, location.value, location.u);
     if location.unit == Unit::URAD {
-        let per_100_mm = format!("{:+.1} µm/100 mm", um_from_mm(value * 100.0)).replace('-', "−");
+        let per_100_mm = format!("{} µm/100 mm", signed(um_from_mm(value * 100.0), 1));
         found.note(said(&[&per_100_mm, words]))
     } else {
         found.note(words)

@@ -7,6 +7,7 @@ use super::grid::{Cell, Grid};
 use crate::findings::{AxisName, Chart, Curve, MapPlace, Plot};
 use nalgebra::Vector3;
 use trunnion_core::convert::deg_from_rad;
+use trunnion_core::number::trimmed;
 use trunnion_core::{Joint, Twist};
 use trunnion_effects::Unit;
 
@@ -131,6 +132,5 @@ fn places(grid: &Grid<'_>, b_errors: &BErrors, tilt: usize, magnification: Optio
 }
 
 fn degrees(grid: &Grid<'_>, tilt: usize) -> String {
-    let degrees = (deg_from_rad(grid.tilts_rad[tilt]) * 100.0).round() / 100.0 + 0.0;
-    format!("{} = {degrees}°", grid.tilting).replace('-', "−")
+    format!("{} = {}°", grid.tilting, trimmed(deg_from_rad(grid.tilts_rad[tilt]), 2))
 }

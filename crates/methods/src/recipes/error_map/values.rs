@@ -14,6 +14,7 @@ use nalgebra::Vector3;
 use std::cmp::Ordering::Equal;
 use trunnion_core::Twist;
 use trunnion_core::convert::deg_from_rad;
+use trunnion_core::number::{fixed, signed, trimmed};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_engine::Identification;
@@ -30,8 +31,8 @@ pub(super) fn findings(
         .rows
         .iter()
         .map(|row| {
-            let joint = row.by_joint_fit * row.unit.per_inside;
-            let note = format!("joint fit {joint:.2} {}", row.unit.text()).replace('-', "−");
+            let joint = fixed(row.by_joint_fit * row.unit.per_inside, 2);
+            let note = format!("joint fit {joint} {}", row.unit.text());
             FoundValue::new(row.name.clone(), row.by_map, row.unit, Some(row.u_by_map)).note(note)
         })
         .collect();
@@ -77,7 +78,7 @@ fn variations(
             ends(&mut b_errors.at_tilt.iter().zip(&locations.constants).map(|(t, c)| of(t) - of(c)));
         let printed = match convention {
             Convention::Source if unit == Unit::URAD => {
-                format!("from {:+.4}° to {:+.4}°; ", deg_from_rad(low), deg_from_rad(high)).replace('-', "−")
+                format!("from {}° to {}°; ", signed(deg_from_rad(low), 4), signed(deg_from_rad(high), 4))
             }
             _ => String::new(),
         };
@@ -115,11 +116,11 @@ fn at_the_tilts(grid: &Grid<'_>, c_errors: &CErrors) -> Vec<FoundValue> {
         let size = |of: &Harmonics| (of.range, of.most);
         let (tilt, most) =
             (0..tilts).filter_map(at).max_by(|a, b| size(&a.1).partial_cmp(&size(&b.1)).unwrap_or(Equal))?;
-        let angle = (deg_from_rad(grid.tilts_rad[tilt]) * 100.0).round() / 100.0 + 0.0;
+        let angle = trimmed(deg_from_rad(grid.tilts_rad[tilt]), 2);
         let value = most.range_value(&format!("{name} largest"), unit);
         let note =
             format!("at {} = {angle}°, of {tilts} tilts judged together; {}", grid.tilting, value.note);
-        Some(value.note(note.replace("= -", "= −")))
+        Some(value.note(note))
     };
     shown.filter_map(largest).collect()
 }
@@ -239,7 +240,7 @@ fn notes(grid: &Grid<'_>, b_errors: &BErrors) -> Vec<String> {
     };
     let offsets = grid.nests.iter().zip(&b_errors.offsets_mm).map(|(nest, offset)| {
         let um = offset * Unit::UM.per_inside;
-        format!("{nest} ({:.1}, {:.1}, {:.1}) µm", um.x, um.y, um.z)
+        format!("{nest} ({}, {}, {}) µm", fixed(um.x, 1), fixed(um.y, 1), fixed(um.z, 1))
     });
     let mut notes = vec![
         format!(
@@ -253,7 +254,7 @@ fn notes(grid: &Grid<'_>, b_errors: &BErrors) -> Vec<String> {
              E{c}{c} is taken as zero."
         ),
         repeats,
-        format!("Offsets of the zero pose: {}.", offsets.collect::<Vec<_>>().join(", ").replace('-', "−")),
+        format!("Offsets of the zero pose: {}.", offsets.collect::<Vec<_>>().join(", ")),
     ];
     notes.extend(grid.left_out.iter().map(|left| format!("Left out: {left}.")));
     notes

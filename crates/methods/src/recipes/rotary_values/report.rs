@@ -6,6 +6,7 @@ use crate::common::stations::Stations;
 use crate::common::turning::{Turned, Turning, TurningSet};
 use crate::findings::{AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot};
 use crate::recipes::{Convention, Method, MethodError};
+use trunnion_core::number::{MISSING, fixed};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
@@ -144,7 +145,7 @@ fn differences(high: &Signal, low: &Signal) -> Signal {
 fn values(signal: &Judged) -> Vec<FoundValue> {
     let number = |value: Option<f64>| {
         let (scale, unit) = (signal.unit.per_inside, signal.unit.text());
-        value.map_or("—".into(), |v| format!("{:.2} {unit}", v * scale).replace('-', "−"))
+        value.map_or(MISSING.into(), |v| format!("{} {unit}", fixed(v * scale, 2)))
     };
     let mut values = Vec::new();
     let mut value = |what: &str, bound: bool, of: &dyn Fn(&Contour) -> Option<f64>| {

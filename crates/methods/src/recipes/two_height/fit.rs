@@ -6,6 +6,7 @@ use crate::common::stations::Stations;
 use crate::common::turning::{Turned, Turning, TurningSet};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Vector2, Vector3};
+use trunnion_core::number::fixed;
 use trunnion_core::statistics;
 
 /// Heights nearer than this count as one, mm.
@@ -71,7 +72,7 @@ impl Heights {
         let (low, high) = (sets[0].height_mm, sets[sets.len() - 1].height_mm);
         if high - low < APART_MM {
             let heights: Vec<_> =
-                sets.iter().map(|s| format!("{} at {:.1} mm", s.name, s.height_mm)).collect();
+                sets.iter().map(|s| format!("{} at {} mm", s.name, fixed(s.height_mm, 1))).collect();
             return Err(method.lacks(
                 format!("every ball sits at the same height along {} ({})", turning.axis, heights.join(", ")),
                 format!("Measure a second height {APART_MM} mm or more away (100 mm is good); several recordings may be given together."),

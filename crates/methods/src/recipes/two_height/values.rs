@@ -9,6 +9,7 @@ use crate::common::turning::Turning;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind};
 use crate::recipes::{Convention, Method};
 use trunnion_core::convert::deg_from_rad;
+use trunnion_core::number::fixed;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
@@ -43,11 +44,7 @@ fn location(turning: &Turning, heights: &Heights, signs: &Signs) -> Vec<FoundVal
     let [tilt_u, tilt_v, _] = turning.rotations();
     let value = |direction, value: f64, unit, u| {
         let found = FoundValue::new(turning.symbol(direction, true), value, unit, Some(u));
-        if unit == Unit::URAD {
-            found.note(format!("{:.5}°", deg_from_rad(value)).replace('-', "−"))
-        } else {
-            found
-        }
+        if unit == Unit::URAD { found.note(format!("{}°", fixed(deg_from_rad(value), 5))) } else { found }
     };
     vec![
         value(tilt_u, -v.slope * signs.tilt_u_of_line, Unit::URAD, v.u_slope),
@@ -127,7 +124,8 @@ fn passes(turning: &Turning, heights: &Heights) -> FoundTable {
 
 fn notes(turning: &Turning, heights: &Heights) -> Vec<String> {
     let axis = turning.axis;
-    let places: Vec<_> = heights.sets.iter().map(|s| format!("{} {:.1} mm", s.name, s.height_mm)).collect();
+    let places: Vec<_> =
+        heights.sets.iter().map(|s| format!("{} {} mm", s.name, fixed(s.height_mm, 1))).collect();
     let mut notes = vec![format!(
         "Axis {axis} turns alone; heights of the ball along it: {}. Positioning error E{}{axis} is not observable with the ball on the axis.",
         places.join(", "),
@@ -136,7 +134,7 @@ fn notes(turning: &Turning, heights: &Heights) -> Vec<String> {
     let others = trunnion_core::Joint::ROTARY
         .into_iter()
         .filter(|&letter| letter != axis && turning.sets[0].position[letter] != 0.0)
-        .map(|letter| format!("{letter} = {:.4}°", deg_from_rad(turning.sets[0].position[letter])));
+        .map(|letter| format!("{letter} = {}°", fixed(deg_from_rad(turning.sets[0].position[letter]), 4)));
     let others: Vec<_> = others.collect();
     let at = if others.is_empty() { String::new() } else { format!(" at {}", others.join(", ")) };
     notes.push(format!(
