@@ -1,6 +1,6 @@
 //! How well the samples of a run are known in time, as tables for page and terminal.
 
-use crate::number::{MISSING, minus, plain};
+use crate::number::{MISSING, plain, signed};
 use trunnion_results::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
 
 /// Head of the table of streams.
@@ -37,7 +37,7 @@ fn row(stream: &Stream) -> Vec<String> {
         stream.name.clone(),
         stream.samples.to_string(),
         stream.rate_hz.map_or(MISSING.into(), plain),
-        stream.drift_ppm.map_or(MISSING.into(), |ppm| minus(format!("{ppm:+.2} ppm"))),
+        stream.drift_ppm.map_or(MISSING.into(), |ppm| format!("{} ppm", signed(ppm, 2))),
         stream.jitter_before_s.map_or(MISSING.into(), duration),
         stream.jitter_after_s.map_or(MISSING.into(), duration),
         gaps,

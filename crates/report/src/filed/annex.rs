@@ -1,7 +1,7 @@
 //! The tables of the end: the fit, what was excluded, every reading.
 
 use crate::markup::{element, table};
-use crate::number::{MISSING, minus, plain, um, um_or_dash};
+use crate::number::{MISSING, fixed, plain, um, um_or_dash};
 use crate::words::{left_out, noise_origin};
 use trunnion_results::{Identification, ResidualPoint, Residuals};
 
@@ -82,10 +82,5 @@ pub fn readings(residuals: &Residuals) -> String {
 
 /// Two decimals: 10 µm and 0.01° of a position, 0.01 µm of a reading.
 fn two_decimals(value: f64) -> String {
-    if !value.is_finite() {
-        return MISSING.into();
-    }
-    // Nothing below half a digit has a sign.
-    let rounded = (value * 100.0).round() / 100.0 + 0.0;
-    minus(format!("{rounded:.2}"))
+    fixed((value * 100.0).round() / 100.0, 2)
 }

@@ -2,7 +2,7 @@
 
 use super::trial;
 use crate::markup::{element, escape, table};
-use crate::number::{percent, um, um_or_dash, value_and_u};
+use crate::number::{fixed, percent, um, um_or_dash, value_and_u};
 use crate::svg::{Bar, bars};
 use crate::words::{
     EXPLAINS, about, bars_legend, effect_name, formula_shape, formula_site, nothing_named, sources, units,
@@ -86,7 +86,7 @@ fn candidates_table(candidates: &[Candidate]) -> String {
         .map(|c| {
             vec![
                 effect_name(&c.effect),
-                format!("{:.1}", c.evidence).replace('-', "−"),
+                fixed(c.evidence, 1),
                 um(c.rms_um_after),
                 um_or_dash(c.holdout_rms_um_after),
                 percent(c.explains_fraction),
