@@ -1,8 +1,8 @@
 //! On what a wave of a trace depends: direction, feed, where the other rotary axes stand. Each rules causes in or out.
 //!
-//! The waves of two contours of one measurement are compared order by order [`Harmonics::differs`], with a chance of 5 % for all comparisons together that any is said to differ where none does. What changes with the direction or the
-//! feed is drive, friction or inertia and not the ring of a bearing; what changes with the tilt of the axis is gravity or what carries it
-//! [S4 table 2, §4.3].
+//! The waves of two contours of one measurement are compared order by order [`Harmonics::differs`], at 5 % for all comparisons together.
+//! What changes with the direction or the feed is drive, friction or inertia and not the ring of a bearing; what changes with the tilt of the
+//! axis is gravity or what carries it [S4 table 2, §4.3].
 //! Limits: whole turns; what is not shown to depend may do so by less than its uncertainty.
 
 use super::causes::ErrorKind;

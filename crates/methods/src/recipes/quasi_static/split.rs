@@ -57,8 +57,8 @@ impl Parts {
             .fold(0.0, f64::max)
     }
 
-    /// Errors that depend on the feed, with a chance of 5 % for all of them together that none does: of n parts each is beyond t(0.05/n; ν)
-    /// [Bonferroni], and u holds t(0.05; ν)/1.96.
+    /// Errors that depend on the feed: of n parts one is beyond t(0.05/n; ν) [Bonferroni], so that where none depends any is named with a probability
+    /// of 5 %. u holds t(0.05; ν)/1.96 already.
     pub fn significant(&self) -> Vec<usize> {
         let count =
             self.of_errors.len() * self.separated.iter().filter(|part| part.depends_on_feed()).count();
