@@ -110,19 +110,13 @@ fn header(name: &str, cycle: &Cycle, cycle_text: &str) -> RunHeader {
     let machine_text =
         shipped::FILES.iter().find(|(file, _)| file.contains("table-bc")).map(|(_, text)| *text);
     RunHeader {
-        name: name.into(),
-        kind: cycle.run_kind(),
-        machine_name: cycle.machine.clone(),
         machine_text: machine_text.unwrap_or_default().into(),
         setups: cycle.setups.clone(),
-        temperature_channels: Vec::new(),
         probes: (1..=3).map(|k| format!("probe-{k}")).collect(),
         probe_roles: (0..3).map(Role::Probe).collect(),
         cycle_text: cycle_text.into(),
         config_text: format!("[nest]\n{}", rows.concat()),
-        software_version: "0".into(),
-        wall_start_ns: 0,
-        host_start: HostTime(0),
+        ..RunHeader::new(name, cycle.run_kind(), &cycle.machine)
     }
 }
 

@@ -36,22 +36,34 @@ pub struct RunHeader {
 }
 
 impl RunHeader {
-    /// The header of a run that is already in memory (imported or simulated).
-    pub fn of_run(run: &Run, machine_text: &str, software_version: &str, wall_start_ns: i64) -> Self {
+    /// The header of a run of which nothing else is known.
+    pub fn new(name: &str, kind: RunKind, machine_name: &str) -> Self {
         Self {
-            name: run.name.clone(),
-            kind: run.kind,
-            machine_name: run.machine.name.clone(),
-            machine_text: machine_text.into(),
-            setups: run.setups.clone(),
-            temperature_channels: run.channels.clone(),
+            name: name.into(),
+            kind,
+            machine_name: machine_name.into(),
+            machine_text: String::new(),
+            setups: Vec::new(),
+            temperature_channels: Vec::new(),
             probes: Vec::new(),
             probe_roles: Vec::new(),
             cycle_text: String::new(),
             config_text: String::new(),
+            software_version: String::new(),
+            wall_start_ns: 0,
+            host_start: HostTime::default(),
+        }
+    }
+
+    /// The header of a run that is already in memory (imported or simulated).
+    pub fn of_run(run: &Run, machine_text: &str, software_version: &str, wall_start_ns: i64) -> Self {
+        Self {
+            machine_text: machine_text.into(),
+            setups: run.setups.clone(),
+            temperature_channels: run.channels.clone(),
             software_version: software_version.into(),
             wall_start_ns,
-            host_start: HostTime::default(),
+            ..Self::new(&run.name, run.kind, &run.machine.name)
         }
     }
 

@@ -107,21 +107,8 @@ mod tests {
     #[test]
     fn a_reading_takes_no_more_room_than_is_asked_for() {
         let folder = tempfile::tempdir().unwrap();
-        let header = RunHeader {
-            name: "room".into(),
-            kind: RunKind::OnTheFly,
-            machine_name: "table-bc".into(),
-            machine_text: String::new(),
-            setups: Vec::new(),
-            temperature_channels: Vec::new(),
-            probes: (1..=3).map(|k| format!("probe-{k}")).collect(),
-            probe_roles: Vec::new(),
-            cycle_text: String::new(),
-            config_text: String::new(),
-            software_version: String::new(),
-            wall_start_ns: 0,
-            host_start: HostTime(0),
-        };
+        let probes = (1..=3).map(|k| format!("probe-{k}")).collect();
+        let header = RunHeader { probes, ..RunHeader::new("room", RunKind::OnTheFly, "table-bc") };
         let mut recorder = Recorder::create(folder.path(), "room", &header).unwrap();
         let readings = 60_000_i64;
         for k in 0..readings {

@@ -6,7 +6,7 @@ use std::time::{Duration, SystemTime};
 use trunnion::Model;
 use trunnion::cycles::{Cycle, Run};
 use trunnion::results::{RunRecord, RunState, Serves};
-use trunnion_core::{Channel, HostTime, Role};
+use trunnion_core::{Channel, Role};
 use trunnion_record::{RunHeader, write_run};
 use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon::{Texts, write_report};
@@ -25,21 +25,9 @@ fn points() -> Run {
 }
 
 fn record(path: &Path, run: Run) -> PathBuf {
-    let header = RunHeader {
-        name: path.file_stem().unwrap().to_string_lossy().into_owned(),
-        kind: run.kind,
-        machine_text: trunnion::files::machine_text(&run.machine.name).unwrap(),
-        machine_name: run.machine.name.clone(),
-        setups: run.setups.clone(),
-        temperature_channels: run.channels.clone(),
-        probes: vec![],
-        probe_roles: vec![],
-        cycle_text: String::new(),
-        config_text: String::new(),
-        software_version: "0".into(),
-        wall_start_ns: 0,
-        host_start: HostTime(0),
-    };
+    let machine_text = trunnion::files::machine_text(&run.machine.name).unwrap();
+    let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+    let header = RunHeader { name, ..RunHeader::of_run(&run, &machine_text, "0", 0) };
     write_run(path, &header, &run).unwrap();
     path.into()
 }

@@ -23,7 +23,7 @@ mod undecided;
 mod values;
 mod whole;
 
-use trunnion_core::{HostTime, Role};
+use trunnion_core::Role;
 use trunnion_cycles::{Cycle, RunKind};
 use trunnion_machine::shipped;
 use trunnion_record::RunHeader;
@@ -32,18 +32,11 @@ use trunnion_record::RunHeader;
 fn header(name: &str, cycle_text: &str) -> RunHeader {
     let machine = shipped::machine("table-bc").unwrap();
     RunHeader {
-        name: name.into(),
-        kind: RunKind::Static,
         machine_text: trunnion::files::machine_text(&machine.name).unwrap(),
-        machine_name: machine.name,
         setups: Cycle::parse("c.toml", cycle_text).unwrap().setups,
-        temperature_channels: vec![],
         probes: (1..=3).map(|k| format!("probe-{k}")).collect(),
         probe_roles: (0..3).map(Role::Probe).collect(),
         cycle_text: cycle_text.into(),
-        config_text: String::new(),
-        software_version: "0".into(),
-        wall_start_ns: 0,
-        host_start: HostTime(0),
+        ..RunHeader::new(name, RunKind::Static, &machine.name)
     }
 }

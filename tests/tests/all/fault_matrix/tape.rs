@@ -3,7 +3,7 @@
 use super::bench::SinceStart;
 use std::path::Path;
 use std::sync::Arc;
-use trunnion_core::{Clock, Event, Gap, HostTime};
+use trunnion_core::{Clock, Event, Gap};
 use trunnion_cycles::RunKind;
 use trunnion_record::{Item, Recorder, RecorderHandle, RunHeader, Temperature};
 use trunnion_sync::Timed;
@@ -20,21 +20,7 @@ pub struct Tape {
 impl Tape {
     /// Run time 0 is host time 0.
     pub fn start(directory: &Path, clock: Arc<SinceStart>) -> Result<Self, String> {
-        let header = RunHeader {
-            name: "faults".into(),
-            kind: RunKind::OnTheFly,
-            machine_name: "none".into(),
-            machine_text: String::new(),
-            setups: Vec::new(),
-            temperature_channels: Vec::new(),
-            probes: Vec::new(),
-            probe_roles: Vec::new(),
-            cycle_text: String::new(),
-            config_text: String::new(),
-            software_version: env!("CARGO_PKG_VERSION").into(),
-            wall_start_ns: 0,
-            host_start: HostTime(0),
-        };
+        let header = RunHeader::new("faults", RunKind::OnTheFly, "none");
         let recorder = Recorder::create(directory, "faults", &header).map_err(|error| error.to_string())?;
         let recorder =
             RecorderHandle::spawn(recorder, QUEUE, clock.clone()).map_err(|error| error.to_string())?;
