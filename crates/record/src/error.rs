@@ -1,5 +1,6 @@
 //! What can go wrong with a recording.
 
+use crate::journal::is_journal;
 use std::path::{Path, PathBuf};
 use trunnion_core::Problems;
 
@@ -25,13 +26,16 @@ pub enum RecordError {
         source: mcap::McapError,
     },
     /// The file that is written is not there any more.
-    #[error("{} is not there any more: it or its folder was removed or moved while it was recorded", path.display())]
+    #[error(
+        "{} is not there any more: it or its folder was removed or moved while it was recorded. What was moved is in the file at its \
+         new place: put it back into the folder of the recordings and start the service, which recovers it", path.display()
+    )]
     Gone {
         /// The file.
         path: PathBuf,
     },
     /// A recording of this name exists.
-    #[error("{} exists already; choose another name, or remove it", path.display())]
+    #[error("{} exists already; {}", path.display(), way_out(path))]
     Exists {
         /// The file in the way.
         path: PathBuf,
@@ -68,6 +72,16 @@ pub enum RecordError {
     /// The writer thread has ended.
     #[error("the recorder has stopped; see the log for why")]
     Stopped,
+}
+
+/// What to do about a file that is in the way: a journal holds samples that nothing else has.
+fn way_out(path: &Path) -> &'static str {
+    match is_journal(path) {
+        true => {
+            "it is of a run that was not finished: start the service, which recovers it, or choose another name"
+        }
+        false => "choose another name, or remove it",
+    }
 }
 
 impl RecordError {

@@ -7,7 +7,7 @@ use crate::container::{MessageRecord, Record, walk};
 use crate::damage::Damage;
 use crate::error::RecordError;
 use crate::item::RunHeader;
-use crate::journal::{FINISHED_METADATA, JOURNAL_ENDING, wall_time};
+use crate::journal::{FINISHED_METADATA, is_journal, wall_time};
 use crate::reader::decode_header;
 use crate::schema::FILE_DESCRIPTOR_SET;
 use crate::wire::{Encoded, Topic, encode_event, encode_gap};
@@ -61,7 +61,7 @@ pub fn recover_orphans(dir: &Path) -> Result<Vec<Orphan>, RecordError> {
     let mut journals = Vec::new();
     for entry in entries {
         let path = entry.map_err(RecordError::io("list", dir))?.path();
-        if path.extension().is_some_and(|ending| ending == &JOURNAL_ENDING[1..]) {
+        if is_journal(&path) {
             journals.push(path);
         }
     }

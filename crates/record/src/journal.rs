@@ -10,6 +10,7 @@ use crate::wire::{Encoded, Topic, encode_header};
 use mcap::records::MessageHeader;
 use mcap::{Attachment, WriteOptions, Writer};
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
@@ -19,6 +20,12 @@ use trunnion_core::secret::redacted;
 
 /// Ending of a journal, after the name of the finished file.
 pub const JOURNAL_ENDING: &str = ".active";
+
+/// True for the name of a journal.
+pub fn is_journal(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == &JOURNAL_ENDING[1..])
+}
+
 /// Names of the attachments.
 pub const MACHINE_TEXT: &str = "machine.toml";
 pub const CYCLE_TEXT: &str = "cycle.toml";
@@ -43,11 +50,38 @@ pub type OpenJournal = Box<dyn FnMut(&Path) -> io::Result<Opened> + Send>;
 
 /// Creates a new file that is there after a power cut, and locks it. Bringing it to the disk also looks whether it is still there: `NotFound` when it is not.
 pub fn open_locked(path: &Path) -> io::Result<Opened> {
-    let file = File::options().write(true).create_new(true).open(path)?;
-    file.try_lock()?;
-    sync_folder(path)?;
+    let file = create_ready(path, |file| file.try_lock().map_err(io::Error::from).and(sync_folder(path)))?;
     let (same, path) = (file.try_clone()?, path.to_owned());
-    Ok((Box::new(file), Box::new(move || same.sync_data().and_then(|()| in_place(&same, &path)))))
+    let is_unknown = Cell::new(false);
+    Ok((
+        Box::new(file),
+        Box::new(move || {
+            same.sync_data()?;
+            let found = in_place(&same, &path);
+            let unknown = found.as_ref().err().filter(|why| why.kind() != io::ErrorKind::NotFound);
+            let Some(why) = unknown else {
+                is_unknown.set(false);
+                return found;
+            };
+            // What was written is on the disk all the same.
+            if !is_unknown.replace(true) {
+                tracing::warn!("cannot look whether {} is still there: {why}", path.display());
+            }
+            Ok(())
+        }),
+    ))
+}
+
+/// Creates a new file; one that cannot be made ready goes again, or its name would be taken at every further attempt.
+fn create_ready(path: &Path, make_ready: impl FnOnce(&File) -> io::Result<()>) -> io::Result<File> {
+    let file = File::options().write(true).create_new(true).open(path)?;
+    if let Err(why) = make_ready(&file) {
+        if let Err(left) = std::fs::remove_file(path) {
+            tracing::warn!("cannot remove {}: {left}", path.display());
+        }
+        return Err(why);
+    }
+    Ok(file)
 }
 
 /// Brings the name of a file to the disk.
@@ -194,4 +228,32 @@ impl Journal {
 pub fn wall_time(header: &RunHeader, time_s: f64) -> u64 {
     let run_ns = (time_s * 1e9).round() as i64;
     u64::try_from(header.wall_start_ns.saturating_add(run_ns)).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_cannot_be_made_ready_leaves_its_name_free() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.mcap.active");
+        let refused = create_ready(&path, |_| Err(io::ErrorKind::StorageFull.into())).unwrap_err();
+        assert_eq!(refused.kind(), io::ErrorKind::StorageFull);
+        assert!(!path.exists());
+        assert!(open_locked(&path).is_ok());
+    }
+
+    #[test]
+    fn a_journal_that_cannot_be_looked_for_is_on_the_disk_and_one_that_is_not_there_is_gone() {
+        let place = tempfile::tempdir().unwrap();
+        let (folder, other) = (place.path().join("runs"), place.path().join("elsewhere"));
+        std::fs::create_dir(&folder).unwrap();
+        let (_file, sync) = open_locked(&folder.join("r.mcap.active")).unwrap();
+        sync().unwrap();
+        std::fs::rename(&folder, &other).unwrap();
+        assert_eq!(sync().unwrap_err().kind(), io::ErrorKind::NotFound);
+        std::os::unix::fs::symlink(&folder, &folder).unwrap();
+        sync().unwrap();
+    }
 }

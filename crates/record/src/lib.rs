@@ -18,6 +18,7 @@ mod handle;
 mod item;
 mod journal;
 mod lossless;
+mod lost;
 mod motion;
 pub mod points_csv;
 mod reader;

@@ -6,7 +6,7 @@ use crate::container::{MessageRecord, Record, walk};
 use crate::damage::Damage;
 use crate::error::RecordError;
 use crate::finish::{PARTIAL_ENDING, Written, sync_folder, verify};
-use crate::journal::{CONFIG_TEXT, JOURNAL_ENDING};
+use crate::journal::{CONFIG_TEXT, is_journal};
 use crate::reader::read_header;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, McapResult, WriteOptions, Writer};
@@ -32,7 +32,7 @@ pub struct Scrubbed {
 /// # Errors
 /// A file that is no finished recording, or a copy that cannot be written or does not read back; the recording is then as it was.
 pub fn scrub(path: &Path) -> Result<Scrubbed, RecordError> {
-    if path.extension().is_some_and(|ending| ending == &JOURNAL_ENDING[1..]) {
+    if is_journal(path) {
         let reason = "it is still being recorded; the next start of the service finishes it".into();
         return Err(RecordError::NotARecording { path: path.into(), offset: 0, reason });
     }

@@ -3,9 +3,8 @@
 //! `fdatasync` takes 0.1 to 37 ms on the disks that were tried (docs/design/numerics.md §2). It is called on the thread of the recorder,
 //! so that nothing that reads a device waits for it; what arrives meanwhile waits in the queue.
 
-use crate::error::RecordError;
 use std::time::Duration;
-use trunnion_core::{HostTime, chain};
+use trunnion_core::HostTime;
 
 /// From the beginning of one sync to that of the next, where the disk is quick: as long as a batch waits, so that it is written once.
 pub const PERIOD: Duration = Duration::from_millis(40);
@@ -22,13 +21,13 @@ pub struct Syncs {
     due: HostTime,
     at_risk: Duration,
     is_slow: bool,
-    refused: Option<String>,
+    was_refused: bool,
 }
 
 impl Syncs {
     /// Of a journal that begins now.
     pub fn begin(now: HostTime) -> Self {
-        Self { safe: now, due: now + PERIOD, at_risk: Duration::ZERO, is_slow: false, refused: None }
+        Self { safe: now, due: now + PERIOD, at_risk: Duration::ZERO, is_slow: false, was_refused: false }
     }
 
     /// True when it is time.
@@ -36,26 +35,20 @@ impl Syncs {
         now >= self.due
     }
 
-    /// One is over. A slow disk and one that refuses are logged when that begins, and one that refuses when it ends.
-    pub fn done(&mut self, began: HostTime, ended: HostTime, refused: Option<RecordError>) {
+    /// One is over; all that was accepted before it is on the disk, or it is not. A slow disk is logged.
+    pub fn done(&mut self, began: HostTime, ended: HostTime, is_on_disk: bool) {
         let took = ended - began;
         self.due = (began + PERIOD).max(ended + took.mul_f64(REST));
         let at_risk = ended - self.safe;
         self.at_risk = self.at_risk.max(at_risk);
-        let refused = refused.map(|error| chain(&error));
-        if refused.is_none() {
+        if is_on_disk {
             self.safe = began;
         }
-        match &refused {
-            Some(why) if self.refused.as_ref() != Some(why) => {
-                tracing::warn!("what is recorded is not on the disk yet: {why}");
-            }
-            None if self.refused.is_some() => tracing::info!("what is recorded is on the disk again"),
-            Some(_) | None => {}
-        }
-        self.refused = refused;
+        // What a disk refuses is logged as such, and is no sign of a slow one.
+        let was_refused = std::mem::replace(&mut self.was_refused, !is_on_disk);
+        let is_slow = at_risk > AT_RISK && is_on_disk && !was_refused;
         // Once a run: a disk that is slow now and then would fill the log.
-        if at_risk > AT_RISK && !std::mem::replace(&mut self.is_slow, true) {
+        if is_slow && !std::mem::replace(&mut self.is_slow, true) {
             tracing::warn!(
                 "the disk is slow: a power cut would have cost the last {:.2} s, not {:.1} s; keeping what was recorded took {:.0} ms",
                 at_risk.as_secs_f64(),
@@ -83,11 +76,11 @@ mod tests {
     fn a_quick_disk_is_synced_every_period_and_a_slow_one_has_a_rest() {
         let mut syncs = Syncs::begin(ms(0));
         assert!(!syncs.is_due(ms(39)) && syncs.is_due(ms(40)));
-        syncs.done(ms(40), ms(41), None);
+        syncs.done(ms(40), ms(41), true);
         assert!(!syncs.is_due(ms(79)) && syncs.is_due(ms(80)));
         assert_eq!(syncs.at_risk(), Duration::from_millis(41));
         // Slower than any that was tried: 400 ms, then 100 ms of rest.
-        syncs.done(ms(80), ms(480), None);
+        syncs.done(ms(80), ms(480), true);
         assert!(!syncs.is_due(ms(579)) && syncs.is_due(ms(580)));
         assert_eq!(syncs.at_risk(), Duration::from_millis(440));
     }
@@ -95,12 +88,11 @@ mod tests {
     #[test]
     fn what_a_disk_refuses_stays_at_risk() {
         let mut syncs = Syncs::begin(ms(0));
-        let refused = || Some(RecordError::Stopped);
-        syncs.done(ms(40), ms(41), refused());
-        syncs.done(ms(80), ms(81), refused());
-        syncs.done(ms(120), ms(121), None);
+        syncs.done(ms(40), ms(41), false);
+        syncs.done(ms(80), ms(81), false);
+        syncs.done(ms(120), ms(121), true);
         assert_eq!(syncs.at_risk(), Duration::from_millis(121));
-        syncs.done(ms(160), ms(161), None);
+        syncs.done(ms(160), ms(161), true);
         assert_eq!(syncs.at_risk(), Duration::from_millis(121));
     }
 }

@@ -89,7 +89,7 @@ impl RunWriter {
     /// # Errors
     /// When the journal cannot be removed.
     pub fn discard(self) -> Result<(), RecordError> {
-        let journals = self.recorder.journals().to_vec();
+        let journals: Vec<PathBuf> = self.recorder.journals().map(Path::to_path_buf).collect();
         drop(self.recorder);
         journals
             .iter()

@@ -6,17 +6,20 @@
 
 mod batches;
 mod closed;
+mod kept;
 #[cfg(test)]
 mod tests;
 
 use crate::error::RecordError;
 use crate::item::{Item, RunHeader};
 use crate::journal::{JOURNAL_ENDING, Journal, OpenJournal, open_locked, wall_time};
+use crate::lost;
 use crate::syncs;
 use crate::wire;
 use crate::wire::{Encoded, Topic};
 use batches::Batches;
 pub use closed::{Closed, Finished};
+use kept::KeptJournal;
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -38,7 +41,10 @@ pub struct Recorder {
     header: RunHeader,
     open: OpenJournal,
     journal: Option<Journal>,
-    journals: Vec<PathBuf>,
+    /// Those of the run so far; the last is the open one, where one is open.
+    journals: Vec<KeptJournal>,
+    /// One that was not at its place: lost, unless it is there again when the next one begins.
+    missing: Option<KeptJournal>,
     retry_at: HostTime,
     why_failed: String,
     /// The failure that was logged last.
@@ -53,16 +59,6 @@ pub struct Recorder {
     points: u64,
     messages: u64,
     latest_s: f64,
-    /// What is in the open journal.
-    written: Written,
-}
-
-/// Samples of a journal.
-#[derive(Clone, Copy, Default)]
-struct Written {
-    samples: u64,
-    /// Time of the first message with samples.
-    from_s: Option<f64>,
 }
 
 impl Recorder {
@@ -87,6 +83,7 @@ impl Recorder {
             open,
             journal: None,
             journals: Vec::new(),
+            missing: None,
             retry_at: header.host_start,
             why_failed: String::new(),
             reported: None,
@@ -100,9 +97,11 @@ impl Recorder {
             points: 0,
             messages: 0,
             latest_s: 0.0,
-            written: Written::default(),
         };
-        recorder.journal = Some(recorder.start_journal()?);
+        if let Some(path) = recorder.taken(0) {
+            return Err(RecordError::Exists { path });
+        }
+        recorder.journal = Some(recorder.start_journal(0)?);
         Ok(recorder)
     }
 
@@ -138,19 +137,25 @@ impl Recorder {
         self.write_batches(|arrival| now - arrival >= BATCH_AGE, now);
     }
 
-    /// Brings everything that was taken to the disk (0.1–40 ms): not from the thread that acquires. A journal that is not there any
-    /// more is over, and what was in it is lost, with a gap in the next.
+    /// Brings everything that was taken to the disk (0.1–40 ms): not from the thread that acquires. True when it is there.
     ///
-    /// # Errors
-    /// When the disk refuses; recording goes on.
-    pub fn sync(&mut self, now: HostTime) -> Result<(), RecordError> {
+    /// A journal that is not there any more is over, and what was in it is lost, with a gap in the next. One that the disk refuses is
+    /// over too: Linux reports a failed write of its cache once and takes those pages as written afterwards (fsync(2)), so a later
+    /// success says nothing of them.
+    pub fn sync(&mut self, now: HostTime) -> bool {
         self.write_batches(|_| true, now);
-        match self.journal.as_ref().map_or(Ok(()), Journal::sync) {
-            Err(error @ RecordError::Gone { .. }) => {
-                self.gone(error, now);
-                Ok(())
+        match self.journal.as_ref().map(Journal::sync) {
+            Some(Ok(())) => true,
+            Some(Err(RecordError::Gone { path })) => {
+                self.gone(path, now);
+                false
             }
-            other => other,
+            Some(Err(error)) => {
+                self.abandon();
+                self.failed(error, now);
+                false
+            }
+            None => false,
         }
     }
 
@@ -160,8 +165,8 @@ impl Recorder {
     }
 
     /// The journals written so far.
-    pub(crate) fn journals(&self) -> &[PathBuf] {
-        &self.journals
+    pub(crate) fn journals(&self) -> impl Iterator<Item = &Path> {
+        self.journals.iter().map(|journal| journal.path.as_path())
     }
 
     /// Messages written so far.
@@ -191,8 +196,10 @@ impl Recorder {
 
     /// Ends the journals. What cannot be written even now is lost, and counted in a gap of the finished file.
     pub(crate) fn close(mut self, now: HostTime) -> Closed {
-        if let Err(error) = self.sync(now) {
-            tracing::warn!("{}", chain(&error));
+        self.write_batches(|_| true, now);
+        // One that is gone gets a file after it, which says so. One that the disk refuses is rewritten from what the system has of it.
+        if let Some(Err(RecordError::Gone { path })) = self.journal.as_ref().map(Journal::sync) {
+            self.gone(path, now);
         }
         self.retry_at = now;
         self.try_again(now);
@@ -205,6 +212,8 @@ impl Recorder {
         while let Some((message, _)) = self.ring.pop_front() {
             self.lose(&message);
         }
+        self.look_for_missing();
+        self.settle_missing();
         let lost = self.lost.map(|gap| Gap { reason: self.why_failed, ..gap });
         Closed::new(self.journals, lost, self.lost_samples)
     }
@@ -246,14 +255,19 @@ impl Recorder {
         match journal.write(&self.header, &message, publish) {
             Ok(()) => {
                 self.messages += 1;
-                if message.samples > 0 {
-                    self.written.samples += message.samples;
-                    self.written.from_s.get_or_insert(message.time_s);
+                if let Some(kept) = self.journals.last_mut() {
+                    kept.wrote(&message);
                 }
                 Ok(())
             }
             Err(error) => {
                 let path = journal.abandon();
+                // What was written before is whole, and nobody else brings it to the disk.
+                match journal.sync() {
+                    Ok(()) => {}
+                    Err(RecordError::Gone { .. }) => self.missing = self.journals.pop(),
+                    Err(error) => tracing::warn!("a power cut may cost its last samples: {}", chain(&error)),
+                }
                 self.journal = None;
                 self.failed(RecordError::Write { path, source: error }, arrival);
                 Err(message)
@@ -261,17 +275,31 @@ impl Recorder {
         }
     }
 
-    /// The journal was removed: begins another at once.
-    fn gone(&mut self, error: RecordError, now: HostTime) {
+    fn abandon(&mut self) {
         if let Some(mut journal) = self.journal.take() {
             journal.abandon();
         }
-        self.journals.pop();
-        let Written { samples, from_s } = self.written;
-        self.count_lost(from_s.unwrap_or(self.latest_s), self.latest_s, samples);
-        self.failed(error, now);
+    }
+
+    /// The journal is not at its place: another is begun at once.
+    fn gone(&mut self, path: PathBuf, now: HostTime) {
+        self.abandon();
+        self.missing = self.journals.pop();
+        self.failed(RecordError::Gone { path }, now);
         self.retry_at = now;
         self.try_new_file(now);
+    }
+
+    /// A folder on the network may miss a file for a moment: one that is there again belongs to the run.
+    fn look_for_missing(&mut self) {
+        self.journals.extend(self.missing.take_if(|missing| !missing.is_gone()));
+    }
+
+    /// What was in a missing journal is lost. The next one may have its name by now.
+    fn settle_missing(&mut self) {
+        if let Some(KeptJournal { samples, from_s, to_s, .. }) = self.missing.take() {
+            self.count_lost(from_s.unwrap_or(self.latest_s), to_s.max(self.latest_s), samples);
+        }
     }
 
     fn failed(&mut self, error: RecordError, now: HostTime) {
@@ -302,25 +330,20 @@ impl Recorder {
 
     fn count_lost(&mut self, from_s: f64, to_s: f64, samples: u64) {
         self.lost_samples += samples;
-        let gap = self.lost.get_or_insert_with(|| Gap {
-            source: "recorder".into(),
-            from_s,
-            to_s,
-            lost_samples: Some(0),
-            reason: String::new(),
-        });
-        gap.to_s = gap.to_s.max(to_s);
-        gap.lost_samples = gap.lost_samples.map(|lost| lost + samples);
+        // The reason is that of the moment at which the gap is written.
+        lost::add(&mut self.lost, (from_s, to_s), samples, "");
     }
 
     fn try_new_file(&mut self, now: HostTime) {
         if now < self.retry_at {
             return;
         }
-        match self.start_journal() {
+        self.look_for_missing();
+        match self.start_further_journal() {
             Ok(journal) => self.journal = Some(journal),
             Err(error) => return self.failed(error, now),
         }
+        self.settle_missing();
         tracing::info!("recording goes on in a new file");
         self.reported = None;
         let text = format!("a new file was begun after: {}", self.why_failed);
@@ -330,7 +353,9 @@ impl Recorder {
         let publish = wall_time(&self.header, now.seconds_since(self.header.host_start));
         let waiting = std::mem::take(&mut self.ring);
         self.ring_bytes = 0;
-        let first = [Some(wire::encode_event(&resumed)), lost].into_iter().flatten();
+        // Of the recorder itself: nothing is lost with it.
+        let resumed = Encoded { samples: 0, ..wire::encode_event(&resumed) };
+        let first = [Some(resumed), lost].into_iter().flatten();
         for (message, publish) in first.map(|message| (message, publish)).chain(waiting) {
             if let Err(message) = self.write_now(message, publish, now) {
                 self.keep(message, publish);
@@ -338,23 +363,30 @@ impl Recorder {
         }
     }
 
-    /// Starts the journal `NAME.mcap.active`, then `NAME-2.mcap.active` and so on.
-    fn start_journal(&mut self) -> Result<Journal, RecordError> {
-        std::fs::create_dir_all(&self.dir).map_err(RecordError::io("create the folder", &self.dir))?;
-        let name = match self.journals.len() {
-            0 => self.name.clone(),
-            n => format!("{}-{}", self.name, n + 1),
-        };
-        let finished = self.dir.join(format!("{name}.mcap"));
-        let path = self.dir.join(format!("{name}.mcap{JOURNAL_ENDING}"));
-        if let Some(path) = [&finished, &path].into_iter().find(|path| path.exists()) {
-            return Err(RecordError::Exists { path: path.clone() });
+    /// Starts a journal of the first free name, and brings its beginning to the disk: what that refuses, waits better in memory.
+    fn start_further_journal(&mut self) -> Result<Journal, RecordError> {
+        let mut number = self.journals.len();
+        while self.taken(number).is_some() {
+            number += 1;
         }
+        let mut journal = self.start_journal(number)?;
+        if let Err(error) = journal.sync() {
+            let path = journal.abandon();
+            self.journals.pop();
+            std::fs::remove_file(&path).map_err(RecordError::io("remove", &path))?;
+            return Err(error);
+        }
+        Ok(journal)
+    }
+
+    /// Starts the journal of this number.
+    fn start_journal(&mut self, number: usize) -> Result<Journal, RecordError> {
+        std::fs::create_dir_all(&self.dir).map_err(RecordError::io("create the folder", &self.dir))?;
+        let [_, path] = self.files(number);
         let file = (self.open)(&path).map_err(RecordError::io("create", &path))?;
         match Journal::start(path.clone(), file, &self.header) {
             Ok(journal) => {
-                self.journals.push(path);
-                self.written = Written::default();
+                self.journals.push(KeptJournal::begin(path));
                 Ok(journal)
             }
             Err(error) => {
@@ -363,6 +395,20 @@ impl Recorder {
                 Err(error)
             }
         }
+    }
+
+    /// The file that has the name of this journal already.
+    fn taken(&self, number: usize) -> Option<PathBuf> {
+        self.files(number).into_iter().find(|path| path.exists())
+    }
+
+    /// Recording and journal of this number: `NAME.mcap`, then `NAME-2.mcap` and so on.
+    fn files(&self, number: usize) -> [PathBuf; 2] {
+        let name = match number {
+            0 => self.name.clone(),
+            n => format!("{}-{}", self.name, n + 1),
+        };
+        ["", JOURNAL_ENDING].map(|ending| self.dir.join(format!("{name}.mcap{ending}")))
     }
 
     fn plot_probe(&mut self, sample: &ProbeSample, arrival: HostTime) {

@@ -20,8 +20,6 @@ pub struct Texts {
     pub config: String,
 }
 
-/// Items between the service and the writing thread: a second of three probes at 4 kHz, with room.
-const RECORDER_QUEUE: usize = 32_768;
 /// For how long a person who waits for the end of a recording waits for room on the disk.
 const FINISH_WITHIN: Duration = Duration::from_secs(60);
 /// Words of the log line that says how full the queues of a cycle were.
@@ -89,8 +87,13 @@ pub async fn measure_cycle(
     progress: OnProgress<'_>,
 ) -> Result<Unfinished, ServiceError> {
     let NewRun { folder, name, .. } = *run;
-    let recorder = Recorder::create(folder, name, &header(run, &start, live.clock()))?;
-    let handle = RecorderHandle::spawn(recorder, RECORDER_QUEUE, live.clock().clone())
+    let header = header(run, &start, live.clock());
+    let (into, named) = (folder.to_owned(), name.to_owned());
+    // It syncs the folder, which a slow disk may take long for.
+    let recorder = tokio::task::spawn_blocking(move || Recorder::create(&into, &named, &header))
+        .await
+        .map_err(|_| ServiceError::Broken("recording thread"))??;
+    let handle = RecorderHandle::spawn(recorder, RecorderHandle::QUEUE, live.clock().clone())
         .map_err(ServiceError::Thread)?;
     let sender = handle.sender();
     let measured = match live.measure(run.plan, &start, &sender, progress).await {
@@ -136,9 +139,6 @@ impl Unfinished {
 fn header(run: &NewRun<'_>, start: &Start, clock: &Arc<dyn Clock>) -> RunHeader {
     let NewRun { plan, texts, name, .. } = *run;
     RunHeader {
-        name: name.into(),
-        kind: plan.cycle.run_kind(),
-        machine_name: plan.machine.name.clone(),
         machine_text: texts.machine.clone(),
         setups: plan.cycle.setups.clone(),
         temperature_channels: start.temperature_channels.clone(),
@@ -149,5 +149,6 @@ fn header(run: &NewRun<'_>, start: &Start, clock: &Arc<dyn Clock>) -> RunHeader 
         software_version: env!("CARGO_PKG_VERSION").into(),
         wall_start_ns: clock.wall_ns() - (clock.now() - start.at).as_nanos() as i64,
         host_start: start.at,
+        ..RunHeader::new(name, plan.cycle.run_kind(), &plan.machine.name)
     }
 }

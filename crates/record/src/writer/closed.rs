@@ -1,13 +1,14 @@
 //! A run that has ended, whose journals are still to be rewritten: again where the disk refuses.
 
+use super::kept::KeptJournal;
 use crate::error::RecordError;
 use crate::finish::{Ending, FinishedFile, finish_journal};
-use std::path::PathBuf;
+use crate::lost;
 use trunnion_core::Gap;
 
 /// The journals of a run that has ended.
 pub struct Closed {
-    journals: Vec<PathBuf>,
+    journals: Vec<KeptJournal>,
     /// What could not be written; the last file says so.
     lost: Option<Gap>,
     finished: Finished,
@@ -23,20 +24,49 @@ pub struct Finished {
 }
 
 impl Closed {
-    pub(super) fn new(journals: Vec<PathBuf>, lost: Option<Gap>, lost_samples: u64) -> Self {
+    pub(super) fn new(journals: Vec<KeptJournal>, lost: Option<Gap>, lost_samples: u64) -> Self {
         Self { journals, lost, finished: Finished { files: Vec::new(), lost_samples } }
     }
 
-    /// Rewrites the journals that are left.
+    /// Rewrites the journals that are left. What was in one that is gone is lost, and costs the others nothing.
     ///
     /// # Errors
-    /// When a file cannot be written or does not read back; its journal is kept, and this may be called again.
+    /// When a file cannot be written or does not read back; its journal is kept, and this may be called again. `Gone` when no file
+    /// is left.
     pub fn finish(&mut self) -> Result<Finished, RecordError> {
+        // Before the last file is written, which says what was lost.
+        let mut index = self.finished.files.len();
+        let mut last_gone = None;
+        while let Some(journal) = self.journals.get(index) {
+            match journal.is_gone() {
+                true => last_gone = Some(self.lose(index)),
+                false => index += 1,
+            }
+        }
         while let Some(journal) = self.journals.get(self.finished.files.len()) {
             let is_last = self.finished.files.len() + 1 == self.journals.len();
             let lost = self.lost.as_ref().filter(|_| is_last);
-            self.finished.files.push(finish_journal(journal, Ending::Ended(lost))?);
+            match finish_journal(&journal.path, Ending::Ended(lost)) {
+                Ok(file) => self.finished.files.push(file),
+                Err(RecordError::Gone { .. }) => last_gone = Some(self.lose(self.finished.files.len())),
+                Err(error) => return Err(error),
+            }
         }
-        Ok(self.finished.clone())
+        match last_gone {
+            Some(gone) if self.finished.files.is_empty() => Err(gone),
+            Some(_) | None => Ok(self.finished.clone()),
+        }
+    }
+
+    /// A journal that is gone: its samples are lost.
+    fn lose(&mut self, index: usize) -> RecordError {
+        let KeptJournal { path, samples, from_s, to_s } = self.journals.remove(index);
+        let gone = RecordError::Gone { path };
+        tracing::error!(samples, "{gone}");
+        self.finished.lost_samples += samples;
+        if let Some(from_s) = from_s {
+            lost::add(&mut self.lost, (from_s, to_s), samples, &gone.to_string());
+        }
+        gone
     }
 }

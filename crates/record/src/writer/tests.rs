@@ -1,5 +1,6 @@
 //! Disks that are full, and a computer that loses its power.
 
+mod journals;
 mod power;
 
 use super::*;
@@ -46,8 +47,7 @@ fn a_full_disk_costs_only_what_the_ring_cannot_hold_and_that_is_a_gap() {
         let file = std::fs::File::create_new(path)?;
         Ok((Box::new(SmallDisk { file, left: Arc::clone(&disk) }), Box::new(|| Ok(()))))
     });
-    let header = RunHeader { name: "full".into(), machine_name: "table-bc".into(), ..blank_header() };
-    let mut recorder = Recorder::create_with(folder.path(), "full", &header, open).unwrap();
+    let mut recorder = Recorder::create_with(folder.path(), "full", &header("full"), open).unwrap();
     let samples = 1_200_000_i64;
     let mut failed = false;
     for raw in 0..samples {
@@ -89,14 +89,14 @@ fn a_disk_that_stays_full_leaves_a_gap_in_what_was_finished() {
         let file = std::fs::File::create_new(path)?;
         Ok((Box::new(SmallDisk { file, left: Arc::clone(&left) }), Box::new(|| Ok(()))))
     });
-    let header = RunHeader { name: "full".into(), machine_name: "table-bc".into(), ..blank_header() };
-    let mut recorder = Recorder::create_with(folder.path(), "full", &header, open).unwrap();
+    let mut recorder = Recorder::create_with(folder.path(), "full", &header("full"), open).unwrap();
     let samples = 20_000_i64;
     for raw in 0..samples {
         let (time_s, value_mm) = (raw as f64 * 1e-4, (raw as f64).sin());
         let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
         recorder.append(Item::Probe(sample), HostTime(raw * 100_000));
     }
+    assert!(!recorder.sync(HostTime(samples * 100_000)), "what waits in memory is on no disk");
     let finished = recorder.finish(HostTime(samples * 100_000)).unwrap();
     let [file] = &finished.files[..] else { panic!("{finished:?}") };
     let read = read_run(&file.path, &shipped::machine).unwrap();
@@ -111,27 +111,13 @@ fn a_disk_that_stays_full_leaves_a_gap_in_what_was_finished() {
 #[test]
 fn a_journal_that_vanishes_after_its_last_sync_is_not_waited_for() {
     let folder = tempfile::tempdir().unwrap();
-    let recorder = Recorder::create(folder.path(), "r", &blank_header()).unwrap();
+    let recorder = Recorder::create(folder.path(), "r", &header("r")).unwrap();
     let mut closed = recorder.close(HostTime(0));
     std::fs::remove_file(folder.path().join("r.mcap.active")).unwrap();
     let error = closed.finish().unwrap_err();
     assert!(matches!(error, RecordError::Gone { .. }) && !error.may_pass(), "{error}");
 }
 
-fn blank_header() -> RunHeader {
-    RunHeader {
-        name: String::new(),
-        kind: RunKind::OnTheFly,
-        machine_name: String::new(),
-        machine_text: String::new(),
-        setups: Vec::new(),
-        temperature_channels: Vec::new(),
-        probes: Vec::new(),
-        probe_roles: Vec::new(),
-        cycle_text: String::new(),
-        config_text: String::new(),
-        software_version: String::new(),
-        wall_start_ns: 0,
-        host_start: HostTime(0),
-    }
+fn header(name: &str) -> RunHeader {
+    RunHeader::new(name, RunKind::OnTheFly, "table-bc")
 }

@@ -2,29 +2,18 @@
 //!
 //! This test starts itself again in a mount namespace of its own, which needs no rights where user namespaces are allowed.
 
-use super::header;
+use super::{Monotonic, header};
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use trunnion_core::{Clock, HostTime, ProbeSample};
+use trunnion_core::{Clock, ProbeSample};
 use trunnion_machine::shipped;
 use trunnion_record::{Finished, Item, Recorder, RecorderHandle, read_run};
 
 const FOLDER: &str = "TRUNNION_FULL_DISK_TEST_FOLDER";
 /// Longest wait for a state of the recorder.
 const LIMIT: Duration = Duration::from_secs(60);
-
-struct Monotonic(Instant);
-
-impl Clock for Monotonic {
-    fn now(&self) -> HostTime {
-        HostTime(self.0.elapsed().as_nanos() as i64)
-    }
-    fn wall_ns(&self) -> i64 {
-        0
-    }
-}
 
 /// Runs this test again where `folder` is a file system of 4 MiB.
 fn on_a_small_disk(test: &str, folder: &Path) {
@@ -56,6 +45,7 @@ fn send_until(handle: &RecorderHandle, clock: &Monotonic, sent: &mut i64, is_fai
     while handle.status().failing.is_some() != is_failing {
         assert!(begun.elapsed() < LIMIT, "{:?}", handle.status());
         send(handle, clock, sent, 20);
+        // So that the disk fills over some batches, and the queue does not.
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -119,6 +109,7 @@ fn a_run_that_ends_on_a_full_disk_is_finished_when_there_is_room() {
     let begun = Instant::now();
     while handle.status().messages < 20_000 / 256 {
         assert!(begun.elapsed() < LIMIT, "{:?}", handle.status());
+        // The count of the recorder is looked at: nobody is told when it grows.
         std::thread::sleep(Duration::from_millis(1));
     }
     // Whatever is left is taken: the finished file finds no byte.
@@ -129,11 +120,13 @@ fn a_run_that_ends_on_a_full_disk_is_finished_when_there_is_room() {
     let freeing = std::thread::spawn(move || {
         let begun = Instant::now();
         while sender.status().failing.is_none() && begun.elapsed() < LIMIT {
+            // As above: a status is looked at.
             std::thread::sleep(Duration::from_millis(1));
         }
         std::fs::remove_file(other).unwrap();
     });
     let finished = handle.finish_within(LIMIT).unwrap();
     freeing.join().unwrap();
+    assert_eq!(finished.files.len(), 1, "the disk filled after the last sample");
     check_whole(&finished, sent);
 }

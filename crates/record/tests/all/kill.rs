@@ -1,6 +1,6 @@
 //! Nothing accepted more than 0.1 s before a kill is lost.
 
-use super::header;
+use super::{Monotonic, header};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::HashSet;
@@ -13,20 +13,15 @@ use trunnion_core::{Clock, HostTime, ProbeSample};
 use trunnion_machine::shipped;
 use trunnion_record::{Item, Recorder, RecorderHandle, read_run, recover_orphans};
 
-/// A recording process that waited longer than this between two samples, 1 ms apart, was on a computer without time.
+/// A recording process that waited longer than this between two samples, 1 ms apart, was on a computer without time: half of the 0.1 s
+/// that is promised.
 const LONGEST_PAUSE: Duration = Duration::from_millis(50);
+/// What a kill may cost.
+const PROMISED: Duration = Duration::from_millis(100);
+const KILLS: usize = 50;
+/// A computer on which fewer kills are judged is too busy to say anything.
+const LEAST_JUDGED: usize = KILLS / 5;
 const FOLDER: &str = "TRUNNION_KILL_TEST_FOLDER";
-
-struct Monotonic(Instant);
-
-impl Clock for Monotonic {
-    fn now(&self) -> HostTime {
-        HostTime(self.0.elapsed().as_nanos() as i64)
-    }
-    fn wall_ns(&self) -> i64 {
-        0
-    }
-}
 
 /// The process that is killed: this same test, started again with a folder to record into.
 fn record_a_counter_until_killed(folder: &Path) -> ! {
@@ -45,6 +40,7 @@ fn record_a_counter_until_killed(folder: &Path) -> ! {
         if handle.try_send(Item::Probe(sample), now) {
             writeln!(out, "accepted {raw} {longest_ns}").unwrap();
         }
+        // The pace of the samples.
         std::thread::sleep(Duration::from_millis(1));
     }
     unreachable!("the counter does not end")
@@ -56,8 +52,8 @@ fn fifty_kills_lose_nothing_older_than_a_tenth_of_a_second() {
         record_a_counter_until_killed(Path::new(&folder));
     }
     let mut rng = ChaCha8Rng::seed_from_u64(11);
-    let mut checked = 0;
-    for _ in 0..50 {
+    let mut judged = 0;
+    for _ in 0..KILLS {
         let folder = tempfile::tempdir().unwrap();
         let mut child = Command::new(std::env::current_exe().unwrap())
             .args(["--nocapture", "--exact", "kill::fifty_kills_lose_nothing_older_than_a_tenth_of_a_second"])
@@ -92,14 +88,15 @@ fn fifty_kills_lose_nothing_older_than_a_tenth_of_a_second() {
         assert_eq!((read.damage, recovered.damage), (None, None));
         assert_eq!(read.events[0].kind, "recovered");
         let found: HashSet<i64> = read.probe_samples.iter().map(|sample| sample.raw).collect();
-        for (raw, when) in accepted {
-            // A computer that paused says nothing of the recorder: that kill is not judged.
-            if paused < LONGEST_PAUSE && killed - when > Duration::from_millis(100) {
-                assert!(found.contains(&raw), "{raw} was accepted {:?} before the kill", killed - when);
-                checked += 1;
-            }
+        // A computer that paused says nothing of the recorder: that kill is not judged.
+        if paused >= LONGEST_PAUSE {
+            continue;
+        }
+        judged += 1;
+        for (raw, when) in accepted.into_iter().filter(|(_, when)| killed - *when > PROMISED) {
+            assert!(found.contains(&raw), "{raw} was accepted {:?} before the kill", killed - when);
         }
     }
-    println!("{checked} samples checked");
-    assert!(checked > 500, "{checked}");
+    println!("{judged} of {KILLS} kills judged");
+    assert!(judged >= LEAST_JUDGED, "this computer paused: {judged} of {KILLS} kills judged");
 }

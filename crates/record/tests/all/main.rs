@@ -2,7 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
-use trunnion_core::HostTime;
+use std::time::Instant;
+use trunnion_core::{Clock, HostTime};
 use trunnion_cycles::RunKind;
 use trunnion_record::RunHeader;
 
@@ -19,19 +20,17 @@ mod schema;
 
 /// A run on the fly of one probe, with nothing else in it.
 fn header(name: &str, probe: &str) -> RunHeader {
-    RunHeader {
-        name: name.into(),
-        kind: RunKind::OnTheFly,
-        machine_name: "table-bc".into(),
-        machine_text: String::new(),
-        setups: Vec::new(),
-        temperature_channels: Vec::new(),
-        probes: vec![probe.into()],
-        probe_roles: Vec::new(),
-        cycle_text: String::new(),
-        config_text: String::new(),
-        software_version: "0.1.0".into(),
-        wall_start_ns: 0,
-        host_start: HostTime(0),
+    RunHeader { probes: vec![probe.into()], ..RunHeader::new(name, RunKind::OnTheFly, "table-bc") }
+}
+
+/// The clock of this computer.
+struct Monotonic(Instant);
+
+impl Clock for Monotonic {
+    fn now(&self) -> HostTime {
+        HostTime(self.0.elapsed().as_nanos() as i64)
+    }
+    fn wall_ns(&self) -> i64 {
+        0
     }
 }

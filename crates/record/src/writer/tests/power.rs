@@ -26,8 +26,7 @@ impl Powered {
     /// The thread of the recorder takes readings as they arrive, and those that waited when it is free again.
     fn run(seconds: i64, mut took_ms: impl FnMut() -> f64) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let header = RunHeader { name: "power".into(), machine_name: "table-bc".into(), ..blank_header() };
-        let mut recorder = Recorder::create(folder.path(), "power", &header).unwrap();
+        let mut recorder = Recorder::create(folder.path(), "power", &header("power")).unwrap();
         let journal = folder.path().join("power.mcap.active");
         let size = || std::fs::metadata(&journal).unwrap().len();
         let mut safe = vec![(HostTime(0), size())];
@@ -42,9 +41,9 @@ impl Powered {
             let sample = ProbeSample { channel, time_s, raw, value_mm, ..ProbeSample::default() };
             recorder.append(Item::Probe(sample), arrival);
             if syncs.is_due(now) {
-                recorder.sync(now).unwrap();
+                assert!(recorder.sync(now));
                 free_at = now + Duration::from_secs_f64(took_ms() * 1e-3);
-                syncs.done(now, free_at, None);
+                syncs.done(now, free_at, true);
                 safe.push((free_at, size()));
             }
         }

@@ -1,0 +1,142 @@
+//! Journals that a folder misses for a moment, that the disk refuses, and that vanish before they are finished.
+
+use super::*;
+use std::collections::VecDeque;
+use std::sync::Mutex;
+
+/// What the next syncs of all journals answer; they succeed when there is no answer left.
+type Answers = Arc<Mutex<VecDeque<io::ErrorKind>>>;
+
+fn recorder(folder: &Path, answers: &Answers) -> Recorder {
+    let answers = Arc::clone(answers);
+    let open: OpenJournal = Box::new(move |path| {
+        let (file, answers) = (std::fs::File::create_new(path)?, Arc::clone(&answers));
+        let sync = move || answers.lock().unwrap().pop_front().map_or(Ok(()), |kind| Err(kind.into()));
+        Ok((Box::new(file), Box::new(sync)))
+    });
+    Recorder::create_with(folder, "r", &header("r"), open).unwrap()
+}
+
+fn at_ms(raw: i64) -> HostTime {
+    HostTime(raw * 1_000_000)
+}
+
+/// Samples 1 ms apart.
+fn record(recorder: &mut Recorder, raws: std::ops::Range<i64>) {
+    for raw in raws {
+        let sample = ProbeSample { time_s: raw as f64 * 1e-3, raw, ..ProbeSample::default() };
+        recorder.append(Item::Probe(sample), at_ms(raw));
+    }
+}
+
+/// Names, samples and gaps of the finished files.
+fn read(finished: &Finished) -> (Vec<String>, Vec<i64>, Vec<Gap>) {
+    let (mut names, mut raws, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
+    for file in &finished.files {
+        let run = read_run(&file.path, &shipped::machine).unwrap();
+        names.push(file.path.file_name().unwrap().to_string_lossy().into_owned());
+        raws.extend(run.probe_samples.iter().map(|sample| sample.raw));
+        gaps.extend(run.gaps);
+    }
+    (names, raws, gaps)
+}
+
+#[test]
+fn a_folder_that_misses_a_file_for_one_look_costs_nothing() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let mut recorder = recorder(folder.path(), &answers);
+    record(&mut recorder, 0..1000);
+    answers.lock().unwrap().push_back(io::ErrorKind::NotFound);
+    assert!(!recorder.sync(at_ms(1000)), "what was in it may be on no disk");
+    assert_eq!((recorder.failing(), recorder.lost_samples()), (None, 0));
+    record(&mut recorder, 1000..2000);
+    let finished = recorder.finish(at_ms(2000)).unwrap();
+    let (names, raws, gaps) = read(&finished);
+    assert_eq!((names, gaps), (vec!["r.mcap".to_owned(), "r-2.mcap".to_owned()], Vec::new()));
+    assert!(finished.lost_samples == 0 && raws.into_iter().eq(0..2000));
+}
+
+#[test]
+fn a_file_that_is_there_again_when_the_next_one_begins_belongs_to_the_run() {
+    let (place, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let (folder, other) = (place.path().join("runs"), place.path().join("elsewhere"));
+    let mut recorder = recorder(&folder, &answers);
+    record(&mut recorder, 0..1000);
+    std::fs::rename(&folder, &other).unwrap();
+    // No folder can be made at its place.
+    std::fs::write(&folder, "").unwrap();
+    answers.lock().unwrap().push_back(io::ErrorKind::NotFound);
+    assert!(!recorder.sync(at_ms(1000)));
+    assert!(recorder.failing().is_some() && recorder.lost_samples() == 0);
+    record(&mut recorder, 1000..1500);
+    std::fs::remove_file(&folder).unwrap();
+    std::fs::rename(&other, &folder).unwrap();
+    record(&mut recorder, 1500..3000);
+    let finished = recorder.finish(at_ms(3000)).unwrap();
+    let (names, raws, gaps) = read(&finished);
+    assert_eq!((names, gaps), (vec!["r.mcap".to_owned(), "r-2.mcap".to_owned()], Vec::new()));
+    assert!(finished.lost_samples == 0 && raws.into_iter().eq(0..3000));
+}
+
+#[test]
+fn a_file_that_the_disk_refuses_to_keep_is_over_and_the_next_one_begins_when_it_is_kept() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let mut recorder = recorder(folder.path(), &answers);
+    record(&mut recorder, 0..1000);
+    // The sync, and that of the file that is tried a second later.
+    answers.lock().unwrap().extend([io::ErrorKind::StorageFull; 2]);
+    assert!(!recorder.sync(at_ms(1000)));
+    assert!(recorder.failing().is_some_and(|why| why.contains("cannot sync")), "{:?}", recorder.failing());
+    assert!(!recorder.sync(at_ms(1040)), "what waits in memory is on no disk");
+    record(&mut recorder, 1000..4000);
+    assert!(recorder.failing().is_none() && recorder.sync(at_ms(4000)));
+    let finished = recorder.finish(at_ms(4000)).unwrap();
+    let (names, raws, gaps) = read(&finished);
+    assert_eq!((names, gaps), (vec!["r.mcap".to_owned(), "r-2.mcap".to_owned()], Vec::new()));
+    assert!(finished.lost_samples == 0 && raws.into_iter().eq(0..4000));
+}
+
+#[test]
+fn a_disk_that_refuses_the_last_sync_of_a_run_costs_no_further_file() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let mut recorder = recorder(folder.path(), &answers);
+    record(&mut recorder, 0..1000);
+    answers.lock().unwrap().extend([io::ErrorKind::StorageFull; 2]);
+    let (names, raws, gaps) = read(&recorder.finish(at_ms(1000)).unwrap());
+    assert_eq!((names, gaps), (vec!["r.mcap".to_owned()], Vec::new()));
+    assert!(raws.into_iter().eq(0..1000));
+}
+
+/// Three journals of two thousand samples each.
+fn three(folder: &Path) -> Closed {
+    let answers = Answers::default();
+    let mut recorder = recorder(folder, &answers);
+    for first in [0, 2000] {
+        record(&mut recorder, first..first + 2000);
+        answers.lock().unwrap().push_back(io::ErrorKind::StorageFull);
+        assert!(!recorder.sync(at_ms(first + 2000)));
+    }
+    record(&mut recorder, 4000..6000);
+    recorder.close(at_ms(6000))
+}
+
+#[test]
+fn a_journal_that_is_gone_costs_its_own_samples_and_no_other() {
+    for (gone, names, from) in [
+        ("r", ["r-2.mcap", "r-3.mcap"], 0),
+        ("r-2", ["r.mcap", "r-3.mcap"], 2000),
+        ("r-3", ["r.mcap", "r-2.mcap"], 4000),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut closed = three(folder.path());
+        std::fs::remove_file(folder.path().join(format!("{gone}.mcap.active"))).unwrap();
+        let finished = closed.finish().unwrap();
+        let (found, raws, gaps) = read(&finished);
+        assert_eq!(found, names);
+        assert_eq!((finished.lost_samples, raws.len()), (2000, 4000), "{gone}");
+        let [gap] = &gaps[..] else { panic!("{gaps:?}") };
+        assert!(gap.lost_samples == Some(2000) && gap.reason.contains("is not there any more"), "{gap:?}");
+        let within_a_batch = |time_s: f64, raw: i64| (time_s - raw as f64 * 1e-3).abs() < 0.3;
+        assert!(within_a_batch(gap.from_s, from) && within_a_batch(gap.to_s, from + 2000), "{gap:?}");
+    }
+}
