@@ -21,6 +21,13 @@ impl Add<Duration> for HostTime {
     }
 }
 
+impl Sub<Duration> for HostTime {
+    type Output = Self;
+    fn sub(self, duration: Duration) -> Self {
+        Self(self.0.saturating_sub(i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)))
+    }
+}
+
 impl Sub for HostTime {
     type Output = Duration;
     /// Zero when `earlier` is later.

@@ -253,8 +253,15 @@ struct Sensor {
     layout: Layout,
     counter: Unwrap,
     timestamp: Unwrap,
-    last: Option<(u64, HostTime)>,
+    last: Option<Last>,
     blocks: u64,
+}
+
+/// Where the last block stands.
+struct Last {
+    sequence: u64,
+    device_ticks: u64,
+    arrival: HostTime,
 }
 
 impl Sensor {
@@ -297,18 +304,23 @@ impl Sensor {
             link.explain(link.first_channel, || error.to_string());
             f64::NAN
         });
-        if let Some((last, at)) = self.last
-            && sequence > last + 1
+        if let Some(last) = &self.last
+            && sequence > last.sequence + 1
         {
-            let lost = sequence - last - 1;
-            link.gap(at, arrival, Some(lost), "values lost on the line (counter jumped)".into());
+            let lost = sequence - last.sequence - 1;
+            // After a pause of the program blocks of before and after the hole arrive together: the clock of the sensor says how long it is.
+            let hole =
+                Duration::from_secs_f64(device_ticks.saturating_sub(last.device_ticks) as f64 * tick_s);
+            let from = last.arrival.min(arrival - hole);
+            link.gap(from, arrival, Some(lost), "values lost on the line (counter jumped)".into());
         }
-        if let Some((last, at)) = self.last
-            && sequence < last
+        if let Some(last) = &self.last
+            && sequence < last.sequence
         {
-            link.gap(at, arrival, None, "the sensor began to count again: it was restarted or reset".into());
+            let reason = "the sensor began to count again: it was restarted or reset";
+            link.gap(last.arrival, arrival, None, reason.into());
         }
-        self.last = Some((sequence, arrival));
+        self.last = Some(Last { sequence, device_ticks, arrival });
         let raw = i64::from(distance.get());
         let reading =
             ProbeReading { channel: self.channel, device_ticks, tick_s, sequence, raw, value_mm, arrival };
@@ -316,3 +328,6 @@ impl Sensor {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -82,7 +82,7 @@ struct Node {
     description: NodeDescription,
     /// Values come with SYNC; those it sends by event are not taken.
     by_sync: bool,
-    /// Last SYNC index or count, with its arrival.
+    /// Last SYNC index or count, with its moment.
     last: Option<(u64, HostTime)>,
     /// TPDO that brought it.
     last_id: Option<CanId>,
@@ -198,7 +198,8 @@ impl Nodes {
                 Some(_) => (sync, sync_at),
                 None => (node.last.map_or(1, |(count, _)| count + 1), arrival),
             };
-            node.count_loss(sequence, every, arrival, link);
+            node.count_loss(sequence, every, moment, link);
+            node.last_value = arrival;
             node.last_id = Some(frame.id());
             let ticks = (moment.0 - began.0).max(0).cast_unsigned() / 1000;
             let known = if stamped { moment } else { arrival };
@@ -298,16 +299,16 @@ impl Node {
         }
     }
 
-    fn count_loss(&mut self, sequence: u64, every: Option<u64>, arrival: HostTime, link: &mut Link) {
+    /// Values are missing between the SYNCs that were answered, whenever the answers were read.
+    fn count_loss(&mut self, sequence: u64, every: Option<u64>, moment: HostTime, link: &mut Link) {
         if let (Some((last, at)), Some(every)) = (self.last, every) {
             let lost = (sequence.saturating_sub(last) / every).saturating_sub(1);
             if lost > 0 {
                 let reason = format!("node {} missed SYNCs", self.config.id.get());
-                link.gap(at, arrival, Some(lost), reason);
+                link.gap(at, moment, Some(lost), reason);
             }
         }
-        self.last = Some((sequence, arrival));
-        self.last_value = arrival;
+        self.last = Some((sequence, moment));
     }
 
     fn publish(

@@ -89,6 +89,25 @@ fn a_lost_acknowledgement_shifts_no_value_to_the_sync_before() {
 }
 
 #[test]
+fn values_are_missing_between_the_syncs_that_were_answered_however_late_the_answers_are_read() {
+    let mut bench = bench();
+    for sync in 1..=5 {
+        bench.nodes.sync_written(HostTime(10 * sync * MS));
+    }
+    for sync in 1..=5 {
+        bench.nodes.sync_accepted(None);
+        if sync == 1 || sync == 5 {
+            let frame = CanFrame::data_frame(bench.id, &[1, 0, 0, 0]).unwrap();
+            bench.nodes.take(&frame, HostTime(500 * MS), &mut bench.link).unwrap();
+        }
+    }
+    let readings = std::iter::from_fn(|| bench.delivered.try_recv().ok()).map(|message| message.reading);
+    let gaps = readings.filter_map(|reading| if let Reading::Gap(gap) = reading { Some(gap) } else { None });
+    let gaps: Vec<_> = gaps.map(|gap| (gap.from.0 / MS, gap.to.0 / MS, gap.lost_readings)).collect();
+    assert_eq!(gaps, [(10, 50, Some(3))]);
+}
+
+#[test]
 fn the_moment_of_a_value_is_the_stamp_of_its_sync_where_the_transport_has_one() {
     let mut bench = bench();
     bench.nodes.sync_written(HostTime(10 * MS));
