@@ -16,7 +16,7 @@ use crate::link::Link;
 use crate::session_end::SessionEnd;
 use crate::transport::http;
 use crate::transport::http_login::HttpLogin;
-use model::{Items, Model};
+use model::{Absent, Items, Model};
 use std::convert::Infallible;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
@@ -260,14 +260,24 @@ fn take(
             format!("the controller's clock was set by {by_s:+.3} s; time of the axes begins again"),
         );
     }
-    if let Some(letter) = model.began_absence() {
-        let text = format!(
-            "the agent has no value for axis {letter} (UNAVAILABLE); check that the controller is on and that its adapter runs"
-        );
+    if let Some((letter, why)) = model.began_absence() {
+        let text = match why {
+            Absent::Unavailable => format!(
+                "the agent has no value for axis {letter} (UNAVAILABLE); check that the controller is on and that its adapter runs"
+            ),
+            Absent::NoTime => format!(
+                "the time stamp of axis {letter} is no time (before 1970 or after 2242); check the clocks of the controller and of its \
+                 adapter"
+            ),
+        };
         link.log(true, text);
     }
-    if let Some((from, to)) = model.ended_absence() {
-        link.gap(from, to, None, "the agent had no value for an axis (UNAVAILABLE)".into());
+    if let Some((from, to, why)) = model.ended_absence() {
+        let reason = match why {
+            Absent::Unavailable => "the agent had no value for an axis (UNAVAILABLE)",
+            Absent::NoTime => "the time stamp of an axis was no time",
+        };
+        link.gap(from, to, None, reason.into());
     }
     Ok(())
 }

@@ -50,7 +50,8 @@ impl HttpLogin {
 pub(super) fn refusal(login: Option<&HttpLogin>, status: StatusCode, headers: &HeaderMap) -> Option<String> {
     let why = match (status, login) {
         (StatusCode::UNAUTHORIZED, _) if !offers_basic(headers) => {
-            "the agent asks for another kind of login than user and password (Basic), which alone is built"
+            "the agent asks for a login other than user and password (HTTP Basic), and no other is supported: set its web server \
+             to Basic"
                 .into()
         }
         (StatusCode::UNAUTHORIZED, None) => {

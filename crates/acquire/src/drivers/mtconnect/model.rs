@@ -112,13 +112,22 @@ pub(super) struct Model {
     sequence: u64,
     controller: (Execution, String, String),
     signal: Option<bool>,
-    /// Since when an axis has no value.
-    absent_since: Option<HostTime>,
+    /// Since when an axis has no value, and why.
+    absent: Option<(HostTime, Absent)>,
     /// By how much the controller's clock was set, s.
     clock_set_s: Option<f64>,
-    ended_absence: Option<(HostTime, HostTime)>,
+    ended_absence: Option<(HostTime, HostTime, Absent)>,
     /// The axis that has just lost its value.
-    newly_absent: Option<Joint>,
+    newly_absent: Option<(Joint, Absent)>,
+}
+
+/// Why an axis has no value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Absent {
+    /// The agent has none.
+    Unavailable,
+    /// Its stamp is no time of a measurement.
+    NoTime,
 }
 
 impl Model {
@@ -131,7 +140,7 @@ impl Model {
             sequence: 0,
             controller: Default::default(),
             signal: None,
-            absent_since: None,
+            absent: None,
             clock_set_s: None,
             ended_absence: None,
             newly_absent: None,
@@ -160,12 +169,12 @@ impl Model {
     }
 
     /// An axis that has lost its value, reported once when it begins.
-    pub(super) fn began_absence(&mut self) -> Option<Joint> {
+    pub(super) fn began_absence(&mut self) -> Option<(Joint, Absent)> {
         self.newly_absent.take()
     }
 
-    /// The time in which an axis had no value, reported once when it is over.
-    pub(super) fn ended_absence(&mut self) -> Option<(HostTime, HostTime)> {
+    /// The time in which an axis had no value, and why, reported once when it is over.
+    pub(super) fn ended_absence(&mut self) -> Option<(HostTime, HostTime, Absent)> {
         self.ended_absence.take()
     }
 
@@ -224,12 +233,15 @@ impl Model {
     }
 
     fn set_axis(&mut self, letter: Joint, observation: &Observation, arrival: HostTime) {
-        let value = number(&observation.value).filter(|_| of_measurement(observation.timestamp_ns).is_some());
+        let (value, why) = match (number(&observation.value), of_measurement(observation.timestamp_ns)) {
+            (Some(_), None) => (None, Absent::NoTime),
+            (value, _) => (value, Absent::Unavailable),
+        };
         self.position[letter] = value.map(|v| if letter.is_rotary() { convert::rad_from_deg(v) } else { v });
         self.stamps[letter] = observation.timestamp_ns;
         self.sequence = observation.sequence;
-        if value.is_none() && self.absent_since.is_none() {
-            (self.absent_since, self.newly_absent) = (Some(arrival), Some(letter));
+        if value.is_none() && self.absent.is_none() {
+            (self.absent, self.newly_absent) = (Some((arrival, why)), Some((letter, why)));
         }
     }
 
@@ -258,8 +270,8 @@ impl Model {
         if Joint::ISO.iter().any(|&letter| present[letter] && self.position[letter].is_none()) {
             return None;
         }
-        if let Some(since) = self.absent_since.take() {
-            self.ended_absence = Some((since, arrival));
+        if let Some((since, why)) = self.absent.take() {
+            self.ended_absence = Some((since, arrival, why));
         }
         // Equal stamps come in order; a stamp behind the last one would send the clock back.
         if let Some((last, at)) = self.last_axes.filter(|_| !held) {
@@ -349,11 +361,16 @@ mod tests {
         let mut model = model();
         for none in [-1, i64::MIN, i64::MAX] {
             assert!(taken(&mut model, of(none), 1).is_empty(), "{none}");
-            assert!(model.began_absence().is_some() || model.absent_since.is_some());
+            assert!(
+                model.began_absence().is_none_or(|(_, why)| why == Absent::NoTime) && model.absent.is_some()
+            );
         }
         let readings = taken(&mut model, of(1_700_000_000_000_000_000), 2);
         assert!(matches!(readings[..], [Reading::Axes(_)]), "{readings:?}");
-        assert_eq!(model.ended_absence(), Some((HostTime(1), HostTime(2))));
+        assert_eq!(model.ended_absence(), Some((HostTime(1), HostTime(2), Absent::NoTime)));
+        let gone = vec![observation("x", ObservedValue::Unavailable, 1_700_000_001_000_000_000, 2)];
+        assert!(taken(&mut model, gone, 3).is_empty());
+        assert_eq!(model.began_absence(), Some((Joint::X, Absent::Unavailable)));
     }
 
     fn any_stamp() -> impl Strategy<Value = i64> {
