@@ -4,6 +4,7 @@
 //! a fit), [`truth`] says what is wrong with it and seals that in a file the program never reads, [`motion`]
 //! moves it, [`compensation`] corrects it as a controller would, [`devices`] speak the real protocols.
 
+pub mod attempts;
 pub mod compensation;
 pub mod devices;
 mod instruments;

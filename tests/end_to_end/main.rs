@@ -40,19 +40,9 @@ mod shop;
 mod spindle;
 mod story;
 mod streams;
+#[path = "../src/three_probes.rs"]
+mod three_probes;
 mod volumetric;
-
-/// The lines of a configuration for three simulated optoNCDT whose ports lie in this folder.
-fn three_probes(ports: &std::path::Path) -> String {
-    let one = |k| {
-        format!(
-            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n\
-             silence_ms = 3000\n",
-            ports.display()
-        )
-    };
-    (1..=3).map(one).collect()
-}
 
 /// What was printed as one line: where the terminal breaks a sentence is no part of it.
 fn one_line(printed: &[u8]) -> String {

@@ -1,15 +1,15 @@
 //! `trunnion record`: a cycle that the controller resets half-way is kept, counted, and not judged.
 
-use super::three_probes;
+use super::three_probes::{SILENCE_MS, devices, head, nest};
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use trunnion_core::InstrumentKind;
 use trunnion_cycles::Cycle;
+use trunnion_hil_sim::devices::cell;
 use trunnion_hil_sim::devices::cell::CellConfig;
 use trunnion_hil_sim::devices::mtconnect::Shown;
-use trunnion_hil_sim::devices::{cell, orthogonal_nest};
 use trunnion_hil_sim::scenario::{Pace, Station, static_cycle};
 use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine};
 use trunnion_machine::shipped;
@@ -17,11 +17,7 @@ use trunnion_machine::shipped;
 const CYCLE: &str = include_str!("../../config/cycles/demo-static.toml");
 
 fn config(folder: &Path, url: &str) -> String {
-    let mut text = "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"other.toml\"\nrecordings = \"runs\"\n[nest]\n".to_owned();
-    for (k, direction) in orthogonal_nest().iter().enumerate() {
-        text += &format!("probe_{} = {direction:?}\n", k + 1);
-    }
-    text += &three_probes(folder);
+    let text = head("runs").replace("c.toml", "other.toml") + &nest() + &devices(folder, SILENCE_MS);
     text + &format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n")
 }
 

@@ -1,6 +1,6 @@
 //! Setting up at the machine: `trunnion watch`, `trunnion calibrate-nest` and the sign test, against virtual devices on real ports.
 
-use super::three_probes;
+use super::three_probes::{SILENCE_MS, devices, head};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -65,14 +65,12 @@ async fn floor(folder: &Path, world: impl World + 'static) -> (Cell, String) {
 
 /// A configuration in the folder with these directions of the probes, if any; its path.
 fn configure(folder: &Path, url: &str, nest: Option<[[f64; 3]; 3]>) -> String {
-    let mut text =
-        "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"c.toml\"\nrecordings = \"runs\"\n"
-            .to_owned();
+    let mut text = head("runs");
     for (k, direction) in nest.into_iter().flatten().enumerate() {
         text += if k == 0 { "[nest]\n" } else { "" };
         text += &format!("probe_{} = {direction:?}\n", k + 1);
     }
-    text += &three_probes(folder);
+    text += &devices(folder, SILENCE_MS);
     text += &format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
     text += &format!(
         "[[device]]\nname = \"room\"\ndriver = \"ascii\"\npreset = \"sylvac\"\nport = '{}/gone'\nrole = \"temperature\"\nunit = \"degC\"\n",

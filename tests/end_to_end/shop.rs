@@ -1,13 +1,14 @@
 //! A service as a process, a simulated shop floor for it, and waiting for what it does.
 
+use crate::three_probes::{self, SILENCE_MS};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use trunnion::results::RunRecord;
 use trunnion_cycles::Cycle;
+use trunnion_hil_sim::devices::cell;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
-use trunnion_hil_sim::devices::{cell, orthogonal_nest};
 use trunnion_hil_sim::scenario::{Pace, Station, static_cycle};
 use trunnion_hil_sim::{SimSetup, Truth, VirtualMachine};
 use trunnion_machine::shipped;
@@ -96,13 +97,8 @@ pub async fn floor(ports: &Path, step_deg: u32, pace: Pace, change: impl FnOnce(
 
 /// A configuration for the probes of a floor, with the table of a controller and further tables.
 pub fn config(ports: &Path, recordings: &str, controller: &str, tables: &str) -> String {
-    let mut text = format!(
-        "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"c.toml\"\nrecordings = \"{recordings}\"\n[nest]\n"
-    );
-    for (k, direction) in orthogonal_nest().iter().enumerate() {
-        text += &format!("probe_{} = {direction:?}\n", k + 1);
-    }
-    text + &super::three_probes(ports) + controller + tables
+    let devices = three_probes::devices(ports, SILENCE_MS);
+    [&three_probes::head(recordings), &three_probes::nest(), &devices, controller, tables].concat()
 }
 
 /// Table of a controller behind an agent.

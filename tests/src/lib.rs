@@ -14,12 +14,13 @@ pub mod schemes;
 pub mod section;
 #[expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 pub mod sweeps;
+mod three_probes;
 
 pub use section::workspace_root;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use trunnion_hil_sim::devices::orthogonal_nest;
-pub use trunnion_hil_sim::pauses;
+pub use three_probes::SILENCE_MS;
+pub use trunnion_hil_sim::{attempts, pauses};
 
 /// What the program logs is shown when a test fails.
 pub fn show_log() {
@@ -53,24 +54,9 @@ pub async fn reports(recordings: &Path, count: usize, limit: Duration) -> Option
     tokio::time::timeout(limit, written).await.ok()
 }
 
-/// For tests that do not judge time: simulated devices share a computer with whatever else runs on it, and may pause.
-pub const SILENCE_MS: u32 = 3000;
-
-/// A configuration of three optoNCDT probes on ports of this folder in an orthogonal nest, silent after `silence_ms`; `tables` stand
-/// before the devices, `controller` is the table of the controller.
+/// A configuration of three probes on ports of this folder; `tables` stand before the devices, `controller` is the table of the
+/// controller.
 pub fn three_probes(ports: &Path, silence_ms: u32, tables: &str, controller: &str) -> String {
-    let mut text = format!(
-        "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"c.toml\"\nrecordings = \"runs\"\n{tables}[nest]\n"
-    );
-    for (k, direction) in orthogonal_nest().iter().enumerate() {
-        text += &format!("probe_{} = {direction:?}\n", k + 1);
-    }
-    for k in 1..=3 {
-        text += &format!(
-            "[[device]]\nname = \"probe-{k}\"\ndriver = \"optoncdt\"\nport = '{}/probe-{k}'\nrole = \"probe-{k}\"\nrange_mm = 2\n\
-             silence_ms = {silence_ms}\n",
-            ports.display()
-        );
-    }
-    text + controller
+    let devices = three_probes::devices(ports, silence_ms);
+    [&three_probes::head("runs"), tables, &three_probes::nest(), &devices, controller].concat()
 }
