@@ -1,15 +1,17 @@
 //! A service at work on simulated devices, and what it left of a run.
 
 use super::Fault;
-use super::losses::gaps_and_silent_losses;
+use super::losses::{Hole, gaps_and_silent_losses};
 use crate::broker::Broker;
 use crate::shop::{self, Floor, Service, files, floor, journal, record, until};
+use std::any::Any;
 use std::os::unix::net::UnixDatagram;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, SystemTime};
-use trunnion::results::RunRecord;
+use trunnion::results::{RunRecord, RunState};
 use trunnion_core::HostTime;
 use trunnion_cycles::RunKind;
 use trunnion_hil_sim::devices;
@@ -72,6 +74,8 @@ impl Bench {
         let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
         command.args(["daemon", "--config"]).arg(self.folder.join("trunnion.toml"));
         command.env("LD_PRELOAD", library).env("TRUNNION_FAULTS", &self.folder).env("NOTIFY_SOCKET", heard);
+        // WatchdogSec of the unit.
+        command.env("WATCHDOG_USEC", "30000000");
         self.start_by(&mut command);
     }
 
@@ -95,21 +99,7 @@ impl Bench {
 
     /// A run of the day before that has its report.
     pub fn earlier_run(&self) -> PathBuf {
-        let header = RunHeader {
-            name: "earlier".into(),
-            kind: RunKind::OnTheFly,
-            machine_name: "table-bc".into(),
-            machine_text: String::new(),
-            setups: Vec::new(),
-            temperature_channels: Vec::new(),
-            probes: Vec::new(),
-            probe_roles: Vec::new(),
-            cycle_text: String::new(),
-            config_text: String::new(),
-            software_version: String::new(),
-            wall_start_ns: 0,
-            host_start: HostTime(0),
-        };
+        let header = RunHeader::new("earlier", RunKind::OnTheFly, "table-bc");
         let recorder = Recorder::create(&self.folder.join("runs"), "earlier", &header).unwrap();
         let file = recorder.finish(HostTime(0)).unwrap().files.remove(0).path;
         let yesterday = SystemTime::now() - Duration::from_secs(24 * 3600);
@@ -172,8 +162,17 @@ impl Bench {
     }
 }
 
-/// Runs one fault; what is not as its row says.
-pub async fn judge(fault: &'static Fault) -> Result<(), String> {
+/// What is not as its row says.
+#[derive(Debug)]
+pub enum Wrong {
+    /// Nothing but these holes without a gap, with all that is known.
+    Silent(Vec<Hole>, String),
+    /// Anything else.
+    Other(String),
+}
+
+/// Runs one fault.
+pub async fn judge(fault: &'static Fault) -> Result<(), Wrong> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().to_owned();
     std::fs::create_dir(path.join("runs")).unwrap();
@@ -186,29 +185,48 @@ pub async fn judge(fault: &'static Fault) -> Result<(), String> {
     std::fs::write(path.join("c.toml"), cycle).unwrap();
     std::fs::write(path.join("trunnion.toml"), shop::config(&path, "runs", &shop::agent(&url), &mqtt))
         .unwrap();
-    let bench = Bench { folder: path, service: None, broker, cell, systemd: Arc::default() };
-    let judged = tokio::task::spawn_blocking(move || judged(bench, fault)).await;
-    let (bench, judged) = judged.map_err(|panic| format!("{}: {panic}", fault.name))?;
+    let mut bench = Bench { folder: path, service: None, broker, cell, systemd: Arc::default() };
+    let judging = tokio::task::spawn_blocking(move || {
+        let judged = catch_unwind(AssertUnwindSafe(|| judged(&mut bench, fault)));
+        bench.service = None;
+        (bench, judged)
+    });
+    let (bench, judged) = judging.await.map_err(|ended| Wrong::Other(ended.to_string()))?;
+    let log = std::fs::read_to_string(bench.log()).unwrap_or_default();
     bench.cell.shutdown().await;
-    judged.map_err(|why| format!("{}: {why}", fault.name))
+    match judged {
+        Ok(judged) => judged.map_err(|wrong| match wrong {
+            Wrong::Silent(holes, what) => Wrong::Silent(holes, format!("{what}\n{log}")),
+            Wrong::Other(what) => Wrong::Other(format!("{what}\n{log}")),
+        }),
+        Err(panic) => Err(Wrong::Other(format!("{}\n{log}", words(panic.as_ref())))),
+    }
 }
 
-fn judged(mut bench: Bench, fault: &Fault) -> (Bench, Result<(), String>) {
-    (fault.run)(&mut bench);
+fn judged(bench: &mut Bench, fault: &Fault) -> Result<(), Wrong> {
+    (fault.run)(bench);
     fault.says.iter().for_each(|words| bench.says(words));
-    let ended = bench.state(|record| fault.ends.contains(&record.state));
+    // A run that is not judged stays so. One that failed may go on: of a part alone nothing can be said, of the joined run much.
+    let ended =
+        bench.state(|record| fault.ends.contains(&record.state) || record.state == RunState::NotJudged);
     let runs = bench.runs();
     let (gaps, silent) = gaps_and_silent_losses(&files(&runs, ".mcap"));
-    let log = std::fs::read_to_string(bench.log()).unwrap();
     let reasons: Vec<String> = gaps.iter().map(|gap| format!("{}: {}", gap.source, gap.reason)).collect();
     let is_as_said = match fault.gap {
         Some(words) => reasons.iter().any(|reason| reason.contains(words)),
         None => gaps.iter().all(|gap| gap.source != "recorder"),
     };
-    let judged = match silent.is_empty() && is_as_said {
-        true => Ok(()),
-        false => Err(format!("{:?}, gaps {reasons:#?}, silent losses {silent:?}\n{log}", ended.state)),
-    };
-    bench.service = None;
-    (bench, judged)
+    let holes: Vec<String> = silent.iter().map(Hole::to_string).collect();
+    let what = format!("{:?} ({}), gaps {reasons:#?}, silent losses {holes:#?}", ended.state, ended.why);
+    match (is_as_said && fault.ends.contains(&ended.state), silent.is_empty()) {
+        (true, true) => Ok(()),
+        (true, false) => Err(Wrong::Silent(silent, what)),
+        (false, _) => Err(Wrong::Other(what)),
+    }
+}
+
+/// What a panic said.
+fn words(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it panicked")
 }

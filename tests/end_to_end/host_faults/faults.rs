@@ -62,6 +62,7 @@ pub const FAULTS: &[Fault] = &[
             bench.recording();
             for _ in 0..40 {
                 stopped(bench, 90);
+                // The fault itself: so long with a processor.
                 std::thread::sleep(std::time::Duration::from_millis(10));
             }
         },
@@ -104,7 +105,7 @@ pub const FAULTS: &[Fault] = &[
         how: "the wall clock is set forward by ten years in mid-cycle, `keep_days = 365` of `[storage]`, a recording of the day before",
         says: &["the clock of the computer was set forward by 3650.00 days"],
         gap: None,
-        ends: &[Done, NotJudged],
+        ends: &[Done],
         recovery: "none is needed: dates of files and reports follow the clock, times of samples and ages of recordings do not, nothing is removed",
         run: |bench| {
             bench.configure("[storage]\nkeep_days = 365\n");
@@ -120,7 +121,7 @@ pub const FAULTS: &[Fault] = &[
         name: "disk hangs",
         how: "no fdatasync of the recorder returns for 35 s in mid-cycle; a socket in place of systemd",
         says: &[
-            "the recorder hangs: it has done nothing for 30 s; systemd starts the service again",
+            "the recorder hangs: it has done nothing for 30 s; systemd starts the service again in 30 s",
             "the recorder goes on",
         ],
         gap: Some("the queue to the recorder was full"),
@@ -133,6 +134,7 @@ pub const FAULTS: &[Fault] = &[
             bench.fault("hang", Some(""));
             bench.says("the recorder hangs");
             bench.heard();
+            // That nothing comes cannot be awaited: five looks of the watchdog.
             std::thread::sleep(std::time::Duration::from_secs(5));
             assert!(!bench.heard().contains("WATCHDOG"), "a recorder that hangs withholds it");
             bench.fault("hang", None);
@@ -144,7 +146,7 @@ pub const FAULTS: &[Fault] = &[
         how: "the broker ends in mid-cycle and is there again",
         says: &["lost the MQTT broker"],
         gap: None,
-        ends: &[Done, NotJudged],
+        ends: &[Done],
         recovery: "by itself; the broker gets the values as they are then",
         run: |bench| {
             bench.start();
@@ -190,6 +192,7 @@ pub const FAULTS: &[Fault] = &[
 fn stopped(bench: &Bench, for_ms: u64) {
     let service = bench.service.as_ref().unwrap();
     service.signal("STOP");
+    // The fault itself.
     std::thread::sleep(std::time::Duration::from_millis(for_ms));
     service.signal("CONT");
 }

@@ -22,6 +22,7 @@ use std::time::Duration;
 use tokio::sync::Semaphore;
 use tokio::task::JoinSet;
 use trunnion_acquire::drivers::DRIVERS;
+use trunnion_tests::attempts::{Failure, Outcome, judged};
 use trunnion_tests::pauses::Pauses;
 
 const SUBJECTS: &[&Subject] = &[
@@ -41,8 +42,6 @@ const TOO_LONG: Duration = Duration::from_millis(200);
 /// Of the cells, at least this share must have been judged.
 const LEAST_JUDGED: f64 = 0.8;
 
-/// Attempts at a cell that failed; what it said each time counts unless the computer paused.
-const ATTEMPTS: usize = 3;
 /// Cells that may fail once on a computer that did not pause and then hold: other work can also delay without one long pause.
 const SPORADIC: usize = 1;
 
@@ -60,36 +59,15 @@ fn every_driver_has_a_subject() {
     }
 }
 
-/// How a cell went.
-#[derive(Debug, PartialEq)]
-enum Outcome {
-    Holds,
-    /// It failed at first, with these words.
-    Sporadic(String),
-    /// The computer paused in an attempt, which says nothing of the driver, and it held in none.
-    NotJudged,
-    Wrong(String),
-}
-
-/// The first attempt is made beside other cells, every further one alone: a busy computer may manage that.
-async fn judged(subject: &Subject, case: &matrix::Case, name: &str, room: &Semaphore) -> Outcome {
-    let mut wrong = Vec::new();
-    for attempt in 0..ATTEMPTS {
-        let places = if attempt == 0 { 1 } else { AT_ONCE };
-        let _places = room.acquire_many(places).await.expect("the semaphore stays open");
-        let (begun, pauses) = (std::time::Instant::now(), Pauses::watch());
-        let result = bench::run(subject, case).await;
-        println!("{name}: {:.1} s", begun.elapsed().as_secs_f64());
-        match result {
-            Ok(()) if wrong.is_empty() => return Outcome::Holds,
-            Ok(()) => return Outcome::Sporadic(wrong.join("\n")),
-            Err(what) if pauses.longest() < TOO_LONG => wrong.push(format!("{name}: {what}")),
-            Err(_) => {
-                println!("{name}: not judged, this computer paused {} ms", pauses.longest().as_millis())
-            }
-        }
-    }
-    if wrong.len() < ATTEMPTS { Outcome::NotJudged } else { Outcome::Wrong(wrong.join("\n")) }
+/// One attempt at a cell.
+async fn attempt(subject: &Subject, case: &matrix::Case, name: &str) -> Result<(), Failure> {
+    let (begun, pauses) = (std::time::Instant::now(), Pauses::watch());
+    let result = bench::run(subject, case).await;
+    println!("{name}: {:.1} s", begun.elapsed().as_secs_f64());
+    result.map_err(|what| match pauses.longest() {
+        paused if paused >= TOO_LONG => Failure::Paused(format!("{} ms: {what}", paused.as_millis())),
+        _ => Failure::Doubtful(what),
+    })
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -105,18 +83,20 @@ async fn each_fault_of_each_device_leads_to_its_state_its_gap_and_its_message() 
                 continue;
             }
             let room = Arc::clone(&room);
-            cells.spawn(async move { judged(subject, &case, &name, &room).await });
+            let judging =
+                async move { judged(&name, &room, AT_ONCE, || attempt(subject, &case, &name)).await };
+            cells.spawn(judging);
         }
     }
     let results = cells.join_all().await;
     let cells = results.len();
-    let judged = cells - results.iter().filter(|result| **result == Outcome::NotJudged).count();
+    let judged = cells - results.iter().filter(|result| matches!(result, Outcome::NotJudged(_))).count();
     let (mut failed, mut sporadic) = (Vec::new(), Vec::new());
     for result in results {
         match result {
             Outcome::Wrong(what) => failed.push(what),
             Outcome::Sporadic(what) => sporadic.push(what),
-            Outcome::Holds | Outcome::NotJudged => {}
+            Outcome::Holds | Outcome::HoldsAtLast(_) | Outcome::NotJudged(_) => {}
         }
     }
     assert!(failed.is_empty(), "{}", failed.join("\n\n"));
