@@ -93,6 +93,8 @@ pub struct Counts {
     pub gaps: Vec<String>,
     /// Samples they say are lost.
     pub lost: u64,
+    /// Those among them that do not say how many.
+    pub uncounted: u64,
     /// Those among them that are of no single stream.
     pub lost_of_any: u64,
     /// Time of the last sample of the axes, s.
@@ -132,7 +134,9 @@ impl Judged {
     pub fn missing(&self) -> (u64, u64) {
         let missing = |stream: &Stream| {
             let (expected, recorded) = self.compared(stream);
-            expected.saturating_sub(recorded + EDGE_SAMPLES)
+            // By the clock of the device the count is exact.
+            let edge = if stream.expected.is_none() { EDGE_SAMPLES } else { 0 };
+            expected.saturating_sub(recorded + edge)
         };
         let streams = &self.counts.streams;
         let unreported = |stream: &Stream| missing(stream).saturating_sub(stream.reported_lost());
@@ -155,7 +159,8 @@ pub fn count(path: &Path, rates: Rates, duration_s: f64) -> anyhow::Result<Count
     let mut streams: Vec<Stream> = probes.map(|name| Stream::new(name, name, rates.probe_hz)).into();
     streams.push(Stream::new("encoder", "encoder", rates.encoder_hz));
     streams.push(Stream::new("axes", "cnc", rates.axes_hz));
-    let (mut points, mut gaps, mut lost, mut lost_of_any, mut length_s) = (0, Vec::new(), 0, 0, 0.0_f64);
+    let (mut points, mut gaps, mut length_s) = (0, Vec::new(), 0.0_f64);
+    let (mut lost, mut uncounted, mut lost_of_any) = (0, 0, 0);
     let end_s = duration_s - EDGE_S;
     let read = trunnion_record::visit(path, &mut |item| {
         match item {
@@ -172,7 +177,8 @@ pub fn count(path: &Path, rates: Rates, duration_s: f64) -> anyhow::Result<Count
             // What was missing before the cycle began is no loss of it.
             Item::Gap(gap) if gap.to_s <= 0.0 => {}
             Item::Gap(gap) => {
-                lost += gap.lost_samples.unwrap_or(1);
+                lost += gap.lost_samples.unwrap_or(0);
+                uncounted += u64::from(gap.lost_samples.is_none());
                 if streams.iter_mut().filter_map(|stream| stream.take_gap(&gap).then_some(())).count() == 0 {
                     lost_of_any += gap.lost_samples.unwrap_or(0);
                 }
@@ -191,7 +197,7 @@ pub fn count(path: &Path, rates: Rates, duration_s: f64) -> anyhow::Result<Count
         probe.expect_by_clock();
     }
     let file_mb = std::fs::metadata(path)?.len() as f64 / 1e6;
-    Ok(Counts { streams, points, gaps, lost, lost_of_any, length_s, file_mb })
+    Ok(Counts { streams, points, gaps, lost, uncounted, lost_of_any, length_s, file_mb })
 }
 
 #[cfg(test)]
@@ -208,11 +214,19 @@ mod tests {
             points: 0,
             gaps: Vec::new(),
             lost: 0,
+            uncounted: 0,
             lost_of_any: 0,
             length_s: 10.0,
             file_mb: 0.0,
         };
         Judged { seconds: 10.0, counts, sent: Some(sent) }
+    }
+
+    #[test]
+    fn a_stream_that_has_a_clock_of_its_own_may_lack_no_sample() {
+        let probe =
+            Stream { recorded: 999, expected: Some(1000), ..Stream::new("probe-1", "probe-1", 1000.0) };
+        assert_eq!(judged(probe, Sent { encoder: 0, axes: 0 }).missing(), (1, 1));
     }
 
     #[test]

@@ -56,8 +56,8 @@ enum Part {
     Soak(soak::SoakArgs),
 }
 
-/// Exit codes: samples are missing and the recording does not say so; it does; it does, and this computer paused so long that
-/// nothing can be said of the service.
+/// Exit codes. 0: nothing is missing, and the recording says so. 1: samples are missing, and the recording does not say so. 3: it does,
+/// or it says so of samples that are there. 4: as 3, and this computer paused so long that nothing can be said of the service.
 const LOST_IN_SILENCE: i32 = 1;
 const LOST_AND_REPORTED: i32 = 3;
 const TOO_SLOW_TO_JUDGE: i32 = 4;
@@ -105,13 +105,18 @@ fn main() -> anyhow::Result<()> {
     if trial.judged.is_late() {
         eprintln!("the service began after the program: encoder and axes are not judged");
     }
-    let ((missing, unreported), lost) = (trial.judged.missing(), trial.judged.counts.lost);
-    if missing == 0 && lost == 0 {
-        return Ok(());
+    let ((missing, unreported), counts) = (trial.judged.missing(), &trial.judged.counts);
+    match (missing, counts.lost, counts.uncounted) {
+        (0, 0, 0) => return Ok(()),
+        (0, 1.., _) => eprintln!(
+            "nothing of the streams is missing, yet {} samples are recorded as lost: the recording counts too many",
+            counts.lost
+        ),
+        (_, lost, uncounted) => eprintln!(
+            "{missing} samples are missing, {unreported} of them without a gap; {lost} were recorded as lost, and {uncounted} gaps have \
+             no number"
+        ),
     }
-    eprintln!(
-        "{missing} samples are missing, {unreported} of them without a gap; {lost} were recorded as lost"
-    );
     let longest = pauses.longest();
     std::process::exit(match (unreported, longest > TOO_LONG) {
         (1.., _) => LOST_IN_SILENCE,

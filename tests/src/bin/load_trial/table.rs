@@ -40,15 +40,16 @@ fn streams(trial: &Trial) -> String {
         );
     }
     text += &format!(
-        "\n{} points were made of them; {} gaps, {} samples recorded as lost; {} bytes not taken from the devices in time. \
+        "\n{} points were made of them; {} gaps, {} of them without a number; {} samples recorded as lost; {} bytes not taken from the devices in time. \
          The finished recording has {:.1} MB.\n",
         trial.judged.counts.points,
         trial.judged.counts.gaps.len(),
+        trial.judged.counts.uncounted,
         trial.judged.counts.lost,
         trial.bytes_not_taken,
         trial.judged.counts.file_mb,
     );
-    for gap in trial.judged.counts.gaps.iter().take(10) {
+    for gap in &trial.judged.counts.gaps {
         text += &format!("- {gap}\n");
     }
     text
