@@ -79,8 +79,8 @@ impl Disk {
     }
 
     async fn make_room_for(&self, need: Need) -> Result<(), String> {
-        let (storage, today) = (self.storage.clone(), self.clock.today());
-        let made = tokio::task::spawn_blocking(move || storage.room(need, today)).await;
+        let (storage, clock) = (self.storage.clone(), self.clock.clone());
+        let made = tokio::task::spawn_blocking(move || storage.room(need, clock.today())).await;
         let room = match made {
             Ok(Ok((room, tidied))) => {
                 self.report_tidied(tidied);
@@ -135,22 +135,29 @@ impl Disk {
     }
 
     async fn tidy(&self) {
-        let (storage, today) = (self.storage.clone(), self.clock.today());
-        match tokio::task::spawn_blocking(move || storage.tidy(today)).await {
+        let (storage, clock) = (self.storage.clone(), self.clock.clone());
+        match tokio::task::spawn_blocking(move || storage.tidy(clock.today())).await {
             Ok(Ok(tidied)) => self.report_tidied(tidied),
             Ok(Err(error)) => warn!("the folder of the recordings was not tidied: {error}"),
             Err(_) => error!("the folder was not tidied; this is a defect of the program"),
         }
     }
 
-    /// Publishes the disk: as low while less is free than is to be kept, or than the last cycle would have needed.
+    /// Publishes the disk: as low while less is free than is to be kept, or than the last cycle would have needed, or nobody knows.
     async fn report(&self, recorder: &RecorderStatus) {
         let (storage, need) = (self.storage.clone(), self.lock().short.unwrap_or(Need::NOTHING));
         let look = move || (storage.free_mb(), storage.room_for(need));
         let Ok((free_mb, room)) = tokio::task::spawn_blocking(look).await else {
             return error!("the disk was not looked at; this is a defect of the program");
         };
-        let short = room.ok().filter(|room| *room != Room::Enough).map(|room| room.to_string());
+        let short = match room {
+            Ok(Room::Enough) => None,
+            Ok(short) => Some(short.to_string()),
+            Err(error) => {
+                let folder = self.storage.folder().display();
+                Some(format!("the free space of {folder} cannot be read: {error}"))
+            }
+        };
         let (state, why) = match (&recorder.failing, short) {
             (Some(failing), _) => (StorageState::Failing, Some(failing.clone())),
             (None, Some(short)) => (StorageState::Low, Some(self.report_low(short))),

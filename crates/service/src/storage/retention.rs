@@ -1,7 +1,7 @@
 //! Which raw recordings go.
 
 use super::config::{DAY, StorageConfig, mb};
-use super::today::Today;
+use super::today::{Today, WallClock};
 use crate::clock::moment;
 use crate::run_record::{self, Known, is_pending};
 use std::path::{Path, PathBuf};
@@ -72,9 +72,10 @@ impl Stored {
 }
 
 /// Why the dates of the recordings say nothing of their order, for a person: one of them is later than now. The order is that of
-/// the times of the files, and a clock that was set back makes the newest look the oldest.
+/// the times of the files, and a clock that was set back makes the newest look the oldest. The clock of a share that is some seconds
+/// ahead is none that was set.
 pub(super) fn doubt(stored: &[Stored], now: SystemTime) -> Option<String> {
-    let late = stored.iter().find(|run| run.written > now)?;
+    let late = stored.iter().find(|run| run.written > now + WallClock::SET)?;
     Some(format!(
         "{} is dated later than now: the clock of the computer was set, and no recording is removed until its date has come or the file is elsewhere",
         late.recording.display()
@@ -192,5 +193,9 @@ mod tests {
         assert_eq!(to_remove(&runs, &full, 1e9, Today::of(now)), []);
         assert!(doubt(&runs, now).unwrap().contains("0.mcap is dated later than now"));
         assert_eq!(doubt(&runs, now + year), None);
+        // A share whose clock is some seconds ahead.
+        runs[0].written = now + Duration::from_secs(5);
+        assert_eq!(doubt(&runs, now), None);
+        assert_eq!(going(&runs, now, Duration::ZERO), [4, 3]);
     }
 }
