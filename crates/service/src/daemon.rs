@@ -37,7 +37,7 @@ use analyses::Analyses;
 use disk::Disk;
 use listening::listening;
 use serde_json::json;
-use status::report_systemd;
+use status::notify_systemd;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -130,7 +130,7 @@ pub async fn serve_on(
     };
     let adapter = plants::adapter(&config, &board, &cancel);
     let opcua = plants::opcua_server(&config, &board, &cancel);
-    report_systemd(&[sd_notify::NotifyState::Ready]);
+    notify_systemd(sd_notify::NotifyState::Ready);
     // Cycles are analysed while the next one is waited for and measured.
     let mut reports = JoinSet::new();
     let usual = cycles.first().map(Choice::judged_by).unwrap_or_default();
@@ -166,7 +166,7 @@ pub async fn serve_on(
         ended.map_err(|_| ServiceError::Broken("report"))?;
     }
     live.stop().await;
-    report_systemd(&[sd_notify::NotifyState::Stopping]);
+    notify_systemd(sd_notify::NotifyState::Stopping);
     let (shown, watched) = (Some(shown), Some(watched));
     for (task, what) in [
         (Some(status), "status"),

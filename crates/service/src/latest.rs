@@ -63,6 +63,8 @@ pub struct Latest {
     channels: Arc<[Channel]>,
     states: Vec<watch::Receiver<DeviceStatus>>,
     clock: Arc<dyn Clock>,
+    /// The recorder of the newest cycle. A lock of its own: the watchdog asks while the loop that hangs may hold that of the values.
+    recorder: Arc<Mutex<Option<RecordSender>>>,
     /// Of the loop that takes them: odd while it works, even while it waits.
     turn: Arc<AtomicU64>,
 }
@@ -95,7 +97,6 @@ struct Values {
     mounted: Option<Mounted>,
     cycle: Option<LiveCycle>,
     rate: Rate,
-    recorder: Option<RecordSender>,
 }
 
 impl Latest {
@@ -114,6 +115,7 @@ impl Latest {
             channels: channels.into(),
             states,
             clock,
+            recorder: Arc::default(),
             turn: Arc::default(),
         }
     }
@@ -180,12 +182,13 @@ impl Latest {
 
     /// A cycle is recorded by this recorder.
     pub fn set_recorder(&self, recorder: RecordSender) {
-        self.lock().recorder = Some(recorder);
+        *self.recorder.lock().unwrap_or_else(PoisonError::into_inner) = Some(recorder);
     }
 
     /// How the recorder of the newest cycle is doing; `None` before the first.
     pub fn recorder(&self) -> Option<RecorderStatus> {
-        self.lock().recorder.as_ref().map(RecordSender::status)
+        let recorder = self.recorder.lock().unwrap_or_else(PoisonError::into_inner);
+        recorder.as_ref().map(RecordSender::status)
     }
 
     /// Readings of all devices, 1/s.

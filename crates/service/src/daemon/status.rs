@@ -4,10 +4,12 @@ use super::health::health;
 use super::states::States;
 use crate::board::Board;
 use crate::latest::{Latest, Readiness};
+use sd_notify::NotifyState;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::time::Duration;
 use tokio::sync::watch;
+use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 use trunnion::results::{DeviceNow, Presence, ServiceStatus};
 use trunnion_acquire::DeviceStatus;
@@ -87,9 +89,12 @@ pub async fn publish_live(latest: Latest, needed: Vec<u16>, board: Board, cancel
     }
 }
 
-/// Notifies systemd, where there is one.
-pub(super) fn report_systemd(states: &[sd_notify::NotifyState<'_>]) {
-    if let Err(failure) = sd_notify::notify(states) {
-        tracing::debug!(%failure, "systemd was not reported");
-    }
+/// Notifies systemd, where there is one; one that does not take it holds a thread of its own.
+pub(super) fn notify_systemd(state: NotifyState<'static>) -> JoinHandle<()> {
+    tokio::task::spawn_blocking(move || match (sd_notify::notify(std::slice::from_ref(&state)), state) {
+        (Ok(()), _) => {}
+        // Without it systemd ends the service after its start-up time.
+        (Err(failure), NotifyState::Ready) => tracing::warn!(%failure, "systemd was not notified"),
+        (Err(failure), _) => tracing::debug!(%failure, "systemd was not notified"),
+    })
 }

@@ -1,13 +1,15 @@
-//! The watchdog of systemd, tied to progress: it hears that the service lives while the recorder and the loop of the cycles go on.
+//! The watchdog of systemd, tied to progress: it hears that the service lives while the recorder and the loop that takes the readings
+//! go on.
 //!
 //! Both count turns: odd while they work, even while they wait for something to do. One that works at the same turn for [`HUNG`]
 //! hangs. systemd then ends the service after `WatchdogSec` and starts it again; what was recorded is recovered.
 //! A device that hangs is the supervisor's matter, an analysis that hangs is ended by its limits.
 
-use super::status::report_systemd;
+use super::status::notify_systemd;
 use crate::latest::Latest;
 use std::sync::Arc;
 use std::time::Duration;
+use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 use trunnion_core::{Clock, HostTime};
 
@@ -20,7 +22,9 @@ const HUNG: Duration = Duration::from_secs(30);
 /// Pings systemd until `cancel`; whatever hangs withholds it, and is logged before.
 pub async fn watch(latest: Latest, clock: Arc<dyn Clock>, cancel: CancellationToken) {
     let mut period = tokio::time::interval(LOOK);
-    let (mut cycles, mut recorder) = (Part::new("the loop of the cycles"), Part::new("the recorder"));
+    let mut readings = Part::new("the loop that takes the readings");
+    let mut recorder = Part::new("the recorder");
+    let mut ping: Option<JoinHandle<()>> = None;
     loop {
         tokio::select! {
             () = cancel.cancelled() => return,
@@ -28,11 +32,13 @@ pub async fn watch(latest: Latest, clock: Arc<dyn Clock>, cancel: CancellationTo
         }
         let now = clock.now();
         // The counter of the loop needs no lock that the loop may hold.
-        if !cycles.goes_on(latest.turn(), now) {
+        if !readings.goes_on(latest.turn(), now) {
             continue;
         }
-        if recorder.goes_on(latest.recorder().unwrap_or_default().turn, now) {
-            report_systemd(&[sd_notify::NotifyState::Watchdog]);
+        let turn = latest.recorder().unwrap_or_default().turn;
+        // A systemd that does not take what it is sent gets no more of it.
+        if recorder.goes_on(turn, now) && ping.as_ref().is_none_or(JoinHandle::is_finished) {
+            ping = Some(notify_systemd(sd_notify::NotifyState::Watchdog));
         }
     }
 }
@@ -60,12 +66,21 @@ impl Part {
             }
         } else if now - since >= HUNG && !std::mem::replace(&mut self.hangs, true) {
             tracing::error!(
-                "{} hangs: it has done nothing for {} s; systemd starts the service again",
+                "{} hangs: it has done nothing for {} s; {}",
                 self.name,
-                HUNG.as_secs()
+                HUNG.as_secs(),
+                way_out(sd_notify::watchdog_enabled())
             );
         }
         !self.hangs
+    }
+}
+
+/// What becomes of a service that hangs, whose systemd waits for so long for a sign of it; `None` where nobody does.
+fn way_out(watched: Option<Duration>) -> String {
+    match watched {
+        Some(after) => format!("systemd starts the service again in {} s", after.as_secs()),
+        None => "start the service again, and check the disk of the recordings".into(),
     }
 }
 
@@ -85,5 +100,11 @@ mod tests {
         // It may wait for ever.
         assert!(part.goes_on(6, at(63)) && part.goes_on(6, at(10_000)));
         assert!(part.goes_on(7, at(10_001)) && !part.goes_on(7, at(10_031)));
+    }
+
+    #[test]
+    fn only_a_systemd_that_watches_is_announced() {
+        assert_eq!(way_out(Some(Duration::from_secs(30))), "systemd starts the service again in 30 s");
+        assert_eq!(way_out(None), "start the service again, and check the disk of the recordings");
     }
 }

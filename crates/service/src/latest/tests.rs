@@ -153,3 +153,12 @@ fn what_stands_against_a_cycle_is_said_once_and_again_when_it_changes() {
     bench.latest.set_cycle(Some(("c", Progress { done: 0, total: 3, seconds_left: None }, &[])));
     assert_eq!(asked(1.99), None, "a cycle moves the probes");
 }
+
+/// The loop that takes the values may hang while it holds them.
+#[test]
+fn the_recorder_is_known_while_the_values_are_locked() {
+    let latest = Bench::new().latest;
+    let held = latest.lock();
+    assert_eq!((latest.recorder(), latest.turn()), (None, 0));
+    drop(held);
+}
