@@ -22,7 +22,7 @@ use tokio_util::sync::CancellationToken;
 use tracing::{debug, warn};
 
 /// Connections at once: two browsers have twelve.
-const MOST_CONNECTIONS: usize = 64;
+pub(super) const MOST_CONNECTIONS: usize = 64;
 /// A browser sends a head at once; one that dribbles, or says nothing, is let go.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
 /// The largest call holds a name and an expression.

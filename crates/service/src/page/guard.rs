@@ -7,6 +7,7 @@
 //! - From other computers only who knows the token (`access`).
 //! - Scripts and styles come from our own files alone.
 
+use super::accept::MOST_CONNECTIONS;
 use super::access::Access;
 use super::answer::refused;
 use super::login::LOGIN;
@@ -30,8 +31,6 @@ const LONGEST: Duration = Duration::from_secs(120);
 /// Calls of one computer a second, and at once: a page makes about ten when it is opened, and a person clicks once a second.
 const CALLS_PER_S: f64 = 40.0;
 const CALLS_AT_ONCE: f64 = 200.0;
-/// Computers whose calls are counted: as many as can have connections (`accept`). The one that was silent longest makes room.
-const MOST_KNOWN: usize = 64;
 
 const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
                               base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -41,8 +40,14 @@ pub struct Guard {
     /// `localhost:8460`, `127.0.0.1:8460` and the like.
     hosts: Vec<String>,
     access: Access,
-    calls: Mutex<BTreeMap<IpAddr, Calls>>,
+    calls: Counted,
+    /// Calls without the token: their own count, for who has none must lock nobody out, and no guess may follow another at will.
+    guesses: Counted,
 }
+
+/// Calls of each computer. As many computers are known as can have connections; the one that was silent longest makes room.
+#[derive(Default)]
+struct Counted(Mutex<BTreeMap<IpAddr, Calls>>);
 
 /// Where a call comes from.
 #[derive(Clone, Copy, Debug)]
@@ -54,17 +59,11 @@ struct Calls {
     at: Instant,
 }
 
-impl Guard {
-    /// For a page on this address.
-    pub fn new(address: SocketAddr, access: Access) -> Self {
-        Self { hosts: access.hosts(address), access, calls: Mutex::default() }
-    }
-
+impl Counted {
     /// One call more of a computer; false when it has too many.
-    fn counts(&self, Peer(of): Peer) -> bool {
-        let mut known = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
-        let now = Instant::now();
-        if known.len() >= MOST_KNOWN && !known.contains_key(&of) {
+    fn count(&self, Peer(of): Peer, now: Instant) -> bool {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.len() >= MOST_CONNECTIONS && !known.contains_key(&of) {
             let silent = known.iter().min_by_key(|(_, calls)| calls.at).map(|(of, _)| *of);
             silent.and_then(|of| known.remove(&of));
         }
@@ -76,6 +75,13 @@ impl Guard {
             calls.left -= 1.0;
         }
         allowed
+    }
+}
+
+impl Guard {
+    /// For a page on this address.
+    pub fn new(address: SocketAddr, access: Access) -> Self {
+        Self { hosts: access.hosts(address), access, calls: Counted::default(), guesses: Counted::default() }
     }
 
     /// Why the call is refused; `None` when it is not.
@@ -119,15 +125,16 @@ pub async fn guarded(State(guard): State<std::sync::Arc<Guard>>, request: Reques
     // What is refused takes no place of a call that is not: who has no token locks nobody out.
     let refusal = guard.refusal(request.method(), request.uri().path(), request.headers());
     let peer = request.extensions().get::<Peer>().copied().unwrap_or(Peer(Ipv4Addr::UNSPECIFIED.into()));
-    let mut response = if let Some((status, why)) = refusal {
-        refused(status, why)
-    } else if !guard.counts(peer) {
-        refused(StatusCode::TOO_MANY_REQUESTS, "too many calls; wait a second")
-    } else {
-        match tokio::time::timeout(LONGEST, next.run(request)).await {
+    let now = Instant::now();
+    let too_many = || refused(StatusCode::TOO_MANY_REQUESTS, "too many calls; wait a second");
+    let mut response = match refusal {
+        Some((StatusCode::UNAUTHORIZED, _)) if !guard.guesses.count(peer, now) => too_many(),
+        Some((status, why)) => refused(status, why),
+        None if !guard.calls.count(peer, now) => too_many(),
+        None => match tokio::time::timeout(LONGEST, next.run(request)).await {
             Ok(response) => response,
             Err(_) => refused(StatusCode::GATEWAY_TIMEOUT, "this takes long; ask again in a minute"),
-        }
+        },
     };
     let headers = response.headers_mut();
     headers.entry(CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(CONTENT_POLICY));
@@ -137,4 +144,20 @@ pub async fn guarded(State(guard): State<std::sync::Arc<Guard>>, request: Reques
     headers.insert(HeaderName::from_static("cross-origin-resource-policy"), same.clone());
     headers.insert(HeaderName::from_static("cross-origin-opener-policy"), same);
     response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_computer_has_so_many_calls_at_once_and_so_many_a_second() {
+        let counted = Counted::default();
+        let [one, other] = [1, 2].map(|last| Peer(Ipv4Addr::new(127, 0, 0, last).into()));
+        let allowed = |peer: Peer, at: Instant| (0..1000).filter(|_| counted.count(peer, at)).count() as f64;
+        let now = Instant::now();
+        assert_eq!((allowed(one, now), allowed(one, now)), (CALLS_AT_ONCE, 0.0));
+        assert_eq!(allowed(other, now), CALLS_AT_ONCE);
+        assert_eq!(allowed(one, now + Duration::from_secs(1)), CALLS_PER_S);
+    }
 }

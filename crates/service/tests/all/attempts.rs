@@ -172,12 +172,14 @@ async fn another_computer_needs_the_token_and_gets_nothing_without_tls() {
         assert!(!answer.contains(TOKEN), "{name}: {answer}");
     }
     // Who is refused takes no call of others.
-    for _ in 0..260 {
-        assert_eq!(ask(&page, "GET /api/runs", "", "").await.0, 401);
+    for call in 0..260 {
+        let (status, _) = ask(&page, "GET /api/runs", "", "").await;
+        // From 200 at once on they are refused as too many, as fast as this computer makes them.
+        assert!(status == 401 || call >= 180 && status == 429, "call {call}: {status}");
     }
     let (status, _) = ask(&page, "GET /api/runs", &bearer, "").await;
     assert_eq!(status, 200);
-    rows += "| 260 calls without a token as fast as they go, then one with it | `GET /api/runs` | 401 each, then 200: the list |\n";
+    rows += "| 260 calls without a token as fast as they go, then one with it | `GET /api/runs` | 401, or 429 where they are too many; then 200: the list |\n";
     // Without TLS not a byte of an answer.
     let (status, answer) = page.ask("GET /api/runs", &bearer, "").await;
     assert!(status == 0 && !answer.contains("runs"), "{answer}");
