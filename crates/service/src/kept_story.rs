@@ -46,15 +46,22 @@ fn stamp(file: &Path) -> Option<(u64, u128)> {
     Some((about.len(), about.modified().ok()?.duration_since(UNIX_EPOCH).ok()?.as_nanos()))
 }
 
-/// Keeps the story of an analysis of these files, and the analysis in short.
+/// The story of an analysis of these files, and the analysis in short, as text.
+///
+/// # Errors
+/// When it is no JSON.
+pub fn of(files: &[PathBuf], compared: &Compared) -> Result<String, ServiceError> {
+    let of = Of::now(files, compared.diagnosed().fit().model().text());
+    let head = Head { of, found: found(compared) };
+    Ok(format!("{}{}", to_json_line(&head)?, to_json_line(&compared.story())?))
+}
+
+/// Keeps such a text next to the recording.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write(recording: &Path, files: &[PathBuf], compared: &Compared) -> Result<(), ServiceError> {
-    let of = Of::now(files, compared.diagnosed().fit().model().text());
-    let head = Head { of, found: found(compared) };
-    let text = format!("{}{}", to_json_line(&head)?, to_json_line(&compared.story())?);
-    Ok(trunnion::files::write_whole(&recording.with_extension(ENDING), &text)?)
+pub fn write(recording: &Path, text: &str) -> Result<(), ServiceError> {
+    Ok(trunnion::files::write_whole(&recording.with_extension(ENDING), text)?)
 }
 
 /// The kept story of these files by this model, as it was written; `None` where there is none, or it is of others.

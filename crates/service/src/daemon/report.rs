@@ -1,11 +1,11 @@
 //! From a recording to its report.
 
 use crate::clock::{day, moment};
-use crate::error::ServiceError;
+use crate::error::{ServiceError, chain};
 use crate::recording::Recorded;
 use crate::{kept_story, run_record};
 use std::path::Path;
-use tracing::info;
+use tracing::{info, warn};
 use trunnion::results::{RunAnswer, RunResult, Verdict, to_json};
 use trunnion::{Analysed, Compared, Experiment, Model, Notation};
 
@@ -66,7 +66,7 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
     let model = model.map_or_else(|| experiment.base_model(), Model::clone);
     let analysed = experiment.analyse(&model, date).map_err(failed)?;
     let compared = analysed.first().compare().with_losses(&state.losses).with_left_out(analysed.left_out());
-    kept_story::write(recording, &files, &compared)?;
+    let story = kept_story::of(&files, &compared)?;
     let compared = compared.with_best();
     let answers = [
         ("html", compared.page()),
@@ -76,6 +76,10 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
     ];
     for (ending, text) in answers {
         trunnion::files::write_whole(&recording.with_extension(ending), &text)?;
+    }
+    // It saves an analysis, no more.
+    if let Err(failure) = kept_story::write(recording, &story) {
+        warn!("the story is not kept: {}; the page analyses again", chain(&failure));
     }
     let answer = in_short(recording, &analysed, &compared);
     info!(run = %recording.display(), verdict = answer.result.verdict.as_str(), missing = ?answer.result.missing_effects, "analysed");
