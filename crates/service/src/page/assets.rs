@@ -24,7 +24,7 @@ const ASSETS: [(&str, &str, &str); 21] = [
     ("poses.js", SCRIPT, include_str!("assets/poses.js")),
     ("pose-map.js", SCRIPT, include_str!("assets/pose-map.js")),
     ("what-if.js", SCRIPT, include_str!("assets/what-if.js")),
-    ("falls.js", SCRIPT, include_str!("assets/falls.js")),
+    ("residual-bars.js", SCRIPT, include_str!("assets/residual-bars.js")),
     ("overlay.js", SCRIPT, include_str!("assets/overlay.js")),
     ("history.js", SCRIPT, include_str!("assets/history.js")),
     ("heat-map.js", SCRIPT, include_str!("assets/heat-map.js")),

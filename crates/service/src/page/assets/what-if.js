@@ -3,7 +3,7 @@
 import * as calls from "./calls.js";
 import { el, fold, notice, plain } from "./dom.js";
 import { heatMap, nearest, stations } from "./heat-map.js";
-import { falls } from "./falls.js";
+import { residualBars } from "./residual-bars.js";
 import { overlay } from "./overlay.js";
 import { posesOf } from "./poses.js";
 
@@ -26,7 +26,7 @@ export async function make(page) {
   };
   const maps = mapsOf(state, atCell);
   const poses = posesOf(state, atPose);
-  const bars = falls(state);
+  const bars = residualBars(state);
   const curves = overlay(state);
   const update = () => compute(state, { figure, remark, maps, poses, bars, curves });
   const parts = [
