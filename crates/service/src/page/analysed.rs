@@ -1,7 +1,7 @@
 //! Analysed recordings, which answer the questions of the page; in a process of their own unless a test has them here.
 
 use super::question::{Asks, Head, NoAnswer, Question, Reply, Step};
-use super::stamp::{Stamp, own_model, stamps};
+use super::stamp::{Stamps, files_of, own_model};
 use crate::found::found;
 use crate::run_record;
 use std::collections::VecDeque;
@@ -30,11 +30,11 @@ struct Open {
     compared: Compared,
     /// In short.
     found: RunFound,
-    stamps: [Stamp; 2],
+    stamps: Stamps,
 }
 
 impl AnalysedRuns {
-    /// Answers a question; analyses first where recording or model changed since.
+    /// Answers a question; analyses first where a recording, its state or a model changed since.
     pub fn answer(&mut self, question: &Question) -> Result<Reply, NoAnswer> {
         let open = self.current(question)?;
         let open = match &question.asks {
@@ -52,8 +52,10 @@ impl AnalysedRuns {
     }
 
     fn current(&mut self, question: &Question) -> Result<&Open, NoAnswer> {
-        let known =
-            self.open.iter().position(|open| open.recording == question.recording && open.is_current());
+        let known = self
+            .open
+            .iter()
+            .position(|open| open.recording == question.recording && open.stamps == stamps(question));
         match known {
             Some(at) => Ok(&self.open[at]),
             None => self.analyse(question),
@@ -65,7 +67,7 @@ impl AnalysedRuns {
         // Room before the next one is in memory.
         self.open.retain(|open| open.recording != *recording);
         self.open.drain(..self.open.len().saturating_sub(MOST_OPEN - 1));
-        let (stamps, model_path) = (stamps(recording), own_model(recording));
+        let (stamps, model_path) = (stamps(question), own_model(recording));
         let state = run_record::read(recording).unwrap_or_default();
         let experiment = trunnion::open_all(run_record::files(recording, &state))?;
         let model = match &question.model {
@@ -80,16 +82,16 @@ impl AnalysedRuns {
     }
 }
 
+fn stamps(question: &Question) -> Stamps {
+    Stamps::of(files_of(&question.recording, question.model.clone()))
+}
+
 /// The recordings that hold a run.
 fn run_files(recording: &Path) -> Vec<PathBuf> {
     run_record::files(recording, &run_record::read(recording).unwrap_or_default())
 }
 
 impl Open {
-    fn is_current(&self) -> bool {
-        self.stamps == stamps(&self.recording)
-    }
-
     /// A run that a person may act on.
     fn trusted(&self) -> Result<&Self, NoAnswer> {
         let doubts = self.compared.diagnosed().fit().experiment().plausibility();

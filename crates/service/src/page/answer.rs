@@ -30,6 +30,12 @@ pub enum Refusal {
         /// When and why.
         why: String,
     },
+    /// A run whose samples are gone, which would be compared with another.
+    #[error("the samples of {name} were removed; only runs with samples are compared")]
+    NotCompared {
+        /// Its name.
+        name: String,
+    },
     /// Not who may call.
     #[error("this is not the token of the page")]
     WrongToken,
@@ -52,7 +58,7 @@ impl Refusal {
         match self {
             Self::Unknown { .. } => StatusCode::NOT_FOUND,
             Self::Wrong(_) => StatusCode::BAD_REQUEST,
-            Self::Removed { .. } => StatusCode::GONE,
+            Self::Removed { .. } | Self::NotCompared { .. } => StatusCode::GONE,
             Self::WrongToken => StatusCode::UNAUTHORIZED,
             Self::NotTrusted(_) | Self::NotNow(_) => StatusCode::CONFLICT,
             Self::Failed(_) => StatusCode::UNPROCESSABLE_ENTITY,

@@ -120,7 +120,7 @@ async fn change(State(page): State<Page>) -> Answer {
     let last_two = tokio::task::spawn_blocking(move || runs.last_two()).await;
     match last_two.map_err(|_| Refusal::Broken("history of the machine"))?? {
         Some((later, earlier)) => Ok(json(page.runs.ask(&later, Asks::Change { earlier }).await?)),
-        None => Err(Refusal::NotNow("two analysed runs with samples are compared, and there are fewer")),
+        None => Err(Refusal::NotNow("two analysed runs are compared, and there are fewer")),
     }
 }
 

@@ -83,9 +83,18 @@ pub struct Step {
 }
 
 impl Asks {
-    /// Whether the answer stays the same as long as recording and model do, and is worth keeping.
+    /// Whether the answer stays the same as long as recordings and models do, and is worth keeping.
     pub fn is_kept(&self) -> bool {
         !matches!(self, Self::Formula { .. } | Self::Add(_) | Self::Remove(_))
+    }
+
+    /// Recordings that the answer comes from, next to that of the question.
+    pub fn others(&self) -> &[PathBuf] {
+        match self {
+            Self::NextDay { recordings } => recordings,
+            Self::Change { earlier } => std::slice::from_ref(earlier),
+            _ => &[],
+        }
     }
 }
 

@@ -3,11 +3,13 @@
 //! A name from a call is compared with the names of the list and never becomes part of a path.
 
 mod list;
+#[cfg(test)]
+mod tests;
 
 use super::analyst::PageAnalyst;
 use super::answer::Refusal;
 use super::question::{Asks, NoAnswer, Question};
-use super::stamp::{Stamp, own_model, stamp, stamps};
+use super::stamp::{Stamp, Stamps, files_of, own_model, stamp};
 use crate::cycles::{Choice, Cycles};
 use crate::{kept_story, run_record};
 use hyper::body::Bytes;
@@ -50,7 +52,7 @@ enum Place {
 struct KeptAnswer {
     recording: PathBuf,
     asks: Asks,
-    stamps: [Stamp; 2],
+    stamps: Stamps,
     text: Bytes,
 }
 
@@ -114,28 +116,30 @@ impl Runs {
             Ok(days) => days,
             Err(why_not) => return Ok(Err(why_not)),
         };
-        let names = days.into_iter().map(|index| history.runs[index].run.clone());
-        let mut recordings = Vec::new();
-        let mut last = String::new();
-        for name in names {
-            // Of a run whose samples were removed nothing can be fitted.
-            if let Ok(path) = self.path(&name) {
-                recordings.push(path);
-                last = name;
-            }
+        let names: Vec<&String> = days.iter().map(|&index| &history.runs[index].run).collect();
+        // Of a run whose samples were removed nothing can be fitted.
+        let recordings: Vec<PathBuf> = names.iter().filter_map(|name| self.path(name).ok()).collect();
+        let Some(last) = names.last().filter(|last| self.path(last).is_ok()) else {
+            let which = names.last().map_or("these runs", |last| last.as_str());
+            return Ok(Err(format!("the samples of {which} were removed")));
+        };
+        let removed = names.len() - recordings.len();
+        if removed > 0 {
+            tracing::info!(
+                "a forecast without {removed} of {} runs, whose samples were removed",
+                names.len()
+            );
         }
-        match recordings.is_empty() {
-            true => Ok(Err("the samples of these runs were removed".into())),
-            false => Ok(Ok((last, recordings))),
-        }
+        Ok(Ok((last.to_string(), recordings)))
     }
 
-    /// The last run that is compared, and the recording of the one before it; `None` before there are two with samples.
+    /// The last run that is compared, and the recording of the one before it; `None` before there are two.
     pub fn last_two(&self) -> Result<Option<(String, PathBuf)>, Refusal> {
         let history = history::of_found(&self.list().runs, &self.corrections()?);
         let Some(change) = history.change else { return Ok(None) };
-        let there = self.path(&change.from).ok().filter(|_| self.path(&change.to).is_ok());
-        Ok(there.map(|earlier| (change.to, earlier)))
+        let path = |name: &String| self.path(name).map_err(|_| Refusal::NotCompared { name: name.clone() });
+        let (earlier, _) = (path(&change.from)?, path(&change.to)?);
+        Ok(Some((change.to, earlier)))
     }
 
     /// What of the newest run lies outside the limits that the runs before it set.
@@ -238,7 +242,7 @@ impl Runs {
     }
 
     fn answer(&self, recording: PathBuf, asks: Asks) -> Result<Bytes, Refusal> {
-        let stamps = stamps(&recording);
+        let stamps = self.stamps(&recording, &asks);
         let question = Question { model: self.model_of(&recording), recording, asks };
         let reply = self.analyst.ask(&question).map_err(|why| match why {
             NoAnswer::Failed(why) => Refusal::Failed(why),
@@ -249,8 +253,9 @@ impl Runs {
         let text = Bytes::from(reply.text);
         if asks.is_kept() {
             let mut kept = lock(&self.kept);
+            let is_current = |answer: &KeptAnswer| answer.stamps == self.stamps(&recording, &answer.asks);
             kept.retain(|answer| {
-                answer.recording != recording || (answer.asks != asks && answer.stamps == stamps)
+                answer.recording != recording || (answer.asks != asks && is_current(answer))
             });
             kept.push_back(KeptAnswer { recording, asks, stamps, text: text.clone() });
             while kept.iter().map(|answer| answer.text.len()).sum::<usize>() > MOST_KEPT {
@@ -258,6 +263,13 @@ impl Runs {
             }
         }
         Ok(text)
+    }
+
+    /// Of every file that the answer comes from: each recording with its parts, its state, and the model that it is judged by.
+    fn stamps(&self, recording: &Path, asks: &Asks) -> Stamps {
+        let of_run = |recording: &PathBuf| files_of(recording, self.model_of(recording));
+        let others = asks.others().iter().filter(|other| *other != recording);
+        Stamps::of(std::iter::once(&recording.to_owned()).chain(others).flat_map(of_run))
     }
 
     /// The story that the analysis of the service left, unless recording or model changed since.
@@ -274,11 +286,11 @@ impl Runs {
         Some(text.into())
     }
 
-    /// What the same question got, unless recording or model changed since.
+    /// What the same question got, unless a recording, its state or a model changed since.
     fn kept(&self, recording: &Path, asks: &Asks) -> Option<Bytes> {
         let kept = lock(&self.kept);
         let known = kept.iter().find(|answer| answer.recording == recording && answer.asks == *asks)?;
-        (known.stamps == stamps(recording)).then(|| known.text.clone())
+        (known.stamps == self.stamps(recording, asks)).then(|| known.text.clone())
     }
 
     /// Ends the analysis that is under way.

@@ -1,5 +1,6 @@
 //! Whether a file is the one that was read.
 
+use crate::run_record;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -17,7 +18,24 @@ pub fn own_model(recording: &Path) -> PathBuf {
     recording.with_extension("model.toml")
 }
 
-/// Of a recording and its own model.
-pub fn stamps(recording: &Path) -> [Stamp; 2] {
-    [stamp(recording), stamp(&own_model(recording))]
+/// Every file that what is said of a run comes from: recordings, state, own model, and the model that judges a run without one.
+pub fn files_of(recording: &Path, model: Option<PathBuf>) -> Vec<PathBuf> {
+    let recordings = run_record::files(recording, &run_record::read(recording).unwrap_or_default());
+    let others = [run_record::path_of(recording), own_model(recording)];
+    recordings.into_iter().chain(others).chain(model).collect()
+}
+
+/// Of every file that an answer comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stamps(Vec<(PathBuf, Stamp)>);
+
+impl Stamps {
+    /// As they are now.
+    pub fn of(files: impl IntoIterator<Item = PathBuf>) -> Self {
+        let stamped = files.into_iter().map(|file| {
+            let stamp = stamp(&file);
+            (file, stamp)
+        });
+        Self(stamped.collect())
+    }
 }
