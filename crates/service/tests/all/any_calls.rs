@@ -2,6 +2,7 @@
 //!
 //! `PROPTEST_CASES=100000 cargo test -p trunnion-service --test all any_calls` makes more of them.
 
+use crate::calls_table::routes;
 use crate::page::Page;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -16,34 +17,16 @@ use trunnion_service::page::Access;
 const CALLS_OF_A_PAGE: u32 = 150;
 const LIMIT: std::time::Duration = std::time::Duration::from_secs(60);
 
-/// Paths of every call but the one whose answer does not end.
-const PATHS: [&str; 25] = [
-    "/",
-    "/assets/NAME",
-    "/api/status",
-    "/api/runs",
-    "/api/history",
-    "/api/history/corrections",
-    "/api/runs/NAME",
-    "/api/runs/NAME/identification",
-    "/api/runs/NAME/diagnosis",
-    "/api/runs/NAME/ladder",
-    "/api/runs/NAME/report",
-    "/api/runs/NAME/trial/NAME",
-    "/api/runs/NAME/linear",
-    "/api/runs/NAME/model/NAME",
-    "/api/runs/NAME/methods",
-    "/api/runs/NAME/method/NAME",
-    "/api/formula",
-    "/api/cycle/choose",
-    "/api/cycle/begin",
-    "/api/cycle/abort",
-    "/api/set-up/nest/write",
-    "/api/set-up/sign-test",
-    "/api/set-up/stop",
-    "/api/login",
-    "/NAME",
-];
+/// Paths of every call but the one whose answer does not end; any name is `NAME`.
+fn paths() -> Vec<String> {
+    let named = |path: &str| {
+        let part = |part: &str| if part.starts_with('{') { "NAME".into() } else { part.to_owned() };
+        path.split('/').map(part).collect::<Vec<_>>().join("/")
+    };
+    let calls = routes().into_iter().filter_map(|call| Some(named(call.split_once(' ')?.1)));
+    let others = ["/", "/assets/NAME", "/NAME"].map(str::to_owned);
+    calls.filter(|path| path != "/api/live").chain(others).collect()
+}
 
 #[derive(Clone, Debug)]
 struct Call {
@@ -101,7 +84,7 @@ fn any_call() -> impl Strategy<Value = Call> {
     let method = prop::sample::select(vec!["GET", "POST", "DELETE", "PUT", "HEAD", "OPTIONS", "get", "X"]);
     let own = "x-trunnion: test\r\nContent-Type: application/json\r\n";
     let headers = prop_oneof![3 => Just(own.to_owned()), 1 => "([A-Z][a-z]{1,9}: [ -~]{0,30}\r\n){0,4}"];
-    (method, prop::sample::select(&PATHS[..]), any_name(), any_name(), headers, any_body()).prop_map(
+    (method, prop::sample::select(paths()), any_name(), any_name(), headers, any_body()).prop_map(
         |(method, path, first, second, headers, body)| {
             let path = path.replacen("NAME", &first, 1).replacen("NAME", &second, 1);
             Call { line: format!("{method} {path}"), headers, body }
@@ -119,7 +102,7 @@ async fn page() -> Page {
 
 #[tokio::test]
 async fn any_call_is_answered_and_is_no_fault_of_ours() {
-    let mut runner = TestRunner::default();
+    let mut runner = TestRunner::deterministic();
     let mut at = page().await;
     for case in 0..cases() {
         if case % CALLS_OF_A_PAGE == CALLS_OF_A_PAGE - 1 {
@@ -135,7 +118,7 @@ async fn any_call_is_answered_and_is_no_fault_of_ours() {
 
 #[tokio::test]
 async fn no_bytes_end_the_page() {
-    let mut runner = TestRunner::default();
+    let mut runner = TestRunner::deterministic();
     let mut at = page().await;
     let cut = (any_call(), any::<prop::sample::Index>(), prop::collection::vec(any::<u8>(), 0..40));
     for case in 0..cases() {
