@@ -167,6 +167,16 @@ impl<'d> Table<'d> {
         None
     }
 
+    /// A count in `allowed`, when present.
+    pub fn optional_count(&self, key: &str, allowed: RangeInclusive<f64>) -> Option<f64> {
+        let number = self.optional_number(key, allowed)?;
+        if number.fract() == 0.0 {
+            return Some(number);
+        }
+        self.problem(key, format!("= {number}"), "a whole number", "");
+        None
+    }
+
     /// A boolean, or `default` when absent.
     pub fn boolean_or(&self, key: &str, default: bool) -> Option<bool> {
         match self.get(key).map(Spanned::get_ref) {

@@ -44,7 +44,7 @@ pub struct AxisFacts {
     pub screw_lead_mm: Option<f64>,
     /// Teeth of the worm wheel or last gear, per turn of the axis.
     pub gear_teeth: Option<f64>,
-    /// Rollers or balls of a ring of the bearing.
+    /// Rolling elements in one row of the bearing.
     pub bearing_rollers: Option<f64>,
     /// Lines of the angular encoder, per turn of the axis.
     pub encoder_lines: Option<f64>,

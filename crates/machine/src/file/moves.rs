@@ -37,9 +37,9 @@ pub(super) fn moves(table: &Table<'_>, rotary: bool) -> Option<Moves> {
     };
     let facts = AxisFacts {
         screw_lead_mm: table.optional_number("screw_lead_mm", 0.1..=1000.0),
-        gear_teeth: table.optional_number("gear_teeth", 1.0..=10_000.0),
-        bearing_rollers: table.optional_number("bearing_rollers", 3.0..=1000.0),
-        encoder_lines: table.optional_number("encoder_lines", 1.0..=1e7),
+        gear_teeth: table.optional_count("gear_teeth", 1.0..=10_000.0),
+        bearing_rollers: table.optional_count("bearing_rollers", 3.0..=1000.0),
+        encoder_lines: table.optional_count("encoder_lines", 1.0..=1e7),
         feed_limit,
     };
     Some(Moves { sense: sense?, travel: travel?, facts })

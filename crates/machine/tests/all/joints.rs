@@ -125,3 +125,11 @@ fn eight_rotary_joints_are_one_too_many() {
     let eight = seven.replace("\"j7\"]", "\"j7\", \"j8\"]") + &extra("j8");
     assert!(problems(&eight).contains("at most 7 rotary joints"));
 }
+
+#[test]
+fn counts_are_whole() {
+    for key in ["gear_teeth", "bearing_rollers", "encoder_lines"] {
+        let text = ROBOT.replacen("sense = 1", &format!("sense = 1\n{key} = 12.5"), 1);
+        assert!(problems(&text).contains(&format!("{key} = 12.5")), "{}", problems(&text));
+    }
+}
