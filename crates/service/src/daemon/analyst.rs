@@ -42,6 +42,7 @@ pub(super) fn analyse(
             let status = process.until(clock, cancel, |child| {
                 let ended = child.try_wait()?;
                 if ended.is_none() {
+                    // std has no wait for a process with a limit, and `cancel` and `time_s` are looked at too.
                     std::thread::sleep(LOOK);
                 }
                 Ok(ended)

@@ -128,6 +128,7 @@ impl Answering {
             Err(RecvTimeoutError::Disconnected) => {
                 let ended = child.try_wait()?;
                 if ended.is_none() {
+                    // std has no wait for a process with a limit, and `cancel` and `time_s` are looked at too.
                     std::thread::sleep(LOOK);
                 }
                 Ok(ended.map(Err))
