@@ -1,13 +1,14 @@
 //! From a recording to its report.
 
 use crate::clock::{day, moment};
-use crate::error::{ServiceError, chain};
+use crate::error::ServiceError;
 use crate::recording::Recorded;
 use crate::{kept_story, run_record};
 use std::path::Path;
 use tracing::{info, warn};
 use trunnion::results::{RunAnswer, RunResult, Verdict, to_json};
 use trunnion::{Analysed, Compared, Experiment, Model, Notation};
+use trunnion_core::chain;
 
 /// Analyses a recording as `replay` would: from the file alone.
 ///
