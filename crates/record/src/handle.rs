@@ -222,6 +222,8 @@ fn record(
     let asked = clock.now();
     let waits = || clock.now() - asked < at_most && !lock(shared).gives_up;
     write_overflow(&mut recorder, shared, clock);
+    // Before the disk is waited for: the last samples are in a batch that is not full.
+    recorder.flush(clock.now());
     while recorder.failing().is_some() && waits() {
         // Room on a disk cannot be awaited; it is tried again every `writer::RETRY`.
         std::thread::sleep(IDLE);

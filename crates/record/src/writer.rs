@@ -137,13 +137,18 @@ impl Recorder {
         self.write_batches(|arrival| now - arrival >= BATCH_AGE, now);
     }
 
+    /// Writes every batch, however young.
+    pub(crate) fn flush(&mut self, now: HostTime) {
+        self.write_batches(|_| true, now);
+    }
+
     /// Brings everything that was taken to the disk (0.1–40 ms): not from the thread that acquires. True when it is there.
     ///
     /// A journal that is not there any more is over, and what was in it is lost, with a gap in the next. One that the disk refuses is
     /// over too: Linux reports a failed write of its cache once and takes those pages as written afterwards (fsync(2)), so a later
     /// success says nothing of them.
     pub fn sync(&mut self, now: HostTime) -> bool {
-        self.write_batches(|_| true, now);
+        self.flush(now);
         match self.journal.as_ref().map(Journal::sync) {
             Some(Ok(())) => true,
             Some(Err(RecordError::Gone { path })) => {
@@ -196,7 +201,7 @@ impl Recorder {
 
     /// Ends the journals. What cannot be written even now is lost, and counted in a gap of the finished file.
     pub(crate) fn close(mut self, now: HostTime) -> Closed {
-        self.write_batches(|_| true, now);
+        self.flush(now);
         // One that is gone gets a file after it, which says so. One that the disk refuses is rewritten from what the system has of it.
         if let Some(Err(RecordError::Gone { path })) = self.journal.as_ref().map(Journal::sync) {
             self.gone(path, now);

@@ -119,7 +119,7 @@ mod tests {
         for (login, status, headers, words) in [
             (Some(&login), StatusCode::UNAUTHORIZED, HeaderMap::new(), "the agent refuses user cell: check"),
             (None, StatusCode::UNAUTHORIZED, HeaderMap::new(), "give `user` and `password_file`"),
-            (Some(&login), StatusCode::UNAUTHORIZED, digest, "another kind of login"),
+            (Some(&login), StatusCode::UNAUTHORIZED, digest, "set its web server to Basic"),
             (Some(&login), StatusCode::FORBIDDEN, HeaderMap::new(), "rights of the user"),
         ] {
             let why = refusal(login, status, &headers).unwrap();

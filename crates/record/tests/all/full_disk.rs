@@ -106,11 +106,12 @@ fn a_run_that_ends_on_a_full_disk_is_finished_when_there_is_room() {
     let (clock, handle) = start(folder);
     let mut sent = 0;
     send(&handle, &clock, &mut sent, 20_000);
-    let begun = Instant::now();
-    while handle.status().messages < 20_000 / 256 {
+    let (begun, mut before) = (Instant::now(), 0);
+    while handle.status().messages < 20_000 / 256 || handle.status().messages != before {
         assert!(begun.elapsed() < LIMIT, "{:?}", handle.status());
-        // The count of the recorder is looked at: nobody is told when it grows.
-        std::thread::sleep(Duration::from_millis(1));
+        before = handle.status().messages;
+        // Nobody is told when all is written: a batch waits for 40 ms, and in five times that nothing has come.
+        std::thread::sleep(Duration::from_millis(200));
     }
     // Whatever is left is taken: the finished file finds no byte.
     let mut filling = std::fs::File::create(&other).unwrap();
