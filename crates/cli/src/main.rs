@@ -1,6 +1,7 @@
 //! `trunnion`: the one binary. Each command is one file under `commands`.
 //!
-//! Exit codes (docs/design/contracts.md §5): 0 done, 1 failed, 2 usage, 3 done with data loss or without a verdict.
+//! Exit codes (docs/design/contracts.md §5): 0 done, 1 failed, 2 usage, 3 done with data loss or without a verdict,
+//! or refused because the runs are doubted.
 
 mod commands;
 mod load;

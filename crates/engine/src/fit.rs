@@ -37,6 +37,7 @@ use crate::solve::null_space::{Direction, Share, describe};
 use crate::{Experiment, HeldOut, IdentifyError, Outliers, Uncertainties};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::convert;
+use trunnion_core::number::fixed;
 use trunnion_effects::{Model, Parameter, Role};
 use trunnion_machine::Axis;
 
@@ -243,7 +244,7 @@ fn outliers(experiment: &Experiment, used: &[bool], residual_mm: &DVector<f64>) 
         .map(|i| {
             let state = &experiment.points[i].state;
             let degrees = |axis: &Axis| {
-                format!("{} {:.3}°", axis.letter, convert::deg_from_rad(state.position[axis.letter]))
+                format!("{} {}°", axis.letter, fixed(convert::deg_from_rad(state.position[axis.letter]), 3))
             };
             let pose: Vec<String> = experiment.machine().rotary().into_iter().map(degrees).collect();
             let rows = experiment.rows_of(i);

@@ -54,14 +54,14 @@ impl Experiment {
     /// No method of this name; runs that lack what it needs.
     pub fn by_method(&self, name: &str, options: &MethodOptions) -> Result<results::Findings, Error> {
         let method = recipes::find(name)?;
-        let found = (method.run)(self.runs(), options)?;
+        let found = method.apply(self.runs(), options)?;
         Ok(results::Findings { plausibility: self.plausibility(), ..(&found).into() })
     }
 
     /// Every named method, with what the runs lack for it.
     pub fn methods(&self) -> results::MethodList {
         let line = |method: &&Method| {
-            let done = (method.run)(self.runs(), &MethodOptions::default());
+            let done = method.apply(self.runs(), &MethodOptions::default());
             results::MethodLine {
                 name: method.name.into(),
                 title: method.title.into(),

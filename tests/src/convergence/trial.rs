@@ -141,7 +141,7 @@ pub fn trial(case: Case, seed: u64) -> Vec<Failure> {
     }
     for method in recipes::REGISTRY {
         let options = MethodOptions::default();
-        let both = [&exact, &recorded].map(|run| (method.run)(std::slice::from_ref(run), &options));
+        let both = [&exact, &recorded].map(|run| method.apply(std::slice::from_ref(run), &options));
         match both {
             [Ok(_), Err(why)] => fail("method fails with scatter", format!("{}: {why}", method.name)),
             [Err(MethodError::Fit(why)), _] => fail("method not fitted", format!("{}: {why}", method.name)),

@@ -36,6 +36,7 @@ pub(super) static METHOD: Method = Method {
     source: "ISO 230-4:2005; Kakino et al. 1990 (DBB); S4 §4.1; docs/design/physics.md §5.2",
     about: "Ball-bar circles of two linear axes, best both ways: circular deviations; and the classical list of errors, fitted \
             to both directions together. Each has its own circularity and its rank; the share that nothing on the list explains stands last.",
+    takes_axis: false,
     needs: "a ball bar while two linear axes make a circle of 180° or more about its table ball, best whole circles both ways",
     gives: "G of each direction, G(b), D and F (bar of known length), squareness, scale mismatch; backlash, reversal spikes, lateral \
             play, cyclic error, servo mismatch, straightness, and what they leave",

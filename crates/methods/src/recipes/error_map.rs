@@ -46,6 +46,7 @@ pub(super) static METHOD: Method = Method {
     source: "S1 eq. 1-23; docs/design/physics.md §4, §8",
     about: "Readings at rest over a grid of both rotary axes are taken at two nest positions. They give the six errors of the \
             tilting axis at each of its angles and five errors of the turning axis at each pose; next to it the joint fit of the same readings.",
+    takes_axis: false,
     needs: "R-test readings at rest over a grid of two stacked rotary table axes (S1: B −90..90° and C 0..330° in steps of 30°) \
             at two nest positions of different height",
     gives: "six errors of the tilting axis over its angle, five of the turning axis at each pose; location errors by maps and \

@@ -17,12 +17,14 @@ pub struct Method {
     pub source: &'static str,
     /// What it does, in a sentence or two for a technician.
     pub about: &'static str,
+    /// Whether a user may choose the axis to judge ([`MethodOptions::axis`]).
+    pub takes_axis: bool,
     /// What the runs must hold.
     pub needs: &'static str,
     /// What it finds.
     pub gives: &'static str,
     /// The recipe.
-    pub run: fn(&[Run], &MethodOptions) -> Result<Findings, MethodError>,
+    pub(super) run: fn(&[Run], &MethodOptions) -> Result<Findings, MethodError>,
 }
 
 /// What a user may ask of a method.
@@ -59,6 +61,14 @@ pub enum MethodError {
         /// What to do.
         next: String,
     },
+    /// An axis was asked for, and the method judges none by itself.
+    #[error("method {method} judges all axes of the runs together: leave out the axis {axis}")]
+    NoAxis {
+        /// Name of the method.
+        method: &'static str,
+        /// The axis.
+        axis: Joint,
+    },
     /// The runs do not belong together.
     #[error("the runs cannot be used together")]
     Runs(#[from] ExperimentError),
@@ -68,6 +78,17 @@ pub enum MethodError {
 }
 
 impl Method {
+    /// Applies it to runs.
+    ///
+    /// # Errors
+    /// When it takes no axis and one is asked for; when the runs lack what it needs.
+    pub fn apply(&self, runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
+        match options.axis {
+            Some(axis) if !self.takes_axis => Err(MethodError::NoAxis { method: self.name, axis }),
+            _ => (self.run)(runs, options),
+        }
+    }
+
     /// Findings of these runs of one machine, without anything found yet.
     pub(crate) fn findings(&self, runs: &[Run], convention: Convention) -> Findings {
         Findings {

@@ -30,6 +30,7 @@ pub(super) static METHOD: Method = Method {
     source: "ISO 230-7:2015, clause 3 (definitions)",
     about: "Only one rotary axis turns, several times. About the least-squares centre: how far the axis strays in all, what \
             repeats in every turn, and what does not, for radial, axial and tilt motion.",
+    takes_axis: true,
     needs: "an R-test with the ball near the axis line; one rotary axis turning alone by 90° or more; several whole turns in one \
             direction (at least two to separate synchronous from asynchronous); a second height for the tilt",
     gives: "total, synchronous and asynchronous values of the radial (fixed and rotating direction), axial and tilt error motion",

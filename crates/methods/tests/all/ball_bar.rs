@@ -77,7 +77,7 @@ fn range_of_b() -> f64 {
 fn by(runs: &[Run], convention: Convention) -> Findings {
     let method = recipes::find("ball-bar").unwrap();
     let options = MethodOptions { convention, ..MethodOptions::default() };
-    (method.run)(runs, &options).unwrap_or_else(|error| panic!("{error}"))
+    method.apply(runs, &options).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn value(findings: &Findings, name: &str) -> f64 {
@@ -201,7 +201,7 @@ fn a_bar_of_unknown_length_gives_tilts_and_no_places() {
 fn circles_of_linear_axes_are_sent_to_their_method() {
     let run = run(&cycle_text("circle-xy"), Joint::C, |_, _| 0.0);
     let method = recipes::find("ball-bar").unwrap();
-    let error = (method.run)(&[run], &MethodOptions::default()).unwrap_err();
+    let error = method.apply(&[run], &MethodOptions::default()).unwrap_err();
     assert!(matches!(error, MethodError::Lacks { .. }) && error.to_string().contains("circular"), "{error}");
 }
 

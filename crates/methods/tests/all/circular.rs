@@ -51,7 +51,7 @@ fn angle(state: &State) -> f64 {
 
 fn circular(run: Run) -> Findings {
     let method = recipes::find("circular").unwrap();
-    (method.run)(&[run], &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    method.apply(&[run], &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn value(findings: &Findings, name: &str) -> f64 {

@@ -15,7 +15,7 @@ use trunnion_methods::{Findings, recipes};
 
 fn error_map(run: Run) -> Findings {
     let method = recipes::find("error-map").expect("registered");
-    (method.run)(&[run], &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    method.apply(&[run], &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn number(cell: &Cell) -> f64 {
@@ -130,7 +130,7 @@ fn a_ball_beside_the_nest_is_refused() {
     let mut run = points_run("points-nothing-hidden");
     run.points[7].state.position.0[0] += 12.0;
     let method = recipes::find("error-map").expect("registered");
-    let error = (method.run)(&[run], &MethodOptions::default()).unwrap_err().to_string();
+    let error = method.apply(&[run], &MethodOptions::default()).unwrap_err().to_string();
     assert!(error.contains("12.0 mm off the nest") && error.contains("linear axes"), "{error}");
 }
 
@@ -183,7 +183,7 @@ fn coning_is_printed_as_the_source_prints_it_and_maps_have_the_magnification_ask
         let moved = machine_from_table.rotation.inverse() * -frame.displacement_mm(&nest, &twist);
         point.reading_mm = (Vector3::from(point.reading_mm) + moved).into();
     }
-    let findings = (method.run)(&[run], &options).unwrap_or_else(|error| panic!("{error}"));
+    let findings = method.apply(&[run], &options).unwrap_or_else(|error| panic!("{error}"));
     let variation = findings.value("EAB variation").expect("a value");
     let note = variation.note.replace('−', "-");
     let mut ends = note.split("; ").next().unwrap().trim_start_matches("from ").split(" to ");

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use trunnion_core::Joint;
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::shipped;
 use trunnion_methods::recipes;
@@ -86,10 +87,19 @@ fn an_unknown_name_is_answered_with_the_allowed_ones() {
 fn a_method_without_data_says_what_it_needs() {
     for method in REGISTRY {
         let options = MethodOptions::default();
-        assert!(matches!((method.run)(&[], &options), Err(MethodError::Runs(_))), "{}", method.name);
-        let error = (method.run)(&[empty_run("table-bc")], &options).unwrap_err().to_string();
+        assert!(matches!(method.apply(&[], &options), Err(MethodError::Runs(_))), "{}", method.name);
+        let error = method.apply(&[empty_run("table-bc")], &options).unwrap_err().to_string();
         assert!(error.contains(method.name) && error.contains(method.needs), "{error}");
         let two = [empty_run("table-bc"), empty_run("table-ac")];
-        assert!(matches!((method.run)(&two, &options), Err(MethodError::Runs(_))), "{}", method.name);
+        assert!(matches!(method.apply(&two, &options), Err(MethodError::Runs(_))), "{}", method.name);
+    }
+}
+
+#[test]
+fn an_axis_is_never_asked_for_in_vain() {
+    for method in REGISTRY.iter().filter(|method| !method.takes_axis) {
+        let options = MethodOptions { axis: Some(Joint::C), ..MethodOptions::default() };
+        let error = method.apply(&[empty_run("table-bc")], &options).unwrap_err().to_string();
+        assert!(error.contains(method.name) && error.contains("leave out the axis C"), "{error}");
     }
 }

@@ -40,7 +40,7 @@ fn the_values_of_iso_230_2_are_those_worked_by_hand() {
         (100.0, -1.0, 6.0),
         (0.0, -1.0, -2.0),
     ]);
-    let found = (recipes::find("positioning").unwrap().run)(&[run], &MethodOptions::default()).unwrap();
+    let found = recipes::find("positioning").unwrap().apply(&[run], &MethodOptions::default()).unwrap();
     // Means 1, 11 going up and −3, 5 going down, every s = √2.
     let root = 2.0_f64.sqrt();
     for (name, by_hand) in [
@@ -66,7 +66,7 @@ fn the_values_of_iso_230_2_are_those_worked_by_hand() {
 #[test]
 fn a_single_pass_is_sent_to_repeat_its_approaches() {
     let run = run(&[(0.0, 1.0, 0.0), (100.0, 1.0, 1.0), (200.0, 1.0, 2.0)]);
-    let error = (recipes::find("positioning").unwrap().run)(&[run], &MethodOptions::default()).unwrap_err();
+    let error = recipes::find("positioning").unwrap().apply(&[run], &MethodOptions::default()).unwrap_err();
     assert!(
         matches!(error, MethodError::Lacks { .. }) && error.to_string().contains("twice or more"),
         "{error}"

@@ -61,7 +61,7 @@ fn split(runs: &[Run]) -> Result<Findings, MethodError> {
 }
 
 fn split_by(runs: &[Run], options: MethodOptions) -> Result<Findings, MethodError> {
-    (recipes::find("quasi-static").unwrap().run)(runs, &options)
+    recipes::find("quasi-static").unwrap().apply(runs, &options)
 }
 
 /// C goes along X by known parts; the fastest feed is 7200 °/min.

@@ -45,7 +45,7 @@ fn run(count: usize) -> Run {
 #[test]
 fn an_axis_line_that_goes_away_is_followed_with_its_time_constant() {
     let run = run(16);
-    let found = (recipes::find("thermal").unwrap().run)(&[run], &MethodOptions::default()).unwrap();
+    let found = recipes::find("thermal").unwrap().apply(&[run], &MethodOptions::default()).unwrap();
     let table = &found.tables[0];
     assert_eq!(table.rows.len(), 16);
     let column = |name: &str| table.columns.iter().position(|column| column.name == name).unwrap();
@@ -70,6 +70,6 @@ fn an_axis_line_that_goes_away_is_followed_with_its_time_constant() {
 
 #[test]
 fn a_cycle_that_was_run_once_is_sent_to_repeat_it() {
-    let error = (recipes::find("thermal").unwrap().run)(&[run(1)], &MethodOptions::default()).unwrap_err();
+    let error = recipes::find("thermal").unwrap().apply(&[run(1)], &MethodOptions::default()).unwrap_err();
     assert!(error.to_string().contains("the poses are visited 1 times"), "{error}");
 }

@@ -1,7 +1,7 @@
 //! What to enter into a control, for the terminal.
 
 use super::table::clean;
-use trunnion_results::number::{plain, trimmed};
+use trunnion_results::number::{plain, signed, trimmed};
 use trunnion_results::{Correction, CorrectionJudged, Decision, SelfTest, SignVerdict, Verdict};
 
 /// What to do, what to check first, what to expect, and how to undo it.
@@ -89,7 +89,7 @@ fn steps(title: &str, steps: &[String]) -> String {
 }
 
 fn named(components: &[String], values: &[f64]) -> String {
-    let one = |(name, value): (&String, &f64)| format!("{name} {value:+.1}");
+    let one = |(name, value): (&String, &f64)| format!("{name} {}", signed(*value, 1));
     let all: Vec<String> = components.iter().zip(values).map(one).collect();
     format!("{} µm", all.join(", "))
 }

@@ -125,7 +125,7 @@ fn the_page_of_a_named_method_shows_values_charts_and_tables() {
         let ball = run.setups[point.state.setup].ball_in_table_mm;
         point.state.position = run.machine.follow(&point.state.position, &ball).unwrap();
     }
-    let findings = Findings::from(&(method.run)(&[run], &MethodOptions::default()).unwrap());
+    let findings = Findings::from(&method.apply(&[run], &MethodOptions::default()).unwrap());
     let page = findings_html(&findings, "Trunnion <test>");
     let (verdict, source) =
         (page.find(" moves the tool most: ").unwrap(), page.find("Method and source").unwrap());

@@ -79,7 +79,7 @@ fn identification_and_diagnosis_of_committed_runs_return() {
 fn findings_plan_preview_ladder_and_volume_return() {
     let runs = [run("points-gravity")];
     let found: Vec<_> =
-        REGISTRY.iter().filter_map(|method| (method.run)(&runs, &MethodOptions::default()).ok()).collect();
+        REGISTRY.iter().filter_map(|method| method.apply(&runs, &MethodOptions::default()).ok()).collect();
     assert!(!found.is_empty(), "no method can use this run");
     for findings in &found {
         returns(&Findings::from(findings));

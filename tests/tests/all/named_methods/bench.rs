@@ -79,7 +79,7 @@ pub fn cycle(text: &str) -> Cycle {
 
 pub fn by_method(name: &str, run: &Run, convention: Convention) -> Result<Findings, MethodError> {
     let method = recipes::find(name)?;
-    (method.run)(std::slice::from_ref(run), &MethodOptions { convention, ..MethodOptions::default() })
+    method.apply(std::slice::from_ref(run), &MethodOptions { convention, ..MethodOptions::default() })
 }
 
 /// Value in inside units.

@@ -216,7 +216,7 @@ fn two_recordings_of_one_height_each_tell_the_same() {
     });
     let method = recipes::find("two-height").expect("registered");
     let [together, apart] = [std::slice::from_ref(&both), &apart[..]]
-        .map(|runs| (method.run)(runs, &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}")));
+        .map(|runs| method.apply(runs, &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}")));
     let errors = |of: &Findings| -> Vec<String> {
         let names = of.values.iter().map(|value| value.name.clone());
         names.filter(|name| name.starts_with('E')).collect()
