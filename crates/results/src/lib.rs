@@ -13,6 +13,7 @@ mod conformity;
 mod correctable;
 mod corrected;
 mod correction;
+mod cycle_topics;
 mod demo;
 mod devices;
 mod diagnosis;
@@ -66,6 +67,7 @@ pub use correction::{
     CorrectedAxis, Correction, CorrectionFormat, CorrectionJudged, CorrectionJudgedFormat, CorrectionValues,
     Expected, SelfTest, SelfTestPose, SignCheck, SignVerdict,
 };
+pub use cycle_topics::{CycleProgress, FailedState, ModelChanged, ModelStep, ReadyNow, ResultNow, RunFailed};
 pub use demo::{Demo, DemoFormat, DemoStep};
 pub use devices::{CheckedDevice, DevicePlace, DevicesChecked, DevicesFormat, DevicesFound};
 pub use diagnosis::{

@@ -1,11 +1,12 @@
 //! The JSON schemas, generated from the types.
 
 use crate::{
-    Added, AlarmsNow, AxisErrors, Check, Comparison, Correction, CorrectionJudged, DayForecast, Demo,
-    DevicesChecked, DevicesFound, Diagnosis, ErrorMap, Findings, FormulaChecked, Identification, Imported,
-    Joined, Ladder, Linear, Live, MachineHistory, MethodList, NcProgram, NestCalibrated, PageStatus, Plan,
-    Prediction, Preview, Removed, Report, RunList, RunRecord, SamplesRemoved, Scrubbed, ServiceStatus,
-    SetUpState, SignTest, Simulation, StorageNow, Story, TimeQuality, Trial, Volumetric, to_json,
+    Added, AlarmsNow, AxisErrors, Check, Comparison, Correction, CorrectionJudged, CycleProgress,
+    DayForecast, Demo, DevicesChecked, DevicesFound, Diagnosis, ErrorMap, Findings, FormulaChecked,
+    Identification, Imported, Joined, Ladder, Linear, Live, MachineHistory, MethodList, ModelChanged,
+    NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, ReadyNow, Removed, Report, ResultNow,
+    RunList, RunRecord, SamplesRemoved, Scrubbed, ServiceStatus, SetUpState, SignTest, Simulation,
+    StorageNow, Story, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{Schema, schema_for};
 
@@ -52,6 +53,10 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("status", schema_for!(ServiceStatus)),
         ("storage", schema_for!(StorageNow)),
         ("alarms", schema_for!(AlarmsNow)),
+        ("cycle", schema_for!(CycleProgress)),
+        ("ready", schema_for!(ReadyNow)),
+        ("result", schema_for!(ResultNow)),
+        ("model-changed", schema_for!(ModelChanged)),
         ("samples-removed", schema_for!(SamplesRemoved)),
         ("sign-test", schema_for!(SignTest)),
         ("set-up", schema_for!(SetUpState)),

@@ -118,6 +118,8 @@ pub struct CycleNow {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CycleState {
+    /// The service does not run.
+    Offline,
     /// The service waits for the first.
     #[default]
     Ready,
@@ -137,6 +139,7 @@ impl CycleState {
     /// Its name on every surface.
     pub fn as_str(self) -> &'static str {
         match self {
+            Self::Offline => "offline",
             Self::Ready => "ready",
             Self::Refused => "refused",
             Self::Measuring => "measuring",

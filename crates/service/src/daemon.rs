@@ -36,7 +36,6 @@ use crate::storage::{FolderLock, LockError, Storage};
 use analyses::Analyses;
 use disk::Disk;
 use listening::listening;
-use serde_json::json;
 use status::notify_systemd;
 use std::path::Path;
 use std::sync::Arc;
@@ -45,7 +44,7 @@ use tokio::sync::Semaphore;
 use tokio::task::{JoinHandle, JoinSet};
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
-use trunnion::results::{CycleState, Serves};
+use trunnion::results::{CycleProgress, CycleState, Serves};
 use trunnion_core::{Clock, chain};
 use trunnion_sync::{CycleBounds, Progress};
 
@@ -103,7 +102,15 @@ pub async fn serve_on(
     analyses.publish_last(&known);
     analyses.publish_alarms().await;
     let names: Vec<&str> = cycles.names().collect();
-    states.begin(CycleState::Ready, "", json!({ "cycles": names, "waits_for": config.cycle_start.about() }));
+    states.begin(
+        CycleState::Ready,
+        "",
+        CycleProgress {
+            cycles: Some(cycles.names().map(str::to_owned).collect()),
+            waits_for: Some(config.cycle_start.about().to_string()),
+            ..CycleProgress::default()
+        },
+    );
     let broker = config.mqtt.clone().map(|mqtt| tokio::spawn(mqtt::run(mqtt, board.clone(), cancel.clone())));
     let bounds = CycleBounds::new(config.cycle_start.clone());
     let live = Live::start(config.devices.clone(), bounds, clock.clone(), cancel.clone());
@@ -155,7 +162,15 @@ pub async fn serve_on(
             }
             Err(why) => {
                 warn!(program = start.program, "not measured: {why}");
-                states.begin(CycleState::Refused, "", json!({ "program": start.program, "why": why }));
+                states.begin(
+                    CycleState::Refused,
+                    "",
+                    CycleProgress {
+                        program: Some(start.program),
+                        why: Some(why),
+                        ..CycleProgress::default()
+                    },
+                );
             }
         }
         while let Some(ended) = reports.try_join_next() {
@@ -186,8 +201,13 @@ pub async fn serve_on(
 }
 
 /// What the topic `cycle` says while one is measured.
-pub fn cycle_under_way(now: Progress) -> serde_json::Value {
-    json!({ "done": now.done, "total": now.total, "seconds_left": now.seconds_left })
+pub fn cycle_under_way(now: Progress) -> CycleProgress {
+    CycleProgress {
+        done: Some(now.done),
+        total: Some(now.total),
+        seconds_left: now.seconds_left,
+        ..CycleProgress::default()
+    }
 }
 
 /// Starts the page; measuring goes on without it where its certificate cannot be read.
@@ -239,7 +259,12 @@ async fn measure(
 ) -> Option<(String, Unfinished)> {
     let cycle = &choice.plan.cycle.name;
     let name = run_name(&config.recordings, cycle, clock.wall_ns());
-    let about = json!({ "cycle": cycle, "program": start.program, "why": start.why });
+    let about = CycleProgress {
+        cycle: Some(cycle.clone()),
+        program: Some(start.program.clone()),
+        why: Some(start.why.clone()),
+        ..CycleProgress::default()
+    };
     states.begin(CycleState::Measuring, &name, about);
     live.latest().set_mounted(Mounted::of(&choice.plan));
     let mut progress = |now: Progress| {
@@ -249,15 +274,25 @@ async fn measure(
     match measure_cycle(&run, live, start, &mut progress).await {
         Ok(unfinished) => {
             let Measured { points, reason, gaps, .. } = &unfinished.measured;
-            let measured = json!({ "recording": run_record::file_name(&unfinished.path),
-                "ended": format!("{reason:?}"), "read": points.read, "unsettled": points.unsettled,
-                "missing": points.missing, "gaps": gaps.len() });
+            let measured = CycleProgress {
+                recording: run_record::file_name(&unfinished.path),
+                ended: Some(format!("{reason:?}")),
+                read: Some(points.read),
+                unsettled: Some(points.unsettled),
+                missing: Some(points.missing),
+                gaps: Some(gaps.len()),
+                ..CycleProgress::default()
+            };
             states.go_on(CycleState::Analysing, &name, measured);
             Some((name, unfinished))
         }
         Err(failure) => {
             error!(error = &failure as &dyn std::error::Error, run = name, "the cycle failed");
-            states.go_on(CycleState::Failed, &name, json!({ "why": chain(&failure) }));
+            states.go_on(
+                CycleState::Failed,
+                &name,
+                CycleProgress { why: Some(chain(&failure)), ..CycleProgress::default() },
+            );
             None
         }
     }

@@ -21,7 +21,7 @@ use tokio_util::sync::CancellationToken;
 use trunnion::cycles::{Cycle, Motion};
 use trunnion::results::number::um;
 use trunnion::results::sentences::repeatability;
-use trunnion::results::{CycleState, Demo, DemoFormat, DemoStep, TimeQuality};
+use trunnion::results::{CycleProgress, CycleState, Demo, DemoFormat, DemoStep, TimeQuality};
 use trunnion::{Model, page as pages};
 use trunnion_acquire::config::channels;
 use trunnion_core::{Clock, names};
@@ -273,7 +273,11 @@ async fn measure(
     let run_name = daemon::free_name(&args.output, name);
     let mut bar = ProgressBar::new(args.json);
     let run = NewRun { plan: &plan, texts: &texts, folder: &args.output, name: &run_name };
-    states.begin(CycleState::Measuring, &run_name, serde_json::json!({ "cycle": cycle.name }));
+    states.begin(
+        CycleState::Measuring,
+        &run_name,
+        CycleProgress { cycle: Some(cycle.name.clone()), ..CycleProgress::default() },
+    );
     let mut progress = |now: Progress| {
         bar.show(now);
         states.go_on(CycleState::Measuring, &run_name, daemon::cycle_under_way(now));
@@ -281,7 +285,11 @@ async fn measure(
     let recorded = daemon::record_cycle(&run, &mut live, start, &mut progress).await;
     bar.clear();
     if let Ok(recorded) = &recorded {
-        states.go_on(CycleState::Done, &run_name, serde_json::json!({ "ended": recorded.ended }));
+        states.go_on(
+            CycleState::Done,
+            &run_name,
+            CycleProgress { ended: Some(recorded.ended.clone()), ..CycleProgress::default() },
+        );
     }
     cancel.cancel();
     live.stop().await;

@@ -12,13 +12,12 @@ use crate::clock::{day, moment};
 use crate::error::ServiceError;
 use crate::page::Runs;
 use crate::run_record;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
-use trunnion::results::{CycleState, RunAnswer, RunRecord, RunState};
+use trunnion::results::{CycleProgress, CycleState, ResultNow, RunAnswer, RunFailed, RunRecord, RunState};
 use trunnion_core::{Clock, chain};
 
 /// Analyses of a running service.
@@ -74,7 +73,7 @@ impl Analyses {
     fn done(&self, recording: &Path, name: &str, begun: RunRecord, answer: RunAnswer) {
         publish(&self.board, &answer);
         self.keep(recording, &run_record::reported(begun, answer));
-        self.states.go_on(CycleState::Done, name, json!({}));
+        self.states.go_on(CycleState::Done, name, CycleProgress::default());
     }
 
     /// What of the newest run lies outside its limits, on the board and, where it changed, in the log.
@@ -107,9 +106,10 @@ impl Analyses {
 
     /// A run that has no report.
     pub(super) fn report_failure(&self, name: &str, why: &str) {
-        let state = CycleState::Failed;
-        self.board.set("result", &json!({ "state": state.as_str(), "run": name, "why": why }));
-        self.states.go_on(state, name, json!({ "why": why }));
+        let failed = RunFailed { run: name.into(), why: why.into(), ..RunFailed::default() };
+        self.board.publish(&ResultNow::Failed(failed));
+        let now = CycleProgress { why: Some(why.into()), ..CycleProgress::default() };
+        self.states.go_on(CycleState::Failed, name, now);
     }
 
     /// Writes the state of a run; a disk that refuses costs no report.
@@ -127,7 +127,7 @@ pub(super) fn publish(board: &Board, answer: &RunAnswer) {
         Ok(value) => board.set(topic, &value),
         Err(error) => warn!(%error, topic, "an answer is no JSON"),
     };
-    set("result", serde_json::to_value(&answer.result));
+    board.publish(&ResultNow::Found(Box::new(answer.result.clone())));
     if let Some(quality) = &answer.quality {
         set("quality", serde_json::to_value(quality));
     }

@@ -3,24 +3,14 @@
 //! A cycle is analysed while the next one is measured: what comes of it then stands in `result` alone.
 
 use crate::board::Board;
-use serde_json::{Map, Value};
 use std::sync::{Arc, Mutex, PoisonError};
-use trunnion::results::{CycleNow, CycleState};
+use trunnion::results::{CycleNow, CycleProgress, CycleState};
 
 /// The newest cycle, shared with the tasks that analyse.
 #[derive(Clone)]
 pub struct States {
     board: Board,
-    newest: Arc<Mutex<Newest>>,
-}
-
-#[derive(Default)]
-struct Newest {
-    state: CycleState,
-    /// Name of the run; empty without one.
-    run: String,
-    /// What is published of it, key by key: what was said before stays.
-    details: Map<String, Value>,
+    newest: Arc<Mutex<CycleProgress>>,
 }
 
 impl States {
@@ -30,40 +20,28 @@ impl States {
     }
 
     /// A new cycle, or none.
-    pub fn begin(&self, state: CycleState, run: &str, details: Value) {
+    pub fn begin(&self, state: CycleState, run: &str, now: CycleProgress) {
         let mut newest = self.lock();
-        *newest = Newest { run: run.into(), ..Newest::default() };
-        self.publish(&mut newest, state, details);
+        *newest = CycleProgress { run: Some(run.to_owned()).filter(|run| !run.is_empty()), state, ..now };
+        self.board.publish(&*newest);
     }
 
     /// The cycle of this run goes on; nothing when a newer one has begun.
-    pub fn go_on(&self, state: CycleState, run: &str, details: Value) {
+    pub fn go_on(&self, state: CycleState, run: &str, now: CycleProgress) {
         let mut newest = self.lock();
-        if newest.run == run {
-            self.publish(&mut newest, state, details);
+        if newest.run.as_deref().unwrap_or_default() == run {
+            *newest = std::mem::take(&mut *newest).updated(CycleProgress { state, ..now });
+            self.board.publish(&*newest);
         }
     }
 
     /// For `status`.
     pub fn now(&self) -> CycleNow {
         let newest = self.lock();
-        let run = Some(newest.run.clone()).filter(|run| !run.is_empty());
-        CycleNow { state: newest.state, run }
+        CycleNow { state: newest.state, run: newest.run.clone() }
     }
 
-    fn publish(&self, newest: &mut Newest, state: CycleState, details: Value) {
-        newest.state = state;
-        if let Value::Object(details) = details {
-            newest.details.extend(details);
-        }
-        newest.details.insert("state".into(), state.as_str().into());
-        if !newest.run.is_empty() {
-            newest.details.insert("run".into(), newest.run.clone().into());
-        }
-        self.board.set("cycle", &Value::Object(newest.details.clone()));
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, Newest> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, CycleProgress> {
         self.newest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -77,14 +55,26 @@ mod tests {
     fn what_comes_of_an_older_cycle_does_not_hide_the_newer_one() {
         let board = Board::default();
         let states = States::new(board.clone());
-        states.begin(CycleState::Measuring, "a", json!({ "cycle": "low" }));
-        states.go_on(CycleState::Analysing, "a", json!({ "read": 10 }));
+        states.begin(
+            CycleState::Measuring,
+            "a",
+            CycleProgress { cycle: Some("low".into()), ..CycleProgress::default() },
+        );
+        states.go_on(
+            CycleState::Analysing,
+            "a",
+            CycleProgress { read: Some(10), ..CycleProgress::default() },
+        );
         assert_eq!(
             board.get("cycle").unwrap(),
             json!({ "state": "analysing", "run": "a", "cycle": "low", "read": 10 })
         );
-        states.begin(CycleState::Measuring, "b", json!({ "cycle": "high" }));
-        states.go_on(CycleState::Done, "a", json!({}));
+        states.begin(
+            CycleState::Measuring,
+            "b",
+            CycleProgress { cycle: Some("high".into()), ..CycleProgress::default() },
+        );
+        states.go_on(CycleState::Done, "a", CycleProgress::default());
         assert_eq!(board.get("cycle").unwrap(), json!({ "state": "measuring", "run": "b", "cycle": "high" }));
         assert_eq!(states.now(), CycleNow { state: CycleState::Measuring, run: Some("b".into()) });
     }

@@ -5,13 +5,12 @@ use super::states::States;
 use crate::board::Board;
 use crate::latest::{Latest, Readiness};
 use sd_notify::NotifyState;
-use serde_json::json;
 use std::collections::BTreeMap;
 use std::time::Duration;
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
-use trunnion::results::{DeviceNow, Presence, ServiceStatus};
+use trunnion::results::{DeviceNow, Presence, ReadyNow, ServiceStatus};
 use trunnion_acquire::DeviceStatus;
 
 /// Time between status messages.
@@ -80,7 +79,7 @@ pub async fn publish_live(latest: Latest, needed: Vec<u16>, board: Board, cancel
                 false => why.iter().for_each(|why| tracing::warn!("not ready for a cycle: {why}")),
             }
             let words: Vec<String> = why.iter().map(ToString::to_string).collect();
-            board.set("ready", &json!({ "ready": words.is_empty(), "why": words }));
+            board.publish(&ReadyNow { ready: words.is_empty(), why: words, ..ReadyNow::default() });
         }
         match serde_json::to_value(latest.snapshot()) {
             Ok(live) => board.set("live", &live),

@@ -51,6 +51,7 @@ fn condition(view: &PlantView) -> String {
 
 fn execution(state: CycleState) -> &'static str {
     match state {
+        CycleState::Offline => "UNAVAILABLE",
         CycleState::Ready | CycleState::Refused => "READY",
         CycleState::Measuring => "ACTIVE",
         CycleState::Analysing | CycleState::Done => "PROGRAM_COMPLETED",

@@ -17,6 +17,7 @@ use serde::Deserialize;
 use std::sync::Arc;
 use tokio_util::sync::CancellationToken;
 use trunnion::history::{of_found, without};
+use trunnion::results::{ModelChanged, ModelStep};
 
 /// Every call.
 pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) -> Router {
@@ -187,7 +188,7 @@ async fn add(
     let by = body.map_err(wrong)?.0.name("adds")?;
     let date = minute(page.shared.clock.wall_ns());
     let story = page.runs.ask(&name, Asks::Add(Step { effect: effect.clone(), by, date })).await?;
-    changed(&page, &name, &effect, "added");
+    changed(&page, &name, &effect, ModelStep::Added);
     Ok(json(story))
 }
 
@@ -199,16 +200,14 @@ async fn remove(
     let by = body.map_err(wrong)?.0.name("removes")?;
     let date = minute(page.shared.clock.wall_ns());
     let story = page.runs.ask(&name, Asks::Remove(Step { effect: effect.clone(), by, date })).await?;
-    changed(&page, &name, &effect, "removed");
+    changed(&page, &name, &effect, ModelStep::Removed);
     Ok(json(story))
 }
 
 /// Other browsers show it at once.
-fn changed(page: &Page, run: &str, effect: &str, how: &str) {
+fn changed(page: &Page, run: &str, effect: &str, state: ModelStep) {
     let at_ns = page.shared.clock.now().0;
-    page.shared
-        .board
-        .set("model", &serde_json::json!({ "run": run, "effect": effect, "state": how, "at_ns": at_ns }));
+    page.shared.board.publish(&ModelChanged { run: run.into(), effect: effect.into(), state, at_ns });
 }
 
 /// An expression as far as it is typed.

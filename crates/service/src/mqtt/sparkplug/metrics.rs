@@ -2,9 +2,8 @@
 
 use crate::board::Board;
 use crate::plant::{PlantView, topic};
-use serde::Deserialize;
 use std::collections::BTreeMap;
-use trunnion::results::{AlarmsNow, DeviceNow, Live, Published, StorageNow};
+use trunnion::results::{AlarmsNow, CycleProgress, DeviceNow, Live, Published, ReadyNow, StorageNow};
 
 /// Metrics by name.
 pub type Metrics = BTreeMap<String, Metric>;
@@ -68,41 +67,22 @@ fn is_connected(device: &DeviceNow) -> bool {
     matches!(device.state.as_str(), "Streaming" | "Stuck")
 }
 
-/// What of the topics `cycle` and `ready` is shown.
-#[derive(Default, Deserialize)]
-#[serde(default)]
-struct Cycle {
-    cycle: Option<String>,
-    program: Option<String>,
-    why: Option<String>,
-    done: Option<i64>,
-    total: Option<i64>,
-    seconds_left: Option<f64>,
-}
-
-#[derive(Default, Deserialize)]
-#[serde(default)]
-struct Ready {
-    ready: Option<bool>,
-    why: Vec<String>,
-}
-
 fn node(plant: &PlantView, board: &Board) -> Metrics {
     let mut list = List::default();
     let now = plant.status.cycle.clone().unwrap_or_default();
-    let cycle: Cycle = topic(board, "cycle").unwrap_or_default();
+    let cycle: CycleProgress = topic(board, CycleProgress::TOPIC).unwrap_or_default();
     list.text("Version", Some(env!("CARGO_PKG_VERSION").into()));
     list.text("Cycle/State", Some(now.state.as_str().into()));
     list.text("Cycle/Run", now.run);
     list.text("Cycle/Name", cycle.cycle);
     list.text("Cycle/Program", cycle.program);
     list.text("Cycle/Why", cycle.why);
-    list.count("Cycle/Done", cycle.done);
-    list.count("Cycle/Total", cycle.total);
+    list.count("Cycle/Done", cycle.done.and_then(|done| done.try_into().ok()));
+    list.count("Cycle/Total", cycle.total.and_then(|total| total.try_into().ok()));
     list.number("Cycle/Time left", cycle.seconds_left, "s");
-    let ready: Ready = topic(board, "ready").unwrap_or_default();
-    list.flag("Ready/State", ready.ready);
-    list.text("Ready/Why", Some(ready.why.join("; ")));
+    let ready: Option<ReadyNow> = topic(board, ReadyNow::TOPIC);
+    list.flag("Ready/State", ready.as_ref().map(|ready| ready.ready));
+    list.text("Ready/Why", Some(ready.map_or_else(String::new, |ready| ready.why.join("; "))));
     let health = plant.status.health.clone().unwrap_or_default();
     list.text("Health/State", Some(health.state.as_str().into()));
     list.text("Health/Why", Some(plant.why()));
