@@ -62,16 +62,27 @@ async function show() {
 
 function listen() {
   const events = new EventSource("/api/live");
-  for (const topic of ["status", "cycle", "quality", "ready", "set-up", "result", "live", "model"]) {
+  for (const topic of ["status", "cycle", "quality", "ready", "set-up", "result", "alarms", "live", "model"]) {
     events.addEventListener(topic, (event) => take(topic, JSON.parse(event.data)));
   }
   events.onerror = () => notice("The program does not answer; the page tries again.", true);
   events.onopen = () => notice("");
 }
 
+// Values of the newest run outside their limits are seen on every view.
+function markHistory() {
+  const names = (page.topics.alarms?.alarms ?? []).map((alarm) => alarm.name);
+  const link = document.querySelector('[data-view="history"]');
+  link.textContent = names.length ? "History ⚠" : "History";
+  const words = `Outside the limits of the runs before: ${names.join(", ")}`;
+  names.length ? link.setAttribute("aria-label", `History. ${words}`) : link.removeAttribute("aria-label");
+  link.title = names.length ? words : "";
+}
+
 async function take(topic, value) {
   const before = page.topics[topic];
   page.topics[topic] = value;
+  if (topic === "alarms") markHistory();
   const view = document.querySelector("nav a[aria-current]")?.dataset.view;
   views[view]?.changed?.(page, topic);
   // What is sent on connecting is what the page was made with.
@@ -106,6 +117,7 @@ try {
 }
 document.querySelector('[data-view="set-up"]').hidden = page.status.serves !== "service";
 page.topics = page.status.topics;
+markHistory();
 document.getElementById("name").textContent = page.status.name;
 document.getElementById("program").textContent = page.status.program;
 document.title = `Trunnion: ${page.status.name}`;
