@@ -52,11 +52,21 @@ pub type OpenJournal = Box<dyn FnMut(&Path) -> io::Result<Opened> + Send>;
 pub fn open_locked(path: &Path) -> io::Result<Opened> {
     let file = create_ready(path, |file| file.try_lock().map_err(io::Error::from).and(sync_folder(path)))?;
     let (same, path) = (file.try_clone()?, path.to_owned());
-    let is_unknown = Cell::new(false);
+    let (is_unknown, cannot_sync) = (Cell::new(false), Cell::new(false));
     Ok((
         Box::new(file),
         Box::new(move || {
-            same.sync_data()?;
+            match same.sync_data() {
+                Err(why) if never_syncs(&why) => {
+                    if !cannot_sync.replace(true) {
+                        let path = path.display();
+                        tracing::warn!(
+                            "{path} cannot be synced, a power cut may cost more than 0.1 s: {why}"
+                        );
+                    }
+                }
+                synced => synced?,
+            }
             let found = in_place(&same, &path);
             let unknown = found.as_ref().err().filter(|why| why.kind() != io::ErrorKind::NotFound);
             let Some(why) = unknown else {
@@ -70,6 +80,11 @@ pub fn open_locked(path: &Path) -> io::Result<Opened> {
             Ok(())
         }),
     ))
+}
+
+/// True of a file system that has no sync (fsync(2)): another file would be refused as well, so recording goes on in this one.
+fn never_syncs(why: &io::Error) -> bool {
+    matches!(why.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported)
 }
 
 /// Creates a new file; one that cannot be made ready goes again, or its name would be taken at every further attempt.
@@ -87,7 +102,11 @@ fn create_ready(path: &Path, make_ready: impl FnOnce(&File) -> io::Result<()>) -
 /// Brings the name of a file to the disk.
 pub fn sync_folder(file: &Path) -> io::Result<()> {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    File::open(folder)?.sync_all()
+    match File::open(folder)?.sync_all() {
+        // Several file systems on the network have none for folders.
+        Err(why) if never_syncs(&why) => Ok(()),
+        synced => synced,
+    }
 }
 
 /// A file that was removed, or whose folder was, takes what is written to it without a word. Only a file without a name that is
