@@ -264,6 +264,15 @@ mod tests {
     }
 
     #[test]
+    fn what_has_no_sync_is_told_from_a_disk_that_refuses() {
+        let (socket, _other) = std::os::unix::net::UnixStream::pair().unwrap();
+        let without = File::from(std::os::fd::OwnedFd::from(socket));
+        assert!(never_syncs(&without.sync_data().unwrap_err()));
+        assert!(!never_syncs(&io::ErrorKind::StorageFull.into()));
+        assert!(!never_syncs(&io::Error::from_raw_os_error(5)), "an error of the disk");
+    }
+
+    #[test]
     fn a_journal_that_cannot_be_looked_for_is_on_the_disk_and_one_that_is_not_there_is_gone() {
         let place = tempfile::tempdir().unwrap();
         let (folder, other) = (place.path().join("runs"), place.path().join("elsewhere"));
