@@ -18,14 +18,6 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use trunnion_core::secret::redacted;
 
-/// Ending of a journal, after the name of the finished file.
-pub const JOURNAL_ENDING: &str = ".active";
-
-/// True for the name of a journal.
-pub fn is_journal(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending == &JOURNAL_ENDING[1..])
-}
-
 /// Names of the attachments.
 pub const MACHINE_TEXT: &str = "machine.toml";
 pub const CYCLE_TEXT: &str = "cycle.toml";

@@ -17,6 +17,7 @@ pub mod foxglove;
 mod handle;
 mod item;
 mod journal;
+mod journal_name;
 mod lossless;
 mod lost;
 mod motion;

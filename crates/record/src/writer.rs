@@ -12,7 +12,8 @@ mod tests;
 
 use crate::error::RecordError;
 use crate::item::{Item, RunHeader};
-use crate::journal::{JOURNAL_ENDING, Journal, OpenJournal, open_locked, wall_time};
+use crate::journal::{Journal, OpenJournal, open_locked, wall_time};
+use crate::journal_name::JOURNAL_ENDING;
 use crate::lost;
 use crate::syncs;
 use crate::wire;

@@ -2,13 +2,10 @@
 
 use crate::complete::Complete;
 use crate::identification::{LeftOut, Parameter};
-use crate::number::finite;
-use crate::sentences::why;
 use crate::spectrum::Period;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_effects::Formula;
-use trunnion_engine as engine;
 
 pub use trunnion_engine::next_cycle::PlannedCycle;
 pub use trunnion_engine::{LearnedNoise, OpenEffect, Verdict};
@@ -189,96 +186,5 @@ impl Diagnosis {
             Verdict::UnnamedStructure => self.formula.as_ref().map(|formula| Formula::id_of(&formula.name)),
             Verdict::NoiseFloor | Verdict::Undecided | Verdict::NotJudged => None,
         }
-    }
-}
-
-impl From<&engine::Diagnosis> for Diagnosis {
-    fn from(diagnosis: &engine::Diagnosis) -> Self {
-        let residual = Residual {
-            rms_um: diagnosis.residual.rms_um,
-            holdout_rms_um: diagnosis.residual.holdout_rms_um.and_then(finite),
-            holdout_unit: diagnosis.residual.holdout_unit.map(LeftOut::from),
-            noise_um: diagnosis.residual.noise_um.and_then(finite),
-            unexplained_fraction: finite(diagnosis.residual.unexplained_fraction),
-        };
-        Self {
-            format: DiagnosisFormat::V1,
-            model: diagnosis.model.clone(),
-            candidates: diagnosis.candidates.iter().map(|c| Candidate::of(c, &residual)).collect(),
-            residual,
-            verdict: diagnosis.verdict,
-            why: diagnosis.why.clone(),
-            noise: diagnosis.noise,
-            noticeable_um: diagnosis.noticeable_um.and_then(finite),
-            undecided: diagnosis.undecided.clone(),
-            set: diagnosis.set.iter().map(|entry| entry.id.clone()).collect(),
-            formula: diagnosis.formula.as_ref().map(FormulaProposal::from),
-            next_cycle: diagnosis.next_cycle.as_ref().map(NextCycle::from),
-            not_visible: diagnosis.not_visible.clone(),
-            out_of_reach: diagnosis.out_of_reach.clone(),
-            complete: Complete::default(),
-        }
-    }
-}
-
-impl Candidate {
-    fn of(candidate: &engine::Candidate, residual: &Residual) -> Self {
-        let parameter = |p: &engine::CandidateParameter| Parameter {
-            name: p.name.clone(),
-            effect: candidate.effect.clone(),
-            value: p.value.and_then(finite),
-            unit: p.unit.clone(),
-            u: p.u.and_then(finite),
-            u_another_run: None,
-            observable: p.value.is_some(),
-            note: String::new(),
-        };
-        let mut result = Self {
-            effect: candidate.effect.clone(),
-            evidence: candidate.evidence,
-            rms_um_after: candidate.rms_um_after,
-            holdout_rms_um_after: candidate.holdout_rms_um_after.and_then(finite),
-            explains_fraction: candidate.explains_fraction,
-            parameters: candidate.parameters.iter().map(parameter).collect(),
-            confused_with: candidate.confused_with.clone(),
-            separate_by: candidate.separate_by.clone(),
-            adequate: candidate.adequate,
-            period: candidate.period.as_ref().map(Period::from),
-            remarks: candidate.remarks.clone(),
-            why: String::new(),
-        };
-        result.why = why(&result, residual);
-        result
-    }
-}
-
-impl From<&engine::FormulaProposal> for FormulaProposal {
-    fn from(formula: &engine::FormulaProposal) -> Self {
-        let number = |n: &engine::ShapeNumber| ShapeNumber {
-            name: n.name.clone(),
-            value: n.value,
-            unit: n.unit.into(),
-        };
-        Self {
-            name: formula.name.clone(),
-            site: formula.site.clone(),
-            component: formula.component.clone(),
-            expression: formula.expression.clone(),
-            shape: formula.shape.iter().map(number).collect(),
-            also: formula.entries.iter().skip(1).map(|entry| entry.id.clone()).collect(),
-            components: formula.entries.iter().filter_map(|entry| entry.component.clone()).collect(),
-            evidence: formula.evidence,
-            rms_um_after: formula.rms_um_after,
-            holdout_rms_um_after: formula.holdout_rms_um_after.and_then(finite),
-            explains_fraction: formula.explains_fraction,
-            location: formula.location.clone(),
-            resembles: formula.resembles.clone(),
-        }
-    }
-}
-
-impl From<&engine::NextCycle> for NextCycle {
-    fn from(next: &engine::NextCycle) -> Self {
-        Self { suggestion: next.suggestion.clone(), cycle: next.cycle.clone() }
     }
 }

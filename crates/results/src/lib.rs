@@ -17,6 +17,7 @@ mod cycle_topics;
 mod demo;
 mod devices;
 mod diagnosis;
+mod diagnosis_made;
 mod doubt;
 mod filed;
 mod findings;

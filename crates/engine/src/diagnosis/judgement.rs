@@ -71,7 +71,7 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
             let (units, of_them) = (held_out.left_out.plural(), um_from_mm(held_out.rms_mm));
             let why = format!(
                 "The {units} differ: one left out of the fit is predicted to {of_them:.2} µm only, where readings repeat to \
-                 {noise_um:.2} µm. Backlash, a slip of the setup and an offset may look alike in these data."
+                 {noise_um:.2} µm. Backlash, a slip of the setup and an offset may be confounded in these data."
             );
             return undecided(why, NextCycle::REPEAT_THIS_PASS);
         }

@@ -18,7 +18,7 @@ const BELIEVED: f64 = 3.0;
 /// Below this nothing is gross, µm rms.
 const GROSS_UM: f64 = 2.0;
 /// Readings of one pose scatter by at least this share of the scatter of all poses: they do not depend on the pose. Of noise alone the
-/// share is 1 with the standard deviation 1/√(2f) of f repeats [von Neumann 1941]: this is two of them below at 32 repeats, so that
+/// share is 1 with the standard deviation 1/√(2f) of f repeats [Neumann 1941]: this is two of them below at 32 repeats, so that
 /// fewer are doubted a little too seldom.
 const NO_STRUCTURE: f64 = 0.75;
 /// Fewer points say nothing.
@@ -197,7 +197,7 @@ impl Fitted {
     }
 }
 
-/// Scatter from one reading to the next of a setup, root mean square of the differences / √2 [von Neumann 1941], µm.
+/// Scatter from one reading to the next of a setup, root mean square of the differences / √2 [Neumann 1941], µm.
 fn from_next_um(run: &Run, components: usize) -> f64 {
     let pairs = run.points.windows(2).filter(|pair| pair[0].state.setup == pair[1].state.setup);
     let (sum, count) = pairs.fold((0.0, 0.0), |(sum, count), pair| {

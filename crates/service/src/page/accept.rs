@@ -3,7 +3,7 @@
 use super::access::Access;
 use super::calls;
 use super::guard::{Guard, Peer, guarded};
-use super::places::Places;
+use super::places::{MOST_CONNECTIONS, Places};
 use super::shared::Shared;
 use axum::extract::DefaultBodyLimit;
 use axum::middleware::from_fn_with_state;
@@ -21,8 +21,6 @@ use tokio_rustls::TlsAcceptor;
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, warn};
 
-/// Connections at once: two browsers have twelve.
-pub(super) const MOST_CONNECTIONS: usize = 64;
 /// A browser sends a head at once; one that dribbles, or says nothing, is let go.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
 /// The largest call holds a name and an expression.

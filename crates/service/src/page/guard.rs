@@ -7,10 +7,10 @@
 //! - From other computers only who knows the token (`access`).
 //! - Scripts and styles come from our own files alone.
 
-use super::accept::MOST_CONNECTIONS;
 use super::access::Access;
 use super::answer::refused;
 use super::login::LOGIN;
+use super::places::MOST_CONNECTIONS;
 use axum::extract::{Request, State};
 use axum::http::header::{
     AUTHORIZATION, CONTENT_SECURITY_POLICY, COOKIE, HOST, ORIGIN, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS,

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// Connections at once: two browsers have twelve.
+pub(super) const MOST_CONNECTIONS: usize = 64;
 /// Connections of one other computer at once: three browsers have eighteen.
 const MOST_OF_ONE: usize = 18;
 

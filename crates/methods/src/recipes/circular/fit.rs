@@ -305,7 +305,7 @@ fn contour(stations: &Stations, samples: &[Sample], way: f64, of: &DVector<f64>)
     read.map(|((sum, count), &angle)| (angle, sum / count)).collect()
 }
 
-/// Noise by second differences of neighbours in time within a way, from their median: var(l₁ − 2 l₂ + l₃) = 6 σ² (von Neumann 1941), and the
+/// Noise by second differences of neighbours in time within a way, from their median: var(l₁ − 2 l₂ + l₃) = 6 σ² (Neumann 1941), and the
 /// median of |normal| is 0.6745 σ. What the list does not explain is smooth or a few steps, and moves neither.
 fn noise(samples: &[Sample], left: &DVector<f64>) -> f64 {
     let of_one_way =
