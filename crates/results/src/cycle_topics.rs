@@ -155,7 +155,7 @@ pub struct ModelChanged {
     pub effect: String,
     /// What was done with it.
     pub state: ModelStep,
-    /// When, in the time of the service, ns: tells one step from the next.
+    /// When, in the time of the service, ns: no two steps have the same.
     pub at_ns: i64,
 }
 
