@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector};
 /// Of the determined parameters; `None` where the model has no such unknown.
 pub(crate) fn second_order(design: &Design<'_>, fit: &Converged, used: &[bool]) -> Option<DMatrix<f64>> {
     let unknown: Vec<(usize, f64)> =
-        (0..design.joint.width()).filter_map(|j| Some((j, u_beforehand(&design.joint, fit, j)?))).collect();
+        (0..design.joint.width()).filter_map(|j| Some((j, u_beforehand(design.joint, fit, j)?))).collect();
     if unknown.is_empty() || fit.datum.determined.is_empty() {
         return None;
     }
