@@ -174,8 +174,9 @@ pub fn count(path: &Path, rates: Rates, duration_s: f64) -> anyhow::Result<Count
                 length_s = length_s.max(sample.time_s);
             }
             Item::Point(_) => points += 1,
-            // What was missing before the cycle began is no loss of it.
-            Item::Gap(gap) if gap.to_s <= 0.0 => {}
+            // What was missing before the cycle began is no loss of it. It ends with the first message, some ms later; probes are
+            // counted from their first sample, the others from a second on.
+            Item::Gap(gap) if gap.from_s < 0.0 && gap.to_s < EDGE_S => {}
             Item::Gap(gap) => {
                 lost += gap.lost_samples.unwrap_or(0);
                 uncounted += u64::from(gap.lost_samples.is_none());
