@@ -18,6 +18,8 @@ pub mod probe;
 mod session_end;
 mod status;
 pub mod supervisor;
+#[cfg(test)]
+mod test_clock;
 pub mod transport;
 
 pub use config::{DeviceConfig, parse_devices, read_devices};

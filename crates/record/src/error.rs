@@ -1,6 +1,6 @@
 //! What can go wrong with a recording.
 
-use crate::journal_name::is_journal;
+use crate::journal_file::is_journal;
 use std::path::{Path, PathBuf};
 use trunnion_core::Problems;
 

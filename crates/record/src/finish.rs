@@ -8,7 +8,7 @@ use crate::damage::Damage;
 use crate::error::RecordError;
 use crate::item::RunHeader;
 use crate::journal::{FINISHED_METADATA, wall_time};
-use crate::journal_name::is_journal;
+use crate::journal_file::is_journal;
 use crate::reader::decode_header;
 use crate::schema::FILE_DESCRIPTOR_SET;
 use crate::wire::{Encoded, Topic, encode_event, encode_gap};
@@ -352,5 +352,5 @@ fn free_path(finished: &Path, may_rename: bool) -> Result<PathBuf, RecordError> 
 }
 
 pub fn sync_folder(path: &Path) -> Result<(), RecordError> {
-    crate::journal::sync_folder(path).map_err(RecordError::io("sync the folder of", path))
+    crate::journal_file::sync_folder(path).map_err(RecordError::io("sync the folder of", path))
 }

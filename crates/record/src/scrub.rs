@@ -7,7 +7,7 @@ use crate::damage::Damage;
 use crate::error::RecordError;
 use crate::finish::{PARTIAL_ENDING, Written, sync_folder, verify};
 use crate::journal::CONFIG_TEXT;
-use crate::journal_name::is_journal;
+use crate::journal_file::is_journal;
 use crate::reader::read_header;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, McapResult, WriteOptions, Writer};

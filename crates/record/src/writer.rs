@@ -5,15 +5,17 @@
 //! [`RETRY`], and what the ring cannot hold becomes a gap.
 
 mod batches;
+mod begin;
 mod closed;
 mod kept;
+mod plots;
 #[cfg(test)]
 mod tests;
 
 use crate::error::RecordError;
 use crate::item::{Item, RunHeader};
-use crate::journal::{Journal, OpenJournal, open_locked, wall_time};
-use crate::journal_name::JOURNAL_ENDING;
+use crate::journal::{Journal, wall_time};
+use crate::journal_file::{OpenJournal, open_locked};
 use crate::lost;
 use crate::syncs;
 use crate::wire;
@@ -21,15 +23,14 @@ use crate::wire::{Encoded, Topic};
 use batches::Batches;
 pub use closed::{Closed, Finished};
 use kept::KeptJournal;
-use std::collections::{HashMap, VecDeque};
+use plots::Plots;
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use trunnion_core::{AxisSample, Event, Gap, HostTime, ProbeSample, chain};
 
 /// Longest time a sample waits for its batch to fill.
 const BATCH_AGE: Duration = syncs::PERIOD;
-/// Shortest time between two samples for viewers, s.
-const PLOT_STEP_S: f64 = 0.01;
 /// Time between attempts to open a new file after a failure.
 const RETRY: Duration = Duration::from_secs(1);
 /// Messages kept while nothing can be written, bytes.
@@ -56,7 +57,7 @@ pub struct Recorder {
     lost_samples: u64,
     probes: Batches<u16, ProbeSample>,
     axes: Batches<(), AxisSample>,
-    plotted_s: HashMap<Topic, f64>,
+    plots: Plots,
     points: u64,
     messages: u64,
     latest_s: f64,
@@ -94,7 +95,7 @@ impl Recorder {
             lost_samples: 0,
             probes: Batches::default(),
             axes: Batches::default(),
-            plotted_s: HashMap::new(),
+            plots: Plots::default(),
             points: 0,
             messages: 0,
             latest_s: 0.0,
@@ -111,13 +112,17 @@ impl Recorder {
     pub fn append(&mut self, item: Item, arrival: HostTime) {
         match item {
             Item::Probe(sample) => {
-                self.plot_probe(&sample, arrival);
+                if self.plots.is_due(Topic::Plot(sample.channel), sample.time_s) {
+                    self.write(wire::encode_plot(&sample), arrival);
+                }
                 if let Some(full) = self.probes.push(sample.channel, sample, arrival) {
                     self.write_probes(sample.channel, &full, arrival);
                 }
             }
             Item::Axes(sample) => {
-                self.plot_axes(&sample, arrival);
+                if self.plots.is_due(Topic::PlotAxes, sample.time_s) {
+                    self.write(wire::encode_plot_axes(&sample), arrival);
+                }
                 if let Some(full) = self.axes.push((), sample, arrival) {
                     self.write_axes(&full, arrival);
                 }
@@ -367,74 +372,5 @@ impl Recorder {
                 self.keep(message, publish);
             }
         }
-    }
-
-    /// Starts a journal of the first free name, and brings its beginning to the disk: what that refuses, waits better in memory.
-    fn start_further_journal(&mut self) -> Result<Journal, RecordError> {
-        let mut number = self.journals.len();
-        while self.taken(number).is_some() {
-            number += 1;
-        }
-        let mut journal = self.start_journal(number)?;
-        if let Err(error) = journal.sync() {
-            let path = journal.abandon();
-            self.journals.pop();
-            std::fs::remove_file(&path).map_err(RecordError::io("remove", &path))?;
-            return Err(error);
-        }
-        Ok(journal)
-    }
-
-    /// Starts the journal of this number.
-    fn start_journal(&mut self, number: usize) -> Result<Journal, RecordError> {
-        std::fs::create_dir_all(&self.dir).map_err(RecordError::io("create the folder", &self.dir))?;
-        let [_, path] = self.files(number);
-        let file = (self.open)(&path).map_err(RecordError::io("create", &path))?;
-        match Journal::start(path.clone(), file, &self.header) {
-            Ok(journal) => {
-                self.journals.push(KeptJournal::begin(path));
-                Ok(journal)
-            }
-            Err(error) => {
-                // A journal without its header is worth nothing, and its name must stay free.
-                std::fs::remove_file(&path).map_err(RecordError::io("remove", &path))?;
-                Err(error)
-            }
-        }
-    }
-
-    /// The file that has the name of this journal already.
-    fn taken(&self, number: usize) -> Option<PathBuf> {
-        self.files(number).into_iter().find(|path| path.exists())
-    }
-
-    /// Recording and journal of this number: `NAME.mcap`, then `NAME-2.mcap` and so on.
-    fn files(&self, number: usize) -> [PathBuf; 2] {
-        let name = match number {
-            0 => self.name.clone(),
-            n => format!("{}-{}", self.name, n + 1),
-        };
-        ["", JOURNAL_ENDING].map(|ending| self.dir.join(format!("{name}.mcap{ending}")))
-    }
-
-    fn plot_probe(&mut self, sample: &ProbeSample, arrival: HostTime) {
-        if self.due(Topic::Plot(sample.channel), sample.time_s) {
-            self.write(wire::encode_plot(sample), arrival);
-        }
-    }
-
-    fn plot_axes(&mut self, sample: &AxisSample, arrival: HostTime) {
-        if self.due(Topic::PlotAxes, sample.time_s) {
-            self.write(wire::encode_plot_axes(sample), arrival);
-        }
-    }
-
-    fn due(&mut self, topic: Topic, time_s: f64) -> bool {
-        let last = self.plotted_s.entry(topic).or_insert(f64::NEG_INFINITY);
-        let due = time_s - *last >= PLOT_STEP_S;
-        if due {
-            *last = time_s;
-        }
-        due
     }
 }

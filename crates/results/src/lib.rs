@@ -17,7 +17,7 @@ mod cycle_topics;
 mod demo;
 mod devices;
 mod diagnosis;
-mod diagnosis_made;
+mod diagnosis_from_engine;
 mod doubt;
 mod filed;
 mod findings;

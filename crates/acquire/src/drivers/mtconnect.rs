@@ -8,6 +8,7 @@
 //! it (`Restarted`). When the agent no longer has what we ask for (`OUT_OF_RANGE`) it goes on from `/current` and records
 //! a gap. An agent sends changes only: while it says that nothing changed, held positions are sent.
 
+mod items;
 mod model;
 mod probe;
 
@@ -16,7 +17,8 @@ use crate::link::Link;
 use crate::session_end::SessionEnd;
 use crate::transport::http;
 use crate::transport::http_login::HttpLogin;
-use model::{Absent, Items, Model};
+use items::Items;
+use model::{Absent, Model};
 use std::convert::Infallible;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;

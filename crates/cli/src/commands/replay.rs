@@ -80,6 +80,7 @@ fn show(run: &Path, form: &Form, speed: f64) -> anyhow::Result<()> {
     let mut bar = ProgressBar::new(false);
     replay(run, form, &mut |moment| {
         let due = Duration::from_secs_f64(moment.time_s.max(0.0) / speed);
+        // The recording has its own pace, at the speed that was asked for.
         std::thread::sleep(due.saturating_sub(begun.elapsed()));
         let said = match moment.what {
             Happened::Samples => return true,

@@ -110,7 +110,7 @@ fn a_run_that_ends_on_a_full_disk_is_finished_when_there_is_room() {
     while handle.status().messages < 20_000 / 256 || handle.status().messages != before {
         assert!(begun.elapsed() < LIMIT, "{:?}", handle.status());
         before = handle.status().messages;
-        // Nobody is told when all is written: a batch waits for 40 ms, and in five times that nothing has come.
+        // Nothing says when all is written: a batch waits for 40 ms, and in five times that nothing has come.
         std::thread::sleep(Duration::from_millis(200));
     }
     // Whatever is left is taken: the finished file finds no byte.

@@ -1,105 +1,22 @@
-//! What the agent's data items mean, and the latest value of each.
+//! The latest value of each data item of the agent.
 
-use crate::axis_name::letter_of;
+use super::items::Items;
 use crate::controller_stamp::of_measurement;
 use crate::execution::MTCONNECT;
-use std::collections::BTreeMap;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, TemperatureReading};
 use trunnion_core::{AxisValues, HostTime, Joint, convert};
-use trunnion_protocol::mtconnect::{Category, DataItem, Device, Observation, ObservedValue, StreamsDocument};
+use trunnion_protocol::mtconnect::{Category, Observation, ObservedValue, StreamsDocument};
 
 /// Longest time from a change at the controller to its arrival here, ns.
 const ON_THE_WAY_NS: i64 = 30_000_000;
 /// Stamps that go back, or run ahead of their arrivals, by more than this come from a clock that was set, ns.
 const SET_NS: i64 = 500_000_000;
 
-/// Data items this program uses, by id.
-pub(super) struct Items {
-    axes: AxisValues<Option<String>>,
-    execution: Option<String>,
-    program: Option<String>,
-    block: Option<String>,
-    signal: Option<String>,
-    temperatures: BTreeMap<String, String>,
-}
-
-impl Items {
-    /// Finds them; where `named` names a data item by id or name, that one. Else what is missing.
-    pub(super) fn find(
-        device: &Device,
-        named: &AxisValues<Option<String>>,
-        signal: Option<&str>,
-    ) -> Result<Self, String> {
-        let items = &device.data_items;
-        let by_name = |wanted: &str| {
-            items.iter().find(|item| item.id == wanted || item.name.as_deref() == Some(wanted))
-        };
-        let mut axes = AxisValues::default();
-        for letter in Joint::ISO {
-            axes[letter] = match &named[letter] {
-                Some(name) => {
-                    Some(by_name(name).ok_or(format!("a data item {name} for axis {letter}"))?.id.clone())
-                }
-                None => {
-                    items.iter().filter(|item| is_position(item, letter)).map(|item| item.id.clone()).next()
-                }
-            };
-        }
-        if axes.0.iter().all(Option::is_none) {
-            return Err(
-                "actual positions of axes named X, Y, Z, A, B, C, U, V or W (or name them in `axes`)".into(),
-            );
-        }
-        let signal = match signal {
-            Some(name) => Some(by_name(name).ok_or(format!("a data item {name} for the signal"))?.id.clone()),
-            None => None,
-        };
-        let first = |kind: &str| items.iter().find(|item| item.kind == kind).map(|item| item.id.clone());
-        let temperatures = items
-            .iter()
-            .filter(|item| item.category == Category::Sample && item.kind == "TEMPERATURE")
-            .map(|item| (item.id.clone(), item.name.clone().unwrap_or_else(|| item.id.clone())))
-            .collect();
-        Ok(Self {
-            axes,
-            execution: first("EXECUTION"),
-            program: first("PROGRAM"),
-            block: first("BLOCK").or_else(|| first("LINE")).or_else(|| first("LINE_NUMBER")),
-            signal,
-            temperatures,
-        })
-    }
-
-    fn is_of_controller(&self, id: &str) -> bool {
-        [&self.execution, &self.program, &self.block, &self.signal]
-            .into_iter()
-            .flatten()
-            .any(|known| known == id)
-    }
-
-    /// The axes found.
-    pub(super) fn letters(&self) -> Vec<Joint> {
-        Joint::ISO.into_iter().filter(|&letter| self.axes[letter].is_some()).collect()
-    }
-}
-
 /// Items of the controller that changed since its last reading, with the stamp of the latest.
 #[derive(Default)]
 struct Changed<'a> {
     items: Vec<&'a str>,
     stamp_ns: i64,
-}
-
-/// Actual position of this axis in machine coordinates.
-fn is_position(item: &DataItem, letter: Joint) -> bool {
-    let (kind, component) = if letter.is_rotary() { ("ANGLE", "Rotary") } else { ("POSITION", "Linear") };
-    let name = Some(item.component.name.as_str()).filter(|name| !name.is_empty());
-    item.category == Category::Sample
-        && item.kind == kind
-        && item.component.kind == component
-        && item.sub_type.as_deref().is_none_or(|sub| sub == "ACTUAL")
-        && item.coordinate_system.as_deref().is_none_or(|system| system == "MACHINE")
-        && name.and_then(letter_of) == Some(letter)
 }
 
 /// Latest values.
@@ -322,6 +239,7 @@ fn is_on(text: &str) -> bool {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::collections::BTreeMap;
 
     const IDS: [&str; 8] = ["x", "c", "execution", "program", "block", "signal", "room", "other"];
 

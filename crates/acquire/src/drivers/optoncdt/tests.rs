@@ -1,22 +1,10 @@
 use super::*;
 use crate::link::Outlet;
 use crate::status::DeviceStatus;
+use crate::test_clock::AtZero;
 use tokio::sync::{mpsc, watch};
-use trunnion_core::Clock;
 use trunnion_core::reading::SourceGap;
 use trunnion_protocol::optoncdt::{Measurement, raw_distance};
-
-struct AtZero;
-
-impl Clock for AtZero {
-    fn now(&self) -> HostTime {
-        HostTime(0)
-    }
-
-    fn wall_ns(&self) -> i64 {
-        0
-    }
-}
 
 const MS: i64 = 1_000_000;
 

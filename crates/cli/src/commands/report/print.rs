@@ -89,6 +89,7 @@ fn wait(child: &mut Child, browser: &Path) -> anyhow::Result<()> {
                     TIMEOUT.as_secs()
                 );
             }
+            // std has no wait for a process with a limit.
             None => std::thread::sleep(POLL),
         }
     }

@@ -41,6 +41,15 @@ fn read(finished: &Finished) -> (Vec<String>, Vec<i64>, Vec<Gap>) {
     (names, raws, gaps)
 }
 
+/// The run ended with these files, in which nothing is missing.
+fn assert_whole(finished: &Finished, names: &[&str], samples: std::ops::Range<i64>) {
+    let (found, raws, gaps) = read(finished);
+    assert_eq!(found, names);
+    assert_eq!(gaps, []);
+    assert_eq!(finished.lost_samples, 0);
+    assert!(raws.into_iter().eq(samples));
+}
+
 #[test]
 fn a_folder_that_misses_a_file_for_one_look_costs_nothing() {
     let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
@@ -50,10 +59,7 @@ fn a_folder_that_misses_a_file_for_one_look_costs_nothing() {
     assert!(!recorder.sync(at_ms(1000)), "what was in it may be on no disk");
     assert_eq!((recorder.failing(), recorder.lost_samples()), (None, 0));
     record(&mut recorder, 1000..2000);
-    let finished = recorder.finish(at_ms(2000)).unwrap();
-    let (names, raws, gaps) = read(&finished);
-    assert_eq!((names, gaps), (vec!["r.mcap".to_owned(), "r-2.mcap".to_owned()], Vec::new()));
-    assert!(finished.lost_samples == 0 && raws.into_iter().eq(0..2000));
+    assert_whole(&recorder.finish(at_ms(2000)).unwrap(), &["r.mcap", "r-2.mcap"], 0..2000);
 }
 
 #[test]
@@ -72,10 +78,7 @@ fn a_file_that_is_there_again_when_the_next_one_begins_belongs_to_the_run() {
     std::fs::remove_file(&folder).unwrap();
     std::fs::rename(&other, &folder).unwrap();
     record(&mut recorder, 1500..3000);
-    let finished = recorder.finish(at_ms(3000)).unwrap();
-    let (names, raws, gaps) = read(&finished);
-    assert_eq!((names, gaps), (vec!["r.mcap".to_owned(), "r-2.mcap".to_owned()], Vec::new()));
-    assert!(finished.lost_samples == 0 && raws.into_iter().eq(0..3000));
+    assert_whole(&recorder.finish(at_ms(3000)).unwrap(), &["r.mcap", "r-2.mcap"], 0..3000);
 }
 
 #[test]
@@ -90,10 +93,7 @@ fn a_file_that_the_disk_refuses_to_keep_is_over_and_the_next_one_begins_when_it_
     assert!(!recorder.sync(at_ms(1040)), "what waits in memory is on no disk");
     record(&mut recorder, 1000..4000);
     assert!(recorder.failing().is_none() && recorder.sync(at_ms(4000)));
-    let finished = recorder.finish(at_ms(4000)).unwrap();
-    let (names, raws, gaps) = read(&finished);
-    assert_eq!((names, gaps), (vec!["r.mcap".to_owned(), "r-2.mcap".to_owned()], Vec::new()));
-    assert!(finished.lost_samples == 0 && raws.into_iter().eq(0..4000));
+    assert_whole(&recorder.finish(at_ms(4000)).unwrap(), &["r.mcap", "r-2.mcap"], 0..4000);
 }
 
 #[test]
@@ -102,9 +102,7 @@ fn a_disk_that_refuses_the_last_sync_of_a_run_costs_no_further_file() {
     let mut recorder = recorder(folder.path(), &answers);
     record(&mut recorder, 0..1000);
     answers.lock().unwrap().extend([io::ErrorKind::StorageFull; 2]);
-    let (names, raws, gaps) = read(&recorder.finish(at_ms(1000)).unwrap());
-    assert_eq!((names, gaps), (vec!["r.mcap".to_owned()], Vec::new()));
-    assert!(raws.into_iter().eq(0..1000));
+    assert_whole(&recorder.finish(at_ms(1000)).unwrap(), &["r.mcap"], 0..1000);
 }
 
 /// Three journals of two thousand samples each.

@@ -1,27 +1,15 @@
 use super::*;
 use crate::link::Outlet;
 use crate::status::DeviceStatus;
+use crate::test_clock::AtZero;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
-use trunnion_core::Clock;
 use trunnion_core::reading::Message as Delivered;
 use trunnion_protocol::canopen::cia404::{ProcessValue, Unit};
 use trunnion_protocol::canopen::{
     CobId, Identity, NodeId, ObjectKey, PdoCommunication, PdoEntry, PdoMapping, Tpdo,
 };
-
-struct AtZero;
-
-impl Clock for AtZero {
-    fn now(&self) -> HostTime {
-        HostTime(0)
-    }
-
-    fn wall_ns(&self) -> i64 {
-        0
-    }
-}
 
 const MS: i64 = 1_000_000;
 
