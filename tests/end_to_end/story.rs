@@ -24,7 +24,14 @@ fn compare_says_in_words_where_the_model_fails_and_blames_no_place_for_noise() {
         set.iter().any(|id| *id == "backlash:C") && set.iter().any(|id| *id == "thermal-drift"),
         "{set:?}"
     );
-    assert!(page.contains("Missing from the model: ") && page.contains("backlash:C"), "the page names both");
+    let headline = page.split("<h1>").nth(1).unwrap().split("</h1>").next().unwrap();
+    let names = ["together", "(backlash:C)", "(thermal-drift)"];
+    assert!(names.iter().all(|name| headline.contains(name)), "the page names both: {headline}");
+    let together_um = compared["diagnosis"]["together"]["rms_um_after"].as_f64().unwrap();
+    assert!(
+        page.contains(&format!("to {together_um:.2} µm rms")),
+        "the page says what both leave: {together_um}"
+    );
     assert!(page.contains("— after"), "what the best candidate would leave");
 
     let quiet = tempfile::tempdir().unwrap();

@@ -20,6 +20,7 @@ pub use diagnosis::judged::{LearnedNoise, OpenEffect, Verdict};
 pub use diagnosis::options::DiagnoseError;
 pub use diagnosis::verdict::{
     Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
+    Together,
 };
 pub use diagnosis::{diagnose, diagnose_problem};
 pub use fit::between_runs::{BetweenRuns, between_runs};

@@ -1,7 +1,9 @@
 //! The figures of an answer, how sure it is, and what to measure next: for the report and the story of a page.
 
 use crate::number::{percent, um, um_or_dash};
-use crate::words::{effect_name, evidence_words, formula_leads, left_out, noise_origin, repeatability};
+use crate::words::{
+    effect_name, evidence_words, formula_leads, left_out, names, noise_origin, repeatability,
+};
 use trunnion_results::{Candidate, Comparison, Diagnosis, Fact, Verdict};
 
 /// The figures at the top.
@@ -42,9 +44,17 @@ pub(crate) fn sure(input: &Comparison) -> Vec<String> {
             ),
             None => "No named effect explains any of it.".into(),
         });
+    } else if let Some((found, together)) = diagnosis.found_together() {
+        items.push(format!("Found together: {}.", names(&found)));
+        items.extend(held_out(diagnosis, together.holdout_rms_um_after));
+        for one in found {
+            items.push(format!("For {}: {}.", effect_name(&one.effect), evidence_words(one.evidence)));
+            items.push(one.remarks.join(" "));
+            items.extend(rivals(one));
+        }
     } else if let Some(best) = diagnosis.candidates.first() {
         items.push(format!("{}.", evidence_words(best.evidence)));
-        items.extend(held_out(diagnosis, best));
+        items.extend(held_out(diagnosis, best.holdout_rms_um_after));
         items.push(best.remarks.join(" "));
         items.extend(rivals(best));
     }
@@ -64,9 +74,9 @@ fn noise(diagnosis: &Diagnosis) -> String {
     }
 }
 
-fn held_out(diagnosis: &Diagnosis, best: &Candidate) -> Option<String> {
+fn held_out(diagnosis: &Diagnosis, after_um: Option<f64>) -> Option<String> {
     let residual = &diagnosis.residual;
-    let (before, after) = (residual.holdout_rms_um?, best.holdout_rms_um_after?);
+    let (before, after) = (residual.holdout_rms_um?, after_um?);
     let units = residual.holdout_unit?.plural();
     let (was, is) = (um(before), um(after));
     Some(if after < 0.97 * before {

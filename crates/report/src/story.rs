@@ -5,7 +5,8 @@ use crate::html;
 use crate::number::{um, value_and_u};
 use crate::to_do::to_do;
 use crate::words::{
-    effect_name, evidence_words, explanation, formula_leads, formula_shape, formula_site, headline, verdict,
+    effect_name, evidence_words, explanation, formula_leads, formula_shape, formula_site, headline, is_found,
+    sizes, verdict,
 };
 use trunnion_results::sentences::complete;
 use trunnion_results::{
@@ -62,7 +63,7 @@ fn candidates(diagnosis: &Diagnosis) -> Vec<StoryCandidate> {
 }
 
 fn named(diagnosis: &Diagnosis, candidate: &Candidate) -> StoryCandidate {
-    let size = |p: &Parameter| {
+    let size = |p: &&Parameter| {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         [p.name.clone(), value, u]
     };
@@ -80,7 +81,8 @@ fn named(diagnosis: &Diagnosis, candidate: &Candidate) -> StoryCandidate {
         about,
         rivals: candidate.confused_with.iter().map(|id| effect_name(id)).collect(),
         separate_by: candidate.separate_by.clone(),
-        sizes: candidate.parameters.iter().map(size).collect(),
+        sizes: sizes(diagnosis, candidate).iter().map(size).collect(),
+        found: is_found(diagnosis, candidate),
     }
 }
 
@@ -101,6 +103,7 @@ fn expression(diagnosis: &Diagnosis, formula: &FormulaProposal) -> StoryCandidat
         falls: [um(diagnosis.residual.rms_um), um(formula.rms_um_after)],
         evidence: format!("{}.", evidence_words(formula.evidence)),
         about,
+        found: formula_leads(diagnosis),
         ..StoryCandidate::default()
     }
 }

@@ -26,16 +26,17 @@ pub use volumetric::{location_text, volumetric_text};
 use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::views::cuts;
 use crate::words::{
-    EXPLAINS, NO_PLACE, beyond_catalogue, effect_name, evidence_words, explanation, formula_leads,
-    formula_shape, formula_site, headline, left_out, no_place, noise_origin, noticeable, planned_words,
-    repeatability, trial_verdict, verdict, wave,
+    EXPLAINS, NO_PLACE, TOGETHER, beyond_catalogue, candidate_figures, effect_name, evidence_words,
+    explanation, formula_leads, formula_shape, formula_site, headline, left_out, names, no_place,
+    noise_origin, noticeable, planned_words, repeatability, sizes, together_figures, trial_verdict, verdict,
+    wave,
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
 use trunnion_results::sentences::{complete, inadequate};
 use trunnion_results::{
     Candidate, Check, Comparison, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Moved,
-    Parameter, Place, Plausibility, Residual, Trial,
+    Parameter, Place, Plausibility, Trial,
 };
 
 /// Fit, parameters with uncertainty, and what is confounded or not observable.
@@ -212,26 +213,29 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
         out += "\n";
         let head = ["candidate", "evidence", "error after", "held-out", "explains", "adequate"];
         let rows = diagnosis.candidates.iter().map(|c| {
-            vec![
-                c.effect.clone(),
-                format!("10^{:.1}", c.evidence),
-                um(c.rms_um_after),
-                um_or_dash(c.holdout_rms_um_after),
-                percent(c.explains_fraction),
-                if c.adequate { "yes" } else { "no" }.into(),
-            ]
+            let first = [c.effect.clone(), format!("10^{:.1}", c.evidence)];
+            first.into_iter().chain(candidate_figures(c)).collect()
         });
-        let rows: Vec<_> = once(head.map(String::from).to_vec()).chain(rows).collect();
+        let mut rows: Vec<Vec<String>> = once(head.map(String::from).to_vec()).chain(rows).collect();
+        if let Some((found, together)) = diagnosis.found_together() {
+            let first = [TOGETHER.into(), String::new()];
+            rows.insert(1 + found.len(), first.into_iter().chain(together_figures(together)).collect());
+        }
         out += &titled(&rows, &[1, 2, 3, 4]);
         out += &paragraph(EXPLAINS);
-        // What the best is confounded with follows in its own paragraph.
-        for c in diagnosis.candidates.iter().skip(1).filter(|c| !c.confused_with.is_empty()) {
+        if let Some((found, _)) = diagnosis.found_together() {
+            out += &paragraph(&format!("Found together: {}.", names(&found)));
+        }
+        // What those that were found are confounded with follows in their own paragraphs.
+        for c in
+            diagnosis.candidates.iter().skip(described(diagnosis)).filter(|c| !c.confused_with.is_empty())
+        {
             out += &paragraph(&format!("{} is confounded with {}.", c.effect, c.confused_with.join(", ")));
         }
     }
     let formula = diagnosis.formula.as_ref().map_or(String::new(), formula);
-    let best =
-        diagnosis.candidates.first().map_or(String::new(), |best| best_candidate(best, &diagnosis.residual));
+    let best = diagnosis.candidates.iter().take(described(diagnosis));
+    let best: String = best.map(|one| candidate(diagnosis, one)).collect();
     out += &match (formula_leads(diagnosis), best.is_empty()) {
         (true, false) => format!("{formula}\nThe named effect closest to it:{best}"),
         (true, true) => formula,
@@ -268,13 +272,22 @@ fn formula(formula: &FormulaProposal) -> String {
         ))
 }
 
-fn best_candidate(best: &Candidate, residual: &Residual) -> String {
+/// So many candidates, from the first, have paragraphs of their own.
+fn described(diagnosis: &Diagnosis) -> usize {
+    diagnosis.found_together().map_or(1, |(found, _)| found.len())
+}
+
+fn candidate(diagnosis: &Diagnosis, best: &Candidate) -> String {
     let mut out = format!("\n{}\n", effect_name(&best.effect));
     for (label, text) in explanation(&best.effect) {
         out += &paragraph(&format!("{label}: {text}"));
     }
-    out += &paragraph(&format!("{}. {}", evidence_words(best.evidence), beyond_catalogue(best, residual)));
-    for p in &best.parameters {
+    out += &paragraph(&format!(
+        "{}. {}",
+        evidence_words(best.evidence),
+        beyond_catalogue(best, &diagnosis.residual)
+    ));
+    for p in sizes(diagnosis, best) {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         out += &format!("  {} = {value}, u = {u}\n", clean(&p.name));
     }

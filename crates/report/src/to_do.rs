@@ -1,7 +1,7 @@
 //! What to do after a run: no more than its data allow.
 
 use crate::certainty::measure_next;
-use crate::words::{about, effect_name, is_failed, is_only_incomplete, planned_words};
+use crate::words::{about, effect_name, is_failed, is_only_incomplete, names, planned_words};
 use trunnion_results::{Candidate, Comparison, Correctable, Diagnosis, Prediction, RunPrediction, Verdict};
 
 /// In the order in which it is done; never empty.
@@ -9,7 +9,9 @@ pub(crate) fn to_do(input: &Comparison) -> Vec<String> {
     let Some(diagnosis) = &input.diagnosis else { return vec![ask(input.frozen.as_ref()).into()] };
     let mut to_do: Vec<String> = match diagnosis.verdict {
         Verdict::NoiseFloor => correct(input),
-        Verdict::MissingEffect => diagnosis.candidates.first().map_or_else(Vec::new, look_and_add),
+        Verdict::MissingEffect => {
+            diagnosis.candidates.first().map_or_else(Vec::new, |best| look_and_add(diagnosis, best))
+        }
         Verdict::UnnamedStructure => unnamed(input, diagnosis),
         Verdict::Undecided => vec!["Change nothing at the machine or in the control on these data.".into()],
         Verdict::NotJudged => vec![
@@ -49,7 +51,7 @@ fn ask(frozen: Option<&Prediction>) -> &'static str {
     }
 }
 
-fn look_and_add(best: &Candidate) -> Vec<String> {
+fn look_and_add(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
     let mut to_do = Vec::new();
     if about(&best.effect).is_some() {
         to_do.push(match best.confused_with.as_slice() {
@@ -61,7 +63,13 @@ fn look_and_add(best: &Candidate) -> Vec<String> {
         });
     }
     to_do.push(format!("Add {} to the model, and see whether the error falls.", effect_name(&best.effect)));
-    if !best.adequate {
+    if let Some((found, together)) = diagnosis.found_together() {
+        let others: Vec<&Candidate> = found.into_iter().filter(|one| one.effect != best.effect).collect();
+        to_do.push(format!("Then add what was found together with it: {}.", names(&others)));
+        if !together.adequate {
+            to_do.push("Then diagnose again: a part remains that they do not explain.".into());
+        }
+    } else if !best.adequate {
         to_do.push("Then diagnose again: a part remains that it does not explain.".into());
     }
     to_do

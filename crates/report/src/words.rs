@@ -2,8 +2,8 @@
 
 use crate::number::{percent, um, um_or_dash};
 use trunnion_results::{
-    Candidate, Comparison, Diagnosis, FormulaProposal, Ladder, LeftOut, Prediction, Question, RunPrediction,
-    SpectrumWave, Then, Trial, Verdict,
+    Candidate, Comparison, Diagnosis, FormulaProposal, Ladder, LeftOut, Parameter, Prediction, Question,
+    RunPrediction, SpectrumWave, Then, Together, Trial, Verdict,
 };
 
 pub use trunnion_results::sentences::*;
@@ -34,9 +34,10 @@ pub fn headline(input: &Comparison) -> String {
             "No effect is missing that these data can show".into()
         }
         (Verdict::NoiseFloor, _) => "The model now explains this machine down to the noise".into(),
-        (Verdict::MissingEffect, Some(best)) => {
-            format!("Missing from the model: {}", effect_name(&best.effect))
-        }
+        (Verdict::MissingEffect, Some(best)) => match diagnosis.found_together() {
+            Some((found, _)) => format!("Missing from the model, together: {}", names(&found)),
+            None => format!("Missing from the model: {}", effect_name(&best.effect)),
+        },
         (Verdict::Undecided, _) => "These data cannot say whether an effect is missing".into(),
         (Verdict::NotJudged, _) if is_only_incomplete(input) => {
             "Not judged: a part of the cycle is missing".into()
@@ -54,7 +55,10 @@ pub fn verdict(input: &Comparison) -> Vec<String> {
         match (diagnosis.verdict, diagnosis.candidates.first(), &diagnosis.formula) {
             (Verdict::NoiseFloor, ..) => sentences.extend(nothing_left(input, diagnosis)),
             (Verdict::MissingEffect, Some(best), _) => {
-                sentences.extend(named(diagnosis, best));
+                sentences.extend(match diagnosis.found_together() {
+                    Some((found, together)) => several(diagnosis, &found, together),
+                    None => named(diagnosis, best),
+                });
                 sentences.extend(why(diagnosis));
             }
             (Verdict::Undecided | Verdict::NotJudged, ..) => sentences.extend(undecided(diagnosis)),
@@ -195,6 +199,69 @@ fn named(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
     sentences
 }
 
+/// Names of effects, as lists in other languages take them.
+pub(crate) fn names(found: &[&Candidate]) -> String {
+    found.iter().map(|one| effect_name(&one.effect)).collect::<Vec<_>>().join("; ")
+}
+
+/// Whether a candidate leads, or was found together with the one that does.
+pub(crate) fn is_found(diagnosis: &Diagnosis, candidate: &Candidate) -> bool {
+    match diagnosis.found_together() {
+        Some((found, _)) => found.iter().any(|one| one.effect == candidate.effect),
+        None => diagnosis.best().as_ref() == Some(&candidate.effect),
+    }
+}
+
+/// How large a candidate is: as fitted with what was found together with it, else alone.
+pub(crate) fn sizes<'d>(diagnosis: &'d Diagnosis, candidate: &'d Candidate) -> Vec<&'d Parameter> {
+    match diagnosis.found_together() {
+        Some((_, together)) if is_found(diagnosis, candidate) => together.parameters_of(&candidate.effect),
+        _ => candidate.parameters.iter().collect(),
+    }
+}
+
+/// Error with a candidate, held-out error, share explained, and whether nothing structured remains.
+pub(crate) fn candidate_figures(one: &Candidate) -> [String; 4] {
+    figures(one.rms_um_after, one.holdout_rms_um_after, one.explains_fraction, one.adequate)
+}
+
+/// The same of everything that was found together.
+pub(crate) fn together_figures(all: &Together) -> [String; 4] {
+    figures(all.rms_um_after, all.holdout_rms_um_after, all.explains_fraction, all.adequate)
+}
+
+fn figures(rms_um: f64, holdout_rms_um: Option<f64>, explains: f64, adequate: bool) -> [String; 4] {
+    let remains = if adequate { "yes" } else { "no" }.into();
+    [um(rms_um), um_or_dash(holdout_rms_um), percent(explains), remains]
+}
+
+fn several(diagnosis: &Diagnosis, found: &[&Candidate], together: &Together) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for one in found {
+        if let Some(about) = about(&one.effect) {
+            sentences.push(format!("{}: {}", effect_name(&one.effect), about.explanation));
+            sentences.push(format!("Likely cause: {}", about.cause));
+        }
+    }
+    sentences.push(format!(
+        "With these {} effects in the model the residual falls from {} to {} rms ({}).",
+        found.len(),
+        um(diagnosis.residual.rms_um),
+        um(together.rms_um_after),
+        repeatability(diagnosis.residual.noise_um)
+    ));
+    let is_confounded = found.iter().any(|one| !one.confused_with.is_empty());
+    sentences.push(match (together.adequate, is_confounded) {
+        (true, false) => {
+            "Nothing structured remains after them, and nothing else explains these data as well.".into()
+        }
+        (true, true) => "Nothing structured remains after them, but other causes are confounded with some of them in these data."
+            .into(),
+        (false, _) => "They do not explain everything: a part remains.".to_string(),
+    });
+    sentences
+}
+
 fn unnamed(diagnosis: &Diagnosis, formula: &FormulaProposal) -> String {
     let part = match diagnosis.residual.noise_um {
         Some(noise_um) if formula.rms_um_after > 1.25 * noise_um => "so a part remains even then",
@@ -262,6 +329,9 @@ pub fn units_of(ladder: &Ladder) -> Vec<&'static str> {
 
 /// What the shares of candidates are shares of.
 pub const EXPLAINS: &str = "Explains: the share of what all that was found explains together.";
+
+/// The row of what was found together in a table of candidates.
+pub const TOGETHER: &str = "all found together";
 
 /// Said where no place can be blamed: nothing is left, or it is spread over everything.
 pub const NO_PLACE: &str = "No place stands out from the others.";

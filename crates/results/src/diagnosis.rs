@@ -39,6 +39,9 @@ pub struct Diagnosis {
     pub candidates: Vec<Candidate>,
     /// Ids of the effects that together explain the residual.
     pub set: Vec<String>,
+    /// What the whole set does; null where it is not more than one.
+    #[serde(default)]
+    pub together: Option<Together>,
     /// An expression that describes the residual better than any effect of the catalogue.
     pub formula: Option<FormulaProposal>,
     /// What to measure next.
@@ -110,6 +113,28 @@ pub struct Candidate {
     pub why: String,
 }
 
+/// What all effects of a set do in one model.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Together {
+    /// Residual with all of them in the model, µm rms.
+    pub rms_um_after: f64,
+    /// Held-out error with all of them in the model, µm rms; null when nothing could be left out.
+    pub holdout_rms_um_after: Option<f64>,
+    /// Share of what can be explained that they explain, 0…1.
+    pub explains_fraction: f64,
+    /// Their parameters as fitted together, shape numbers included.
+    pub parameters: Vec<Parameter>,
+    /// True when nothing structured remains with all of them.
+    pub adequate: bool,
+}
+
+impl Together {
+    /// The parameters of one of them.
+    pub fn parameters_of(&self, effect: &str) -> Vec<&Parameter> {
+        self.parameters.iter().filter(|p| p.effect == effect).collect()
+    }
+}
+
 /// An expression ready to add as `formula:NAME`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FormulaProposal {
@@ -177,6 +202,14 @@ impl Diagnosis {
             Verdict::MissingEffect | Verdict::UnnamedStructure => Some(false),
             Verdict::Undecided | Verdict::NotJudged => None,
         }
+    }
+
+    /// The named effects that were found together, best first, and what they do; `None` where one leads alone or an expression is
+    /// part of it.
+    pub fn found_together(&self) -> Option<(Vec<&Candidate>, &Together)> {
+        let together = self.together.as_ref().filter(|_| self.verdict == Verdict::MissingEffect)?;
+        let found: Vec<_> = self.candidates.iter().filter(|one| self.set.contains(&one.effect)).collect();
+        (found.len() == self.set.len()).then_some((found, together))
     }
 
     /// The effect or formula that leads, if the verdict names one.

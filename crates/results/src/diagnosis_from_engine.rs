@@ -2,7 +2,7 @@
 
 use crate::complete::Complete;
 use crate::diagnosis::{
-    Candidate, Diagnosis, DiagnosisFormat, FormulaProposal, NextCycle, Residual, ShapeNumber,
+    Candidate, Diagnosis, DiagnosisFormat, FormulaProposal, NextCycle, Residual, ShapeNumber, Together,
 };
 use crate::identification::{LeftOut, Parameter};
 use crate::number::finite;
@@ -30,6 +30,7 @@ impl From<&engine::Diagnosis> for Diagnosis {
             noticeable_um: diagnosis.noticeable_um.and_then(finite),
             undecided: diagnosis.undecided.clone(),
             set: diagnosis.set.iter().map(|entry| entry.id.clone()).collect(),
+            together: diagnosis.together.as_ref().map(Together::from),
             formula: diagnosis.formula.as_ref().map(FormulaProposal::from),
             next_cycle: diagnosis.next_cycle.as_ref().map(NextCycle::from),
             not_visible: diagnosis.not_visible.clone(),
@@ -41,23 +42,13 @@ impl From<&engine::Diagnosis> for Diagnosis {
 
 impl Candidate {
     fn of(candidate: &engine::Candidate, residual: &Residual) -> Self {
-        let parameter = |p: &engine::CandidateParameter| Parameter {
-            name: p.name.clone(),
-            effect: candidate.effect.clone(),
-            value: p.value.and_then(finite),
-            unit: p.unit.clone(),
-            u: p.u.and_then(finite),
-            u_another_run: None,
-            observable: p.value.is_some(),
-            note: String::new(),
-        };
         let mut result = Self {
             effect: candidate.effect.clone(),
             evidence: candidate.evidence,
             rms_um_after: candidate.rms_um_after,
             holdout_rms_um_after: candidate.holdout_rms_um_after.and_then(finite),
             explains_fraction: candidate.explains_fraction,
-            parameters: candidate.parameters.iter().map(parameter).collect(),
+            parameters: candidate.parameters.iter().map(Parameter::from).collect(),
             confused_with: candidate.confused_with.clone(),
             separate_by: candidate.separate_by.clone(),
             adequate: candidate.adequate,
@@ -67,6 +58,33 @@ impl Candidate {
         };
         result.why = why(&result, residual);
         result
+    }
+}
+
+impl From<&engine::CandidateParameter> for Parameter {
+    fn from(p: &engine::CandidateParameter) -> Self {
+        Self {
+            name: p.name.clone(),
+            effect: p.effect.clone(),
+            value: p.value.and_then(finite),
+            unit: p.unit.clone(),
+            u: p.u.and_then(finite),
+            u_another_run: None,
+            observable: p.value.is_some(),
+            note: String::new(),
+        }
+    }
+}
+
+impl From<&engine::Together> for Together {
+    fn from(together: &engine::Together) -> Self {
+        Self {
+            rms_um_after: together.rms_um,
+            holdout_rms_um_after: together.holdout_rms_um.and_then(finite),
+            explains_fraction: together.explains_fraction,
+            parameters: together.parameters.iter().map(Parameter::from).collect(),
+            adequate: together.adequate,
+        }
     }
 }
 

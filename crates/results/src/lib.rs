@@ -73,7 +73,7 @@ pub use demo::{Demo, DemoFormat, DemoStep};
 pub use devices::{CheckedDevice, DevicePlace, DevicesChecked, DevicesFormat, DevicesFound};
 pub use diagnosis::{
     Candidate, Diagnosis, DiagnosisFormat, FormulaProposal, LearnedNoise, NextCycle, OpenEffect,
-    PlannedCycle, Residual, ShapeNumber, Verdict,
+    PlannedCycle, Residual, ShapeNumber, Together, Verdict,
 };
 pub use doubt::{Doubt, DoubtReason};
 pub use filed::{Identity, Report, ReportFormat, RunIdentity, TemperatureRange};

@@ -89,6 +89,8 @@ pub struct StoryCandidate {
     pub separate_by: String,
     /// How large it is: parameter, value and standard uncertainty.
     pub sizes: Vec<[String; 3]>,
+    /// True for what leads, and for what was found together with it.
+    pub found: bool,
 }
 
 /// A part of a report: charts and tables as markup without scripts and styles.

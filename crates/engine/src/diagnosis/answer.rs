@@ -13,7 +13,7 @@ use crate::diagnosis::rivals::{CONFUSED_LN, confused_with};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::{Found, search};
 use crate::diagnosis::verdict::{
-    Candidate, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
+    Candidate, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber, Together,
 };
 use crate::diagnosis::view::{Item, What, columns_of};
 use crate::diagnosis::words;
@@ -98,6 +98,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         undecided: open_effects(scan, &found).map(open).collect(),
         candidates,
         set: context.set(),
+        together: refits.set.as_ref().map(|refit| context.together(refit, &explained)),
         formula,
         next_cycle,
         not_visible: invisible(scan, &found),
@@ -288,11 +289,27 @@ impl Context<'_> {
             let readings = self.scan.remainder.y.len() as f64;
             readings * (self.scan.left(&item.columns) / self.floor_mm).ln() < CONFUSED_LN
         };
+        self.is_all() && (all_found || like_all_found())
+    }
+
+    /// Nothing structured remains with all that was found, and all of it has names.
+    fn is_all(&self) -> bool {
         self.found.complete
             && self.is_constant
             && remainder_is_natural(self.scan, self.found)
             && !self.found.items.iter().any(Item::is_open)
-            && (all_found || like_all_found())
+    }
+
+    /// What everything found does in one model. Further shapes are no part of it: the model has an effect once.
+    fn together(&self, refit: &Refit, explained: &Explained) -> Together {
+        let is_whole = self.is_all() && self.found.further.ncols() == 0;
+        Together {
+            rms_um: refit.rms_um(),
+            holdout_rms_um: refit.holdout_rms_um(),
+            explains_fraction: explained.by(refit.rms_mm()),
+            parameters: refit.parameters(),
+            adequate: is_whole && within_repeats(self.problem.fit(), refit.rms_mm()),
+        }
     }
 
     /// What was kept without a name, the strongest first; several components of one site are one proposal.

@@ -131,21 +131,22 @@ impl Refit {
     pub fn parameters(&self) -> Vec<CandidateParameter> {
         let is_new = |id: &str| self.added.iter().any(|entry| entry.id == id);
         let fitted = self.fit.parameters.iter().filter(|p| is_new(&p.effect)).map(|p| CandidateParameter {
+            effect: p.effect.clone(),
             name: p.name.clone(),
             value: p.screen_value(),
             u: p.screen_u(),
             unit: p.unit.symbol.into(),
         });
         let effects = self.fit.effects.iter().filter(|effect| is_new(&effect.id));
-        let shapes =
-            effects.flat_map(|effect| effect.shape_names.iter().zip(&effect.shape)).map(|(name, value)| {
-                CandidateParameter {
-                    name: name.clone(),
-                    value: Some(*value),
-                    u: None,
-                    unit: Unit::in_name(name).symbol.into(),
-                }
-            });
+        let shapes = effects.flat_map(|effect| {
+            effect.shape_names.iter().zip(&effect.shape).map(move |(name, value)| CandidateParameter {
+                effect: effect.id.clone(),
+                name: name.clone(),
+                value: Some(*value),
+                u: None,
+                unit: Unit::in_name(name).symbol.into(),
+            })
+        });
         fitted.chain(shapes).collect()
     }
 }

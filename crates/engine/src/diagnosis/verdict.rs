@@ -29,6 +29,8 @@ pub struct Diagnosis {
     pub candidates: Vec<Candidate>,
     /// Model entries that together explain what is left, named and unnamed, shapes as refined; empty when nothing is claimed.
     pub set: Vec<ModelEffect>,
+    /// What they do together; `None` where not more than one was found.
+    pub together: Option<Together>,
     /// An expression that describes the structure better than any named effect, ready to add.
     pub formula: Option<FormulaProposal>,
     /// What to measure next to separate rivals.
@@ -74,6 +76,7 @@ impl Diagnosis {
             undecided: Vec::new(),
             candidates: Vec::new(),
             set: Vec::new(),
+            together: None,
             formula: None,
             next_cycle: None,
             not_visible: Vec::new(),
@@ -90,7 +93,7 @@ impl Diagnosis {
             Some(first) if self.verdict == Verdict::MissingEffect => first.remarks.extend_from_slice(doubts),
             _ => {
                 let doubts = doubts.join(" ");
-                (self.candidates, self.set, self.formula) = Default::default();
+                (self.candidates, self.set, self.together, self.formula) = Default::default();
                 self.residual.unexplained_fraction = 1.0;
                 self.next_cycle = Some(NextCycle::repeat());
                 self.why = format!("{doubts} {}", self.why).trim_end().into();
@@ -99,6 +102,21 @@ impl Diagnosis {
         }
         self
     }
+}
+
+/// The fit with all that was found, where it is more than one thing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Together {
+    /// Residual after adding all of it, µm rms.
+    pub rms_um: f64,
+    /// The same on units left out of the fit, µm rms; `None` where nothing can be left out.
+    pub holdout_rms_um: Option<f64>,
+    /// Share of what can be explained that it explains, 0…1.
+    pub explains_fraction: f64,
+    /// Parameters of all of it as fitted together; shape numbers included.
+    pub parameters: Vec<CandidateParameter>,
+    /// True when nothing structured is left after adding all of it.
+    pub adequate: bool,
 }
 
 /// One effect that would explain part of the residual.
@@ -131,6 +149,8 @@ pub struct Candidate {
 /// A fitted parameter of a candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CandidateParameter {
+    /// Id of the effect that it belongs to.
+    pub effect: String,
     /// Its name.
     pub name: String,
     /// Value in `unit`; `None` when these data cannot see it.

@@ -75,6 +75,14 @@ fn backlash_and_drift_are_found_one_after_the_other() {
     let truth = ["backlash:C", "thermal-drift"];
     let both = diagnosed("points-backlash-and-drift", &[]);
     assert_eq!(set(&both), truth);
+    // Each alone leaves the other; together they leave what repeats show.
+    let together = both.together.as_ref().unwrap();
+    let repeatability_um = both.residual.noise_um.unwrap();
+    assert!(together.rms_um < 1.2 * repeatability_um, "{together:?} {repeatability_um}");
+    assert!(both.candidates.iter().all(|one| one.rms_um_after > 2.0 * together.rms_um && !one.adequate));
+    for id in truth {
+        assert!(together.parameters.iter().any(|p| p.effect == id && p.u.is_some()), "{together:?}");
+    }
     let first = both.candidates[0].effect.clone();
     assert!(truth.contains(&first.as_str()), "{first}");
     let second = diagnosed("points-backlash-and-drift", &[&first]).candidates[0].effect.clone();

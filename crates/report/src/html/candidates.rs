@@ -2,10 +2,11 @@
 
 use super::trial;
 use crate::markup::{element, escape, table};
-use crate::number::{fixed, percent, um, um_or_dash, value_and_u};
+use crate::number::{fixed, value_and_u};
 use crate::svg::{Bar, bars};
 use crate::words::{
-    EXPLAINS, about, bars_legend, effect_name, formula_shape, formula_site, nothing_named, sources, units,
+    EXPLAINS, TOGETHER, about, bars_legend, candidate_figures, effect_name, formula_shape, formula_site,
+    nothing_named, sizes, sources, together_figures, units,
 };
 use trunnion_results::{Candidate, Comparison, Diagnosis, FormulaProposal, Parameter};
 
@@ -38,16 +39,16 @@ fn found(input: &Comparison, diagnosis: &Diagnosis) -> String {
     }
     match (&input.trial, diagnosis.candidates.first()) {
         (Some(trial), _) => body += &trial::size_table(trial),
-        (None, Some(best)) => body += &size_table(best),
+        (None, Some(best)) => body += &size_tables(diagnosis, best),
         (None, None) => {}
     }
     if !diagnosis.candidates.is_empty() {
-        body += &candidates_table(&diagnosis.candidates);
+        body += &candidates_table(diagnosis);
     }
     body
 }
 
-/// As it is now, and each candidate alone.
+/// As it is now, each candidate alone, and what was found together.
 fn steps(input: &Comparison, diagnosis: &Diagnosis) -> Vec<Bar> {
     let bar = |name: String, fit_um: f64, holdout_um: Option<f64>| Bar {
         name,
@@ -64,38 +65,49 @@ fn steps(input: &Comparison, diagnosis: &Diagnosis) -> Vec<Bar> {
         .candidates
         .iter()
         .map(|c| bar(format!("with {}", c.effect), c.rms_um_after, c.holdout_rms_um_after));
-    std::iter::once(now).chain(candidates).chain(formula).collect()
+    let together = diagnosis.found_together().map(|(_, together)| {
+        bar(format!("with {TOGETHER}"), together.rms_um_after, together.holdout_rms_um_after)
+    });
+    std::iter::once(now).chain(candidates).chain(formula).chain(together).collect()
 }
 
-fn size_table(best: &Candidate) -> String {
-    if best.parameters.is_empty() {
-        return String::new();
-    }
+/// Of the best, or of all that was found together.
+fn size_tables(diagnosis: &Diagnosis, best: &Candidate) -> String {
+    let found = diagnosis.found_together().map_or(vec![best], |(found, _)| found);
+    found.into_iter().map(|one| size_table(diagnosis, one)).collect()
+}
+
+fn size_table(diagnosis: &Diagnosis, best: &Candidate) -> String {
     let row = |p: &Parameter| {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         vec![p.name.clone(), value, u]
     };
-    let rows: Vec<_> = best.parameters.iter().map(row).collect();
+    let rows: Vec<_> = sizes(diagnosis, best).into_iter().map(row).collect();
+    if rows.is_empty() {
+        return String::new();
+    }
     let caption = format!("How big {} is, with its standard uncertainty", best.effect);
     table(&caption, &["parameter", "value", "uncertainty"], &[1, 2], &rows)
 }
 
-fn candidates_table(candidates: &[Candidate]) -> String {
-    let rows: Vec<_> = candidates
+fn candidates_table(diagnosis: &Diagnosis) -> String {
+    let mut rows: Vec<Vec<String>> = diagnosis
+        .candidates
         .iter()
         .map(|c| {
-            vec![
-                effect_name(&c.effect),
-                fixed(c.evidence, 1),
-                um(c.rms_um_after),
-                um_or_dash(c.holdout_rms_um_after),
-                percent(c.explains_fraction),
-                if c.adequate { "yes" } else { "no" }.into(),
-                c.confused_with.join(", "),
-                about(&c.effect).map_or(String::new(), |about| sources(about.source)),
-            ]
+            let source = about(&c.effect).map_or(String::new(), |about| sources(about.source));
+            let first = [effect_name(&c.effect), fixed(c.evidence, 1)];
+            first
+                .into_iter()
+                .chain(candidate_figures(c))
+                .chain([c.confused_with.join(", "), source])
+                .collect()
         })
         .collect();
+    if let Some((found, together)) = diagnosis.found_together() {
+        let (first, last) = ([TOGETHER.into(), String::new()], [String::new(), String::new()]);
+        rows.insert(found.len(), first.into_iter().chain(together_figures(together)).chain(last).collect());
+    }
     let head = [
         "effect",
         "evidence (log10)",

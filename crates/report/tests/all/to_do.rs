@@ -1,10 +1,10 @@
 //! What to do after a run is what its data allow, for every verdict.
 
 use crate::filed::report;
-use trunnion_report::{Language, report_html, story};
+use trunnion_report::{Language, diagnosis_text, report_html, story};
 use trunnion_results::{
     Candidate, Comparison, ConfoundedErrors, Correctable, Diagnosis, FormulaProposal, LeftOutEffect,
-    Parameter, Plausibility, Question, Verdict,
+    Parameter, Plausibility, Question, Together, Verdict,
 };
 
 const ENTER: &str = "Enter the errors of the axes into the control";
@@ -24,6 +24,74 @@ fn seen() -> Correctable {
 
 fn combination() -> ConfoundedErrors {
     ConfoundedErrors { entered: vec!["EX0C".into()], zero: vec!["EX0B".into()] }
+}
+
+/// Two that were found together, and a third that lost to them.
+fn two_together() -> Diagnosis {
+    let candidate = |effect: &str, u: f64| Candidate {
+        effect: effect.into(),
+        rms_um_after: 3.0,
+        parameters: vec![size(effect, u)],
+        ..Candidate::default()
+    };
+    Diagnosis {
+        candidates: vec![
+            candidate("backlash:C", 0.5),
+            candidate("gravity-sag:B", 0.5),
+            candidate("backlash:B", 0.5),
+        ],
+        set: vec!["gravity-sag:B".into(), "backlash:C".into()],
+        together: Some(Together {
+            rms_um_after: 0.31,
+            holdout_rms_um_after: Some(0.33),
+            explains_fraction: 1.0,
+            parameters: vec![size("backlash:C", 0.1), size("gravity-sag:B", 0.1)],
+            adequate: true,
+        }),
+        ..verdict(Verdict::MissingEffect)
+    }
+}
+
+fn size(effect: &str, u: f64) -> Parameter {
+    Parameter {
+        name: "h".into(),
+        effect: effect.into(),
+        value: Some(2.0),
+        u: Some(u),
+        unit: "um".into(),
+        observable: true,
+        ..Parameter::default()
+    }
+}
+
+#[test]
+fn effects_found_together_are_named_together_with_what_they_leave_and_their_common_sizes() {
+    let diagnosis = two_together();
+    let input = Comparison { diagnosis: Some(diagnosis.clone()), ..Comparison::default() };
+    let said = story(&input);
+    assert!(
+        said.headline.contains("(backlash:C)") && said.headline.contains("(gravity-sag:B)"),
+        "{}",
+        said.headline
+    );
+    assert!(!said.headline.contains("(backlash:B)"), "{}", said.headline);
+    assert!(said.wrong.iter().any(|sentence| sentence.contains("to 0.31 µm")), "{:?}", said.wrong);
+    assert!(
+        said.to_do.iter().any(|step| step.contains("together") && step.contains("gravity-sag:B")),
+        "{:?}",
+        said.to_do
+    );
+    let found: Vec<bool> = said.candidates.iter().map(|one| one.found).collect();
+    assert_eq!(found, [true, true, false]);
+    let uncertainties: Vec<&str> = said.candidates.iter().map(|one| one.sizes[0][2].as_str()).collect();
+    assert_eq!(uncertainties, ["0.10 µm", "0.10 µm", "0.50 µm"], "sizes as fitted together");
+    let text = diagnosis_text(&diagnosis);
+    let row = text.lines().find(|line| line.starts_with("all found together")).unwrap();
+    assert!(row.contains("0.31 µm") && row.contains("0.33 µm") && row.ends_with("yes"), "{row}");
+
+    // An expression among what was found: the figures are not of the named ones alone.
+    let with_expression = Diagnosis { set: vec!["backlash:C".into(), "formula:ball-dx".into()], ..diagnosis };
+    assert!(with_expression.found_together().is_none());
 }
 
 #[test]

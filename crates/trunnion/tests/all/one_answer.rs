@@ -224,9 +224,28 @@ fn check_step(before: &Diagnosed, step: &Step, what: &str) {
     assert!(rung.contains(&shown), "{what}: {shown} in {rung}");
 }
 
+/// What is said of all that was found together is what adding all of it gives; `false` where one was found.
+fn check_together(diagnosed: &Diagnosed, first: &Step, what: &str) -> bool {
+    let answer = diagnosed.results();
+    let Some((found, together)) = answer.found_together() else { return false };
+    let all = found[1..].iter().fold(first.clone(), |step, one| step.add(&one.effect).unwrap());
+    let fit = all.fit().results();
+    // Shape numbers are refined from where each fit begins: to a thousandth.
+    let same = |a: f64, b: f64| assert!((a - b).abs() <= 1e-3 * a, "{what}, together: {a} and {b}");
+    same(together.rms_um_after, fit.rms_um);
+    same(together.holdout_rms_um_after.unwrap(), fit.holdout_rms_um.unwrap());
+    for own in &together.parameters {
+        let fitted = fit.parameters.iter().find(|p| p.effect == own.effect && p.name == own.name);
+        if let Some(u) = fitted.and_then(|p| p.u) {
+            same(u, own.u.unwrap());
+        }
+    }
+    true
+}
+
 #[test]
 fn every_surface_gives_the_same_figures() {
-    let mut added = 0;
+    let (mut added, mut together) = (0, 0);
     for (name, experiment) in recordings() {
         let fit = experiment.fit(&experiment.base_model()).unwrap();
         let diagnosed = check(&fit, &name);
@@ -234,7 +253,9 @@ fn every_surface_gives_the_same_figures() {
         let step = diagnosed.add(&candidate.effect).unwrap().dated("2026-01-01").unwrap();
         check_step(&diagnosed, &step, &format!("{name} + {}", candidate.effect));
         check(step.fit(), &format!("{name} with {}", candidate.effect));
+        together += usize::from(check_together(&diagnosed, &step, &name));
         added += 1;
     }
+    assert!(together > 0, "no recording has two effects");
     assert!(added >= 3, "only {added} recordings have a candidate");
 }

@@ -61,9 +61,11 @@ function candidates(page, story, who) {
   if (story.withheld) return el("p", { class: "warn" }, story.withheld);
   if (!story.candidates.length) return el("p", {}, "No effect is proposed: the answer above says why.");
   const cards = story.candidates.map((candidate, index) => card(page, candidate, who, index === 0));
-  const [best, ...others] = cards;
+  const isFound = (index) => index === 0 || story.candidates[index].found;
+  const found = cards.filter((_, index) => isFound(index));
+  const others = cards.filter((_, index) => !isFound(index));
   return [
-    best,
+    ...found,
     others.length ? el("details", {}, el("summary", {}, el("h3", {}, `Other candidates (${others.length})`)), ...others) : null,
   ].filter(Boolean);
 }
