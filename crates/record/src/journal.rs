@@ -5,7 +5,7 @@
 
 use crate::error::RecordError;
 use crate::item::RunHeader;
-use crate::journal_file::{JournalFile, Opened};
+use crate::journal_file::{JournalFile, Opened, is_not_there};
 use crate::schema::FILE_DESCRIPTOR_SET;
 use crate::wire::{Encoded, Topic, encode_header};
 use mcap::records::MessageHeader;
@@ -139,9 +139,9 @@ impl Journal {
     /// # Errors
     /// `Gone` when the file is not there any more, else what the disk says.
     pub fn sync(&self) -> Result<(), RecordError> {
-        (self.sync)().map_err(|source| match source.kind() {
-            io::ErrorKind::NotFound => RecordError::Gone { path: self.path.clone() },
-            _ => RecordError::Io { what: "sync", path: self.path.clone(), source },
+        (self.sync)().map_err(|source| match is_not_there(&source) {
+            true => RecordError::Gone { path: self.path.clone() },
+            false => RecordError::Io { what: "sync", path: self.path.clone(), source },
         })
     }
 

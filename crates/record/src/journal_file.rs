@@ -24,7 +24,8 @@ pub type Opened = (Box<dyn JournalFile>, Box<dyn Fn() -> io::Result<()> + Send>)
 /// How journals are opened; tests put a full disk here.
 pub type OpenJournal = Box<dyn FnMut(&Path) -> io::Result<Opened> + Send>;
 
-/// Creates a new file that is there after a power cut, and locks it. Bringing it to the disk also looks whether it is still there: `NotFound` when it is not.
+/// Creates a new file that is there after a power cut, and locks it. Bringing it to the disk also looks whether it is still there:
+/// [`is_not_there`] of the error when it is not.
 pub fn open_locked(path: &Path) -> io::Result<Opened> {
     let file = create_ready(path, |file| file.try_lock().map_err(io::Error::from).and(sync_folder(path)))?;
     let (same, path) = (file.try_clone()?, path.to_owned());
@@ -44,7 +45,7 @@ pub fn open_locked(path: &Path) -> io::Result<Opened> {
                 synced => synced?,
             }
             let found = in_place(&same, &path);
-            let unknown = found.as_ref().err().filter(|why| why.kind() != io::ErrorKind::NotFound);
+            let unknown = found.as_ref().err().filter(|why| !is_not_there(why));
             let Some(why) = unknown else {
                 is_unknown.set(false);
                 return found;
@@ -63,16 +64,26 @@ fn never_syncs(why: &io::Error) -> bool {
     matches!(why.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported)
 }
 
-/// Creates a new file; one that cannot be made ready goes again, or its name would be taken at every further attempt.
+/// Creates a new file; one that cannot be made ready goes again.
 fn create_ready(path: &Path, make_ready: impl FnOnce(&File) -> io::Result<()>) -> io::Result<File> {
     let file = File::options().write(true).create_new(true).open(path)?;
     if let Err(why) = make_ready(&file) {
-        if let Err(left) = std::fs::remove_file(path) {
-            tracing::warn!("cannot remove {}: {left}", path.display());
-        }
+        remove_unready(path);
         return Err(why);
     }
     Ok(file)
+}
+
+/// Removes a file that could not be begun or ended, or its name would be taken at every further attempt.
+pub fn remove_unready(path: &Path) {
+    if let Err(left) = std::fs::remove_file(path) {
+        tracing::warn!("cannot remove {}: {left}", path.display());
+    }
+}
+
+/// True where the system says that there is no such file; one that cannot be looked for may be there.
+pub fn is_not_there(why: &io::Error) -> bool {
+    matches!(why.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
 }
 
 /// Brings the name of a file to the disk.
@@ -124,7 +135,10 @@ mod tests {
         let (_file, sync) = open_locked(&folder.join("r.mcap.active")).unwrap();
         sync().unwrap();
         std::fs::rename(&folder, &other).unwrap();
-        assert_eq!(sync().unwrap_err().kind(), io::ErrorKind::NotFound);
+        assert!(is_not_there(&sync().unwrap_err()));
+        std::fs::write(&folder, "").unwrap();
+        assert!(is_not_there(&sync().unwrap_err()), "a file stands where the folder was");
+        std::fs::remove_file(&folder).unwrap();
         std::os::unix::fs::symlink(&folder, &folder).unwrap();
         sync().unwrap();
     }

@@ -4,7 +4,7 @@ use super::Recorder;
 use super::kept::KeptJournal;
 use crate::error::RecordError;
 use crate::journal::Journal;
-use crate::journal_file::JOURNAL_ENDING;
+use crate::journal_file::{JOURNAL_ENDING, remove_unready};
 use std::path::PathBuf;
 
 impl Recorder {
@@ -18,7 +18,7 @@ impl Recorder {
         if let Err(error) = journal.sync() {
             let path = journal.abandon();
             self.journals.pop();
-            std::fs::remove_file(&path).map_err(RecordError::io("remove", &path))?;
+            remove_unready(&path);
             return Err(error);
         }
         Ok(journal)
@@ -35,8 +35,8 @@ impl Recorder {
                 Ok(journal)
             }
             Err(error) => {
-                // A journal without its header is worth nothing, and its name must stay free.
-                std::fs::remove_file(&path).map_err(RecordError::io("remove", &path))?;
+                // A journal without its header is worth nothing.
+                remove_unready(&path);
                 Err(error)
             }
         }
