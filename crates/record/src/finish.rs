@@ -8,7 +8,7 @@ use crate::damage::Damage;
 use crate::error::RecordError;
 use crate::item::RunHeader;
 use crate::journal::{FINISHED_METADATA, wall_time};
-use crate::journal_file::is_journal;
+use crate::journal_file::{is_journal, is_not_there, remove_unready, sync_folder};
 use crate::reader::decode_header;
 use crate::schema::FILE_DESCRIPTOR_SET;
 use crate::wire::{Encoded, Topic, encode_event, encode_gap};
@@ -18,7 +18,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use trunnion_core::{Event, Gap};
 
@@ -80,7 +80,9 @@ fn recover(journal: &Path) -> Result<Option<FinishedFile>, RecordError> {
     if lock.try_lock().is_err() {
         return Ok(None);
     }
-    finish_journal(journal, Ending::Recovered).map(Some)
+    let finished = rewrite_journal(journal, Ending::Recovered)?;
+    remove_journal(journal, &finished.path, &sync_folder)?;
+    Ok(Some(finished))
 }
 
 /// What the finished file says at its end.
@@ -92,8 +94,30 @@ pub enum Ending<'a> {
     Recovered,
 }
 
-/// Rewrites a closed or left-over journal.
-pub fn finish_journal(journal: &Path, ending: Ending<'_>) -> Result<FinishedFile, RecordError> {
+/// How the name of a file is brought to the disk.
+pub type SyncFolder<'a> = dyn Fn(&Path) -> io::Result<()> + 'a;
+
+/// Removes a journal whose finished file is at its place. May be called again where the disk refuses: a file that was verified stays
+/// the recording.
+pub fn remove_journal(
+    journal: &Path,
+    finished: &Path,
+    sync_folder: &SyncFolder<'_>,
+) -> Result<(), RecordError> {
+    sync_folder(finished).map_err(RecordError::io("sync the folder of", finished))?;
+    match std::fs::remove_file(journal) {
+        Err(why) if !is_not_there(&why) => return Err(RecordError::io("remove", journal)(why)),
+        _ => {}
+    }
+    if let Err(why) = sync_folder(finished) {
+        // Nothing is missing then.
+        tracing::warn!("a power cut may bring {} back, which is finished: {why}", journal.display());
+    }
+    Ok(())
+}
+
+/// Rewrites a closed or left-over journal, which stays until [`remove_journal`].
+pub fn rewrite_journal(journal: &Path, ending: Ending<'_>) -> Result<FinishedFile, RecordError> {
     let (header, contents) = index(journal)?;
     let finished = journal.with_extension("");
     let free = free_path(&finished, matches!(ending, Ending::Recovered))?;
@@ -102,17 +126,12 @@ pub fn finish_journal(journal: &Path, ending: Ending<'_>) -> Result<FinishedFile
     let written = match rewritten.and_then(|written| verify(&partial, &written).map(|()| written)) {
         Ok(written) => written,
         Err(error) => {
-            if let Err(left) = std::fs::remove_file(&partial) {
-                tracing::warn!("cannot remove {}: {left}", partial.display());
-            }
+            remove_unready(&partial);
             return Err(error);
         }
     };
+    let bytes = std::fs::metadata(&partial).map_err(RecordError::io("look at", &partial))?.len();
     std::fs::rename(&partial, &free).map_err(RecordError::io("rename", &partial))?;
-    sync_folder(&free)?;
-    std::fs::remove_file(journal).map_err(RecordError::io("remove", journal))?;
-    sync_folder(&free)?;
-    let bytes = std::fs::metadata(&free).map_err(RecordError::io("look at", &free))?.len();
     // A message cut short at the end was never accepted; that a left-over journal has no end is no damage.
     let torn =
         |damage: &Damage| damage.offset >= contents.end && contents.bytes - damage.offset < LONGEST_TAIL;
@@ -153,10 +172,10 @@ struct Place {
 }
 
 fn index(journal: &Path) -> Result<(RunHeader, Contents), RecordError> {
-    let file = File::open(journal).map_err(|source| match source.kind() {
+    let file = File::open(journal).map_err(|source| match is_not_there(&source) {
         // Nobody brings it back.
-        std::io::ErrorKind::NotFound => RecordError::Gone { path: journal.into() },
-        _ => RecordError::io("open", journal)(source),
+        true => RecordError::Gone { path: journal.into() },
+        false => RecordError::io("open", journal)(source),
     })?;
     let bytes = file.metadata().map_err(RecordError::io("look at", journal))?.len();
     let mut header = None;
@@ -349,8 +368,4 @@ fn free_path(finished: &Path, may_rename: bool) -> Result<PathBuf, RecordError> 
         return Ok(renamed);
     }
     Err(RecordError::Exists { path: finished.into() })
-}
-
-pub fn sync_folder(path: &Path) -> Result<(), RecordError> {
-    crate::journal_file::sync_folder(path).map_err(RecordError::io("sync the folder of", path))
 }

@@ -5,9 +5,9 @@
 use crate::container::{MessageRecord, Record, walk};
 use crate::damage::Damage;
 use crate::error::RecordError;
-use crate::finish::{PARTIAL_ENDING, Written, sync_folder, verify};
+use crate::finish::{PARTIAL_ENDING, Written, verify};
 use crate::journal::CONFIG_TEXT;
-use crate::journal_file::is_journal;
+use crate::journal_file::{is_journal, sync_folder};
 use crate::reader::read_header;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, McapResult, WriteOptions, Writer};
@@ -55,7 +55,7 @@ pub fn scrub(path: &Path) -> Result<Scrubbed, RecordError> {
     let permissions = std::fs::metadata(path).map_err(RecordError::io("look at", path))?.permissions();
     std::fs::set_permissions(&partial, permissions).map_err(RecordError::io("set the mode of", &partial))?;
     std::fs::rename(&partial, path).map_err(RecordError::io("rename", &partial))?;
-    sync_folder(path)?;
+    sync_folder(path).map_err(RecordError::io("sync the folder of", path))?;
     Ok(Scrubbed { changed: true, damage })
 }
 

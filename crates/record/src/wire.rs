@@ -197,7 +197,7 @@ pub fn encode_gap(gap: &Gap) -> Encoded {
         lost_samples: gap.lost_samples,
         reason: gap.reason.clone(),
     };
-    encoded(Topic::Gap, gap.from_s, 1, &message)
+    Encoded { until_s: gap.to_s, ..encoded(Topic::Gap, gap.from_s, 1, &message) }
 }
 
 /// A probe value for viewers.

@@ -22,7 +22,7 @@ use crate::wire;
 use crate::wire::{Encoded, Topic};
 use batches::Batches;
 pub use closed::{Closed, Finished};
-use kept::KeptJournal;
+use kept::{KeptJournal, Missing};
 use plots::Plots;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -33,6 +33,8 @@ use trunnion_core::{AxisSample, Event, Gap, HostTime, ProbeSample, chain};
 const BATCH_AGE: Duration = syncs::PERIOD;
 /// Time between attempts to open a new file after a failure.
 const RETRY: Duration = Duration::from_secs(1);
+/// Of what is lost: the reason is that of the moment at which the gap is written.
+const REASON_LATER: &str = "";
 /// Messages kept while nothing can be written, bytes.
 const RING_BYTES: usize = 8 << 20;
 
@@ -46,7 +48,7 @@ pub struct Recorder {
     /// Those of the run so far; the last is the open one, where one is open.
     journals: Vec<KeptJournal>,
     /// One that was not at its place: lost, unless it is there again when the next one begins.
-    missing: Option<KeptJournal>,
+    missing: Option<Missing>,
     retry_at: HostTime,
     why_failed: String,
     /// The failure that was logged last.
@@ -209,8 +211,10 @@ impl Recorder {
     pub(crate) fn close(mut self, now: HostTime) -> Closed {
         self.flush(now);
         // One that is gone gets a file after it, which says so. One that the disk refuses is rewritten from what the system has of it.
-        if let Some(Err(RecordError::Gone { path })) = self.journal.as_ref().map(Journal::sync) {
-            self.gone(path, now);
+        match self.journal.as_ref().map(Journal::sync) {
+            Some(Err(RecordError::Gone { path })) => self.gone(path, now),
+            Some(Err(error)) => power_cut_may_cost(&error),
+            Some(Ok(())) | None => {}
         }
         self.retry_at = now;
         self.try_again(now);
@@ -256,9 +260,7 @@ impl Recorder {
         if self.journal.is_none() {
             self.try_new_file(arrival);
         }
-        if let Err(message) = self.write_now(message, publish, arrival) {
-            self.keep(message, publish);
-        }
+        self.write_or_keep(message, publish, arrival);
     }
 
     fn write_now(&mut self, message: Encoded, publish: u64, arrival: HostTime) -> Result<(), Encoded> {
@@ -272,15 +274,21 @@ impl Recorder {
                 Ok(())
             }
             Err(error) => {
-                let path = journal.abandon();
+                let refused = RecordError::Write { path: journal.abandon(), source: error };
                 // What was written before is whole, and nobody else brings it to the disk.
-                match journal.sync() {
-                    Ok(()) => {}
-                    Err(RecordError::Gone { .. }) => self.missing = self.journals.pop(),
-                    Err(error) => tracing::warn!("a power cut may cost its last samples: {}", chain(&error)),
-                }
-                self.journal = None;
-                self.failed(RecordError::Write { path, source: error }, arrival);
+                let why = match journal.sync() {
+                    Ok(()) => refused,
+                    Err(gone @ RecordError::Gone { .. }) => {
+                        self.abandon_missing();
+                        gone
+                    }
+                    Err(error) => {
+                        power_cut_may_cost(&error);
+                        refused
+                    }
+                };
+                self.abandon();
+                self.failed(why, arrival);
                 Err(message)
             }
         }
@@ -292,10 +300,17 @@ impl Recorder {
         }
     }
 
+    /// The journal is not at its place.
+    fn abandon_missing(&mut self) {
+        if let (Some(mut journal), Some(kept)) = (self.journal.take(), self.journals.pop()) {
+            journal.abandon();
+            self.missing = Some(Missing { kept, journal });
+        }
+    }
+
     /// The journal is not at its place: another is begun at once.
     fn gone(&mut self, path: PathBuf, now: HostTime) {
-        self.abandon();
-        self.missing = self.journals.pop();
+        self.abandon_missing();
         self.failed(RecordError::Gone { path }, now);
         self.retry_at = now;
         self.try_new_file(now);
@@ -303,13 +318,14 @@ impl Recorder {
 
     /// A folder on the network may miss a file for a moment: one that is there again belongs to the run.
     fn look_for_missing(&mut self) {
-        self.journals.extend(self.missing.take_if(|missing| !missing.is_gone()));
+        self.journals.extend(self.missing.take_if(|missing| missing.is_there()).map(|missing| missing.kept));
     }
 
     /// What was in a missing journal is lost. The next one may have its name by now.
     fn settle_missing(&mut self) {
-        if let Some(KeptJournal { samples, from_s, to_s, .. }) = self.missing.take() {
-            self.count_lost(from_s.unwrap_or(self.latest_s), to_s.max(self.latest_s), samples);
+        if let Some(Missing { kept, .. }) = self.missing.take() {
+            self.lost_samples += kept.samples;
+            kept.lose(&mut self.lost, REASON_LATER);
         }
     }
 
@@ -336,13 +352,8 @@ impl Recorder {
     }
 
     fn lose(&mut self, message: &Encoded) {
-        self.count_lost(message.time_s, message.time_s, message.samples);
-    }
-
-    fn count_lost(&mut self, from_s: f64, to_s: f64, samples: u64) {
-        self.lost_samples += samples;
-        // The reason is that of the moment at which the gap is written.
-        lost::add(&mut self.lost, (from_s, to_s), samples, "");
+        self.lost_samples += message.samples;
+        lost::add(&mut self.lost, (message.time_s, message.until_s), message.samples, REASON_LATER);
     }
 
     fn try_new_file(&mut self, now: HostTime) {
@@ -359,18 +370,35 @@ impl Recorder {
         self.reported = None;
         let text = format!("a new file was begun after: {}", self.why_failed);
         let resumed = Event { time_s: self.latest_s, kind: "recording-resumed".into(), text };
-        let lost =
-            self.lost.take().map(|gap| wire::encode_gap(&Gap { reason: self.why_failed.clone(), ..gap }));
         let publish = wall_time(&self.header, now.seconds_since(self.header.host_start));
         let waiting = std::mem::take(&mut self.ring);
         self.ring_bytes = 0;
         // Of the recorder itself: nothing is lost with it.
         let resumed = Encoded { samples: 0, ..wire::encode_event(&resumed) };
-        let first = [Some(resumed), lost].into_iter().flatten();
-        for (message, publish) in first.map(|message| (message, publish)).chain(waiting) {
-            if let Err(message) = self.write_now(message, publish, now) {
-                self.keep(message, publish);
-            }
+        self.write_or_keep(resumed, publish, now);
+        self.write_lost(publish, now);
+        for (message, publish) in waiting {
+            self.write_or_keep(message, publish, now);
         }
     }
+
+    /// What was lost so far stays counted until the file has it.
+    fn write_lost(&mut self, publish: u64, now: HostTime) {
+        let Some(gap) = self.lost.take() else { return };
+        let gap = Gap { reason: self.why_failed.clone(), ..gap };
+        if self.write_now(wire::encode_gap(&gap), publish, now).is_err() {
+            self.lost = Some(gap);
+        }
+    }
+
+    fn write_or_keep(&mut self, message: Encoded, publish: u64, now: HostTime) {
+        if let Err(message) = self.write_now(message, publish, now) {
+            self.keep(message, publish);
+        }
+    }
+}
+
+/// The data are in the file; whether they are on the disk is not known.
+fn power_cut_may_cost(error: &RecordError) {
+    tracing::warn!("a power cut may cost its last samples: {}", chain(error));
 }

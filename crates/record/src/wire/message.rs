@@ -65,13 +65,15 @@ pub struct Encoded {
     pub topic: Topic,
     /// Acquisition time, s since the run began; what has no time counts as the start.
     pub time_s: f64,
+    /// Time of the last sample in it, or end of the gap.
+    pub until_s: f64,
     /// How many samples are lost with it.
     pub samples: u64,
     pub payload: Vec<u8>,
 }
 
 pub(super) fn encoded(topic: Topic, time_s: f64, samples: usize, message: &impl Message) -> Encoded {
-    Encoded { topic, time_s, samples: samples as u64, payload: message.encode_to_vec() }
+    Encoded { topic, time_s, until_s: time_s, samples: samples as u64, payload: message.encode_to_vec() }
 }
 
 /// Why a message cannot be read.

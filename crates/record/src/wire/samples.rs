@@ -3,6 +3,7 @@
 use super::message::{Encoded, Topic, WireError, encoded};
 use crate::lossless::Line;
 use crate::{lossless, schema as pb};
+use prost::Message;
 use trunnion_core::{AxisSample, AxisValues, ProbeSample, Slot, Stamp};
 
 /// Samples of one clock can share a batch.
@@ -47,7 +48,7 @@ pub fn encode_probes(channel: u16, samples: &[ProbeSample]) -> Encoded {
         epoch: samples[0].stamp.epoch,
         tick_s: samples[0].stamp.tick_s,
     };
-    encoded(Topic::Probe(channel), times[0], samples.len(), &message)
+    encoded_batch(Topic::Probe(channel), &times, &message)
 }
 
 pub(super) fn probes_from(message: pb::ProbeBatch) -> Result<Vec<ProbeSample>, WireError> {
@@ -76,6 +77,11 @@ pub(super) fn probes_from(message: pb::ProbeBatch) -> Result<Vec<ProbeSample>, W
         value_mm: values[i],
     };
     Ok((0..raw.len()).map(sample).collect())
+}
+
+fn encoded_batch(topic: Topic, times: &[f64], message: &impl Message) -> Encoded {
+    let until_s = times.iter().copied().fold(times[0], f64::max);
+    Encoded { until_s, ..encoded(topic, times[0], times.len(), message) }
 }
 
 /// Stamps of axis positions are in ns.
@@ -125,7 +131,7 @@ pub fn encode_axes(samples: &[AxisSample]) -> Encoded {
             Vec::new()
         },
     };
-    encoded(Topic::Axes, times[0], samples.len(), &message)
+    encoded_batch(Topic::Axes, &times, &message)
 }
 
 pub(super) fn axes_from(m: pb::AxisBatch) -> Result<Vec<AxisSample>, WireError> {

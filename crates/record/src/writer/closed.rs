@@ -2,8 +2,8 @@
 
 use super::kept::KeptJournal;
 use crate::error::RecordError;
-use crate::finish::{Ending, FinishedFile, finish_journal};
-use crate::lost;
+use crate::finish::{Ending, FinishedFile, SyncFolder, remove_journal, rewrite_journal};
+use crate::journal_file::sync_folder;
 use trunnion_core::Gap;
 
 /// The journals of a run that has ended.
@@ -11,6 +11,8 @@ pub struct Closed {
     journals: Vec<KeptJournal>,
     /// What could not be written; the last file says so.
     lost: Option<Gap>,
+    /// The next file of those finished: its journal is still to be removed.
+    renamed: Option<FinishedFile>,
     finished: Finished,
 }
 
@@ -25,7 +27,7 @@ pub struct Finished {
 
 impl Closed {
     pub(super) fn new(journals: Vec<KeptJournal>, lost: Option<Gap>, lost_samples: u64) -> Self {
-        Self { journals, lost, finished: Finished { files: Vec::new(), lost_samples } }
+        Self { journals, lost, renamed: None, finished: Finished { files: Vec::new(), lost_samples } }
     }
 
     /// Rewrites the journals that are left. What was in one that is gone is lost, and costs the others nothing.
@@ -34,8 +36,13 @@ impl Closed {
     /// When a file cannot be written or does not read back; its journal is kept, and this may be called again. `Gone` when no file
     /// is left.
     pub fn finish(&mut self) -> Result<Finished, RecordError> {
-        // Before the last file is written, which says what was lost.
-        let mut index = self.finished.files.len();
+        self.finish_with(&sync_folder)
+    }
+
+    /// The same where names are brought to the disk like this.
+    pub(super) fn finish_with(&mut self, sync_folder: &SyncFolder<'_>) -> Result<Finished, RecordError> {
+        // Before the last file is written, which says what was lost. One that has its finished file is needed no more.
+        let mut index = self.finished.files.len() + usize::from(self.renamed.is_some());
         let mut last_gone = None;
         while let Some(journal) = self.journals.get(index) {
             match journal.is_gone() {
@@ -46,11 +53,22 @@ impl Closed {
         while let Some(journal) = self.journals.get(self.finished.files.len()) {
             let is_last = self.finished.files.len() + 1 == self.journals.len();
             let lost = self.lost.as_ref().filter(|_| is_last);
-            match finish_journal(&journal.path, Ending::Ended(lost)) {
-                Ok(file) => self.finished.files.push(file),
-                Err(RecordError::Gone { .. }) => last_gone = Some(self.lose(self.finished.files.len())),
-                Err(error) => return Err(error),
+            let file = match self.renamed.take() {
+                Some(file) => file,
+                None => match rewrite_journal(&journal.path, Ending::Ended(lost)) {
+                    Ok(file) => file,
+                    Err(RecordError::Gone { .. }) => {
+                        last_gone = Some(self.lose(self.finished.files.len()));
+                        continue;
+                    }
+                    Err(error) => return Err(error),
+                },
+            };
+            if let Err(error) = remove_journal(&journal.path, &file.path, sync_folder) {
+                self.renamed = Some(file);
+                return Err(error);
             }
+            self.finished.files.push(file);
         }
         match last_gone {
             Some(gone) if self.finished.files.is_empty() => Err(gone),
@@ -60,13 +78,11 @@ impl Closed {
 
     /// A journal that is gone: its samples are lost.
     fn lose(&mut self, index: usize) -> RecordError {
-        let KeptJournal { path, samples, from_s, to_s } = self.journals.remove(index);
-        let gone = RecordError::Gone { path };
-        tracing::error!(samples, "{gone}");
-        self.finished.lost_samples += samples;
-        if let Some(from_s) = from_s {
-            lost::add(&mut self.lost, (from_s, to_s), samples, &gone.to_string());
-        }
+        let journal = self.journals.remove(index);
+        let gone = RecordError::Gone { path: journal.path.clone() };
+        tracing::error!(samples = journal.samples, "{gone}");
+        self.finished.lost_samples += journal.samples;
+        journal.lose(&mut self.lost, &gone.to_string());
         gone
     }
 }

@@ -1,16 +1,21 @@
 //! A journal of a run, and what is in it.
 
+use crate::error::RecordError;
+use crate::journal::Journal;
+use crate::journal_file::is_not_there;
+use crate::lost;
 use crate::wire::Encoded;
 use std::path::PathBuf;
+use trunnion_core::Gap;
 
 /// A journal that was begun.
 pub(super) struct KeptJournal {
     pub path: PathBuf,
     /// Samples in it.
     pub samples: u64,
-    /// Time of its first message with samples.
+    /// Time of the first sample.
     pub from_s: Option<f64>,
-    /// Time of its last one.
+    /// Time of the last one.
     pub to_s: f64,
 }
 
@@ -21,7 +26,7 @@ impl KeptJournal {
 
     /// True where the system says so; one that cannot be looked for may be there.
     pub fn is_gone(&self) -> bool {
-        self.path.try_exists().is_ok_and(|is_there| !is_there)
+        std::fs::metadata(&self.path).is_err_and(|why| is_not_there(&why))
     }
 
     /// A message is in it.
@@ -29,7 +34,28 @@ impl KeptJournal {
         if message.samples > 0 {
             self.samples += message.samples;
             self.from_s.get_or_insert(message.time_s);
-            self.to_s = self.to_s.max(message.time_s);
+            self.to_s = self.to_s.max(message.until_s);
         }
+    }
+
+    /// What was in it is lost. Without samples it leaves no gap.
+    pub fn lose(&self, lost: &mut Option<Gap>, reason: &str) {
+        if let Some(from_s) = self.from_s {
+            lost::add(lost, (from_s, self.to_s), self.samples, reason);
+        }
+    }
+}
+
+/// A journal that was not at its place.
+pub(super) struct Missing {
+    pub kept: KeptJournal,
+    /// The way to its file, wherever that is: another file may have the name by now.
+    pub journal: Journal,
+}
+
+impl Missing {
+    /// True unless the system says that its place is empty, or taken by another file.
+    pub fn is_there(&self) -> bool {
+        !matches!(self.journal.sync(), Err(RecordError::Gone { .. }))
     }
 }

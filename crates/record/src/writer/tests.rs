@@ -82,6 +82,35 @@ fn a_full_disk_costs_only_what_the_ring_cannot_hold_and_that_is_a_gap() {
 }
 
 #[test]
+fn what_was_lost_stays_counted_when_the_next_file_is_refused_too() {
+    let folder = tempfile::tempdir().unwrap();
+    // The second and third file have room for their beginning, which ends before what was lost; the last has room for all.
+    let beginning = bytes_until_recording_resumed();
+    let mut rooms = VecDeque::from([60_000, beginning, beginning]);
+    let open: OpenJournal = Box::new(move |path| {
+        let left = rooms.pop_front().unwrap_or(i64::MAX);
+        let file = std::fs::File::create_new(path)?;
+        Ok((Box::new(SmallDisk { file, left: Arc::new(AtomicI64::new(left)) }), Box::new(|| Ok(()))))
+    });
+    let mut recorder = Recorder::create_with(folder.path(), "full", &header("full"), open).unwrap();
+    let samples = 1_200_000_i64;
+    for raw in 0..samples {
+        let (time_s, value_mm) = (raw as f64 * 1e-5, (raw as f64).sin());
+        let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
+        recorder.append(Item::Probe(sample), HostTime(raw / 400_000 * 1_000_000_000));
+    }
+    let finished = recorder.finish(HostTime(10_000_000_000)).unwrap();
+    let read = finished.files.iter().map(|file| read_run(&file.path, &shipped::machine).unwrap());
+    let gaps: Vec<Gap> = read.flat_map(|run| run.gaps).collect();
+    assert!(finished.lost_samples > 1000 && finished.files.len() == 4, "{finished:?}");
+    assert_eq!(
+        gaps.iter().filter_map(|gap| gap.lost_samples).sum::<u64>(),
+        finished.lost_samples,
+        "{gaps:?}"
+    );
+}
+
+#[test]
 fn a_disk_that_stays_full_leaves_a_gap_in_what_was_finished() {
     let folder = tempfile::tempdir().unwrap();
     let left = Arc::new(AtomicI64::new(20_000));
@@ -116,6 +145,16 @@ fn a_journal_that_vanishes_after_its_last_sync_is_not_waited_for() {
     std::fs::remove_file(folder.path().join("r.mcap.active")).unwrap();
     let error = closed.finish().unwrap_err();
     assert!(matches!(error, RecordError::Gone { .. }) && !error.may_pass(), "{error}");
+}
+
+/// With room for a reason, and less than the schema of the next message takes.
+fn bytes_until_recording_resumed() -> i64 {
+    let folder = tempfile::tempdir().unwrap();
+    let mut recorder = Recorder::create(folder.path(), "full", &header("full")).unwrap();
+    let resumed = Event { time_s: 0.0, kind: "recording-resumed".into(), text: String::new() };
+    recorder.append(Item::Event(resumed), HostTime(0));
+    let bytes = std::fs::metadata(folder.path().join("full.mcap.active")).unwrap().len();
+    bytes as i64 + 1000
 }
 
 fn header(name: &str) -> RunHeader {

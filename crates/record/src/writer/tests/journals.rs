@@ -1,6 +1,7 @@
 //! Journals that a folder misses for a moment, that the disk refuses, and that vanish before they are finished.
 
 use super::*;
+use std::cell::Cell;
 use std::collections::VecDeque;
 use std::sync::Mutex;
 
@@ -11,7 +12,11 @@ fn recorder(folder: &Path, answers: &Answers) -> Recorder {
     let answers = Arc::clone(answers);
     let open: OpenJournal = Box::new(move |path| {
         let (file, answers) = (std::fs::File::create_new(path)?, Arc::clone(&answers));
-        let sync = move || answers.lock().unwrap().pop_front().map_or(Ok(()), |kind| Err(kind.into()));
+        let path = path.to_owned();
+        let sync = move || match answers.lock().unwrap().pop_front() {
+            Some(kind) => Err(kind.into()),
+            None => std::fs::metadata(&path).map(drop),
+        };
         Ok((Box::new(file), Box::new(sync)))
     });
     Recorder::create_with(folder, "r", &header("r"), open).unwrap()
@@ -105,6 +110,74 @@ fn a_disk_that_refuses_the_last_sync_of_a_run_costs_no_further_file() {
     assert_whole(&recorder.finish(at_ms(1000)).unwrap(), &["r.mcap"], 0..1000);
 }
 
+#[test]
+fn a_folder_that_refuses_its_sync_keeps_the_finished_file_and_finishing_again_ends_the_run() {
+    for refused in [0, 1] {
+        let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+        let mut recorder = recorder(folder.path(), &answers);
+        record(&mut recorder, 0..1000);
+        let mut closed = recorder.close(at_ms(1000));
+        let syncs = Cell::new(0);
+        let sync = |_: &Path| match syncs.replace(syncs.get() + 1) == refused {
+            true => Err(io::ErrorKind::StorageFull.into()),
+            false => Ok(()),
+        };
+        if refused == 0 {
+            // After the rename, with the journal still there.
+            let error = closed.finish_with(&sync).unwrap_err();
+            assert!(error.may_pass(), "{error}");
+        }
+        assert_whole(&closed.finish_with(&sync).unwrap(), &["r.mcap"], 0..1000);
+        assert!(!folder.path().join("r.mcap.active").exists());
+        assert_eq!(syncs.get(), 2 + (1 - refused));
+    }
+}
+
+#[test]
+fn a_journal_that_went_with_its_finished_file_in_place_is_not_lost() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let mut recorder = recorder(folder.path(), &answers);
+    record(&mut recorder, 0..1000);
+    let mut closed = recorder.close(at_ms(1000));
+    closed.finish_with(&|_| Err(io::ErrorKind::StorageFull.into())).unwrap_err();
+    std::fs::remove_file(folder.path().join("r.mcap.active")).unwrap();
+    assert_whole(&closed.finish().unwrap(), &["r.mcap"], 0..1000);
+}
+
+#[test]
+fn another_file_with_the_name_of_a_missing_journal_is_not_taken_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("r.mcap.active");
+    let mut recorder = Recorder::create(folder.path(), "r", &header("r")).unwrap();
+    record(&mut recorder, 0..1000);
+    recorder.flush(at_ms(1000));
+    std::fs::remove_file(&journal).unwrap();
+    std::fs::write(&journal, "of another program").unwrap();
+    assert!(!recorder.sync(at_ms(1000)));
+    record(&mut recorder, 1000..2000);
+    let finished = recorder.finish(at_ms(2000)).unwrap();
+    let (names, raws, gaps) = read(&finished);
+    assert_eq!((names, finished.lost_samples), (vec!["r-2.mcap".to_string()], 1000));
+    assert!(raws.into_iter().eq(1000..2000));
+    let [gap] = &gaps[..] else { panic!("{gaps:?}") };
+    assert_eq!((gap.from_s, gap.to_s, gap.lost_samples), (0.0, 0.999, Some(1000)));
+    assert_eq!(std::fs::read_to_string(journal).unwrap(), "of another program");
+}
+
+#[test]
+fn a_missing_journal_without_samples_leaves_no_gap() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut recorder = Recorder::create(folder.path(), "r", &header("r")).unwrap();
+    std::fs::remove_file(folder.path().join("r.mcap.active")).unwrap();
+    record(&mut recorder, 0..1000);
+    assert!(!recorder.sync(at_ms(1000)));
+    record(&mut recorder, 1000..2000);
+    let finished = recorder.finish(at_ms(2000)).unwrap();
+    let (_, raws, gaps) = read(&finished);
+    assert_eq!(raws.len() as u64 + finished.lost_samples, 2000);
+    assert_eq!(gaps.iter().filter_map(|gap| gap.lost_samples).sum::<u64>(), finished.lost_samples);
+}
+
 /// Three journals of two thousand samples each.
 fn three(folder: &Path) -> Closed {
     let answers = Answers::default();
@@ -134,7 +207,6 @@ fn a_journal_that_is_gone_costs_its_own_samples_and_no_other() {
         assert_eq!((finished.lost_samples, raws.len()), (2000, 4000), "{gone}");
         let [gap] = &gaps[..] else { panic!("{gaps:?}") };
         assert!(gap.lost_samples == Some(2000) && gap.reason.contains("is not there any more"), "{gap:?}");
-        let within_a_batch = |time_s: f64, raw: i64| (time_s - raw as f64 * 1e-3).abs() < 0.3;
-        assert!(within_a_batch(gap.from_s, from) && within_a_batch(gap.to_s, from + 2000), "{gap:?}");
+        assert_eq!((gap.from_s, gap.to_s), (from as f64 * 1e-3, (from + 1999) as f64 * 1e-3), "{gap:?}");
     }
 }
