@@ -28,7 +28,7 @@ pub enum RecordError {
     /// The file that is written is not there any more.
     #[error(
         "{} is not there any more: it or its folder was removed or moved while it was recorded. What was moved is in the file at its \
-         new place: put it back into the folder of the recordings and start the service, which recovers it", path.display()
+         new place: put it back into the folder of the recordings after the end of the run and start the service again, which recovers it", path.display()
     )]
     Gone {
         /// The file.
@@ -51,7 +51,7 @@ pub enum RecordError {
         reason: String,
     },
     /// The finished file differs from the journal it was made from; the journal is kept.
-    #[error("{} does not read back as it was written ({reason}); the journal beside it is kept", path.display())]
+    #[error("{} does not read back as it was written ({reason}); the journal next to it is kept", path.display())]
     Verify {
         /// The rewritten file.
         path: PathBuf,

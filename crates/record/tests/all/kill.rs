@@ -19,7 +19,8 @@ const LONGEST_PAUSE: Duration = Duration::from_millis(50);
 /// What a kill may cost.
 const PROMISED: Duration = Duration::from_millis(100);
 const KILLS: usize = 50;
-/// A computer on which fewer kills are judged is too busy to say anything.
+/// A kill after 20 to 220 samples, 1 ms apart, finds one older than 0.1 s in three of five cases where the computer has time. One on
+/// which a third of them is not reached is too busy to say anything; the third is a judgement, tuned on no data.
 const LEAST_JUDGED: usize = KILLS / 5;
 const FOLDER: &str = "TRUNNION_KILL_TEST_FOLDER";
 
@@ -92,8 +93,9 @@ fn fifty_kills_lose_nothing_older_than_a_tenth_of_a_second() {
         if paused >= LONGEST_PAUSE {
             continue;
         }
-        judged += 1;
-        for (raw, when) in accepted.into_iter().filter(|(_, when)| killed - *when > PROMISED) {
+        let promised: Vec<_> = accepted.into_iter().filter(|(_, when)| killed - *when > PROMISED).collect();
+        judged += usize::from(!promised.is_empty());
+        for (raw, when) in promised {
             assert!(found.contains(&raw), "{raw} was accepted {:?} before the kill", killed - when);
         }
     }

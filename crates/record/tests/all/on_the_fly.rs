@@ -72,7 +72,7 @@ prop_compose! {
 }
 
 /// Equal but for the last bit or two, which degrees and micrometres cost.
-fn alike(a: &[f64], b: &[f64]) -> bool {
+fn nearly_equal(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 4.0 * f64::EPSILON * a.abs())
 }
 
@@ -109,14 +109,14 @@ proptest! {
         let (again, actual) = import(&text).map_err(TestCaseError::fail)?;
         prop_assert_eq!(again.points.len(), run.points.len());
         for (a, b) in run.points.iter().zip(&again.points) {
-            prop_assert!(alike(&numbers(a), &numbers(b)), "{:?}\n{:?}", a, b);
+            prop_assert!(nearly_equal(&numbers(a), &numbers(b)), "{:?}\n{:?}", a, b);
             prop_assert_eq!((a.samples, a.state.setup), (b.samples, b.state.setup));
         }
         for point in again.points.iter().filter(|_| with_encoders) {
             let of = |axes: &[AxisSample]| {
                 axes.iter().find(|axes| Some(axes.time_s) == point.state.time_s).map(|axes| axes.position.0)
             };
-            prop_assert!(alike(&of(&axes).unwrap(), &of(&actual).unwrap()));
+            prop_assert!(nearly_equal(&of(&axes).unwrap(), &of(&actual).unwrap()));
         }
     }
 }
