@@ -4,6 +4,7 @@
 //! counter and time stamp, asks for the order of the values, and starts the output. A reply is matched to its command by the
 //! echo; a late one is dropped, and the command is sent again. Only a well-formed `GETINFO` of another sensor is a wrong device.
 
+mod moments;
 mod probe;
 
 use crate::driver::{Device, Driver, Session};
@@ -11,6 +12,7 @@ use crate::link::Link;
 use crate::session_end::SessionEnd;
 use crate::transport::serial;
 use crate::transport::serial::{Framing, Port};
+use moments::Moments;
 use probe::is_of_the_family;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -253,6 +255,7 @@ struct Sensor {
     layout: Layout,
     counter: Unwrap,
     timestamp: Unwrap,
+    moments: Moments,
     last: Option<Last>,
     blocks: u64,
 }
@@ -260,7 +263,7 @@ struct Sensor {
 /// Where the last block stands.
 struct Last {
     sequence: u64,
-    device_ticks: u64,
+    device_s: f64,
     arrival: HostTime,
 }
 
@@ -273,6 +276,7 @@ impl Sensor {
             layout,
             counter: Unwrap::new(18),
             timestamp: Unwrap::new(32),
+            moments: Moments::default(),
             last: None,
             blocks: 0,
         }
@@ -300,6 +304,7 @@ impl Sensor {
             Some(raw) => (self.timestamp.push_nearest(raw), TIMESTAMP_TICK_S),
             None => (sequence, self.period_s),
         };
+        let device_s = device_ticks as f64 * tick_s;
         let value_mm = distance_mm(distance, self.range_mm).unwrap_or_else(|error| {
             link.explain(link.first_channel, || error.to_string());
             f64::NAN
@@ -308,19 +313,20 @@ impl Sensor {
             && sequence > last.sequence + 1
         {
             let lost = sequence - last.sequence - 1;
-            // After a pause of the program blocks of before and after the hole arrive together: the clock of the sensor says how long it is.
-            let hole =
-                Duration::from_secs_f64(device_ticks.saturating_sub(last.device_ticks) as f64 * tick_s);
-            let from = last.arrival.min(arrival - hole);
-            link.gap(from, arrival, Some(lost), "values lost on the line (counter jumped)".into());
+            // After a pause of the program blocks of before and after the hole arrive together: the clock of the sensor says where it is.
+            let from = self.moments.of(last.device_s).unwrap_or(last.arrival);
+            let to = self.moments.of(device_s).unwrap_or(arrival);
+            link.gap(from.min(to), to, Some(lost), "values lost on the line (counter jumped)".into());
         }
         if let Some(last) = &self.last
             && sequence < last.sequence
         {
             let reason = "the sensor began to count again: it was restarted or reset";
             link.gap(last.arrival, arrival, None, reason.into());
+            self.moments = Moments::default();
         }
-        self.last = Some(Last { sequence, device_ticks, arrival });
+        self.moments.arrived(device_s, arrival);
+        self.last = Some(Last { sequence, device_s, arrival });
         let raw = i64::from(distance.get());
         let reading =
             ProbeReading { channel: self.channel, device_ticks, tick_s, sequence, raw, value_mm, arrival };

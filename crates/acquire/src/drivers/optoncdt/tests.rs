@@ -34,10 +34,11 @@ fn gaps(blocks: &[(u32, i64)]) -> Vec<SourceGap> {
 
 #[test]
 fn lost_values_are_missing_where_the_clock_of_the_sensor_jumped() {
-    let at = |gap: &SourceGap| (gap.from.0 / MS, gap.to.0 / MS, gap.lost_readings);
+    let ms = |time: HostTime| (time.0 as f64 / MS as f64).round() as i64;
+    let at = |gap: &SourceGap| (ms(gap.from), ms(gap.to), gap.lost_readings);
     let in_time = gaps(&[(1, 1), (2, 2), (12, 12), (13, 13)]);
     assert_eq!(in_time.iter().map(at).collect::<Vec<_>>(), [(2, 12, Some(9))]);
     // The program paused from 2 ms on, and the line kept the first ten blocks alone.
     let paused = gaps(&[(1, 1), (2, 2), (3, 300), (12, 300), (300, 301), (301, 301)]);
-    assert_eq!(paused.iter().map(at).collect::<Vec<_>>(), [(291, 300, Some(8)), (13, 301, Some(287))]);
+    assert_eq!(paused.iter().map(at).collect::<Vec<_>>(), [(3, 12, Some(8)), (12, 300, Some(287))]);
 }
