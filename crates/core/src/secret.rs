@@ -75,12 +75,15 @@ const WORDS: [&str; 5] = ["password", "passphrase", "secret", "token", "credenti
 pub fn redacted(text: &str) -> String {
     let Some(spans) = spans(text) else { return format!("# {LEFT_OUT}: not readable as TOML\n") };
     let mut cuts = of_values(text, &spans);
-    let values: Vec<Range<usize>> = cuts.iter().map(|(value, _)| value.clone()).collect();
-    let secrets: Vec<&str> = values
+    let values: Vec<Range<usize>> = cuts.iter().map(|cut| cut.at.clone()).collect();
+    let secrets: Vec<&str> = cuts
         .iter()
-        .map(|value| text[value.clone()].trim_matches(['"', '\'']))
-        // Of a login, `user:password`, the password alone.
-        .flat_map(|secret| [Some(secret), secret.split_once(':').map(|(_, password)| password)])
+        .flat_map(|cut| {
+            let secret = text[cut.at.clone()].trim_matches(['"', '\'']);
+            // Of a login, `user:password`, the password alone too.
+            let password = secret.split_once(':').map(|(_, password)| password);
+            [Some(secret), password.filter(|_| cut.is_login)]
+        })
         .flatten()
         .filter(|secret| !secret.is_empty() && *secret != LEFT_OUT)
         .collect();
@@ -93,12 +96,12 @@ pub fn redacted(text: &str) -> String {
         let written = written.to_lowercase().replace("password_file", "").replace("token_file", "");
         let speaks = WORDS.iter().any(|word| written.contains(word)) || !logins(&written).is_empty();
         if speaks || repeats || values.iter().any(is_behind) {
-            cuts.push((comment, format!("# {LEFT_OUT}")));
+            cuts.push(Cut { at: comment, instead: format!("# {LEFT_OUT}"), is_login: false });
         }
     }
-    cuts.sort_by_key(|(at, _)| at.start);
+    cuts.sort_by_key(|cut| cut.at.start);
     let (mut out, mut from) = (String::with_capacity(text.len()), 0);
-    for (at, instead) in cuts {
+    for Cut { at, instead, .. } in cuts {
         out += &text[from..at.start];
         out += &instead;
         from = at.end;
@@ -111,14 +114,24 @@ pub fn holds_secret(text: &str) -> bool {
     spans(text).is_some_and(|spans| !of_values(text, &spans).is_empty())
 }
 
-/// Places of the values that are secrets, with what stands there instead.
-fn of_values(text: &str, spans: &Spans) -> Vec<(Range<usize>, String)> {
+/// A place of a text, and what stands there instead.
+struct Cut {
+    at: Range<usize>,
+    instead: String,
+    is_login: bool,
+}
+
+/// Places of the values that are secrets.
+fn of_values(text: &str, spans: &Spans) -> Vec<Cut> {
     let cuts = |(key, value): &(String, Range<usize>)| {
         if is_secret(key) {
-            return vec![(value.clone(), format!("\"{LEFT_OUT}\""))];
+            let instead = format!("\"{LEFT_OUT}\"");
+            return vec![Cut { at: value.clone(), instead, is_login: false }];
         }
-        let cut = |login: Range<usize>| {
-            (value.start + login.start..value.start + login.end, LEFT_OUT.replace(' ', "-"))
+        let cut = |login: Range<usize>| Cut {
+            at: value.start + login.start..value.start + login.end,
+            instead: LEFT_OUT.replace(' ', "-"),
+            is_login: true,
         };
         logins(&text[value.clone()]).into_iter().map(cut).collect()
     };
@@ -184,6 +197,14 @@ text = """
 # not a comment, hunter-free
 """
 "##;
+
+    #[test]
+    fn what_follows_a_colon_is_a_password_in_a_login_alone() {
+        let text = "token = \"a:table\"\n# of the table\nurl = \"http://u:hut@cnc\"\n# the hut is cold\n";
+        let out = redacted(text);
+        assert!(out.contains("# of the table"), "{out}");
+        assert!(!out.contains("hut"), "{out}");
+    }
 
     #[test]
     fn no_secret_remains_and_everything_else_does() {
