@@ -30,7 +30,9 @@ pub fn trimmed(value: f64, most_decimals: usize) -> String {
         return MISSING.into();
     }
     let whole = 10_f64.powi(most_decimals as i32);
-    let rounded = (value * whole).round() / whole;
+    let scaled = value * whole;
+    // One too large for the product has no decimals.
+    let rounded = if scaled.is_finite() { scaled.round() / whole } else { value };
     let size = format!("{}", rounded.abs());
     if rounded < 0.0 { format!("−{size}") } else { size }
 }
@@ -52,6 +54,7 @@ mod tests {
             [trimmed(-75.0, 3), trimmed(2.0, 3), trimmed(0.05, 3), trimmed(-1e-9, 3)],
             ["−75", "2", "0.05", "0"]
         );
+        assert_eq!(trimmed(f64::MAX, 3), format!("{}", f64::MAX));
         assert_eq!([fixed(f64::NAN, 1), signed(f64::INFINITY, 1), trimmed(f64::NAN, 1)], [MISSING; 3]);
     }
 }
