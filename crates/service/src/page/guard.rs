@@ -41,7 +41,8 @@ pub struct Guard {
     hosts: Vec<String>,
     access: Access,
     calls: Counted,
-    /// Calls without the token: their own count, for who has none must lock nobody out, and no guess may follow another at will.
+    /// Calls without the token, and logins: their own count, for who has none must lock nobody out, and no guess may follow another at
+    /// will.
     guesses: Counted,
 }
 
@@ -126,11 +127,12 @@ pub async fn guarded(State(guard): State<std::sync::Arc<Guard>>, request: Reques
     let refusal = guard.refusal(request.method(), request.uri().path(), request.headers());
     let peer = request.extensions().get::<Peer>().copied().unwrap_or(Peer(Ipv4Addr::UNSPECIFIED.into()));
     let now = Instant::now();
+    let counted = if request.uri().path() == LOGIN { &guard.guesses } else { &guard.calls };
     let too_many = || refused(StatusCode::TOO_MANY_REQUESTS, "too many calls; wait a second");
     let mut response = match refusal {
         Some((StatusCode::UNAUTHORIZED, _)) if !guard.guesses.count(peer, now) => too_many(),
         Some((status, why)) => refused(status, why),
-        None if !guard.calls.count(peer, now) => too_many(),
+        None if !counted.count(peer, now) => too_many(),
         None => match tokio::time::timeout(LONGEST, next.run(request)).await {
             Ok(response) => response,
             Err(_) => refused(StatusCode::GATEWAY_TIMEOUT, "this takes long; ask again in a minute"),
