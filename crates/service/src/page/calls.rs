@@ -101,8 +101,7 @@ async fn corrected(State(page): State<Page>, body: Result<Json<Corrected>, JsonR
     let enter = move |runs: &Runs| {
         runs.enter_correction(wall_ns, &by, &what)?;
         // Limits begin again.
-        board.publish(&runs.alarms()?);
-        Ok(())
+        runs.publish_alarms(&board)
     };
     history_of(page.runs, enter).await
 }

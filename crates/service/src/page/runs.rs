@@ -10,6 +10,7 @@ use super::analyst::PageAnalyst;
 use super::answer::Refusal;
 use super::question::{Asks, NoAnswer, Question};
 use super::stamp::{Stamp, Stamps, files_of, own_model, stamp};
+use crate::board::Board;
 use crate::cycles::{Choice, Cycles};
 use crate::{kept_story, run_record};
 use hyper::body::Bytes;
@@ -37,6 +38,8 @@ pub struct Runs {
     kept: Mutex<VecDeque<KeptAnswer>>,
     lines: Mutex<BTreeMap<PathBuf, (Stamp, RunLine)>>,
     found: Mutex<BTreeMap<PathBuf, RunFound>>,
+    /// What was published last.
+    alarms: Mutex<AlarmsNow>,
     /// One analysis at a time: the computer also measures.
     analysing: Arc<Semaphore>,
     waiting: Arc<Semaphore>,
@@ -76,6 +79,7 @@ impl Runs {
             kept: Mutex::default(),
             lines: Mutex::default(),
             found: Mutex::default(),
+            alarms: Mutex::default(),
             analysing: Arc::new(Semaphore::new(1)),
             waiting: Arc::new(Semaphore::new(MOST_WAITING)),
         }
@@ -143,8 +147,22 @@ impl Runs {
     }
 
     /// What of the newest run lies outside the limits that the runs before it set.
-    pub fn alarms(&self) -> Result<AlarmsNow, Refusal> {
+    fn alarms(&self) -> Result<AlarmsNow, Refusal> {
         Ok(history::alarms(&history::of_found(&self.list().runs, &self.corrections()?)))
+    }
+
+    /// The same on the board and, where it changed, in the log. Reads recordings: call it where blocking is allowed.
+    pub fn publish_alarms(&self, board: &Board) -> Result<(), Refusal> {
+        // Held, so that what was found later is published later.
+        let mut before = lock(&self.alarms);
+        let now = self.alarms()?;
+        let names: Vec<&str> = now.alarms.iter().map(|alarm| alarm.name.as_str()).collect();
+        if !names.is_empty() && now != *before {
+            tracing::warn!(run = now.run, values = names.join(", "), "outside the limits of the runs before");
+        }
+        board.publish(&now);
+        *before = now;
+        Ok(())
     }
 
     /// Corrections that were entered, kept next to the recordings.
@@ -219,16 +237,16 @@ impl Runs {
 
     /// Asks something of the run of this name.
     pub async fn ask(self: &Arc<Self>, name: &str, asks: Asks) -> Result<Bytes, Refusal> {
-        let path = self.path(name)?;
-        if let Some(text) = self.kept(&path, &asks) {
+        // What the files say, off the threads that serve the page: a share on the network may be slow.
+        let (runs, name) = (self.clone(), name.to_owned());
+        let looking = tokio::task::spawn_blocking(move || {
+            let path = runs.path(&name)?;
+            let known = runs.known(&path, &asks);
+            Ok::<_, Refusal>((path, asks, known))
+        });
+        let (path, asks, known) = looking.await.map_err(|_| Refusal::Broken("page"))??;
+        if let Some(text) = known {
             return Ok(text);
-        }
-        if asks == Asks::Story {
-            let (runs, recording) = (self.clone(), path.clone());
-            let reading = tokio::task::spawn_blocking(move || runs.story_of_analysis(&recording));
-            if let Some(text) = reading.await.map_err(|_| Refusal::Broken("page"))? {
-                return Ok(text);
-            }
         }
         let waits = self.waiting.clone().try_acquire_owned().map_err(|_| Refusal::Busy)?;
         let turn = self.analysing.clone().acquire_owned().await.map_err(|_| Refusal::Broken("page"))?;
@@ -252,11 +270,14 @@ impl Runs {
         lock(&self.found).insert(recording.clone(), reply.found);
         let text = Bytes::from(reply.text);
         if asks.is_kept() {
+            let of_run = |answer: &&KeptAnswer| answer.recording == recording;
+            let stamped = |answer: &KeptAnswer| (answer.asks.clone(), answer.stamps.clone());
+            let mut over: Vec<(Asks, Stamps)> = lock(&self.kept).iter().filter(of_run).map(stamped).collect();
+            // Looks at files: not while others wait for the lock.
+            over.retain(|(of, stamps)| *of == asks || *stamps != self.stamps(&recording, of));
+            let is_over = |asks: &Asks| over.iter().any(|(of, _)| of == asks);
             let mut kept = lock(&self.kept);
-            let is_current = |answer: &KeptAnswer| answer.stamps == self.stamps(&recording, &answer.asks);
-            kept.retain(|answer| {
-                answer.recording != recording || (answer.asks != asks && is_current(answer))
-            });
+            kept.retain(|answer| answer.recording != recording || !is_over(&answer.asks));
             kept.push_back(KeptAnswer { recording, asks, stamps, text: text.clone() });
             while kept.iter().map(|answer| answer.text.len()).sum::<usize>() > MOST_KEPT {
                 kept.pop_front();
@@ -286,11 +307,18 @@ impl Runs {
         Some(text.into())
     }
 
+    /// An answer that needs no analysis.
+    fn known(&self, recording: &Path, asks: &Asks) -> Option<Bytes> {
+        let story = || (*asks == Asks::Story).then(|| self.story_of_analysis(recording)).flatten();
+        self.kept(recording, asks).or_else(story)
+    }
+
     /// What the same question got, unless a recording, its state or a model changed since.
     fn kept(&self, recording: &Path, asks: &Asks) -> Option<Bytes> {
-        let kept = lock(&self.kept);
-        let known = kept.iter().find(|answer| answer.recording == recording && answer.asks == *asks)?;
-        (known.stamps == self.stamps(recording, asks)).then(|| known.text.clone())
+        let same = |answer: &&KeptAnswer| answer.recording == recording && answer.asks == *asks;
+        let (stamps, text) =
+            lock(&self.kept).iter().find(same).map(|known| (known.stamps.clone(), known.text.clone()))?;
+        (stamps == self.stamps(recording, asks)).then_some(text)
     }
 
     /// Ends the analysis that is under way.
