@@ -36,7 +36,7 @@ pub use error::RecordError;
 pub use finish::{FinishedFile, Orphan, recover_orphans};
 pub use handle::{RecordSender, RecorderHandle, RecorderStatus};
 pub use item::{Item, RunHeader, Temperature};
-pub use journal_file::sync_folder;
+pub use journal_file::{JOURNAL_ENDING, is_journal, sync_folder};
 pub use reader::{OnPoint, Recording, RunStart, read_header, read_run, visit, visit_points, visit_samples};
 pub use schema::FILE_DESCRIPTOR_SET;
 pub use scrub::{Scrubbed, scrub};

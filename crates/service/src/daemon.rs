@@ -46,10 +46,14 @@ use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
 use trunnion::results::{CycleProgress, CycleState, Serves};
 use trunnion_core::{Clock, chain};
+use trunnion_record::JOURNAL_ENDING;
 use trunnion_sync::{CycleBounds, Progress};
 
 /// For how long the end of a recording waits for room on the disk: a person who works by day finds it. It holds 8 MB of memory.
 const FINISH_WITHIN: Duration = Duration::from_secs(24 * 3600);
+
+/// A systemd on this computer takes a message at once, unless its queue is full.
+const NOTIFIED_WITHIN: Duration = Duration::from_secs(1);
 
 /// Runs until `cancel`. Cycles that fail are reported and do not end the service.
 ///
@@ -100,7 +104,6 @@ pub async fn serve_on(
     };
     let known = Known::read(&config.recordings);
     analyses.publish_last(&known);
-    analyses.publish_alarms().await;
     let names: Vec<&str> = cycles.names().collect();
     states.begin(
         CycleState::Ready,
@@ -140,6 +143,8 @@ pub async fn serve_on(
     notify_systemd(sd_notify::NotifyState::Ready);
     // Cycles are analysed while the next one is waited for and measured.
     let mut reports = JoinSet::new();
+    let of_before = analyses.clone();
+    reports.spawn(async move { of_before.publish_alarms().await });
     let usual = cycles.first().map(Choice::judged_by).unwrap_or_default();
     // What a kill left behind is recovered before a cycle of this start is analysed, which may go on with it.
     let turn = analyses.one.clone().acquire_owned().await.ok();
@@ -181,7 +186,10 @@ pub async fn serve_on(
         ended.map_err(|_| ServiceError::Broken("report"))?;
     }
     live.stop().await;
-    notify_systemd(sd_notify::NotifyState::Stopping);
+    let stopping = notify_systemd(sd_notify::NotifyState::Stopping);
+    if tokio::time::timeout(NOTIFIED_WITHIN, stopping).await.is_err() {
+        warn!("systemd does not take that the service stops");
+    }
     let (shown, watched) = (Some(shown), Some(watched));
     for (task, what) in [
         (Some(status), "status"),
@@ -333,7 +341,7 @@ pub fn run_name(folder: &Path, cycle: &str, wall_ns: i64) -> String {
 /// A name that no recording has: two cycles may begin within a second, and nothing is overwritten.
 pub fn free_name(folder: &Path, name: &str) -> String {
     let is_free = |name: &String| {
-        ["mcap", "mcap.active"].iter().all(|ending| !folder.join(format!("{name}.{ending}")).exists())
+        ["", JOURNAL_ENDING].iter().all(|ending| !folder.join(format!("{name}.mcap{ending}")).exists())
     };
     let numbered = (2..).map(|number| format!("{name}-{number}"));
     std::iter::once(name.to_owned()).chain(numbered).find(is_free).unwrap_or_else(|| name.to_owned())

@@ -5,6 +5,7 @@ use crate::outcome::Outcome;
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio_util::sync::CancellationToken;
 use tracing_subscriber::filter::{LevelFilter, Targets};
@@ -80,12 +81,16 @@ fn choice(
     Ok(Choice { program, plan, texts, model, model_file })
 }
 
+/// What the service waits for has ended. Left are looks at files and messages to systemd, which may hang for ever: a share on the network
+/// that answers at all does so within some seconds.
+const LEFT_BEHIND: Duration = Duration::from_secs(5);
+
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     log_to_stderr();
     private_files::keep();
     let prepared = prepare(&args.config)?;
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
-    runtime.block_on(async {
+    let ended = runtime.block_on(async {
         let cancel = CancellationToken::new();
         let stop = cancel.clone();
         let mut terminate = signal(SignalKind::terminate()).context("cannot listen for SIGTERM")?;
@@ -99,7 +104,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         let Prepared { config, cycles } = prepared;
         daemon::serve_on(config, cycles, clock, cancel, Board::default(), analyst).await?;
         Ok(Outcome::Done)
-    })
+    });
+    runtime.shutdown_timeout(LEFT_BEHIND);
+    ended
 }
 
 /// What analyses is this program, whatever path it was started by.

@@ -39,7 +39,7 @@ impl Analyses {
     pub(super) async fn report(&self, recording: PathBuf, record: RunRecord, judged_by: JudgedBy) {
         let name = recording.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         // A semaphore that is never closed.
-        let _turn = self.one.acquire().await;
+        let turn = self.one.acquire().await;
         if self.cancel.is_cancelled() {
             return;
         }
@@ -60,6 +60,7 @@ impl Analyses {
         match analysing.await.unwrap_or_else(broken) {
             Ok(answer) => {
                 self.done(&recording, &name, begun, answer);
+                drop(turn);
                 self.publish_alarms().await;
             }
             Err(Unanswered::Failed(why)) => self.failed(&recording, &name, RunRecord { why, ..begun }),
@@ -76,18 +77,16 @@ impl Analyses {
         self.states.go_on(CycleState::Done, name, CycleProgress::default());
     }
 
-    /// What of the newest run lies outside its limits, on the board and, where it changed, in the log.
+    /// What of the newest run lies outside its limits, on the board, unless the service stops: a folder that hangs holds nobody up.
     pub(super) async fn publish_alarms(&self) {
-        let runs = self.runs.clone();
-        let alarms = tokio::task::spawn_blocking(move || runs.alarms()).await;
-        match alarms {
-            Ok(Ok(now)) => {
-                let names: Vec<&str> = now.alarms.iter().map(|alarm| alarm.name.as_str()).collect();
-                if !names.is_empty() {
-                    warn!(run = now.run, values = names.join(", "), "outside the limits of the runs before");
-                }
-                self.board.publish(&now);
-            }
+        let (runs, board) = (self.runs.clone(), self.board.clone());
+        let publishing = tokio::task::spawn_blocking(move || runs.publish_alarms(&board));
+        let published = tokio::select! {
+            () = self.cancel.cancelled() => return,
+            published = publishing => published,
+        };
+        match published {
+            Ok(Ok(())) => {}
             Ok(Err(refusal)) => warn!("limits of the values are not known: {}", chain(&refusal)),
             Err(_) => {
                 warn!("limits of the values are not known: {}", ServiceError::Broken("limits of the values"))
