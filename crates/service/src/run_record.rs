@@ -98,8 +98,8 @@ pub struct Known {
 }
 
 impl Known {
-    /// Reads the folder, recordings that are linked from elsewhere too; a recording without a state has the report that stands next to it, or none. A further part of a run is no
-    /// run of its own.
+    /// Reads the folder, recordings that are linked from elsewhere too, each once; a recording without a state has the report that
+    /// stands next to it, or none. A further part of a run is no run of its own.
     pub fn read(folder: &Path) -> Self {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
         let mut aged: Vec<_> = entries
@@ -109,6 +109,8 @@ impl Known {
             .map(|path| (path.metadata().and_then(|about| about.modified()).ok(), path))
             .collect();
         aged.sort_by(|a, b| b.cmp(a));
+        let mut places = HashSet::new();
+        aged.retain(|(_, path)| path.canonicalize().map_or(true, |place| places.insert(place)));
         let state = |(_, path): (_, PathBuf)| {
             let record = read(&path).unwrap_or_else(|| {
                 let has_report = path.with_extension("diagnosis.json").exists();
@@ -159,6 +161,7 @@ mod tests {
         std::fs::write(folder.path().join("monday.mcap"), b"").unwrap();
         std::fs::write(elsewhere.path().join("tuesday.mcap"), b"").unwrap();
         symlink(elsewhere.path().join("tuesday.mcap"), folder.path().join("tuesday.mcap")).unwrap();
+        symlink(elsewhere.path().join("tuesday.mcap"), folder.path().join("again.mcap")).unwrap();
         symlink(folder.path().join("monday.mcap"), folder.path().join("latest.mcap")).unwrap();
         symlink(folder.path().join("gone.mcap"), folder.path().join("broken.mcap")).unwrap();
         std::fs::create_dir(folder.path().join("folder.mcap")).unwrap();
