@@ -1,6 +1,6 @@
 //! Whatever is called: the page answers each call that is framed as HTTP, and no bytes end it.
 //!
-//! `PROPTEST_CASES=100000 cargo test -p trunnion-service --test all any_calls` makes more of them.
+//! Every run makes the same calls; `PROPTEST_CASES=100000 cargo test -p trunnion-service --test all any_calls` makes more of them.
 
 use crate::calls_table::routes;
 use crate::page::Page;
