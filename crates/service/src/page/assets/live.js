@@ -8,7 +8,7 @@ export function probeBar({ name, value_mm: value, range_mm: range, zone, say }) 
   return el("div", { class: "card" },
     el("h3", {}, name, " ", el("span", { class: `state ${good ? "ok" : "bad"}` }, zone.replace("-", " "))),
     known ? gauge(name, value, range) : null,
-    el("p", { class: "falls" }, value == null ? "—" : `${minus(value.toFixed(4))} mm`),
+    el("p", { class: "large-number" }, value == null ? "—" : `${minus(value.toFixed(4))} mm`),
     say ? el("p", {}, say) : null);
 }
 

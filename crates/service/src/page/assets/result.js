@@ -85,7 +85,7 @@ function card(page, candidate, who, first) {
   ];
   return el("article", { class: "card" },
     el("h3", {}, title),
-    el("p", { class: "falls" }, `${falls[0]} → ${falls[1]} `, el("small", { class: "soft" }, "residual, rms")),
+    el("p", { class: "large-number" }, `${falls[0]} → ${falls[1]} `, el("small", { class: "soft" }, "residual, rms")),
     el("p", {}, evidence),
     rivals.length ? el("p", {}, el("b", {}, "Confounded with: "), rivals.join("; ")) : null,
     separates ? el("p", {}, el("b", {}, "What separates them: "), separates) : null,
