@@ -115,7 +115,7 @@ fn read_device(table: &Table<'_>) -> Option<DeviceConfig> {
     })
 }
 
-/// The key `travel_mm`: for gauges whose driver is not told their range.
+/// The key `travel_mm`: for gauges whose driver does not know their range.
 fn read_travel(table: &Table<'_>) -> Option<[f64; 2]> {
     let numbers = table.optional_numbers("travel_mm")?;
     match numbers[..] {

@@ -8,7 +8,7 @@ use trunnion_core::reading::Execution;
 /// A word or number of a vocabulary.
 #[derive(Clone, Copy, Debug)]
 pub struct Word {
-    /// As the controller gives it; upper and lower case are alike.
+    /// As the controller gives it; upper or lower case.
     pub word: &'static str,
     /// What it means here.
     pub means: Execution,

@@ -32,7 +32,7 @@ pub struct Point {
 
 impl Point {
     /// Standard error of the reading by what its samples say, mm; zero when unknown. What moves all samples of a
-    /// point alike (drift, positioning) is not in it.
+    /// point by the same amount (drift, positioning) is not in it.
     pub fn standard_error_mm(&self) -> [f64; 3] {
         let root = f64::from(self.samples.max(1)).sqrt();
         self.spread_mm.map(|spread| if spread.is_finite() { spread / root } else { 0.0 })

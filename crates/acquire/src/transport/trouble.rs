@@ -7,7 +7,7 @@ use std::io::ErrorKind;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-/// Rules that give the ports to a group and make FTDI adapters quick; shipped beside the service.
+/// Rules that give the ports to a group and make FTDI adapters quick; shipped with the service.
 const RULES: &str = "systemd/60-trunnion.rules";
 /// Longest time an FTDI adapter may hold bytes back without a warning, ms.
 const PROMPT_LATENCY_MS: u32 = 1;

@@ -18,7 +18,7 @@ pub fn own_model(recording: &Path) -> PathBuf {
     recording.with_extension("model.toml")
 }
 
-/// Every file that what is said of a run comes from: recordings, state, own model, and the model that judges a run without one.
+/// Every file that the answers of a run come from: recordings, state, own model, and the model that judges a run without one.
 pub fn files_of(recording: &Path, model: Option<PathBuf>) -> Vec<PathBuf> {
     let recordings = run_record::files(recording, &run_record::read(recording).unwrap_or_default());
     let others = [run_record::path_of(recording), own_model(recording)];

@@ -5,11 +5,11 @@ use std::fmt;
 use std::path::Path;
 
 /// Journal and finished file of one reading, bytes: both are there until the journal goes. A journal of three probes at 1 kHz takes
-/// 12 bytes a reading with its plots, the finished file 3 (test `a_reading_takes_no_more_room_than_is_asked_for`); the rest is for values that
-/// compress worse.
+/// 12 bytes a reading with its plots, the finished file 3 (test `a_reading_takes_no_more_room_than_is_asked_for`); the rest is for values
+/// that compress worse.
 pub const BYTES_A_READING: f64 = 40.0;
 /// Machine and cycle file, points, events, page and JSON of a run, MB.
-const BESIDES_MB: f64 = 5.0;
+const OTHER_FILES_MB: f64 = 5.0;
 
 /// What a cycle needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl Need {
         if self == Self::NOTHING {
             return 0.0;
         }
-        BESIDES_MB + self.readings_per_s * self.cycle_s * BYTES_A_READING / 1e6
+        OTHER_FILES_MB + self.readings_per_s * self.cycle_s * BYTES_A_READING / 1e6
     }
 }
 

@@ -1,7 +1,7 @@
 //! The axis of rotation moves up and down along itself: a thrust bearing out of flat.
 //!
 //! Displacement along the axis `sin(nθ + φ)`, n = 2 or 3 (most of n = 1 is a tilt of the table).
-//! Looks like nothing but a lift, alike at every height and radius; for a table axis at zero tilt it is in Z alone.
+//! Looks like nothing but a lift, the same at every height and radius; for a table axis at zero tilt it is in Z alone.
 
 use super::kind::*;
 

@@ -1,7 +1,7 @@
 //! The axis of rotation wanders sideways: a bearing ring that is oval or three-lobed.
 //!
 //! Displacements across the axis, each of cos nθ and sin nθ, n = 2 or 3 (n = 1 cannot be distinguished from the setting).
-//! Looks like two or three waves a turn, alike at every height and tilt, in the axes of what carries the axis.
+//! Looks like two or three waves a turn, the same at every height and tilt, in the axes of what carries the axis.
 
 use super::kind::*;
 

@@ -67,12 +67,12 @@ async fn by_name(port: &str, answered: &'static Preset) -> Option<(&'static Pres
         .lines()
         .map(|line| line.trim_matches(|c: char| c.is_ascii_control() || c == ' '))
         .find(|line| !line.is_empty() && !line.starts_with("ERR") && *line != question.trim())?;
-    let mut alike = PRESETS
+    let mut candidates = PRESETS
         .iter()
         .copied()
         .filter(|preset| (preset.request, preset.baud) == (answered.request, answered.baud));
     let fits = |preset: &&Preset| preset.identity.1.iter().any(|begin| name.starts_with(begin));
-    Some((alike.find(fits).unwrap_or(answered), name.to_owned()))
+    Some((candidates.find(fits).unwrap_or(answered), name.to_owned()))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! One request at a time: two small requests in a row would wait for each other in the network's buffers (40 ms).
 //!
-//! linuxcncrsh takes requests apart in memory that all its connections share: with a second client beside us it now and
+//! linuxcncrsh takes requests apart in memory that all its connections share: with a second client it now and
 //! then refuses a good request, or answers another's. Such a request is repeated.
 
 use crate::link::Link;

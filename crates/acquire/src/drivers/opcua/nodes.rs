@@ -203,10 +203,10 @@ impl Browser<'_> {
         Ok((parent, found))
     }
 
-    /// Main program's name, program status and block of the first channel of `CncChannelList` beside the axes.
+    /// Main program's name, program status and block of the first channel of `CncChannelList`, which stands next to the axes.
     async fn channel(&self, parent: &NodeId) -> Result<[Option<NodeId>; 3], SessionEnd> {
-        let beside = self.children(parent).await?;
-        let Some((_, channels)) = beside.iter().find(|(name, _)| name == "CncChannelList") else {
+        let siblings = self.children(parent).await?;
+        let Some((_, channels)) = siblings.iter().find(|(name, _)| name == "CncChannelList") else {
             return Ok([None, None, None]);
         };
         let channels = self.children(channels).await?;
