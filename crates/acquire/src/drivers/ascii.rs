@@ -15,7 +15,7 @@ mod settings;
 use crate::driver::{Device, Driver, Session};
 use crate::link::Link;
 use crate::session_end::SessionEnd;
-use crate::transport::asked::{Exchange, exchange};
+use crate::transport::asked::{Decode, Exchange, exchange};
 use crate::transport::serial;
 use crate::transport::serial::Port;
 use settings::Settings;
@@ -76,6 +76,16 @@ fn latest(lines: &[Line]) -> &[Line] {
     &lines[lines.iter().rposition(is_value).unwrap_or(0)..]
 }
 
+impl Decode<Vec<Line>> for Decoder {
+    fn push(&mut self, bytes: &[u8]) -> Option<Vec<Line>> {
+        Some(Self::push(self, bytes)).filter(|lines| !lines.is_empty())
+    }
+
+    fn restart(&mut self) {
+        Self::restart(self);
+    }
+}
+
 struct Reader<'a> {
     settings: &'a Settings,
     port: Port,
@@ -120,8 +130,7 @@ impl Reader<'_> {
         self.sequence += 1;
         let (request, decoder) = (&self.settings.format.request, &mut self.decoder);
         let limit = ANSWER_LIMIT.min(link.silence);
-        let whole = |bytes: &[u8]| Some(decoder.push(bytes)).filter(|lines| !lines.is_empty());
-        exchange(&mut self.port, link, request, limit, whole).await
+        exchange(&mut self.port, link, request, limit, decoder).await
     }
 
     /// What a device says on its own until something is whole or the silence is long enough.

@@ -1,5 +1,5 @@
 //! Keyence contact gauges (GT2-70, GT-70A, IG) behind a DL-RS1A box. Keys: `port`, `baud` (9600), `delimiter` ("CRLF";
-//! "CR"), `poll_ms` (15), and `heads`, each with `head` (1 for the main unit, 2 for the first beside it, …) and `role`.
+//! "CR"), `poll_ms` (15), and `heads`, each with `head` (1 for the main unit, 2 for the first next to it, …) and `role`.
 //!
 //! The session asks `M0`, which must give a value for every configured head, and the error state of each (`SR,ii,006`);
 //! then it asks `M0` for as long as it lives. All heads of one reply share one moment: the middle between the request
@@ -15,7 +15,7 @@ mod probe;
 use crate::driver::{Device, Driver, Session};
 use crate::link::Link;
 use crate::session_end::SessionEnd;
-use crate::transport::asked::{Exchange, exchange};
+use crate::transport::asked::{Decode, Exchange, exchange};
 use crate::transport::serial;
 use crate::transport::serial::{Framing, Port};
 use probe::REPLY_LIMIT;
@@ -267,15 +267,28 @@ impl Poller<'_> {
             }
             (Command::ReadAll, Reply::Data { .. }) | (Command::Read { .. }, Reply::All(_)) => false,
         };
-        let decoder = &mut self.decoder;
-        let answered = exchange(&mut self.port, link, &request, REPLY_LIMIT, |bytes| {
-            // Two at once: the first is of a request before.
-            decoder.push(bytes).into_iter().rfind(fits)
-        })
-        .await;
+        let mut fitting = Fitting { decoder: &mut self.decoder, fits };
+        let answered = exchange(&mut self.port, link, &request, REPLY_LIMIT, &mut fitting).await;
         let seen = self.decoder.counts();
         (link.counters.dropped_bytes, link.counters.resyncs) = (seen.dropped_bytes, seen.resyncs);
         answered
+    }
+}
+
+/// Gives out what fits the command.
+struct Fitting<'a, F> {
+    decoder: &'a mut Decoder,
+    fits: F,
+}
+
+impl<F: Fn(&Reply) -> bool> Decode<Reply> for Fitting<'_, F> {
+    fn push(&mut self, bytes: &[u8]) -> Option<Reply> {
+        // Two at once: the first is of a request before.
+        self.decoder.push(bytes).into_iter().rfind(&self.fits)
+    }
+
+    fn restart(&mut self) {
+        self.decoder.restart();
     }
 }
 

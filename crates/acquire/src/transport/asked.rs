@@ -32,24 +32,32 @@ impl<T> Exchange<T> {
     }
 }
 
-/// Sends a request and waits for its answer. `decode` takes bytes as they come and gives the answer when it is
-/// whole; what was still on its way from before the request goes through it too, and is not taken for the answer. After a request
-/// without answer the late one is waited for as long as for an answer: it would pass for that of the next.
-/// Not cancel safe: a request may have been sent.
+/// A decoder of answers.
+pub trait Decode<T> {
+    /// Takes bytes as they come and gives the answer when it is whole.
+    fn push(&mut self, bytes: &[u8]) -> Option<T>;
+    /// Forgets half an answer.
+    fn restart(&mut self);
+}
+
+/// Sends a request and waits for its answer. What was still on its way from before the request is decoded and counted, and neither
+/// taken for the answer nor for its beginning. After a request without answer the late one is waited for as long as for an answer: it
+/// would pass for that of the next. Not cancel safe: a request may have been sent.
 pub async fn exchange<T>(
     port: &mut Port,
     link: &Link,
     request: &[u8],
     limit: Duration,
-    mut decode: impl FnMut(&[u8]) -> Option<T>,
+    decoder: &mut impl Decode<T>,
 ) -> Result<Exchange<T>, SessionEnd> {
     let mut buffer = [0; 1024];
     let mut wait = if port.take_owing() { limit } else { Duration::ZERO };
     for _ in 0..MOST_STALE_READS {
         let Some(count) = port.read(&mut buffer, wait).await? else { break };
         wait = wait.min(QUIET);
-        decode(&buffer[..count]);
+        decoder.push(&buffer[..count]);
     }
+    decoder.restart();
     port.write(request).await?;
     let sent = link.now();
     let deadline = Instant::now() + limit;
@@ -59,7 +67,7 @@ pub async fn exchange<T>(
         let count = port.read(&mut buffer, left).await?;
         let arrival = link.now();
         let begun = *begun.get_or_insert(arrival);
-        let answer = count.and_then(|count| decode(&buffer[..count]));
+        let answer = count.and_then(|count| decoder.push(&buffer[..count]));
         if answer.is_some() || Instant::now() >= deadline {
             port.set_owing(answer.is_none());
             return Ok(Exchange { sent, begun, arrival, answer });

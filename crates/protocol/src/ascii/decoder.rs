@@ -127,6 +127,11 @@ impl Decoder {
         lines
     }
 
+    /// Forgets a line half received: what comes next is another.
+    pub fn restart(&mut self) {
+        self.lines.restart();
+    }
+
     /// What was seen and lost since the start; text that is no line of the format counts as bad.
     pub fn counts(&self) -> LineCounts {
         let seen = self.lines.counts();

@@ -101,6 +101,11 @@ impl Decoder {
         bytes.iter().filter_map(|&byte| self.lines.push(byte, Reply::parse)).collect()
     }
 
+    /// Forgets a reply half received: what comes next is another.
+    pub fn restart(&mut self) {
+        self.lines.restart();
+    }
+
     /// What was seen and lost since the start.
     pub fn counts(&self) -> LineCounts {
         self.lines.counts()
