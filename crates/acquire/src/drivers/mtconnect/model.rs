@@ -27,6 +27,8 @@ pub(super) struct Model {
     /// Stamp and arrival of the last axis reading that was not held.
     last_axes: Option<(i64, HostTime)>,
     sequence: u64,
+    /// Observations before this number were taken: one that comes again is no second event.
+    expected: u64,
     controller: (Execution, String, String),
     signal: Option<bool>,
     /// Since when an axis has no value, and why.
@@ -55,6 +57,7 @@ impl Model {
             stamps: AxisValues::default(),
             last_axes: None,
             sequence: 0,
+            expected: 0,
             controller: Default::default(),
             signal: None,
             absent: None,
@@ -67,11 +70,17 @@ impl Model {
     /// Before `/current`: its values replace all others.
     pub(super) fn forget(&mut self) {
         self.position = AxisValues::default();
+        self.expected = 0;
+    }
+
+    fn not_taken<'s>(&self, streams: &'s StreamsDocument) -> impl Iterator<Item = &'s Observation> + use<'s> {
+        let expected = self.expected;
+        streams.observations.iter().filter(move |observation| observation.sequence >= expected)
     }
 
     /// Faults and warnings among the conditions.
     pub(super) fn warnings(&self, streams: &StreamsDocument) -> Vec<String> {
-        let conditions = streams.observations.iter().filter(|observation| {
+        let conditions = self.not_taken(streams).filter(|observation| {
             observation.category == Category::Condition
                 && matches!(observation.kind.as_str(), "Fault" | "Warning")
         });
@@ -102,7 +111,8 @@ impl Model {
 
     /// Readings of a document, in order of sequence: one axis reading for each stamp.
     pub(super) fn take(&mut self, streams: &StreamsDocument, arrival: HostTime) -> Vec<Reading> {
-        let mut observations: Vec<&Observation> = streams.observations.iter().collect();
+        let mut observations: Vec<&Observation> = self.not_taken(streams).collect();
+        self.expected = self.expected.max(streams.next_sequence);
         observations.sort_by_key(|observation| observation.sequence);
         let mut readings = Vec::new();
         let mut pending: Option<i64> = None;
@@ -277,11 +287,11 @@ mod tests {
             ["x", "c"].map(|id| observation(id, ObservedValue::Number(1.0), stamp_ns, 1)).to_vec()
         };
         let mut model = model();
-        for none in [-1, i64::MIN, i64::MAX] {
+        let reported = [Some((Joint::X, Absent::NoTime)), None, None];
+        for (none, reported) in [-1, i64::MIN, i64::MAX].into_iter().zip(reported) {
             assert!(taken(&mut model, of(none), 1).is_empty(), "{none}");
-            assert!(
-                model.began_absence().is_none_or(|(_, why)| why == Absent::NoTime) && model.absent.is_some()
-            );
+            assert_eq!(model.began_absence(), reported);
+            assert!(model.absent.is_some());
         }
         let readings = taken(&mut model, of(1_700_000_000_000_000_000), 2);
         assert!(matches!(readings[..], [Reading::Axes(_)]), "{readings:?}");
@@ -289,6 +299,26 @@ mod tests {
         let gone = vec![observation("x", ObservedValue::Unavailable, 1_700_000_001_000_000_000, 2)];
         assert!(taken(&mut model, gone, 3).is_empty());
         assert_eq!(model.began_absence(), Some((Joint::X, Absent::Unavailable)));
+    }
+
+    #[test]
+    fn a_document_that_comes_twice_is_one_event() {
+        let mut model = model();
+        let program = |word: &str, sequence: u64| {
+            observation("execution", ObservedValue::Text(word.into()), 1_700_000_000_000_000_000, sequence)
+        };
+        let document = StreamsDocument {
+            observations: vec![program("READY", 7), program("ACTIVE", 8), program("READY", 9)],
+            next_sequence: 10,
+            ..StreamsDocument::default()
+        };
+        let controllers = |readings: Vec<Reading>| {
+            readings.iter().filter(|reading| matches!(reading, Reading::Controller(_))).count()
+        };
+        assert_eq!(controllers(model.take(&document, HostTime(1))), 3);
+        assert_eq!(controllers(model.take(&document, HostTime(2))), 0);
+        model.forget();
+        assert_eq!(controllers(model.take(&document, HostTime(3))), 3, "/current may begin again");
     }
 
     fn any_stamp() -> impl Strategy<Value = i64> {
