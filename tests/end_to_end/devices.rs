@@ -84,7 +84,8 @@ async fn what_answers_is_named_and_its_lines_are_a_configuration_that_reads() {
     let found = places(folder.path(), &["probe", "box", "can"]);
     check(&found[0], "optoncdt", "ILD1420-2 serial 21050001 range 2 mm");
     check(&found[1], "keyence-dl-rs1a", "2 amplifiers GT2-70");
-    check(&found[2], "canopen-slcan", "slcan CAN adapter, version 1013");
+    check(&found[2], "canopen-slcan", "slcan CAN adapter, version 1013, serial number T001; node 5 ");
+    assert!(found[2]["config"].as_str().unwrap().contains("nodes = [{ id = 5, role = "), "{:#}", found[2]);
     for (place, name) in places(folder.path(), &names).iter().zip(&names) {
         check(place, "ascii", Preset::named(name).unwrap().about);
         assert!(place["config"].as_str().unwrap().contains(&format!("preset = \"{name}\"")), "{place:#}");

@@ -1,7 +1,8 @@
 //! What answers at an address: each driver may bring a [`Probe`], one line of its registry entry.
 //!
 //! A probe asks questions that change nothing, waits for every answer with a limit, and closes what it opened. It never
-//! stops an output, opens a bus, resets or zeroes anything. What it asks is shown to the user ([`Probe::asks`]).
+//! stops an output, resets or zeroes anything; a bus is listened to before anything is asked on it. What it asks is shown to the user
+//! ([`Probe::asks`]).
 
 use crate::link::{Link, Outlet};
 use crate::session_end::SessionEnd;

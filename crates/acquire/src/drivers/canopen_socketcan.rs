@@ -9,14 +9,15 @@ mod interface;
 mod socket;
 mod stamps;
 
-use super::canopen::Network;
+use super::canopen::{FoundNodes, Network, scan};
 use crate::driver::{Device, Driver, Session};
 use crate::link::Link;
-use crate::probe::{Answer, Found, Medium, Probe, Probing};
+use crate::probe::{Answer, Medium, Probe, Probing, link};
 use crate::session_end::SessionEnd;
 use socket::OpenInterface;
 use std::convert::Infallible;
 use std::sync::Arc;
+use std::time::Duration;
 use trunnion_core::Role;
 use trunnion_core::input::Table;
 
@@ -28,22 +29,28 @@ pub const DRIVER: Driver = Driver {
     read,
     probe: Some(Probe {
         medium: Medium::Can,
-        asks: "nothing; the state of the interface is read",
+        asks: "state of the interface; CANopen nodes 1 to 127: device type 1000h, at the bit rate of the interface",
         run: look,
     }),
 };
 
 fn look(name: &str) -> Probing<'_> {
     Box::pin(async move {
-        match interface::check(name) {
+        match nodes(name).await {
             Err(end) => Answer::Trouble(end),
-            Ok(()) => Answer::Found(Found {
-                identity: "CAN interface, up; put the node ids of the probes into `nodes`".into(),
-                keys: vec![format!("interface = \"{name}\""), "nodes = [{ id = 1, role = {role} }]".into()],
-            }),
+            Ok(nodes) => {
+                Answer::Found(nodes.found("CAN interface, up", vec![format!("interface = \"{name}\"")]))
+            }
         }
     })
 }
+
+async fn nodes(name: &str) -> Result<FoundNodes, SessionEnd> {
+    scan(&mut OpenInterface::open(name)?, &mut link(LOOK_SILENCE)).await
+}
+
+/// Nothing here waits for values.
+const LOOK_SILENCE: Duration = Duration::from_millis(500);
 
 /// Longest name of a network interface (IFNAMSIZ − 1).
 const LONGEST_NAME: usize = 15;

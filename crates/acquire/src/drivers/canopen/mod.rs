@@ -9,8 +9,10 @@
 
 mod bus;
 mod nodes;
+mod scan;
 
 pub(super) use bus::{Bus, BusEvent};
+pub(super) use scan::{Nodes as FoundNodes, scan};
 
 use crate::link::Link;
 use crate::session_end::SessionEnd;

@@ -60,8 +60,20 @@ pub(super) fn identity(found: &NodeDescription) -> String {
         Profile::Other(number) => format!("profile {number}"),
     };
     let name = found.name.as_deref().unwrap_or("unnamed");
+    let product = found.identity.product.map_or(String::new(), |product| format!(" product {product:X}h"));
     let serial = found.identity.serial.map_or(String::new(), |serial| format!(" serial {serial}"));
-    format!("node {} {name} {profile} vendor {:X}h{serial}", found.node.get(), found.identity.vendor)
+    format!("node {} {name} {profile} vendor {:X}h{product}{serial}", found.node.get(), found.identity.vendor)
+}
+
+/// True for one that measures temperatures alone.
+pub(super) fn is_thermometer(found: &NodeDescription) -> bool {
+    let mut lengths_or_temperatures = found.scaling.values().filter_map(|scaling| match scaling {
+        Scaling::Process { unit, .. } => Some(matches!(unit.quantity(0.0), Quantity::TemperatureC(_))),
+        Scaling::Position { .. } => Some(false),
+        _ => None,
+    });
+    lengths_or_temperatures.next() == Some(true)
+        && lengths_or_temperatures.all(|is_temperature| is_temperature)
 }
 
 /// All nodes of the bus.
@@ -87,6 +99,8 @@ struct Node {
     /// TPDO that brought it.
     last_id: Option<CanId>,
     last_value: HostTime,
+    /// SYNCs counted as missed whose answers may still come.
+    unanswered: u64,
     late_reported: bool,
     /// It has reported an error of its measurement (emergency with error register bit 5, CiA 301 §7.5.2.2).
     cannot_measure: bool,
@@ -109,6 +123,7 @@ impl Nodes {
             last: None,
             last_id: None,
             last_value: began,
+            unanswered: 0,
             late_reported: false,
             cannot_measure: false,
             heartbeat: None,
@@ -191,7 +206,7 @@ impl Nodes {
                 continue;
             }
             if every.is_some() && node.has_answered(sync, frame) {
-                node.answered_late(arrival, link);
+                node.answered_again(sync_at, arrival, link);
                 continue;
             }
             let (sequence, moment) = match every {
@@ -289,11 +304,19 @@ impl Node {
         }
     }
 
-    /// A second answer to one SYNC belongs to one before; which, nobody knows.
-    fn answered_late(&mut self, arrival: HostTime, link: &mut Link) {
+    /// A second answer to one SYNC. Where one before was missed, it belongs to that, or the first did; which, nobody knows. Else it is a
+    /// frame that came twice: its sender saw an error behind the last bit that its receivers look at, and repeated it
+    /// (ISO 11898-1, end of frame).
+    fn answered_again(&mut self, sync_at: HostTime, arrival: HostTime, link: &mut Link) {
+        if self.unanswered == 0 {
+            link.counters.resyncs += 1;
+            return;
+        }
+        self.unanswered -= 1;
         let id = self.config.id.get();
+        // The one that is missing was counted when it was missed.
         let reason = format!("node {id} answered later than the next SYNC; its moment is unknown");
-        link.gap(arrival, arrival, Some(1), reason);
+        link.gap(sync_at, arrival, Some(0), reason);
         if !std::mem::replace(&mut self.late_reported, true) {
             link.log(true, format!("node {id} answers later than the next SYNC: take a longer sync_ms"));
         }
@@ -301,9 +324,12 @@ impl Node {
 
     /// Values are missing between the SYNCs that were answered, whenever the answers were read.
     fn count_loss(&mut self, sequence: u64, every: Option<u64>, moment: HostTime, link: &mut Link) {
-        if let (Some((last, at)), Some(every)) = (self.last, every) {
+        if let Some(every) = every {
+            // Those of before the first answer are of no run, and yet their answers may come.
+            let (last, at) = self.last.unwrap_or((0, moment));
             let lost = (sequence.saturating_sub(last) / every).saturating_sub(1);
-            if lost > 0 {
+            self.unanswered = lost;
+            if lost > 0 && self.last.is_some() {
                 let reason = format!("node {} missed SYNCs", self.config.id.get());
                 link.gap(at, moment, Some(lost), reason);
             }

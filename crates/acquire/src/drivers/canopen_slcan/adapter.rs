@@ -46,6 +46,31 @@ impl OpenAdapter {
         bitrate: Bitrate,
         link: &mut Link,
     ) -> Result<Self, SessionEnd> {
+        Self::open_by(HostCommand::Open, name, baud, bitrate, link).await
+    }
+
+    /// The same without a word on the bus, which at another bit rate would disturb it.
+    pub(super) async fn listen(
+        name: &str,
+        baud: u32,
+        bitrate: Bitrate,
+        link: &mut Link,
+    ) -> Result<Self, SessionEnd> {
+        Self::open_by(HostCommand::Listen, name, baud, bitrate, link).await
+    }
+
+    /// Leaves the bus.
+    pub(super) async fn close(mut self) -> Result<(), SessionEnd> {
+        self.command(HostCommand::Close).await.map(|_| ())
+    }
+
+    async fn open_by(
+        how: HostCommand,
+        name: &str,
+        baud: u32,
+        bitrate: Bitrate,
+        link: &mut Link,
+    ) -> Result<Self, SessionEnd> {
         let port = serial::open(name, baud, Framing::PLAIN, link)?;
         let mut adapter = Self {
             port,
@@ -62,7 +87,7 @@ impl OpenAdapter {
         while adapter.port.read(adapter.buffer.as_mut_slice(), Duration::from_millis(50)).await?.is_some() {}
         let version = adapter.command(HostCommand::Version).await?;
         adapter.command(HostCommand::SetBitrate(bitrate)).await?;
-        let opened = adapter.command(HostCommand::Open).await?;
+        let opened = adapter.command(how).await?;
         if version.is_none() && opened.is_none() {
             return Err(adapter.port.no_answer("as an slcan adapter", 3 * ADAPTER_LIMIT));
         }

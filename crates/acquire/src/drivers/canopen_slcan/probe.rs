@@ -1,19 +1,30 @@
-//! Is there an slcan adapter at a port? `V` and `N` give its version and serial number; the bus is left alone.
+//! Is there an slcan adapter at a port, and which nodes are on its bus? `V` and `N` give version and serial number. Then the adapter
+//! listens at one bit rate after the other; nodes are asked at the one at which something was heard. A bus that is silent at all of
+//! them is disturbed by nothing, and asked at each.
 
-use crate::probe::{Answer, Found, Medium, Probe, Probing, ask_at};
+use super::adapter::OpenAdapter;
+use crate::drivers::canopen::{Bus, BusEvent, FoundNodes, scan};
+use crate::link::Link;
+use crate::probe::{Answer, Medium, Probe, Probing, ask_at, link};
+use crate::session_end::SessionEnd;
 use crate::transport::serial::Framing;
 use std::time::Duration;
-use trunnion_protocol::slcan::{AdapterMessage, HostCommand, HostDecoder};
+use tokio::time::Instant;
+use trunnion_protocol::slcan::{AdapterMessage, Bitrate, HostCommand, HostDecoder};
 
 pub(super) const PROBE: Probe = Probe {
     medium: Medium::Serial,
-    asks: "slcan: version V and serial number N at 115200 and 57600 baud",
+    asks: "slcan: version V and serial number N at 115200 and 57600 baud; CANopen nodes 1 to 127: device type 1000h",
     run: |port| Box::pin(Answer::first(BAUDS.map(|baud| at(port, baud)))),
 };
 
 /// USB adapters do not care; the CAN232 leaves its factory with the second.
 const BAUDS: [u32; 2] = [115_200, 57_600];
 const LIMIT: Duration = Duration::from_millis(300);
+/// Bit rates of CANopen at which gauges are used, the usual one first.
+const BITRATES: [Bitrate; 4] = [Bitrate::K1000, Bitrate::K500, Bitrate::K250, Bitrate::K125];
+/// Nodes send a heartbeat every second or more often, if they send one.
+const LISTENED: Duration = Duration::from_millis(1100);
 
 fn at(port: &str, baud: u32) -> Probing<'_> {
     Box::pin(async move {
@@ -33,18 +44,54 @@ fn at(port: &str, baud: u32) -> Probing<'_> {
             }
         }
         let Some(version) = version else { return Answer::none_in(&bytes) };
-        Answer::Found(Found {
-            identity: format!(
-                "slcan CAN adapter, version {version}{serial}; set the bit rate of the bus and the node ids of the probes"
-            ),
-            keys: vec![
-                format!("port = \"{port}\""),
-                format!("baud = {baud}"),
-                "bitrate = 1000000".into(),
-                "nodes = [{ id = 1, role = {role} }]".into(),
-            ],
-        })
+        match look_at_the_bus(port, baud).await {
+            Ok((bitrate, nodes)) => Answer::Found(nodes.found(
+                &format!("slcan CAN adapter, version {version}{serial}"),
+                vec![
+                    format!("port = \"{port}\""),
+                    format!("baud = {baud}"),
+                    format!("bitrate = {}", bitrate.bits_per_s()),
+                ],
+            )),
+            Err(end) => Answer::Trouble(end),
+        }
     })
+}
+
+/// The nodes, and the bit rate at which they answer.
+async fn look_at_the_bus(port: &str, baud: u32) -> Result<(Bitrate, FoundNodes), SessionEnd> {
+    let mut link = link(LIMIT);
+    let mut heard = None;
+    for bitrate in BITRATES {
+        if is_heard(port, baud, bitrate, &mut link).await? {
+            heard = Some(bitrate);
+            break;
+        }
+    }
+    let asked = heard.map_or(BITRATES.to_vec(), |heard| vec![heard]);
+    for bitrate in asked {
+        let mut adapter = OpenAdapter::open(port, baud, bitrate, &mut link).await?;
+        let nodes = scan(&mut adapter, &mut link).await;
+        adapter.close().await?;
+        let nodes = nodes?;
+        if !nodes.is_empty() {
+            return Ok((bitrate, nodes));
+        }
+    }
+    Ok((heard.unwrap_or(BITRATES[0]), FoundNodes::default()))
+}
+
+/// True where a frame comes.
+async fn is_heard(port: &str, baud: u32, bitrate: Bitrate, link: &mut Link) -> Result<bool, SessionEnd> {
+    let mut adapter = OpenAdapter::listen(port, baud, bitrate, link).await?;
+    let deadline = Instant::now() + LISTENED;
+    let mut is_heard = false;
+    while !is_heard && Instant::now() < deadline {
+        let events = adapter.receive(deadline.saturating_duration_since(Instant::now()), link).await?;
+        is_heard = events.iter().any(|event| matches!(event, BusEvent::Frame { .. }));
+    }
+    adapter.close().await?;
+    Ok(is_heard)
 }
 
 /// Four hex digits: hardware and software, two each.
