@@ -11,6 +11,7 @@ mod instruments;
 pub mod motion;
 pub mod pauses;
 pub mod physics;
+pub mod replies;
 pub mod scenario;
 pub mod truth;
 

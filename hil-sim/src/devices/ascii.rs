@@ -35,7 +35,7 @@ pub struct IndicatorConfig {
     pub preset: Preset,
     /// Time from the request to the end of the answer, s.
     pub answer_s: f64,
-    /// When a value not latched at the request is taken: first and last moment, as a share of that time, any between alike.
+    /// When a value not latched at the request is taken: first and last moment, as a share of that time, any between with the same chance.
     pub taken: (f64, f64),
     /// Time between two lines of an indicator that talks on its own, s.
     pub period_s: f64,

@@ -12,7 +12,7 @@ pub enum Fault {
         /// How many.
         count: usize,
     },
-    /// The device says nothing and hears nothing; its clock and counters go on. At an agent, or a server beside the
+    /// The device says nothing and hears nothing; its clock and counters go on. At an agent, or a server next to the
     /// controller: the link to the controller is lost, every data item becomes `UNAVAILABLE` or bad.
     Silence {
         /// How long, s.
@@ -31,7 +31,7 @@ pub enum Fault {
     },
     /// The agent or server is restarted: connections dropped, new identity of the instance, sequence numbers from 1.
     AgentRestart,
-    /// Another device takes the place of this one: it answers alike, but says it is another.
+    /// Another device takes the place of this one: it answers in the same way, with another identity.
     WrongIdentity,
     /// The device goes on sending the value it had.
     StuckValue {
@@ -100,8 +100,10 @@ pub enum ReplyFault {
     Late(f64),
     /// It comes twice.
     Doubled,
-    /// It does not come.
+    /// It does not come; over HTTP its connection is closed instead.
     Dropped,
+    /// Only its first half comes; over HTTP its connection is closed then.
+    Cut,
     /// It leaves together with the next one.
     Merged,
 }

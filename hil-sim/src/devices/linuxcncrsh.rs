@@ -220,6 +220,7 @@ impl Server {
                         None => answer.extend(reply.into_bytes()),
                         Some(ReplyFault::Doubled) => answer.extend(reply.repeat(2).into_bytes()),
                         Some(ReplyFault::Dropped) => {}
+                        Some(ReplyFault::Cut) => answer.extend(&reply.as_bytes()[..reply.len() / 2]),
                         Some(ReplyFault::Merged) => held = reply.into_bytes(),
                         Some(ReplyFault::Late(by_s)) => {
                             answer.extend(reply.into_bytes());

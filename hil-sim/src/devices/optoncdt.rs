@@ -289,6 +289,7 @@ impl Probe {
             Some(ReplyFault::Late(by_s)) => self.waiting = Some((now_s + by_s, reply)),
             Some(ReplyFault::Merged) => self.waiting = Some((f64::INFINITY, reply)),
             Some(ReplyFault::Dropped) => {}
+            Some(ReplyFault::Cut) => return reply[..reply.len() / 2].to_vec(),
             Some(ReplyFault::Doubled) => return [reply.clone(), reply].concat(),
             None => {
                 let before = self.waiting.take_if(|(due_s, _)| due_s.is_infinite());

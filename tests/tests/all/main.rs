@@ -23,5 +23,6 @@ mod named_methods;
 mod nc_program_measured;
 mod nest_uncertainty;
 mod opcua_controller;
+mod opcua_replies;
 mod schemes;
 mod service;

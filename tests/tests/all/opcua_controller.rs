@@ -17,12 +17,12 @@ use trunnion_service::clock::SystemClock;
 use trunnion_tests::log::Log;
 
 /// Longest wait for anything; the build machine may be busy.
-const LIMIT: Duration = Duration::from_secs(60);
-const AXES: [Joint; 5] = [X, Y, Z, B, C];
-const WALL_NS: i64 = 1_767_225_600_000_000_000;
+pub const LIMIT: Duration = Duration::from_secs(60);
+pub const AXES: [Joint; 5] = [X, Y, Z, B, C];
+pub const WALL_NS: i64 = 1_767_225_600_000_000_000;
 
 /// Axes at constant speeds, so that interpolating between samples is exact.
-struct Steady;
+pub struct Steady;
 
 impl World for Steady {
     fn axes(&self, t_s: f64) -> AxisValues<f64> {

@@ -1,15 +1,16 @@
 //! CAN sessions against the virtual bus, and what is reported where there is none.
 
-use crate::replies;
 use crate::shop::{SinceStart, find, gap_of_the_next_connection, next, read, state, until, until_message};
 use std::sync::Arc;
 use std::time::Instant;
-use trunnion_acquire::{Acquisition, DeviceState, SessionEnd};
+use trunnion_acquire::discovery::{Place, Roles, look};
+use trunnion_acquire::{Acquisition, DeviceState, SessionEnd, parse_devices};
 use trunnion_core::AxisValues;
 use trunnion_core::reading::{Message, ProbeReading, Reading, TemperatureReading};
-use trunnion_hil_sim::devices::canopen::{BusConfig, NodeConfig, NodeKind, SdoFault};
+use trunnion_hil_sim::devices::canopen::{BusConfig, FrameKind, NodeConfig, NodeKind, SdoFault};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, canopen};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
+use trunnion_hil_sim::replies;
 use trunnion_protocol::canopen::NodeId;
 
 #[tokio::test(flavor = "multi_thread")]
@@ -53,13 +54,18 @@ fn bus() -> (Handle, Acquisition, tempfile::TempDir) {
 
 /// The same with something that happens to one SDO answer.
 fn bus_with(sdo_fault: Option<(u64, SdoFault)>) -> (Handle, Acquisition, tempfile::TempDir) {
+    bus_of(|config| config.sdo_fault = sdo_fault)
+}
+
+/// The same on a bus that was changed.
+fn bus_of(change: impl FnOnce(&mut BusConfig)) -> (Handle, Acquisition, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let port = folder.path().join("can");
     let clock = DeviceClock::default();
     let mut config = BusConfig::ball_bar_and_probes(clock);
     let (id, kind) = (NodeId::new(9).unwrap(), NodeKind::Thermometer { digits: 2 });
     config.nodes.push(NodeConfig { id, kind, serial: 9001, heartbeat_ms: 500, event_timer_ms: 0, clock });
-    config.sdo_fault = sdo_fault;
+    change(&mut config);
     let origin = TimeOrigin(tokio::time::Instant::now());
     let handle = canopen::spawn(world(), &config, &port, origin, &[]).unwrap();
     let text = format!(
@@ -199,4 +205,103 @@ async fn no_sdo_answer_that_is_late_doubled_lost_or_merged_and_no_node_that_boot
         });
     }
     running.join_all().await;
+}
+
+/// Values of each node that are read after what is disturbed.
+const VALUES_AFTER: usize = 300;
+
+/// Commands of the start, heartbeats and values, each late, doubled, missing, together with the next and cut: the bus streams in the
+/// end, every value is that of its node, and every SYNC is answered or its answer counted as lost, once.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn no_frame_that_is_late_doubled_lost_merged_or_cut_disables_a_bus_or_is_lost_in_silence() {
+    let of = |kind: FrameKind, replies: &'static replies::Replies| {
+        replies.faults().map(move |(number, fault)| (kind, number, fault))
+    };
+    let cases = of(FrameKind::Command, &replies::CAN_COMMANDS)
+        .chain(of(FrameKind::Heartbeat, &replies::CAN_HEARTBEATS))
+        .chain(of(FrameKind::Values, &replies::CAN_VALUES));
+    let room = Arc::new(tokio::sync::Semaphore::new(AT_ONCE));
+    let mut running = tokio::task::JoinSet::new();
+    for case in cases {
+        let room = Arc::clone(&room);
+        running.spawn(async move {
+            let _place = room.acquire().await.unwrap();
+            let (_bus, mut acquisition, _folder) = bus_of(|config| config.frame_fault = Some(case));
+            let (mut epoch, mut lost) = (0, 0);
+            let mut read: [Vec<ProbeReading>; 4] = Default::default();
+            while read.iter().any(|of_node| of_node.len() < VALUES_AFTER) {
+                let message = next(&mut acquisition).await;
+                if message.epoch != epoch {
+                    (epoch, lost) = (message.epoch, 0);
+                    read.iter_mut().for_each(Vec::clear);
+                }
+                match message.reading {
+                    Reading::Probe(reading) => read[usize::from(reading.channel)].push(reading),
+                    // Temperatures are not compared.
+                    Reading::Gap(gap) if !gap.reason.contains("node 9 ") => {
+                        lost += gap.lost_readings.unwrap_or(0);
+                    }
+                    _ => {}
+                }
+            }
+            let status = state(&acquisition, |status| status.state == DeviceState::Streaming).await;
+            acquisition.stop().await;
+            // Without its start a node measures in the next session alone.
+            let most_ends = u64::from(case.0 != FrameKind::Values);
+            assert!(status.ends.iter().sum::<u64>() <= most_ends, "{case:?}: {status:?}");
+            let wrong = SessionEnd::WrongDevice { found: String::new(), expected: String::new() }.kind();
+            assert_eq!(status.ends[wrong], 0, "{case:?}: {status:?}");
+            let expected_mm =
+                [0.1 * (2.0_f64 / 3.0).sqrt(), -0.1 / 6.0_f64.sqrt(), -0.1 / 6.0_f64.sqrt(), 10.5];
+            let mut missing = 0;
+            for (of_node, expected_mm) in read.iter().zip(expected_mm) {
+                for pair in of_node.windows(2) {
+                    assert!(pair[0].sequence < pair[1].sequence, "{case:?}: {pair:?}");
+                    missing += pair[1].sequence - pair[0].sequence - 1;
+                }
+                let is_off = |value: &&ProbeReading| (value.value_mm - expected_mm).abs() >= 1e-4;
+                assert_eq!(of_node.iter().find(is_off), None, "{case:?}");
+            }
+            assert_eq!(lost, missing, "{case:?}");
+        });
+    }
+    while let Some(ended) = running.join_next().await {
+        ended.unwrap();
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn nodes_are_found_by_their_numbers_and_their_lines_are_a_configuration() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = folder.path().join("can");
+    let clock = DeviceClock::default();
+    let mut config = BusConfig::ball_bar_and_probes(clock);
+    // Farthest apart; one is a thermometer, and the probe 1 sends no heartbeat.
+    let (id, kind) = (NodeId::new(127).unwrap(), NodeKind::Thermometer { digits: 2 });
+    config.nodes.push(NodeConfig { id, kind, serial: 9001, heartbeat_ms: 500, event_timer_ms: 0, clock });
+    let origin = TimeOrigin(tokio::time::Instant::now());
+    let bus = canopen::spawn(world(), &config, &port, origin, &[]).unwrap();
+    let look = || look(Place::serial_port(port.to_str().unwrap()), Some("canopen-slcan"));
+    let looked = look().await;
+    let (driver, found) = looked.found.unwrap_or_else(|| panic!("{:?}", looked.trouble));
+    for words in
+        ["version 1013", "node 1 ", "CiA 404 vendor ", " product ", "serial 1003", "node 5 ", "CiA 406"]
+    {
+        assert!(found.identity.contains(words), "{words}: {}", found.identity);
+    }
+    assert_eq!(found.identity.matches("; node ").count(), 5, "{}", found.identity);
+    let lines = Roles::default().table(driver, &found);
+    assert!(
+        lines.contains("bitrate = 1000000") && lines.contains("{ id = 127, role = \"temperature\" }"),
+        "{lines}"
+    );
+    parse_devices("pasted", &lines).unwrap();
+    // The bus is left as it was: a session begins at once.
+    let mut acquisition = read(&lines, Arc::new(SinceStart(Instant::now())));
+    until_message(&mut acquisition, |message| probe(message).is_some()).await;
+    acquisition.stop().await;
+    bus.inject(Fault::BusOff { duration_s: 3600.0 }).unwrap();
+    let looked = look().await;
+    let identity = looked.found.map_or_else(String::new, |(_, found)| found.identity);
+    assert!(identity.contains("no CANopen node answers"), "{identity}, {:?}", looked.trouble);
 }

@@ -1,6 +1,5 @@
 //! Controllers that are asked over the network: positions with true stamps, and what each fault leads to.
 
-use crate::replies;
 use crate::shop::{PROGRAM, SinceStart, find, program, read, state, turning};
 use std::sync::Arc;
 use std::time::Instant;
@@ -14,6 +13,7 @@ use trunnion_hil_sim::devices::{
     DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, World, linuxcncrsh, mtconnect,
 };
 use trunnion_hil_sim::motion::Step;
+use trunnion_hil_sim::replies;
 
 /// C goes to and fro, a block each 50 ms, for a minute.
 fn many_blocks() -> Vec<Step> {

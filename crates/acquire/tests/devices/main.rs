@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod agent_replies;
 mod can;
 mod controllers;
 mod replies;

@@ -1,11 +1,11 @@
 //! Drivers of serial indicators and boxes against virtual ones, through real pseudo-terminals.
 
-use crate::replies;
 use crate::shop::{Bench, MOVING, RESTING, Shop, TRUTH_DEGC, find, is_good, state, until};
 use trunnion_acquire::{DeviceState, SessionEnd};
 use trunnion_core::reading::{ProbeReading, Reading};
 use trunnion_hil_sim::devices::ascii::{IndicatorConfig, Sees};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, ascii, keyence, optoncdt};
+use trunnion_hil_sim::replies;
 use trunnion_protocol::ascii::{PRESETS, Preset, Unit};
 
 fn probe(reading: &Reading) -> Option<ProbeReading> {

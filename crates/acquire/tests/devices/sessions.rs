@@ -1,6 +1,5 @@
 //! Sessions under their supervisor, time bases, alignment and a whole cycle on a floor of virtual devices.
 
-use crate::replies;
 use crate::shop::{
     LIMIT, PROGRAM, SinceStart, deflection_mm, gap_of_the_next_connection, next, program, read_queued, state,
     state_of, turning, until_message,
@@ -18,6 +17,7 @@ use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, SimulatedCell, World, cell, orthogonal_nest};
 use trunnion_hil_sim::motion::Step;
+use trunnion_hil_sim::replies;
 use trunnion_sync::align::{AlignLimits, Aligner};
 use trunnion_sync::{CycleEvent, EndReason, StaticCycle, StaticRules, TimeBase, Timed};
 

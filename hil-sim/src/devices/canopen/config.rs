@@ -54,6 +54,19 @@ pub struct BusConfig {
     pub adapter_clock: DeviceClock,
     /// What happens to the SDO answer of a number, counted from 0 over all nodes.
     pub sdo_fault: Option<(u64, SdoFault)>,
+    /// What happens to the frame of this kind and number, counted from 0 over all nodes.
+    pub frame_fault: Option<(FrameKind, u64, ReplyFault)>,
+}
+
+/// Frames other than those of SDO.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrameKind {
+    /// Commands of the host (NMT).
+    Command,
+    /// Heartbeats and boot-up messages.
+    Heartbeat,
+    /// TPDOs.
+    Values,
 }
 
 /// What happens to an SDO answer.

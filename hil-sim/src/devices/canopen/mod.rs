@@ -9,7 +9,7 @@ mod node;
 mod nodes;
 mod objects;
 
-pub use config::{BusConfig, NodeConfig, NodeKind, SdoFault};
+pub use config::{BusConfig, FrameKind, NodeConfig, NodeKind, SdoFault};
 
 pub use nodes::Nodes;
 
@@ -21,7 +21,7 @@ use super::world::World;
 use std::path::Path;
 use std::sync::Arc;
 use trunnion_protocol::can::CanFrame;
-use trunnion_protocol::canopen::{Message, NmtCommand, NodeId};
+use trunnion_protocol::canopen::{CobId, Message, NmtCommand, NodeId};
 use trunnion_protocol::slcan::{Adapter, AdapterDecoder, AdapterMessage, HostCommand, StatusFlags};
 
 impl BusConfig {
@@ -30,7 +30,7 @@ impl BusConfig {
         let id = NodeId::new(5).expect("5 is in 1..=127");
         let kind = NodeKind::BallBar { step_nm: 100, zero_mm: 10.0 };
         let node = NodeConfig { id, kind, serial: 4711, heartbeat_ms: 500, event_timer_ms: 10, clock };
-        Self { nodes: vec![node], adapter_clock: clock, sdo_fault: None }
+        Self { nodes: vec![node], adapter_clock: clock, sdo_fault: None, frame_fault: None }
     }
 
     /// The ball bar and three probes of ±1 mm as nodes 1 to 3, read by SYNC.
@@ -79,6 +79,9 @@ pub fn spawn(
     origin: TimeOrigin,
     faults: &[ScheduledFault],
 ) -> Result<Handle, DeviceError> {
+    let fault_of = |kind: FrameKind| {
+        config.frame_fault.filter(|(of, ..)| *of == kind).map(|(_, number, fault)| (number, fault))
+    };
     let bus = Bus {
         nodes: Nodes::new(world, config)?,
         off_until_s: f64::NEG_INFINITY,
@@ -91,6 +94,9 @@ pub fn spawn(
         })),
         sdo_count: 0,
         boots_at: config.sdo_fault.and_then(|(number, fault)| (fault == SdoFault::BootUp).then_some(number)),
+        commands_sent: Outbox::with_fault(fault_of(FrameKind::Command)),
+        heartbeats: Outbox::with_fault(fault_of(FrameKind::Heartbeat)),
+        values: Outbox::with_fault(fault_of(FrameKind::Values)),
     };
     serial::spawn("CANopen bus", bus, port, origin, faults)
 }
@@ -107,15 +113,24 @@ struct Bus {
     /// SDO answers so far, and the number of that instead of which a node begins again.
     sdo_count: u64,
     boots_at: Option<u64>,
+    /// Commands of the host on their way to the nodes: pairs of command and node, 0 for all.
+    commands_sent: Outbox,
+    /// Lines of the nodes on their way.
+    heartbeats: Outbox,
+    values: Outbox,
 }
 
 impl Bus {
-    /// Lines of what the nodes answer at once; those of SDO answers leave by way of their faults.
+    /// Lines of what the nodes answer at once; those of SDO answers leave by way of their faults, as commands come by theirs.
     fn answers(&mut self, frame: &CanFrame, now_s: f64) -> Vec<u8> {
+        if matches!(Message::from_frame(frame), Some(Message::Nmt(..))) {
+            self.commands_sent.put(now_s, frame.data().to_vec());
+            return self.obeyed(now_s);
+        }
         let mut lines = Vec::new();
         for answer in self.nodes.on_frame(frame, now_s) {
             let Some(Message::SdoAnswer(node)) = Message::from_frame(&answer) else {
-                lines.extend(self.lines(vec![answer], now_s));
+                lines.extend(self.lines_on_their_way(vec![answer], now_s));
                 continue;
             };
             if self.boots_at == Some(self.sdo_count) {
@@ -128,6 +143,35 @@ impl Bus {
             }
             self.sdo_count += 1;
         }
+        lines
+    }
+
+    /// What the nodes say to commands that have come by now.
+    fn obeyed(&mut self, now_s: f64) -> Vec<u8> {
+        let commands = self.commands_sent.take_due(now_s);
+        let mut lines = Vec::new();
+        for command in commands.chunks_exact(2) {
+            let frame = CanFrame::data_frame(CobId::Nmt.can_id(), command).expect("two bytes fit");
+            let answers = self.nodes.on_frame(&frame, now_s);
+            lines.extend(self.lines_on_their_way(answers, now_s));
+        }
+        lines
+    }
+
+    /// Lines that leave now of what the nodes send, by way of their faults.
+    fn lines_on_their_way(&mut self, frames: Vec<CanFrame>, now_s: f64) -> Vec<u8> {
+        let mut lines = Vec::new();
+        for frame in frames {
+            let message = Message::from_frame(&frame);
+            let line = self.lines(vec![frame], now_s);
+            match message {
+                Some(Message::Heartbeat(..)) => self.heartbeats.put(now_s, line),
+                Some(Message::Tpdo(..)) => self.values.put(now_s, line),
+                _ => lines.extend(line),
+            }
+        }
+        lines.extend(self.heartbeats.take_due(now_s));
+        lines.extend(self.values.take_due(now_s));
         lines
     }
 
@@ -156,18 +200,25 @@ impl SerialDevice for Bus {
     }
 
     fn next_due_s(&self) -> Option<f64> {
-        [self.nodes.next_due_s(), self.sdo_answers.next_due_s()].into_iter().flatten().min_by(f64::total_cmp)
+        let on_their_way = [&self.sdo_answers, &self.commands_sent, &self.heartbeats, &self.values];
+        let due_s = on_their_way.into_iter().filter_map(Outbox::next_due_s);
+        due_s.chain(self.nodes.next_due_s()).min_by(f64::total_cmp)
     }
 
     fn send_due(&mut self, now_s: f64) -> Vec<u8> {
+        let obeyed = self.obeyed(now_s);
         let frames = self.nodes.frames_due(now_s);
-        [self.lines(frames, now_s), self.sdo_answers.take_due(now_s)].concat()
+        [obeyed, self.lines_on_their_way(frames, now_s), self.sdo_answers.take_due(now_s)].concat()
     }
 
     fn plugged_in(&mut self) {
         self.adapter = Adapter::default();
         self.commands = AdapterDecoder::default();
-        self.sdo_answers.clear();
+        for on_its_way in
+            [&mut self.sdo_answers, &mut self.commands_sent, &mut self.heartbeats, &mut self.values]
+        {
+            on_its_way.clear();
+        }
     }
 
     fn has(fault: &Fault) -> bool {

@@ -1,6 +1,7 @@
 //! A controller and its agent, as asked for.
 
 use super::super::clock::DeviceClock;
+use super::super::faults::ReplyFault;
 use super::super::handle::DeviceError;
 use std::net::{Ipv4Addr, SocketAddr};
 use trunnion_core::Joint;
@@ -33,6 +34,8 @@ pub struct AgentConfig {
     pub shown: Vec<Shown>,
     /// User and password that the agent's web server asks for (Basic, RFC 7617); none without.
     pub login: Option<(String, String)>,
+    /// Something that happens to the document of this number, counted from 0: answers, and parts of streams.
+    pub reply_fault: Option<(u64, ReplyFault)>,
 }
 
 /// A state of the program, shown for a while.
@@ -63,6 +66,7 @@ impl AgentConfig {
             clock,
             shown: Vec::new(),
             login: None,
+            reply_fault: None,
         }
     }
 

@@ -2,20 +2,19 @@
 
 use super::buffer::Buffer;
 use super::controller::Controller;
+use super::documents::{AnswerBody, Documents, Parts};
 use super::request::{Request, Sample};
 use super::wall_clock::WallClock;
 use crate::devices::faults::damage;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use hyper::body::{Body, Bytes, Frame, Incoming};
+use hyper::body::{Bytes, Incoming};
 use hyper::header::{AUTHORIZATION, HeaderValue, WWW_AUTHENTICATE};
 use hyper::service::service_fn;
 use hyper::{Method, Response, StatusCode};
 use hyper_util::rt::TokioIo;
-use std::convert::Infallible;
-use std::pin::Pin;
+use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::task::{Context, Poll};
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
@@ -44,6 +43,7 @@ pub(super) struct Shared {
     pub login: Option<(String, String)>,
     /// Bytes still to damage.
     pub garble: Mutex<usize>,
+    pub documents: Documents,
     pub clock: WallClock,
 }
 
@@ -128,12 +128,9 @@ pub(super) async fn serve(listener: TcpListener, agent: Arc<Shared>, network: Ca
     connections.shutdown().await;
 }
 
-async fn answer(
-    agent: Arc<Shared>,
-    request: hyper::Request<Incoming>,
-) -> Result<Response<AnswerBody>, Infallible> {
+async fn answer(agent: Arc<Shared>, request: hyper::Request<Incoming>) -> io::Result<Response<AnswerBody>> {
     if !agent.lets_in(request.headers().get(AUTHORIZATION)) {
-        let body = AnswerBody::Document(Some(Bytes::from_static(b"401")));
+        let body = AnswerBody::Whole([Bytes::from_static(b"401")].into());
         let mut refused = response(StatusCode::UNAUTHORIZED, "text/plain", body);
         refused
             .headers_mut()
@@ -142,19 +139,19 @@ async fn answer(
     }
     if request.method() != Method::GET {
         let error = agent.error("UNSUPPORTED", "Only the HTTP GET method is supported");
-        return Ok(refusal(&agent, &error));
+        return refusal(&agent, &error).await;
     }
     let (path, query) = (request.uri().path(), request.uri().query().unwrap_or(""));
     let now_ns = agent.clock.now_ns();
-    Ok(match Request::parse(path, query, &agent.device) {
-        Err((code, text)) => refusal(&agent, &agent.error(code, &text)),
+    match Request::parse(path, query, &agent.device) {
+        Err((code, text)) => refusal(&agent, &agent.error(code, &text)).await,
         Ok(Request::Probe) => {
             let document = lock(&agent.buffer).probe(agent.devices.clone(), now_ns);
-            document_response(&agent, StatusCode::OK, write_devices(&document))
+            document_response(&agent, StatusCode::OK, write_devices(&document)).await
         }
         Ok(Request::Current) => {
             let document = lock(&agent.buffer).current(now_ns);
-            document_response(&agent, StatusCode::OK, write_streams(&document))
+            document_response(&agent, StatusCode::OK, write_streams(&document)).await
         }
         Ok(Request::Sample(sample)) => {
             let document = {
@@ -162,29 +159,25 @@ async fn answer(
                 buffer.sample(sample.from.unwrap_or(buffer.first_sequence()), sample.count, now_ns)
             };
             match (document, sample.interval) {
-                (Err(error), _) => refusal(&agent, &error),
-                (Ok(document), None) => document_response(&agent, StatusCode::OK, write_streams(&document)),
+                (Err(error), _) => refusal(&agent, &error).await,
+                (Ok(document), None) => {
+                    document_response(&agent, StatusCode::OK, write_streams(&document)).await
+                }
                 (Ok(document), Some(interval)) => {
                     let (parts, queue) = mpsc::channel(QUEUED_PARTS);
                     let from = sample.from.unwrap_or(document.first_sequence);
                     // Ends when the reader goes: a part cannot be queued then.
-                    tokio::spawn(stream(agent, sample, interval, from, parts));
+                    tokio::spawn(stream(agent, sample, interval, from, Parts::new(parts)));
                     let kind = format!("multipart/x-mixed-replace;boundary={BOUNDARY}");
-                    response(StatusCode::OK, &kind, AnswerBody::Stream(queue))
+                    Ok(response(StatusCode::OK, &kind, AnswerBody::Stream(queue)))
                 }
             }
         }
-    })
+    }
 }
 
 /// Sends documents until the reader goes or falls out of the buffer.
-async fn stream(
-    agent: Arc<Shared>,
-    sample: Sample,
-    interval: Duration,
-    mut from: u64,
-    parts: mpsc::Sender<Bytes>,
-) {
+async fn stream(agent: Arc<Shared>, sample: Sample, interval: Duration, mut from: u64, mut parts: Parts) {
     let mut news = agent.news.subscribe();
     let mut sent_at = Instant::now();
     loop {
@@ -201,7 +194,7 @@ async fn stream(
             Err(error) => (write_error(&error), true),
         };
         let part = agent.outgoing(encode_part(BOUNDARY, "text/xml", text.as_bytes()));
-        if parts.send(part).await.is_err() || ends {
+        if parts.send(part, &agent.documents).await.is_none() || ends {
             return;
         }
         sent_at = sent_at.max(Instant::now());
@@ -222,56 +215,29 @@ async fn stream(
 }
 
 /// HTTP status of an agent's error (MTConnect Standard part 1, table of status codes).
-fn refusal(agent: &Shared, error: &ErrorDocument) -> Response<AnswerBody> {
+async fn refusal(agent: &Shared, error: &ErrorDocument) -> io::Result<Response<AnswerBody>> {
     let status = match error.errors.first().map(|error| error.code.as_str()) {
         Some("OUT_OF_RANGE" | "NO_DEVICE") => StatusCode::NOT_FOUND,
         Some("UNSUPPORTED") => StatusCode::NOT_IMPLEMENTED,
         _ => StatusCode::BAD_REQUEST,
     };
-    document_response(agent, status, write_error(error))
+    document_response(agent, status, write_error(error)).await
 }
 
-fn document_response(agent: &Shared, status: StatusCode, text: String) -> Response<AnswerBody> {
+async fn document_response(
+    agent: &Shared,
+    status: StatusCode,
+    text: String,
+) -> io::Result<Response<AnswerBody>> {
     let body = agent.outgoing(text.into_bytes());
-    response(status, "text/xml", AnswerBody::Document(Some(body)))
+    let next = || write_streams(&lock(&agent.buffer).current(agent.clock.now_ns())).into();
+    Ok(response(status, "text/xml", agent.documents.answer(body, next).await?))
 }
 
 fn response(status: StatusCode, kind: &str, body: AnswerBody) -> Response<AnswerBody> {
     let builder = Response::builder().status(status).header("Content-Type", kind);
     let builder = builder.header("Cache-Control", "no-cache").header("Server", "cell");
     builder.body(body).expect("the headers are plain text")
-}
-
-/// A whole document, or a stream of parts.
-enum AnswerBody {
-    Document(Option<Bytes>),
-    Stream(mpsc::Receiver<Bytes>),
-}
-
-impl Body for AnswerBody {
-    type Data = Bytes;
-    type Error = Infallible;
-
-    fn poll_frame(
-        self: Pin<&mut Self>,
-        context: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
-        match self.get_mut() {
-            Self::Document(body) => Poll::Ready(body.take().map(|body| Ok(Frame::data(body)))),
-            Self::Stream(parts) => {
-                parts.poll_recv(context).map(|part| part.map(|part| Ok(Frame::data(part))))
-            }
-        }
-    }
-
-    fn size_hint(&self) -> hyper::body::SizeHint {
-        match self {
-            Self::Document(body) => {
-                hyper::body::SizeHint::with_exact(body.as_ref().map_or(0, Bytes::len) as u64)
-            }
-            Self::Stream(_) => hyper::body::SizeHint::default(),
-        }
-    }
 }
 
 /// The data behind a lock is whole even when a task died holding it: every change is a single step.

@@ -8,6 +8,7 @@
 mod buffer;
 mod config;
 mod controller;
+mod documents;
 mod http;
 mod request;
 mod wall_clock;
@@ -20,6 +21,7 @@ use super::handle::{Address, DeviceError, FAULT_QUEUE, Handle};
 use super::world::World;
 use buffer::Buffer;
 use controller::Controller;
+use documents::Documents;
 use http::Shared;
 use std::net::SocketAddr;
 use std::sync::atomic::AtomicU64;
@@ -136,6 +138,7 @@ impl Floor {
             device: self.config.device.clone(),
             login: self.config.login.clone(),
             garble: Mutex::new(0),
+            documents: Documents::new(self.config.reply_fault),
             clock: controller.wall_clock(self.origin),
         })
     }

@@ -6,7 +6,10 @@
 //! Its library replaces stamps that follow each other faster than a client asked for: clients must not ask for a
 //! slower sampling than the cycle. For the same reason its clock is never set back.
 
+mod messages;
 mod nodes;
+
+pub use messages::Disturbed;
 
 use super::clock::{DeviceClock, TimeOrigin};
 use super::cycles::Cycles;

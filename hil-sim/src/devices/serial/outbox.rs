@@ -29,6 +29,7 @@ impl Outbox {
             Some(ReplyFault::Late(by_s)) => self.enqueue(due_s + by_s, bytes),
             Some(ReplyFault::Doubled) => self.enqueue(due_s, bytes.repeat(2)),
             Some(ReplyFault::Dropped) => {}
+            Some(ReplyFault::Cut) => self.enqueue(due_s, bytes[..bytes.len() / 2].to_vec()),
             Some(ReplyFault::Merged) => self.held = bytes,
             None => {
                 let together = [std::mem::take(&mut self.held), bytes].concat();
