@@ -4,6 +4,7 @@ use crate::gaps::Gaps;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;
+use trunnion_core::number::signed;
 use trunnion_core::{AxisSample, AxisValues, Gap, Joint, NestSide, ProbeSample};
 use trunnion_cycles::RunKind;
 use trunnion_effects::{Model, ModelEffect};
@@ -190,12 +191,12 @@ fn unexpected_gains(
         let seen = sync_move.seen.iter().find(|seen| seen.channel == *channel)?;
         ((seen.gain - expected[k]).abs() > GAIN_SLACK).then(|| {
             format!(
-                "{}: moved by {:+.2} of the stroke of {} where machine file and nest calibration expect {:+.2}; look for a probe \
+                "{}: moved by {} of the stroke of {} where machine file and nest calibration expect {}; look for a probe \
                  that is reversed or in another's place, and check [nest] in the configuration.",
                 name(Stream::Probe(*channel), header),
-                seen.gain,
+                signed(seen.gain, 2),
                 sync_move.axis,
-                expected[k]
+                signed(expected[k], 2)
             )
         })
     };
@@ -245,9 +246,9 @@ pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, Identif
         )));
     }
     let mut model = Model::base(&scene.machine.name);
-    let beside =
+    let joined =
         turning.iter().flat_map(|axis| [format!("backlash:{axis}"), format!("encoder-eccentricity:{axis}")]);
-    for id in std::iter::once("sync-delay".to_owned()).chain(beside) {
+    for id in std::iter::once("sync-delay".to_owned()).chain(joined) {
         model.effects.push(ModelEffect { id, ..ModelEffect::default() });
     }
     let fit = trunnion_engine::identify(experiment, &model, &trunnion_engine::fit::Options::default())?;

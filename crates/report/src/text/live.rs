@@ -2,6 +2,7 @@
 
 use super::table::{clean, columns, paragraph};
 use crate::number::{plain, unit_on_screen};
+use trunnion_core::number::signed;
 use trunnion_results::{CalibratedProbe, Live, LiveAxis, LiveProbe, NestCalibrated, SignTest};
 
 /// Characters of a range.
@@ -40,7 +41,7 @@ pub fn live_line(live: &Live) -> String {
 pub fn nest_text(nest: &NestCalibrated) -> String {
     let head = ["", "x", "y", "z", "u", "gain", "u", "residual"].map(String::from).to_vec();
     let row = |probe: &CalibratedProbe| {
-        let [x, y, z] = probe.direction.map(|part| format!("{part:+.4}"));
+        let [x, y, z] = probe.direction.map(|part| signed(part, 4));
         let u = format!("{} mrad", plain(probe.u_direction_mrad));
         let (gain, u_gain) = (format!("{:.4}", probe.gain), format!("{:.4}", probe.u_gain));
         vec![probe.role.clone(), x, y, z, u, gain, u_gain, format!("{} µm", plain(probe.residual_um))]
@@ -60,9 +61,9 @@ pub fn sign_test_text(test: &SignTest) -> String {
     let mut out = String::new();
     if let Some(jog) = test.jogs.last() {
         let head = ["", "read", "expected"].map(String::from).to_vec();
-        let mm = |mm: f64| format!("{mm:+.4} mm");
+        let mm = |mm: f64| format!("{} mm", signed(mm, 4));
         let row = |k: usize| vec![format!("probe-{}", k + 1), mm(jog.read_mm[k]), mm(jog.expected_mm[k])];
-        let [x, y, z] = jog.ball_in_nest_mm.map(|mm| format!("{mm:+.3}"));
+        let [x, y, z] = jog.ball_in_nest_mm.map(|mm| signed(mm, 3));
         out += &format!("Ball moved by {x}, {y}, {z} mm (nest axes)\n");
         out += &columns(&[head, row(0), row(1), row(2)], &[1, 2]);
     }
@@ -70,7 +71,7 @@ pub fn sign_test_text(test: &SignTest) -> String {
 }
 
 fn value(probe: &LiveProbe) -> String {
-    probe.value_mm.map_or_else(|| "no value".into(), |mm| format!("{mm:+.4} mm"))
+    probe.value_mm.map_or_else(|| "no value".into(), |mm| format!("{} mm", signed(mm, 4)))
 }
 
 fn axis(axis: &LiveAxis) -> String {
