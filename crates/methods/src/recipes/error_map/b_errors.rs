@@ -1,4 +1,5 @@
-//! Six errors of the tilting axis at each of its angles, all angles of the turning axis together [S1 eq. 10–15].
+//! Six errors of the tilting axis at each of its angles, all angles of the turning axis together [S1 eq. 10–15], and the offset of each
+//! nest position, in one fit: of one tilt alone the offsets would bring its noise into all others.
 
 use super::grid::{Cell, Grid};
 use crate::recipes::{Method, MethodError};
@@ -13,41 +14,34 @@ const SEEN: f64 = 1e-7;
 pub(super) struct BErrors {
     /// At each tilt, in the axes of what carries the axis.
     pub at_tilt: Vec<Twist>,
-    /// Standard uncertainties by the residual of each fit.
+    /// Standard uncertainties by the residual of the fit.
     pub u_at_tilt: Vec<Twist>,
     /// Offset of each nest position, table axes, mm.
     pub offsets_mm: Vec<Vector3<f64>>,
     /// `residual[tilt]`: what each cell of [`Grid::at_tilt`] has left, table axes, mm.
     pub residual_mm: Vec<Vec<Vector3<f64>>>,
+    /// A: three rows for each cell, tilt by tilt; columns of the offsets, then of the errors.
+    pub design: DMatrix<f64>,
+    /// (AᵀA)⁻¹.
+    pub cofactor: DMatrix<f64>,
 }
 
 impl BErrors {
     pub fn of(method: &Method, grid: &Grid<'_>) -> Result<Self, MethodError> {
-        let nests = grid.nests.len();
-        let first = grid.tilt_near(0.0);
-        // The offsets first: what they and the errors share (along and about the turning axis) is then theirs.
-        let (x, u) = solve(grid, first, |s, _| Offset::Unknown(s));
+        let order = Columns::of(grid);
+        let (design, read) = order.design(grid);
+        let fit = least_squares(&design, &read, SEEN);
         let offsets_mm: Vec<Vector3<f64>> =
-            (0..nests).map(|s| x.fixed_rows::<3>(3 * s).into_owned()).collect();
-        let mut errors = Self {
-            at_tilt: Vec::new(),
-            u_at_tilt: Vec::new(),
-            residual_mm: Vec::new(),
-            offsets_mm: offsets_mm.clone(),
+            (0..grid.nests.len()).map(|s| fit.x.fixed_rows::<3>(3 * s).into_owned()).collect();
+        let twists = |of: &DVector<f64>| order.of_tilt.iter().map(|from| twist_of(of, *from)).collect();
+        let (at_tilt, u_at_tilt): (Vec<Twist>, Vec<Twist>) = (twists(&fit.x), twists(&fit.u));
+        let left = |(tilt, twist): (usize, &Twist)| {
+            let of_cell =
+                |(_, s, cell): (usize, usize, &Cell)| cell.mean_mm - offsets_mm[s] - cell.of_tilting(twist);
+            grid.at_tilt(tilt).map(of_cell).collect()
         };
-        for tilt in 0..grid.tilts_rad.len() {
-            let (twist, u_twist) = if tilt == first {
-                (twist_of(&x, 3 * nests), twist_of(&u, 3 * nests))
-            } else {
-                let (x, u) = solve(grid, tilt, |s, _| Offset::Known(offsets_mm[s]));
-                (twist_of(&x, 0), twist_of(&u, 0))
-            };
-            let left =
-                grid.at_tilt(tilt).map(|(_, s, cell)| cell.mean_mm - offsets_mm[s] - cell.of_tilting(&twist));
-            errors.residual_mm.push(left.collect());
-            errors.at_tilt.push(twist);
-            errors.u_at_tilt.push(u_twist);
-        }
+        let residual_mm = at_tilt.iter().enumerate().map(left).collect();
+        let errors = Self { at_tilt, u_at_tilt, offsets_mm, residual_mm, design, cofactor: fit.cofactor };
         let numbers =
             errors.at_tilt.iter().flat_map(|t| t.translation_mm.iter().chain(t.rotation_rad.iter()));
         if numbers.clone().any(|number| !number.is_finite()) {
@@ -66,39 +60,39 @@ impl BErrors {
     }
 }
 
-/// What is known of the offset of a nest position.
-enum Offset {
-    Unknown(usize),
-    Known(Vector3<f64>),
+/// Columns of the unknowns.
+struct Columns {
+    /// First column of the six errors at each tilt; before them are three for each nest position.
+    of_tilt: Vec<usize>,
 }
 
-/// Unknowns at one tilt: the unknown offsets, then δ and ω.
-fn solve(
-    grid: &Grid<'_>,
-    tilt: usize,
-    offset: impl Fn(usize, &Cell) -> Offset,
-) -> (DVector<f64>, DVector<f64>) {
-    let cells: Vec<_> = grid.at_tilt(tilt).collect();
-    let offsets: Vec<Offset> = cells.iter().map(|(_, s, cell)| offset(*s, cell)).collect();
-    let unknown =
-        if offsets.iter().any(|o| matches!(o, Offset::Unknown(_))) { 3 * grid.nests.len() } else { 0 };
-    let mut a = DMatrix::zeros(3 * cells.len(), unknown + 6);
-    let mut b = DVector::zeros(3 * cells.len());
-    for (n, ((_, _, cell), offset)) in cells.iter().zip(&offsets).enumerate() {
-        let known = match offset {
-            Offset::Known(known) => *known,
-            Offset::Unknown(s) => {
-                a.fixed_view_mut::<3, 3>(3 * n, 3 * s).fill_with_identity();
-                Vector3::zeros()
-            }
+impl Columns {
+    /// What offsets and errors share, along and about the turning axis, is then an offset: of columns that depend on others the last
+    /// count as zero, which are those of the tilt nearest 0.
+    fn of(grid: &Grid<'_>) -> Self {
+        let (first, tilts) = (grid.tilt_near(0.0), grid.tilts_rad.len());
+        let place = |tilt: usize| match tilt {
+            tilt if tilt == first => tilts - 1,
+            tilt => tilt - usize::from(tilt > first),
         };
-        b.fixed_rows_mut::<3>(3 * n).copy_from(&(cell.mean_mm - known));
-        let [translations, rotations] = cell.columns(&cell.tilting);
-        a.fixed_view_mut::<3, 3>(3 * n, unknown).copy_from(&translations);
-        a.fixed_view_mut::<3, 3>(3 * n, unknown + 3).copy_from(&rotations);
+        Self { of_tilt: (0..tilts).map(|tilt| 3 * grid.nests.len() + 6 * place(tilt)).collect() }
     }
-    let fit = least_squares(&a, &b, SEEN);
-    (fit.x, fit.u)
+
+    /// Rows of every cell, tilt by tilt, and what was read there.
+    fn design(&self, grid: &Grid<'_>) -> (DMatrix<f64>, DVector<f64>) {
+        let of_tilt = |tilt| grid.at_tilt(tilt).map(move |(_, s, cell)| (tilt, s, cell));
+        let cells: Vec<_> = (0..grid.tilts_rad.len()).flat_map(of_tilt).collect();
+        let mut a = DMatrix::zeros(3 * cells.len(), 3 * grid.nests.len() + 6 * grid.tilts_rad.len());
+        let mut b = DVector::zeros(3 * cells.len());
+        for (n, (tilt, s, cell)) in cells.iter().enumerate() {
+            a.fixed_view_mut::<3, 3>(3 * n, 3 * s).fill_with_identity();
+            let [translations, rotations] = cell.columns(&cell.tilting);
+            a.fixed_view_mut::<3, 3>(3 * n, self.of_tilt[*tilt]).copy_from(&translations);
+            a.fixed_view_mut::<3, 3>(3 * n, self.of_tilt[*tilt] + 3).copy_from(&rotations);
+            b.fixed_rows_mut::<3>(3 * n).copy_from(&cell.mean_mm);
+        }
+        (a, b)
+    }
 }
 
 fn twist_of(x: &DVector<f64>, from: usize) -> Twist {

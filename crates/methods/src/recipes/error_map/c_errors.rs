@@ -3,14 +3,17 @@
 //! In the axes of what carries the turning axis: tilts ω = (α, β, 0) from the differences between nest positions,
 //! `e_s − ē = ω × (ρ_s − ρ̄)`, then `δ = ē − ω × ρ̄`. The rotation about the axis itself is taken as zero.
 //! u by propagation of one mean reading: the larger of what repeats say, and of what both maps leave at poses read in all N nest positions,
-//! with ν = 3 N n − 5 n − used degrees of freedom at n poses. The 5 of a pose also hold every twist of the tilting axis there, but the turn about
-//! C; of two nest positions they hold that as well, since a turn about the line between them moves neither. Used are then the distance
-//! of the two offsets (1), with more nest positions one turn for each tilt and the shape of their offsets (3 N − 6).
+//! with ν degrees of freedom: the expected sum of squares is σ² tr(S (I − P)) = σ² ν, where P = A (AᵀA)⁻¹ Aᵀ takes out the map of the tilting
+//! axis with the offsets A, and S the five errors of each of n poses: ν = (3 N − 5) n − tr((AᵀA)⁻¹ AᵀS A). Of a full grid of two nest positions the
+//! trace is 1, the distance of the two offsets: all else in A is a motion of both by the five errors of each pose.
 
 use super::b_errors::BErrors;
 use super::grid::{Cell, Grid};
-use nalgebra::{Matrix2, Vector2, Vector3};
+use nalgebra::{DMatrix, Matrix2, Vector2, Vector3};
 use trunnion_core::Twist;
+
+/// Fewer degrees of freedom are rounding of none.
+const ROUNDING: f64 = 1e-6;
 
 /// Errors of the turning axis.
 pub(super) struct CErrors {
@@ -26,12 +29,16 @@ impl CErrors {
     pub fn of(grid: &Grid<'_>, b_errors: &BErrors) -> Self {
         let (mut errors, mut leverages) =
             (Self { at: Vec::new(), u_at: Vec::new(), residual_mm: Vec::new() }, Vec::new());
-        // Of what is left at poses that have errors.
-        let (mut squares_mm2, mut numbers) = (0.0, 0);
+        // Of what is left at poses that have errors; AᵀS A.
+        let (mut squares_mm2, mut freedom) = (0.0, 0.0);
+        let columns = b_errors.design.ncols();
+        let (mut gram, mut row) = (DMatrix::zeros(columns, columns), 0);
         for tilt in 0..grid.tilts_rad.len() {
             let mut of_tilt = vec![None; grid.turns_rad.len()];
             let mut leverage = of_tilt.clone();
             let left: Vec<_> = grid.at_tilt(tilt).zip(&b_errors.residual_mm[tilt]).collect();
+            let first = row;
+            row += 3 * left.len();
             for turn in 0..grid.turns_rad.len() {
                 let here: Vec<(&Cell, Vector3<f64>)> = left
                     .iter()
@@ -44,20 +51,35 @@ impl CErrors {
                 let after = here.iter().map(|(cell, left)| left - cell.of_turning(&twist));
                 if of_tilt[turn].is_some() {
                     squares_mm2 += after.clone().map(|left| left.norm_squared()).sum::<f64>();
-                    numbers += 3 * here.len();
+                    freedom += (3 * here.len() - 5) as f64;
+                    let rows: Vec<usize> = (0..left.len()).filter(|n| left[*n].0.0 == turn).collect();
+                    let of_column = |k: usize| {
+                        let read =
+                            |n: &usize| b_errors.design.fixed_view::<3, 1>(first + 3 * n, k).into_owned();
+                        let here: Vec<_> =
+                            here.iter().map(|(cell, _)| *cell).zip(rows.iter().map(read)).collect();
+                        let twist = at_pose(grid, &here).map(|(twist, _)| twist).unwrap_or_default();
+                        here.iter()
+                            .flat_map(|(cell, read)| {
+                                let left = read - cell.of_turning(&twist);
+                                [left.x, left.y, left.z]
+                            })
+                            .collect::<Vec<f64>>()
+                    };
+                    let left = DMatrix::from_vec(
+                        3 * here.len(),
+                        columns,
+                        (0..columns).flat_map(of_column).collect(),
+                    );
+                    gram += left.tr_mul(&left);
                 }
                 errors.residual_mm.extend(after);
             }
             errors.at.push(of_tilt);
             leverages.push(leverage);
         }
-        let poses = errors.at.iter().flatten().flatten().count();
-        let used = match grid.nests.len() {
-            2 => 1,
-            nests => grid.tilts_rad.len() + 3 * nests - 6,
-        };
-        let freedom = numbers.saturating_sub(5 * poses + used);
-        let by_residual_mm = (freedom > 0).then(|| (squares_mm2 / freedom as f64).sqrt());
+        let freedom = freedom - (&b_errors.cofactor * gram).trace();
+        let by_residual_mm = (freedom > ROUNDING).then(|| (squares_mm2 / freedom).sqrt());
         // Where neither is known, no u is.
         let u_mm = [by_residual_mm, by_repeats_mm(grid)].into_iter().flatten().reduce(f64::max);
         let scaled = |leverage: Option<Twist>| Some(leverage? * u_mm?);
