@@ -155,20 +155,22 @@ impl Harmonics {
         self.all.iter().find(|harmonic| harmonic.order == order)
     }
 
-    /// Waves that differ from those of `other` beyond chance, where so many contours are compared: Δ²/2u² ~ F(2, ν₁ + ν₂) of two alike, u² that of Δ.
+    /// Waves that differ from those of `other` beyond chance, where so many contours are compared: Δ²/2u² ~ F(2, ν) with u² = u₁² + u₂²
+    /// and the effective degrees of freedom ν = u⁴/(u₁⁴/ν₁ + u₂⁴/ν₂) [GUM G.2b, Welch-Satterthwaite].
     pub fn differs(&self, other: &Self, comparisons: usize) -> Vec<Difference> {
         let difference = |one: &Harmonic| {
             let two = other.order(one.order)?;
-            let u = one.u.hypot(two.u);
+            let u = one.u.hypot(two.u).max(f64::MIN_POSITIVE);
+            let parts = (one.u / u).powi(4) / self.freedom + (two.u / u).powi(4) / other.freedom;
+            let freedom = parts.max(f64::MIN_POSITIVE).recip();
             let [one_at, two_at] = [one, two].map(Harmonic::phasor);
-            Some(Difference { order: one.order, half: 0.5 * (one_at - two_at).norm(), u: 0.5 * u })
+            let half = 0.5 * (one_at - two_at).norm();
+            let p = chance(2.0 * half / u, freedom);
+            Some((Difference { order: one.order, half, u: 0.5 * u }, p))
         };
-        let all: Vec<Difference> = self.all.iter().filter_map(difference).collect();
-        let freedom = self.freedom + other.freedom;
+        let all: Vec<(Difference, f64)> = self.all.iter().filter_map(difference).collect();
         let trials = (all.len() * comparisons) as f64;
-        let beyond =
-            |of: &&Difference| chance(of.half / of.u.max(f64::MIN_POSITIVE), freedom) < BY_CHANCE / trials;
-        all.iter().filter(beyond).copied().collect()
+        all.iter().filter(|(_, p)| *p < BY_CHANCE / trials).map(|(difference, _)| *difference).collect()
     }
 
     /// The significant ones, largest first.
@@ -284,11 +286,14 @@ mod tests {
 
     #[test]
     fn contours_that_are_alike_differ_as_seldom_as_promised() {
-        let found = |seed: u64| Harmonics::of(&noisy(12, 1.0, seed, |_| 0.0)).unwrap();
-        let differ = |seed: &u64| !found(*seed).differs(&found(seed + 2000), 1).is_empty();
-        let false_alarms = (0..2000).filter(differ).count();
-        // 5 % of 2000, ± 3 standard deviations of a binomial.
-        assert!((70..=130).contains(&false_alarms), "{false_alarms} of 2000");
+        // The second quieter, as noisy, and noisier than the first.
+        for sigma in [1.0 / 3.0, 1.0, 3.0, 10.0] {
+            let found = |sigma: f64, seed: u64| Harmonics::of(&noisy(12, sigma, seed, |_| 0.0)).unwrap();
+            let differ = |seed: &u64| !found(1.0, *seed).differs(&found(sigma, seed + 2000), 1).is_empty();
+            let false_alarms = (0..2000).filter(differ).count();
+            // 5 % of 2000 and 3 standard deviations of a binomial at most; fewer, because the freedom is itself estimated.
+            assert!((40..=130).contains(&false_alarms), "{false_alarms} of 2000 at {sigma}");
+        }
     }
 
     #[test]
