@@ -296,26 +296,44 @@ fn a_wave_that_changes_with_direction_feed_or_tilt_is_said_to() {
 }
 
 #[test]
-fn traces_at_another_tilt_are_said_to_serve_the_comparison() {
-    let leaning =
-        |text: String| text.replace("feeds_deg_per_min = [720]", "feeds_deg_per_min = [720]\nb_deg = 30");
+fn of_traces_at_another_tilt_it_is_said_what_they_are_used_for() {
     let run = |change: &dyn Fn(String) -> String| waves_of_c("[720]", change, |angle, _| (3.0 * angle).cos());
     let plain = |text: String| text;
-    let (upright, leaning) = (run(&plain), run(&leaning));
+    let (upright, leaning) = (run(&plain), run(&leaning_at));
     let note = |runs: &[Run]| {
         let found = by(runs, Convention::RightHanded);
-        let notes: Vec<String> =
-            found.notes.iter().filter(|note| note.contains("comparison")).cloned().collect();
+        let notes = found
+            .notes
+            .iter()
+            .filter(|note| [" alone", "ompared", "Not used"].iter().any(|words| note.contains(words)));
+        let notes: Vec<String> = notes.cloned().collect();
         (notes, found)
     };
     assert!(note(std::slice::from_ref(&upright)).0.is_empty());
     let (notes, _) = note(&[upright.clone(), leaning.clone()]);
-    assert!(notes[0].contains("of C are by the traces at B = 0° alone") && notes.len() == 1, "{notes:?}");
-    assert!(notes[0].contains("; C-Y(−Z) 2.C-Y(-Z), C-Y(+Z)"), "{notes:?}");
+    assert!(notes[0].contains("of C are by the traces at B = 0° alone.") && notes.len() == 2, "{notes:?}");
+    assert!(notes[1].starts_with("Only compared with those: C-Y(−Z) 2.C-Y(-Z), C-Y(+Z)"), "{notes:?}");
     // One height upright, two leaning: the lean of the line is known from those.
     let mut one_height = upright;
     one_height.points.retain(|point| ![2, 3].contains(&point.state.setup));
-    let (notes, found) = note(&[one_height, leaning]);
+    let (notes, found) = note(&[one_height, leaning.clone()]);
     assert!(notes[0].contains("at B = 30° alone"), "{notes:?}");
     assert!(found.value("EA0C").is_some(), "{:?}", found.values);
+    // The trace along C leaning only: it is read all the same, and it is said where.
+    let (mut across, mut along) = (run(&plain), leaning);
+    across.points.retain(|point| point.state.setup != 4);
+    along.points.retain(|point| point.state.setup == 4);
+    let (notes, found) = note(&[across, along]);
+    assert!(notes[0].contains("at B = 0° alone; its axial error motion is by C-Z at B = 30°"), "{notes:?}");
+    assert!(notes.len() == 1 && found.values.iter().any(|value| value.name.starts_with("EZC")), "{notes:?}");
+    // A trace that nothing is compared with: another tilt and another feed.
+    let faster = |text: String| leaning_at(text).replace("[720]", "[1440]");
+    let mut other = run(&faster);
+    other.points.retain(|point| point.state.setup == 0);
+    let (notes, _) = note(&[run(&plain), other]);
+    assert!(notes[1].starts_with("Not used for C, because no other trace"), "{notes:?}");
+}
+
+fn leaning_at(text: String) -> String {
+    text.replace("feeds_deg_per_min = [720]", "feeds_deg_per_min = [720]\nb_deg = 30")
 }

@@ -72,23 +72,30 @@ fn comparisons(shapes: &[Shape]) -> Vec<Comparison<'_>> {
             let words = "changes with the direction: drive or friction".into();
             all.push(Comparison { shape, one, two, words });
         }
-        for other in shapes[..i].iter().filter(|other| shape.is_same_measurement(other)) {
-            let (Some(one), Some(two)) =
-                (Harmonics::of(&other.mean_contour), Harmonics::of(&shape.mean_contour))
-            else {
-                continue;
-            };
-            let words = match (shape.stands_as(other), shape.turns_as_fast(other)) {
-                (true, false) => "changes with the feed: servo or inertia".into(),
-                (false, true) => {
-                    format!("changes with {}: gravity, or what carries the axis", moved(other, shape))
-                }
-                _ => continue,
-            };
-            all.push(Comparison { shape, one, two, words });
-        }
+        all.extend(shapes[..i].iter().filter_map(|other| compared(other, shape)));
     }
     all
+}
+
+/// One measurement in two traces between which one thing changed; `None` where nothing did, or more.
+fn compared<'a>(other: &Shape, shape: &'a Shape) -> Option<Comparison<'a>> {
+    if !shape.is_same_measurement(other) {
+        return None;
+    }
+    let words = match (shape.stands_as(other), shape.turns_as_fast(other)) {
+        (true, false) => "changes with the feed: servo or inertia".into(),
+        (false, true) => {
+            format!("changes with {}: gravity, or what carries the axis", moved(other, shape))
+        }
+        _ => return None,
+    };
+    let (one, two) = (Harmonics::of(&other.mean_contour)?, Harmonics::of(&shape.mean_contour)?);
+    Some(Comparison { shape, one, two, words })
+}
+
+/// Whether a trace is compared with another one.
+pub(super) fn is_compared(shape: &Shape, shapes: &[Shape]) -> bool {
+    shapes.iter().any(|other| compared(other, shape).is_some())
 }
 
 fn kind_of(kind: Kind) -> Option<ErrorKind> {

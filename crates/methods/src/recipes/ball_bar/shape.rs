@@ -58,12 +58,15 @@ impl Shape {
     pub fn of_all(method: &Method, tracks: &[Track]) -> Result<Vec<Self>, MethodError> {
         let mut shapes: Vec<Self> = Vec::new();
         for track in tracks {
-            let alike = |other: &&Track| match track.kind.axis() {
+            let of_one_axis = |other: &&Track| match track.kind.axis() {
                 Some(axis) => other.kind.axis() == Some(axis),
                 None => std::ptr::eq(*other, track),
             };
-            let angles: Vec<f64> =
-                tracks.iter().filter(alike).flat_map(|t| t.samples.iter().map(|s| s.angle_rad)).collect();
+            let angles: Vec<f64> = tracks
+                .iter()
+                .filter(of_one_axis)
+                .flat_map(|t| t.samples.iter().map(|s| s.angle_rad))
+                .collect();
             let turn = whole_turn(&angles);
             let stations = match track.on_the_fly {
                 true => Stations::of_sweeps(&angles, turn),
@@ -234,7 +237,9 @@ pub(super) struct AxisShapes {
     pub tilt: [Contour; 2],
     /// Where the other rotary axes stood, rad.
     pub stood_rad: AxisValues<f64>,
-    /// Traces of the axis where others stood elsewhere: they are in none of these.
+    /// The trace along the axis and where the others stood, where that is elsewhere.
+    pub axial_elsewhere: Option<(String, AxisValues<f64>)>,
+    /// Further traces of the axis where others stood elsewhere: they are in none of these.
     pub elsewhere: Vec<String>,
 }
 
@@ -263,14 +268,25 @@ impl AxisShapes {
                     }
                 }
                 let first = *here.first()?;
+                // Along the axis one trace is enough, wherever it was read.
+                let is_axial = |shape: &&&Shape| matches!(shape.kind, Kind::Along { .. });
+                let axial = here.iter().chain(&own).find(is_axial).copied();
                 let elsewhere = own.iter().filter(|shape| !shape.stands_as(first));
-                let elsewhere = elsewhere.map(|shape| shape.label.clone()).collect();
-                Some(Self::of(axis, first, &here, elsewhere))
+                let further =
+                    elsewhere.filter(|shape| !axial.is_some_and(|axial| std::ptr::eq(axial, **shape)));
+                let further = further.map(|shape| shape.label.clone()).collect();
+                Some(Self::of(axis, first, &here, axial, further))
             })
             .collect()
     }
 
-    fn of(axis: Axis, first: &Shape, shapes: &[&Shape], elsewhere: Vec<String>) -> Self {
+    fn of(
+        axis: Axis,
+        first: &Shape,
+        shapes: &[&Shape],
+        axial: Option<&Shape>,
+        elsewhere: Vec<String>,
+    ) -> Self {
         let across = |wanted: usize| -> Vec<(f64, &Shape)> {
             let of = |shape: &'_ Shape| match shape.kind {
                 Kind::Across { axis: a, k, height_mm } if a == axis && k == wanted => Some(height_mm),
@@ -278,15 +294,17 @@ impl AxisShapes {
             };
             shapes.iter().filter_map(|shape| Some((of(shape)?, *shape))).collect()
         };
-        let along = shapes.iter().filter(|s| s.kind == Kind::Along { axis }).map(|s| s.mean_contour.clone());
+        let along = axial.map(|shape| shape.mean_contour.clone()).unwrap_or_default();
+        let axial_elsewhere = axial.filter(|shape| !shape.stands_as(first));
         let mut found = Self {
             axis,
             line: [None, None],
             calibrated: [0, 1].iter().flat_map(|&k| across(k)).all(|(_, shape)| shape.calibrated),
-            translation: [Vec::new(), Vec::new(), along.into_iter().next().unwrap_or_default()],
+            translation: [Vec::new(), Vec::new(), along],
             radial_at_mm: [None, None],
             tilt: [Vec::new(), Vec::new()],
             stood_rad: first.stood_rad,
+            axial_elsewhere: axial_elsewhere.map(|shape| (shape.label.clone(), shape.stood_rad)),
             elsewhere,
         };
         for k in 0..2 {

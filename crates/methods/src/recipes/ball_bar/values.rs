@@ -2,7 +2,7 @@
 
 use super::causes::{Counts, ErrorKind, causes, of_motion, of_number};
 use super::charts::charts;
-use super::dependence::dependences;
+use super::dependence::{dependences, is_compared};
 use super::error_motions::error_motions;
 use super::found::Found;
 use super::location::Location;
@@ -12,9 +12,9 @@ use super::track::{Axis, Kind, span};
 use crate::common::harmonics::{self, Harmonics};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method};
-use trunnion_core::Joint;
 use trunnion_core::convert::{deg_from_rad, um_from_mm};
 use trunnion_core::number::{fixed, signed};
+use trunnion_core::{AxisValues, Joint};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
@@ -177,13 +177,42 @@ fn comparison(found: &Found<'_>, convention: Convention) -> FoundTable {
 }
 
 /// Where the axes stood that stand elsewhere in other traces, `B = 0°`.
-fn stand(of_axis: &AxisShapes, shapes: &[Shape]) -> String {
-    let own: Vec<&Shape> = shapes.iter().filter(|shape| of_axis.elsewhere.contains(&shape.label)).collect();
-    let differs = |joint: &Joint| {
-        own.iter().any(|shape| !is_same_angle(shape.stood_rad[*joint], of_axis.stood_rad[*joint]))
-    };
-    let words = |joint: Joint| format!("{joint} = {}°", fixed(deg_from_rad(of_axis.stood_rad[joint]), 0));
+fn stand(stood_rad: &AxisValues<f64>, others: &[&AxisValues<f64>]) -> String {
+    let differs = |joint: &Joint| others.iter().any(|other| !is_same_angle(other[*joint], stood_rad[*joint]));
+    let words = |joint: Joint| format!("{joint} = {}°", fixed(deg_from_rad(stood_rad[joint]), 0));
     Joint::ROTARY.into_iter().filter(differs).map(words).collect::<Vec<_>>().join(", ")
+}
+
+/// Which traces of an axis its location errors and error motions are by, where other axes stood at several places.
+fn stands(of_axis: &AxisShapes, shapes: &[Shape]) -> Vec<String> {
+    let (letter, mut notes) = (of_axis.axis.letter, Vec::new());
+    let further: Vec<&Shape> =
+        shapes.iter().filter(|shape| of_axis.elsewhere.contains(&shape.label)).collect();
+    let axial = of_axis.axial_elsewhere.as_ref();
+    let others: Vec<&AxisValues<f64>> =
+        further.iter().map(|shape| &shape.stood_rad).chain(axial.map(|(_, stood_rad)| stood_rad)).collect();
+    if others.is_empty() {
+        return notes;
+    }
+    notes.push(format!(
+        "Location errors and error motions of {letter} are by the traces at {} alone{}.",
+        stand(&of_axis.stood_rad, &others),
+        axial.map_or_else(String::new, |(label, stood_rad)| {
+            format!("; its axial error motion is by {label} at {}", stand(stood_rad, &[&of_axis.stood_rad]))
+        })
+    ));
+    let listed = |compared: bool| {
+        let wanted = further.iter().filter(|shape| is_compared(shape, shapes) == compared);
+        let labels: Vec<&str> = wanted.map(|shape| shape.label.as_str()).collect();
+        (!labels.is_empty()).then(|| labels.join(", "))
+    };
+    notes.extend(listed(true).map(|labels| format!("Only compared with those: {labels}.")));
+    notes.extend(listed(false).map(|labels| {
+        format!(
+            "Not used for {letter}, because no other trace differs from them in one thing alone: {labels}."
+        )
+    }));
+    notes
 }
 
 fn notes(found: &Found<'_>) -> Vec<String> {
@@ -197,13 +226,7 @@ fn notes(found: &Found<'_>) -> Vec<String> {
     }
     for of_axis in found.axes {
         let letter = of_axis.axis.letter;
-        if !of_axis.elsewhere.is_empty() {
-            notes.push(format!(
-                "Location errors and error motions of {letter} are by the traces at {} alone; {} serve the comparison.",
-                stand(of_axis, found.shapes),
-                of_axis.elsewhere.join(", ")
-            ));
-        }
+        notes.extend(stands(of_axis, found.shapes));
         if !of_axis.calibrated {
             notes.push(format!(
                 "A bar across {letter} has no calibrated length: the place of its line is not known; its tilt is, if the bar was the same at both heights."
