@@ -15,8 +15,8 @@ use super::solved::{CENTRING, TOLERANCE, widened};
 use super::trace::Trace;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-use trunnion_core::Joint;
 use trunnion_core::statistics::COVERAGE_95;
+use trunnion_core::{Joint, chain};
 use trunnion_effects::{Instance, Role, Subject, Unit};
 use trunnion_engine::Experiment;
 use trunnion_engine::solve::linear::least_squares;
@@ -110,17 +110,19 @@ pub(super) fn one_number(of: &DVector<f64>) -> f64 {
     if of.len() == 1 { of[0] } else { of.norm() }
 }
 
-/// Every cause of the two axes in the catalogue that moves an error of the list `kinds`, whose columns with the centring are `design`; `None` where
-/// the readings give no columns.
+/// Every cause of the two axes in the catalogue that moves an error of the list `kinds`, whose columns with the centring are `design`.
+///
+/// # Errors
+/// Why the readings give no columns, a part of a sentence.
 pub(super) fn others(
     trace: &Trace,
     kinds: &[ListedKind],
     design: &DMatrix<f64>,
     left: &DVector<f64>,
-) -> Option<Vec<Other>> {
-    let within = Experiment::of_points(std::slice::from_ref(&trace.run)).ok()?;
+) -> Result<Vec<Other>, String> {
+    let within = Experiment::of_points(std::slice::from_ref(&trace.run)).map_err(|error| chain(&error))?;
     if within.rows() != left.len() {
-        return None;
+        return Err(format!("{} of {} readings can be used", within.rows(), left.len()));
     }
     let mut over_travel = within.clone();
     for joint in Joint::LINEAR {
@@ -166,7 +168,7 @@ pub(super) fn others(
         let t = seen.amount / seen.u.max(f64::MIN_POSITIVE);
         seen.significant = (-0.5 * t * t).exp() < BY_CHANCE / count;
     }
-    Some(found)
+    Ok(found)
 }
 
 /// m and r of a column; r is `None` where it is rounding. `None` for one that the centring takes up, or that is nothing.

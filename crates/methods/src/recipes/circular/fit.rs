@@ -28,8 +28,8 @@ pub(super) struct Fitted<'a> {
     pub trace: &'a Trace,
     /// Largest circularity first.
     pub errors: Vec<FittedError>,
-    /// Causes that are not on the list and read as errors of the list; `None` where they could not be computed.
-    pub others: Option<Vec<Other>>,
+    /// Causes that are not on the list and read as errors of the list; why they could not be computed.
+    pub others: Result<Vec<Other>, String>,
     /// Those that together leave nothing that shows them.
     pub together: Vec<Together>,
     /// Values of ISO 230-4.
@@ -154,7 +154,9 @@ impl<'a> Fitted<'a> {
             centred_circularity_mm: over(0),
             contours,
             errors,
-            together: others.as_deref().map_or_else(Vec::new, |others| confounded_together(others, &design)),
+            together: others
+                .as_deref()
+                .map_or_else(|_| Vec::new(), |others| confounded_together(others, &design)),
             others,
         })
     }

@@ -267,9 +267,9 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
                  the whole travel if the guide goes on as it does there."
             ));
         }
-        if fit.others.is_none() {
+        if let Err(why) = &fit.others {
             notes.push(format!(
-                "{plane}: which other causes read as errors of the list was not computed, so u does not hold them."
+                "{plane}: which other causes read as errors of the list was not computed ({why}), so u does not hold them."
             ));
         }
         let names = strongest(fit);
@@ -277,8 +277,9 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
             let listed =
                 if names.len() > 1 { "; none of them is on the list" } else { ", which is not on the list" };
             notes.push(format!(
-                "{plane}: what the list leaves looks like {}{listed}. The readings do not say which of them an error is; its u holds the difference.",
-                names.join(" or ")
+                "{plane}: what the list leaves looks like {}{listed}. The readings do not say whether an error is of the list or {}; its u holds the difference.",
+                names.join(" or "),
+                if names.len() > 1 { "one of these" } else { "this" }
             ));
         }
         if fit.left_rms_mm > NOISE_AND_MORE * fit.noise_mm {
