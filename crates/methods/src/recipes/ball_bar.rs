@@ -43,6 +43,7 @@ pub(super) static METHOD: Method = Method {
             (C-X, C-Y, C-Z, B-X, B-Z, B-Y); a rotary axis followed by linear ones with the bar along it (C-XY); any other path. \
             Means give location errors, shapes give error motions and circularities; next to them the joint fit.",
     takes_axis: true,
+    takes_convention: true,
     needs: "ball-bar readings while a rotary axis turns by 90° or more: alone, with the ball on its line, best at two heights with \
             the bar in both directions across it and along it; or followed by linear axes",
     gives: "location errors of each axis, radial, axial and tilt error motions, circularity of every trace, likely causes ranked over the machine",

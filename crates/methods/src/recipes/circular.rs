@@ -9,7 +9,7 @@
 //! A run that knows no speed v has the servo mismatch as the distance e = (τ_a − τ_b) v, at one unknown speed: left off the list, it would be
 //! read as backlash and spikes.
 //! [ISO 230-4:2005 clause 3; Kakino, Ihara, Shinohara 1990 (DBB method); docs/design/physics.md §5.2]. Each error's own circularity is the range of
-//! what it alone makes of the trace, centred. What all of them leave is given as share of the variance and in µm, beside the
+//! what it alone makes of the trace, centred. What all of them leave is given as share of the variance and in µm, next to the
 //! noise of the readings by their second differences: more than noise is something the list lacks. What the list lacks may also read as an error
 //! of the list; `confounded` says which causes of the catalogue do, and by how far they may move it.
 //! Limits: first order in errors over R; mean scale is not distinguished from a bar without calibrated length, nor an error that makes a
@@ -37,6 +37,7 @@ pub(super) static METHOD: Method = Method {
     about: "Ball-bar circles of two linear axes, best both ways: circular deviations; and the classical list of errors, fitted \
             to both directions together. Each has its own circularity and its rank; the share that nothing on the list explains stands last.",
     takes_axis: false,
+    takes_convention: false,
     needs: "a ball bar while two linear axes make a circle of 180° or more about its table ball, best whole circles both ways",
     gives: "G of each direction, G(b), D and F (bar of known length), squareness, scale mismatch; backlash, reversal spikes, lateral \
             play, cyclic error, servo mismatch, straightness, and what they leave",

@@ -4,11 +4,11 @@
 //!     d(i, j, s) = o_s − R_tᵀ [ R δ_B + (R ω_B) × (p − o_B) ](B_i) − R_tᵀ [ R δ_C + (R ω_C) × (p − o_C) ](B_i, C_j)
 //! 1. The six errors (δ_B, ω_B) of each B index by least squares over all C and all nest positions, those of C taken as
 //!    zero [S1 (Oyama) eq. 10–15]. Only changes from the first pose are measured: S1 subtracts the reading there (eq. 14); here the
-//!    offset o_s of each nest position is solved for at the B index nearest zero together with its errors (docs/design/physics.md §4), so that
+//!    offset o_s of each nest position is solved for together with the errors at all B indices (docs/design/physics.md §4), so that
 //!    the noise of one reading does not enter all others.
 //! 2. The errors of C at each pose: tilts from the line between the nest positions, then translations, ECC taken as zero
 //!    [S1 eq. 16–22].
-//! 3. The map as constants: location errors of both axes by least squares over the B indices, beside those of the joint fit.
+//! 3. The map as constants: location errors of both axes by least squares over the B indices, next to those of the joint fit.
 //!    An offset of the zero pose along and about C is no error of B; of all B maps that differ by it the one is shown that these
 //!    constants explain best.
 //!
@@ -47,6 +47,7 @@ pub(super) static METHOD: Method = Method {
     about: "Readings at rest over a grid of both rotary axes are taken at two nest positions. They give the six errors of the \
             tilting axis at each of its angles and five errors of the turning axis at each pose; next to it the joint fit of the same readings.",
     takes_axis: false,
+    takes_convention: true,
     needs: "R-test readings at rest over a grid of two stacked rotary table axes (S1: B −90..90° and C 0..330° in steps of 30°) \
             at two nest positions of different height",
     gives: "six errors of the tilting axis over its angle, five of the turning axis at each pose; location errors by maps and \

@@ -19,6 +19,8 @@ pub struct Method {
     pub about: &'static str,
     /// Whether a user may choose the axis to judge ([`MethodOptions::axis`]).
     pub takes_axis: bool,
+    /// Whether its source has signs of its own ([`MethodOptions::convention`]).
+    pub takes_convention: bool,
     /// What the runs must hold.
     pub needs: &'static str,
     /// What it finds.
@@ -69,6 +71,14 @@ pub enum MethodError {
         /// The axis.
         axis: Joint,
     },
+    /// The signs of the source were asked for, and it has none of its own.
+    #[error(
+        "method {method} has one convention of signs, which is right-handed: leave out the convention of the source"
+    )]
+    NoConvention {
+        /// Name of the method.
+        method: &'static str,
+    },
     /// The runs do not belong together.
     #[error("the runs cannot be used together")]
     Runs(#[from] ExperimentError),
@@ -81,10 +91,13 @@ impl Method {
     /// Applies it to runs.
     ///
     /// # Errors
-    /// When it takes no axis and one is asked for; when the runs lack what it needs.
+    /// When it takes no axis, or its source has no signs of its own, and they are asked for; when the runs lack what it needs.
     pub fn apply(&self, runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
         match options.axis {
             Some(axis) if !self.takes_axis => Err(MethodError::NoAxis { method: self.name, axis }),
+            _ if !self.takes_convention && options.convention == Convention::Source => {
+                Err(MethodError::NoConvention { method: self.name })
+            }
             _ => (self.run)(runs, options),
         }
     }

@@ -25,6 +25,7 @@ pub(super) static METHOD: Method = Method {
     about: "A laser along one linear axis while it visits targets again and again from both sides: reversal value, repeatability, systematic \
             deviation and accuracy, each with its uncertainty.",
     takes_axis: false,
+    takes_convention: false,
     needs: "an interferometer along one linear axis (instrument diagonal, direction along the axis), which alone moves and visits targets at least \
             twice from one side; five times from both is what ISO 230-2 asks",
     gives: "B, mean reversal, R, E, M, A, and R, E, A of each direction; deviations at every target",

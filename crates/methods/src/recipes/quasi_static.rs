@@ -24,6 +24,7 @@ pub(super) static METHOD: Method = Method {
     about: "One path at several feeds, both ways. Each error is split: what stays at every feed, what changes with the direction, what grows \
             with speed, and what with acceleration.",
     takes_axis: true,
+    takes_convention: false,
     needs: "runs on the fly of one cycle at two feeds or more (feeds_deg_per_min, feeds_mm_per_min), both ways, with one sweep more than parts: \
             three feeds, or each feed twice",
     gives: "location errors and settings, each as quasi-static part and parts with the direction, speed and acceleration at the fastest feed, with u",

@@ -3,7 +3,7 @@
 //! Definitions [restated from ISO 230-7:2015, Axes of rotation, clause 3], for the signal s_p(θ) of turn p:
 //! - least-squares centre: `s̄ + a cos θ + b sin θ` fitted to all turns of one direction and taken off; what remains is d_p(θ).
 //!   The once-a-turn part is the eccentricity of the artefact and is no radial or tilt error motion; of the axial motion it is the
-//!   fundamental, which is given beside;
+//!   fundamental, which is given next to it;
 //! - *total* error motion value: difference of the radii of the two circles about that centre that just hold all turns,
 //!   `max d − min d`;
 //! - *synchronous* value: the same of what recurs in every turn (whole multiples of the frequency of rotation), the mean contour:
@@ -31,6 +31,7 @@ pub(super) static METHOD: Method = Method {
     about: "Only one rotary axis turns, several times. About the least-squares centre: how far the axis strays in all, what \
             repeats in every turn, and what does not, for radial, axial and tilt motion.",
     takes_axis: true,
+    takes_convention: false,
     needs: "an R-test with the ball near the axis line; one rotary axis turning alone by 90° or more; several whole turns in one \
             direction (at least two to separate synchronous from asynchronous); a second height for the tilt",
     gives: "total, synchronous and asynchronous values of the radial (fixed and rotating direction), axial and tilt error motion",

@@ -26,6 +26,7 @@ pub(super) static METHOD: Method = Method {
     source: "ISO 230-3 (thermal effects)",
     about: "The same poses again and again for hours: where each axis line is in every round, how far it went, and how fast it settles.",
     takes_axis: false,
+    takes_convention: false,
     needs: "one run with times whose poses are visited three times or more ([rounds] of the cycle), any instrument that shows location errors",
     gives: "each location error over time with its uncertainty, its change over the run, its time constant where the curve shows one",
     run,

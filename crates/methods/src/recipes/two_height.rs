@@ -30,6 +30,7 @@ pub(super) static METHOD: Method = Method {
     about: "Only one rotary axis turns, the ball sits near its line at two heights. Least squares separate \
             the circle of a ball set off the axis, the location of the axis line, and the residual (the error motions).",
     takes_axis: true,
+    takes_convention: true,
     needs: "an R-test at two heights of the ball near the axis line; one rotary axis turning alone by 90° or more, best two \
             turns both ways",
     gives: "setting errors, the four location errors of the axis, five error motions over its angle",

@@ -6,7 +6,7 @@ use trunnion_core::Joint;
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::shipped;
 use trunnion_methods::recipes;
-use trunnion_methods::recipes::{MethodError, MethodOptions, REGISTRY};
+use trunnion_methods::recipes::{Convention, MethodError, MethodOptions, REGISTRY};
 
 const DIRECTORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/recipes");
 
@@ -92,6 +92,17 @@ fn a_method_without_data_says_what_it_needs() {
         assert!(error.contains(method.name) && error.contains(method.needs), "{error}");
         let two = [empty_run("table-bc"), empty_run("table-ac")];
         assert!(matches!(method.apply(&two, &options), Err(MethodError::Runs(_))), "{}", method.name);
+    }
+}
+
+#[test]
+fn signs_of_a_source_are_never_asked_for_in_vain() {
+    let without: Vec<_> = REGISTRY.iter().filter(|method| !method.takes_convention).collect();
+    assert!(!without.is_empty());
+    for method in without {
+        let options = MethodOptions { convention: Convention::Source, ..MethodOptions::default() };
+        let error = method.apply(&[empty_run("table-bc")], &options).unwrap_err().to_string();
+        assert!(error.contains(method.name) && error.contains("leave out the convention"), "{error}");
     }
 }
 

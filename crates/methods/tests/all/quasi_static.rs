@@ -11,7 +11,7 @@ use trunnion_instruments::predict;
 use trunnion_machine::{Errors, shipped};
 use trunnion_methods::Findings;
 use trunnion_methods::findings::{Cell, ValueKind};
-use trunnion_methods::recipes::{self, Convention, MethodError, MethodOptions};
+use trunnion_methods::recipes::{self, MethodError, MethodOptions};
 
 const UM: f64 = 1e-3;
 const NOISE_MM: f64 = 0.3 * UM;
@@ -198,11 +198,8 @@ fn a_fast_feed_of_few_readings_is_a_feed() {
 }
 
 #[test]
-fn signs_are_right_handed_whatever_is_asked_and_another_axis_is_refused() {
+fn an_axis_that_did_not_turn_is_refused() {
     let run = measured(&cycle("r-test-feeds-c", ("", "")), 1, of_c);
-    let source = MethodOptions { convention: Convention::Source, ..MethodOptions::default() };
-    let found = split_by(std::slice::from_ref(&run), source).unwrap();
-    assert_eq!(found.convention, Convention::RightHanded, "the source has no signs of its own");
     let asked = |axis| {
         split_by(std::slice::from_ref(&run), MethodOptions { axis: Some(axis), ..MethodOptions::default() })
     };
