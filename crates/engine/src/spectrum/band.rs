@@ -1,6 +1,7 @@
 //! Which waves a set of positions can show.
 
 use std::f64::consts::{PI, TAU};
+use trunnion_core::statistics::upper_median;
 
 /// Positions closer than this share of their span are one position.
 const SAME: f64 = 1e-6;
@@ -28,9 +29,8 @@ impl Band {
         if span <= 0.0 || sorted.len() < FEWEST {
             return None;
         }
-        let mut steps: Vec<f64> = sorted.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        let median = steps[steps.len() / 2];
+        let steps: Vec<f64> = sorted.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let median = upper_median(&steps)?;
         // Few large gaps leave the median step; a grid is what the spectral window says.
         let window = |omega: f64| {
             let (cos, sin) = sorted

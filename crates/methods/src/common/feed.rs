@@ -1,5 +1,7 @@
 //! When two speeds are one feed, and the feeds that many speeds make.
 
+use trunnion_core::statistics::upper_median;
+
 /// Speeds within this factor are one feed: a control holds a feed to a few per cent, and feeds that are compared differ by more. A judgement,
 /// tuned on no data.
 const ONE_FEED: f64 = 1.1;
@@ -24,12 +26,7 @@ pub(crate) fn by_feed(mut speeds: Vec<f64>) -> Vec<Vec<f64>> {
 
 /// The feeds of speeds above zero, each the middle of its speeds, slowest first.
 pub(crate) fn feeds(speeds: Vec<f64>) -> Vec<f64> {
-    by_feed(speeds).iter().map(|speeds| middle(speeds)).collect()
-}
-
-/// The feed of speeds in their order.
-pub(crate) fn middle(speeds: &[f64]) -> f64 {
-    speeds[speeds.len() / 2]
+    by_feed(speeds).iter().filter_map(|speeds| upper_median(speeds)).collect()
 }
 
 /// Which of the feeds a speed is: the nearest, where they are one feed.

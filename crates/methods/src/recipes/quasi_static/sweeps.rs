@@ -1,6 +1,6 @@
 //! Sweeps: all readings of one run that were taken one way at one feed, all its setups together, and the base model fitted to each.
 
-use crate::common::feed::{by_feed, feed_of, middle};
+use crate::common::feed::{by_feed, feed_of};
 use crate::recipes::{Method, MethodError};
 use nalgebra::Vector3;
 use trunnion_core::statistics::upper_median;
@@ -264,8 +264,8 @@ fn grouped<'a>(run: &'a Run, leading: &Leading) -> Vec<Group<'a>> {
 fn held(mut speeds: Vec<f64>) -> Vec<f64> {
     speeds.retain(|speed| *speed > STANDS);
     let least = RAMP * speeds.iter().sum::<f64>();
-    let held = |speeds: &Vec<f64>| (speeds.iter().sum::<f64>() >= least).then(|| middle(speeds));
-    by_feed(speeds).iter().filter_map(held).collect()
+    let held = |speeds: &&Vec<f64>| speeds.iter().sum::<f64>() >= least;
+    by_feed(speeds).iter().filter(held).filter_map(|speeds| upper_median(speeds)).collect()
 }
 
 fn step_s(pair: &[(&Point, f64)]) -> Option<f64> {
