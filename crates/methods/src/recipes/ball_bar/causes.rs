@@ -86,9 +86,10 @@ const LEAST_SHARE: f64 = 0.1;
 /// The wave of a gear: every tooth pushes the axis once.
 const TEETH: &str = "the teeth of its worm wheel or last gear (S4 table 2: pitch of the transmission)";
 const ROLLERS: &str = "rollers of unlike size: about half of them pass a place in a turn (S4 table 2)";
-/// Share f of the rollers that pass a place of a ring in a turn: the middle of a roller goes half as fast as the ring that it rolls on without slip,
-/// so f = ½ (1 ∓ d/D), − at an outer ring that stands, + at an inner one that turns, with d the diameter of a roller and D that of the circle of their
-/// middles. The range is d/D ≤ 0.3.
+/// Share f of the rollers that pass a place of a ring in a turn. A roller of diameter d on a circle D touches the inner ring, which turns at ω, at
+/// (D − d)/2 and the outer one, which stands, at (D + d)/2. Without slip its middle has the mean of both speeds, ω (D − d)/4, so the cage turns
+/// at ω (1 − d/D)/2. f = ½ (1 ∓ d/D) is then − at the outer ring, + at the inner one; a contact angle α makes d cos α of d [Harris 1966]. The
+/// range is d/D ≤ 0.3.
 const PASSING: std::ops::RangeInclusive<f64> = 0.35..=0.65;
 
 /// What the machine file counts on an axis.
