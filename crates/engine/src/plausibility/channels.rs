@@ -215,8 +215,8 @@ fn too_fine(run: &Run) -> Option<Implausible> {
                 "{}: readings of one pose repeat within {sigma_um:.3} µm, which is too small: no axis comes back so well.",
                 run.name
             ),
-            "In thousandths of an inch or mm instead of µm (factor 25.4 or 1000 too small) they would be plausible. Check the units of the readings, or \
-             the run was simulated without noise.",
+            "In thousandths of an inch or mm instead of µm (factor 25.4 or 1000 too small) they would be plausible. Check the units of the readings, \
+             unless the run was simulated without noise.",
         )
     })
 }

@@ -1,6 +1,7 @@
 //! Times, directions and copies: does the order of the points make sense?
 
 use super::found::{Implausible, plain};
+use trunnion_core::number::signed;
 use trunnion_core::{Joint, Point};
 use trunnion_cycles::{Run, RunKind};
 
@@ -16,8 +17,11 @@ const AGAINST: f64 = 1.0 / (STREAK as f64 + 1.0);
 const FEWEST_STEPS: usize = 2 * STREAK;
 /// A count is not that of a random order when it is so many standard deviations away: one in 700 on one side [normal distribution].
 const SURE: f64 = 3.0;
-/// With fewer steps in time a random order and a restart of the clock look the same.
-const FEWEST_TIMES: usize = 12;
+/// With fewer steps a random order may run back no more often than a clock that began again twice: n/2 − SURE √((n + 2)/12) is 2 for
+/// n = 10. Then only rows that run back in most of their steps are named.
+const FEWEST_TIMES: usize = 11;
+/// So many steps that all run back are the reversed order: of the 6! orders of six rows it is one, as seldom as [`SURE`] asks.
+const REVERSED_STEPS: usize = 5;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let mut found: Vec<Implausible> = same_run(runs);
@@ -103,9 +107,12 @@ fn backward(run: &Run) -> Option<Implausible> {
     let (count, mean) = (steps.len(), steps.len() as f64 / 2.0);
     let random = SURE * ((count as f64 + 2.0) / 12.0).sqrt();
     let few = count < FEWEST_TIMES;
-    // Of few steps a majority says that the order is reversed; that they are in no order cannot be said of them.
-    let reversed = if few { 2 * back > count + 1 } else { back as f64 > mean + random };
-    if !reversed && (few || (back as f64) < mean - random) {
+    let reversed = match few {
+        true => count >= REVERSED_STEPS && back == count,
+        false => back as f64 > mean + random,
+    };
+    let in_order = if few { 2 * back <= count + 1 } else { (back as f64) < mean - random };
+    if in_order {
         return None;
     }
     Some(match reversed {
@@ -162,8 +169,9 @@ fn against(run: &Run, joint: Joint) -> Option<Implausible> {
         let column = format!("direction_{}", joint.lower());
         plain(
             format!(
-                "{}: {column} is always {stated:+.0}, but {joint} moves the opposite way in {contrary} of {} steps.",
+                "{}: {column} is always {}, but {joint} moves the opposite way in {contrary} of {} steps.",
                 run.name,
+                signed(stated, 0),
                 steps.len()
             ),
             &format!("The directions were never filled in. Give {column} as the axis moved, or 0 where it is not known."),
@@ -199,5 +207,26 @@ mod tests {
         let reversed = found(&[5.0, 4.0, 3.0, 2.0, 1.0, 0.0]).expect("a finding");
         assert!(reversed.contains("backward from row to row (5 of 5 steps)"), "{reversed}");
         assert_eq!(found(&[0.0, 1.0, 2.0, 0.0, 1.0, 2.0]), None, "the clock began again");
+    }
+
+    #[test]
+    fn few_rows_in_a_random_order_are_not_called_reversed() {
+        // Seven of eleven steps back, as three random orders of twelve rows in twenty have them or more.
+        let shuffled = [9.0, 4.0, 11.0, 7.0, 2.0, 10.0, 8.0, 6.0, 1.0, 5.0, 3.0];
+        let finding = found(&shuffled).expect("a finding");
+        assert!(finding.contains("in no order of time: it runs back in 7 of 10 steps"), "{finding}");
+        // One short of all.
+        let nearly = found(&[5.0, 4.0, 3.0, 2.0, 0.0, 1.0]).expect("a finding");
+        assert!(nearly.contains("in no order of time"), "{nearly}");
+        let five = found(&[4.0, 3.0, 2.0, 1.0, 0.0]).expect("a finding");
+        assert!(five.contains("in no order of time"), "one order of 120: {five}");
+        // Enough steps for the count of a random order: all back, and half of them.
+        let down: Vec<f64> = (0..12).rev().map(f64::from).collect();
+        assert!(found(&down).expect("a finding").contains("backward from row to row (11 of 11 steps)"));
+        let zigzag: Vec<f64> = (0..12).map(|k| f64::from(k % 2 * 20 + k)).collect();
+        assert!(found(&zigzag).expect("a finding").contains("in no order of time"));
+        // A clock that began again twice is an order.
+        let twice: Vec<f64> = (0..12).map(|k| f64::from(k % 4)).collect();
+        assert_eq!(found(&twice), None);
     }
 }
