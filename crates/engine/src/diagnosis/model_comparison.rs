@@ -11,9 +11,10 @@ use crate::diagnosis::view::{View, What};
 use crate::diagnosis::views::{Seen, Views};
 use crate::evidence::joined;
 
-/// A term beats the catalogue when it leads by more than this.
+/// A term beats the catalogue when it leads by more than this: what would suffice for a claim
+/// [docs/decisions/0002-thresholds-of-model-comparison.md].
 const CLEAR_LEAD_LN: f64 = 3.0;
-/// A named effect that fits as well as the term, up to this, is the plainer explanation of the same shape.
+/// A named effect that fits as well as the term, up to this, is the plainer explanation of the same shape [ibid.].
 const SAME_FIT_LN: f64 = 3.0;
 /// Share of a term's gain at which a natural motion accounts for it.
 const MOSTLY: f64 = 0.6;

@@ -17,6 +17,7 @@ const BEST_IN_QUIET: usize = 3;
 const SEEN_LN: f64 = 3.0;
 /// Repeatable motions of a rotary axis are natural up to this share of the variance of a single reading: every bearing, encoder and gear has
 /// some. Not quite half the standard deviation where nothing else is at work; next to a larger effect they are not what is missing.
+/// Both shares are tuned on trials of the built-in simulator with empty runs [docs/decisions/0002-thresholds-of-model-comparison.md].
 pub const NATURAL_SHARE: f64 = 0.2;
 pub const NATURAL_SHARE_WITH_OTHERS: f64 = 0.6;
 

@@ -19,7 +19,7 @@ pub struct Scored {
     pub ln_bf: f64,
     /// How well it fits, whatever its columns cost, ln.
     pub fit_ln: f64,
-    /// Noise with it.
+    /// Noise learned with it in the model.
     pub sigma: Arc<Sigma>,
     /// False for a repeatable motion that is no larger than natural.
     pub noticeable: bool,

@@ -32,7 +32,7 @@ pub struct Found {
     pub further: DMatrix<f64>,
     /// The noise with all items.
     pub last: Rc<Seen>,
-    /// The noise with none, and what was looked at next to it.
+    /// The noise with no item in the model, and what was looked at next to it.
     pub before: Rc<Seen>,
     pub first: Vec<Scored>,
     /// Whatever else was looked at.

@@ -173,7 +173,7 @@ fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, at_null: &[Weighed], at_quiet
     scan.named.iter().map(of_named).collect()
 }
 
-/// What turned columns say at a noise learned with some: with its price against nothing more.
+/// What turned columns say at a noise learned with some columns in the model: with its price against nothing more.
 pub fn weighed_relearned(noise: &Relearned, columns: &DMatrix<f64>) -> Weighed {
     let plain = weigh(&noise.alone, columns);
     Weighed { ln_bf: plain.ln_bf + noise.offset_ln, fit_ln: plain.fit_ln + noise.offset_ln }

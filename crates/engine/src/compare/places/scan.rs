@@ -53,11 +53,12 @@ pub fn best(readings: &Readings, chosen: &[Found]) -> Option<Found> {
     best.into_iter().flatten().find(|found| found.worth > 0.0 && found.worth >= NEARLY * most)
 }
 
-/// Variance of a component and how its readings cling together.
+/// Variance of a component and how its readings cling together: mean size of a cluster, and the share of the mean square by which clusters
+/// deviate. The share stands for the intraclass correlation ρ in the design effect 1 + (m − 1) ρ of m readings of a cluster.
 struct Spread {
     variance_um2: f64,
     cluster: f64,
-    correlation: f64,
+    cluster_share: f64,
 }
 
 impl Spread {
@@ -68,16 +69,16 @@ impl Spread {
         }
         let variance_um2 = values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64;
         // Seen in table axes, an error that stays the same in machine axes turns with the table: the machine's view counts.
-        let (cluster, correlation) = std::iter::once(component)
+        let (cluster, cluster_share) = std::iter::once(component)
             .chain(if component < 6 { 0..3 } else { 0..0 })
             .map(|component| readings.clustering(component))
             .fold((0.0, 0.0), |most: (f64, f64), one| (most.0.max(one.0), most.1.max(one.1)));
-        Some(Self { variance_um2, cluster, correlation })
+        Some(Self { variance_um2, cluster, cluster_share })
     }
 
     /// What a box that takes `share` of each cluster explains by chance, times the ln of `choices`, twice.
     fn price(&self, share: f64, choices: f64) -> f64 {
-        let design_effect = 1.0 + (self.cluster * share - 1.0).max(0.0) * self.correlation;
+        let design_effect = 1.0 + (self.cluster * share - 1.0).max(0.0) * self.cluster_share;
         2.0 * choices.ln() * self.variance_um2 * design_effect
     }
 }
