@@ -8,7 +8,7 @@ use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::{Machine, shipped};
 use trunnion_record::points_csv::import_files;
 
-/// A file of the outside data: committed under tests/data, else beside the workspace; `None` when in neither place.
+/// A file of the outside data: committed under tests/data, else next to the workspace; `None` when in neither place.
 pub fn outside(name: &str) -> Option<String> {
     let workspace = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
     ["tests/data", "../shared/data"]

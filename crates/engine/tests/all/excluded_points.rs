@@ -51,7 +51,6 @@ fn poses_that_see_too_little_give_names_instead_of_huge_numbers() {
     let mut run = nothing_hidden();
     run.points.retain(|p| p.state.position[B].abs() < 1e-9 && p.state.position[C] < 4.0);
     let fit = fit(run, &Model::base("table-bc")).unwrap();
-    println!("{:#?}", fit.parameters);
     let location = fit.parameters.iter().filter(|p| p.effect == "location-errors");
     for p in location {
         let size = p.screen_value().unwrap_or(0.0).abs();
@@ -146,7 +145,6 @@ fn an_open_shape_number_is_found_between_grid_points() {
         ..ModelEffect::default()
     });
     let fit = fit(run, &model).unwrap();
-    println!("{:#?}", fit.parameters);
     let effect = &fit.effects[2];
     assert!((effect.shape[0] - start_rad).abs() < 0.02, "{:?}", effect.shape);
     assert!(fit.rms_mm < 0.33e-3);

@@ -13,7 +13,6 @@ fn fitted() -> Identification {
 #[test]
 fn location_errors_come_out_as_put_in() {
     let fit = fitted();
-    println!("{:#?}", fit.parameters);
     let truth: serde_json::Value =
         serde_json::from_str(&common::outside("points-nothing-hidden/truth.json").unwrap()).unwrap();
     for (ours, theirs, limit) in [
@@ -29,7 +28,6 @@ fn location_errors_come_out_as_put_in() {
         let p = fit.parameter(ours).unwrap();
         let truth = truth["location"][theirs].as_f64().unwrap() * p.unit.per_inside;
         let (value, u) = (p.screen_value().unwrap(), p.screen_u().unwrap());
-        println!("{ours}: {value:.4} truth {truth:.4} u {u:.4} ({:.2} u)", (value - truth) / u);
         assert!((value - truth).abs() < limit, "{ours} = {value}, put in {truth}");
         assert!((value - truth).abs() < 4.0 * u, "{ours} = {value} ± {u}, put in {truth}");
     }
@@ -55,7 +53,6 @@ fn noise_comes_from_repeats_and_the_held_out_error_is_near_it() {
     let repeatability = fit.repeatability.expect("every pose was measured in both directions");
     assert_eq!(repeatability.repeats, 168);
     let (noise, rms, held_out) = (repeatability.sigma_mm, fit.rms_mm, fit.holdout.unwrap().rms_mm);
-    println!("noise {noise} rms {rms} held out {held_out}");
     // Put in: noise 0.3 µm, error motions 0.2 µm.
     assert!((0.27e-3..0.35e-3).contains(&noise), "noise {noise}");
     assert!((0.28e-3..0.45e-3).contains(&rms), "rms {rms}");

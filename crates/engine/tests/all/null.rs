@@ -51,17 +51,12 @@ fn noise_of_real_machines_is_not_taken_for_an_effect() {
         let experiment = Experiment::new(&[run]).unwrap();
         let diagnosis = diagnose(&experiment, &model, &Options::default()).unwrap();
         if diagnosis.verdict == Verdict::Undecided {
-            println!("{seed}: {}", diagnosis.why);
-            undecided.push(seed);
+            undecided.push((seed, diagnosis.why));
         } else if diagnosis.verdict != Verdict::NoiseFloor {
             let first = diagnosis.candidates.first().map(|c| (c.effect.clone(), c.evidence));
-            println!(
-                "{seed}: {first:?} {:?}",
-                diagnosis.formula.as_ref().map(|f| (&f.expression, f.evidence))
-            );
-            claims.push(seed);
+            claims.push((seed, first, diagnosis.formula.map(|f| (f.expression, f.evidence))));
         }
     }
-    assert!(claims.len() <= 1, "claims at seeds {claims:?}");
-    assert!(undecided.is_empty(), "undecided at seeds {undecided:?}");
+    assert!(claims.len() <= 1, "claims at {claims:?}");
+    assert!(undecided.is_empty(), "undecided at {undecided:?}");
 }

@@ -12,27 +12,7 @@ fn diagnosed(set: &str, added: &[&str]) -> Diagnosis {
         model.effects.push(ModelEffect { id: (*id).into(), ..ModelEffect::default() });
     }
     let experiment = Experiment::new(&[run]).unwrap();
-    let begin = std::time::Instant::now();
-    let diagnosis = diagnose(&experiment, &model, &Options::default()).unwrap();
-    let seconds = begin.elapsed().as_secs_f64();
-    println!(
-        "{set} + {added:?}: {:?}, {seconds:.2} s, rms {:.3}, noise {:?}",
-        diagnosis.verdict, diagnosis.residual.rms_um, diagnosis.residual.noise_um
-    );
-    for c in &diagnosis.candidates {
-        println!(
-            "  {} 10^{:.1}, {:.3} µm, held out {:?}, explains {:.2}, adequate {}, confused {:?}",
-            c.effect,
-            c.evidence,
-            c.rms_um_after,
-            c.holdout_rms_um_after,
-            c.explains_fraction,
-            c.adequate,
-            c.confused_with
-        );
-    }
-    println!("  {:?}", diagnosis.formula);
-    diagnosis
+    diagnose(&experiment, &model, &Options::default()).unwrap()
 }
 
 #[test]

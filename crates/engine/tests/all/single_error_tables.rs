@@ -126,13 +126,6 @@ fn the_outside_tables_are_reproduced_to_their_rounding() {
             })
             .collect();
         let fit = fit(&sheet, &rows);
-        println!(
-            "{}: rms {:.4} µm, largest {:.4} µm, {} steps",
-            sheet.name,
-            fit.rms_mm * 1e3,
-            fit.residual_mm.amax() * 1e3,
-            fit.iterations
-        );
         // Five decimals of a millimetre; ZOA is printed with four.
         let rounding_mm = if sheet.name == "ZOA" { 5e-5 } else { 5e-6 };
         assert!(fit.residual_mm.amax() < 1.3 * rounding_mm, "{}: {:#?}", sheet.name, fit.parameters);
