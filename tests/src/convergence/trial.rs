@@ -8,7 +8,7 @@ use trunnion_core::{Joint, Point, Quality, Setup, State};
 use trunnion_cycles::{Cycle, Pace, Run};
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
-use trunnion_engine::{Experiment, Identification, Status, identify};
+use trunnion_engine::{Experiment, FittedParameter, Identification, Status, identify};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine};
 use trunnion_hil_sim::truth::{Noise, PlacedSetup};
 use trunnion_hil_sim::{SimSetup, Truth};
@@ -55,7 +55,7 @@ pub const CASES: [Case; 44] = [
     base("hybrid-static"),
     with("laser-ball-bar", "straight-lines-bc"),
     with("level", "volume"),
-    with("linear-x", "straight-lines"),
+    with("linear-x", "straight-line-x"),
     base("machined-column"),
     with("passive-arm", "straight-lines-xy-bc"),
     base("r-test-feeds-c"),
@@ -243,7 +243,11 @@ fn compare(exact: &Identification, recorded: &Identification, fail: &mut dyn FnM
     let largest = exact.parameters.iter().filter_map(|p| p.value).fold(0.0, |most: f64, v| most.max(v.abs()));
     for (a, b) in exact.parameters.iter().zip(&recorded.parameters) {
         if a.status != b.status {
-            let what = format!("{}.{}: {:?} became {:?}", a.effect, a.name, a.status, b.status);
+            let with_u = |p: &FittedParameter| match p.u {
+                Some(u) => format!("{:?} (u {u:.1e})", p.status),
+                None => format!("{:?}", p.status),
+            };
+            let what = format!("{}.{}: {} became {}", a.effect, a.name, with_u(a), with_u(b));
             fail("observability", what);
             continue;
         }
