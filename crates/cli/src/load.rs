@@ -126,8 +126,8 @@ pub fn formed(run: &Path, form: &Form) -> anyhow::Result<Loaded> {
 
 /// What was opened, with its reductions, damage and gaps on standard error.
 fn stated(experiment: Experiment) -> Loaded {
-    experiment.reductions().iter().chain(experiment.damage()).for_each(|text| terminal::remark(text));
-    match experiment.gaps() {
+    experiment.reductions().iter().chain(&experiment.damage()).for_each(|text| terminal::remark(text));
+    match &experiment.gaps()[..] {
         [] => {}
         [gap] => terminal::remark(gap),
         [first, further @ ..] => terminal::remark(&format!("{first}; {} further gaps", further.len())),

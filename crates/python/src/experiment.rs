@@ -15,7 +15,7 @@ use std::path::PathBuf;
 #[pyo3(signature = (*paths))]
 pub fn open(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Experiment> {
     let inner = py.detach(|| trunnion::open_all(paths)).map_err(raised)?;
-    for text in inner.damage().iter().chain(inner.reductions()) {
+    for text in inner.damage().iter().chain(&inner.reductions()) {
         let text = CString::new(text.replace('\0', " "))?;
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
     }
@@ -39,7 +39,7 @@ impl Experiment {
     /// What is wrong with the files, one sentence for each that is damaged.
     #[getter]
     fn damage(&self) -> Vec<String> {
-        self.inner.damage().to_vec()
+        self.inner.damage()
     }
 
     /// Can these runs be what they say they are: the JSON of `trunnion check`.

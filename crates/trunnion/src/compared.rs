@@ -48,7 +48,7 @@ impl Diagnosed {
         let left_out = correctable.as_ref().err().map(|error| left_out(CORRECTABLE, error));
         let answer = results::Comparison {
             spectra,
-            losses: fit.experiment().losses().to_vec(),
+            losses: fit.experiment().losses(),
             time_quality: fit.experiment().time_quality(),
             ladder: fit.model().ladder(),
             correctable: correctable.ok(),

@@ -43,6 +43,9 @@ pub struct Planned {
     cycle: Cycle,
     states: Vec<State>,
     fates: Vec<Fate>,
+    /// Points of the files before this one, and of those read so far.
+    before: u64,
+    taken: u64,
     /// On the fly: how samples find their planned states.
     passes: Option<Passes>,
 }
@@ -67,11 +70,19 @@ impl Planned {
             }
         };
         let passes = Passes::of(&cycle, machine, &states);
-        Some(Self { cycle, fates: vec![Fate::Missing; states.len()], states, passes })
+        Some(Self { cycle, fates: vec![Fate::Missing; states.len()], states, before: 0, taken: 0, passes })
+    }
+
+    /// The next file of the run follows: its points are numbered from zero again.
+    pub(crate) fn next_part(mut self) -> Self {
+        self.before = self.taken;
+        self
     }
 
     /// The next point of the recording, with its number.
     pub(crate) fn take(&mut self, index: u64, point: &Point) {
+        let index = self.before + index;
+        self.taken = self.taken.max(index + 1);
         let fate = match point.quality {
             Quality::Good if point.reading_mm.iter().all(|mm| mm.is_finite()) => Fate::Read,
             Quality::Good | Quality::NoReading => Fate::Missing,
@@ -242,16 +253,16 @@ fn information(columns: &DMatrix<f64>, others: &[DMatrix<f64>], rows: &[usize]) 
         return DMatrix::zeros(columns.ncols(), columns.ncols());
     }
     let width = others.iter().map(DMatrix::ncols).sum();
-    let mut beside = DMatrix::zeros(rows.len(), width);
+    let mut joined = DMatrix::zeros(rows.len(), width);
     let mut first = 0;
     for other in others {
-        beside.columns_mut(first, other.ncols()).copy_from(&other.select_rows(rows));
+        joined.columns_mut(first, other.ncols()).copy_from(&other.select_rows(rows));
         first += other.ncols();
     }
-    let (values, basis) = eigen(beside.tr_mul(&beside));
+    let (values, basis) = eigen(joined.tr_mul(&joined));
     let largest = values.iter().copied().fold(0.0, f64::max);
     for (k, value) in values.iter().enumerate().filter(|(_, value)| **value > DETERMINED * largest) {
-        let direction = &beside * basis.column(k) / value.sqrt();
+        let direction = &joined * basis.column(k) / value.sqrt();
         let along = direction.tr_mul(&left);
         left -= direction * along;
     }

@@ -241,7 +241,7 @@ fn judged(files: &[PathBuf], run: HistoryRun, model: Option<&Model>) -> (History
 }
 
 fn diagnosed(files: &[PathBuf], model: Option<&Model>) -> Result<Diagnosed, Error> {
-    let experiment = crate::open_all(files)?;
+    let experiment = crate::open_runs(&[files.to_vec()])?;
     let base = experiment.base_model();
     let fit = experiment.fit_within_reach(model.unwrap_or(&base))?;
     Diagnosed::without_plan(&fit)

@@ -58,7 +58,7 @@ pub use compared::{Compared, Trial};
 pub use correction::Corrected;
 pub use diagnosed::Diagnosed;
 pub use error::Error;
-pub use experiment::{Experiment, open, open_all, open_with, read, read_points};
+pub use experiment::{Experiment, open, open_all, open_runs, open_with, read, read_points};
 pub use filing::Filing;
 pub use fit::Fit;
 pub use formed::{Form, open_formed};

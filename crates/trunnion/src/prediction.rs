@@ -58,7 +58,7 @@ impl Model {
         let frozen = Frozen::new(self.entries(), self.kept()?, runs.points())?;
         Ok(results::Comparison {
             frozen: Some(prediction),
-            losses: runs.losses().to_vec(),
+            losses: runs.losses(),
             ladder: self.ladder(),
             time_quality: runs.time_quality(),
             ..results::Comparison::new(runs.points(), &frozen.settled(runs.points())?, None)

@@ -58,13 +58,26 @@ pub fn read(
     machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
     limits: Option<Limits>,
 ) -> Result<Recording, RecordError> {
+    read_next(path, machine, limits, None)
+}
+
+/// The same of a further file of a run; `before` is what those before it hold of its cycle.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_next(
+    path: &Path,
+    machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
+    limits: Option<Limits>,
+    before: Option<Planned>,
+) -> Result<Recording, RecordError> {
     let header = trunnion_record::read_header(path)?;
     let plan = crate::recorded::plan_of(&header);
     let (timing, gaps) = timing::survey(path, plan.as_ref())?;
     let forming = plan
         .filter(|plan| plan.cycle.run_kind() == RunKind::OnTheFly)
         .and_then(|plan| Forming::new(&plan, header.temperature_channels.len()).ok());
-    gather(path, header, machine, limits, (forming, timing, gaps))
+    gather(path, header, machine, (limits, before), (forming, timing, gaps))
 }
 
 /// The same with the points formed again whatever the cycle, by what the header says now; `None` where it holds no cycle or
@@ -83,7 +96,7 @@ pub(crate) fn read_again(
     let Ok(mut forming) = Forming::new(&plan, header.temperature_channels.len()) else { return Ok(None) };
     // Standing still is not the end: what ended the run is over, and a program that waited went on.
     forming.set_held(true);
-    gather(path, header, machine, limits, (Some(forming), Some(timing), gaps)).map(Some)
+    gather(path, header, machine, (limits, None), (Some(forming), Some(timing), gaps)).map(Some)
 }
 
 /// Points of one thread that unpacks become those of a recording.
@@ -91,13 +104,14 @@ fn gather(
     path: &Path,
     header: RunHeader,
     machine: &(dyn Fn(&str) -> Option<Machine> + Sync),
-    limits: Option<Limits>,
+    (limits, before): (Option<Limits>, Option<Planned>),
     (forming, timing, gaps): (Option<Forming>, Option<Timing>, Gaps),
 ) -> Result<Recording, RecordError> {
     let (send, batches) = mpsc::sync_channel::<Batch>(QUEUE);
     let of_header = header.machine().and_then(Result::ok).or_else(|| machine(&header.machine_name));
     let plate = NamePlate::parse("machine in the recording", &header.machine_text).unwrap_or_default();
-    let planned = of_header.and_then(|machine| Planned::of(&header, &machine));
+    let of_cycle = || of_header.and_then(|machine| Planned::of(&header, &machine));
+    let planned = before.map(Planned::next_part).or_else(of_cycle);
     let mut points = Points { limits, start: None, kept: Vec::new(), reducing: None, planned, gaps };
     let read = std::thread::scope(|scope| {
         let unpack = scope.spawn(|| match (forming, &timing) {

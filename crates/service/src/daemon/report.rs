@@ -4,7 +4,7 @@ use crate::clock::{day, moment};
 use crate::error::ServiceError;
 use crate::recording::Recorded;
 use crate::{kept_story, run_record};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tracing::{info, warn};
 use trunnion::results::{RunAnswer, RunResult, Verdict, to_json};
 use trunnion::{Analysed, Compared, Experiment, Model, Notation};
@@ -16,11 +16,12 @@ use trunnion_core::chain;
 /// When the file cannot be read or its points cannot be analysed.
 pub fn analyse_recording(path: &Path, model: &Model, date: &str) -> Result<Analysed, ServiceError> {
     let failed = |source| ServiceError::Analysis { path: path.into(), source: Box::new(source) };
-    opened(&[path]).map_err(failed)?.analyse(model, date).map_err(failed)
+    opened(vec![path.into()]).map_err(failed)?.analyse(model, date).map_err(failed)
 }
 
-fn opened<P: AsRef<Path>>(files: &[P]) -> Result<Experiment, trunnion::Error> {
-    let experiment = trunnion::open_all(files)?;
+/// One run from its files.
+fn opened(files: Vec<PathBuf>) -> Result<Experiment, trunnion::Error> {
+    let experiment = trunnion::open_runs(&[files])?;
     for reduction in experiment.reductions() {
         info!("{reduction}");
     }
@@ -63,7 +64,7 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
     let failed = |source| ServiceError::Analysis { path: recording.into(), source: Box::new(source) };
     let state = run_record::read(recording).unwrap_or_default();
     let files = run_record::files(recording, &state);
-    let experiment = opened(&files).map_err(failed)?;
+    let experiment = opened(files.clone()).map_err(failed)?;
     let model = model.map_or_else(|| experiment.base_model(), Model::clone);
     let analysed = experiment.analyse(&model, date).map_err(failed)?;
     let compared = analysed.first().compare().with_losses(&state.losses).with_left_out(analysed.left_out());

@@ -69,7 +69,7 @@ impl AnalysedRuns {
         self.open.drain(..self.open.len().saturating_sub(MOST_OPEN - 1));
         let (stamps, model_path) = (stamps(question), own_model(recording));
         let state = run_record::read(recording).unwrap_or_default();
-        let experiment = trunnion::open_all(run_record::files(recording, &state))?;
+        let experiment = trunnion::open_runs(&[run_record::files(recording, &state)])?;
         let model = match &question.model {
             _ if model_path.exists() => Model::load(&model_path)?,
             Some(path) => Model::load(path)?,

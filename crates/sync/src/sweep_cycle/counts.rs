@@ -23,6 +23,18 @@ impl SampleCounts {
         self.late_s2 += (motion.scatter_rad / motion.pace.0).powi(2);
     }
 
+    /// Those of two files of one run together.
+    #[must_use]
+    pub fn and(&self, next: &Self) -> Self {
+        Self {
+            used: self.used + next.used,
+            other_speed: self.other_speed + next.other_speed,
+            incomplete: self.incomplete + next.incomplete,
+            unplanned: self.unplanned + next.unplanned,
+            late_s2: self.late_s2 + next.late_s2,
+        }
+    }
+
     /// All of them.
     pub fn all(&self) -> u64 {
         self.used + self.excluded().iter().map(|(count, _)| count).sum::<u64>()

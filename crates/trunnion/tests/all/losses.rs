@@ -88,6 +88,20 @@ fn of_several_runs_a_gap_has_the_name_of_its_run() {
     let holed = recording(&folder.path().join("holed.mcap"), &[gap(10.25, 12.5)]);
     let whole = recording(&folder.path().join("whole.mcap"), &[]);
     let both = trunnion::open_all([whole, holed]).unwrap();
-    let [loss] = both.losses() else { panic!("{:?}", both.losses()) };
+    let [loss] = &both.losses()[..] else { panic!("{:?}", both.losses()) };
     assert!(loss.starts_with("holed: probe-2: nothing from 10.25 s"), "{loss}");
+}
+
+#[test]
+fn the_gap_of_every_file_of_a_run_counts() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = recording(&folder.path().join("run.mcap"), &[]);
+    let holed = recording(&folder.path().join("run-2.mcap"), &[gap(10.25, 12.5)]);
+    let run = trunnion::open_runs(&[vec![whole, holed]]).unwrap();
+    assert_eq!(run.runs().len(), 1);
+    assert_eq!(
+        run.losses(),
+        ["probe-2: nothing from 10.25 s to 12.50 s, 48 samples missing (unplugged)".to_owned()]
+    );
+    assert!(run.gaps()[0].contains("run-2.mcap: probe-2"), "{:?}", run.gaps());
 }

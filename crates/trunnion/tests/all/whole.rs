@@ -143,6 +143,24 @@ fn parts_of_one_cycle_are_judged_together() {
 }
 
 #[test]
+fn files_of_one_run_are_one_run_with_one_plan() {
+    for (text, cut) in [(&seventy_two()[..], 60), (SWEEP, 100)] {
+        let whole = trunnion::open(&Recorded::new(text, |_, _| Some(Quality::Good)).path).unwrap();
+        let first = Recorded::new(text, |k, _| (k < cut).then_some(Quality::Good));
+        let second = Recorded::new(text, |k, _| (k >= cut).then_some(Quality::Good));
+        let files = vec![first.path.clone(), second.path.clone()];
+        let run = trunnion::open_runs(&[files]).unwrap();
+        assert_eq!((run.check().complete, run.plausibility()), (whole.check().complete, vec![]), "{text}");
+        assert_eq!((run.runs().len(), run.points().points.len()), (1, whole.points().points.len()));
+        // One mounting for each setup of the run, and none more for its second file.
+        let of = |experiment: &trunnion::Experiment| {
+            experiment.fit(&experiment.base_model()).unwrap().results().parameters.len()
+        };
+        assert_eq!(of(&run), of(&whole));
+    }
+}
+
+#[test]
 fn a_circle_and_a_cone_are_planned_along_their_curve_and_half_of_one_is_not_judged() {
     let turns = CIRCLE.replace("from_deg = 0\nto_deg = 360", "from_deg = -180\nto_deg = 540");
     assert_ne!(turns, CIRCLE);

@@ -1,0 +1,150 @@
+//! From files to runs: each file is read, and those of one run are put together.
+
+use crate::recording::{self, Recording};
+use crate::{Error, completeness, files, page};
+use std::path::{Path, PathBuf};
+use trunnion_core::Gap;
+use trunnion_cycles::Run;
+use trunnion_machine::NamePlate;
+use trunnion_record::Damage;
+use trunnion_results as results;
+use trunnion_sync::SampleCounts;
+use trunnion_sync::blocks::Limits;
+use trunnion_sync::time_quality::TimeQuality;
+
+/// Reads a recording, or a points file with its `setup.toml`; with `limits` a long run on the fly is reduced to blocks.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn read(path: &Path, limits: Option<Limits>) -> Result<Recording, Error> {
+    read_next(path, limits, None)
+}
+
+/// Reads the files of one run, in order of time. Further files have its name, its zero of time and its setups, and go on with its cycle.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn read_parts(paths: &[PathBuf], limits: Limits) -> Result<Vec<(PathBuf, Recording)>, Error> {
+    let mut parts: Vec<(PathBuf, Recording)> = Vec::new();
+    for path in paths {
+        let planned = parts.last_mut().and_then(|(_, before)| before.planned.take());
+        parts.push((path.clone(), read_next(path, Some(limits), planned)?));
+    }
+    Ok(parts)
+}
+
+/// Reads a file that goes on with the cycle of the one before.
+fn read_next(
+    path: &Path,
+    limits: Option<Limits>,
+    planned: Option<completeness::Planned>,
+) -> Result<Recording, Error> {
+    if path.extension().is_some_and(|ending| ending == "csv") {
+        let run = read_points(path, &path.with_file_name("setup.toml"))?;
+        return Ok(Recording {
+            run,
+            reduction: None,
+            planned,
+            gaps: Vec::new(),
+            damage: None,
+            timing: None,
+            samples: None,
+            plate: NamePlate::default(),
+        });
+    }
+    recording::read_next(path, &|name| files::machine(name).ok(), limits, planned)
+        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })
+}
+
+/// Reads a points file with its setup file.
+///
+/// # Errors
+/// Every problem of both files at once.
+pub fn read_points(points: &Path, setup: &Path) -> Result<Run, Error> {
+    let stem = points.file_stem().map_or_else(|| "points".into(), |stem| stem.to_string_lossy());
+    // `points.csv` is called after its folder.
+    let folder = points.parent().and_then(Path::file_name).map(|name| name.to_string_lossy());
+    let name = folder.filter(|_| stem == "points").unwrap_or(stem);
+    let (setup_text, points_text) = (files::read(setup)?, files::read(points)?);
+    Ok(trunnion_record::points_csv::import_files(
+        &name,
+        (&points.display().to_string(), &points_text),
+        (&setup.display().to_string(), &setup_text),
+        &|machine| files::machine(machine).ok(),
+    )?)
+}
+
+/// What is known of one file apart from its points.
+pub(super) struct OfFile {
+    path: PathBuf,
+    /// Name of its run.
+    run: String,
+    reduction: Option<String>,
+    gaps: Vec<Gap>,
+    damage: Option<Damage>,
+    pub(super) timing: Option<TimeQuality>,
+}
+
+impl OfFile {
+    fn named(&self, text: &str) -> String {
+        format!("{}: {text}", self.path.display())
+    }
+
+    /// What is wrong with the file.
+    pub(super) fn damage(&self) -> Option<String> {
+        self.damage.as_ref().map(|damage| self.named(&damage.to_string()))
+    }
+
+    /// How points became fewer.
+    pub(super) fn reduction(&self) -> Option<String> {
+        self.reduction.as_ref().map(|text| self.named(text))
+    }
+
+    /// Gaps in what was asked of the devices, with the file.
+    pub(super) fn gaps(&self) -> Vec<String> {
+        page::losses(&self.gaps, 0).iter().map(|gap| self.named(gap)).collect()
+    }
+
+    /// What is missing, gaps and damage; with the run where there are several.
+    pub(super) fn losses(&self, is_one: bool) -> Vec<String> {
+        let damage = self.damage.as_ref().map(|damage| format!("the file is {damage}"));
+        let all = page::losses(&self.gaps, 0).into_iter().chain(damage);
+        all.map(|text| if is_one { text } else { format!("{}: {text}", self.run) }).collect()
+    }
+}
+
+/// Runs, each put together from its files.
+#[derive(Default)]
+pub(super) struct Runs {
+    pub(super) runs: Vec<Run>,
+    pub(super) planned: Vec<Option<completeness::Planned>>,
+    pub(super) samples: Vec<results::Samples>,
+    pub(super) files: Vec<OfFile>,
+    pub(super) plate: NamePlate,
+}
+
+impl Runs {
+    /// The next run from its files.
+    pub(super) fn take(&mut self, parts: Vec<(PathBuf, Recording)>) {
+        let (mut whole, mut planned, mut samples) = (None::<Run>, None, None::<SampleCounts>);
+        for (path, part) in parts {
+            let Recording { mut run, reduction, gaps, damage, timing, .. } = part;
+            self.files.push(OfFile { path, run: run.name.clone(), reduction, gaps, damage, timing });
+            self.plate = std::mem::take(&mut self.plate).or(part.plate);
+            // The plan of the last part counts those before it.
+            planned = part.planned.or(planned);
+            samples = match (samples, part.samples) {
+                (Some(before), Some(next)) => Some(before.and(&next)),
+                (before, next) => before.or(next),
+            };
+            match &mut whole {
+                Some(whole) => whole.points.append(&mut run.points),
+                None => whole = Some(run),
+            }
+        }
+        let Some(run) = whole else { return };
+        self.samples.extend(samples.and_then(|counts| results::Samples::of(&run.name, &counts)));
+        self.runs.push(run);
+        self.planned.push(planned);
+    }
+}
