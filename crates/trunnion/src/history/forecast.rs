@@ -4,9 +4,7 @@
 //! A forecast is checked before it is given: the days before the last predict the last, which took no part in their fit.
 //! Limits: as long as nobody changes the machine. A season that no day of these belongs to is not in it.
 
-use crate::experiment::open_runs;
-use crate::{Error, Experiment, Fit, Model, identity};
-use std::collections::BTreeMap;
+use crate::{Error, Experiment, Fit, Model, identity, open_runs};
 use std::path::PathBuf;
 use trunnion_core::chain;
 use trunnion_effects::{FittedValue, Instance, Scene};
@@ -18,7 +16,9 @@ use trunnion_results::{DayForecast, ForecastValue, HistoryRun, MachineHistory, R
 const FEWEST_DAYS: usize = 5;
 /// Days that are fitted together: the latest two working weeks. Older ones say less of tomorrow, and each costs a fit.
 const MOST_DAYS: usize = 10;
-const DAY_S: i64 = 86_400;
+/// Runs that are closer are of one day: half a day, between a shift and the pause to the next one. By dates a shift east or west of
+/// Greenwich would be two days.
+const APART_S: i64 = 43_200;
 
 /// Indices of the runs that a forecast is made from, one a day and oldest first; or why they do not allow one. `since` is the first run
 /// after a repair.
@@ -37,9 +37,14 @@ pub fn days(history: &MachineHistory, since: usize) -> Result<Vec<usize>, String
     let unchanged: Vec<usize> =
         all.into_iter().filter(|&index| history.runs[index].alarms.is_empty()).collect();
     // The last run of each day: runs of one day differ by less than days do, and would be taken for days that hardly differ.
-    let day = |&index: &usize| Some((history.runs[index].began_s?.div_euclid(DAY_S), index));
-    let days: Vec<usize> =
-        unchanged.iter().filter_map(day).collect::<BTreeMap<_, _>>().into_values().collect();
+    let (mut days, mut next_s) = (Vec::new(), None::<i64>);
+    for &index in unchanged.iter().rev() {
+        let Some(began_s) = history.runs[index].began_s else { continue };
+        if next_s.is_none_or(|next_s| next_s - began_s >= APART_S) {
+            days.insert(0, index);
+            next_s = Some(began_s);
+        }
+    }
     if days.len() < FEWEST_DAYS {
         let measured = days.len();
         let after =
@@ -168,6 +173,8 @@ mod tests {
     use super::*;
     use trunnion_results::CorrectionEntered;
 
+    const DAY_S: i64 = 86_400;
+
     fn runs(count: i64) -> MachineHistory {
         let run = |day: i64| HistoryRun {
             run: format!("day-{day}"),
@@ -176,6 +183,22 @@ mod tests {
             ..HistoryRun::default()
         };
         MachineHistory { runs: (0..count).map(run).collect(), ..MachineHistory::default() }
+    }
+
+    /// Half past eight and four o'clock, wherever the machine stands: in Tokyo the morning is the evening before of Greenwich.
+    #[test]
+    fn runs_of_one_shift_are_one_day_in_every_time_zone() {
+        for zone_h in -11..=12 {
+            let mut two_a_day = runs(12);
+            for (number, run) in (0..).zip(&mut two_a_day.runs) {
+                let local_s = 5 * DAY_S + number / 2 * DAY_S + [30_600, 57_600][(number % 2) as usize];
+                run.began_s = Some(local_s - zone_h * 3600);
+            }
+            assert_eq!(days(&two_a_day, 0).unwrap(), [1, 3, 5, 7, 9, 11], "{zone_h} h");
+            // The last day has no afternoon yet.
+            two_a_day.runs.pop();
+            assert_eq!(days(&two_a_day, 0).unwrap(), [1, 3, 5, 7, 9, 10], "{zone_h} h");
+        }
     }
 
     #[test]
@@ -195,7 +218,7 @@ mod tests {
         );
         let mut four_a_day = runs(24);
         for (number, run) in (0..).zip(&mut four_a_day.runs) {
-            run.began_s = Some(number * DAY_S / 4);
+            run.began_s = Some(number / 4 * DAY_S + number % 4 * DAY_S / 12);
         }
         assert_eq!(days(&four_a_day, 0).unwrap(), [3, 7, 11, 15, 19, 23], "one run a day, its last");
         assert_eq!(
