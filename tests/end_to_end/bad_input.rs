@@ -11,21 +11,30 @@ fn data(file: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-gravity")).join(file)
 }
 
-/// The points with one column changed row by row, imported into a folder: the recording.
-fn imported_with(folder: &Path, column: &str, change: impl Fn(usize, &str) -> String) -> String {
+/// The committed points, their rows changed by a function of all of them, imported into a folder: the recording.
+fn imported(folder: &Path, change: impl FnOnce(&str, Vec<&str>) -> Vec<String>) -> String {
     let path = |name: &str| folder.join(name).display().to_string();
     let points = std::fs::read_to_string(data("points.csv")).unwrap();
     let (head, rows) = points.split_once('\n').unwrap();
-    let column = head.split(',').position(|name| name == column).unwrap();
-    let changed = rows.lines().enumerate().map(|(row, line)| {
-        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-        cells[column] = change(row, &cells[column]);
-        cells.join(",") + "\n"
-    });
-    std::fs::write(path("points.csv"), format!("{head}\n{}", changed.collect::<String>())).unwrap();
+    let rows = change(head, rows.lines().collect());
+    std::fs::write(path("points.csv"), format!("{head}\n{}\n", rows.join("\n"))).unwrap();
     std::fs::copy(data("setup.toml"), path("setup.toml")).unwrap();
-    assert!(answer(&["import", &path("points.csv"), "-o", &path("run.mcap")]).status.success());
+    let output = answer(&["import", &path("points.csv"), "-o", &path("run.mcap")]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     path("run.mcap")
+}
+
+/// The same with one column changed row by row.
+fn imported_with(folder: &Path, column: &str, change: impl Fn(usize, &str) -> String) -> String {
+    imported(folder, |head, rows| {
+        let column = head.split(',').position(|name| name == column).unwrap();
+        let changed = rows.into_iter().enumerate().map(|(row, line)| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            cells[column] = change(row, &cells[column]);
+            cells.join(",")
+        });
+        changed.collect()
+    })
 }
 
 /// Expects exit 1 and every one of `words` on standard error.
@@ -136,24 +145,12 @@ fn a_named_method_of_runs_that_are_doubted_says_so_and_exits_with_3() {
     assert_eq!(answer["plausibility"].as_array().unwrap().len(), 1, "{answer}");
 }
 
-/// Imports the committed points, of them as many as are `taken`.
-fn imported(folder: &Path, taken: usize) -> PathBuf {
-    let points = std::fs::read_to_string(data("points.csv")).unwrap();
-    let taken: Vec<&str> = points.lines().take(taken + 1).collect();
-    std::fs::write(folder.join("points.csv"), taken.join("\n") + "\n").unwrap();
-    std::fs::copy(data("setup.toml"), folder.join("setup.toml")).unwrap();
-    let (points, run) = (folder.join("points.csv"), folder.join("run.mcap"));
-    let args = ["import", points.to_str().unwrap(), "-o", run.to_str().unwrap()];
-    let output = answer(&args);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    run
-}
-
 #[test]
 fn a_gap_ends_every_answer_with_3_and_is_said() {
     let folder = tempfile::tempdir().unwrap();
-    let whole = imported(folder.path(), usize::MAX - 1);
-    let recording = trunnion_record::read_run(&whole, &trunnion_machine::shipped::machine).unwrap();
+    let whole = super::program::import("points-gravity", folder.path());
+    let recording =
+        trunnion_record::read_run(Path::new(&whole), &trunnion_machine::shipped::machine).unwrap();
     let holed = folder.path().join("holed.mcap");
     let mut writer = trunnion_record::RunWriter::create(&holed, &recording.header).unwrap();
     recording.run.points.into_iter().for_each(|point| writer.point(point));
@@ -172,14 +169,14 @@ fn a_gap_ends_every_answer_with_3_and_is_said() {
         assert_eq!(output.status.code(), Some(3), "{command}: {error}");
         assert!(error.contains("holed.mcap: probe-2: nothing from 10.25 s to 12.50 s"), "{command}: {error}");
     }
-    assert_eq!(answer(&["compare", whole.to_str().unwrap()]).status.code(), Some(0));
+    assert_eq!(answer(&["compare", &whole]).status.code(), Some(0));
 }
 
 #[test]
 fn an_answer_whose_diagnosis_failed_exits_with_3() {
     let folder = tempfile::tempdir().unwrap();
     // Twelve readings for seven parameters.
-    let run = imported(folder.path(), 4).display().to_string();
+    let run = imported(folder.path(), |_, rows| rows.into_iter().take(4).map(str::to_owned).collect());
     for command in ["compare", "report", "replay"] {
         let output = answer(&[command, &run]);
         let text = String::from_utf8(output.stdout).unwrap();
@@ -187,6 +184,17 @@ fn an_answer_whose_diagnosis_failed_exits_with_3() {
         assert_eq!(output.status.code(), Some(3), "{command}: {text}");
         assert!(text.to_lowercase().contains("the diagnosis failed"), "{command}: {text}");
     }
+    // Nothing goes into a control from a model that nobody could judge.
+    let file = folder.path().join("file").display().to_string();
+    let correct = ["correct", &run, "--control", "csv", "-o", &file, "--although-not-better"];
+    check_refused(
+        &correct,
+        &["nothing was written, because the model was not judged", "The diagnosis failed"],
+    );
+    assert!(!Path::new(&file).exists());
+    let anyway = answer(&[&correct[..], &["--although-inadequate"]].concat());
+    assert_eq!(anyway.status.code(), Some(3), "{}", String::from_utf8_lossy(&anyway.stderr));
+    assert!(Path::new(&file).exists());
 }
 
 #[test]

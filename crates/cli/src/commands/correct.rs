@@ -32,7 +32,7 @@ pub struct Args {
     /// Write corrections (-error) instead of errors; tables only
     #[arg(long)]
     corrections: bool,
-    /// Go on although the model is inadequate: diagnose finds something that it lacks
+    /// Go on although the model is inadequate (diagnose finds something that it lacks) or could not be judged
     #[arg(long)]
     although_inadequate: bool,
     /// Go on although the errors at the measured poses do not fall by what the control takes
@@ -100,10 +100,13 @@ fn values(args: &Args, control: &Format) -> anyhow::Result<CorrectionValues> {
     }
 }
 
-/// The verdict on the model; refuses one that lacks something.
+/// The verdict on the model; refuses one that lacks something, or was not judged.
 fn adequate(args: &Args, fit: &Fit) -> anyhow::Result<Verdict> {
     let (verdict, why) = fit.verdict();
     match verdict {
+        Verdict::NotJudged if !args.although_inadequate => bail!(
+            "nothing was written, because the model was not judged. {why} `--although-inadequate` goes on all the same"
+        ),
         Verdict::MissingEffect | Verdict::UnnamedStructure if !args.although_inadequate => bail!(
             "nothing was written, because the model is inadequate. {why} Add what it lacks (trunnion diagnose, trunnion add); \
              `--although-inadequate` goes on all the same"
