@@ -41,4 +41,4 @@ pub use reader::{OnPoint, Recording, RunStart, read_header, read_run, visit, vis
 pub use schema::FILE_DESCRIPTOR_SET;
 pub use scrub::{Scrubbed, scrub};
 pub use whole_run::{RunWriter, write_run, write_run_with_axes};
-pub use writer::{Finished, Recorder};
+pub use writer::{BATCH_AGE, Finished, Recorder};

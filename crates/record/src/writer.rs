@@ -30,7 +30,7 @@ use std::time::Duration;
 use trunnion_core::{AxisSample, Event, Gap, HostTime, ProbeSample, chain};
 
 /// Longest time a sample waits for its batch to fill.
-const BATCH_AGE: Duration = syncs::PERIOD;
+pub const BATCH_AGE: Duration = syncs::PERIOD;
 /// Time between attempts to open a new file after a failure.
 const RETRY: Duration = Duration::from_secs(1);
 /// Of what is lost: the reason is that of the moment at which the gap is written.

@@ -5,11 +5,12 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use trunnion_core::Gap;
+use trunnion_core::statistics::upper_median;
 use trunnion_machine::shipped;
 
-/// A gap of the recorder begins and ends with a message, which holds the samples of up to 40 ms (`BATCH_AGE` of its writer): one more
-/// or less at either end.
-const NEAR_S: f64 = 2.0 * 0.04;
+/// A gap of the recorder begins and ends with a message, which holds the samples of up to [`trunnion_record::BATCH_AGE`]: one more or less at
+/// either end.
+const NEAR_S: f64 = 2.0 * trunnion_record::BATCH_AGE.as_millis() as f64 * 1e-3;
 /// Source of the gaps of the recorder, which are of every channel.
 const RECORDER: &str = "recorder";
 /// A hole is longer than so many usual steps.
@@ -72,9 +73,8 @@ fn run(file: &Path) -> String {
 /// Holes between samples of a probe, s, that no gaps of it or of the recorder cover from end to end.
 fn holes(mut times_s: Vec<f64>, probe: &str, gaps: &[Gap]) -> Vec<(f64, f64)> {
     times_s.sort_by(f64::total_cmp);
-    let mut steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    let usual_s = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+    let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let usual_s = upper_median(&steps).unwrap_or(0.0);
     let mut gaps: Vec<&Gap> =
         gaps.iter().filter(|gap| gap.source == probe || gap.source == RECORDER).collect();
     gaps.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
@@ -110,6 +110,9 @@ fn a_hole_is_silent_unless_gaps_of_its_probe_or_of_the_recorder_cover_it() {
     assert_eq!(found(&[gap("probe-2", 1.0, 1.5)]).len(), 1, "another probe");
     assert_eq!(found(&[gap("probe-1", 1.0, 1.5)]), []);
     assert_eq!(found(&[gap("recorder", 0.5, 1.2), gap("probe-1", 1.2, 1.5)]), []);
+    // A message at either end is near, more is not.
+    assert_eq!(found(&[gap("recorder", 1.05, 1.45)]), []);
+    assert_eq!(found(&[gap("recorder", 1.09, 1.5)]).len(), 1);
     assert_eq!(run(Path::new("demo-20261125T224237Z-2.mcap")), "demo-20261125T224237Z");
     assert_eq!(run(Path::new("demo-20261125T224237Z-joined.mcap")), "demo-20261125T224237Z-joined");
 }

@@ -20,7 +20,8 @@ use trunnion_hil_sim::pauses::Pauses;
 
 /// Services at once: each simulates three probes at 1 kHz, and one more analyses.
 const AT_ONCE: u32 = 2;
-/// Rows in which a pause of the computer may be to blame: more of them say more of the service than of the computer.
+/// Rows in which a pause of the computer may be to blame: more of them say more of the service than of the computer. A judgement, tuned on no
+/// data.
 const EXCUSED: usize = 1;
 /// How much shorter than the hole a pause is measured: the sleep of the watch, and a step of the probes, which are simulated every
 /// millisecond, at either end.
