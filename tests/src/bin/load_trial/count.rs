@@ -4,7 +4,7 @@ use crate::floor::{EDGE_S, Rates, Sent};
 use anyhow::Context;
 use std::path::Path;
 use trunnion_core::{Gap, Stamp};
-use trunnion_record::Item;
+use trunnion_record::{BATCH_AGE, Item};
 
 /// One stream of the recording.
 #[derive(Clone, Debug)]
@@ -25,6 +25,8 @@ pub struct Stream {
     device: &'static str,
     /// Samples that its gaps count as lost.
     lost: u64,
+    /// Those among them in gaps a second and more from both ends of the cycle.
+    lost_inside: u64,
     /// Length of its gaps in which nobody could count, s.
     uncounted_s: f64,
     last: Option<f64>,
@@ -42,6 +44,7 @@ impl Stream {
             longest_step_ms: 0.0,
             device,
             lost: 0,
+            lost_inside: 0,
             uncounted_s: 0.0,
             last: None,
             first: f64::NAN,
@@ -60,11 +63,15 @@ impl Stream {
     }
 
     /// Takes a gap that is of this stream.
-    fn take_gap(&mut self, gap: &Gap) -> bool {
+    fn take_gap(&mut self, gap: &Gap, end_s: f64) -> bool {
         let is_its_own = gap.source.starts_with(self.device);
         if is_its_own {
             match gap.lost_samples {
-                Some(lost) => self.lost += lost,
+                Some(lost) => {
+                    self.lost += lost;
+                    let is_inside = gap.from_s >= EDGE_S && gap.to_s <= end_s;
+                    self.lost_inside += if is_inside { lost } else { 0 };
+                }
                 None => self.uncounted_s += gap.to_s - gap.from_s,
             }
         }
@@ -130,6 +137,20 @@ impl Judged {
         self.counts.length_s < self.seconds - EDGE_S
     }
 
+    /// Samples that the recording says are lost and that are there: of streams that were compared, within what was compared.
+    pub fn overcounted(&self) -> u64 {
+        let of = |stream: &Stream| match (stream.expected, self.sent) {
+            (Some(_), _) => stream.lost_inside,
+            (None, Some(_)) if !self.is_late() => stream.lost_inside.saturating_sub(EDGE_SAMPLES),
+            (None, _) => 0,
+        };
+        let missing = |stream: &Stream| {
+            let (expected, recorded) = self.compared(stream);
+            expected.saturating_sub(recorded)
+        };
+        self.counts.streams.iter().map(|stream| of(stream).saturating_sub(missing(stream))).sum()
+    }
+
     /// Samples that are missing, and those of them that no gap reports.
     pub fn missing(&self) -> (u64, u64) {
         let missing = |stream: &Stream| {
@@ -174,13 +195,14 @@ pub fn count(path: &Path, rates: Rates, duration_s: f64) -> anyhow::Result<Count
                 length_s = length_s.max(sample.time_s);
             }
             Item::Point(_) => points += 1,
-            // What was missing before the cycle began is no loss of it. It ends with the first message, some ms later; probes are
-            // counted from their first sample, the others from a second on.
-            Item::Gap(gap) if gap.from_s < 0.0 && gap.to_s < EDGE_S => {}
+            // What was missing before the cycle began is no loss of it. It ends with the first message, which waits for its batch.
+            Item::Gap(gap) if gap.from_s < 0.0 && gap.to_s <= BATCH_AGE.as_secs_f64() => {}
             Item::Gap(gap) => {
                 lost += gap.lost_samples.unwrap_or(0);
                 uncounted += u64::from(gap.lost_samples.is_none());
-                if streams.iter_mut().filter_map(|stream| stream.take_gap(&gap).then_some(())).count() == 0 {
+                if streams.iter_mut().filter_map(|stream| stream.take_gap(&gap, end_s).then_some(())).count()
+                    == 0
+                {
                     lost_of_any += gap.lost_samples.unwrap_or(0);
                 }
                 gaps.push(format!(
@@ -221,6 +243,31 @@ mod tests {
             file_mb: 0.0,
         };
         Judged { seconds: 10.0, counts, sent: Some(sent) }
+    }
+
+    #[test]
+    fn only_what_was_compared_can_be_counted_too_often() {
+        let gap = |from_s, to_s| Gap {
+            source: "cnc".into(),
+            from_s,
+            to_s,
+            lost_samples: Some(60),
+            reason: String::new(),
+        };
+        let with = |gap: Gap, sent: Option<Sent>, length_s: f64| {
+            let mut axes = axes(1151, 0);
+            assert!(axes.take_gap(&gap, 9.0));
+            let judged = judged(axes, Sent { encoder: 0, axes: 1151 });
+            let counts = Counts { length_s, ..judged.counts };
+            let judged = Judged { sent, counts, ..judged };
+            (judged.missing(), judged.overcounted())
+        };
+        let sent = Some(Sent { encoder: 0, axes: 1151 });
+        assert_eq!(with(gap(4.0, 5.0), sent, 10.0), ((0, 0), 60 - EDGE_SAMPLES));
+        assert_eq!(with(gap(0.5, 0.8), sent, 10.0), ((0, 0), 0), "in the first second");
+        assert_eq!(with(gap(8.8, 9.2), sent, 10.0), ((0, 0), 0), "in the last second");
+        assert_eq!(with(gap(4.0, 5.0), None, 10.0), ((0, 0), 0), "nobody counted");
+        assert_eq!(with(gap(4.0, 5.0), sent, 8.0), ((0, 0), 0), "the service began late");
     }
 
     #[test]

@@ -108,10 +108,15 @@ fn main() -> anyhow::Result<()> {
     let ((missing, unreported), counts) = (trial.judged.missing(), &trial.judged.counts);
     match (missing, counts.lost, counts.uncounted) {
         (0, 0, 0) => return Ok(()),
-        (0, 1.., _) => eprintln!(
-            "nothing of the streams is missing, yet {} samples are recorded as lost: the recording counts too many",
-            counts.lost
-        ),
+        (0, 1.., _) => {
+            let lost = counts.lost;
+            match trial.judged.overcounted() {
+                0 => eprintln!("{lost} samples are recorded as lost where nothing was compared"),
+                many => eprintln!(
+                    "{lost} samples are recorded as lost, and {many} of them are there: it counts too many"
+                ),
+            }
+        }
         (_, lost, uncounted) => eprintln!(
             "{missing} samples are missing, {unreported} of them without a gap; {lost} were recorded as lost, and {uncounted} gaps have \
              no number"
