@@ -2,7 +2,7 @@
 
 use crate::number::{MISSING, plain, signed, unit_on_screen, value_and_u};
 use std::cmp::Ordering::Equal;
-use trunnion_results::sentences::{at_tool_um, error_in_words, not_plausible};
+use trunnion_results::sentences::{at_tool_um, error_in_words, not_plausible, setting_in_words};
 use trunnion_results::{Cell, Column, Findings, FoundValue, Table, ValueKind};
 
 /// Heads of the table of values.
@@ -76,7 +76,8 @@ fn summary(found: &FoundValue) -> String {
 /// The name of a value in words, and its symbol in brackets: a headline begins with no symbol. `XY EC0Y` is said of its plane.
 fn in_words(name: &str) -> (String, String) {
     let (first, rest) = name.split_once(' ').unwrap_or((name, ""));
-    match (error_in_words(first), error_in_words(rest)) {
+    let words = |name| error_in_words(name).or_else(|| setting_in_words(name));
+    match (words(first), words(rest)) {
         (Some(words), _) if rest.is_empty() => (format!("The {words}"), format!(" ({first})")),
         // Which trace shows it, `by C-XY`, follows the name.
         (Some(words), _) if rest.starts_with("by ") => (format!("The {words} {rest}"), format!(" ({first})")),

@@ -167,6 +167,18 @@ pub fn error_in_words(symbol: &str) -> Option<String> {
     is_axis.then(|| format!("{} axis {axis} {along}", words[usize::from(!is_location)]))
 }
 
+/// What mounting left: `place of setup low along Y` for `ball-setting.low.y`, `turn of setup plate about X` for `ball-setting.plate.a`; `None`
+/// for what is none.
+pub fn setting_in_words(name: &str) -> Option<String> {
+    let (setup, what) = name.strip_prefix("ball-setting.")?.rsplit_once('.')?;
+    let axis = |of: &str| of.find(what).and_then(|k| ["X", "Y", "Z"].get(k));
+    Some(match (what.len(), axis("xyz"), axis("abc")) {
+        (1, Some(along), _) => format!("place of setup {setup} along {along}"),
+        (1, _, Some(about)) => format!("turn of setup {setup} about {about}"),
+        _ => format!("{} of setup {setup}", what.replace('-', " ")),
+    })
+}
+
 /// Location errors without a number, by axis: `place of axis B along X/Y`, `direction of axis C about X`, `zero of B`.
 pub fn unnumbered_locations(names: &[&str]) -> Vec<String> {
     let mut groups: Vec<(String, Vec<char>)> = Vec::new();
@@ -358,5 +370,14 @@ mod tests {
         for other in ["E", "EX", "EX0", "left", "low.radial-x", "EQ0C", "Error"] {
             assert_eq!(error_in_words(other), None, "{other}");
         }
+    }
+
+    #[test]
+    fn what_mounting_left_is_said_in_words() {
+        let said = |name: &str| setting_in_words(name).unwrap_or_default();
+        assert_eq!(said("ball-setting.low.y"), "place of setup low along Y");
+        assert_eq!(said("ball-setting.plate 1.b"), "turn of setup plate 1 about Y");
+        assert_eq!(said("ball-setting.low.dead-path"), "dead path of setup low");
+        assert_eq!(setting_in_words("EX0C"), None);
     }
 }
