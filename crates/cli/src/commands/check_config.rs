@@ -19,9 +19,10 @@ use trunnion_service::page::Access;
 
 /// Check a configuration and what it names
 ///
-/// Files are read, and the folder of the recordings and the password files are tried. Ports, controllers and the broker are looked
-/// for, 3 s at most. A folder that cannot be written or a password file that cannot be read is a failure (exit code 1). A port,
-/// controller or broker that is not there is a state: it is said, the service waits for it, and the exit code stays 0.
+/// Files are read, those of passwords, certificates and keys too, and the folder of the recordings is tried. Ports, controllers and the broker
+/// are looked for, 3 s at most. A folder that cannot be written or a file that cannot be read is a failure (exit code 1). A secret that
+/// every user of this computer can read is named. A port, controller or broker that is not there is a state: it is said, the service
+/// waits for it, and the exit code stays 0.
 ///
 /// Example: trunnion check-config config/trunnion.toml
 #[derive(clap::Args)]

@@ -32,7 +32,15 @@ impl MqttTls {
         Some(Self { ca: table.folder().join(ca?), client })
     }
 
-    /// Reads the files.
+    /// Whether the files are there and are what they should be.
+    ///
+    /// # Errors
+    /// In words: the first that is not.
+    pub fn check(&self) -> Result<(), String> {
+        self.transport().map(drop)
+    }
+
+    /// Reads the files, as they are when a connection begins.
     ///
     /// # Errors
     /// In words: a file that is not there, or is not what it should be.

@@ -1,6 +1,8 @@
-//! What a configuration names is touched: the folder of the recordings, password files, ports, controllers, the broker.
+//! What a configuration names is touched: the folder of the recordings, files of passwords and of the encryption, ports, controllers, the
+//! broker.
 //!
-//! What must be there before the service can do its work is a failure: a folder that takes no file, a password file that cannot be read.
+//! What must be there before the service can do its work is a failure: a folder that takes no file, a password file or a certificate that cannot be
+//! read.
 //! What may come and go is a state, which the service waits for: a port that is not plugged in, a controller or broker that is off.
 
 use std::io;
@@ -32,6 +34,10 @@ pub fn reach(config: &Config) -> Reached {
     let mut reached = Reached::default();
     reached.failures.extend(takes_no_file(&config.recordings));
     reached.failures.extend(unread_passwords(config));
+    let tls = config.mqtt.as_ref().and_then(|mqtt| mqtt.broker.tls.as_ref());
+    reached
+        .failures
+        .extend(tls.and_then(|tls| tls.check().err()).map(|error| format!("[mqtt.tls]: {error}")));
     let end = Instant::now() + LIMIT;
     let mut asked: Vec<(String, mpsc::Receiver<io::Result<()>>)> = Vec::new();
     for device in &config.devices {
