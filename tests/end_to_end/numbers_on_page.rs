@@ -4,15 +4,15 @@
 use serde_json::{Value, json};
 use std::io::Write;
 use std::process::{Command, Stdio};
-use trunnion::results::number::{justified, plain, value_and_u};
+use trunnion::results::number::{MISSING, fixed, justified, plain, value_and_u};
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../service/src/page/assets/dom.js");
 
 /// Reads `[value, u]` pairs, prints what the page makes of each.
 const ASK: &str = "\
-    const { plain, justified, withU } = await import(process.argv[1]);\n\
+    const { plain, justified, withU, decimal } = await import(process.argv[1]);\n\
     const cases = JSON.parse(require('fs').readFileSync(0, 'utf8'));\n\
-    console.log(JSON.stringify(cases.map(([v, u]) => [plain(v), justified(v, u), ...withU(v, u)])));";
+    console.log(JSON.stringify(cases.map(([v, u]) => [plain(v), justified(v, u), ...withU(v, u), decimal(v, 0), decimal(v, 3)])));";
 
 /// What the page is given; `null` is what JSON makes of a number that is not finite.
 fn cases() -> Vec<(Option<f64>, Option<f64>)> {
@@ -74,7 +74,7 @@ fn the_page_writes_numbers_as_the_program_does() {
     node.stdin.take().unwrap().write_all(asked.as_bytes()).unwrap();
     let output = node.wait_with_output().unwrap();
     assert!(output.status.success());
-    let shown: Vec<[String; 4]> = serde_json::from_slice(&output.stdout).unwrap();
+    let shown: Vec<[String; 6]> = serde_json::from_slice(&output.stdout).unwrap();
     assert!(cases.len() > 3000 && shown.len() == cases.len());
     let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let mut wrong = Vec::new();
@@ -84,7 +84,10 @@ fn the_page_writes_numbers_as_the_program_does() {
             Some(_) => <[String; 2]>::from(value_and_u(value, u, "1")),
             None => [plain(f64::NAN), plain(f64::NAN)],
         };
-        let expected = [plain(number(value)), justified(number(value), number(u)), with, of_u];
+        let [whole, thousandths] =
+            [0, 3].map(|decimals| value.map_or(MISSING.into(), |value| fixed(value, decimals)));
+        let of_both = justified(number(value), number(u));
+        let expected = [plain(number(value)), of_both, with, of_u, whole, thousandths];
         if expected != shown {
             wrong.push(format!("{value:?} u {u:?}: {expected:?}, on the page {shown:?}"));
         }

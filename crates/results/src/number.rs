@@ -60,8 +60,7 @@ pub fn justified(value: f64, u: f64) -> String {
         None if value.abs() < 1.0 => most,
         None => return plain(value),
     };
-    let whole = 10_f64.powi(decimals as i32);
-    fixed((value * whole).round() / whole, decimals)
+    fixed(value, decimals)
 }
 
 /// A number with its unit, `3.14 µm`.

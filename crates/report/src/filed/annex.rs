@@ -82,5 +82,5 @@ pub fn readings(residuals: &Residuals) -> String {
 
 /// Two decimals: 10 µm and 0.01° of a position, 0.01 µm of a reading.
 fn two_decimals(value: f64) -> String {
-    fixed((value * 100.0).round() / 100.0, 2)
+    fixed(value, 2)
 }

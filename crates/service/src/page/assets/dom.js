@@ -17,7 +17,7 @@ export function el(tag, attributes = {}, ...children) {
 export function plain(value) {
   if (!Number.isFinite(value)) return "—";
   const decimals = decimalsOf(value);
-  return minus(decimals === null ? power(value) : fixed(value, decimals));
+  return decimals === null ? minus(power(value)) : decimal(value, decimals);
 }
 
 // The same with no digit that a standard uncertainty does not justify.
@@ -26,17 +26,17 @@ export function justified(value, u) {
   const most = decimalsOfU(u);
   const own = decimalsOf(value);
   if (own === null && Math.abs(value) >= 1) return plain(value);
-  const decimals = Math.min(own ?? most, most);
-  const whole = 10 ** decimals;
-  const rounded = Math.sign(value) * Math.round(Math.abs(value) * whole) / whole;
-  return minus(fixed(rounded + 0, decimals));
+  return decimal(value, Math.min(own ?? most, most));
 }
+
+// So many decimals.
+export const decimal = (value, decimals) => (Number.isFinite(value) ? minus(fixed(value, decimals)) : "—");
 
 // A value and its standard uncertainty with two digits of that.
 export function withU(value, u) {
   if (!(Number.isFinite(value) && Number.isFinite(u) && u > 0)) return [plain(value), "—"];
   const decimals = decimalsOfU(u);
-  return [minus(fixed(value, decimals)), fixed(u, decimals)];
+  return [decimal(value, decimals), decimal(u, decimals)];
 }
 
 // A true minus sign, and none before what is written as zero.

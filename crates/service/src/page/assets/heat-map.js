@@ -1,7 +1,7 @@
 // A map over two rotary axes: orange where the value is positive, blue where it is negative, hatched where nothing was read.
 
 import { drawing } from "./canvas.js";
-import { colour, el, plain } from "./dom.js";
+import { colour, decimal, el, plain } from "./dom.js";
 
 const EDGE = { top: 22, right: 6, bottom: 22 };
 // Sides of a cell: no wider than a thumb, no lower than a line of text.
@@ -129,7 +129,10 @@ export function grid(ctx, { rows, columns, rowsName, columnsName, left, top, w, 
 export const degrees = (value) => `${String(value).replace("-", "−")}°`;
 
 // A residual of one reading: no more than hundredths of a micrometre mean anything.
-export const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value) < 9.995 ? Math.abs(value).toFixed(2) : plain(Math.abs(value))}`;
+export function signed(value) {
+  const size = Math.abs(value) < 9.995 ? decimal(Math.abs(value), 2) : plain(Math.abs(value));
+  return /[1-9]/.test(size) ? `${value < 0 ? "−" : "+"}${size}` : size;
+}
 
 // Positions at which an axis was read; sectors of 10° where it was read while turning, as in the report.
 export function stations(values) {

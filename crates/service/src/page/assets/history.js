@@ -2,7 +2,7 @@
 
 import * as calls from "./calls.js";
 import { over, printed } from "./chart.js";
-import { colour, el, fold, justified, notice, paragraphs, plain, remember, remembered, withU } from "./dom.js";
+import { colour, decimal, el, fold, justified, notice, paragraphs, plain, remember, remembered, withU } from "./dom.js";
 
 export async function make(page) {
   await page.reload();
@@ -53,7 +53,7 @@ function table(page, runs) {
     const gone = run.removed ? el("small", { class: "soft" }, ` samples removed ${run.removed}`) : null;
     // What a person looks for stands first: a small screen shows the first columns.
     return el("tr", {}, el("td", {}, pick), el("td", {}, verdict, gone),
-      el("td", { class: "n" }, found ? `${plain(found.rms_um)} µm` : "—"), el("td", { class: "n" }, found?.temperature_degc == null ? "—" : `${found.temperature_degc.toFixed(1)} °C`), el("td", {}, run.began || "—"), el("td", {}, run.machine || "—"),
+      el("td", { class: "n" }, found ? `${plain(found.rms_um)} µm` : "—"), el("td", { class: "n" }, found?.temperature_degc == null ? "—" : `${decimal(found.temperature_degc, 1)} °C`), el("td", {}, run.began || "—"), el("td", {}, run.machine || "—"),
       el("td", {}, found ? found.effects.slice(2).join(", ") || "none" : "—"));
   };
   const head = ["run", "verdict", "residual, rms", "temperature", "began", "machine", "effects added"].map((text) => el("th", { scope: "col" }, text));

@@ -1,6 +1,6 @@
 // What is read at this moment: a probe in its range, a device with its remedy.
 
-import { el, minus } from "./dom.js";
+import { decimal, el } from "./dom.js";
 
 export function probeBar({ name, value_mm: value, range_mm: range, zone, say }) {
   const known = value != null && range;
@@ -8,7 +8,7 @@ export function probeBar({ name, value_mm: value, range_mm: range, zone, say }) 
   return el("div", { class: "card" },
     el("h3", {}, name, " ", el("span", { class: `state ${good ? "ok" : "bad"}` }, zone.replace("-", " "))),
     known ? gauge(name, value, range) : null,
-    el("p", { class: "large-number" }, value == null ? "—" : `${minus(value.toFixed(4))} mm`),
+    el("p", { class: "large-number" }, value == null ? "—" : `${decimal(value, 4)} mm`),
     say ? el("p", {}, say) : null);
 }
 

@@ -71,7 +71,7 @@ function listen() {
 
 // Values of the newest run outside their limits are seen on every view.
 function markHistory() {
-  const names = (page.topics.alarms?.alarms ?? []).map((alarm) => alarm.name);
+  const names = (page.topics.alarms?.alarms ?? []).map((alarm) => alarm.words || alarm.name);
   const link = document.querySelector('[data-view="history"]');
   link.textContent = names.length ? "History ⚠" : "History";
   const words = `Outside the limits of the runs before: ${names.join(", ")}`;

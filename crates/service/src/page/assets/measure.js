@@ -1,7 +1,7 @@
 // What is measured now: probes in their range, devices with their remedy, the poses of the cycle filling a map.
 
 import * as calls from "./calls.js";
-import { el, minus, notice } from "./dom.js";
+import { decimal, el, notice } from "./dom.js";
 import { deviceRows, probeBar } from "./live.js";
 import { poseMap } from "./pose-map.js";
 
@@ -175,6 +175,6 @@ function showProbes(live) {
     parts.probes.replaceChildren(...probes.map(probeBar));
   }
   const axes = live?.axes ?? [];
-  const place = ({ name, value, unit }) => el("span", {}, el("b", {}, name), ` ${minus(value.toFixed(3))}${unit === "deg" ? "°" : ` ${unit}`}`);
+  const place = ({ name, value, unit }) => el("span", {}, el("b", {}, name), ` ${decimal(value, 3)}${unit === "deg" ? "°" : ` ${unit}`}`);
   parts.axes.replaceChildren(...(axes.length ? axes.map(place) : ["The controller reports no position yet."]));
 }

@@ -2,7 +2,7 @@
 
 import { drawing } from "./canvas.js";
 import { over, printed } from "./chart.js";
-import { colour, el, fold, minus, plain } from "./dom.js";
+import { colour, decimal, el, fold, plain } from "./dom.js";
 import { degrees, grid, labelWidth, nearest, signed, stations } from "./heat-map.js";
 
 const ROWS = 50;
@@ -22,7 +22,7 @@ export function posesOf(state, select) {
   const timed = linear.points.every((point) => point.time_s != null);
   const words = (i) => {
     const point = linear.points[i];
-    const axes = linear.axes.map((axis, k) => `${axis.name} ${axis.rotary ? degrees(Number(point.position[k].toFixed(2))) : `${minus(point.position[k].toFixed(1))} mm`}`).join(" ");
+    const axes = linear.axes.map((axis, k) => `${axis.name} ${axis.rotary ? degrees(Number(point.position[k].toFixed(2))) : `${decimal(point.position[k], 1)} mm`}`).join(" ");
     const figures = names.map((name) => [name, value(i, name)]).filter(([, v]) => v != null).map(([name, v]) => `${name} ${signed(v)}`).join(", ");
     const at = point.time_s == null ? "" : `, at ${plain(point.time_s)} s`;
     return `Pose ${i + 1}, setup ${linear.setups[point.setup].name}${at}: ${figures} µm; ${axes}`;
@@ -196,8 +196,8 @@ function pages(linear, size, names, value, timed, select) {
     pick.addEventListener("click", () => select(i));
     const figure = (v) => el("td", { class: "n" }, v == null ? "—" : signed(v));
     return el("tr", chosen.has(i) ? { "aria-current": "true", class: "chosen" } : {}, el("td", {}, pick), el("td", {}, linear.setups[point.setup].name),
-      names.map((name) => figure(value(i, name))), timed ? el("td", { class: "n" }, point.time_s.toFixed(1)) : null,
-      linear.axes.map((axis, k) => el("td", { class: "n" }, minus(point.position[k].toFixed(axis.rotary ? 2 : 1)))));
+      names.map((name) => figure(value(i, name))), timed ? el("td", { class: "n" }, decimal(point.time_s, 1)) : null,
+      linear.axes.map((axis, k) => el("td", { class: "n" }, decimal(point.position[k], axis.rotary ? 2 : 1))));
   };
   function fill() {
     page = Math.max(0, Math.min(page, Math.ceil(list.length / ROWS) - 1));

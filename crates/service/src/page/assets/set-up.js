@@ -1,7 +1,7 @@
 // Setting up at the machine, step by step: what is done, what comes next.
 
 import * as calls from "./calls.js";
-import { el, notice } from "./dom.js";
+import { decimal, el, notice } from "./dom.js";
 import { deviceRows, probeBar } from "./live.js";
 
 let parts = null;
@@ -88,7 +88,7 @@ function showNest(setUp) {
   show(parts.nest, Boolean(nest), underWay ? "under way" : nest ? "done" : "from the configuration",
     underWay ? el("p", {}, `${setUp.dwells} dwells. ${setUp.last}`) : null,
     setUp?.problem ? el("p", { class: "warn" }, setUp.problem) : null,
-    nest ? el("p", {}, `Standard uncertainty of the directions: at most ${worst.toFixed(2)} mrad, from ${nest.steps} dwells.`) : null,
+    nest ? el("p", {}, `Standard uncertainty of the directions: at most ${decimal(worst, 2)} mrad, from ${nest.steps} dwells.`) : null,
     setUp?.written ? el("p", { class: "lead" }, setUp.written) : null);
   parts.byHand.hidden = !nest;
   if (nest && parts.lines.textContent !== nest.lines) parts.lines.textContent = nest.lines;
