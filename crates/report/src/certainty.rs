@@ -49,13 +49,13 @@ pub(crate) fn sure(input: &Comparison) -> Vec<String> {
         items.extend(held_out(diagnosis, together.holdout_rms_um_after));
         for one in found {
             items.push(format!("For {}: {}.", effect_name(&one.effect), evidence_words(one.evidence)));
-            items.push(one.remarks.join(" "));
+            items.extend(one.remarks.iter().cloned());
             items.extend(rivals(one));
         }
     } else if let Some(best) = diagnosis.candidates.first() {
         items.push(format!("{}.", evidence_words(best.evidence)));
         items.extend(held_out(diagnosis, best.holdout_rms_um_after));
-        items.push(best.remarks.join(" "));
+        items.extend(best.remarks.iter().cloned());
         items.extend(rivals(best));
     }
     items.retain(|item| !item.is_empty());

@@ -54,7 +54,7 @@ pub enum RunState {
     Analysing,
     /// Its report is written.
     Done,
-    /// Its report is written and holds no verdict: the run is not plausible or not whole.
+    /// Its report is written and holds no verdict: the run is not plausible or not whole, or the diagnosis failed.
     NotJudged,
     /// The last analysis failed, or the recording could not be finished.
     Failed,

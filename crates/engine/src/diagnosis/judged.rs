@@ -15,7 +15,7 @@ pub enum Verdict {
     NoiseFloor,
     /// These data cannot say; `why` says what is missing.
     Undecided,
-    /// The run is not whole or not plausible.
+    /// The run is not whole or not plausible, or the diagnosis failed.
     #[default]
     NotJudged,
 }

@@ -24,7 +24,7 @@ pub enum DccError {
     /// Nothing to certify.
     #[error("no parameter of the machine is observable in these runs, so there is nothing to certify")]
     NoResult,
-    /// The runs are not plausible or not whole.
+    /// The runs are not plausible or not whole, or the diagnosis failed.
     #[error("the runs were not judged, and what was not judged is not certified")]
     NotJudged,
 }

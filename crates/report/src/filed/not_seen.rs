@@ -1,7 +1,7 @@
 //! What these runs do not show: in short for the first page, in full before the annex.
 
 use crate::markup::{element, escape};
-use crate::words::{effect_name, effect_title, is_location, is_setting, unnumbered_locations};
+use crate::words::{effect_name, effect_title, is_failed, is_location, is_setting, unnumbered_locations};
 use trunnion_results::{Comparison, Verdict, sentences};
 
 /// Groups of effects that the first page names; the rest is counted.
@@ -39,6 +39,9 @@ pub fn in_short(input: &Comparison) -> Vec<String> {
                 &diagnosis.not_visible,
             ));
             said.extend(listed("These runs cannot have", &diagnosis.out_of_reach));
+        }
+        _ if is_failed(input) => {
+            said.push("Whether an effect is missing is not known, because the diagnosis failed.".into());
         }
         _ => said.push("Whether an effect is missing was not asked.".into()),
     }

@@ -4,7 +4,7 @@ use crate::pages::{check_page, fitted, model};
 use quick_xml::events::Event;
 use trunnion_report::{DccError, Issuer, Language, dcc_xml, report_html};
 use trunnion_results::{
-    Comparison, Conformity, Decision, Diagnosis, Identity, Judged, Ladder, Report, RunIdentity,
+    Candidate, Comparison, Conformity, Decision, Diagnosis, Identity, Judged, Ladder, Report, RunIdentity,
     TemperatureRange, Verdict,
 };
 
@@ -125,22 +125,51 @@ fn a_diagnosis_that_failed_accuses_no_run() {
         "<h1>Not judged: the diagnosis failed</h1>",
         "Not looked for, because the diagnosis failed.",
         "No effect was judged, because the diagnosis failed.",
+        "Whether an effect is missing is not known, because the diagnosis failed.",
         "Mend what made the diagnosis fail, and diagnose again.",
     ] {
         assert!(page.contains(said), "{said}");
     }
+    assert!(!page.contains("was not asked"), "it was asked");
     assert!(!page.contains("plausible") && !page.contains("what they say they are"), "the runs are good");
     let german = report_html(&failed, Language::German);
     for said in [
         "<h1>Nicht beurteilt: Die Diagnose ist gescheitert</h1>",
         "In diesem Bericht fehlt:",
-        "Eine Probe mit backlash:C fehlt, weil es gescheitert ist: too few.",
+        "Eine Probe mit backlash:C fehlt; gescheitert: too few.",
+        "Ob ein Effekt fehlt, ist nicht bekannt, weil die Diagnose gescheitert ist.",
     ] {
         assert!(german.contains(said), "{said}");
     }
     let all_clear = "A usual effect of 1.2 µm rms or more would have been noticed. Not so backlash or a slip of the setup: passes \
                      differ by some 2.4 µm, and these data do not say why. Repeat one pass to know.";
     assert!(Language::German.say(all_clear).is_some_and(|said| said.contains("um etwa 2.4 µm, und")));
+}
+
+#[test]
+fn each_remark_about_the_first_candidate_is_said_in_the_language_of_the_report() {
+    let mut found = report();
+    let waves = [
+        "It repeats every 5.00 mm, u = 0.02 mm (lead/2), amplitude 1.20 µm.",
+        "It repeats 2.0 times per turn, u = 0.1 per turn. On this even grid a wave 6.0 times per turn gives the same readings.",
+    ];
+    let best = Candidate {
+        effect: "ballscrew-pitch:Z".into(),
+        remarks: waves.map(String::from).into(),
+        ..Candidate::default()
+    };
+    found.comparison.diagnosis =
+        Some(Diagnosis { verdict: Verdict::MissingEffect, candidates: vec![best], ..Diagnosis::default() });
+    let german = report_html(&found, Language::German);
+    for said in [
+        "<li>Es wiederholt sich alle 5.00 mm, u = 0.02 mm (lead/2), Amplitude 1.20 µm.</li>",
+        "<li>Es wiederholt sich 2.0 Mal je Umdrehung, u = 0.1 je Umdrehung. Auf diesem gleichmäßigen Raster gibt eine Welle 6.0 Mal je \
+         Umdrehung dieselben Ablesungen.</li>",
+    ] {
+        assert!(german.contains(said), "{said}");
+    }
+    let japanese = report_html(&found, Language::Japanese);
+    assert!(japanese.contains("<li>5.00 mm ごとに繰り返す（u = 0.02 mm (lead/2)、振幅 1.20 µm）。</li>"));
 }
 
 #[test]
