@@ -6,7 +6,7 @@ use crate::topics::Published;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The topic `cycle`: the newest cycle. What was not said of it yet is absent.
+/// The topic `cycle`: the newest cycle. What was not said of it yet is absent, but for the time left.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct CycleProgress {
@@ -39,8 +39,7 @@ pub struct CycleProgress {
     /// Points of the cycle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub total: Option<usize>,
-    /// Time left, s; null while it is not known.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Time left, s; null while it is not known, and when the cycle is over.
     pub seconds_left: Option<f64>,
     /// File name of its recording.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -63,7 +62,7 @@ pub struct CycleProgress {
 }
 
 impl CycleProgress {
-    /// With what is said now; what was said before stays.
+    /// With what is said now; what was said before stays, but for the time left, which was that of before.
     #[must_use]
     pub fn updated(self, now: Self) -> Self {
         Self {
@@ -77,7 +76,7 @@ impl CycleProgress {
             why: now.why.or(self.why),
             done: now.done.or(self.done),
             total: now.total.or(self.total),
-            seconds_left: now.seconds_left.or(self.seconds_left),
+            seconds_left: now.seconds_left,
             recording: now.recording.or(self.recording),
             ended: now.ended.or(self.ended),
             read: now.read.or(self.read),
@@ -161,6 +160,7 @@ pub struct ModelChanged {
 
 impl Published for ModelChanged {
     const TOPIC: &'static str = "model";
+    const SCHEMA: &'static str = "model-changed";
 }
 
 /// What was done with an effect.

@@ -1,5 +1,6 @@
 //! What is read at this moment: for setting up at the machine, on the screen, the page and MQTT.
 
+use crate::topics::Published;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +25,10 @@ pub struct Live {
     pub temperatures: Vec<LiveTemperature>,
     /// The cycle under way; null while none is.
     pub cycle: Option<LiveCycle>,
+}
+
+impl Published for Live {
+    const TOPIC: &'static str = "live";
 }
 
 /// Format and version of live values.

@@ -4,11 +4,11 @@ use crate::{
     Added, AlarmsNow, AxisErrors, Check, Comparison, Correction, CorrectionJudged, CycleProgress,
     DayForecast, Demo, DevicesChecked, DevicesFound, Diagnosis, ErrorMap, Findings, FormulaChecked,
     Identification, Imported, Joined, Ladder, Linear, Live, MachineHistory, MethodList, ModelChanged,
-    NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, ReadyNow, Removed, Report, ResultNow,
-    RunList, RunRecord, SamplesRemoved, Scrubbed, ServiceStatus, SetUpState, SignTest, Simulation,
+    NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Published, ReadyNow, Removed, Report,
+    ResultNow, RunList, RunRecord, SamplesRemoved, Scrubbed, ServiceStatus, SetUpState, SignTest, Simulation,
     StorageNow, Story, TimeQuality, Trial, Volumetric, to_json,
 };
-use schemars::{Schema, schema_for};
+use schemars::{JsonSchema, Schema, schema_for};
 
 /// Every schema with the name of its file in `docs/schemas`, without `.schema.json`.
 pub fn schemas() -> Vec<(&'static str, Schema)> {
@@ -30,7 +30,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("axis-errors", schema_for!(AxisErrors)),
         ("correction", schema_for!(Correction)),
         ("correction-judged", schema_for!(CorrectionJudged)),
-        ("time-quality", schema_for!(TimeQuality)),
+        of_topic::<TimeQuality>(),
         ("nc-program", schema_for!(NcProgram)),
         ("simulation", schema_for!(Simulation)),
         ("imported", schema_for!(Imported)),
@@ -39,7 +39,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("demo", schema_for!(Demo)),
         ("devices-found", schema_for!(DevicesFound)),
         ("devices-checked", schema_for!(DevicesChecked)),
-        ("live", schema_for!(Live)),
+        of_topic::<Live>(),
         ("page", schema_for!(PageStatus)),
         ("story", schema_for!(Story)),
         ("runs", schema_for!(RunList)),
@@ -50,18 +50,23 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("report", schema_for!(Report)),
         ("forecast", schema_for!(DayForecast)),
         ("history", schema_for!(MachineHistory)),
-        ("status", schema_for!(ServiceStatus)),
-        ("storage", schema_for!(StorageNow)),
-        ("alarms", schema_for!(AlarmsNow)),
-        ("cycle", schema_for!(CycleProgress)),
-        ("ready", schema_for!(ReadyNow)),
-        ("result", schema_for!(ResultNow)),
-        ("model-changed", schema_for!(ModelChanged)),
-        ("samples-removed", schema_for!(SamplesRemoved)),
+        of_topic::<ServiceStatus>(),
+        of_topic::<StorageNow>(),
+        of_topic::<AlarmsNow>(),
+        of_topic::<CycleProgress>(),
+        of_topic::<ReadyNow>(),
+        of_topic::<ResultNow>(),
+        of_topic::<ModelChanged>(),
+        of_topic::<SamplesRemoved>(),
         ("sign-test", schema_for!(SignTest)),
-        ("set-up", schema_for!(SetUpState)),
+        of_topic::<SetUpState>(),
         ("methods", schema_for!(MethodList)),
     ]
+}
+
+/// The schema of a topic, under the name that the topic gives it.
+fn of_topic<T: Published + JsonSchema>() -> (&'static str, Schema) {
+    (T::SCHEMA, schema_for!(T))
 }
 
 /// A schema as its file holds it.

@@ -1,5 +1,6 @@
 //! What the service publishes of itself: the topic `status`.
 
+use crate::topics::Published;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -19,6 +20,10 @@ pub struct ServiceStatus {
     pub cycle: Option<CycleNow>,
     /// The cycle that the operator chose for the next start.
     pub chosen: Option<String>,
+}
+
+impl Published for ServiceStatus {
+    const TOPIC: &'static str = "status";
 }
 
 /// Whether the service runs.

@@ -1,5 +1,6 @@
 //! A step of setting up at the machine while a person does it, for the page and MQTT.
 
+use crate::topics::Published;
 use crate::{NestCalibrated, SignTest};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,10 @@ pub struct SetUpState {
     pub problem: String,
     /// The next thing to do.
     pub to_do: String,
+}
+
+impl Published for SetUpState {
+    const TOPIC: &'static str = "set-up";
 }
 
 /// Format and version of a step of setting up.

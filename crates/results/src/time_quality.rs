@@ -1,6 +1,7 @@
 //! How well the samples of a run are known in time.
 
 use crate::number::finite;
+use crate::topics::Published;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_sync::time_quality as sync;
@@ -17,6 +18,11 @@ pub struct TimeQuality {
     pub sync_moves: Vec<SyncMove>,
     /// What a person should know, one sentence each.
     pub notes: Vec<String>,
+}
+
+impl Published for TimeQuality {
+    const TOPIC: &'static str = "quality";
+    const SCHEMA: &'static str = "time-quality";
 }
 
 /// One stream of samples.

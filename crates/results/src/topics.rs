@@ -4,9 +4,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A value that is published under a name of its own.
-pub trait Published: Serialize + JsonSchema {
+pub trait Published: Serialize {
     /// The name, below `trunnion/<machine>/`.
     const TOPIC: &'static str;
+    /// The name of its schema.
+    const SCHEMA: &'static str = Self::TOPIC;
 }
 
 /// The topic `storage`: the disk of the recordings and their recorder.
@@ -70,4 +72,5 @@ pub struct SamplesRemoved {
 
 impl Published for SamplesRemoved {
     const TOPIC: &'static str = "removed";
+    const SCHEMA: &'static str = "samples-removed";
 }

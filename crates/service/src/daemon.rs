@@ -16,7 +16,7 @@ mod watchdog;
 pub use crate::clock::{day, file_stamp, moment};
 pub use crate::error::ServiceError;
 pub use crate::recording::{NewRun, QUEUES, Recorded, Texts, Unfinished, measure_cycle, record_cycle};
-pub use report::{Report, analyse_recording, report_at_once, write_report};
+pub use report::{Report, analyse_recording, in_short, report_at_once, write_report};
 pub use states::States;
 pub use status::{publish_live, publish_status};
 

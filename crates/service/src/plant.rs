@@ -2,10 +2,7 @@
 
 use crate::board::Board;
 use serde::de::DeserializeOwned;
-use trunnion::results::{Condition, RunResult, ServiceStatus};
-
-/// The topics that it is made of.
-const TOPICS: [&str; 2] = ["status", "result"];
+use trunnion::results::{Condition, Published, ResultNow, RunResult, ServiceStatus};
 
 /// State and newest result.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,8 +16,10 @@ pub struct PlantView {
 impl PlantView {
     /// As the board has it now.
     pub fn of(board: &Board) -> Self {
-        let [status, result] = TOPICS;
-        Self { status: topic(board, status).unwrap_or_default(), result: topic(board, result) }
+        Self {
+            status: topic(board, ServiceStatus::TOPIC).unwrap_or_default(),
+            result: topic(board, ResultNow::TOPIC),
+        }
     }
 
     /// The worst of the parts in a sentence; empty when all is well.

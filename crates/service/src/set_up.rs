@@ -15,8 +15,6 @@ use trunnion_core::{Clock, Joint, NestSide, chain};
 use trunnion_sync::plan::Plan;
 use trunnion_sync::{NestCalibration, Timed};
 
-/// The topic of the state.
-pub const TOPIC: &str = "set-up";
 /// Dwells from which a calibration may succeed: three directions, both ways, and where they began.
 const FEWEST_DWELLS: usize = 7;
 const STEP_ON: &str = "Step X, Y and Z by 0.1 mm and more, both ways; stand for a second after each step. Twelve steps are good.";
@@ -109,7 +107,7 @@ impl SetUp {
         if let (Some(plan), Some(nest)) = (&self.plan, NestCalibration::along(directions)) {
             file.latest.set_mounted(Mounted { nest, ..Mounted::of(plan) });
         }
-        self.publish(SetUpState {
+        self.board.publish(&SetUpState {
             written: format!("Written into {}; as it was it is {}.", file.path.display(), before.display()),
             nest: Some(nest),
             to_do: "Do the sign test; the next cycle is measured with this nest.".into(),
@@ -131,7 +129,11 @@ impl SetUp {
         let nest = inside.written.and_then(NestCalibration::along).unwrap_or(plan.nest);
         inside.under_way = Some(UnderWay { step, steps, nest, seen: 0, problem: String::new() });
         drop(inside);
-        self.publish(SetUpState { step: Some(step), to_do: to_do(step).into(), ..SetUpState::default() });
+        self.board.publish(&SetUpState {
+            step: Some(step),
+            to_do: to_do(step).into(),
+            ..SetUpState::default()
+        });
         Ok(())
     }
 
@@ -151,7 +153,7 @@ impl SetUp {
             Ok(nest) => {
                 (inside.under_way, inside.calibrated) = (None, Some(nest.clone()));
                 let to_do = "Write the directions into the configuration, then do the sign test.";
-                self.publish(SetUpState {
+                self.board.publish(&SetUpState {
                     step: None,
                     nest: Some(nest),
                     problem: String::new(),
@@ -161,7 +163,7 @@ impl SetUp {
             }
             Err(failure) => {
                 now.problem = chain(&failure);
-                self.publish(now.state());
+                self.board.publish(&now.state());
             }
         }
         Ok(())
@@ -170,7 +172,7 @@ impl SetUp {
     /// Ends what is under way.
     pub fn stop(&self) {
         self.lock().under_way = None;
-        self.publish(SetUpState::default());
+        self.board.publish(&SetUpState::default());
     }
 
     /// Takes what a device read.
@@ -189,16 +191,9 @@ impl SetUp {
         let found = state.sign_test.as_ref().map(|test| test.finding);
         if matches!(found, Some(SignFinding::AsNest | SignFinding::OtherWay)) {
             inside.under_way = None;
-            self.publish(SetUpState { step: None, ..state });
+            self.board.publish(&SetUpState { step: None, ..state });
         } else {
-            self.publish(state);
-        }
-    }
-
-    fn publish(&self, state: SetUpState) {
-        match serde_json::to_value(state) {
-            Ok(state) => self.board.set(TOPIC, &state),
-            Err(failure) => tracing::debug!(%failure, "the step of setting up is no JSON"),
+            self.board.publish(&state);
         }
     }
 

@@ -21,7 +21,9 @@ use tokio_util::sync::CancellationToken;
 use trunnion::cycles::{Cycle, Motion};
 use trunnion::results::number::um;
 use trunnion::results::sentences::repeatability;
-use trunnion::results::{CycleProgress, CycleState, Demo, DemoFormat, DemoStep, TimeQuality};
+use trunnion::results::{
+    CycleProgress, CycleState, Demo, DemoFormat, DemoStep, ResultNow, RunResult, ServiceStatus, TimeQuality,
+};
 use trunnion::{Model, page as pages};
 use trunnion_acquire::config::channels;
 use trunnion_core::{Clock, names};
@@ -131,10 +133,10 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     let analysed =
         tokio::task::spawn_blocking(move || daemon::analyse_recording(&path, &base, &date)).await??;
     show(&story(&analysed))?;
-    board.set(
-        "result",
-        &serde_json::json!({ "run": recorded.path.file_name().map(|name| name.to_string_lossy()) }),
-    );
+    let report = args.output.join("report.html");
+    let found =
+        RunResult { report: report.display().to_string(), ..daemon::in_short(&recorded.path, &analysed) };
+    board.publish(&ResultNow::Found(Box::new(found)));
 
     let mut losses = pages::losses(&recorded.gaps, recorded.lost_samples);
     let mut timing: Vec<TimeQuality> = Vec::new();
@@ -167,7 +169,6 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     if !why_lost.is_empty() {
         show(&format!("{why_lost}\n"))?;
     }
-    let report = args.output.join("report.html");
     let compared = analysed.compare().with_losses(&losses).with_time_quality(&timing);
     output::write(&report, &compared.page())?;
     let model_path = args.output.join("model.toml");
@@ -295,7 +296,7 @@ async fn measure(
     live.stop().await;
     status.await.context("the status ended badly")?;
     shown.await.context("the live values ended badly")?;
-    board.set("status", &serde_json::json!({ "state": "offline", "devices": {} }));
+    board.publish(&ServiceStatus::default());
     cell.shutdown().await;
     std::fs::remove_dir_all(&ports).with_context(|| format!("cannot remove {}", ports.display()))?;
     Ok(recorded?)

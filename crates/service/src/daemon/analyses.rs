@@ -122,12 +122,8 @@ impl Analyses {
 
 /// What an analysis found, on the board.
 pub(super) fn publish(board: &Board, answer: &RunAnswer) {
-    let set = |topic: &str, value: serde_json::Result<serde_json::Value>| match value {
-        Ok(value) => board.set(topic, &value),
-        Err(error) => warn!(%error, topic, "an answer is no JSON"),
-    };
     board.publish(&ResultNow::Found(Box::new(answer.result.clone())));
     if let Some(quality) = &answer.quality {
-        set("quality", serde_json::to_value(quality));
+        board.publish(quality);
     }
 }

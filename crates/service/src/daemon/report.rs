@@ -83,15 +83,17 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
     if let Err(failure) = kept_story::write(recording, &story) {
         warn!("the story is not kept: {}; the page analyses again", chain(&failure));
     }
-    let answer = in_short(recording, &analysed, &compared);
+    let quality = compared.results().time_quality.last().cloned();
+    let answer = RunAnswer { result: in_short(recording, &analysed), quality };
     info!(run = %recording.display(), verdict = answer.result.verdict.as_str(), missing = ?answer.result.missing_effects, "analysed");
     Ok(Report { analysed, compared, answer })
 }
 
-fn in_short(recording: &Path, analysed: &Analysed, compared: &Compared) -> RunAnswer {
+/// What an analysis found in this recording, for the topic `result`.
+pub fn in_short(recording: &Path, analysed: &Analysed) -> RunResult {
     let first = analysed.first().results();
     let is_judged = first.verdict != Verdict::NotJudged;
-    let result = RunResult {
+    RunResult {
         run: recording.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         verdict: first.verdict,
         why: first.why,
@@ -101,6 +103,5 @@ fn in_short(recording: &Path, analysed: &Analysed, compared: &Compared) -> RunAn
         rms_um_before: analysed.before().results().rms_um,
         rms_um_after: analysed.fit().results().rms_um,
         report: recording.with_extension("html").display().to_string(),
-    };
-    RunAnswer { result, quality: compared.results().time_quality.last().cloned() }
+    }
 }

@@ -67,7 +67,7 @@ mod tests {
         );
         assert_eq!(
             board.get("cycle").unwrap(),
-            json!({ "state": "analysing", "run": "a", "cycle": "low", "read": 10 })
+            json!({ "state": "analysing", "run": "a", "cycle": "low", "read": 10, "seconds_left": null })
         );
         states.begin(
             CycleState::Measuring,
@@ -75,7 +75,21 @@ mod tests {
             CycleProgress { cycle: Some("high".into()), ..CycleProgress::default() },
         );
         states.go_on(CycleState::Done, "a", CycleProgress::default());
-        assert_eq!(board.get("cycle").unwrap(), json!({ "state": "measuring", "run": "b", "cycle": "high" }));
+        let newer = json!({ "state": "measuring", "run": "b", "cycle": "high", "seconds_left": null });
+        assert_eq!(board.get("cycle").unwrap(), newer);
         assert_eq!(states.now(), CycleNow { state: CycleState::Measuring, run: Some("b".into()) });
+    }
+
+    #[test]
+    fn a_time_left_that_is_not_known_any_more_is_null() {
+        let (board, now) = (Board::default(), CycleProgress::default());
+        let states = States::new(board.clone());
+        states.begin(CycleState::Measuring, "a", now.clone());
+        let known = CycleProgress { done: Some(3), seconds_left: Some(9.0), ..now.clone() };
+        states.go_on(CycleState::Measuring, "a", known);
+        assert_eq!(board.get("cycle").unwrap()["seconds_left"], 9.0);
+        states.go_on(CycleState::Measuring, "a", CycleProgress { done: Some(4), ..now });
+        let unknown = json!({ "state": "measuring", "run": "a", "done": 4, "seconds_left": null });
+        assert_eq!(board.get("cycle").unwrap(), unknown);
     }
 }

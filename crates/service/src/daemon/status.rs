@@ -44,10 +44,7 @@ pub async fn publish_status(
         if last.as_ref() == Some(&status) {
             continue;
         }
-        match serde_json::to_value(&status) {
-            Ok(value) => board.set("status", &value),
-            Err(failure) => tracing::debug!(%failure, "the status is no JSON"),
-        }
+        board.publish(&status);
         last = Some(status);
     }
 }
@@ -81,10 +78,7 @@ pub async fn publish_live(latest: Latest, needed: Vec<u16>, board: Board, cancel
             let words: Vec<String> = why.iter().map(ToString::to_string).collect();
             board.publish(&ReadyNow { ready: words.is_empty(), why: words, ..ReadyNow::default() });
         }
-        match serde_json::to_value(latest.snapshot()) {
-            Ok(live) => board.set("live", &live),
-            Err(failure) => tracing::debug!(%failure, "the latest values are no JSON"),
-        }
+        board.publish(&latest.snapshot());
     }
 }
 
