@@ -163,12 +163,31 @@ fn a_gap_ends_every_answer_with_3_and_is_said() {
     };
     writer.item(trunnion_record::Item::Gap(gap), 10.25);
     writer.finish().unwrap();
-    for command in ["check", "identify", "compare", "diagnose", "report"] {
-        let output = answer(&[command, holed.to_str().unwrap()]);
+    let table = folder.path().join("table.parquet").display().to_string();
+    let commands: [&[&str]; 9] = [
+        &["check"],
+        &["identify"],
+        &["compare"],
+        &["diagnose"],
+        &["report"],
+        &["export", "csv"],
+        &["export", "csv", "--what", "every-point"],
+        &["export", "csv", "--what", "samples"],
+        &["export", "parquet", "-o", &table],
+    ];
+    for command in commands {
+        let output = answer(&[command, &[holed.to_str().unwrap()]].concat());
         let error = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(3), "{command}: {error}");
-        assert!(error.contains("holed.mcap: probe-2: nothing from 10.25 s to 12.50 s"), "{command}: {error}");
+        assert_eq!(output.status.code(), Some(3), "{command:?}: {error}");
+        assert!(
+            error.contains("holed.mcap: probe-2: nothing from 10.25 s to 12.50 s"),
+            "{command:?}: {error}"
+        );
     }
+    let history = answer(&["history", "--folder", folder.path().to_str().unwrap()]);
+    let error = String::from_utf8(history.stderr).unwrap();
+    assert_eq!(history.status.code(), Some(3), "{error}");
+    assert!(error.contains("holed: probe-2: nothing from 10.25 s to 12.50 s"), "{error}");
     assert_eq!(answer(&["compare", &whole]).status.code(), Some(0));
 }
 
@@ -238,6 +257,15 @@ fn what_a_configuration_names_is_touched_and_what_is_absent_is_said() {
         assert_eq!((code, said.contains(&readable)), (Some(0), is_said), "{mode:o}: {said}");
     }
     assert!(!folder.path().join("runs").exists(), "nothing is made");
+
+    // Files of the encryption are read too: one that is not there, one that is no certificate.
+    let encrypted = good.replace(&tables, &format!("{tables}[mqtt.tls]\nca = \"ca.pem\"\n"));
+    for content in [None, Some("no certificate")] {
+        content.into_iter().for_each(|text| std::fs::write(path("ca.pem"), text).unwrap());
+        let (code, said) = check(&encrypted);
+        assert_eq!(code, Some(1), "{said}");
+        assert!(said.contains("[mqtt.tls]:") && said.contains("ca.pem"), "{said}");
+    }
 
     // Controller and broker are off: states too.
     drop(broker);

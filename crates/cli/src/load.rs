@@ -4,6 +4,7 @@ use crate::outcome::Outcome;
 use crate::terminal;
 use anyhow::bail;
 use std::path::{Path, PathBuf};
+use trunnion::gaps::Missing;
 use trunnion::results::Plausibility;
 use trunnion::{Experiment, Form, Limits, Model};
 
@@ -127,24 +128,24 @@ pub fn formed(run: &Path, form: &Form) -> anyhow::Result<Loaded> {
 /// What was opened, with its reductions, damage and gaps on standard error.
 fn stated(experiment: Experiment) -> Loaded {
     experiment.reductions().iter().chain(&experiment.damage()).for_each(|text| terminal::remark(text));
-    match &experiment.gaps()[..] {
-        [] => {}
-        [gap] => terminal::remark(gap),
-        [first, further @ ..] => terminal::remark(&format!("{first}; {} further gaps", further.len())),
-    }
+    state_gaps(&experiment.gaps());
     let outcome = if experiment.losses().is_empty() { Outcome::Done } else { Outcome::DataLoss };
     Loaded { experiment, outcome }
 }
 
-/// Reports damage of a file.
-pub fn outcome(damage: Option<String>) -> Outcome {
-    match damage {
-        None => Outcome::Done,
-        Some(damage) => {
-            terminal::remark(&damage);
-            Outcome::DataLoss
-        }
+fn state_gaps(gaps: &[String]) {
+    match gaps {
+        [] => {}
+        [gap] => terminal::remark(gap),
+        [first, further @ ..] => terminal::remark(&format!("{first}; {} further gaps", further.len())),
     }
+}
+
+/// Reports what is missing from a recording on standard error; how a command ends that did all else.
+pub fn outcome(missing: &Missing) -> Outcome {
+    missing.damage.iter().for_each(|damage| terminal::remark(damage));
+    state_gaps(&missing.gaps);
+    if *missing == Missing::default() { Outcome::Done } else { Outcome::DataLoss }
 }
 
 /// Commands take recordings, which hold what a points file lacks: where it came from, and with which version it was read.

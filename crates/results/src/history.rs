@@ -68,6 +68,9 @@ pub struct HistoryRun {
     pub alarms: Vec<String>,
     /// Why the run cannot be compared; empty otherwise.
     pub trouble: String,
+    /// What is missing from its recordings, one sentence each.
+    #[serde(default)]
+    pub losses: Vec<String>,
 }
 
 /// A value that is watched over the runs.

@@ -2,10 +2,11 @@
 
 mod remounts;
 
+use crate::page;
 use std::path::Path;
 use trunnion_core::{Gap, Point};
 use trunnion_cycles::Cycle;
-use trunnion_record::Item;
+use trunnion_record::{Damage, Item};
 
 pub use remounts::Remounts;
 
@@ -40,6 +41,32 @@ impl Gaps {
     /// Those in what was asked.
     pub fn finish(self) -> Vec<Gap> {
         self.all.into_iter().filter(|gap| !self.remounts.hold(gap)).collect()
+    }
+}
+
+/// What is missing from a recording, in sentences with its file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Missing {
+    /// Gaps in what was asked of the devices.
+    pub gaps: Vec<String>,
+    /// What is wrong with the file.
+    pub damage: Option<String>,
+}
+
+impl Missing {
+    /// What was found in the recording `path`.
+    pub fn of(path: &Path, gaps: &[Gap], damage: Option<&Damage>) -> Self {
+        let named = |text: String| format!("{}: {text}", path.display());
+        Self {
+            gaps: page::losses(gaps, 0).into_iter().map(named).collect(),
+            damage: damage.map(|damage| named(damage.to_string())),
+        }
+    }
+
+    /// The same of a recording that was read for its samples alone.
+    pub(crate) fn of_samples(path: &Path, damage: Option<&Damage>) -> Self {
+        let gaps = gaps_of(path).map_or_else(Vec::new, |(_, gaps)| gaps);
+        Self::of(path, &gaps, damage)
     }
 }
 

@@ -232,6 +232,7 @@ fn judged(files: &[PathBuf], run: HistoryRun, model: Option<&Model>) -> (History
                 temperature_degc: diagnosed.fit().experiment().temperature_degc(),
                 values: fit.parameters.iter().filter(of_machine).cloned().collect(),
                 trouble: not_plausible(&fit.plausibility),
+                losses: diagnosed.fit().experiment().losses(),
                 ..run
             };
             (run, Some(diagnosed).filter(|_| judged))

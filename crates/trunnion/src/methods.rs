@@ -1,5 +1,6 @@
 //! Named methods, attribution, volumetric accuracy, axis errors and notations of opened runs.
 
+use crate::gaps::Missing;
 use crate::{Error, Experiment, Fit, files, open};
 use std::path::Path;
 use trunnion_core::{Joint, names};
@@ -22,8 +23,8 @@ pub struct Volumetric {
 pub struct Attributed {
     /// The answer.
     pub findings: results::Findings,
-    /// What is wrong with the file.
-    pub damage: Option<String>,
+    /// What is missing from the recording.
+    pub missing: Missing,
 }
 
 /// The method of the literature with this name.
@@ -188,6 +189,6 @@ pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attribute
     };
     Ok(Attributed {
         findings: results::Findings { plausibility, ..(&attribution.to_findings()).into() },
-        damage: recording.damage.as_ref().map(ToString::to_string),
+        missing: Missing::of_samples(path, recording.damage.as_ref()),
     })
 }

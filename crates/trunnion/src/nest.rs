@@ -1,6 +1,7 @@
 //! The nest of an R-test from known steps of the linear axes: the same for a recording and live.
 
 use crate::Error;
+use crate::gaps::Missing;
 use nalgebra::{Point3, Vector3};
 use std::path::Path;
 use trunnion_core::channel::instrument_channels;
@@ -124,15 +125,16 @@ fn same_pose(a: &AxisValues<f64>, b: &AxisValues<f64>) -> bool {
 }
 
 /// Directions of the probes from a recording in which the linear axes step the ball: from its samples, or from its points, whose
-/// readings then stand for the probes.
+/// readings then stand for the probes; and what is missing from it.
 ///
 /// # Errors
 /// A recording that cannot be read; steps or readings that give no calibration.
-pub fn calibrate_nest(path: &Path, with_gains: bool) -> Result<NestCalibrated, Error> {
+pub fn calibrate_nest(path: &Path, with_gains: bool) -> Result<(NestCalibrated, Missing), Error> {
     let not_read = |source| Error::Recording { path: path.into(), source: Box::new(source) };
     let recording =
         crate::recording::read(path, &|name| crate::files::machine(name).ok(), None).map_err(not_read)?;
     let header = trunnion_record::read_header(path).map_err(not_read)?;
+    let missing = Missing::of(path, &recording.gaps, recording.damage.as_ref());
     let run = recording.run;
     let setup = run.setups.iter().find(|setup| setup.instrument == InstrumentKind::RTest);
     let channels =
@@ -148,7 +150,7 @@ pub fn calibrate_nest(path: &Path, with_gains: bool) -> Result<NestCalibrated, E
             true
         })
         .map_err(not_read)?;
-        return steps.calibrate(with_gains);
+        return Ok((steps.calibrate(with_gains)?, missing));
     }
     let dwell = |point: &Point| DwellReading {
         time_s: point.state.time_s.unwrap_or_default(),
@@ -160,5 +162,5 @@ pub fn calibrate_nest(path: &Path, with_gains: bool) -> Result<NestCalibrated, E
     let side = setup.map_or(NestSide::Table, |setup| setup.nest);
     let mut steps = NestSteps::new(run.machine.clone(), side, &[]);
     steps.dwells = run.points.iter().filter(is_good).map(dwell).collect();
-    steps.calibrate(with_gains)
+    Ok((steps.calibrate(with_gains)?, missing))
 }

@@ -8,6 +8,7 @@ mod by_effect;
 pub use by_effect::by_effect_csv;
 
 use crate::experiment::read;
+use crate::gaps::Missing;
 use crate::{Error, Experiment, files};
 use std::path::Path;
 use trunnion_core::setup::parse_setup_file;
@@ -71,11 +72,11 @@ pub fn scrub(path: &Path) -> Result<results::ScrubbedRecording, Error> {
     Ok(results::ScrubbedRecording { run: path.display().to_string(), changed: scrubbed.changed, damage })
 }
 
-/// The points of a recording as a table, on the fly with what the encoders read; and what is wrong with the file.
+/// The points of a recording as a table, on the fly with what the encoders read; and what is missing from it.
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn export_csv(path: &Path) -> Result<(String, Option<String>), Error> {
+pub fn export_csv(path: &Path) -> Result<(String, Missing), Error> {
     let recording = read(path, None)?;
     let mut axes = Vec::new();
     if recording.run.kind == RunKind::OnTheFly {
@@ -87,8 +88,8 @@ pub fn export_csv(path: &Path) -> Result<(String, Option<String>), Error> {
         })
         .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
     }
-    let damage = recording.damage.map(|damage| format!("{}: {damage}", path.display()));
-    Ok((trunnion_record::export::points_csv_with_axes(&recording.run, &axes), damage))
+    let missing = Missing::of(path, &recording.gaps, recording.damage.as_ref());
+    Ok((trunnion_record::export::points_csv_with_axes(&recording.run, &axes), missing))
 }
 
 impl Experiment {
@@ -122,20 +123,17 @@ impl Exported {
     ];
 }
 
-/// A part of a recording as a table; and what is wrong with the file.
+/// A part of a recording as a table; and what is missing from it.
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn export(path: &Path, what: Exported) -> Result<(String, Option<String>), Error> {
-    let damaged = |damage: Option<trunnion_record::Damage>| {
-        damage.map(|damage| format!("{}: {damage}", path.display()))
-    };
+pub fn export(path: &Path, what: Exported) -> Result<(String, Missing), Error> {
     match what {
         Exported::Points => export_csv(path),
         Exported::EveryPoint => {
             let recording = read(path, None)?;
             let table = trunnion_record::export::every_point_csv(&recording.run);
-            Ok((table, damaged(recording.damage)))
+            Ok((table, Missing::of(path, &recording.gaps, recording.damage.as_ref())))
         }
         Exported::Samples | Exported::Axes => {
             let (mut probes, mut axes) = (Vec::new(), Vec::new());
@@ -156,7 +154,7 @@ pub fn export(path: &Path, what: Exported) -> Result<(String, Option<String>), E
                     trunnion_record::export::axis_samples_csv(&machine.joints(), &axes)
                 }
             };
-            Ok((table, damaged(damage)))
+            Ok((table, Missing::of_samples(path, damage.as_ref())))
         }
     }
 }

@@ -32,8 +32,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let Attributed { findings, damage } = trunnion::attribute_run(&args.run, args.knot_s, args.smooth)?;
-    let outcome = load::outcome(damage.map(|damage| format!("{}: {damage}", args.run.display())));
+    let Attributed { findings, missing } = trunnion::attribute_run(&args.run, args.knot_s, args.smooth)?;
+    let outcome = load::outcome(&missing);
     output::findings(&findings, args.html.as_deref(), args.json)?;
     Ok(if findings.plausibility.is_empty() { outcome } else { outcome.or_withheld() })
 }

@@ -7,6 +7,7 @@ use anyhow::{Context, bail};
 use std::path::PathBuf;
 use std::time::Duration;
 use tokio::time::{Instant, timeout_at};
+use trunnion::gaps::Missing;
 use trunnion::nest::calibrate_nest;
 use trunnion::report::nest_text;
 use trunnion::results::NestCalibrated;
@@ -48,7 +49,7 @@ pub struct Args {
 const OVER: Duration = Duration::from_secs(10);
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let found = match (&args.run, &args.config) {
+    let (found, missing) = match (&args.run, &args.config) {
         (Some(run), _) => {
             load::no_points_file(run)?;
             calibrate_nest(run, args.gains)?
@@ -60,7 +61,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
                 let mut connected = setting_up.connect(args.seconds);
                 let found = live(args, &setting_up, &mut connected).await;
                 connected.stop().await;
-                found
+                // Steps that were not read are steps that are not counted: a person repeats them.
+                found.map(|found| (found, Missing::default()))
             })?
         }
         (None, None) => bail!("give a recording or --config"),
@@ -78,7 +80,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             before.display()
         ));
     }
-    Ok(Outcome::Done)
+    Ok(load::outcome(&missing))
 }
 
 /// Takes steps until the machine stands.

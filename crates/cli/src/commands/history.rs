@@ -2,11 +2,13 @@
 
 use crate::load::ModelArgs;
 use crate::outcome::Outcome;
-use crate::terminal;
+use crate::{load, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion::Model;
+use trunnion::gaps::Missing;
 use trunnion::history::{Wanted, corrections, enter_correction, entered, history, newest_machine};
+use trunnion::results::HistoryRun;
 use trunnion_core::Clock;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::run_record::{self, Known};
@@ -70,8 +72,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else {
         terminal::print(&trunnion::report::history_text(&answer))?;
     }
+    let of_run = |run: &HistoryRun| {
+        let named = |loss: &String| format!("{}: {loss}", run.run);
+        run.losses.iter().map(named).collect::<Vec<_>>()
+    };
+    let gaps = answer.runs.iter().flat_map(of_run).collect();
+    let outcome = load::outcome(&Missing { gaps, damage: None });
     let troubled = answer.runs.iter().any(|run| !run.trouble.is_empty());
-    Ok(if troubled { Outcome::DataLoss } else { Outcome::Done })
+    Ok(if troubled { Outcome::DataLoss } else { outcome })
 }
 
 /// The recordings of each run: a further part is no run of its own.

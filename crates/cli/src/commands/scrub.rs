@@ -3,6 +3,7 @@
 use crate::outcome::Outcome;
 use crate::{load, terminal};
 use std::path::PathBuf;
+use trunnion::gaps::Missing;
 use trunnion::results::{Scrubbed, ScrubbedRecording};
 
 /// Leave passwords out of recordings of older versions
@@ -30,7 +31,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else {
         scrubbed.recordings.iter().try_for_each(|recording| terminal::print(&line(recording)))?;
     }
-    Ok(load::outcome(scrubbed.recordings.into_iter().find_map(|recording| recording.damage)))
+    let damaged =
+        |recording: ScrubbedRecording| recording.damage.map(|damage| format!("{}: {damage}", recording.run));
+    let damage = scrubbed.recordings.into_iter().find_map(damaged);
+    Ok(load::outcome(&Missing { damage, ..Missing::default() }))
 }
 
 fn line(recording: &ScrubbedRecording) -> String {

@@ -1,9 +1,10 @@
 //! The nest from recorded samples: steps of the linear axes at one pose among others, and what is too little of them.
 
 use std::path::{Path, PathBuf};
+use trunnion::gaps::Missing;
 use trunnion::nest::calibrate_nest;
 use trunnion_core::axis::iso::{C, X, Y, Z};
-use trunnion_core::{AxisSample, AxisValues, Joint, ProbeSample, Stamp};
+use trunnion_core::{AxisSample, AxisValues, Gap, Joint, ProbeSample, Stamp};
 use trunnion_record::{Item, RunWriter};
 
 const STATIC: &str = include_str!("../../../../config/cycles/demo-static.toml");
@@ -16,6 +17,10 @@ const WAY_S: f64 = 0.1;
 /// Stands at `places` one after the other (an axis, and by how much it stepped from the ball), read at 200 Hz; C stands elsewhere
 /// at first.
 fn record(path: &Path, places: &[(Joint, f64)]) -> PathBuf {
+    record_with(path, places, None)
+}
+
+fn record_with(path: &Path, places: &[(Joint, f64)], gap: Option<Gap>) -> PathBuf {
     let mut header = crate::header("steps", STATIC);
     header.setups.truncate(1);
     let stands: Vec<AxisValues<f64>> = std::iter::once((X, 0.0, 0.5))
@@ -44,6 +49,7 @@ fn record(path: &Path, places: &[(Joint, f64)]) -> PathBuf {
         }
         writer.item(Item::Axes(AxisSample { time_s, stamp, position, ..AxisSample::default() }), time_s);
     }
+    gap.into_iter().for_each(|gap| writer.item(Item::Gap(gap), 0.0));
     writer.finish().unwrap();
     path.into()
 }
@@ -56,13 +62,30 @@ fn steps(axes: &[Joint]) -> Vec<(Joint, f64)> {
 fn directions_and_gains_come_from_recorded_samples() {
     let folder = tempfile::tempdir().unwrap();
     let run = record(&folder.path().join("steps.mcap"), &steps(&[X, Y, Z]));
-    let found = calibrate_nest(&run, true).unwrap();
+    let (found, _) = calibrate_nest(&run, true).unwrap();
     assert!(found.steps >= 9, "{found:?}");
     for ((probe, direction), gain) in found.probes.iter().zip(DIRECTIONS).zip(GAINS) {
         assert!((probe.gain - gain).abs() < 1e-6, "{probe:?}");
         assert!((0..3).all(|i| (probe.direction[i] - direction[i]).abs() < 1e-6), "{probe:?}");
     }
     assert!(found.lines.starts_with("[nest]\nprobe_1 = [0.8000000, "), "{}", found.lines);
+}
+
+#[test]
+fn what_is_missing_from_the_steps_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = record(&folder.path().join("whole.mcap"), &steps(&[X, Y, Z]));
+    assert_eq!(calibrate_nest(&whole, true).unwrap().1, Missing::default());
+    let (source, from_s, to_s) = ("probe-1".to_owned(), 2.0, 2.5);
+    let gap = Gap { source, from_s, to_s, lost_samples: Some(100), reason: "unplugged".into() };
+    let holed = record_with(&folder.path().join("holed.mcap"), &steps(&[X, Y, Z]), Some(gap));
+    let missing = calibrate_nest(&holed, true).unwrap().1;
+    let [gap] = &missing.gaps[..] else { panic!("{missing:?}") };
+    assert!(
+        gap.ends_with("probe-1: nothing from 2.00 s to 2.50 s, 100 samples missing (unplugged)"),
+        "{gap}"
+    );
+    assert_eq!(missing.damage, None);
 }
 
 #[test]

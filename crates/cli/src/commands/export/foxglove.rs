@@ -6,6 +6,7 @@ use crate::outcome::Outcome;
 use crate::{output, terminal};
 use anyhow::{Context, bail};
 use std::path::Path;
+use trunnion::gaps::Missing;
 use trunnion::{Fit, foxglove};
 
 pub const FORMAT: Format = Format { name: "foxglove", run };
@@ -33,7 +34,9 @@ fn run(request: &Request) -> anyhow::Result<Outcome> {
         |times| format!("arrows of measured errors and residuals, magnification {times:.0}"),
     );
     terminal::print(&format!("{}: {arrows}; layout: {}\n", path.display(), layout.display()))?;
-    Ok(match load::outcome(written.damage) {
+    // Gaps are those of the fit.
+    let damaged = Missing { damage: written.damage, ..Missing::default() };
+    Ok(match load::outcome(&damaged) {
         Outcome::Done => of_fit,
         lost => lost,
     })

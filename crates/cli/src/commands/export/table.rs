@@ -17,8 +17,8 @@ pub fn of(run: &Path, what: Option<&str>, model: &ModelArgs) -> anyhow::Result<(
     let [(usual, _), ..] = Exported::NAMES;
     let part = what.unwrap_or(usual);
     if let Some((_, what)) = Exported::NAMES.into_iter().find(|(name, _)| *name == part) {
-        let (table, damage) = export(run, what)?;
-        return Ok((table, load::outcome(damage)));
+        let (table, missing) = export(run, what)?;
+        return Ok((table, load::outcome(&missing)));
     }
     let loaded = load::runs(&load::RunArgs::of(vec![run.into()]))?;
     let fit = loaded.experiment.fit(&model.model(&loaded.experiment)?)?;
