@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct AlarmsNow {
     /// Name of the run; null before the first.
     pub run: Option<String>,
-    /// How many of its values have limits; 0 before the third run of a machine, and after a correction.
+    /// How many of its values have limits; 0 before the third run of a machine, and where limits begin again: after a correction or a change of the model.
     pub watched: usize,
     /// Those outside their limits; none is no alarm.
     pub alarms: Vec<Alarm>,
@@ -36,9 +36,9 @@ pub struct Alarm {
     pub u: f64,
     /// Mean of the runs before.
     pub mean: f64,
-    /// The limits that they set.
+    /// The lower limit that they set.
     pub low: f64,
-    /// The limits that they set.
+    /// The upper limit that they set.
     pub high: f64,
     /// Name of the run since which it has been outside, run after run.
     pub since: String,
