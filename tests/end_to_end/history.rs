@@ -103,6 +103,36 @@ fn an_effect_that_is_new_is_named_and_other_parameters_do_not_take_its_place() {
 }
 
 #[test]
+fn two_runs_that_cannot_be_compared_are_named_and_the_list_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    for number in 1..=2 {
+        simulate(folder.path(), &format!("day-{number}.mcap"), number, 25.0);
+    }
+    // The machine file was corrected in between.
+    let second = folder.path().join("day-2.mcap");
+    let recording = trunnion_record::read_run(&second, &trunnion_machine::shipped::machine).unwrap();
+    let machine_text = recording.header.machine_text.replacen("gear_teeth = 72", "gear_teeth = 90", 1);
+    assert_ne!(machine_text, recording.header.machine_text);
+    let header = trunnion_record::RunHeader { machine_text, ..recording.header };
+    std::fs::remove_file(&second).unwrap();
+    trunnion_record::write_run(&second, &header, &recording.run).unwrap();
+
+    let name = folder.path().display().to_string();
+    let (done, text, error) = output(&["history", "--folder", &name]);
+    assert!(!done, "no verdict on what changed");
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("What changed is not known day-1 and day-2 cannot be compared: "),
+        "{text}{error}"
+    );
+    assert!(words.contains("Last value against") || words.contains("Machine table-bc; model:"), "{text}");
+    let (_, json, _) = output(&["history", "--folder", &name, "--json"]);
+    let answer: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(answer["runs"].as_array().unwrap().len(), 2);
+    assert!(answer["change"].is_null() && answer["why_no_change"] != "", "{answer}");
+}
+
+#[test]
 fn what_cannot_be_read_is_listed_and_an_unknown_run_is_refused_with_those_there_are() {
     let folder = tempfile::tempdir().unwrap();
     simulate(folder.path(), "day-1.mcap", 1, 25.0);

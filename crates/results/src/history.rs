@@ -21,8 +21,11 @@ pub struct MachineHistory {
     pub runs: Vec<HistoryRun>,
     /// The values that are watched, each with its limits.
     pub watched: Vec<Watched>,
-    /// What changed from the last run but one to the last; null where there are no two.
+    /// What changed from the last run but one to the last; null where there are no two, and where they cannot be compared.
     pub change: Option<RunChange>,
+    /// Why the last two cannot be compared; empty otherwise.
+    #[serde(default)]
+    pub why_no_change: String,
     /// Corrections that were entered into the control, oldest first; control limits begin again after each.
     #[serde(default)]
     pub corrections: Vec<CorrectionEntered>,

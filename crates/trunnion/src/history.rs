@@ -10,6 +10,7 @@ pub use forecast::{days, next_day, without};
 
 use crate::{Diagnosed, Error, Model, moment};
 use std::path::{Path, PathBuf};
+use trunnion_core::chain;
 use trunnion_results::sentences::{is_setting, not_plausible};
 use trunnion_results::{
     Alarm, AlarmsNow, CorrectionEntered, HistoryRun, MachineHistory, Parameter, RunChange, RunFound, RunLine,
@@ -65,7 +66,15 @@ pub fn history(runs: &[Vec<PathBuf>], wanted: &Wanted) -> Result<MachineHistory,
     }
     if let [earlier, Some(later)] = &last_two {
         history.effects = later.1.fit().model().effects().into_iter().map(str::to_owned).collect();
-        history.change = earlier.as_ref().map(|earlier| change::change(earlier, later)).transpose()?;
+        match earlier.as_ref().map(|earlier| (&earlier.0, change::change(earlier, later))) {
+            Some((_, Ok(change))) => history.change = Some(change),
+            // The list and its limits hold without it.
+            Some((from, Err(failure))) => {
+                history.why_no_change =
+                    format!("{from} and {} cannot be compared: {}.", later.0, chain(&failure));
+            }
+            None => {}
+        }
     }
     let since = index_of(&history.runs, wanted.since.as_deref())?;
     watched(&mut history, since, &wanted.corrections);

@@ -78,6 +78,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     let gaps = answer.runs.iter().flat_map(of_run).collect();
     let outcome = load::outcome(&Missing { gaps, damage: None });
+    let outcome = if answer.why_no_change.is_empty() { outcome } else { outcome.or_withheld() };
     let troubled = answer.runs.iter().any(|run| !run.trouble.is_empty());
     Ok(if troubled { Outcome::DataLoss } else { outcome })
 }

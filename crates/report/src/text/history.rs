@@ -13,6 +13,9 @@ pub fn history_text(history: &MachineHistory) -> String {
         text += &change.words.iter().map(|words| paragraph(words)).collect::<String>();
         text.push('\n');
     }
+    if !history.why_no_change.is_empty() {
+        text += &format!("What changed is not known\n{}\n", paragraph(&history.why_no_change));
+    }
     for around in &history.around_corrections {
         text += "Before and after a correction\n";
         text += &around.words.iter().map(|words| paragraph(words)).collect::<String>();

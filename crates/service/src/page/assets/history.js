@@ -171,9 +171,14 @@ const titleOf = ({ name, words }) => (words && words !== name ? `${words}${name 
 
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
-// Ends of the y axis: every value, and the limits of the last run. The first limits are wide.
+// A judgement, tuned on no data: values within less than this share of the height (8 px) are one flat line.
+const FLAT = 1 / 30;
+
+// Ends of the y axis: every value, and the limits of the last run where they leave the values a shape. The first limits are wide.
 function scaleOf(values, last, least) {
-  const shown = [...values, ...last];
+  const spread = (of) => Math.max(...of) - Math.min(...of);
+  const all = [...values, ...last];
+  const shown = spread(values) > 0 && spread(values) < FLAT * spread(all) ? values : all;
   const [low, high] = [Math.min(...shown), Math.max(...shown)];
   const margin = 0.1 * (high - low) || 1;
   return [Math.max(least, low - margin), high + margin];
@@ -193,8 +198,8 @@ function chart({ title, x, dated, range, unit, marks, label, values, limits }) {
       // Room for the last day's name and the limits of its run.
       width, height: 260, padding: [12, 40, 0, 0], tzDate: (at) => uPlot.tzDate(new Date(at * 1000), "UTC"), scales: { x: { time: dated }, y: { range } }, axes: over(dated ? "day, UTC" : "run, in order of time", unit, along), legend: { live: false },
       hooks: { draw: [(plot) => mark(plot, marks), (plot) => bars(plot, x, limits, range)] },
-      series: [{ label: dated ? "began" : "run" }, { label, stroke, width: 2, points: { show: true, size: 7, fill: stroke }, spanGaps: true }, limit("lower limit"), limit("upper limit")],
-    }, [x, values, of(0), of(1)], place));
+      series: [{ label: dated ? "began" : "run" }, { label, stroke, width: 2, points: { show: true, size: 7, fill: stroke }, spanGaps: true }, ...(limits.length ? [limit("lower limit"), limit("upper limit")] : [])],
+    }, [x, values, ...(limits.length ? [of(0), of(1)] : [])], place));
   });
   return el("section", {}, el("h2", {}, `${title}, ${unit}`), place);
 }
