@@ -66,7 +66,7 @@ impl Condition {
 pub struct Health {
     /// The worst.
     pub state: Condition,
-    /// `devices`, `recorder`, `disk`, `analysis`; `broker`, `sparkplug`, `page`, `mtconnect` and `opcua` where the configuration has them.
+    /// `devices`, `recorder`, `disk`, `analysis`, `service` (a part of it that hangs); `broker`, `sparkplug`, `page`, `mtconnect` and `opcua` where the configuration has them.
     pub parts: BTreeMap<String, PartHealth>,
 }
 

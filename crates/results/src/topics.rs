@@ -25,6 +25,12 @@ pub struct StorageNow {
     pub why: Option<String>,
     /// Samples of the newest run that were lost as they could not be written.
     pub lost_samples: u64,
+    /// Runs of the folder whose samples are there.
+    pub runs: usize,
+    /// Runs whose samples were removed to make room; their reports stay.
+    pub removed: usize,
+    /// Why nothing is removed at present, or not all that should be; null when there is nothing to say.
+    pub not_removed: Option<String>,
 }
 
 impl Published for StorageNow {

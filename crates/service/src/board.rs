@@ -25,6 +25,8 @@ struct Shared {
     changes: watch::Sender<u64>,
     /// Connections and ports of the configuration, each with why it does not work; empty when it does.
     connections: Mutex<BTreeMap<&'static str, String>>,
+    /// Parts of the service that hang, each with what happens next.
+    hung: Mutex<BTreeMap<&'static str, String>>,
 }
 
 /// The value of a topic.
@@ -76,6 +78,20 @@ impl Board {
     /// Empty: it works.
     pub(crate) fn set_connection(&self, name: &'static str, why: &str) {
         self.shared.connections.lock().unwrap_or_else(PoisonError::into_inner).insert(name, why.into());
+    }
+
+    /// Parts of the service that hang, each with what happens next.
+    pub(crate) fn hung(&self) -> BTreeMap<&'static str, String> {
+        self.shared.hung.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// `None`: it goes on.
+    pub(crate) fn set_hung(&self, part: &'static str, why: Option<String>) {
+        let mut hung = self.shared.hung.lock().unwrap_or_else(PoisonError::into_inner);
+        match why {
+            Some(why) => hung.insert(part, why),
+            None => hung.remove(part),
+        };
     }
 
     /// Who chooses, begins and ends cycles.

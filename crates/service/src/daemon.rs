@@ -133,7 +133,8 @@ pub async fn serve_on(
     let storage = Storage::new(&config.recordings, config.storage, config.analysis.tries);
     let disk = Disk::new(storage, lock, live.latest().clone(), board.clone(), clock.clone());
     let watched = tokio::spawn(disk.clone().watch(cancel.clone()));
-    let pinged = tokio::spawn(watchdog::watch(live.latest().clone(), clock.clone(), cancel.clone()));
+    let pinged =
+        tokio::spawn(watchdog::watch(live.latest().clone(), board.clone(), clock.clone(), cancel.clone()));
     let page = match &config.page {
         Some(place) => page(place, &set_up, &config, &cycles, &analyses),
         None => None,

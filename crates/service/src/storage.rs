@@ -15,6 +15,7 @@ pub use retention::Removed;
 pub use space::{Need, Room};
 pub use today::{Today, WallClock};
 
+use crate::run_record::{Known, removed_from};
 use retention::{Stored, doubt, to_remove};
 use std::path::{Path, PathBuf};
 
@@ -23,7 +24,7 @@ use std::path::{Path, PathBuf};
 pub struct Tidied {
     /// What went.
     pub removed: Vec<Removed>,
-    /// Why nothing goes at present, for a person.
+    /// Why nothing goes at present, or not all that should, for a person.
     pub doubt: Option<String>,
 }
 
@@ -91,9 +92,26 @@ impl Storage {
         let stored = Stored::read(&self.folder, self.tries);
         let missing_mb = (wanted_mb - self.free_mb()?).max(0.0);
         let going = to_remove(&stored, &self.config, missing_mb, today);
-        let removed =
-            going.into_iter().filter_map(|(index, why)| stored[index].remove(&why, today.wall)).collect();
-        Ok(Tidied { removed, doubt: doubt(&stored, today.wall) })
+        let due = going.len();
+        let (mut removed, mut refused) = (Vec::new(), None);
+        for (index, why) in going {
+            match stored[index].remove(&why, today.wall) {
+                Ok(gone) => removed.push(gone),
+                Err(why) => refused = refused.or(Some(why)),
+            }
+        }
+        let refused = refused.map(|why| {
+            format!(
+                "{} of {due} runs whose samples should go were removed; the first that stays, {why}",
+                removed.len()
+            )
+        });
+        Ok(Tidied { removed, doubt: doubt(&stored, today.wall).or(refused) })
+    }
+
+    /// Runs of the folder with their samples, and runs whose samples were removed.
+    pub fn runs(&self) -> (usize, usize) {
+        (Known::read(&self.folder).runs.len(), removed_from(&self.folder).len())
     }
 }
 

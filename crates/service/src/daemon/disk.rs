@@ -1,5 +1,6 @@
 //! The disk while the service runs: room before a cycle, what is removed, and a recorder that cannot write, each said at once.
 
+use super::watchdog::RECORDER;
 use crate::board::Board;
 use crate::cycles::Choice;
 use crate::latest::Latest;
@@ -108,13 +109,16 @@ impl Disk {
     pub(super) async fn watch(self, cancel: CancellationToken) {
         let mut period = tokio::time::interval(LOOK);
         let (mut looks, mut before, mut set_s) = (0_u32, RecorderStatus::default(), 0.0);
+        let mut hung = false;
         loop {
             tokio::select! {
                 () = cancel.cancelled() => return,
                 _ = period.tick() => {}
             }
             let now = self.latest.recorder().unwrap_or_default();
-            let is_news = (&now.failing, now.lost_samples) != (&before.failing, before.lost_samples);
+            let hangs = self.board.hung().contains_key(RECORDER);
+            let is_news = (&now.failing, now.lost_samples) != (&before.failing, before.lost_samples)
+                || std::mem::replace(&mut hung, hangs) != hangs;
             let is_set = (self.clock.set_s() - set_s).abs() > WallClock::SET.as_secs_f64();
             let is_time = looks.is_multiple_of(TIDY_EVERY) && now.failing.is_none();
             if is_news || is_time || is_set {
@@ -146,8 +150,8 @@ impl Disk {
     /// Publishes the disk: as low while less is free than is to be kept, or than the last cycle would have needed, or nobody knows.
     async fn report(&self, recorder: &RecorderStatus) {
         let (storage, need) = (self.storage.clone(), self.lock().short.unwrap_or(Need::NOTHING));
-        let look = move || (storage.free_mb(), storage.room_for(need));
-        let Ok((free_mb, room)) = tokio::task::spawn_blocking(look).await else {
+        let look = move || (storage.free_mb(), storage.room_for(need), storage.runs());
+        let Ok((free_mb, room, (runs, removed))) = tokio::task::spawn_blocking(look).await else {
             return error!("the disk was not looked at; this is a defect of the program");
         };
         let short = match room {
@@ -158,8 +162,9 @@ impl Disk {
                 Some(format!("the free space of {folder} cannot be read: {error}"))
             }
         };
-        let (state, why) = match (&recorder.failing, short) {
-            (Some(failing), _) => (StorageState::Failing, Some(failing.clone())),
+        let hung = self.board.hung().remove(RECORDER).map(|why| format!("{RECORDER} hangs: {why}"));
+        let (state, why) = match (recorder.failing.clone().or(hung), short) {
+            (Some(failing), _) => (StorageState::Failing, Some(failing)),
             (None, Some(short)) => (StorageState::Low, Some(self.report_low(short))),
             (None, None) => (StorageState::Good, None),
         };
@@ -168,7 +173,8 @@ impl Disk {
             (known.short, known.low) = (None, false);
         }
         let free_mb = free_mb.ok().map(f64::round);
-        let now = StorageNow { state, reason: None, free_mb, why, lost_samples: recorder.lost_samples };
+        let (lost_samples, not_removed) = (recorder.lost_samples, self.lock().doubt.clone());
+        let now = StorageNow { state, reason: None, free_mb, why, lost_samples, runs, removed, not_removed };
         self.board.publish(&now);
     }
 
@@ -239,6 +245,38 @@ mod tests {
         let failing = RecorderStatus { failing: Some("no space".into()), ..RecorderStatus::default() };
         disk.report(&failing).await;
         assert_eq!(state(&board), (StorageState::Failing, "no space".into()));
+    }
+
+    #[tokio::test]
+    async fn runs_that_are_there_and_that_were_removed_are_counted_and_what_could_not_go_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        for name in ["a", "b", "c"] {
+            std::fs::write(place(&format!("{name}.mcap")), vec![0; 1_000_000]).unwrap();
+            std::fs::write(place(&format!("{name}.diagnosis.json")), "{}").unwrap();
+            let written =
+                std::time::SystemTime::now() - Duration::from_secs(if name == "c" { 0 } else { 60 });
+            std::fs::File::open(place(&format!("{name}.mcap"))).unwrap().set_modified(written).unwrap();
+        }
+        // A part of `a` that cannot be removed as a file is: it is a folder.
+        std::fs::create_dir(place("a-2")).unwrap();
+        let parts = trunnion::results::RunRecord {
+            state: trunnion::results::RunState::Done,
+            parts: vec!["a-2".into()],
+            ..Default::default()
+        };
+        crate::run_record::write(&place("a.mcap"), &parts).unwrap();
+        let config = StorageConfig { keep_free_mb: 0.0, budget_mb: Some(0.1), ..StorageConfig::default() };
+        let (board, clock): (_, Arc<dyn Clock>) = (Board::default(), Arc::new(SystemClock::start()));
+        let latest = Latest::new(&[], Vec::new(), clock.clone());
+        let disk = Disk::new(Storage::new(folder.path(), config, 3), None, latest, board.clone(), clock);
+        disk.tidy().await;
+        disk.report(&RecorderStatus::default()).await;
+        let now: StorageNow = serde_json::from_value(board.get("storage").unwrap()).unwrap();
+        let why = now.not_removed.unwrap_or_default();
+        assert!(why.starts_with("1 of 2 runs whose samples should go were removed"), "{why}");
+        assert!(why.contains("a-2"), "{why}");
+        assert_eq!((now.state, now.runs, now.removed), (StorageState::Good, 2, 1));
     }
 
     #[tokio::test]

@@ -1,4 +1,4 @@
-//! How the service does: the worst of devices, recorder, disk, analysis, and of broker, page and servers where there are any.
+//! How the service does: the worst of devices, recorder, disk, analysis, its own parts, and of broker, page and servers where there are any.
 
 use crate::board::Board;
 use std::collections::BTreeMap;
@@ -16,6 +16,7 @@ pub(super) fn health<'a>(
         ("recorder".to_owned(), of_topic(board, "storage", "failing", Condition::Failing)),
         ("disk".to_owned(), of_topic(board, "storage", "low", Condition::Limited)),
         ("analysis".to_owned(), of_topic(board, "result", "failed", Condition::Limited)),
+        ("service".to_owned(), of_hung(board)),
     ]);
     // Measuring goes on without them.
     for (name, why) in board.connections() {
@@ -63,6 +64,16 @@ fn of_topic(board: &Board, topic: &str, bad: &str, how: Condition) -> PartHealth
     }
 }
 
+/// Parts of the service itself: one that hangs does not do its work.
+fn of_hung(board: &Board) -> PartHealth {
+    let hung: Vec<String> =
+        board.hung().into_iter().map(|(part, why)| format!("{part} hangs: {why}")).collect();
+    match hung.is_empty() {
+        true => PartHealth::default(),
+        false => PartHealth::new(Condition::Failing, hung.join("; ")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,6 +103,13 @@ mod tests {
         board.set("storage", &json!({ "state": "failing", "why": "no space is left" }));
         assert_eq!(of(&board).state, Condition::Failing);
         assert_eq!(of(&board).parts["recorder"].why, "no space is left");
+
+        board.set("storage", &json!({ "state": "good" }));
+        board.set_hung("the recorder", Some("it has done nothing for 30 s".into()));
+        assert_eq!(of(&board).state, Condition::Failing);
+        assert_eq!(of(&board).parts["service"].why, "the recorder hangs: it has done nothing for 30 s");
+        board.set_hung("the recorder", None);
+        assert_eq!(of(&board).parts["service"], PartHealth::default());
 
         send.send_modify(|status| status.state = DeviceState::WrongDevice);
         assert_eq!(of(&board).parts["devices"].state, Condition::Failing);

@@ -45,13 +45,14 @@ impl Stored {
         runs.filter(|(recording, _)| !recording.is_symlink()).filter_map(stored).collect()
     }
 
-    /// Removes its recordings and keeps why; `None` when the system refuses, which is logged.
-    pub(super) fn remove(&self, why: &str, now: SystemTime) -> Option<Removed> {
-        for file in run_record::every_file(&self.recording, &self.record) {
-            if let Err(error) = std::fs::remove_file(&file) {
-                tracing::warn!(%error, file = %file.display(), "a recording cannot be removed");
-                return None;
-            }
+    /// Removes its recordings and keeps why.
+    ///
+    /// # Errors
+    /// When the system refuses: which file, and why, for a person.
+    pub(super) fn remove(&self, why: &str, now: SystemTime) -> Result<Removed, String> {
+        // Its own recording last: as long as it is there, the run is in the list and is tried again.
+        for file in run_record::every_file(&self.recording, &self.record).into_iter().rev() {
+            std::fs::remove_file(&file).map_err(|error| format!("{}: {error}", file.display()))?;
         }
         let ns = now.duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
         let at = moment(i64::try_from(ns).unwrap_or(i64::MAX));
@@ -67,7 +68,7 @@ impl Stored {
             mb = removed.mb.round(),
             "the samples of a run were removed, its report stays: {why}"
         );
-        Some(removed)
+        Ok(removed)
     }
 }
 

@@ -20,6 +20,23 @@ function gauge(name, value, [from, to]) {
     el("span", { class: "zone" }), mark);
 }
 
+// What of the service itself is not as it should be, and its disk.
+export function serviceRows(status, storage) {
+  const parts = Object.entries(status?.health?.parts ?? {}).filter(([name, { state }]) => name !== "devices" && state !== "good");
+  const row = (name, state, good, ...texts) => el("li", {}, el("span", { class: "name" }, el("b", {}, name)),
+    el("span", { class: `state ${good ? "ok" : "bad"}` }, state), ...texts.filter(Boolean).map((text) => el("span", {}, text)));
+  const rows = parts.map(([name, { state, why }]) => row(name, state, false, why));
+  // The form before the first look, and after the last, has no numbers.
+  if (storage?.state === undefined || storage.state === "offline") return rows;
+  const { free_mb: free, runs, removed, not_removed: stays, lost_samples: lost } = storage;
+  const count = (n) => (n === 1 ? "1 run" : `${n} runs`);
+  rows.push(row("recordings", storage.state, storage.state === "good" && !stays,
+    free == null ? null : `${decimal(free / 1000, 1)} GB free`,
+    removed ? `the samples of ${removed} of ${count(runs + removed)} were removed to make room, the reports stay` : count(runs),
+    lost ? `${lost} samples of the newest run could not be written` : null, stays));
+  return rows;
+}
+
 export function deviceRows(live, status) {
   const remedies = Object.fromEntries((live?.devices ?? []).map((device) => [device.name, device]));
   const devices = Object.entries(status?.devices ?? {});

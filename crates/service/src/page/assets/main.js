@@ -62,7 +62,7 @@ async function show() {
 
 function listen() {
   const events = new EventSource("/api/live");
-  for (const topic of ["status", "cycle", "quality", "ready", "set-up", "result", "alarms", "live", "model"]) {
+  for (const topic of ["status", "cycle", "quality", "ready", "set-up", "result", "alarms", "live", "model", "storage", "removed"]) {
     events.addEventListener(topic, (event) => take(topic, JSON.parse(event.data)));
   }
   events.onerror = () => notice("The program does not answer; the page tries again.", true);

@@ -2,7 +2,7 @@
 
 import * as calls from "./calls.js";
 import { decimal, el, notice } from "./dom.js";
-import { deviceRows, probeBar } from "./live.js";
+import { deviceRows, probeBar, serviceRows } from "./live.js";
 import { poseMap } from "./pose-map.js";
 
 let parts = null;
@@ -25,6 +25,7 @@ export async function make(page) {
     gaps: el("ul", { "aria-label": "Gaps" }),
     probes: el("div", { class: "two" }),
     devices: el("ul", { class: "steps" }),
+    service: el("ul", { class: "steps", id: "service" }),
     axes: el("p", { class: "places" }),
     map: null, mapOf: null,
     maps: el("section", {}),
@@ -36,6 +37,7 @@ export async function make(page) {
     parts.headline, parts.prompt, parts.controls.form, parts.progress, parts.left, parts.gaps, parts.say,
     parts.maps, parts.values,
     el("h2", {}, "Devices"), parts.devices,
+    ...(status.serves === "service" ? [el("h2", {}, "The service"), parts.service] : []),
   ];
 }
 
@@ -47,6 +49,7 @@ export function changed(page, topic) {
     showCycle(cycle);
     parts.controls.show(cycle, status);
   }
+  if (topic === "all" || topic === "storage" || topic === "status") parts.service.replaceChildren(...serviceRows(status, page.topics.storage));
   if (topic === "all" || topic === "live" || topic === "status") {
     showProbes(live);
     parts.devices.replaceChildren(...deviceRows(live, status));
