@@ -33,6 +33,28 @@ pub enum ReportFormat {
     V1,
 }
 
+/// `trunnion-filed/1`: a report that was filed next to its recording.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Filed {
+    /// Format and version.
+    pub format: FiledFormat,
+    /// Name of the run.
+    pub run: String,
+    /// The page that was written.
+    pub html: String,
+    /// The PDF that was printed from it; null while there is none.
+    pub pdf: Option<String>,
+}
+
+/// Format and version of what was filed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum FiledFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "trunnion-filed/1")]
+    V1,
+}
+
 /// Machine, people and recordings of a report. What is null or empty is not recorded.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Identity {

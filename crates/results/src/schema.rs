@@ -2,7 +2,7 @@
 
 use crate::{
     Added, AlarmsNow, AxisErrors, Check, Comparison, Correction, CorrectionJudged, CycleProgress,
-    DayForecast, Demo, DevicesChecked, DevicesFound, Diagnosis, ErrorMap, Findings, FormulaChecked,
+    DayForecast, Demo, DevicesChecked, DevicesFound, Diagnosis, ErrorMap, Filed, Findings, FormulaChecked,
     Identification, Imported, Joined, Ladder, Linear, Live, MachineHistory, MethodList, ModelChanged,
     NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Published, ReadyNow, Removed, Report,
     ResultNow, RunList, RunRecord, SamplesRemoved, Scrubbed, ServiceStatus, SetUpState, SignTest, Simulation,
@@ -48,6 +48,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("formula", schema_for!(FormulaChecked)),
         ("nest", schema_for!(NestCalibrated)),
         ("report", schema_for!(Report)),
+        ("filed", schema_for!(Filed)),
         ("forecast", schema_for!(DayForecast)),
         ("history", schema_for!(MachineHistory)),
         of_topic::<ServiceStatus>(),

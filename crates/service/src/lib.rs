@@ -21,6 +21,7 @@ pub mod operator;
 pub mod page;
 mod pem;
 pub mod plant;
+pub mod print;
 pub mod private_files;
 mod recording;
 pub mod run_record;

@@ -13,6 +13,7 @@ mod assets;
 mod calls;
 mod context;
 mod cycle_calls;
+mod filed_calls;
 mod grid;
 mod guard;
 mod live;

@@ -1,7 +1,5 @@
 //! `trunnion report`: a report to be filed.
 
-mod print;
-
 use super::add::today;
 use crate::load::{ModelArgs, RunArgs};
 use crate::one_of::one_of;
@@ -10,6 +8,7 @@ use crate::{load, output, terminal};
 use std::path::PathBuf;
 use trunnion::Filing;
 use trunnion::report::{Issuer, Language, dcc_xml, report_html};
+use trunnion_service::print;
 
 /// Write a report to be filed: a page made to be printed, and a PDF
 ///
@@ -109,7 +108,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     output::write(&page, &report_html(&report, args.language))?;
     report.html = Some(page.display().to_string());
     if let Some(pdf) = &args.pdf {
-        print::pdf(&page, pdf)?;
+        print::pdf(&page, pdf, &|| false)?;
         report.pdf = Some(pdf.display().to_string());
     }
     if let Some(dcc) = &args.dcc {

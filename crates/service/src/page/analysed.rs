@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use trunnion::history::{changed, next_day};
 use trunnion::page::label;
-use trunnion::report::findings_html;
+use trunnion::report::{Language, findings_html, report_html};
 use trunnion::results::{RunFound, sentences, to_json_line};
-use trunnion::{Compared, FormulaText, MethodOptions, Model};
+use trunnion::{Compared, Filing, FormulaText, MethodOptions, Model};
 
 /// Analysed runs that are kept; a run of 10 000 points needs some 30 MB.
 const MOST_OPEN: usize = 4;
@@ -139,6 +139,12 @@ impl Open {
             }
             Asks::Methods => to_json_line(&fit.experiment().methods()),
             Asks::Report => Ok(compared.page()),
+            Asks::Filed { by, language, date } => {
+                let filing = Filing { operator: by.clone(), written: date.clone(), ..Filing::default() };
+                let report = fit.compare().with_best().report(&run_files(&self.recording), &filing)?;
+                let known = Language::NAMES.into_iter().find(|(code, _)| code == language);
+                Ok(report_html(&report, known.map_or(Language::English, |(_, language)| language)))
+            }
             Asks::Trial { effect } => Ok(fit.try_effect(effect, &FormulaText::default())?.page()),
             Asks::Method { name } => {
                 let found = fit.experiment().clone().by_method(name, &MethodOptions::default())?;

@@ -45,6 +45,9 @@ pub enum Refusal {
     /// The analysis failed.
     #[error("the analysis failed: {0}")]
     Failed(String),
+    /// A file that cannot be written or printed.
+    #[error("{0}")]
+    NotWritten(String),
     /// Too much is asked at once.
     #[error("too many analyses are waiting; ask again in a moment")]
     Busy,
@@ -61,7 +64,7 @@ impl Refusal {
             Self::Removed { .. } | Self::NotCompared { .. } => StatusCode::GONE,
             Self::WrongToken => StatusCode::UNAUTHORIZED,
             Self::NotTrusted(_) | Self::NotNow(_) => StatusCode::CONFLICT,
-            Self::Failed(_) => StatusCode::UNPROCESSABLE_ENTITY,
+            Self::Failed(_) | Self::NotWritten(_) => StatusCode::UNPROCESSABLE_ENTITY,
             Self::Busy => StatusCode::SERVICE_UNAVAILABLE,
             Self::Broken(_) => StatusCode::INTERNAL_SERVER_ERROR,
         }
@@ -88,6 +91,11 @@ pub fn json_of(answer: &impl Serialize) -> Result<Response, Refusal> {
 /// An answer that is JSON already.
 pub fn json(text: Bytes) -> Response {
     ([(CONTENT_TYPE, "application/json"), (CACHE_CONTROL, "no-store")], text).into_response()
+}
+
+/// A page as it is printed.
+pub fn pdf(page: Bytes) -> Response {
+    ([(CONTENT_TYPE, "application/pdf"), (CACHE_CONTROL, "no-store")], page).into_response()
 }
 
 /// A report of its own: it brings its style and has no script.

@@ -2,11 +2,11 @@
 
 use super::access::Access;
 use super::answer::{Refusal, json, json_of, report};
-use super::context::{Answer, Page, status_of, wrong};
+use super::context::{Answer, Page, person, status_of, wrong};
 use super::question::{Asks, Step};
 use super::runs::Runs;
 use super::shared::Shared;
-use super::{assets, cycle_calls, live, login, method_calls, set_up_calls};
+use super::{assets, cycle_calls, filed_calls, live, login, method_calls, set_up_calls};
 use crate::clock::minute;
 use axum::extract::rejection::JsonRejection;
 use axum::extract::{Path, State};
@@ -15,13 +15,15 @@ use axum::routing::{get, post};
 use axum::{Json, Router};
 use serde::Deserialize;
 use std::sync::Arc;
+use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use trunnion::history::{of_found, without};
 use trunnion::results::{ModelChanged, ModelStep};
 
 /// Every call.
 pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) -> Router {
-    let page = Page { runs: shared.runs.clone(), shared, access, watchers: live::places(), cancel };
+    let printer = Arc::new(Semaphore::new(1));
+    let page = Page { runs: shared.runs.clone(), shared, access, watchers: live::places(), printer, cancel };
     Router::new()
         .route("/", get(|| async { assets::index() }))
         .route("/assets/{name}", get(asset))
@@ -42,6 +44,7 @@ pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) ->
         .route("/api/runs/{name}/linear", get(linear))
         .route("/api/runs/{name}/model/{effect}", post(add).delete(remove))
         .route("/api/formula", post(formula))
+        .merge(filed_calls::routes())
         .merge(cycle_calls::routes())
         .merge(set_up_calls::routes())
         .merge(login::routes())
@@ -166,25 +169,12 @@ struct Who {
     by: String,
 }
 
-/// Longest name in a ladder.
-const LONGEST_NAME: usize = 60;
-
-impl Who {
-    fn name(&self, does: &str) -> Result<String, Refusal> {
-        let by = self.by.trim();
-        let fits = !by.is_empty() && by.chars().count() <= LONGEST_NAME && !by.chars().any(char::is_control);
-        let refused =
-            || Refusal::Wrong(format!("who {does} it? a name of at most {LONGEST_NAME} characters"));
-        fits.then(|| by.to_owned()).ok_or_else(refused)
-    }
-}
-
 async fn add(
     State(page): State<Page>,
     Path((name, effect)): Path<(String, String)>,
     body: Result<Json<Who>, JsonRejection>,
 ) -> Answer {
-    let by = body.map_err(wrong)?.0.name("adds")?;
+    let by = person(&body.map_err(wrong)?.0.by, "who adds it?")?;
     let date = minute(page.shared.clock.wall_ns());
     let story = page.runs.ask(&name, Asks::Add(Step { effect: effect.clone(), by, date })).await?;
     changed(&page, &name, &effect, ModelStep::Added);
@@ -196,7 +186,7 @@ async fn remove(
     Path((name, effect)): Path<(String, String)>,
     body: Result<Json<Who>, JsonRejection>,
 ) -> Answer {
-    let by = body.map_err(wrong)?.0.name("removes")?;
+    let by = person(&body.map_err(wrong)?.0.by, "who removes it?")?;
     let date = minute(page.shared.clock.wall_ns());
     let story = page.runs.ask(&name, Asks::Remove(Step { effect: effect.clone(), by, date })).await?;
     changed(&page, &name, &effect, ModelStep::Removed);

@@ -21,6 +21,8 @@ pub(super) struct Page {
     pub(super) runs: Arc<Runs>,
     pub(super) access: Access,
     pub(super) watchers: Arc<Semaphore>,
+    /// One report is printed at a time.
+    pub(super) printer: Arc<Semaphore>,
     pub(super) cancel: CancellationToken,
 }
 
@@ -47,4 +49,16 @@ pub(super) fn wrong(rejection: JsonRejection) -> Refusal {
         StatusCode::PAYLOAD_TOO_LARGE => Refusal::Wrong("the body is larger than any call needs".into()),
         _ => Refusal::Wrong(rejection.body_text()),
     }
+}
+
+/// Longest name in a ladder or a report.
+const LONGEST_NAME: usize = 60;
+
+/// The name of a person, as a file keeps it.
+pub(super) fn person(name: &str, question: &str) -> Result<String, Refusal> {
+    let name = name.trim();
+    let fits =
+        !name.is_empty() && name.chars().count() <= LONGEST_NAME && !name.chars().any(char::is_control);
+    let refused = || Refusal::Wrong(format!("{question} a name of at most {LONGEST_NAME} characters"));
+    fits.then(|| name.to_owned()).ok_or_else(refused)
 }

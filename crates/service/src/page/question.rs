@@ -32,6 +32,15 @@ pub enum Asks {
     Ladder,
     /// The report, a page of its own.
     Report,
+    /// The report to be filed, a page of its own.
+    Filed {
+        /// Who measured.
+        by: Option<String>,
+        /// Code of its language.
+        language: String,
+        /// Today.
+        date: String,
+    },
     /// Columns for what-if.
     Linear,
     /// What the day after these runs is expected to show; the recording of the question is of the last of them.
@@ -85,7 +94,7 @@ pub struct Step {
 impl Asks {
     /// Whether the answer stays the same as long as recordings and models do, and is worth keeping.
     pub fn is_kept(&self) -> bool {
-        !matches!(self, Self::Formula { .. } | Self::Add(_) | Self::Remove(_))
+        !matches!(self, Self::Formula { .. } | Self::Filed { .. } | Self::Add(_) | Self::Remove(_))
     }
 
     /// Recordings that the answer comes from, next to that of the question.

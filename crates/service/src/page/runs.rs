@@ -221,6 +221,13 @@ impl Runs {
         }
     }
 
+    /// Where the recording of this name is, or was before its samples were removed.
+    pub fn place_of(&self, name: &str) -> Option<PathBuf> {
+        let there = self.paths().into_iter().find(|(known, _)| known == name).map(|(_, path)| path);
+        there
+            .or_else(|| self.removed().into_iter().find(|(known, ..)| known == name).map(|(_, path, _)| path))
+    }
+
     /// Runs whose samples were removed: name, where the recording was, when and why.
     fn removed(&self) -> Vec<(String, PathBuf, String)> {
         match &self.place {

@@ -9,7 +9,11 @@ use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio_util::sync::CancellationToken;
+use trunnion::Filing;
+use trunnion::cycles::RunKind;
+use trunnion::report::{Language, report_html};
 use trunnion::results::{PageCycle, RunRecord, Serves};
+use trunnion_core::Clock;
 use trunnion_service::analysis::{AnalysisLimits, Analyst};
 use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
@@ -244,6 +248,43 @@ async fn an_effect_is_added_and_removed_and_both_browsers_see_it() {
         assert!(read > 0, "the events ended: {seen}");
         seen += &String::from_utf8_lossy(&buffer[..read]);
     }
+}
+
+#[tokio::test]
+async fn a_report_is_filed_as_the_command_files_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/points-gravity");
+    let run = folder.path().join("run.mcap");
+    let [points, setup] = ["points.csv", "setup.toml"].map(|file| data.join(file));
+    trunnion::tables::import(RunKind::Static, &points, &setup, &run).unwrap();
+    let runs = Runs::of_folder(folder.path(), None, here());
+    let page = Page::over(runs, folder, Serves::Recordings, &[], Access::this_computer()).await;
+    let (file, pdf) = ("POST /api/runs/run/filed", "POST /api/runs/run/filed/pdf");
+    assert_eq!(page.ask("GET /api/runs/run/filed", "", "").await.0, 404, "nothing is filed");
+    assert_eq!(page.ask(pdf, OWN, "").await.0, 409, "a PDF is printed from the page");
+    assert_eq!(page.ask(file, "", "{}").await.0, 403, "from another site");
+    for body in [r#"{"language":"xx"}"#, r#"{"by":"a\nb"}"#, r#"{"path":"/tmp/x"}"#] {
+        assert_eq!(page.ask(file, OWN, body).await.0, 400, "{body}");
+    }
+    let other = file.replace("/run/", "/..%2frun/");
+    assert_eq!(page.ask(&other, OWN, "{}").await.0, 404);
+
+    let filed = page.json(file, OWN, r#"{"by":"Ada","language":"de"}"#).await;
+    let html = page.folder.path().join("run.report.html");
+    assert_eq!((filed["html"].as_str(), &filed["pdf"]), (html.to_str(), &Value::Null));
+    let written = std::fs::read_to_string(&html).unwrap();
+    let experiment = trunnion::open(&run).unwrap();
+    let filing = Filing {
+        operator: Some("Ada".into()),
+        written: trunnion_service::daemon::day(SystemClock::start().wall_ns()),
+        ..Filing::default()
+    };
+    let compared = experiment.fit(&experiment.base_model()).unwrap().compare().with_best();
+    let report = compared.report(&[run], &filing).unwrap();
+    assert!(written == report_html(&report, Language::German), "another report than the command's");
+    let (status, shown) = page.ask("GET /api/runs/run/filed", "", "").await;
+    assert!(status == 200 && shown.ends_with(&written) && shown.contains("sandbox"), "{status}");
+    assert_eq!(page.ask("GET /api/runs/run/filed/pdf", "", "").await.0, 404, "nothing is printed");
 }
 
 #[tokio::test]

@@ -47,4 +47,8 @@ export const formula = (typed) => call("/api/formula", posting(typed));
 export const methods = (name) => call(`${run(name)}/methods`);
 export const methodAddress = (name, method) => `${run(name)}/method/${encodeURIComponent(method)}`;
 export const reportAddress = (name) => `${run(name)}/report`;
+export const file = (name, by, language) => call(`${run(name)}/filed`, posting({ by, language }));
+export const print = (name) => call(`${run(name)}/filed/pdf`, { method: "POST", headers: changing });
+export const filedAddress = (name) => `${run(name)}/filed`;
+export const printedAddress = (name) => `${run(name)}/filed/pdf`;
 export const trialAddress = (name, effect) => `${run(name)}/trial/${encodeURIComponent(effect)}`;

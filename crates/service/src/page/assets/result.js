@@ -51,8 +51,43 @@ function parts(page, story) {
     unseen(story),
     ...DETAILS.map(detail).filter(Boolean),
     fold("By a recipe of the literature", () => methods(page.run)),
-    el("p", {}, el("a", { class: "button", href: calls.reportAddress(page.run), target: "_blank" }, "The report on one page, to be printed")),
+    el("p", {}, el("a", { class: "button", href: calls.reportAddress(page.run), target: "_blank" }, "Everything on one page")),
+    filing(page.run),
   ];
+}
+
+const LANGUAGES = [["en", "English"], ["de", "Deutsch"], ["ja", "日本語"]];
+
+// The same as `trunnion report RUN`: a page next to the recording, and a PDF where the computer of the program has a browser.
+function filing(run) {
+  const by = el("input", { id: "operator", autocomplete: "name", maxlength: "60", value: remembered() });
+  const language = el("select", { id: "language" }, LANGUAGES.map(([code, name]) => el("option", { value: code, lang: code }, name)));
+  const button = el("button", { type: "button", id: "file" }, "File the report");
+  const said = el("div", { id: "filed", role: "status" });
+  const say = (text, ...links) => said.replaceChildren(...(links.length ? [el("p", { class: "row" }, links)] : []), el("p", {}, text));
+  const link = (text, href, name) => el("a", { class: "button", href, ...(name ? { download: name } : { target: "_blank" }) }, text);
+  button.addEventListener("click", async () => {
+    button.disabled = true;
+    say("Writing the report …");
+    try {
+      const { html } = await calls.file(run, by.value.trim(), language.value);
+      remember(by.value.trim() || remembered());
+      const page = [link("Open the report", calls.filedAddress(run)), link("Download the page", calls.filedAddress(run), `${run}.report.html`)];
+      say(`${html} is written. Making the PDF …`, ...page);
+      try {
+        const { pdf } = await calls.print(run);
+        say(`Kept as ${html} and ${pdf}.`, ...page, link("Download the PDF", calls.printedAddress(run), `${run}.report.pdf`));
+      } catch (failure) {
+        say(`Kept as ${html}. There is no PDF: ${failure.message}.`, ...page);
+      }
+    } catch (failure) {
+      say(`The report is not written: ${failure.message}.`);
+    }
+    button.disabled = false;
+  });
+  return el("section", { id: "filing" }, el("h2", {}, "File a report"),
+    el("p", {}, "A report to be filed: verdict, what to do, pass or fail on the first page; machine, recording and every table behind it."),
+    el("p", { class: "row" }, el("label", {}, "Who measured", by), el("label", {}, "Language", language), button), said);
 }
 
 const fact = ({ name, value, remark }) => el("div", {}, el("dt", {}, name), el("dd", {}, value, el("small", {}, remark)));
