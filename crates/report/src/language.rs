@@ -40,7 +40,26 @@ impl Language {
             return Some(english.into());
         }
         let whole = ENTRIES.iter().find(|entry| entry[0] == english);
-        whole.map(|entry| entry[self as usize].to_string()).or_else(|| self.by_pattern(english))
+        let whole = whole.map(|entry| entry[self as usize].to_string());
+        whole.or_else(|| self.by_pattern(english)).or_else(|| self.by_parts(english))
+    }
+
+    /// Labels in a row, `Y, B 60° and above, both setups:`: each has an entry, or is a name of one word.
+    fn by_parts(self, english: &str) -> Option<String> {
+        let (row, colon) = english.strip_suffix(':').map_or((english, ""), |row| (row, ":"));
+        if !row.contains(", ") {
+            return None;
+        }
+        let mut known = 0;
+        let say = |part: &str| match self.say(part) {
+            Some(said) => {
+                known += 1;
+                Some(said)
+            }
+            None => (!part.contains(' ')).then(|| part.to_owned()),
+        };
+        let parts: Vec<String> = row.split(", ").map(say).collect::<Option<_>>()?;
+        (known > 0).then(|| parts.join(", ") + colon)
     }
 
     fn by_pattern(self, english: &str) -> Option<String> {
@@ -75,8 +94,8 @@ fn holes<'t>(pattern: &str, text: &'t str) -> Option<Vec<&'t str>> {
         found.push(&rest[..at]);
         rest = &rest[at + part.len()..];
     }
-    // A label such as `{} back` holds a name; only a sentence or a list holds one with commas.
-    let lists = pattern.contains(['.', ':', ',']);
+    // A label such as `{} back` holds a name; only a sentence, a list or a title with a remark holds one with commas.
+    let lists = pattern.contains(['.', ':', ',', '—']);
     let fits = |part: &&str| !part.is_empty() && (lists || !part.contains(", "));
     (rest.is_empty() && !found.is_empty() && found.iter().all(fits)).then_some(found)
 }

@@ -70,7 +70,7 @@ fn length(labels: &[String]) -> f64 {
     labels.iter().map(|label| label.chars().count()).max().unwrap_or(0) as f64 * DIGIT
 }
 
-/// Lines between cells inside and outside.
+/// Lines between cells inside and outside: dark on a white rim, because cells are light and a page may be dark.
 fn frame(framed: &[Vec<bool>], left: f64, cell_width: f64) -> String {
     let inside = |i: isize, j: isize| {
         let cell = usize::try_from(i).ok().zip(usize::try_from(j).ok());
@@ -79,18 +79,19 @@ fn frame(framed: &[Vec<bool>], left: f64, cell_width: f64) -> String {
     let corner =
         |i: isize, j: isize| (left + j as f64 * cell_width - 0.5, TOP + i as f64 * CELL_HEIGHT - 0.5);
     let (rows, columns) = (framed.len() as isize, framed.first().map_or(0, Vec::len) as isize);
-    let mut body = String::new();
+    let mut lines = Vec::new();
     for i in 0..=rows {
         for j in 0..=columns {
             if inside(i, j) != inside(i - 1, j) {
-                body += &line(corner(i, j), corner(i, j + 1), "edge");
+                lines.push((corner(i, j), corner(i, j + 1)));
             }
             if inside(i, j) != inside(i, j - 1) {
-                body += &line(corner(i, j), corner(i + 1, j), "edge");
+                lines.push((corner(i, j), corner(i + 1, j)));
             }
         }
     }
-    body
+    let drawn = |class: &'static str| lines.iter().map(move |&(from, to)| line(from, to, class));
+    drawn("rim").chain(drawn("edge")).collect()
 }
 
 fn cell(x: f64, y: f64, width: f64, value_um: f64, limit_um: f64) -> String {

@@ -168,6 +168,25 @@ fn each_remark_about_the_first_candidate_is_said_in_the_language_of_the_report()
     ] {
         assert!(german.contains(said), "{said}");
     }
+    let say = |text: &str| Language::German.say(text).unwrap_or_default();
+    assert_eq!(
+        say("Y, B 60° and above, C 210° to 330°, both directions, setup low:"),
+        "Y, B 60° und darüber, C 210° bis 330°, beide Richtungen, Aufstellung low:"
+    );
+    assert_eq!(
+        say(
+            "C: a wave of 0.23 µm rms. It repeats 1.94 times per turn, u = 0.13 per turn (2 per turn). With it in the model 1.16 µm rms \
+             remain."
+        ),
+        "C: eine Welle von 0.23 µm rms. Es wiederholt sich 1.94 Mal je Umdrehung, u = 0.13 je Umdrehung (2 je Umdrehung). Mit ihr im Modell \
+         bleiben 1.16 µm rms."
+    );
+    let title = say("X, setup low, B forward, C forward — before");
+    assert!(
+        title.starts_with("X, Aufstellung low, B vorwärts, C vorwärts") && title.ends_with("vorher"),
+        "{title}"
+    );
+    assert_eq!(Language::German.say("a, b, which no table knows"), None);
     let japanese = report_html(&found, Language::Japanese);
     assert!(japanese.contains("<li>5.00 mm ごとに繰り返す（u = 0.02 mm (lead/2)、振幅 1.20 µm）。</li>"));
 }
