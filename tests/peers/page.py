@@ -55,9 +55,12 @@ class Served:
 class Floor:
     """Simulated devices, and the service that reads them, until the end of the block."""
 
-    def __init__(self, folder, khz=1, token=None):
+    def __init__(self, folder, khz=1, token=None, recorded=lambda recordings: None):
         self.floor = subprocess.Popen([SHOP_FLOOR, folder, str(khz)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.config = self.floor.stdout.readline().strip()
+        recordings = pathlib.Path(self.config).parent / re.search('^recordings = "(.*)"', pathlib.Path(self.config).read_text(), re.M)[1]
+        recordings.mkdir(exist_ok=True)
+        recorded(recordings)
         if token:
             self.let_others_in(token)
         self.log = open(folder / "service.log", "w+")
@@ -176,6 +179,7 @@ def story_of_one_run(browser, folder):
         other.page.wait_for_selector('[data-remove="gravity-sag:B"]')
         check("the other browser shows it", "another window" in other.text("#notice"), other.text("#notice"))
 
+        report_to_be_filed(tab, run, model)
         what_if(tab, after, before)
         sources_are_names(tab, address)
 
@@ -196,6 +200,28 @@ def story_of_one_run(browser, folder):
         check("who removed it is kept", ladder["removed"][0]["by"] == "Ada" and "removed by Ada" in tab.text(".steps"), ladder["removed"])
         tab.close()
         other.close()
+
+
+def report_to_be_filed(tab, run, model):
+    """A button makes what `trunnion report` makes, to be downloaded as page and PDF."""
+    tab.page.fill("#operator", "Ada")
+    tab.page.select_option("#language", "de")
+    tab.page.click("#file")
+    tab.until("/Kept as|not written/.test(document.getElementById('filed').innerText)")
+    said = tab.text("#filed")
+    filed = run.with_suffix(".report.html")
+    check("the report is filed next to the recording", str(filed) in said and filed.exists(), said)
+    same = run.with_name("by-the-command.html")
+    trunnion("report", run, "--model", model, "--operator", "Ada", "--language", "de", "-o", same)
+    check("it is the report of the command, byte for byte", filed.read_bytes() == same.read_bytes(), filed.stat().st_size)
+    with tab.page.expect_download() as page:
+        tab.page.get_by_role("link", name="Download the page").click()
+    check("the page is downloaded", pathlib.Path(page.value.path()).read_bytes() == filed.read_bytes(), page.value.suggested_filename)
+    with tab.page.expect_download() as printed:
+        tab.page.get_by_role("link", name="Download the PDF").click()
+    pdf = pathlib.Path(printed.value.path()).read_bytes()
+    check("so is the PDF", pdf.startswith(b"%PDF-") and printed.value.suggested_filename == "gravity.report.pdf", len(pdf))
+    tab.picture("result-filed")
 
 
 def what_if(tab, after, before):
@@ -497,14 +523,45 @@ def readable(tab, where):
     check(f"{where}: drawings are not scaled", not scaled, scaled[:2])
 
 
-def history(browser, folder):
-    runs = folder / "history"
-    runs.mkdir()
+def five_days(runs):
+    """Runs of a machine whose axis B leans since the last."""
     truth = DATA.parents[1] / "config/truths/table-bc.toml"
-    leaning = folder / "leaning.toml"
+    leaning = runs / "leaning.toml"
     leaning.write_text(truth.read_text().replace("EA0B_urad = 25.0", "EA0B_urad = 75.0"))
     for number in range(1, 6):
         trunnion("simulate", truth if number < 5 else leaning, "--run", number, "-o", runs / f"day-{number}.mcap")
+
+
+def alarmed(browser, folder):
+    """The service over recordings of a machine that changed: its alarm is seen on every view, with words, and on a phone."""
+    with Floor(folder, recorded=five_days) as floor:
+        tab, phone = Tab(browser, floor.address), Tab(browser, floor.address, 390, 844, "dark")
+        tab.view("measure")
+        phone.view("measure")
+        for one in (tab, phone):
+            one.until("document.querySelector('[data-view=history]').textContent === 'History ⚠'")
+        said = tab.page.get_attribute("[data-view=history]", "aria-label")
+        check("the alarm is said in words", "direction of axis B about X" in said and "EA0B" not in said, said)
+        check("and by the pointer", tab.page.get_attribute("[data-view=history]", "title") in said)
+        tab.picture("alarm-1280")
+        phone.picture("alarm-390-dark")
+        tab.page.reload()
+        tab.ready()
+        check("it is there when the page is opened again", "⚠" in tab.text("[data-view=history]"))
+        tab.view("history")
+        tab.until("document.getElementById('changes')?.innerText.includes('outside its control limits')")
+        check("History says which value", "EA0B" in tab.text("#changes"), tab.text("#changes"))
+        tab.view("measure")
+        tab.until("document.getElementById('service')?.innerText.includes('5 runs')")
+        check("the disk is on the page", "GB free" in tab.text("#service"), tab.text("#service").replace("\n", " "))
+        tab.close()
+        phone.close()
+
+
+def history(browser, folder):
+    runs = folder / "history"
+    runs.mkdir()
+    five_days(runs)
     engine = json.loads(trunnion("history", "--folder", runs, "--json"))
     with Served(runs) as address:
         tab = Tab(browser, address)
@@ -672,6 +729,8 @@ with sync_playwright() as playwright, tempfile.TemporaryDirectory() as temporary
     many_poses(chromium, folder)
     with tempfile.TemporaryDirectory() as other:
         by_token(chromium, pathlib.Path(other))
+    with tempfile.TemporaryDirectory() as days:
+        alarmed(chromium, pathlib.Path(days))
     with tempfile.TemporaryDirectory() as load:
         under_load(chromium, pathlib.Path(load))
     with tempfile.TemporaryDirectory() as demo:
