@@ -331,7 +331,8 @@ def at_the_machine(browser, folder):
         stop = tab.page.get_by_role("button", name="Stop")
         check("one step under way: one Stop", stop.count() == 1, stop.count())
         stop.click()
-        tab.until("![...document.querySelectorAll('button')].some(b => b.innerText === 'Stop' && b.checkVisibility())")
+        no_stop = "![...document.querySelectorAll('button')].some(b => b.innerText === 'Stop' && b.checkVisibility())"
+        tab.until(no_stop)
         check("nothing under way: no Stop", True)
         tab.page.get_by_role("button", name="Begin the calibration").click()
         tab.until("document.getElementById('next-step').innerText.includes('Step X, Y and Z')")
@@ -339,6 +340,8 @@ def at_the_machine(browser, folder):
         tab.page.wait_for_selector(".warn")
         check("a calibration without steps says why not", "needed" in tab.text(".warn"), tab.text(".warn"))
         tab.page.get_by_role("button", name="Stop").click()
+        # What begins before it has stopped would be stopped.
+        tab.until(no_stop)
         nest_by_steps(floor, tab)
 
         floor.obey("unplug 2 12")
