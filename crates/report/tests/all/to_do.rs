@@ -205,7 +205,7 @@ fn nothing_found_explains_no_share_of_anything() {
     diagnosis.residual.unexplained_fraction = Some(1.0);
     let story = story(&Comparison { diagnosis: Some(diagnosis.clone()), ..Comparison::default() });
     assert!(story.sure[0].starts_with("Nothing significant was found"), "{:?}", story.sure);
-    let text = trunnion_report::diagnosis_text(&diagnosis);
+    let text = diagnosis_text(&diagnosis);
     for said in story.sure.iter().chain(story.facts.iter().map(|fact| &fact.value)).chain([&text]) {
         assert!(!said.contains("0 %"), "{said}");
     }
