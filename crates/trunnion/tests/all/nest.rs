@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use trunnion::gaps::Missing;
 use trunnion::nest::calibrate_nest;
+use trunnion::tables::Exported;
 use trunnion_core::axis::iso::{C, X, Y, Z};
 use trunnion_core::{AxisSample, AxisValues, Gap, Joint, ProbeSample, Stamp};
 use trunnion_record::{Item, RunWriter};
@@ -86,6 +87,9 @@ fn what_is_missing_from_the_steps_is_said() {
         "{gap}"
     );
     assert_eq!(missing.damage, None);
+    // Whatever else is made of the samples says it too.
+    let (_, of_samples) = trunnion::tables::export(&holed, Exported::Samples).unwrap();
+    assert_eq!(of_samples, missing);
 }
 
 #[test]
