@@ -69,6 +69,10 @@ impl Planned {
                 cycle.visits(machine, &Pace::default()).ok()?.states
             }
         };
+        // Where the header contradicts its own cycle nobody knows what was planned.
+        if states.iter().any(|state| state.setup >= header.setups.len()) {
+            return None;
+        }
         let passes = Passes::of(&cycle, machine, &states);
         Some(Self { cycle, fates: vec![Fate::Missing; states.len()], states, before: 0, taken: 0, passes })
     }

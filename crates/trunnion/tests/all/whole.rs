@@ -30,7 +30,12 @@ struct Recorded {
 
 impl Recorded {
     fn new(cycle_text: &str, fate: impl Fn(usize, &State) -> Option<Quality>) -> Self {
-        let cycle = Cycle::parse("c.toml", cycle_text).unwrap();
+        Self::of_setups(cycle_text, usize::MAX, fate)
+    }
+
+    /// With so many setups of the cycle at most.
+    fn of_setups(cycle_text: &str, most: usize, fate: impl Fn(usize, &State) -> Option<Quality>) -> Self {
+        let mut cycle = Cycle::parse("c.toml", cycle_text).unwrap();
         let machine = shipped::machine(&cycle.machine).unwrap();
         let states = cycle.visits(&machine, &Pace::default()).unwrap().states;
         let point = |(k, state): (usize, &State)| {
@@ -42,7 +47,9 @@ impl Recorded {
             let reading_mm = [value(0), value(1), value(2)];
             Some(Point { state: state.clone(), reading_mm, spread_mm: [0.0; 3], samples: 9, quality })
         };
-        let points = states.iter().enumerate().filter_map(point).collect();
+        let points =
+            states.iter().enumerate().filter(|(_, state)| state.setup < most).filter_map(point).collect();
+        cycle.setups.truncate(most);
         let kind = cycle.run_kind();
         let run = Run { name: "r".into(), machine, kind, setups: cycle.setups, channels: vec![], points };
         let folder = tempfile::tempdir().unwrap();
@@ -55,6 +62,15 @@ impl Recorded {
 
 fn only_first(n: usize) -> impl Fn(usize, &State) -> Option<Quality> {
     move |k, _| Some(if k < n { Quality::Good } else { Quality::NoReading })
+}
+
+#[test]
+fn a_recording_with_fewer_setups_than_its_cycle_is_read_without_a_plan() {
+    let recorded = Recorded::of_setups(&seventy_two(), 1, |_, _| Some(Quality::Good));
+    let experiment = trunnion::open(&recorded.path).unwrap();
+    let fit = experiment.fit(&experiment.base_model()).unwrap();
+    assert_eq!(fit.results().complete.planned, None);
+    assert!(fit.results().points > 0);
 }
 
 #[test]
