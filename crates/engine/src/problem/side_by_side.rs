@@ -80,11 +80,11 @@ impl SideBySide {
 
     /// The same, location errors and settings apart from what was added to them.
     pub fn free_by_role(&self) -> Free {
-        let role = |j: usize| self.effects[self.effect_of[j]].instance.role();
-        let of_base = |&j: &usize| matches!(role(j), Role::Location | Role::Setting);
-        let (base, added): (Vec<usize>, Vec<usize>) = self.free().into_iter().partition(of_base);
-        let location = base.iter().copied().filter(|&j| matches!(role(j), Role::Location)).collect();
-        Free { base, location, added }
+        let of_base = |&j: &usize| {
+            matches!(self.effects[self.effect_of[j]].instance.role(), Role::Location | Role::Setting)
+        };
+        let (base, added) = self.free().into_iter().partition(of_base);
+        Free { base, added }
     }
 
     /// All columns in the rows of `points`, mm per unit.

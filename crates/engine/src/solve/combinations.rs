@@ -79,8 +79,5 @@ pub(crate) fn seen_together(
             unit: names[terms[0].0].unit,
         }
     };
-    echelon(v_t.select_rows(&kernel), &[], (&[], TAKES_PART), TAKES_PART)
-        .into_iter()
-        .map(combination)
-        .collect()
+    echelon(v_t.select_rows(&kernel), &[], &[], TAKES_PART).into_iter().map(combination).collect()
 }

@@ -7,9 +7,8 @@
 //! (docs/decisions/0004-datum-convention.md).
 //!
 //! 1. Location errors and settings alone. Pivots are first the parameters that the minimum set of location errors defines as zero
-//!    (S2 tables 2–5), weakest first, then the location errors that are clearly involved, then the most involved settings. A conventional
-//!    pivot lets the others of its direction stand for it; any other pivot leaves its whole direction without numbers. The settings go
-//!    first into the fit because they may be large: the dead path of an interferometer would make a squareness of hundreds of radians.
+//!    (S2 tables 2–5), weakest first, then the most involved ones. A conventional pivot lets the others of its direction stand
+//!    for it; any other pivot leaves its whole direction without numbers.
 //! 2. What stage 1 determines next to the parameters of causes, error motions and descriptions. The most involved of these are
 //!    pivots: no parameter of them in the direction gets a number, the location errors and settings in it keep theirs.
 //!
@@ -69,8 +68,6 @@ pub(crate) enum Share {
 pub(crate) struct Free {
     /// Of location errors and settings.
     pub base: Vec<usize>,
-    /// The location errors among them.
-    pub location: Vec<usize>,
     /// Of all other effects.
     pub added: Vec<usize>,
 }
@@ -137,7 +134,7 @@ pub(crate) fn datum(
     };
     let mut work = Work { reduced, parameters, limits, datum: fixed };
     let base = work.those_with_effect(&free.base);
-    work.fix(base, Pivots::Zeros(zeros, &free.location));
+    work.fix(base, Pivots::Zeros(zeros));
     let added = work.those_with_effect(&free.added);
     if !added.is_empty() {
         let of = work.datum.determined.iter().chain(&added).copied().collect();
@@ -148,8 +145,7 @@ pub(crate) fn datum(
 
 /// Which parameters of a null direction are held at zero first.
 enum Pivots<'a> {
-    /// Conventional zeros, then location errors.
-    Zeros(&'a [Zero], &'a [usize]),
+    Zeros(&'a [Zero]),
     Added(&'a [usize]),
 }
 
@@ -184,30 +180,25 @@ impl Work<'_> {
         let Null { vectors, weak, takes_part } = null(self.reduced, &of, self.limits);
         let place = |j: usize| of.iter().position(|&k| k == j);
         let named = |zero: &Zero| of.iter().position(|&j| self.parameters[j].name == zero.name);
-        let (mut preferred, mut standing, mut added) = (Vec::new(), Vec::new(), Vec::new());
-        let first = match pivots {
-            Pivots::Zeros(zeros, location) => {
+        let (mut preferred, mut standing, mut first) = (Vec::new(), Vec::new(), Vec::new());
+        match pivots {
+            Pivots::Zeros(zeros) => {
                 (preferred, standing) =
                     zeros.iter().filter_map(|zero| Some((named(zero)?, zero.standing))).unzip();
-                // Of a small share the rest would depend on each other.
-                (location.iter().filter_map(|&j| place(j)).collect(), TAKES_PART_CLEARLY)
             }
-            Pivots::Added(of) => {
-                added = of.iter().filter_map(|&j| place(j)).collect();
-                (added.clone(), takes_part)
-            }
-        };
+            Pivots::Added(added) => first = added.iter().filter_map(|&j| place(j)).collect(),
+        }
         self.datum.rank = of.len() - vectors.ncols();
-        let rows = echelon(vectors.transpose(), &preferred, (&first.0, first.1), takes_part);
+        let rows = echelon(vectors.transpose(), &preferred, &first, takes_part);
         let held: Vec<usize> = rows.iter().map(|(pivot, _)| of[*pivot]).collect();
         for (pivot, row) in rows {
             let others: Vec<usize> =
                 (0..row.len()).filter(|&k| k != pivot && row[k].abs() > takes_part).collect();
-            let of_base = others.iter().any(|k| !added.contains(k));
+            let of_base = others.iter().any(|k| !first.contains(k));
             let share = match preferred.iter().position(|&zero| zero == pivot) {
                 Some(k) if standing[k] => Share::Mounting,
                 Some(_) => Share::Others,
-                None if added.contains(&pivot) && of_base => Share::Base,
+                None if first.contains(&pivot) && of_base => Share::Base,
                 None => Share::Nobody,
             };
             let conventional = matches!(share, Share::Others | Share::Mounting);
@@ -215,7 +206,7 @@ impl Work<'_> {
             status[of[pivot]] = if conventional { Status::ZeroByConvention } else { Status::Unobservable };
             let without_number = others.iter().filter(|k| match share {
                 Share::Others | Share::Mounting => false,
-                Share::Base => added.contains(k),
+                Share::Base => first.contains(k),
                 Share::Nobody => true,
             });
             without_number.for_each(|&k| status[of[k]] = Status::Unobservable);
@@ -259,11 +250,11 @@ fn null(reduced: &Reduced, of: &[usize], limits: &Limits<'_>) -> Null {
 }
 
 /// Reduced row echelon form; pivots from `preferred` in this order while they take part, then the largest entries of the columns
-/// `first` while these are above a limit, then the largest of all.
+/// `first` while they take part, then the largest of all.
 pub(crate) fn echelon(
     mut rows: DMatrix<f64>,
     preferred: &[usize],
-    (first, above): (&[usize], f64),
+    first: &[usize],
     takes_part: f64,
 ) -> Vec<(usize, Vec<f64>)> {
     let mut pivots = Vec::new();
@@ -279,7 +270,7 @@ pub(crate) fn echelon(
         let among_first = || {
             let largest = first.iter().filter_map(|&column| Some((largest_in(column, &rows)?, column)));
             let ((row, size), column) = largest.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
-            (size > above).then_some((row, column))
+            (size > takes_part).then_some((row, column))
         };
         let (row, column) = chosen.or_else(among_first).unwrap_or_else(|| {
             let rest = rows.rows(below, rows.nrows() - below);

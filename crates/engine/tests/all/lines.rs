@@ -2,12 +2,12 @@
 
 use crate::common::{point, run};
 use nalgebra::{Point3, Vector3};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trunnion_core::axis::iso::{X, Y, Z};
+use trunnion_core::axis::iso::X;
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Setup, State};
-use trunnion_effects::{Model, ModelEffect};
+use trunnion_effects::Model;
 use trunnion_engine::diagnosis::Options;
 use trunnion_engine::fit::Options as FitOptions;
 use trunnion_engine::{Experiment, Verdict, diagnose, identify};
@@ -43,7 +43,8 @@ fn a_trend_on_a_line_measured_one_way_is_no_scale() {
             line(&one_way(), |share| 3.0_f64.sqrt() * (2.0 * share - 1.0) * 0.5 + 0.3 * white_um());
         let model = Model::base(&experiment.machine().name);
         let diagnosis = diagnose(&experiment, &model, &Options::default()).unwrap();
-        assert_eq!(diagnosis.verdict, Verdict::Undecided, "{seed}: {:?}", diagnosis.candidates);
+        println!("{seed}: {:?} {:?}", diagnosis.candidates, diagnosis.undecided);
+        assert_eq!(diagnosis.verdict, Verdict::Undecided);
         open += usize::from(diagnosis.undecided.iter().any(|open| open.effect == "linear-scale:X"));
     }
     assert!(open >= 2, "it may be one, and is listed as such in {open} of 4");
@@ -83,6 +84,7 @@ fn a_sudden_change_of_one_step_of_the_display_is_no_slip_and_one_of_several_is()
             let experiment = line(&one_way(), shown);
             let model = Model::base(&experiment.machine().name);
             let diagnosis = diagnose(&experiment, &model, &Options::default()).unwrap();
+            println!("{seed} {slip_um}: {:?} {}", diagnosis.verdict, diagnosis.why);
             diagnosis.candidates.iter().any(|candidate| candidate.effect == "setup-slip")
         };
         slow += u64::from(named(0.0));
@@ -101,40 +103,4 @@ fn equal_readings_of_a_coarse_display_repeat_no_better_than_its_step() {
     let fit = identify(&experiment, &model, &FitOptions::default()).unwrap();
     let sigma_mm = fit.repeatability.expect("every place was measured twice").sigma_mm;
     assert!((sigma_mm - 0.45e-3 / 12f64.sqrt()).abs() < 1e-9, "{sigma_mm}");
-}
-
-/// A line shows one scale, and of squarenesses and dead path only a sum: wherever it lies, the dead path of half a metre is a setting and no
-/// squareness of many radians, and the scale gets its number.
-#[test]
-fn a_line_anywhere_has_its_scale_and_no_squareness_takes_the_dead_path() {
-    let machine = shipped::machine("three-axis").unwrap();
-    let mut model = Model::base(&machine.name);
-    model.effects.push(ModelEffect { id: "linear-scale:X".into(), ..ModelEffect::default() });
-    for seed in 0..200 {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut within = |most: f64| random.random_range(-most..most);
-        // Down to a tenth of a millimetre off the axes, where the columns of the squarenesses are smallest.
-        let mut off = || within(1.0).signum() * 10_f64.powf(within(1.2));
-        let (y, z, dead_path_mm, scatter_mm) = (off(), off(), 500.0 + within(100.0), 0.0025 + within(0.0025));
-        let place = Point3::new(0.0, y, z);
-        let mut setup = Setup::new("line", InstrumentKind::Diagonal, NestSide::Table, place);
-        setup.direction = Some(Vector3::x_axis());
-        let points = (0..55).map(|i| {
-            let mut position = AxisValues::default();
-            position[X] = 36.3 * f64::from(i % 11) + scatter_mm * within(1.0);
-            (position[Y], position[Z]) = (y + scatter_mm * within(1.0), z + scatter_mm * within(1.0));
-            let reading_mm = dead_path_mm + position[X] * (1.0 + 15e-6) + 3e-4 * within(1.0);
-            point(
-                State { position, time_s: Some(5.0 * f64::from(i)), ..State::default() },
-                [reading_mm, 0.0, 0.0],
-            )
-        });
-        let runs = [run("line", machine.clone(), vec![setup], points.collect())];
-        let fit = identify(&Experiment::new(&runs).unwrap(), &model, &FitOptions::default());
-        let fit = fit.unwrap_or_else(|error| panic!("{seed}: y {y}, z {z}, {scatter_mm}: {error}"));
-        let scale = fit.parameters.iter().find(|p| p.effect == "linear-scale:X").unwrap();
-        let (value, u) = (scale.value.unwrap(), scale.u.unwrap());
-        assert!((value.abs() - 15e-6).abs() < 5.0 * u && u < 2e-6, "{seed}: {value:e} ± {u:e}");
-        assert!(fit.parameters.iter().all(|p| p.effect != "location-errors" || p.value.is_none()), "{seed}");
-    }
 }
