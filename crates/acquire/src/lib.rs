@@ -13,9 +13,11 @@ pub mod driver;
 pub mod drivers;
 pub mod execution;
 pub mod link;
+mod moments;
 mod monitor;
 pub mod probe;
 mod session_end;
+mod signal;
 mod status;
 pub mod supervisor;
 #[cfg(test)]

@@ -79,8 +79,9 @@ pub struct ControllerReading {
     pub program: String,
     /// Block or line text, empty when unknown.
     pub block: String,
-    /// The signal named in the configuration; `None` when there is none or its state is unknown.
-    pub signal: Option<bool>,
+    /// The signal named in the configuration: 0 while it is off, else its number, 1 of one that is only on; `None` when there is none or
+    /// its state is unknown.
+    pub signal: Option<u32>,
     /// Stamp of the source, ns on its own clock.
     pub stamp_ns: i64,
     /// When the bytes were read.

@@ -1,6 +1,7 @@
 //! The service's configuration, `config/trunnion.toml`.
 
 use crate::analysis::AnalysisLimits;
+use crate::begun_by::BegunBy;
 use crate::mqtt::MqttConfig;
 use crate::mtconnect::MtConnectConfig;
 use crate::opcua::OpcUaConfig;
@@ -13,7 +14,6 @@ use trunnion_acquire::config::channels;
 use trunnion_acquire::{DeviceConfig, read_devices};
 use trunnion_core::input::{Document, Table};
 use trunnion_core::{Problems, Role};
-use trunnion_sync::cycle_bounds::Pattern;
 use trunnion_sync::{NestCalibration, StartRule};
 
 /// What the service needs to know.
@@ -67,8 +67,8 @@ pub struct PageConfig {
 /// One `[[program]]`: what is measured when the controller runs it.
 #[derive(Clone, Debug)]
 pub struct ProgramCycle {
-    /// Its name; `*` stands for anything.
-    pub name: Pattern,
+    /// What begins it.
+    pub begun_by: BegunBy,
     /// Cycle file.
     pub cycle: PathBuf,
     /// Model file to judge by; that of the configuration without it.
@@ -132,6 +132,15 @@ fn read(document: &Document<'_>, file: &Path, text: &str, nest: ReadNest) -> Opt
     let model = root.optional_string("model").map(|path| folder.join(path));
     let recordings = root.string("recordings").map(|path| folder.join(path));
     let cycle_start = StartRule::read(&root);
+    let by_number = programs.iter().flatten().any(|of| matches!(of.begun_by, BegunBy::Signal(_)));
+    if by_number && cycle_start.as_ref().is_some_and(|rule| *rule != StartRule::Signal) {
+        root.problem(
+            "cycle_start",
+            "begins no cycle by a signal, whose number [[program]] asks for",
+            "by = \"signal\"",
+            "",
+        );
+    }
     let devices = read_devices(&root);
     let probes = devices.as_deref().is_some_and(has_probes);
     let (nest, has_nest) = (nest(&root, probes), root.has("nest"));
@@ -192,10 +201,10 @@ fn read(document: &Document<'_>, file: &Path, text: &str, nest: ReadNest) -> Opt
 
 fn read_programs(root: &Table<'_>, folder: &Path) -> Option<Vec<ProgramCycle>> {
     let read = |table: Table<'_>| {
-        let (name, cycle) = (table.string("name"), table.string("cycle"));
+        let (begun_by, cycle) = (BegunBy::read(&table), table.string("cycle"));
         let model = table.optional_string("model").map(|path| folder.join(path));
         table.no_other_keys();
-        Some(ProgramCycle { name: Pattern::new(&name?), cycle: folder.join(cycle?), model })
+        Some(ProgramCycle { begun_by: begun_by?, cycle: folder.join(cycle?), model })
     };
     let read: Vec<Option<ProgramCycle>> = root.tables("program").into_iter().map(read).collect();
     read.into_iter().collect()

@@ -1,6 +1,7 @@
 //! Which cycle is measured: by the program that the controller runs, or by what the operator chose.
 
 use crate::analysis::JudgedBy;
+use crate::begun_by::BegunBy;
 use crate::live::{Plan, PlanError, check};
 use crate::nest_file::with_nest;
 use crate::page::page_cycle;
@@ -11,13 +12,12 @@ use trunnion::Model;
 use trunnion::results::PageCycle;
 use trunnion_core::names::{allowed, distance};
 use trunnion_sync::NestCalibration;
-use trunnion_sync::cycle_bounds::Pattern;
 
 /// A cycle that the service can measure.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    /// Programs that begin it; `None`: every program that no other cycle names.
-    pub program: Option<Pattern>,
+    /// What begins it.
+    pub begun_by: BegunBy,
     /// Machine, cycle, nest, channels.
     pub plan: Plan,
     /// What is kept word for word.
@@ -40,6 +40,14 @@ pub enum Refused {
     NoProgram {
         /// The program.
         program: String,
+        /// What would have been measured.
+        allowed: String,
+    },
+    /// No `[[program]]` has the number of the signal.
+    #[error("no [[program]] of the configuration has signal = {signal}; allowed: {allowed}")]
+    NoSignal {
+        /// The number.
+        signal: u32,
         /// What would have been measured.
         allowed: String,
     },
@@ -93,8 +101,7 @@ impl Choice {
 
     /// For the page.
     pub fn shown(&self) -> PageCycle {
-        let program = self.program.as_ref().map_or("", Pattern::as_str);
-        page_cycle(&self.plan.machine, &self.plan.cycle, program)
+        page_cycle(&self.plan.machine, &self.plan.cycle, &self.begun_by.shown())
     }
 }
 
@@ -124,26 +131,32 @@ impl Cycles {
     /// # Errors
     /// When the devices cannot measure it.
     pub fn one(plan: Plan, texts: Texts, model: Model) -> Result<Self, CyclesError> {
-        Self::new(vec![Choice { program: None, plan, texts, model, model_file: None }])
+        Self::new(vec![Choice { begun_by: BegunBy::Every, plan, texts, model, model_file: None }])
     }
 
-    /// The cycle of a program: the first that is named like it, else that of every program. What the operator chose comes
-    /// before both.
+    /// The cycle of the signal's number, else of the program: the first that is named like it, else that of every program. What the
+    /// operator chose comes before all.
     ///
     /// # Errors
     /// When there is none, with the nearest names.
-    pub fn find(&self, program: &str, chosen: Option<&str>) -> Result<&Choice, Refused> {
+    pub fn find(&self, program: &str, signal: Option<u32>, chosen: Option<&str>) -> Result<&Choice, Refused> {
         if let Some(chosen) = chosen {
             let is_it = |choice: &&Choice| choice.plan.cycle.name == chosen;
             let refused =
                 || Refused::NoCycle { chosen: chosen.into(), allowed: allowed(chosen, self.names()) };
             return self.0.iter().find(is_it).ok_or_else(refused);
         }
+        let of_signal =
+            self.0.iter().find(|choice| matches!(choice.begun_by, BegunBy::Signal(of) if Some(of) == signal));
         let is_named =
-            |choice: &&Choice| choice.program.as_ref().is_some_and(|pattern| pattern.matches(program));
-        let of_every = || self.0.iter().find(|choice| choice.program.is_none());
-        let refused = || Refused::NoProgram { program: program.into(), allowed: self.programs(program) };
-        self.0.iter().find(is_named).or_else(of_every).ok_or_else(refused)
+            |choice: &&Choice| matches!(&choice.begun_by, BegunBy::Program(name) if name.matches(program));
+        let of_every = || self.0.iter().find(|choice| choice.begun_by == BegunBy::Every);
+        let by_number = self.0.iter().any(|choice| matches!(choice.begun_by, BegunBy::Signal(_)));
+        let refused = || match signal.filter(|_| by_number) {
+            Some(signal) => Refused::NoSignal { signal, allowed: self.signals() },
+            None => Refused::NoProgram { program: program.into(), allowed: self.programs(program) },
+        };
+        of_signal.or_else(|| self.0.iter().find(is_named)).or_else(of_every).ok_or_else(refused)
     }
 
     /// All.
@@ -179,12 +192,22 @@ impl Cycles {
 
     /// Programs with their cycles, the nearest name first.
     fn programs(&self, program: &str) -> String {
-        let named = |choice: &Choice| {
-            Some((choice.program.as_ref()?.as_str().to_owned(), choice.plan.cycle.name.clone()))
+        let named = |choice: &Choice| match &choice.begun_by {
+            BegunBy::Program(name) => Some((name.as_str().to_owned(), choice.plan.cycle.name.clone())),
+            BegunBy::Every | BegunBy::Signal(_) => None,
         };
         let mut all: Vec<(String, String)> = self.0.iter().filter_map(named).collect();
         all.sort_by_key(|(name, _)| distance(program, &name.replace('*', "")));
         all.iter().map(|(name, cycle)| format!("{name} (cycle {cycle})")).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Numbers of signals with their cycles.
+    fn signals(&self) -> String {
+        let numbered = |choice: &Choice| match choice.begun_by {
+            BegunBy::Signal(number) => Some(format!("{number} (cycle {})", choice.plan.cycle.name)),
+            BegunBy::Every | BegunBy::Program(_) => None,
+        };
+        self.0.iter().filter_map(numbered).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -194,6 +217,7 @@ mod tests {
     use trunnion::cycles::Cycle;
     use trunnion_core::{Channel, Role};
     use trunnion_sync::NestCalibration;
+    use trunnion_sync::cycle_bounds::Pattern;
 
     const STATIC: &str = include_str!("../../../config/cycles/demo-static.toml");
     const SWEEP: &str = include_str!("../../../config/cycles/demo-sweep-c.toml");
@@ -206,7 +230,24 @@ mod tests {
         let model = Model::base(&machine.name);
         let plan = Plan { machine, cycle, nest, channels: (0..3).map(channel).collect() };
         let texts = Texts { machine: String::new(), cycle: text.into(), config: String::new() };
-        Choice { program: program.map(Pattern::new), plan, texts, model, model_file: None }
+        let begun_by = program.map_or(BegunBy::Every, |name| BegunBy::Program(Pattern::new(name)));
+        Choice { begun_by, plan, texts, model, model_file: None }
+    }
+
+    #[test]
+    fn a_number_finds_its_cycle_and_the_operator_comes_first() {
+        let signal = |number, text| Choice { begun_by: BegunBy::Signal(number), ..choice(None, text) };
+        let cycles = Cycles::new(vec![signal(1, STATIC), signal(2, SWEEP)]).unwrap();
+        let name =
+            |signal, chosen| cycles.find("O1", signal, chosen).map(|choice| choice.plan.cycle.name.clone());
+        assert_eq!(name(Some(2), None).unwrap(), "demo-sweep-c");
+        assert_eq!(name(Some(2), Some("demo-static")).unwrap(), "demo-static");
+        let refused = name(Some(3), None).unwrap_err().to_string();
+        assert!(
+            refused.contains("signal = 3; allowed: 1 (cycle demo-static), 2 (cycle demo-sweep-c)"),
+            "{refused}"
+        );
+        assert!(name(None, None).is_err());
     }
 
     #[test]
@@ -214,7 +255,7 @@ mod tests {
         let cycles =
             Cycles::new(vec![choice(Some("*RTEST*"), STATIC), choice(Some("*SWEEP*"), SWEEP)]).unwrap();
         let name = |program: &str, chosen: Option<&str>| {
-            cycles.find(program, chosen).map(|choice| choice.plan.cycle.name.clone())
+            cycles.find(program, None, chosen).map(|choice| choice.plan.cycle.name.clone())
         };
         assert_eq!(name("//NC/rtest.mpf", None).unwrap(), "demo-static");
         assert_eq!(name("O0002 (SWEEP C)", None).unwrap(), "demo-sweep-c");
@@ -231,7 +272,7 @@ mod tests {
     #[test]
     fn one_cycle_without_a_program_takes_what_no_other_names() {
         let cycles = Cycles::new(vec![choice(None, STATIC), choice(Some("*SWEEP*"), SWEEP)]).unwrap();
-        assert_eq!(cycles.find("sweep", None).unwrap().plan.cycle.name, "demo-sweep-c");
-        assert_eq!(cycles.find("anything", None).unwrap().plan.cycle.name, "demo-static");
+        assert_eq!(cycles.find("sweep", None, None).unwrap().plan.cycle.name, "demo-sweep-c");
+        assert_eq!(cycles.find("anything", None, None).unwrap().plan.cycle.name, "demo-static");
     }
 }

@@ -152,7 +152,8 @@ pub async fn serve_on(
     reports.spawn(analyses.clone().resume(config.recordings.clone(), known, cycles.clone(), usual, turn));
     info!(machine = config.name, cycles = names.join(", "), "waiting for {}", config.cycle_start.about());
     while let Some(start) = live.wait_for_start().await {
-        let found = cycles.find(&start.program, board.operator().take_chosen().as_deref());
+        let chosen = board.operator().take_chosen();
+        let found = cycles.find(&start.program, start.signal, chosen.as_deref());
         let found = match found.map_err(|refused| refused.to_string()) {
             Ok(choice) => disk.make_room(choice).await.map(|()| choice),
             Err(refused) => Err(refused),

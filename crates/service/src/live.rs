@@ -35,6 +35,8 @@ pub struct Start {
     pub why: String,
     /// The program that the controller showed; empty when it showed none.
     pub program: String,
+    /// Number of the signal that began it, where signals begin cycles.
+    pub signal: Option<u32>,
     /// The program ran already when the controller was first asked.
     pub under_way: bool,
     /// Temperature channels that had reported a value by then; later ones take no part in the run.
@@ -153,15 +155,17 @@ impl Live {
             if let (Some(set_up), Some(timed)) = (&self.set_up, &timed) {
                 set_up.take(timed);
             }
-            if let Some(Bound::Begins { at, why, program, under_way }) = self.bounds.take(&message.reading) {
-                self.next = Some(self.started(at, why, program, under_way));
+            if let Some(Bound::Begins { at, why, program, signal, under_way }) =
+                self.bounds.take(&message.reading)
+            {
+                self.next = Some(Start { signal, ..self.started(at, why, program, under_way) });
             }
         }
     }
 
     fn started(&self, at: HostTime, why: String, program: String, under_way: bool) -> Start {
         let temperature_channels = self.temperature_channels.clone();
-        Start { at, why, program, under_way, temperature_channels, by_hand: false }
+        Start { at, why, program, signal: None, under_way, temperature_channels, by_hand: false }
     }
 
     fn note_channel(&mut self, timed: Option<&Timed>) {
@@ -233,10 +237,10 @@ impl Live {
                 Some(Bound::Begins { why, .. }) if start.by_hand && measurement.has_no_point() => {
                     measurement.program_seen(why, self.clock.now());
                 }
-                Some(Bound::Begins { at, why, program, under_way }) => {
+                Some(Bound::Begins { at, why, program, signal, under_way }) => {
                     // What comes from here on is the next cycle's.
                     measurement.finish(EndReason::ControllerEnded, self.clock.now());
-                    self.next = Some(self.started(at, why, program, under_way));
+                    self.next = Some(Start { signal, ..self.started(at, why, program, under_way) });
                     break;
                 }
                 None => {}

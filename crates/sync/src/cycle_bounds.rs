@@ -53,6 +53,8 @@ pub enum Bound {
         why: String,
         /// Name of the program that the controller showed last; empty when it showed none.
         program: String,
+        /// Number of the signal, where that begins cycles.
+        signal: Option<u32>,
         /// It ran already when this was first asked.
         under_way: bool,
     },
@@ -81,6 +83,8 @@ pub struct CycleBounds {
     began_by: String,
     /// Name of the program shown last.
     shown: String,
+    /// Number of the signal as last reported, where that begins cycles.
+    signal: Option<u32>,
     /// The last program that ran under another name before, which may have called it.
     caller: Option<String>,
     first_pose: Option<FirstPose>,
@@ -156,6 +160,11 @@ impl CycleBounds {
         let way = self.program.take(now);
         if self.running {
             if self.program_ran && matches!(now.execution, Execution::Ready | Execution::Ended) {
+                // The reading that ends the program may take the signal back: it is new when it comes on again.
+                if self.rule == StartRule::Signal {
+                    self.signal = now.signal;
+                    self.was_there = now.signal.map(|number| number > 0).or(self.was_there);
+                }
                 return self.end(now.arrival, format!("the controller says {:?}", now.execution));
             }
             if runs && self.caller.as_deref().is_some_and(|caller| caller == now.program) {
@@ -163,6 +172,7 @@ impl CycleBounds {
             }
             self.program_ran |= runs;
         }
+        let mut other_number = false;
         // `Some(true)`: what begins a cycle is there; `None`: this reading says nothing about it.
         let (there, why) = match &self.rule {
             StartRule::Execution => (reported(now.execution), format!("runs {}", now.program)),
@@ -186,7 +196,15 @@ impl CycleBounds {
                 let there = Some(begin.matches(&now.block)).filter(|_| !now.block.is_empty());
                 (there, format!("block {}", now.block))
             }
-            StartRule::Signal => (now.signal, "the signal is on".into()),
+            StartRule::Signal => {
+                let before = std::mem::replace(&mut self.signal, now.signal);
+                other_number = before.is_some_and(|number| number > 0) && before != now.signal;
+                let why = match now.signal {
+                    Some(number @ 2..) => format!("the signal is {number}"),
+                    _ => "the signal is on".into(),
+                };
+                (now.signal.map(|number| number > 0), why)
+            }
             StartRule::Dwells { .. } | StartRule::Motion { .. } => return None,
         };
         let there = there?;
@@ -194,6 +212,7 @@ impl CycleBounds {
         let is_another = match self.rule {
             StartRule::Program(_) => other_name || self.is_another(way),
             StartRule::Execution => self.is_another(way),
+            StartRule::Signal => other_number,
             _ => false,
         };
         let was_there = self.was_there.replace(there);
@@ -275,7 +294,8 @@ impl CycleBounds {
 
     fn begin(&mut self, at: HostTime, why: String, program_ran: bool, under_way: bool) -> Option<Bound> {
         (self.running, self.program_ran) = (true, program_ran);
-        Some(Bound::Begins { at, why: why.trim_end().into(), program: self.shown.clone(), under_way })
+        let (program, signal) = (self.shown.clone(), self.signal);
+        Some(Bound::Begins { at, why: why.trim_end().into(), program, signal, under_way })
     }
 
     fn end(&mut self, at: HostTime, why: String) -> Option<Bound> {

@@ -1,4 +1,4 @@
-//! One service, many cycles: the program that the controller runs says which; one that has none is refused.
+//! One service, many cycles: the program that the controller runs, or the number of its signal, says which; one that has none is refused.
 
 use crate::service::{ONE_FLOOR, REPORT_LIMIT, SILENCE_MS, SWEEP, Staged, staged};
 use std::sync::Arc;
@@ -24,8 +24,38 @@ use trunnion_tests::in_turn::InTurn;
 use trunnion_tests::page_status::{free_address, status};
 use trunnion_tests::{reports, show_log, three_probes};
 
+/// What says which cycle is measured.
+struct By {
+    /// Tables of the configuration.
+    tables: &'static str,
+    /// Keys of the controller.
+    keys: &'static str,
+    /// In the refusal of the program without a cycle.
+    words: &'static [&'static str],
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
+    measured_by(By {
+        tables: "[[program]]\nname = \"*rtest*\"\ncycle = \"s.toml\"\n[[program]]\nname = \"sweep*\"\ncycle = \"w.toml\"\n",
+        keys: "",
+        words: &["\"WARMUP\"", "allowed: ", "*rtest* (cycle demo-static)", "sweep* (cycle demo-sweep-c)"],
+    })
+    .await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn each_number_of_one_signal_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
+    measured_by(By {
+        tables: "[[program]]\nsignal = 1\ncycle = \"s.toml\"\n[[program]]\nsignal = 4\ncycle = \"w.toml\"\n\
+                 [cycle_start]\nby = \"signal\"\n",
+        keys: "signal = \"cycle\"\n",
+        words: &["signal = 3", "allowed: 1 (cycle demo-static), 4 (cycle demo-sweep-c)"],
+    })
+    .await;
+}
+
+async fn measured_by(By { tables: programs, keys, words }: By) {
     let Staged { cycle_text, machine, stations, pace, virtual_machine, .. } = staged();
     let sweep_text = SWEEP.replace("[5400, 7200]", "[7200]");
     let sweep = Cycle::parse("c.toml", &sweep_text).unwrap();
@@ -50,13 +80,15 @@ async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
     let (board, cancel) = (Board::default(), CancellationToken::new());
     let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
     let mut floor = CellConfig { can: None, ..CellConfig::new(folder.path(), clock.wall_ns()) };
-    floor.controller.as_mut().unwrap().0.filters_duplicates = false;
+    let controller = &mut floor.controller.as_mut().unwrap().0;
+    controller.filters_duplicates = false;
+    controller.numbers =
+        [("RTEST", 1), ("WARMUP", 3), ("SWEEP-C", 4)].map(|(name, n)| (name.into(), n)).into();
     let world = Later { world: InTurn { worlds, pause_s: 1.5 }, by_s: 3.0 };
     let cell = cell::start(Arc::new(world), floor, tokio::time::Instant::now()).await.unwrap();
     let url = cell.controller.as_ref().and_then(|agent| agent.url()).unwrap().to_string();
-    let agent = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n");
+    let agent = format!("[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{url}\"\n{keys}");
     let page = free_address();
-    let programs = "[[program]]\nname = \"*rtest*\"\ncycle = \"s.toml\"\n[[program]]\nname = \"sweep*\"\ncycle = \"w.toml\"\n";
     let tables = format!("{programs}[page]\nlisten = \"{page}\"\n");
     let text = three_probes(folder.path(), SILENCE_MS, &tables, &agent).replace("cycle = \"c.toml\"\n", "");
     let config = Config::parse(&folder.path().join("trunnion.toml"), &text).unwrap();
@@ -67,7 +99,7 @@ async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
         let machine = shipped::FILES[0].1.into();
         let texts = Texts { machine, cycle: text.into(), config: config.text.clone() };
         Choice {
-            program: Some(of.name.clone()),
+            begun_by: of.begun_by.clone(),
             plan,
             texts,
             model: Model::base("table-bc").into(),
@@ -125,7 +157,6 @@ async fn each_program_is_measured_by_its_cycle_and_an_unknown_one_is_refused() {
     assert!(order.is_sorted() && at("analysing", "RTEST") < order[2], "{seen:?}");
     assert_eq!(last["cycle"], "demo-sweep-c");
     let (why, shown) = refused.unwrap();
-    let words = ["\"WARMUP\"", "allowed: ", "*rtest* (cycle demo-static)", "sweep* (cycle demo-sweep-c)"];
     assert!(words.iter().all(|words| why.contains(words)), "{why}");
     let cycle = &shown["topics"]["cycle"];
     assert_eq!((&cycle["state"], &cycle["why"]), (&"refused".into(), &why.into()), "{shown:#}");

@@ -68,8 +68,8 @@ async fn a_program_without_a_cycle_is_refused_on_its_topic_until_the_topic_choos
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
     let texts = Texts { machine: shipped::FILES[0].1.into(), cycle: sweep_text, config: text };
     let model = trunnion::Model::base("table-bc");
-    let program = Some(config.programs[0].name.clone());
-    let choice = Choice { program, plan, texts, model, model_file: None };
+    let begun_by = config.programs[0].begun_by.clone();
+    let choice = Choice { begun_by, plan, texts, model, model_file: None };
     let cycles = Cycles::new(vec![choice]).expect("the devices can measure it");
     let cancel = CancellationToken::new();
     let service = tokio::spawn(serve(config, cycles, clock, cancel.clone()));

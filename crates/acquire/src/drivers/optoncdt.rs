@@ -4,15 +4,14 @@
 //! counter and time stamp, asks for the order of the values, and starts the output. A reply is matched to its command by the
 //! echo; a late one is dropped, and the command is sent again. Only a well-formed `GETINFO` of another sensor is a wrong device.
 
-mod moments;
 mod probe;
 
 use crate::driver::{Device, Driver, Session};
 use crate::link::Link;
+use crate::moments::Moments;
 use crate::session_end::SessionEnd;
 use crate::transport::serial;
 use crate::transport::serial::{Framing, Port};
-use moments::Moments;
 use probe::is_of_the_family;
 use std::convert::Infallible;
 use std::sync::Arc;

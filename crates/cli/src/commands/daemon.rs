@@ -14,13 +14,14 @@ use trunnion::Model;
 use trunnion::cycles::Cycle;
 use trunnion_acquire::config::channels;
 use trunnion_service::analysis::Analyst;
+use trunnion_service::begun_by::BegunBy;
 use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::{Config, ProgramCycle};
 use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon;
 use trunnion_service::daemon::Texts;
-use trunnion_service::live::{Pattern, Plan};
+use trunnion_service::live::Plan;
 use trunnion_service::private_files;
 
 /// Run as a service: wait for a cycle, record it, analyse it, report
@@ -47,9 +48,10 @@ pub fn prepare(path: &Path) -> anyhow::Result<Prepared> {
 /// The same of a configuration that was read.
 pub fn with_files(config: Config) -> anyhow::Result<Prepared> {
     let of_program = |of: &ProgramCycle| {
-        choice(&config, Some(of.name.clone()), &of.cycle, of.model.as_deref().or(config.model.as_deref()))
+        choice(&config, of.begun_by.clone(), &of.cycle, of.model.as_deref().or(config.model.as_deref()))
     };
-    let of_every = config.cycle.iter().map(|cycle| choice(&config, None, cycle, config.model.as_deref()));
+    let of_every =
+        config.cycle.iter().map(|cycle| choice(&config, BegunBy::Every, cycle, config.model.as_deref()));
     let choices = config.programs.iter().map(of_program).chain(of_every).collect::<anyhow::Result<_>>()?;
     Ok(Prepared { cycles: Cycles::new(choices)?, config })
 }
@@ -57,16 +59,11 @@ pub fn with_files(config: Config) -> anyhow::Result<Prepared> {
 /// A configuration with another cycle.
 pub fn prepare_cycle(path: &Path, cycle: &Path) -> anyhow::Result<(Config, Choice)> {
     let config = Config::parse(path, &load::read(path)?)?;
-    let choice = choice(&config, None, cycle, config.model.as_deref())?;
+    let choice = choice(&config, BegunBy::Every, cycle, config.model.as_deref())?;
     Ok((config, choice))
 }
 
-fn choice(
-    config: &Config,
-    program: Option<Pattern>,
-    cycle: &Path,
-    model: Option<&Path>,
-) -> anyhow::Result<Choice> {
+fn choice(config: &Config, begun_by: BegunBy, cycle: &Path, model: Option<&Path>) -> anyhow::Result<Choice> {
     let cycle_text = load::read(cycle)?;
     let cycle = Cycle::parse(&cycle.display().to_string(), &cycle_text)?;
     let machine = load::machine(&cycle.machine)?;
@@ -78,7 +75,7 @@ fn choice(
     let machine_text = load::machine_text(&cycle.machine)?;
     let texts = Texts { machine: machine_text, cycle: cycle_text, config: config.text.clone() };
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
-    Ok(Choice { program, plan, texts, model, model_file })
+    Ok(Choice { begun_by, plan, texts, model, model_file })
 }
 
 /// What the service waits for has ended. Left are looks at files and messages to systemd, which may hang for ever: a share on the network

@@ -8,6 +8,7 @@ use trunnion::cycles::{Cycle, Run};
 use trunnion::results::{RunRecord, RunState, Serves};
 use trunnion_core::{Channel, Role};
 use trunnion_record::{RunHeader, write_run};
+use trunnion_service::begun_by::BegunBy;
 use trunnion_service::cycles::{Choice, Cycles};
 use trunnion_service::daemon::{Texts, write_report};
 use trunnion_service::live::Plan;
@@ -42,7 +43,7 @@ fn choice(text: &str, model_file: Option<PathBuf>) -> Choice {
         model_file.as_ref().map_or_else(|| Model::base(&machine.name), |file| Model::load(file).unwrap());
     let plan = Plan { machine, cycle, nest, channels: (0..3).map(channel).collect() };
     let texts = Texts { machine: String::new(), cycle: text.into(), config: String::new() };
-    Choice { program: None, plan, texts, model, model_file }
+    Choice { begun_by: BegunBy::Every, plan, texts, model, model_file }
 }
 
 /// A model with the effect that the points show.

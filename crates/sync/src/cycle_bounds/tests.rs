@@ -118,13 +118,42 @@ fn a_signal_begins_it_when_it_comes_on_and_ends_it_when_it_goes_off() {
         other => other,
     };
     let story = [
-        signal(1.0, Some(false)),
-        signal(2.0, Some(true)),
+        signal(1.0, Some(0)),
+        signal(2.0, Some(1)),
         signal(3.0, None),
-        signal(4.0, Some(true)),
-        signal(5.0, Some(false)),
+        signal(4.0, Some(1)),
+        signal(5.0, Some(0)),
     ];
     assert_eq!(bounds(StartRule::Signal, &story), [2.0, -5.0]);
+    let by_number = |story: &[Reading]| {
+        let mut bounds = CycleBounds::new(StartRule::Signal);
+        let number = |now: &Reading| match bounds.take(now)? {
+            Bound::Begins { signal, why, .. } => {
+                assert!(why.ends_with(&format!("the signal is {}", signal.unwrap_or_default())), "{why}");
+                signal
+            }
+            Bound::Ends { .. } => Some(0),
+        };
+        story.iter().filter_map(number).collect::<Vec<u32>>()
+    };
+    assert_eq!(by_number(&[signal(1.0, Some(0)), signal(2.0, Some(7)), signal(3.0, Some(0))]), [7, 0]);
+    // One number after the other, with nothing between.
+    assert_eq!(by_number(&[signal(1.0, Some(0)), signal(2.0, Some(2)), signal(3.0, Some(7))]), [2, 7]);
+    // The end of the program and of its signal in one reading.
+    let with = |time_s, execution, number| match reported(time_s, execution, "P", "") {
+        Reading::Controller(controller) => {
+            Reading::Controller(ControllerReading { signal: Some(number), ..controller })
+        }
+        other => other,
+    };
+    let story = [
+        with(1.0, Ready, 0),
+        with(2.0, Active, 3),
+        with(3.0, Ready, 0),
+        with(4.0, Active, 4),
+        with(5.0, Ready, 0),
+    ];
+    assert_eq!(by_number(&story), [3, 0, 4, 0]);
 }
 
 /// Stands and motions one after the other at 50 Hz; C goes 1 rad in 0.4 s.

@@ -32,6 +32,8 @@ pub struct AgentConfig {
     pub clock: DeviceClock,
     /// What the controller says of its program instead of what the machine does.
     pub shown: Vec<Shown>,
+    /// Programs with their numbers: a data item `cycle` has the number of the one that runs, 0 while none does. There is none without.
+    pub numbers: Vec<(String, u32)>,
     /// User and password that the agent's web server asks for (Basic, RFC 7617); none without.
     pub login: Option<(String, String)>,
     /// Something that happens to the document of this number, counted from 0: answers, and parts of streams.
@@ -65,6 +67,7 @@ impl AgentConfig {
             wall_ns_at_origin,
             clock,
             shown: Vec::new(),
+            numbers: Vec::new(),
             login: None,
             reply_fault: None,
         }

@@ -100,6 +100,11 @@ impl Controller {
         values.push(ObservedValue::Text(format!("N{}", cycle.block)));
         values.push(ObservedValue::Text(cycle.block.to_string()));
         values.push(ObservedValue::Number(rounded(self.world.temperature_degc(t_s), 0.01)));
+        if !self.config.numbers.is_empty() {
+            let is_it = |(name, _): &&(String, u32)| cycle.running && *name == cycle.program;
+            let number = self.config.numbers.iter().find(is_it).map_or(0, |(_, number)| *number);
+            values.push(ObservedValue::Text(number.to_string()));
+        }
         Line { wall_ns, values }
     }
 }
@@ -149,7 +154,10 @@ fn data_items(config: &AgentConfig) -> Vec<DataItem> {
     items.push(item("mode".into(), Category::Event, "CONTROLLER_MODE", None, None, path.clone()));
     items.push(item("program".into(), Category::Event, "PROGRAM", None, None, path.clone()));
     items.push(item("block".into(), Category::Event, "BLOCK", None, None, path.clone()));
-    items.push(item("line".into(), Category::Event, "LINE_NUMBER", Some("ABSOLUTE"), None, path));
+    items.push(item("line".into(), Category::Event, "LINE_NUMBER", Some("ABSOLUTE"), None, path.clone()));
     items.push(item("temp".into(), Category::Sample, "TEMPERATURE", None, Some("CELSIUS"), controller));
+    if !config.numbers.is_empty() {
+        items.push(item("cycle".into(), Category::Event, "VARIABLE", None, None, path));
+    }
     items
 }

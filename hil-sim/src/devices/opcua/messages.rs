@@ -1,7 +1,6 @@
 //! A stretch of network in front of an OPC UA server that disturbs one of the server's messages.
 //!
-//! A message is a chunk of the connection protocol: eight bytes of header, of which the last four are its length, little-endian
-//! (OPC 10000-6, 7.1.2.2).
+//! A message is a chunk of the connection protocol: eight bytes of header, of which the last four are its length, little-endian.
 
 use crate::devices::ReplyFault;
 use std::io;

@@ -305,8 +305,7 @@ impl Node {
     }
 
     /// A second answer to one SYNC. Where one before was missed, it belongs to that, or the first did; which, nobody knows. Else it is a
-    /// frame that came twice: its sender saw an error behind the last bit that its receivers look at, and repeated it
-    /// (ISO 11898-1, end of frame).
+    /// frame that came twice: its sender saw an error behind the last bit that its receivers look at, and repeated it.
     fn answered_again(&mut self, sync_at: HostTime, arrival: HostTime, link: &mut Link) {
         if self.unanswered == 0 {
             link.counters.resyncs += 1;

@@ -3,6 +3,7 @@
 use super::items::Items;
 use crate::controller_stamp::of_measurement;
 use crate::execution::MTCONNECT;
+use crate::signal::signal_of;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading, TemperatureReading};
 use trunnion_core::{AxisValues, HostTime, Joint, convert};
 use trunnion_protocol::mtconnect::{Category, Observation, ObservedValue, StreamsDocument};
@@ -30,7 +31,7 @@ pub(super) struct Model {
     /// Observations before this number were taken: one that comes again is no second event.
     expected: u64,
     controller: (Execution, String, String),
-    signal: Option<bool>,
+    signal: Option<u32>,
     /// Since when an axis has no value, and why.
     absent: Option<(HostTime, Absent)>,
     /// By how much the controller's clock was set, s.
@@ -187,7 +188,7 @@ impl Model {
         } else if id == self.items.block.as_ref() {
             *block = text;
         } else if id == self.items.signal.as_ref() {
-            self.signal = (!text.is_empty()).then(|| is_on(&text));
+            self.signal = (!text.is_empty()).then(|| signal(&text));
         }
     }
 
@@ -238,11 +239,9 @@ fn number(value: &ObservedValue) -> Option<f64> {
 }
 
 /// Words for a signal that is on, in the vocabularies of the standard (`ON`, `ACTIVE`, `CLOSED`) and of adapters.
-fn is_on(text: &str) -> bool {
-    text.parse::<f64>().map_or_else(
-        |_| ["ON", "ACTIVE", "CLOSED", "TRUE", "YES", "HIGH"].contains(&text.to_uppercase().as_str()),
-        |number| number != 0.0,
-    )
+fn signal(text: &str) -> u32 {
+    let is_on = || ["ON", "ACTIVE", "CLOSED", "TRUE", "YES", "HIGH"].contains(&text.to_uppercase().as_str());
+    text.parse().map_or_else(|_| u32::from(is_on()), signal_of)
 }
 
 #[cfg(test)]

@@ -7,9 +7,10 @@ use super::connect::{self, Connection, end_of, limited};
 use super::instants::{Instant, Instants};
 use super::nodes::{self, Nodes};
 use super::settings::OpcUa;
-use super::status::{execution, is_on, number, text};
+use super::status::{execution, number, signal as signal_in, text};
 use crate::controller_stamp::of_measurement;
 use crate::link::Link;
+use crate::moments::Moments;
 use crate::session_end::SessionEnd;
 use opcua::client::{MonitoredItemMap, OnSubscriptionNotificationCore};
 use opcua::types::{
@@ -17,7 +18,7 @@ use opcua::types::{
     MonitoringMode, MonitoringParameters, NodeId, NotificationMessage, ReadValueId, StatusChangeNotification,
     StatusCode, TimestampsToReturn,
 };
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -217,6 +218,9 @@ struct Model {
     nodes: Nodes,
     uses: Vec<Use>,
     instants: Instants,
+    moments: Moments,
+    /// Last stamp of each client handle, ns.
+    stamps: HashMap<u32, i64>,
     delay: Duration,
     /// When the last notification came.
     heard: HostTime,
@@ -228,7 +232,7 @@ struct Model {
     bad: HashSet<usize>,
     bad_since: Option<(HostTime, String)>,
     sequence: u64,
-    controller: (Execution, String, String, Option<bool>),
+    controller: (Execution, String, String, Option<u32>),
     /// Its stamp, while it is not reported yet.
     controller_ns: Option<i64>,
     /// What is not reported yet holds a new state of the program.
@@ -245,6 +249,8 @@ impl Model {
             nodes,
             uses,
             instants,
+            moments: Moments::default(),
+            stamps: HashMap::new(),
             delay: interval + ON_THE_WAY,
             heard: now,
             moved: now,
@@ -263,10 +269,7 @@ impl Model {
         for (handle, value) in values {
             let what = (handle as usize).checked_sub(1).and_then(|k| self.uses.get(k)).copied();
             let stamp_ns = stamp_ns(&value);
-            if value.status().overflow() {
-                let reason = "the server's queue of an item ran over".into();
-                link.gap(self.heard, arrival, Some(1), reason);
-            }
+            self.overflow(handle, &value, stamp_ns, arrival, link);
             match what {
                 None => link.counters.damaged += 1,
                 Some(Use::Axis(axis)) => self.axis(axis, &value, stamp_ns, arrival, link),
@@ -290,6 +293,27 @@ impl Model {
             self.send(instants, false, link);
         }
         self.report_controller(arrival, link);
+    }
+
+    /// Values of an item that the server could not keep are missing between its last stamp and this one.
+    fn overflow(
+        &mut self,
+        handle: u32,
+        value: &DataValue,
+        stamp_ns: Option<i64>,
+        arrival: HostTime,
+        link: &mut Link,
+    ) {
+        let moment = |moments: &Moments, stamp_ns: Option<i64>| moments.of(stamp_ns? as f64 * 1e-9);
+        if value.status().overflow() {
+            let from = moment(&self.moments, self.stamps.get(&handle).copied()).unwrap_or(self.heard);
+            let to = moment(&self.moments, stamp_ns).unwrap_or(arrival);
+            link.gap(from.min(to), to, Some(1), "the server's queue of an item ran over".into());
+        }
+        if let Some(stamp_ns) = stamp_ns {
+            self.moments.arrived(stamp_ns as f64 * 1e-9, arrival);
+            self.stamps.insert(handle, stamp_ns);
+        }
     }
 
     /// While axes have no value, what the program does is no proof of health, and comes with them.
@@ -337,7 +361,7 @@ impl Model {
             Use::Program => *program = words,
             Use::State => *now = variant.map_or(Execution::Unknown, |v| execution(v, self.nodes.numbers)),
             Use::Block => *block = words,
-            Use::Signal => *signal = variant.and_then(is_on),
+            Use::Signal => *signal = variant.and_then(signal_in),
             Use::Axis(_) => {}
         }
     }

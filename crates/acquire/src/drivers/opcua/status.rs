@@ -1,6 +1,7 @@
 //! What a program is doing, from the numbers, words and bits of servers.
 
 use crate::execution::{OPC_UA_TEXT, Vocabulary};
+use crate::signal::signal_of;
 use opcua::types::Variant;
 use trunnion_core::reading::Execution;
 
@@ -42,9 +43,9 @@ pub(super) fn text(value: &Variant) -> String {
 }
 
 /// A signal; `None` when it is no number or bit.
-pub(super) fn is_on(value: &Variant) -> Option<bool> {
+pub(super) fn signal(value: &Variant) -> Option<u32> {
     match value {
-        Variant::Boolean(on) => Some(*on),
-        other => number(other).map(|number| number != 0.0),
+        Variant::Boolean(on) => Some(u32::from(*on)),
+        other => number(other).map(signal_of),
     }
 }

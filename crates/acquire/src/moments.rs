@@ -1,7 +1,7 @@
-//! When a sensor measured, on the clock of this computer: its own clock, moved by the shortest delay of late.
+//! When a device measured, on the clock of this computer: its own clock, moved by the shortest delay of late.
 //!
 //! moment = device time + min(arrival − device time)  over the last one to two [`WINDOW`]s.
-//! Arrivals are late after a pause of the program, never early; blocks of one reading of the port share theirs.
+//! Arrivals are late after a pause of the program, never early; what is read at once shares its arrival.
 
 use std::time::Duration;
 use trunnion_core::HostTime;
@@ -9,9 +9,9 @@ use trunnion_core::HostTime;
 /// Clocks of quartz are specified to ±50 ppm, so two of them part by at most 1 ms in this time: one value of the usual rate.
 const WINDOW: Duration = Duration::from_secs(10);
 
-/// Of one sensor, from its start to its reset.
+/// Of one device, from its start to its reset.
 #[derive(Default)]
-pub(super) struct Moments(Option<Delays>);
+pub struct Moments(Option<Delays>);
 
 /// Shortest delays, ns.
 struct Delays {
@@ -23,7 +23,7 @@ struct Delays {
 }
 
 impl Moments {
-    /// A block arrived that was measured at this time of the sensor, s.
+    /// What arrived then was measured at this time of the device, s.
     pub fn arrived(&mut self, device_s: f64, arrival: HostTime) {
         let delay = arrival.0 - ns(device_s);
         let delays = self.0.get_or_insert(Delays { begun: arrival, now: delay, before: delay });
