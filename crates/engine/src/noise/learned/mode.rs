@@ -16,7 +16,7 @@ const LONGEST_STEP: f64 = 1.5;
 /// What a step that does not raise the posterior is multiplied by.
 const SHORTER: f64 = 0.35;
 /// A step that loses less than this is accepted: rounding of the posterior in single precision.
-pub(super) const ROUNDING_LN: f64 = 1e-2;
+const ROUNDING_LN: f64 = 1e-2;
 /// Added to the information: ln s alone has no prior.
 const RIDGE: f64 = 1e-6;
 

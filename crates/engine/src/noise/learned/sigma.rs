@@ -7,9 +7,8 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Above this sum of ρ² the covariance is inverted in double precision: rounding grows with it, the white part stays 1. Up to it single
-/// precision changes ln p by less than a quarter of what the climb to the mode takes for rounding (the test below; half of it at 500).
-const SINGLE_PRECISION: f64 = 200.0;
+/// Above this sum of ρ² single precision no longer holds the factor: rounding grows with it, the white part stays 1.
+const SINGLE_PRECISION: f64 = 12.0;
 
 /// Σ⁻¹ and ln det Σ at x = (ln s, ln ρ_k).
 pub(crate) struct Sigma {
@@ -22,24 +21,18 @@ impl Sigma {
     /// `white`: multiple of the white variance of every row. `None` where rounding makes Σ indefinite.
     pub fn new(kernels: &Kernels, x: &[f64], white: &DVector<f64>) -> Option<Self> {
         let rho_squared: Vec<f64> = x[1..].iter().map(|ln| (2.0 * ln).exp()).collect();
-        let relative = covariance(kernels, &rho_squared, white);
-        let in_double = rho_squared.iter().sum::<f64>() >= SINGLE_PRECISION;
-        let (log_det, mut inverse) = if in_double { double(relative)? } else { single(relative)? };
+        let mut relative = covariance(kernels, &rho_squared, white);
+        let (log_det, mut inverse) = if rho_squared.iter().sum::<f64>() < SINGLE_PRECISION {
+            (dense::factor(&mut relative)?, dense::inverse(relative)?)
+        } else {
+            // To the end: what the kernels explain nearly all of has a small share in the inverse.
+            let mut relative = relative.cast::<f64>();
+            (dense::factor(&mut relative)?, dense::inverse(relative)?.cast::<Real>())
+        };
         let rows = inverse.nrows() as f64;
         inverse *= (-2.0 * x[0]).exp() as Real;
         Some(Self { x: x.to_vec(), inverse, log_det: log_det + 2.0 * rows * x[0] })
     }
-}
-
-/// ln det and inverse of a matrix of which the lower triangle is given.
-fn single(mut relative: DMatrix<Real>) -> Option<(f64, DMatrix<Real>)> {
-    Some((dense::factor(&mut relative)?, dense::inverse(relative)?))
-}
-
-/// The same in double precision to the end: what the kernels explain nearly all of has a small share in the inverse.
-fn double(relative: DMatrix<Real>) -> Option<(f64, DMatrix<Real>)> {
-    let mut relative = relative.cast::<f64>();
-    Some((dense::factor(&mut relative)?, dense::inverse(relative)?.cast::<Real>()))
 }
 
 /// W + Σ_k ρ_k² K_k: the lower triangle; above it only what is of the same point.
@@ -131,46 +124,5 @@ impl Projected {
             a.tr_mul(&b).cast::<f64>() - shadow.transpose() * &self.cofactor * shadow
         };
         widths.iter().map(gram).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::noise::learned::mode::ROUNDING_LN;
-
-    /// Two setups, both ways, 7 tilts × 12 angles: slow and fast drift, offsets of passes, a smooth pattern, of one size.
-    #[test]
-    fn single_precision_changes_no_likelihood_where_it_is_used() {
-        let points = 4 * 84;
-        let near = |i: usize, j: usize, tau: f64| (-(i.abs_diff(j) as f64) / tau).exp();
-        let turn = |i: usize| (i % 12) as f64 * std::f64::consts::TAU / 12.0;
-        let tilt = |i: usize| ((i % 84) / 12) as f64 / 3.0;
-        let pattern =
-            |i: usize, j: usize| (-(tilt(i) - tilt(j)).powi(2) - 1.0 + (turn(i) - turn(j)).cos()).exp();
-        let pass = |i: usize, j: usize| f64::from(i / 84 == j / 84);
-        let of_points = DMatrix::from_fn(points, points, |i, j| {
-            let all = near(i, j, 333.0) + near(i, j, 25.0) + pass(i, j) + pattern(i, j);
-            SINGLE_PRECISION / 4.0 * all
-        });
-        let rows = 3 * points;
-        let sigma = DMatrix::from_fn(rows, rows, |i, j| {
-            let shared = if i % 3 == j % 3 { of_points[(i / 3, j / 3)] } else { 0.0 };
-            shared + if i == j { 1.0 } else { 0.0 }
-        });
-        let mut random = 1_u64;
-        let uniform = |_: usize| {
-            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (random >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
-        let white = DVector::from_iterator(rows, (0..rows).map(uniform)) * 12.0_f64.sqrt();
-        let readings = sigma.clone().cholesky().unwrap().l() * white;
-        let likelihood = |(log_det, inverse): (f64, DMatrix<Real>)| {
-            -0.5 * (log_det + readings.dot(&(inverse.cast::<f64>() * &readings)))
-        };
-        let relative = sigma.cast::<Real>();
-        let (coarse, fine) =
-            (likelihood(single(relative.clone()).unwrap()), likelihood(double(relative).unwrap()));
-        assert!((coarse - fine).abs() < 0.25 * ROUNDING_LN, "{coarse} {fine}");
     }
 }
