@@ -198,7 +198,7 @@ impl Context<'_> {
         };
         let mut additions: Vec<_> = listed.iter().map(alone).collect();
         let formula = self.strongest(true).map(|item| self.entries_of(item).to_vec());
-        let set = (self.found.items.len() > 1).then(|| self.set());
+        let set = (self.found.items.len() > 1).then(|| self.set_as_added());
         let (with_formula, with_set) = (formula.is_some(), set.is_some());
         additions.extend(formula);
         additions.extend(set);
@@ -247,6 +247,15 @@ impl Context<'_> {
     /// Model entries of what the search kept.
     fn set(&self) -> Vec<ModelEffect> {
         self.entries.concat()
+    }
+
+    /// The same as a person adds them: shape numbers of the catalogue's effects are for the fit to find, as of a candidate alone.
+    fn set_as_added(&self) -> Vec<ModelEffect> {
+        let as_added = |entry: ModelEffect| match Formula::name_of(&entry.id) {
+            Some(_) => entry,
+            None => ModelEffect { id: entry.id, ..ModelEffect::default() },
+        };
+        self.set().into_iter().map(as_added).collect()
     }
 
     /// Those of one of the items found.

@@ -256,7 +256,8 @@ fn uncertainties_of_a_small_grid_hold() {
         }
         // The mean over C counts as an error of B: at a tilt that is one sixth of what two nest positions show.
         let rms = f64::sqrt(squares / count);
-        assert!((0.85..=1.0).contains(&rms), "rms of value over u: {rms}, third {third:?}");
+        // u has some 41 degrees of freedom: √(41/39) = 1.025 is expected where that does not lower it.
+        assert!((0.85..=1.05).contains(&rms), "rms of value over u: {rms}, third {third:?}");
         // 40 times 41 degrees of freedom: u to 2 %.
         let u_um = u2_um2.sqrt();
         assert!(
