@@ -319,12 +319,6 @@ fn of_traces_at_another_tilt_it_is_said_what_they_are_used_for() {
     let (notes, found) = note(&[one_height, leaning.clone()]);
     assert!(notes[0].contains("at B = 30° alone"), "{notes:?}");
     assert!(found.value("EA0C").is_some(), "{:?}", found.values);
-    // A trace that nothing is compared with: another tilt and another feed.
-    let faster = |text: String| leaning_at(text).replace("[720]", "[1440]");
-    let mut other = run(&faster);
-    other.points.retain(|point| point.state.setup == 0);
-    let (notes, _) = note(&[run(&plain), other]);
-    assert!(notes[1].starts_with("Not used for C, because no other trace"), "{notes:?}");
 }
 
 fn leaning_at(text: String) -> String {
