@@ -319,6 +319,22 @@ fn of_traces_at_another_tilt_it_is_said_what_they_are_used_for() {
     let (notes, found) = note(&[one_height, leaning.clone()]);
     assert!(notes[0].contains("at B = 30° alone"), "{notes:?}");
     assert!(found.value("EA0C").is_some(), "{:?}", found.values);
+    // The trace along C leaning only, its bar along the axis that leans: it is read all the same, and it is said where.
+    let along_it = |text: String| {
+        leaning_at(text).replace("direction = [0, 0, 1]", "direction = [0.5, 0, 0.8660254037844386]")
+    };
+    let (mut across, mut along) = (run(&plain), run(&along_it));
+    across.points.retain(|point| point.state.setup != 4);
+    along.points.retain(|point| point.state.setup == 4);
+    let (notes, found) = note(&[across, along]);
+    assert!(notes[0].contains("at B = 0° alone; its axial error motion is by C-Z at B = 30°"), "{notes:?}");
+    assert!(notes.len() == 1 && found.values.iter().any(|value| value.name.starts_with("EZC")), "{notes:?}");
+    // A trace that nothing is compared with: another tilt and another feed. The bar along Y stays across C.
+    let faster = |text: String| leaning_at(text).replace("[720]", "[1440]");
+    let mut other = run(&faster);
+    other.points.retain(|point| point.state.setup == 1);
+    let (notes, _) = note(&[run(&plain), other]);
+    assert!(notes[1].starts_with("Not used for C, because no other trace"), "{notes:?}");
 }
 
 fn leaning_at(text: String) -> String {
