@@ -8,6 +8,7 @@ mod batches;
 mod begin;
 mod closed;
 mod kept;
+mod missing;
 mod plots;
 #[cfg(test)]
 mod tests;
@@ -22,7 +23,8 @@ use crate::wire;
 use crate::wire::{Encoded, Topic};
 use batches::Batches;
 pub use closed::{Closed, Finished};
-use kept::{KeptJournal, Missing};
+use kept::KeptJournal;
+use missing::Missing;
 use plots::Plots;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -300,33 +302,12 @@ impl Recorder {
         }
     }
 
-    /// The journal is not at its place.
-    fn abandon_missing(&mut self) {
-        if let (Some(mut journal), Some(kept)) = (self.journal.take(), self.journals.pop()) {
-            journal.abandon();
-            self.missing = Some(Missing { kept, journal });
-        }
-    }
-
     /// The journal is not at its place: another is begun at once.
     fn gone(&mut self, path: PathBuf, now: HostTime) {
         self.abandon_missing();
         self.failed(RecordError::Gone { path }, now);
         self.retry_at = now;
         self.try_new_file(now);
-    }
-
-    /// A folder on the network may miss a file for a moment: one that is there again belongs to the run.
-    fn look_for_missing(&mut self) {
-        self.journals.extend(self.missing.take_if(|missing| missing.is_there()).map(|missing| missing.kept));
-    }
-
-    /// What was in a missing journal is lost. The next one may have its name by now.
-    fn settle_missing(&mut self) {
-        if let Some(Missing { kept, .. }) = self.missing.take() {
-            self.lost_samples += kept.samples;
-            kept.lose(&mut self.lost, REASON_LATER);
-        }
     }
 
     fn failed(&mut self, error: RecordError, now: HostTime) {

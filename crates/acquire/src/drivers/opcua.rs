@@ -39,6 +39,8 @@ mod session;
 mod settings;
 #[cfg(feature = "opcua")]
 mod status;
+#[cfg(feature = "opcua")]
+mod subscription;
 
 #[cfg(feature = "opcua")]
 use crate::driver::Session;

@@ -57,14 +57,20 @@ fn bus_with(sdo_fault: Option<(u64, SdoFault)>) -> (Handle, Acquisition, tempfil
     bus_of(|config| config.sdo_fault = sdo_fault)
 }
 
+/// Three probes, a bar, and a thermometer with this number.
+fn with_thermometer(number: u8) -> BusConfig {
+    let clock = DeviceClock::default();
+    let mut config = BusConfig::ball_bar_and_probes(clock);
+    let (id, kind) = (NodeId::new(number).unwrap(), NodeKind::Thermometer { digits: 2 });
+    config.nodes.push(NodeConfig { id, kind, serial: 9001, heartbeat_ms: 500, event_timer_ms: 0, clock });
+    config
+}
+
 /// The same on a bus that was changed.
 fn bus_of(change: impl FnOnce(&mut BusConfig)) -> (Handle, Acquisition, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let port = folder.path().join("can");
-    let clock = DeviceClock::default();
-    let mut config = BusConfig::ball_bar_and_probes(clock);
-    let (id, kind) = (NodeId::new(9).unwrap(), NodeKind::Thermometer { digits: 2 });
-    config.nodes.push(NodeConfig { id, kind, serial: 9001, heartbeat_ms: 500, event_timer_ms: 0, clock });
+    let mut config = with_thermometer(9);
     change(&mut config);
     let origin = TimeOrigin(tokio::time::Instant::now());
     let handle = canopen::spawn(world(), &config, &port, origin, &[]).unwrap();
@@ -274,11 +280,8 @@ async fn no_frame_that_is_late_doubled_lost_merged_or_cut_disables_a_bus_or_is_l
 async fn nodes_are_found_by_their_numbers_and_their_lines_are_a_configuration() {
     let folder = tempfile::tempdir().unwrap();
     let port = folder.path().join("can");
-    let clock = DeviceClock::default();
-    let mut config = BusConfig::ball_bar_and_probes(clock);
     // Farthest apart; one is a thermometer, and the probe 1 sends no heartbeat.
-    let (id, kind) = (NodeId::new(127).unwrap(), NodeKind::Thermometer { digits: 2 });
-    config.nodes.push(NodeConfig { id, kind, serial: 9001, heartbeat_ms: 500, event_timer_ms: 0, clock });
+    let config = with_thermometer(127);
     let origin = TimeOrigin(tokio::time::Instant::now());
     let bus = canopen::spawn(world(), &config, &port, origin, &[]).unwrap();
     let look = || look(Place::serial_port(port.to_str().unwrap()), Some("canopen-slcan"));

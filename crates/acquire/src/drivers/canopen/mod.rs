@@ -8,6 +8,7 @@
 //! match.
 
 mod bus;
+mod description;
 mod nodes;
 mod scan;
 
@@ -16,7 +17,8 @@ pub(super) use scan::{Nodes as FoundNodes, scan};
 
 use crate::link::Link;
 use crate::session_end::SessionEnd;
-use nodes::{NodeConfig, Nodes};
+use description::NodeConfig;
+use nodes::Nodes;
 use std::convert::Infallible;
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval};
@@ -80,10 +82,10 @@ impl Network {
         let mut descriptions = Vec::new();
         for node in &self.nodes {
             let description = bus::describe(bus, node.id, &descriptions, link).await?;
-            nodes::check(node, &description)?;
+            description::check(node, &description)?;
             descriptions.push(description);
         }
-        let names: Vec<String> = descriptions.iter().map(nodes::identity).collect();
+        let names: Vec<String> = descriptions.iter().map(description::identity).collect();
         link.identified(names.join("; "));
         let nodes = Nodes::new(&self.nodes, descriptions, link.first_channel, link.now());
         bus.send(NmtCommand::Start.frame(None)).await?;

@@ -2,7 +2,7 @@
 //! what it is, as at the start of a session. Objects are read and none is written.
 
 use super::bus::{self, Bus, BusEvent};
-use super::nodes::{identity, is_thermometer};
+use super::description::{identity, is_thermometer};
 use crate::link::Link;
 use crate::probe::Found;
 use crate::session_end::SessionEnd;

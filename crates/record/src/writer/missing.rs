@@ -1,0 +1,43 @@
+//! A journal that is not at its place: it may come back, or is lost.
+
+use super::kept::KeptJournal;
+use super::{REASON_LATER, Recorder};
+use crate::error::RecordError;
+use crate::journal::Journal;
+
+/// A journal that was not at its place.
+pub(super) struct Missing {
+    pub kept: KeptJournal,
+    /// The way to its file, wherever that is: another file may have the name by now.
+    pub journal: Journal,
+}
+
+impl Missing {
+    /// True unless the system says that its place is empty, or taken by another file.
+    pub fn is_there(&self) -> bool {
+        !matches!(self.journal.sync(), Err(RecordError::Gone { .. }))
+    }
+}
+
+impl Recorder {
+    /// The journal is not at its place.
+    pub(super) fn abandon_missing(&mut self) {
+        if let (Some(mut journal), Some(kept)) = (self.journal.take(), self.journals.pop()) {
+            journal.abandon();
+            self.missing = Some(Missing { kept, journal });
+        }
+    }
+
+    /// A folder on the network may miss a file for a moment: one that is there again belongs to the run.
+    pub(super) fn look_for_missing(&mut self) {
+        self.journals.extend(self.missing.take_if(|missing| missing.is_there()).map(|missing| missing.kept));
+    }
+
+    /// What was in a missing journal is lost. The next one may have its name by now.
+    pub(super) fn settle_missing(&mut self) {
+        if let Some(Missing { kept, .. }) = self.missing.take() {
+            self.lost_samples += kept.samples;
+            kept.lose(&mut self.lost, REASON_LATER);
+        }
+    }
+}
