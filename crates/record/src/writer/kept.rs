@@ -1,5 +1,7 @@
 //! A journal of a run, and what is in it.
 
+use crate::error::RecordError;
+use crate::journal::Journal;
 use crate::journal_file::is_not_there;
 use crate::lost;
 use crate::wire::Encoded;
@@ -41,5 +43,19 @@ impl KeptJournal {
         if let Some(from_s) = self.from_s {
             lost::add(lost, (from_s, self.to_s), self.samples, reason);
         }
+    }
+}
+
+/// A journal that was not at its place.
+pub(super) struct Missing {
+    pub kept: KeptJournal,
+    /// The way to its file, wherever that is: another file may have the name by now.
+    pub journal: Journal,
+}
+
+impl Missing {
+    /// True unless the system says that its place is empty, or taken by another file.
+    pub fn is_there(&self) -> bool {
+        !matches!(self.journal.sync(), Err(RecordError::Gone { .. }))
     }
 }

@@ -1,23 +1,7 @@
 //! A journal that is not at its place: it may come back, or is lost.
 
-use super::kept::KeptJournal;
+use super::kept::Missing;
 use super::{REASON_LATER, Recorder};
-use crate::error::RecordError;
-use crate::journal::Journal;
-
-/// A journal that was not at its place.
-pub(super) struct Missing {
-    pub kept: KeptJournal,
-    /// The way to its file, wherever that is: another file may have the name by now.
-    pub journal: Journal,
-}
-
-impl Missing {
-    /// True unless the system says that its place is empty, or taken by another file.
-    pub fn is_there(&self) -> bool {
-        !matches!(self.journal.sync(), Err(RecordError::Gone { .. }))
-    }
-}
 
 impl Recorder {
     /// The journal is not at its place.
