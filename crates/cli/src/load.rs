@@ -137,7 +137,7 @@ fn state_gaps(gaps: &[String]) {
     match gaps {
         [] => {}
         [gap] => terminal::remark(gap),
-        [first, further @ ..] => terminal::remark(&format!("{first}; {} further gaps", further.len())),
+        [first, further @ ..] => terminal::remark(&format!("{first}; {} further losses", further.len())),
     }
 }
 

@@ -71,7 +71,7 @@ pub struct HistoryRun {
     pub alarms: Vec<String>,
     /// Why the run cannot be compared; empty otherwise.
     pub trouble: String,
-    /// What is missing from its recordings, one sentence each.
+    /// What is missing from its recordings, one sentence each; empty where the history is of kept answers: the state of each run has it.
     #[serde(default)]
     pub losses: Vec<String>,
 }

@@ -46,8 +46,8 @@ pub fn of_recorded(recorded: &Recorded, cycle: &str, at: String) -> RunRecord {
 
 /// The state of a recording that says all there is to know of it.
 pub fn of_recording(recording: &Path, state: RunState, at: String) -> RunRecord {
-    let known = gaps_of(recording);
-    let (cycle, gaps) = known.unwrap_or_default();
+    // One that cannot be read is listed too, and its analysis says why.
+    let (cycle, gaps) = gaps_of(recording).unwrap_or_default();
     RunRecord { state, at, cycle, losses: trunnion::page::losses(&gaps, 0), ..RunRecord::default() }
 }
 

@@ -139,12 +139,12 @@ impl Experiment {
 
     /// What is wrong with the files, one sentence for each that is damaged.
     pub fn damage(&self) -> Vec<String> {
-        self.opened.files.iter().filter_map(OfFile::damage).collect()
+        self.opened.files.iter().filter_map(|file| file.missing().damage).collect()
     }
 
     /// Gaps in what was asked of the devices, one sentence each with its file.
     pub fn gaps(&self) -> Vec<String> {
-        self.opened.files.iter().flat_map(OfFile::gaps).collect()
+        self.opened.files.iter().flat_map(|file| file.missing().gaps).collect()
     }
 
     /// What is missing from the recordings, one sentence each: gaps in what was asked of the devices, damage.

@@ -2,7 +2,7 @@
 
 mod remounts;
 
-use crate::page;
+use crate::{Error, page};
 use std::path::Path;
 use trunnion_core::{Gap, Point};
 use trunnion_cycles::Cycle;
@@ -64,14 +64,17 @@ impl Missing {
     }
 
     /// The same of a recording that was read for its samples alone.
-    pub(crate) fn of_samples(path: &Path, damage: Option<&Damage>) -> Self {
-        let gaps = gaps_of(path).map_or_else(Vec::new, |(_, gaps)| gaps);
-        Self::of(path, &gaps, damage)
+    pub(crate) fn of_samples(path: &Path, damage: Option<&Damage>) -> Result<Self, Error> {
+        let (_, gaps) = gaps_of(path)?;
+        Ok(Self::of(path, &gaps, damage))
     }
 }
 
-/// Name of the cycle of a recording, and the gaps in what was asked; `None` when it cannot be read.
-pub fn gaps_of(recording: &Path) -> Option<(String, Vec<Gap>)> {
+/// Name of the cycle of a recording, and the gaps in what was asked.
+///
+/// # Errors
+/// A recording that cannot be read.
+pub fn gaps_of(recording: &Path) -> Result<(String, Vec<Gap>), Error> {
     let mut gaps = Gaps::default();
     let mut take = |item: Item| {
         match item {
@@ -81,8 +84,9 @@ pub fn gaps_of(recording: &Path) -> Option<(String, Vec<Gap>)> {
         }
         true
     };
-    let (header, _) = trunnion_record::visit(recording, &mut take).ok()?;
+    let (header, _) = trunnion_record::visit(recording, &mut take)
+        .map_err(|source| Error::Recording { path: recording.into(), source: Box::new(source) })?;
     // A recording without a cycle is judged by the model of any.
     let cycle = Cycle::parse("recorded cycle", &header.cycle_text).map_or_else(|_| String::new(), |c| c.name);
-    Some((cycle, gaps.finish()))
+    Ok((cycle, gaps.finish()))
 }

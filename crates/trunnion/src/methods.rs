@@ -189,6 +189,6 @@ pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attribute
     };
     Ok(Attributed {
         findings: results::Findings { plausibility, ..(&attribution.to_findings()).into() },
-        missing: Missing::of_samples(path, recording.damage.as_ref()),
+        missing: Missing::of_samples(path, recording.damage.as_ref())?,
     })
 }

@@ -154,7 +154,7 @@ pub fn export(path: &Path, what: Exported) -> Result<(String, Missing), Error> {
                     trunnion_record::export::axis_samples_csv(&machine.joints(), &axes)
                 }
             };
-            Ok((table, Missing::of_samples(path, damage.as_ref())))
+            Ok((table, Missing::of_samples(path, damage.as_ref())?))
         }
     }
 }

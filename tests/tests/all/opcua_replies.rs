@@ -111,7 +111,6 @@ async fn no_message_that_is_late_doubled_lost_merged_or_cut_disables_a_server() 
             let status = bench.acquisition.states[0].borrow().clone();
             bench.acquisition.stop().await;
             bench.controller.shutdown().await;
-            println!("{case:?}: {} ends, {:?}", status.ends.iter().sum::<u64>(), status.last_end);
             check(case, &axes, &gaps);
             let wrong = SessionEnd::WrongDevice { found: String::new(), expected: String::new() }.kind();
             assert_eq!(status.ends[wrong], 0, "{case:?}: {status:?}");

@@ -133,12 +133,14 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     let analysed =
         tokio::task::spawn_blocking(move || daemon::analyse_recording(&path, &base, &date)).await??;
     show(&story(&analysed))?;
+    let mut losses = pages::losses(&recorded.gaps, recorded.lost_samples);
+    // The page that follows the demo opens it as soon as there is a result.
     let report = args.output.join("report.html");
+    output::write(&report, &analysed.compare().with_losses(&losses).page())?;
     let found =
         RunResult { report: report.display().to_string(), ..daemon::in_short(&recorded.path, &analysed) };
     board.publish(&ResultNow::Found(Box::new(found)));
 
-    let mut losses = pages::losses(&recorded.gaps, recorded.lost_samples);
     let mut timing: Vec<TimeQuality> = Vec::new();
     let on_the_fly = if args.static_only {
         None

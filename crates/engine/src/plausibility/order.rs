@@ -115,17 +115,24 @@ fn backward(run: &Run) -> Option<Implausible> {
     if in_order {
         return None;
     }
+    let advice = match (reversed, few && back == count) {
+        // One order of a few dozen at most: it may be either.
+        (false, true) => "The rows were reversed or shuffled, or the times belong to other rows.",
+        (false, false) => "The rows were shuffled, or the times belong to other rows.",
+        (true, _) => "The rows stand in reversed order, or the times do.",
+    };
+    let advice = format!("{advice} Give the rows in the order in which they were taken.");
     Some(match reversed {
         true => plain(
             format!("{}: time runs backward from row to row ({back} of {count} steps).", run.name),
-            "The rows stand in reversed order, or the times do. Give the rows in the order in which they were taken.",
+            &advice,
         ),
         false => plain(
             format!(
                 "{}: the rows are in no order of time: it runs back in {back} of {count} steps.",
                 run.name
             ),
-            "The rows were shuffled, or the times belong to other rows. Give the rows in the order in which they were taken.",
+            &advice,
         ),
     })
 }

@@ -312,7 +312,7 @@ fn of_traces_at_another_tilt_it_is_said_what_they_are_used_for() {
     assert!(note(std::slice::from_ref(&upright)).0.is_empty());
     let (notes, _) = note(&[upright.clone(), leaning.clone()]);
     assert!(notes[0].contains("of C are by the traces at B = 0° alone.") && notes.len() == 2, "{notes:?}");
-    assert!(notes[1].starts_with("Only compared with those: C-Y(−Z) 2.C-Y(-Z), C-Y(+Z)"), "{notes:?}");
+    assert!(notes[1].starts_with("Only compared with other traces: C-Y(−Z) 2.C-Y(-Z), C-Y(+Z)"), "{notes:?}");
     // One height upright, two leaning: the lean of the line is known from those.
     let mut one_height = upright;
     one_height.points.retain(|point| ![2, 3].contains(&point.state.setup));

@@ -1,5 +1,6 @@
 //! From files to runs: each file is read, and those of one run are put together.
 
+use crate::gaps::Missing;
 use crate::recording::{self, Recording};
 use crate::{Error, completeness, files, page};
 use std::path::{Path, PathBuf};
@@ -86,23 +87,14 @@ pub(super) struct OfFile {
 }
 
 impl OfFile {
-    fn named(&self, text: &str) -> String {
-        format!("{}: {text}", self.path.display())
-    }
-
-    /// What is wrong with the file.
-    pub(super) fn damage(&self) -> Option<String> {
-        self.damage.as_ref().map(|damage| self.named(&damage.to_string()))
-    }
-
     /// How points became fewer.
     pub(super) fn reduction(&self) -> Option<String> {
-        self.reduction.as_ref().map(|text| self.named(text))
+        self.reduction.as_ref().map(|text| format!("{}: {text}", self.path.display()))
     }
 
-    /// Gaps in what was asked of the devices, with the file.
-    pub(super) fn gaps(&self) -> Vec<String> {
-        page::losses(&self.gaps, 0).iter().map(|gap| self.named(gap)).collect()
+    /// Gaps in what was asked of the devices, and damage, with the file.
+    pub(super) fn missing(&self) -> Missing {
+        Missing::of(&self.path, &self.gaps, self.damage.as_ref())
     }
 
     /// What is missing, gaps and damage; with the run where there are several.

@@ -5,6 +5,7 @@
 //! Limits: as long as nobody changes the machine. A season that no day of these belongs to is not in it.
 
 use crate::{Error, Experiment, Fit, Model, identity, open_runs};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use trunnion_core::chain;
 use trunnion_effects::{FittedValue, Instance, Scene};
@@ -16,9 +17,7 @@ use trunnion_results::{DayForecast, ForecastValue, HistoryRun, MachineHistory, R
 const FEWEST_DAYS: usize = 5;
 /// Days that are fitted together: the latest two working weeks. Older ones say less of tomorrow, and each costs a fit.
 const MOST_DAYS: usize = 10;
-/// Runs that are closer are of one day: half a day, between a shift and the pause to the next one. By dates a shift east or west of
-/// Greenwich would be two days.
-const APART_S: i64 = 43_200;
+const DAY_S: i64 = 86_400;
 
 /// Indices of the runs that a forecast is made from, one a day and oldest first; or why they do not allow one. `since` is the first run
 /// after a repair.
@@ -37,14 +36,10 @@ pub fn days(history: &MachineHistory, since: usize) -> Result<Vec<usize>, String
     let unchanged: Vec<usize> =
         all.into_iter().filter(|&index| history.runs[index].alarms.is_empty()).collect();
     // The last run of each day: runs of one day differ by less than days do, and would be taken for days that hardly differ.
-    let (mut days, mut next_s) = (Vec::new(), None::<i64>);
-    for &index in unchanged.iter().rev() {
-        let Some(began_s) = history.runs[index].began_s else { continue };
-        if next_s.is_none_or(|next_s| next_s - began_s >= APART_S) {
-            days.insert(0, index);
-            next_s = Some(began_s);
-        }
-    }
+    let night_s = night_s(unchanged.iter().filter_map(|&index| history.runs[index].began_s));
+    let day = |&index: &usize| Some(((history.runs[index].began_s? - night_s).div_euclid(DAY_S), index));
+    let days: Vec<usize> =
+        unchanged.iter().filter_map(day).collect::<BTreeMap<_, _>>().into_values().collect();
     if days.len() < FEWEST_DAYS {
         let measured = days.len();
         let after =
@@ -54,6 +49,16 @@ pub fn days(history: &MachineHistory, since: usize) -> Result<Vec<usize>, String
         return Err(format!("{measured} of {FEWEST_DAYS} days were measured{after}{undated}"));
     }
     Ok(days[days.len().saturating_sub(MOST_DAYS)..].to_vec())
+}
+
+/// Where a day ends, s after midnight in Greenwich: in the middle of the longest time of day in which no run began, the latest where
+/// several are as long. By dates of Greenwich a shift in Tokyo would be two days.
+fn night_s(began_s: impl Iterator<Item = i64>) -> i64 {
+    let mut of_day_s: Vec<i64> = began_s.map(|began_s| began_s.rem_euclid(DAY_S)).collect();
+    of_day_s.sort_unstable();
+    of_day_s.extend(of_day_s.first().map(|first_s| first_s + DAY_S));
+    let longest = of_day_s.windows(2).max_by_key(|pause| pause[1] - pause[0]);
+    longest.map_or(0, |pause| i64::midpoint(pause[0], pause[1]))
 }
 
 /// Nothing is expected, and why.
@@ -173,8 +178,6 @@ mod tests {
     use super::*;
     use trunnion_results::CorrectionEntered;
 
-    const DAY_S: i64 = 86_400;
-
     fn runs(count: i64) -> MachineHistory {
         let run = |day: i64| HistoryRun {
             run: format!("day-{day}"),
@@ -218,7 +221,7 @@ mod tests {
         );
         let mut four_a_day = runs(24);
         for (number, run) in (0..).zip(&mut four_a_day.runs) {
-            run.began_s = Some(number / 4 * DAY_S + number % 4 * DAY_S / 12);
+            run.began_s = Some(number * DAY_S / 4);
         }
         assert_eq!(days(&four_a_day, 0).unwrap(), [3, 7, 11, 15, 19, 23], "one run a day, its last");
         assert_eq!(

@@ -235,9 +235,20 @@ fn check_together(diagnosed: &Diagnosed, first: &Step, what: &str) -> bool {
     same(together.rms_um_after, fit.rms_um);
     same(together.holdout_rms_um_after.unwrap(), fit.holdout_rms_um.unwrap());
     for own in &together.parameters {
-        let fitted = fit.parameters.iter().find(|p| p.effect == own.effect && p.name == own.name);
-        if let Some(u) = fitted.and_then(|p| p.u) {
-            same(u, own.u.unwrap());
+        let is_shape =
+            |shape: &trunnion_results::Shape| shape.effect == own.effect && shape.names.contains(&own.name);
+        if let Some(fitted) = fit.parameters.iter().find(|p| p.effect == own.effect && p.name == own.name) {
+            let [u, own_u] = [fitted.u, own.u].map(Option::unwrap);
+            same(u, own_u);
+            let [value, own_value] = [fitted.value, own.value].map(Option::unwrap);
+            assert!((value - own_value).abs() <= 0.05 * u, "{what}, together: {own_value} and {value} ± {u}");
+        } else {
+            assert!(
+                fit.shapes.iter().any(is_shape),
+                "{what}: {} of {} is not in the model",
+                own.name,
+                own.effect
+            );
         }
     }
     true

@@ -206,7 +206,7 @@ fn stands(of_axis: &AxisShapes, shapes: &[Shape]) -> Vec<String> {
         let labels: Vec<&str> = wanted.map(|shape| shape.label.as_str()).collect();
         (!labels.is_empty()).then(|| labels.join(", "))
     };
-    notes.extend(listed(true).map(|labels| format!("Only compared with those: {labels}.")));
+    notes.extend(listed(true).map(|labels| format!("Only compared with other traces: {labels}.")));
     notes.extend(listed(false).map(|labels| {
         format!(
             "Not used for {letter}, because no other trace differs from them in one thing alone: {labels}."
