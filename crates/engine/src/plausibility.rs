@@ -6,11 +6,16 @@
 
 mod channels;
 mod claim;
+mod copies;
+mod exchanged;
+mod fitted;
 mod found;
 mod order;
+mod path;
 mod places;
 mod positions;
 mod readings;
+mod sizes;
 
 pub use found::Implausible;
 
@@ -20,8 +25,10 @@ use trunnion_cycles::Run;
 pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let positions = positions::implausible(runs);
     let channels = channels::implausible(runs);
+    let sizes = if channels.is_empty() { sizes::implausible(runs) } else { Vec::new() };
     // Readings say nothing of their own where they are attached to wrong positions, or where a probe is dead.
-    let belong = positions.is_empty() && channels.is_empty();
+    let belong = positions.is_empty() && channels.is_empty() && sizes.is_empty();
     let readings = if belong { readings::implausible(runs) } else { Vec::new() };
-    [positions, channels, readings, order::implausible(runs)].concat()
+    let order = order::implausible(runs, positions.is_empty());
+    [positions, channels, sizes, readings, copies::implausible(runs), order].concat()
 }

@@ -31,23 +31,46 @@ struct Repeat {
 /// `None` where too few poses were measured again to say.
 pub(crate) fn repeatability(experiment: &Experiment, passes: &Passes) -> Option<Repeatability> {
     let repeats = repeats(experiment, passes);
-    let neighbours = repeats.windows(2).filter(|pair| pair[0].passes == pair[1].passes);
-    let differences_mm: Vec<f64> = neighbours
-        .flat_map(|pair| pair[0].difference_mm.iter().zip(&pair[1].difference_mm).map(|(a, b)| b - a))
-        .collect();
-    let sizes_mm: Vec<f64> = differences_mm.iter().map(|d| d.abs()).collect();
-    let robust_mm = upper_median(&sizes_mm).unwrap_or(0.0) / MEDIAN_OF_NORMAL;
-    // Coarse readings may repeat exactly at most poses: then no distance is far.
-    let near = differences_mm.iter().filter(|d| robust_mm == 0.0 || d.abs() <= SIGMAS * robust_mm);
-    let (count, squares) = near.fold((0, 0.0), |(count, squares), d| (count + 1, squares + d * d));
+    let differences_mm: Vec<f64> = differences(&repeats).map(|(_, d)| d).collect();
+    let (sigma_mm, count) = scatter(&differences_mm)?;
     // Equal readings of a coarse display repeat no better than its step.
     let hidden_mm = Display::of(experiment).map_or(0.0, |display| display.hidden_mm());
-    (count >= FEWEST).then(|| Repeatability {
-        sigma_mm: (squares / 4.0 / f64::from(count as u32)).sqrt().max(hidden_mm),
+    Some(Repeatability {
+        sigma_mm: sigma_mm.max(hidden_mm),
         repeats: repeats.len(),
         // Neighbouring differences share a visit: about two thirds as many degrees of freedom.
         degrees_of_freedom: count * 2 / 3,
     })
+}
+
+/// The same of every channel by itself, mm; `None` for one that does not say.
+pub(crate) fn of_channels_mm(experiment: &Experiment, passes: &Passes) -> Vec<Option<f64>> {
+    let repeats = repeats(experiment, passes);
+    let channels = repeats.iter().map(|repeat| repeat.difference_mm.len()).max().unwrap_or(0);
+    let of_channel = |channel: usize| {
+        let own: Vec<f64> = differences(&repeats).filter(|(k, _)| *k == channel).map(|(_, d)| d).collect();
+        scatter(&own).map(|(sigma_mm, _)| sigma_mm)
+    };
+    (0..channels).map(of_channel).collect()
+}
+
+/// d_{i+1} − d_i of every channel, mm.
+fn differences(repeats: &[Repeat]) -> impl Iterator<Item = (usize, f64)> {
+    let neighbours = repeats.windows(2).filter(|pair| pair[0].passes == pair[1].passes);
+    neighbours.flat_map(|pair| {
+        pair[0].difference_mm.iter().zip(&pair[1].difference_mm).map(|(a, b)| b - a).enumerate()
+    })
+}
+
+/// σ, mm, and the number of differences that are no outliers.
+fn scatter(differences_mm: &[f64]) -> Option<(f64, usize)> {
+    let sizes_mm: Vec<f64> = differences_mm.iter().map(|d| d.abs()).collect();
+    let robust_mm = upper_median(&sizes_mm).unwrap_or(0.0) / MEDIAN_OF_NORMAL;
+    // Coarse readings may repeat exactly at most poses: then no distance is far.
+    let near = sizes_mm.iter().filter(|size| robust_mm == 0.0 || **size <= SIGMAS * robust_mm);
+    let (count, squares) =
+        near.fold((0_usize, 0.0), |(count, squares), size| (count + 1, squares + size * size));
+    (count >= FEWEST).then(|| ((squares / 4.0 / count as f64).sqrt(), count))
 }
 
 /// Reading minus what a machine without errors would read, mm.

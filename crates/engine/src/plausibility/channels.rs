@@ -1,4 +1,4 @@
-//! Is every channel alive, and can its readings be so small and so quiet? Asked of every instrument, setup by setup.
+//! Is every channel alive, and one of its own? Asked of every instrument, setup by setup.
 //!
 //! A channel that reads one value in every digit while the axes move is stuck. A coarse display shows one value for a while by itself, so
 //! the longest stretch is judged against the second longest of the same channel and against the other channels. Lengths of stretches
@@ -8,12 +8,10 @@
 
 use super::found::{Implausible, plain};
 use super::readings::FEWEST_POINTS;
-use crate::Experiment;
-use crate::noise::repeatability::repeatability;
-use crate::problem::passes::passes;
 use trunnion_core::Point;
 use trunnion_core::convert::um_from_mm;
-use trunnion_cycles::{Run, RunKind};
+use trunnion_core::number::signed;
+use trunnion_cycles::Run;
 
 /// Chance of a stretch that long in a channel that is alive.
 const CHANCE: f64 = 1e-4;
@@ -23,11 +21,13 @@ const SAME_MM: f64 = 1e-8;
 const DEAD_SHARE: f64 = 0.9;
 /// Steps of the display by which another channel moves meanwhile: one that moves by one or two may well rest in another direction.
 const ALIVE_STEPS: f64 = 10.0;
-/// Readings that are all smaller: no ball is set so well in its nest, and no probe is worth less than its last digit, µm.
-const TOO_SMALL_UM: f64 = 0.5;
-/// Repeatability of a reading at rest below which the unit is doubted, µm: no axis comes back so well. 0.5 µm, a usual repeatability, is
-/// 0.5/25.4 = 0.02 µm where readings in thousandths of an inch are taken for µm. A judgement, tuned on no data.
-const TOO_FINE_UM: f64 = 0.02;
+/// Two channels read the same in at least this share of the points: of two probes only a coarse display makes some readings equal.
+const TIED_SHARE: f64 = 0.9;
+/// The largest value comes so many times as often as any value between the largest and the smallest. At the crest of a wave that a display
+/// shows in steps it is 1/(√2 − 1) = 2.4 times the one below, by the arcsine law; twice that is no wave.
+const CLIPPED_TIMES: usize = 5;
+/// Fewer equal values are chance.
+const FEWEST_CLIPPED: usize = 8;
 
 const CHECK_PROBE: &str = "The probe is dead, stuck or not connected. Check it and measure again.";
 
@@ -36,13 +36,14 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
 }
 
 fn of_run(run: &Run) -> Option<Implausible> {
-    (0..run.setups.len())
-        .find_map(|setup| {
-            let channels = Channels::of(run, setup);
-            channels.stuck().or_else(|| channels.dead())
-        })
-        .or_else(|| too_small(run))
-        .or_else(|| too_fine(run))
+    (0..run.setups.len()).find_map(|setup| {
+        let channels = Channels::of(run, setup);
+        channels
+            .stuck()
+            .or_else(|| channels.dead())
+            .or_else(|| channels.tied())
+            .or_else(|| channels.clipped())
+    })
 }
 
 /// The channels of one setup of a run.
@@ -181,42 +182,50 @@ impl<'a> Channels<'a> {
             })
         })
     }
-}
 
-/// True where contact probes read.
-fn has_probes(run: &Run) -> bool {
-    run.setups.iter().all(|setup| setup.instrument.deflects_probes())
-}
-
-fn too_small(run: &Run) -> Option<Implausible> {
-    let readings = run.good_points().flat_map(|point| point.reading_mm);
-    let most_um = um_from_mm(readings.fold(0.0, |most: f64, mm| most.max(mm.abs())));
-    (has_probes(run) && most_um < TOO_SMALL_UM).then(|| {
-        plain(
-            format!(
-                "{}: no reading is larger than {most_um:.3} µm, which is too small for a ball set in a nest.",
-                run.name
-            ),
-            "In mm instead of µm (factor 1000) they would be plausible. Check the units of the readings.",
-        )
-    })
-}
-
-/// Readings of a pose that comes again, closer than any axis comes back.
-fn too_fine(run: &Run) -> Option<Implausible> {
-    if run.kind != RunKind::Static || !has_probes(run) {
-        return None;
+    /// Two channels with the same values.
+    fn tied(&self) -> Option<Implausible> {
+        let (count, names) = (self.points.len(), self.names());
+        let pairs = (0..names.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+        let same = |a: usize, b: usize| {
+            (0..count).filter(|&at| (self.value_mm(a, at) - self.value_mm(b, at)).abs() < SAME_MM).count()
+        };
+        let moves = |channel: usize| (1..count).any(|at| !self.is_same(channel, at, 0));
+        let mut tied = pairs.map(|(a, b)| (a, b, same(a, b)));
+        let (a, b, same) = tied.find(|&(a, _, same)| same as f64 > TIED_SHARE * count as f64 && moves(a))?;
+        (count >= FEWEST_POINTS).then(|| {
+            plain(
+                format!(
+                    "{}: {} and {} read the same value in {same} of {count} points.",
+                    self.run.name, names[a], names[b]
+                ),
+                "Two inputs read one probe, or a column was copied. Check the wiring and the file.",
+            )
+        })
     }
-    let experiment = Experiment::of_points(&[run]).ok()?;
-    let sigma_um = um_from_mm(repeatability(&experiment, &passes(&experiment))?.sigma_mm);
-    (sigma_um < TOO_FINE_UM).then(|| {
-        plain(
-            format!(
-                "{}: readings of one pose repeat within {sigma_um:.3} µm, which is too small: no axis comes back so well.",
-                run.name
-            ),
-            "In thousandths of an inch or mm instead of µm (factor 25.4 or 1000 too small) they would be plausible. Check the units of the readings, \
-             unless the run was simulated without noise.",
-        )
-    })
+
+    /// A largest or smallest value that comes far too often: the end of a range.
+    fn clipped(&self) -> Option<Implausible> {
+        let names = self.names();
+        names.iter().enumerate().find_map(|(channel, name)| {
+            let mut values: Vec<f64> =
+                (0..self.points.len()).map(|at| self.value_mm(channel, at)).collect();
+            values.sort_by(f64::total_cmp);
+            let counts: Vec<(f64, usize)> =
+                values.chunk_by(|a, b| (a - b).abs() < SAME_MM).map(|same| (same[0], same.len())).collect();
+            let [first, between @ .., last] = &counts[..] else { return None };
+            let usual = between.iter().map(|(_, count)| *count).max()?;
+            let most = usual.saturating_mul(CLIPPED_TIMES).max(FEWEST_CLIPPED);
+            let (value_mm, count) = [first, last].into_iter().find(|(_, count)| *count > most)?;
+            Some(plain(
+                format!(
+                    "{}: {name} reads exactly {} µm in {count} of {} points, and never beyond.",
+                    self.run.name,
+                    signed(um_from_mm(*value_mm), 2),
+                    values.len()
+                ),
+                "Its range ends there, so the machine moved farther than was read. Set the ball closer to the middle of the range and measure again.",
+            ))
+        })
+    }
 }

@@ -1,18 +1,26 @@
-//! Times, directions and copies: does the order of the points make sense?
+//! Times and directions: does the order of the points make sense?
 
 use super::found::{Implausible, plain};
+use std::f64::consts::TAU;
 use trunnion_core::number::signed;
-use trunnion_core::{Joint, Point};
+use trunnion_core::{Joint, Point, statistics};
 use trunnion_cycles::{Run, RunKind};
 
 /// No cycle lasts longer; the longest of docs/use are thermal runs of a night, s.
 const LONGEST_S: f64 = 3.0 * 86_400.0;
+/// Mean speeds between poses at rest that no axis reaches from stop to stop, rad/s and mm/s: rapids of fast machines are 60 m/min, and
+/// tables that turn faster than once a second do so in turning, not from pose to pose. Steps of 30° every 4 s are 450°/s where minutes are
+/// taken for seconds.
+const FASTEST_RAD_PER_S: f64 = TAU;
+const FASTEST_MM_PER_S: f64 = 1000.0;
 /// So many equal steps in a row are a pass: in a random order of twelve positions two steps are equal with a chance below 1/12, and four
 /// in a row with one below 1/1000.
 const STREAK: usize = 4;
 /// Share of the steps that must go against the stated direction: in a cycle of one direction each pass, of [`STREAK`] steps or more,
 /// may be followed by one step back.
 const AGAINST: f64 = 1.0 / (STREAK as f64 + 1.0);
+/// The same where both directions are stated: what is left are the returns to the beginning of a pass.
+const REVERSED: f64 = 0.9;
 /// Steps of an axis below which nothing is said of its direction: two passes.
 const FEWEST_STEPS: usize = 2 * STREAK;
 /// A count is not that of a random order when it is so many standard deviations away: one in 700 on one side [normal distribution].
@@ -23,70 +31,19 @@ const FEWEST_TIMES: usize = 11;
 /// So many steps that all run back are the reversed order: of the 6! orders of six rows it is one, as seldom as [`SURE`] asks.
 const REVERSED_STEPS: usize = 5;
 
-pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
-    let mut found: Vec<Implausible> = same_run(runs);
-    for run in runs {
-        found.extend(copies(run));
-        found.extend(backward(run));
-        found.extend(too_long(run));
-        found.extend(run.machine.joints().into_iter().filter_map(|joint| against(run, joint)));
-    }
-    found
-}
-
-/// The same in everything that was measured.
-fn is_copy(a: &Point, b: &Point) -> bool {
-    let (now, then) = (&a.state, &b.state);
-    a.reading_mm == b.reading_mm
-        && (now.time_s, now.setup, now.target) == (then.time_s, then.setup, then.target)
-        && now.position == then.position
-}
-
-fn same_run(runs: &[Run]) -> Vec<Implausible> {
-    let mut found = Vec::new();
-    for b in 1..runs.len() {
-        let same = |a: &usize| {
-            let (a, b) = (&runs[*a].points, &runs[b].points);
-            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_copy(a, b))
-        };
-        if let Some(a) = (0..b).find(same) {
-            found.push(plain(
-                format!("The runs {} and {} are identical, reading by reading.", runs[a].name, runs[b].name),
-                "One recording was given twice, so its repeats prove nothing. Give each recording once.",
-            ));
-        }
-    }
-    found
-}
-
-/// Points that were measured at different times never agree in every digit of time and readings.
-fn copies(run: &Run) -> Option<Implausible> {
-    let points = &run.points;
-    let with_time = run.has_time();
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    let count = if with_time {
-        order.sort_by(|&a, &b| {
-            points[a].state.time_s.partial_cmp(&points[b].state.time_s).unwrap_or(std::cmp::Ordering::Equal)
-        });
-        order.windows(2).filter(|pair| is_copy(&points[pair[0]], &points[pair[1]])).count()
-    } else {
-        // Without times a coarse display gives equal rows by itself; a second half that repeats the first is a copy.
-        let half = points.len() / 2;
-        let doubled = points.len() > 2 * STREAK
-            && points.len().is_multiple_of(2)
-            && (0..half).all(|k| is_copy(&points[k], &points[half + k]));
-        if doubled { half } else { 0 }
+/// `belong`: the positions can be right, so that directions can be compared with them.
+pub(super) fn implausible(runs: &[Run], belong: bool) -> Vec<Implausible> {
+    let of_run = |run: &Run| {
+        let joints = if belong { run.machine.joints() } else { Vec::new() };
+        let directions = joints.into_iter().filter_map(|joint| against(run, joint));
+        backward(run)
+            .into_iter()
+            .chain(too_long(run))
+            .chain(too_fast(run))
+            .chain(directions)
+            .collect::<Vec<_>>()
     };
-    (count > 0).then(|| {
-        plain(
-            format!(
-                "{}: {count} of {} points are copies of others, in time and readings.",
-                run.name,
-                points.len()
-            ),
-            "Rows were pasted twice, so their repeats prove nothing. Remove the duplicate rows.",
-        )
-    })
+    runs.iter().flat_map(of_run).collect()
 }
 
 fn times(run: &Run) -> Vec<f64> {
@@ -150,40 +107,99 @@ fn too_long(run: &Run) -> Option<Implausible> {
     })
 }
 
-/// An axis of which every point states one direction, while whole passes of it go the other way.
+/// Poses at rest in too quick a sequence. Equal times say nothing of it.
+fn too_fast(run: &Run) -> Option<Implausible> {
+    if run.kind != RunKind::Static {
+        return None;
+    }
+    let joints = run.machine.joints();
+    let share_of_fastest = |from: &Point, to: &Point| {
+        let step_s = to.state.time_s? - from.state.time_s?;
+        let of_joint = |joint: &Joint| {
+            let moved = to.state.position[*joint] - from.state.position[*joint];
+            match joint.is_rotary() {
+                true => (moved - (moved / TAU).round() * TAU).abs() / FASTEST_RAD_PER_S,
+                false => moved.abs() / FASTEST_MM_PER_S,
+            }
+        };
+        let least_s = joints.iter().map(of_joint).fold(0.0, f64::max);
+        (step_s > 0.0 && least_s > 0.0).then_some((step_s, least_s / step_s))
+    };
+    let steps: Vec<(f64, f64)> =
+        run.points.windows(2).filter_map(|pair| share_of_fastest(&pair[0], &pair[1])).collect();
+    if steps.len() < FEWEST_TIMES {
+        return None;
+    }
+    let usual = |of: fn(&(f64, f64)) -> f64| statistics::median(&steps.iter().map(of).collect::<Vec<_>>());
+    let (usual_s, times) = (usual(|step| step.0)?, usual(|step| step.1)?);
+    (times > 1.0).then(|| {
+        plain(
+            format!(
+                "{}: its poses at rest are {usual_s:.3} s apart, for which an axis would have to move at more than 360°/s or 60 m/min and stop.",
+                run.name
+            ),
+            "In minutes instead of seconds (factor 60) it would be plausible. Check the units of time_s.",
+        )
+    })
+}
+
+/// An axis whose stated directions go against its steps: one direction throughout, while whole passes go the other way, or both, exchanged.
 fn against(run: &Run, joint: Joint) -> Option<Implausible> {
     if run.kind != RunKind::Static {
         return None;
     }
-    let stated = run.points.first()?.state.direction[joint];
-    if stated == 0.0 || run.points.iter().any(|point| point.state.direction[joint] != stated) {
-        return None;
-    }
-    let steps: Vec<f64> = run
+    let steps: Vec<Step> = run
         .points
         .windows(2)
         .filter(|pair| pair[0].state.setup == pair[1].state.setup)
-        .map(|pair| pair[1].state.position[joint] - pair[0].state.position[joint])
-        .filter(|step| *step != 0.0)
+        .map(|pair| {
+            let moved = pair[1].state.position[joint] - pair[0].state.position[joint];
+            // The short way round; half a turn goes either way.
+            let turns = if joint.is_rotary() { (moved / TAU).round() } else { 0.0 };
+            Step { moved, way: moved - turns * TAU, stated: pair[1].state.direction[joint] }
+        })
+        .filter(|step| step.moved != 0.0 && step.stated != 0.0)
         .collect();
+    let stated = run.points.first()?.state.direction[joint];
+    if steps.len() < FEWEST_STEPS {
+        return None;
+    }
+    let column = format!("direction_{}", joint.lower());
+    let count = steps.len();
+    if run.points.iter().any(|point| point.state.direction[joint] != stated) {
+        let contrary = steps.iter().filter(|step| step.way * step.stated < 0.0).count();
+        return (contrary as f64 > REVERSED * count as f64).then(|| {
+            plain(
+                format!("{}: {column} is opposite to the motion of {joint} in {contrary} of {count} steps.", run.name),
+                &format!(
+                    "The signs of {column} are reversed, and backlash would have the wrong sign. Give +1 where {joint} came from below."
+                ),
+            )
+        });
+    }
     let mut contrary = 0;
-    for streak in steps.chunk_by(|a, b| (a - b).abs() <= 1e-6 * a.abs()) {
-        if streak.len() >= STREAK && streak[0] * stated < 0.0 {
+    for streak in steps.chunk_by(|a, b| (a.moved - b.moved).abs() <= 1e-6 * a.moved.abs()) {
+        if streak.len() >= STREAK && streak[0].moved * stated < 0.0 {
             contrary += streak.len();
         }
     }
-    (steps.len() >= FEWEST_STEPS && contrary as f64 > AGAINST * steps.len() as f64).then(|| {
-        let column = format!("direction_{}", joint.lower());
+    (contrary as f64 > AGAINST * count as f64).then(|| {
         plain(
             format!(
-                "{}: {column} is always {}, but {joint} moves the opposite way in {contrary} of {} steps.",
+                "{}: {column} is always {}, but {joint} moves the opposite way in {contrary} of {count} steps.",
                 run.name,
                 signed(stated, 0),
-                steps.len()
             ),
             &format!("The directions were never filled in. Give {column} as the axis moved, or 0 where it is not known."),
         )
     })
+}
+
+/// From one point to the next.
+struct Step {
+    moved: f64,
+    way: f64,
+    stated: f64,
 }
 
 #[cfg(test)]

@@ -35,30 +35,27 @@ fn of_run(run: &Run) -> Option<Implausible> {
     };
     let far: Vec<usize> = rows.iter().copied().filter(|&row| off(row).norm() > FAR_MM).collect();
     let (first, last) = (*far.first()?, *far.last()?);
-    if let Some(found) = standing(run, &rows, &far) {
+    // A mistake in one setup alone says more than that its rows are wrong.
+    let in_setup = in_one_setup(run, &rows, &far).and_then(|(setup, own)| {
+        let of_setup = |(mistake, rms_mm): (String, f64)| {
+            (format!("{mistake} (setup {} alone)", run.setups[setup].name), rms_mm)
+        };
+        let tried = tried(run, &own).into_iter().map(of_setup).collect();
+        Some((own, explained(tried)?))
+    });
+    if in_setup.is_none()
+        && let Some(found) = standing(run, &rows, &far)
+    {
         return Some(found);
     }
-    let tried_rows = rows.iter().step_by(rows.len().div_ceil(TRIED_POINTS));
-    let at = |&row: &usize| (run.points[row].state.setup, run.points[row].state.position);
-    let claim =
-        Claim { machine: &run.machine, setups: run.setups.clone(), positions: tried_rows.map(at).collect() };
+    let (rows, explained) = in_setup.map_or_else(
+        || {
+            let explained = explained(tried(run, &rows));
+            (rows, explained)
+        },
+        |(own, explained)| (own, Some(explained)),
+    );
     let apart_mm = rms(rows.iter().map(|&row| off(row)));
-    let mut tried = mistakes(run, &claim);
-    let best =
-        |tried: &[(String, f64)]| tried.iter().map(|(_, rms_mm)| *rms_mm).fold(f64::INFINITY, f64::min);
-    // Numbers that are fitted explain what any mistake does: they count where no mistake without a free number is enough.
-    if best(&tried) > TOGETHER_MM {
-        tried = places::offsets(&claim);
-        tried.extend(places::other_places(&claim));
-    }
-    let best_mm = best(&tried);
-    // Mistakes that undo it equally well are listed together: positions alone cannot choose.
-    let mut listed: Vec<&str> = tried
-        .iter()
-        .filter(|(_, rms_mm)| best_mm < TOGETHER_MM && *rms_mm < 2.0 * best_mm + 0.01)
-        .map(|(mistake, _)| mistake.as_str())
-        .collect();
-    listed.truncate(MOST_LISTED);
     let of_bar = run.setups[run.points[first].state.setup].instrument.keeps_bar_length();
     let how_far = match of_bar {
         true => format!("the ends of the ball bar are {apart_mm:.1} mm off its length"),
@@ -72,14 +69,81 @@ fn of_run(run: &Run) -> Option<Implausible> {
         first + 1,
         last + 1,
     );
-    let hypothesis = if listed.is_empty() {
-        "No single mistake of those tried explains it. Compare the points with the setup file and the machine file.".into()
-    } else {
-        let left = if of_bar { "off" } else { "apart" };
-        format!("With {} they are {best_mm:.1} mm {left}. Change it?", listed.join(", or "))
+    let hypothesis = match &explained {
+        None => "No single mistake of those tried explains it. Compare the points with the setup file and the machine file.".into(),
+        Some((mistakes, left_mm)) => {
+            let left = if of_bar { "off" } else { "apart" };
+            format!("With {mistakes} they are {left_mm:.1} mm {left}. Change it?")
+        }
     };
-    let rms_um_with_it = (!listed.is_empty()).then(|| um_from_mm(best_mm));
-    Some(Implausible { finding, hypothesis, rms_um_with_it })
+    Some(Implausible {
+        finding,
+        hypothesis,
+        rms_um_with_it: explained.map(|(_, left_mm)| um_from_mm(left_mm)),
+    })
+}
+
+/// The setup that has all the points that are far off, and its rows; `None` where others have some, there is no other, or most of its own
+/// are right.
+fn in_one_setup(run: &Run, rows: &[usize], far: &[usize]) -> Option<(usize, Vec<usize>)> {
+    let of = |row: &usize| run.points[*row].state.setup;
+    let setup = of(far.first()?);
+    let own: Vec<usize> = rows.iter().copied().filter(|row| of(row) == setup).collect();
+    let is_alone = far.iter().all(|row| of(row) == setup) && own.len() < rows.len();
+    (is_alone && 2 * far.len() >= own.len()).then_some((setup, own))
+}
+
+/// Every mistake, with what ball and nest are apart when it is undone, mm.
+fn tried(run: &Run, rows: &[usize]) -> Vec<(String, f64)> {
+    let at = |&row: &usize| (run.points[row].state.setup, run.points[row].state.position);
+    let of = |positions| Claim { machine: &run.machine, setups: run.setups.clone(), positions };
+    let claim = of(rows.iter().step_by(rows.len().div_ceil(TRIED_POINTS)).map(at).collect());
+    let mut tried = mistakes(run, &claim);
+    tried.extend(late(&of(rows.iter().take(TRIED_POINTS).map(at).collect())));
+    // Numbers that are fitted explain what any mistake does: they count where no mistake without a free number is enough.
+    if explained(tried.clone()).is_none() {
+        tried = places::offsets(&claim);
+        tried.extend(places::other_places(&claim));
+    }
+    tried
+}
+
+/// What is off with the best mistake undone, mm, and every mistake that undoes it equally well: positions alone cannot choose.
+fn explained(tried: Vec<(String, f64)>) -> Option<(String, f64)> {
+    let best_mm = tried.iter().map(|(_, rms_mm)| *rms_mm).fold(f64::INFINITY, f64::min);
+    let alike = tried.into_iter().filter(|(_, rms_mm)| *rms_mm < 2.0 * best_mm + 0.01);
+    let listed: Vec<String> = alike.map(|(mistake, _)| mistake).take(MOST_LISTED).collect();
+    (best_mm < TOGETHER_MM).then(|| (listed.join(", or "), best_mm))
+}
+
+/// Positions of one axis, or of all linear or rotary ones, that stand a row too late or too early: neighbours are needed.
+fn late(claim: &Claim<'_>) -> Vec<(String, f64)> {
+    let machine = claim.machine;
+    let one = machine.joints().into_iter().map(|joint| vec![joint]);
+    let several = [machine.linear_joints(), machine.rotary_joints()];
+    let several = several.into_iter().filter(|joints| joints.len() > 1);
+    let shifted = |joints: &[Joint], earlier: bool| {
+        let neighbours = claim.positions.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        let moved = neighbours.map(|pair| {
+            let ((setup, mut position), (_, from)) =
+                if earlier { (pair[0], pair[1]) } else { (pair[1], pair[0]) };
+            joints.iter().for_each(|&joint| position[joint] = from[joint]);
+            (setup, position)
+        });
+        Claim { positions: moved.collect(), ..claim.clone() }.rms_mm()
+    };
+    let both = |joints: Vec<Joint>| {
+        let names: Vec<&str> = joints.iter().map(|joint| joint.as_str()).collect();
+        let names = names.join(" and ");
+        [
+            (format!("the positions of {names}, which are one row late, moved up"), shifted(&joints, true)),
+            (
+                format!("the positions of {names}, which are one row early, moved down"),
+                shifted(&joints, false),
+            ),
+        ]
+    };
+    one.chain(several).flat_map(both).collect()
 }
 
 /// A stretch of points in which axes stood still by their positions, while the others went on.
@@ -100,14 +164,13 @@ fn standing(run: &Run, rows: &[usize], far: &[usize]) -> Option<Implausible> {
         .filter(|joint| stands(joint) && others(joint))
         .map(Joint::as_str)
         .collect();
-    let finding = format!(
-        "{}: in rows {} to {} the axes do not follow the ball, elsewhere they do.",
-        run.name,
-        first + 1,
-        last + 1
-    );
-    let hypothesis = if stuck.is_empty() {
-        "Read the positions of these rows again.".into()
+    let rows = match first == last {
+        true => format!("row {}", first + 1),
+        false => format!("rows {} to {}", first + 1, last + 1),
+    };
+    let finding = format!("{}: in {rows} the axes do not follow the ball, elsewhere they do.", run.name);
+    let hypothesis = if stuck.is_empty() || first == last {
+        format!("Read the positions of {rows} again.")
     } else {
         format!(
             "The position of {} stays the same there: it was not updated. Read these rows again.",

@@ -1,9 +1,11 @@
 //! Gross mistakes that people make with points and their files, and what becomes of each (docs/measured/mistakes.md).
 
 mod bars;
+mod probes;
 
 use crate::section::write_or_compare;
 use bars::{BARS, bar};
+use probes::PROBES;
 use std::path::PathBuf;
 
 pub const READINGS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
@@ -300,6 +302,13 @@ fn every_gross_mistake_is_refused_read_named_or_doubted() {
     let mut table = String::from("| mistake | becomes | in the words of the program |\n|---|---|---|\n");
     for (name, spoil, expected) in MISTAKES {
         let mut files = Files::committed("points-gravity");
+        spoil(&mut files);
+        let text = said(&files.open());
+        assert!(expected.iter().all(|words| text.contains(words)), "{name}: {expected:?} in: {text}");
+        table += &row(name, &text);
+    }
+    for (name, set, spoil, expected) in PROBES {
+        let mut files = Files::committed(set);
         spoil(&mut files);
         let text = said(&files.open());
         assert!(expected.iter().all(|words| text.contains(words)), "{name}: {expected:?} in: {text}");

@@ -70,7 +70,8 @@ pub(crate) fn nominal_mm(experiment: &Experiment, i: usize) -> Vector3<f64> {
     predict(experiment.machine(), &experiment.setups[state.setup], state, &Errors::default())
 }
 
-fn nominal_readings_mm(experiment: &Experiment) -> DVector<f64> {
+/// The same of every reading.
+pub(crate) fn nominal_readings_mm(experiment: &Experiment) -> DVector<f64> {
     let mut nominal = DVector::zeros(experiment.rows());
     for i in 0..experiment.points.len() {
         let of_point_mm = nominal_mm(experiment, i);

@@ -1,0 +1,174 @@
+//! Mistakes between readings and positions, each tried: the base model is fitted to the readings as they are and with the mistake undone.
+
+mod axes;
+
+use super::fitted::{Fitted, Tried};
+use super::found::Implausible;
+use crate::Experiment;
+use axes::{turned, ways};
+use nalgebra::DVector;
+use trunnion_core::convert::um_from_mm;
+use trunnion_core::{Joint, NestSide};
+use trunnion_cycles::{Run, RunKind};
+
+/// A mistake is believed where undoing it divides what the model leaves by this: mean square by nine, which no effect that
+/// resembles the mistake reaches by chance where dozens of readings are left.
+const BELIEVED: f64 = 3.0;
+/// Below this nothing is gross, µm rms.
+pub(super) const GROSS_UM: f64 = 2.0;
+/// What leaves no more than this times the least explains as much: the simpler mistake, tried first, is named. A free angle takes up a
+/// little of every effect.
+const AS_GOOD: f64 = 1.25;
+
+/// The mistake with which readings and positions belong together.
+pub(super) fn exchanged(run: &Run) -> Option<Implausible> {
+    let experiment = Experiment::of_points(&[run]).ok()?;
+    let model = Fitted::new(&experiment)?;
+    let before_um = um_from_mm(model.rms_mm(&experiment.readings_mm()));
+    if before_um < GROSS_UM {
+        return None;
+    }
+    let trial = Trial { run, experiment: &experiment, model: &model };
+    let tried = trial.all();
+    let least_mm = tried.iter().map(|(_, left_mm)| *left_mm).fold(f64::INFINITY, f64::min);
+    let (mistake, left_mm) = tried.into_iter().find(|(_, left_mm)| *left_mm <= AS_GOOD * least_mm)?;
+    let left_um = um_from_mm(left_mm);
+    (BELIEVED * left_um < before_um).then(|| Implausible {
+        finding: format!(
+            "{}: the readings do not fit their positions: {before_um:.1} µm rms are left.",
+            run.name
+        ),
+        hypothesis: format!("With {mistake}, {left_um:.1} µm are left. Change it?"),
+        rms_um_with_it: Some(left_um),
+    })
+}
+
+struct Trial<'a> {
+    run: &'a Run,
+    experiment: &'a Experiment,
+    model: &'a Fitted,
+}
+
+impl Trial<'_> {
+    /// Every mistake, the simpler ones first; of all readings, then of those of one setup.
+    fn all(&self) -> Vec<Tried> {
+        let setups = &self.run.setups;
+        let has_three = setups.iter().all(|setup| setup.instrument.components().len() == 3);
+        let each: Vec<usize> = if setups.len() > 1 { (0..setups.len()).collect() } else { Vec::new() };
+        let mut tried = Vec::new();
+        if has_three {
+            tried.extend(
+                ways()
+                    .iter()
+                    .filter(|way| way.is_first_of_two())
+                    .map(|way| (way.words_of_all(), self.changed_mm(None, |reading| way.apply(reading)))),
+            );
+        }
+        if self.run.kind == RunKind::Static {
+            tried.extend(self.shifted(None));
+        }
+        if has_three {
+            tried.extend(self.absolute());
+            tried.extend(self.other_side());
+            tried.extend(turned(self.experiment, self.model));
+        }
+        for setup in each {
+            let of = |words: String| format!("{words} (setup {} alone)", setups[setup].name);
+            if has_three {
+                tried.extend(ways().iter().map(|way| {
+                    (of(way.words()), self.changed_mm(Some(setup), |reading| way.apply(reading)))
+                }));
+            }
+            if self.run.kind == RunKind::Static {
+                tried.extend(self.shifted(Some(setup)).into_iter().map(|(words, left)| (of(words), left)));
+            }
+            tried.extend((0..setup).filter_map(|other| self.of_setups_exchanged(other, setup)));
+        }
+        tried
+    }
+
+    /// Of one setup, or all.
+    fn points_of(&self, setup: Option<usize>) -> Vec<usize> {
+        let points = &self.experiment.points;
+        let own = |at: &usize| setup.is_none_or(|setup| points[*at].state.setup == setup);
+        (0..points.len()).filter(own).collect()
+    }
+
+    fn changed_mm(&self, setup: Option<usize>, change: impl Fn(&mut [f64; 3])) -> f64 {
+        let own = self.points_of(setup);
+        self.left_mm(|readings| own.iter().for_each(|&at| change(&mut readings[at])))
+    }
+
+    fn left_mm(&self, change: impl FnOnce(&mut [[f64; 3]])) -> f64 {
+        let points = &self.experiment.points;
+        let mut readings: Vec<[f64; 3]> = points.iter().map(|point| point.reading_mm).collect();
+        change(&mut readings);
+        let mut rows = DVector::zeros(self.experiment.rows());
+        for (at, reading) in readings.iter().enumerate() {
+            let own = self.experiment.rows_of(at);
+            own.zip(reading).for_each(|(row, value)| rows[row] = *value);
+        }
+        self.model.rms_mm(&rows)
+    }
+
+    fn shifted(&self, setup: Option<usize>) -> Vec<Tried> {
+        let own = self.points_of(setup);
+        let points = &self.experiment.points;
+        let by_one = |earlier: bool| {
+            self.left_mm(|readings| {
+                for pair in own.windows(2) {
+                    let (to, from) = if earlier { (pair[0], pair[1]) } else { (pair[1], pair[0]) };
+                    readings[to] = points[from].reading_mm;
+                }
+            })
+        };
+        vec![
+            ("the readings shifted one row earlier: they are one pose late".into(), by_one(true)),
+            ("the readings shifted one row later: they are one pose early".into(), by_one(false)),
+        ]
+    }
+
+    /// The readings of two setups of as many points.
+    fn of_setups_exchanged(&self, a: usize, b: usize) -> Option<Tried> {
+        let [of_a, of_b] = [a, b].map(|setup| self.points_of(Some(setup)));
+        let names = [a, b].map(|setup| self.run.setups[setup].name.as_str());
+        (of_a.len() == of_b.len()).then(|| {
+            let left_mm = self.left_mm(|readings| {
+                of_a.iter().zip(&of_b).for_each(|(&a, &b)| readings.swap(a, b));
+            });
+            (format!("the readings of the setups {} and {} exchanged", names[0], names[1]), left_mm)
+        })
+    }
+
+    /// Readings that hold the positions of the linear axes.
+    fn absolute(&self) -> Vec<Tried> {
+        let joints = [Joint::X, Joint::Y, Joint::Z];
+        let has = self.experiment.machine().linear_joints();
+        if joints.iter().any(|joint| !has.contains(joint)) {
+            return Vec::new();
+        }
+        let without = |sign: f64| {
+            self.left_mm(|readings| {
+                for (reading, point) in readings.iter_mut().zip(&self.experiment.points) {
+                    reading
+                        .iter_mut()
+                        .zip(joints)
+                        .for_each(|(value, joint)| *value -= sign * point.state.position[joint]);
+                }
+            })
+        };
+        let words = "the positions of X, Y and Z taken off the readings: they are no deviations";
+        vec![(words.into(), without(1.0)), (format!("{words}, with the opposite sign"), without(-1.0))]
+    }
+
+    fn other_side(&self) -> Option<Tried> {
+        let mut other = self.run.clone();
+        for setup in &mut other.setups {
+            setup.nest = if setup.nest == NestSide::Table { NestSide::Spindle } else { NestSide::Table };
+        }
+        let side = if other.setups[0].nest == NestSide::Table { "on the table" } else { "at the spindle" };
+        let other = Experiment::of_points(&[other]).ok()?;
+        let left_mm = Fitted::new(&other)?.rms_mm(&self.experiment.readings_mm());
+        Some((format!("the nest {side}, not on the other side"), left_mm))
+    }
+}

@@ -1,0 +1,126 @@
+//! Can the readings be so small, so quiet or so restless? Wrong units show there.
+
+use super::found::{Implausible, plain};
+use super::readings::FEWEST_POINTS;
+use crate::Experiment;
+use crate::noise::repeatability::{of_channels_mm, repeatability};
+use crate::problem::passes::passes;
+use trunnion_core::convert::um_from_mm;
+use trunnion_cycles::{Run, RunKind};
+
+/// Readings that are all smaller: no ball is set so well in its nest, and no probe is worth less than its last digit, µm.
+const TOO_SMALL_UM: f64 = 0.5;
+/// Repeatability of a reading at rest below which the unit is doubted, µm: no axis comes back so well. 0.5 µm, a usual repeatability, is
+/// 0.5/25.4 = 0.02 µm where readings in thousandths of an inch are taken for µm. A judgement, tuned on no data.
+const TOO_FINE_UM: f64 = 0.02;
+/// The same above which it is: a worn machine comes back within some 10 µm, and what is loose is doubted as scatter. 0.1 µm is 100 µm where
+/// nanometres are taken for µm.
+const TOO_COARSE_UM: f64 = 50.0;
+
+/// Probes of one nest read one ball: one that repeats so many times worse than every other, and worse than [`LOOSE_UM`], is loose.
+const LOOSE_TIMES: f64 = 10.0;
+const LOOSE_UM: f64 = 2.0;
+/// Air in which nobody works, °C. 59 °F is a cold shop.
+const TOO_HOT_DEGC: f64 = 55.0;
+/// What channels of the air are called.
+const AIR: [&str; 3] = ["ambient", "air", "room"];
+
+pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
+    let of_readings = |run: &Run| too_small(run).or_else(|| unrepeatable(run)).or_else(|| loose(run));
+    let enough = runs.iter().filter(|run| run.good_points().count() >= FEWEST_POINTS);
+    enough.flat_map(|run| of_readings(run).into_iter().chain(too_hot(run))).collect()
+}
+
+/// Air as hot as its number in Fahrenheit.
+fn too_hot(run: &Run) -> Option<Implausible> {
+    let of_air = |name: &String| AIR.iter().any(|air| name.to_lowercase().contains(air));
+    run.channels.iter().enumerate().filter(|(_, name)| of_air(name)).find_map(|(channel, name)| {
+        let read = run.good_points().filter_map(|point| point.state.temperature_degc.get(channel));
+        let coolest_degc = read.copied().fold(f64::INFINITY, f64::min);
+        (coolest_degc > TOO_HOT_DEGC && coolest_degc.is_finite()).then(|| {
+            plain(
+                format!("{}: the temperature {name} is never below {coolest_degc:.1} °C, which is too hot for air.", run.name),
+                &format!(
+                    "In °F it would be {:.1} °C, which is plausible. Check its unit: what follows a temperature would be 1.8 times too small.",
+                    (coolest_degc - 32.0) / 1.8
+                ),
+            )
+        })
+    })
+}
+
+/// True where contact probes read.
+fn has_probes(run: &Run) -> bool {
+    run.setups.iter().all(|setup| setup.instrument.deflects_probes())
+}
+
+fn too_small(run: &Run) -> Option<Implausible> {
+    let readings = run.good_points().flat_map(|point| point.reading_mm);
+    let most_um = um_from_mm(readings.fold(0.0, |most: f64, mm| most.max(mm.abs())));
+    (has_probes(run) && most_um < TOO_SMALL_UM).then(|| {
+        plain(
+            format!(
+                "{}: no reading is larger than {most_um:.3} µm, which is too small for a ball set in a nest.",
+                run.name
+            ),
+            "In mm instead of µm (factor 1000) they would be plausible. Check the units of the readings.",
+        )
+    })
+}
+
+/// Readings of a pose that comes again, closer or farther apart than any axis comes back.
+fn unrepeatable(run: &Run) -> Option<Implausible> {
+    if run.kind != RunKind::Static || !has_probes(run) {
+        return None;
+    }
+    let experiment = Experiment::of_points(&[run]).ok()?;
+    let sigma_um = um_from_mm(repeatability(&experiment, &passes(&experiment))?.sigma_mm);
+    if sigma_um < TOO_FINE_UM {
+        return Some(plain(
+            format!(
+                "{}: readings of one pose repeat within {sigma_um:.3} µm, which is too small: no axis comes back so well.",
+                run.name
+            ),
+            "In thousandths of an inch or mm instead of µm (factor 25.4 or 1000 too small) they would be plausible. Check the units of the readings, \
+             unless the run was simulated without noise.",
+        ));
+    }
+    (sigma_um > TOO_COARSE_UM).then(|| {
+        plain(
+            format!(
+                "{}: readings of one pose repeat within {sigma_um:.0} µm, which is too large: every axis comes back better.",
+                run.name
+            ),
+            "In nm instead of µm (factor 1000 too large) they would be plausible. Check the units of the readings, and that ball, nest and probes are firm.",
+        )
+    })
+}
+
+/// One probe that repeats far worse than the others of its nest.
+fn loose(run: &Run) -> Option<Implausible> {
+    let names = run.setups.first()?.instrument.components();
+    if run.kind != RunKind::Static || !has_probes(run) {
+        return None;
+    }
+    let experiment = Experiment::of_points(&[run]).ok()?;
+    let all_um: Vec<f64> = of_channels_mm(&experiment, &passes(&experiment))
+        .into_iter()
+        .collect::<Option<Vec<f64>>>()?
+        .into_iter()
+        .map(um_from_mm)
+        .collect();
+    let worst = (0..all_um.len()).max_by(|&a, &b| all_um[a].total_cmp(&all_um[b]))?;
+    let others_um =
+        all_um.iter().enumerate().filter(|(k, _)| *k != worst).map(|(_, um)| *um).reduce(f64::max)?;
+    (all_um[worst] > LOOSE_UM && all_um[worst] > LOOSE_TIMES * others_um).then(|| {
+        plain(
+            format!(
+                "{}: readings of the probe d{} at one pose repeat within {:.1} µm, those of the other probes within {others_um:.1} µm.",
+                run.name,
+                names.get(worst).copied().unwrap_or_default(),
+                all_um[worst]
+            ),
+            "The probe is loose, dirty or defective. Check it, and measure again.",
+        )
+    })
+}

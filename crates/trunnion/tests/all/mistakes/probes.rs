@@ -1,0 +1,213 @@
+//! Gross mistakes between probes, setups and positions: wiring, units, parts of a file that belong elsewhere.
+
+use super::{Files, READINGS};
+
+/// What is spoilt in which set, and what must be said of it.
+pub type ProbeMistake = (&'static str, &'static str, fn(&mut Files), &'static [&'static str]);
+
+const GRAVITY: &str = "points-gravity";
+const NOTHING: &str = "points-nothing-hidden";
+
+impl Files {
+    fn number(&self, row: usize, name: &str) -> f64 {
+        self.rows[row][self.column(name)].parse().unwrap()
+    }
+
+    fn set(&mut self, row: usize, name: &str, value: f64, digits: usize) {
+        let column = self.column(name);
+        self.rows[row][column] = format!("{value:.digits$}");
+    }
+
+    /// Each row's readings from those of the row.
+    fn readings(&mut self, change: impl Fn([f64; 3]) -> [f64; 3]) {
+        for row in 0..self.rows.len() {
+            let new = change(READINGS.map(|name| self.number(row, name)));
+            READINGS.iter().zip(new).for_each(|(name, value)| self.set(row, name, value, 2));
+        }
+    }
+
+    /// Rows of the second setup.
+    fn second(&self) -> std::ops::Range<usize> {
+        self.rows.len() / 2..self.rows.len()
+    }
+
+    fn rounded(&mut self, digits: usize) {
+        for row in 0..self.rows.len() {
+            for name in ["x_mm", "y_mm", "z_mm"] {
+                self.set(row, name, self.number(row, name), digits);
+            }
+        }
+    }
+
+    /// A column, from the second setup on, is one row late.
+    fn late(&mut self, names: &[&str]) {
+        let rows = self.second();
+        for name in names {
+            let column = self.column(name);
+            for row in rows.clone().skip(1).rev() {
+                self.rows[row][column] = self.rows[row - 1][column].clone();
+            }
+        }
+    }
+}
+
+fn turned(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
+    let (sin, cos) = deg.to_radians().sin_cos();
+    move |[x, y, z]| [cos * x + sin * y, cos * y - sin * x, z]
+}
+
+pub const PROBES: [ProbeMistake; 21] = [
+    (
+        "every probe at the input of the next",
+        GRAVITY,
+        |f| f.readings(|[x, y, z]| [y, z, x]),
+        &["dx, dy, dz read as dz, dx, dy", "probe inputs"],
+    ),
+    (
+        "signs of two probes",
+        NOTHING,
+        |f| f.readings(|[x, y, z]| [-x, y, -z]),
+        &["sign of the readings dy reversed, or those of dx and dz"],
+    ),
+    (
+        "nest mounted turned by 90°",
+        GRAVITY,
+        |f| f.readings(|[x, y, z]| [y, -x, z]),
+        &["dx, dy, dz read as −dy, dx, dz", "nest mounted turned"],
+    ),
+    (
+        "nest mounted turned by 45°",
+        GRAVITY,
+        |f| f.readings(turned(45.0)),
+        &["nest mounted turned by +45° about its z axis"],
+    ),
+    (
+        "two inputs on one probe",
+        GRAVITY,
+        |f| f.readings(|[_, y, z]| [y, y, z]),
+        &["the probe dx and the probe dy read the same value in 168 of 168 points"],
+    ),
+    (
+        "a probe at the end of its range",
+        GRAVITY,
+        |f| f.readings(|[x, y, z]| [x.max(-15.0), y, z]),
+        &["the probe dx reads exactly −15.00 µm in", "range ends there"],
+    ),
+    (
+        "a loose probe",
+        NOTHING,
+        |f| {
+            let mut state = 7_u64;
+            for row in 0..f.rows.len() {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let shaken = (state >> 40) as f64 / f64::from(1 << 24) * 40.0 - 20.0;
+                f.set(row, "dy_um", f.number(row, "dy_um") + shaken, 2);
+            }
+        },
+        &["the probe dy at one pose repeat within", "loose"],
+    ),
+    (
+        "one setup pasted under two names",
+        GRAVITY,
+        |f| {
+            for row in f.second() {
+                let from = row - f.second().start;
+                READINGS.iter().for_each(|name| f.set(row, name, f.number(from, name), 2));
+            }
+        },
+        &["the readings of setup high are those of setup low in 168 of 168 points"],
+    ),
+    (
+        "readings of two setups exchanged",
+        NOTHING,
+        |f| {
+            for (a, b) in f.second().enumerate() {
+                for name in READINGS {
+                    let [of_a, of_b] = [a, b].map(|row| f.number(row, name));
+                    f.set(a, name, of_b, 2);
+                    f.set(b, name, of_a, 2);
+                }
+            }
+        },
+        &["readings of the setups low and high exchanged"],
+    ),
+    ("one pose late in one setup", GRAVITY, |f| f.late(&READINGS), &["one pose late (setup high alone)"]),
+    (
+        "readings that hold the positions",
+        GRAVITY,
+        |f| {
+            for row in 0..f.rows.len() {
+                for (reading, position) in READINGS.iter().zip(["x_mm", "y_mm", "z_mm"]) {
+                    f.set(row, reading, f.number(row, reading) + 1e3 * f.number(row, position), 2);
+                }
+            }
+        },
+        &["positions of X, Y and Z taken off the readings"],
+    ),
+    (
+        "nanometres under µm",
+        GRAVITY,
+        |f| f.readings(|values| values.map(|v| v * 1e3)),
+        &["repeat within 295 µm", "too large", "In nm instead of µm"],
+    ),
+    (
+        "positions with two decimals",
+        GRAVITY,
+        |f| f.rounded(2),
+        &["in steps of 0.01 mm", "rounded when they were written", "four decimals"],
+    ),
+    (
+        "positions in whole millimetres",
+        GRAVITY,
+        |f| f.rounded(0),
+        &["in steps of 1 mm", "rounded when they were written"],
+    ),
+    (
+        "another work offset from row 151 on",
+        GRAVITY,
+        |f| (150..336).for_each(|row| f.set(row, "x_mm", f.number(row, "x_mm") + 0.2, 4)),
+        &["up to 200 µm apart (most in points 151 to 336)", "work offset"],
+    ),
+    (
+        "a wrong digit in one position",
+        GRAVITY,
+        |f| f.set(200, "x_mm", f.number(200, "x_mm") + 10.0, 4),
+        &["in row 201 the axes do not follow the ball", "Read the positions of row 201 again"],
+    ),
+    (
+        "sense of B in one setup",
+        GRAVITY,
+        |f| f.second().for_each(|row| f.set(row, "b_deg", -f.number(row, "b_deg"), 4)),
+        &["sense of B reversed (sign −1) (setup high alone)"],
+    ),
+    (
+        "C one row late in one setup",
+        GRAVITY,
+        |f| f.late(&["c_deg"]),
+        &["the positions of C, which are one row late, moved up (setup high alone)"],
+    ),
+    (
+        "directions reversed",
+        GRAVITY,
+        |f| {
+            for row in 0..f.rows.len() {
+                ["direction_b", "direction_c"]
+                    .iter()
+                    .for_each(|name| f.set(row, name, -f.number(row, name), 0));
+            }
+        },
+        &["direction_b is opposite to the motion of B", "backlash would have the wrong sign"],
+    ),
+    (
+        "minutes",
+        GRAVITY,
+        |f| f.change("time_s", |v| v / 60.0),
+        &["0.067 s apart", "In minutes instead of seconds"],
+    ),
+    (
+        "degrees Fahrenheit",
+        GRAVITY,
+        |f| f.change("ambient_degc", |v| v * 1.8 + 32.0),
+        &["too hot for air", "In °F"],
+    ),
+];
