@@ -154,4 +154,41 @@ mod tests {
         let nothing = Storage::new(folder.path(), StorageConfig::default(), 3).tidy(Today::of(now)).unwrap();
         assert_eq!(nothing, Tidied::default());
     }
+
+    #[test]
+    fn a_run_of_which_some_files_are_gone_already_goes_as_soon_as_the_others_can() {
+        let folder = tempfile::tempdir().unwrap();
+        let now = SystemTime::UNIX_EPOCH + 20_000 * DAY;
+        let at = |name: &str| folder.path().join(name);
+        let write = |name: &str, age: u32| {
+            std::fs::write(at(name), vec![0; 1_000_000]).unwrap();
+            let file = std::fs::File::options().write(true).open(at(name)).unwrap();
+            file.set_modified(now - DAY * age).unwrap();
+        };
+        for (name, age) in [("a.mcap", 2), ("a-3.mcap", 2), ("b.mcap", 1), ("c.mcap", 0)] {
+            write(name, age);
+        }
+        let done = RunRecord { state: RunState::Done, ..RunRecord::default() };
+        // A part of `a` that cannot be removed as a file is: it is a folder. What `b` was joined from was removed by hand.
+        std::fs::create_dir(at("a-2.mcap")).unwrap();
+        let parts = vec!["a-2.mcap".into(), "a-3.mcap".into()];
+        run_record::write(&at("a.mcap"), &RunRecord { parts, ..done.clone() }).unwrap();
+        let joined_from = vec!["b-before.mcap".into()];
+        run_record::write(&at("b.mcap"), &RunRecord { joined_from, ..done.clone() }).unwrap();
+        run_record::write(&at("c.mcap"), &done).unwrap();
+        let config = StorageConfig { budget_mb: Some(1.5), ..StorageConfig::default() };
+        let storage = Storage::new(folder.path(), config, 3);
+        let removed = |tidied: &Tidied| {
+            tidied.removed.iter().map(|removed| removed.run.clone()).collect::<Vec<_>>().join(" ")
+        };
+        let tidied = storage.tidy(Today::of(now)).unwrap();
+        assert_eq!(removed(&tidied), "b");
+        assert!(tidied.doubt.unwrap().contains("a-2.mcap"));
+        assert!(at("a.mcap").exists() && !at("a-3.mcap").exists());
+        std::fs::remove_dir(at("a-2.mcap")).unwrap();
+        write("a-2.mcap", 2);
+        let tidied = storage.tidy(Today::of(now)).unwrap();
+        assert_eq!((removed(&tidied).as_str(), tidied.doubt), ("a", None));
+        assert!(!at("a.mcap").exists() && !at("a-2.mcap").exists() && at("c.mcap").exists());
+    }
 }

@@ -52,7 +52,11 @@ impl Stored {
     pub(super) fn remove(&self, why: &str, now: SystemTime) -> Result<Removed, String> {
         // Its own recording last: as long as it is there, the run is in the list and is tried again.
         for file in run_record::every_file(&self.recording, &self.record).into_iter().rev() {
-            std::fs::remove_file(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+            match std::fs::remove_file(&file) {
+                // Gone at an earlier try that another file refused, or by hand.
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+                removed => removed.map_err(|error| format!("{}: {error}", file.display()))?,
+            }
         }
         let ns = now.duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
         let at = moment(i64::try_from(ns).unwrap_or(i64::MAX));
