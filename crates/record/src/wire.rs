@@ -197,7 +197,8 @@ pub fn encode_gap(gap: &Gap) -> Encoded {
         lost_samples: gap.lost_samples,
         reason: gap.reason.clone(),
     };
-    Encoded { until_s: gap.to_s, ..encoded(Topic::Gap, gap.from_s, 1, &message) }
+    let missing = gap.lost_samples.unwrap_or_default();
+    Encoded { until_s: gap.to_s, missing, ..encoded(Topic::Gap, gap.from_s, 0, &message) }
 }
 
 /// A probe value for viewers.

@@ -333,7 +333,12 @@ impl Recorder {
 
     fn lose(&mut self, message: &Encoded) {
         self.lost_samples += message.samples;
-        lost::add(&mut self.lost, (message.time_s, message.until_s), message.samples, REASON_LATER);
+        lost::add(
+            &mut self.lost,
+            (message.time_s, message.until_s),
+            message.samples + message.missing,
+            REASON_LATER,
+        );
     }
 
     fn try_new_file(&mut self, now: HostTime) {

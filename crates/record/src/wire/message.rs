@@ -69,11 +69,20 @@ pub struct Encoded {
     pub until_s: f64,
     /// How many samples are lost with it.
     pub samples: u64,
+    /// How many samples it says are missing, where it is a gap: these were counted before.
+    pub missing: u64,
     pub payload: Vec<u8>,
 }
 
 pub(super) fn encoded(topic: Topic, time_s: f64, samples: usize, message: &impl Message) -> Encoded {
-    Encoded { topic, time_s, until_s: time_s, samples: samples as u64, payload: message.encode_to_vec() }
+    Encoded {
+        topic,
+        time_s,
+        until_s: time_s,
+        samples: samples as u64,
+        missing: 0,
+        payload: message.encode_to_vec(),
+    }
 }
 
 /// Why a message cannot be read.

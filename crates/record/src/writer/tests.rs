@@ -111,6 +111,36 @@ fn what_was_lost_stays_counted_when_the_next_file_is_refused_too() {
 }
 
 #[test]
+fn a_file_that_vanishes_with_the_gap_of_a_full_disk_loses_none_of_its_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let left = Arc::new(AtomicI64::new(60_000));
+    let disk = Arc::clone(&left);
+    let open: OpenJournal = Box::new(move |path| {
+        let file = std::fs::File::create_new(path)?;
+        Ok((Box::new(SmallDisk { file, left: Arc::clone(&disk) }), Box::new(|| Ok(()))))
+    });
+    let mut recorder = Recorder::create_with(folder.path(), "full", &header("full"), open).unwrap();
+    let samples = 1_200_000_i64;
+    for raw in 0..samples {
+        let (time_s, value_mm) = (raw as f64 * 1e-5, (raw as f64).sin());
+        let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
+        recorder.append(Item::Probe(sample), HostTime(raw * 10_000));
+        if raw == samples - 150_000 {
+            left.store(i64::MAX, Ordering::SeqCst);
+        }
+    }
+    let mut closed = recorder.close(HostTime(samples * 10_000));
+    std::fs::remove_file(folder.path().join("full-2.mcap.active")).unwrap();
+    let finished = closed.finish().unwrap();
+    let [file] = &finished.files[..] else { panic!("{finished:?}") };
+    let run = read_run(&file.path, &shipped::machine).unwrap();
+    let [gap] = &run.gaps[..] else { panic!("{:?}", run.gaps) };
+    assert_eq!(gap.lost_samples, Some(finished.lost_samples));
+    assert_eq!(run.probe_samples.len() as u64 + finished.lost_samples, samples as u64);
+    assert!(gap.from_s > 0.0 && gap.to_s > 11.9, "{gap:?}");
+}
+
+#[test]
 fn a_disk_that_stays_full_leaves_a_gap_in_what_was_finished() {
     let folder = tempfile::tempdir().unwrap();
     let left = Arc::new(AtomicI64::new(20_000));

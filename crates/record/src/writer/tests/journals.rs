@@ -210,3 +210,23 @@ fn a_journal_that_is_gone_costs_its_own_samples_and_no_other() {
         assert_eq!((gap.from_s, gap.to_s), (from as f64 * 1e-3, (from + 1999) as f64 * 1e-3), "{gap:?}");
     }
 }
+
+#[test]
+fn the_gap_of_a_vanished_journal_begins_with_its_first_sample_whichever_channel_it_is_of() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let mut recorder = recorder(folder.path(), &answers);
+    // The batch of the second channel is full before the first sample of the first channel is old enough to be written.
+    for raw in 0..300 {
+        let time_s = raw as f64 * 1e-4;
+        let channel = u16::from(raw > 0);
+        let sample = ProbeSample { channel, time_s, raw, ..ProbeSample::default() };
+        recorder.append(Item::Probe(sample), HostTime(raw * 100_000));
+    }
+    recorder.flush(at_ms(30));
+    std::fs::remove_file(folder.path().join("r.mcap.active")).unwrap();
+    assert!(!recorder.sync(at_ms(30)));
+    record(&mut recorder, 1000..2000);
+    let (_, _, gaps) = read(&recorder.finish(at_ms(2000)).unwrap());
+    let [gap] = &gaps[..] else { panic!("{gaps:?}") };
+    assert_eq!((gap.from_s, gap.lost_samples), (0.0, Some(300)));
+}
