@@ -58,7 +58,8 @@ pub(super) struct Missing {
 }
 
 impl Missing {
-    /// True unless the system says that its place is empty, or taken by another file.
+    /// True unless the system says that its place is empty. Another file at its place is noticed only where ours has no name left: one
+    /// that was moved elsewhere still takes what is written to it.
     pub fn is_there(&self) -> bool {
         !matches!(self.journal.sync(), Err(RecordError::Gone { .. }))
     }
