@@ -3,27 +3,24 @@
 //! The journal goes only when the finished file has been read back, renamed and synced, so a crash at any
 //! moment leaves one of them whole. Runs found at the next start take the same way.
 
-use crate::container::{MessageRecord, Record, walk};
+use crate::contents::{Contents, index};
 use crate::damage::Damage;
 use crate::error::RecordError;
 use crate::item::RunHeader;
 use crate::journal::{FINISHED_METADATA, wall_time};
 use crate::journal_file::{is_journal, is_not_there, remove_unready, sync_folder};
-use crate::reader::decode_header;
 use crate::schema::FILE_DESCRIPTOR_SET;
+use crate::verify::{Written, digest, verify};
 use crate::wire::{Encoded, Topic, encode_event, encode_gap};
 use mcap::records::{MessageHeader, Metadata};
-use mcap::{Attachment, Compression, WriteOptions, Writer};
-use std::borrow::Cow;
+use mcap::{Compression, WriteOptions, Writer};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use trunnion_core::{Event, Gap};
 
-/// A journal cut short by a crash ends with at most one unfinished message.
-const LONGEST_TAIL: u64 = 64 * 1024;
 /// Ending while the finished file is being written.
 pub const PARTIAL_ENDING: &str = ".partial";
 
@@ -50,7 +47,7 @@ pub struct Orphan {
 }
 
 /// Finishes every journal in `dir` that no running program holds; each gets an event `recovered` saying
-/// so. One that cannot be finished stays, and does not hinder the others.
+/// so. A journal whose recording is there already is removed. One that cannot be finished stays, and does not hinder the others.
 ///
 /// # Errors
 /// Only when `dir` cannot be listed; a folder that does not exist holds no journals.
@@ -74,10 +71,16 @@ pub fn recover_orphans(dir: &Path) -> Result<Vec<Orphan>, RecordError> {
     Ok(journals.iter().filter_map(orphan).collect())
 }
 
-/// `None` when another program is writing it.
+/// `None` when another program is writing it, or its finished file is at its place.
 fn recover(journal: &Path) -> Result<Option<FinishedFile>, RecordError> {
     let lock = File::options().write(true).open(journal).map_err(RecordError::io("open", journal))?;
     if lock.try_lock().is_err() {
+        return Ok(None);
+    }
+    if let Some(finished) = finished_before(journal)? {
+        // Its run ended, and only the journal could not be removed: what is known of the run stays.
+        remove_journal(journal, &finished, &sync_folder)?;
+        tracing::info!("{} was finished already; its journal is removed", finished.display());
         return Ok(None);
     }
     let finished = rewrite_journal(journal, Ending::Recovered)?;
@@ -118,10 +121,18 @@ pub fn remove_journal(
 
 /// Rewrites a closed or left-over journal, which stays until [`remove_journal`].
 pub fn rewrite_journal(journal: &Path, ending: Ending<'_>) -> Result<FinishedFile, RecordError> {
-    let (header, contents) = index(journal)?;
-    let finished = journal.with_extension("");
-    let free = free_path(&finished, matches!(ending, Ending::Recovered))?;
-    let partial = PathBuf::from(format!("{}{PARTIAL_ENDING}", free.display()));
+    let indexed = index(journal)?;
+    let free = free_path(&journal.with_extension(""), matches!(ending, Ending::Recovered))?;
+    rewrite_to(&free, journal, indexed, ending)
+}
+
+fn rewrite_to(
+    place: &Path,
+    journal: &Path,
+    (header, contents): (RunHeader, Contents),
+    ending: Ending<'_>,
+) -> Result<FinishedFile, RecordError> {
+    let partial = PathBuf::from(format!("{}{PARTIAL_ENDING}", place.display()));
     let rewritten = rewrite(journal, &header, &contents, ending, &partial);
     let written = match rewritten.and_then(|written| verify(&partial, &written).map(|()| written)) {
         Ok(written) => written,
@@ -131,120 +142,30 @@ pub fn rewrite_journal(journal: &Path, ending: Ending<'_>) -> Result<FinishedFil
         }
     };
     let bytes = std::fs::metadata(&partial).map_err(RecordError::io("look at", &partial))?.len();
-    std::fs::rename(&partial, &free).map_err(RecordError::io("rename", &partial))?;
-    // A message cut short at the end was never accepted; that a left-over journal has no end is no damage.
-    let torn =
-        |damage: &Damage| damage.offset >= contents.end && contents.bytes - damage.offset < LONGEST_TAIL;
-    let damage = contents.damage.filter(|damage| !torn(damage));
-    Ok(FinishedFile { path: free, messages: written.messages, bytes, damage })
+    std::fs::rename(&partial, place).map_err(RecordError::io("rename", &partial))?;
+    Ok(FinishedFile { path: place.into(), messages: written.messages, bytes, damage: contents.untorn() })
 }
 
-/// What a journal holds; the messages stay in the file.
-#[derive(Default)]
-struct Contents {
-    schemas: HashMap<u16, (String, String, Vec<u8>)>,
-    channels: BTreeMap<u16, (u16, String, String)>,
-    metadata: Vec<Metadata>,
-    attachments: Vec<Attachment<'static>>,
-    messages: Vec<Place>,
-    /// First byte after the last readable message.
-    end: u64,
-    /// Size of the journal.
-    bytes: u64,
-    damage: Option<Damage>,
-}
-
-impl Contents {
-    /// Time of the last message, ns since 1970.
-    fn last_time(&self) -> u64 {
-        self.messages.last().map_or(0, |place| place.log_time)
+/// The finished file of a journal that is there already: each of its messages in the same order, and what an end may say after them.
+fn finished_before(journal: &Path) -> Result<Option<PathBuf>, RecordError> {
+    let (_, contents) = index(journal)?;
+    let finished = journal.with_extension("");
+    let places = [recovered_path(&finished), finished].into_iter();
+    let there: Vec<PathBuf> = places.filter(|path| path.is_file()).collect();
+    if there.is_empty() {
+        return Ok(None);
     }
-}
-
-/// One message of the journal.
-struct Place {
-    channel_id: u16,
-    sequence: u32,
-    log_time: u64,
-    publish_time: u64,
-    offset: u64,
-    bytes: u32,
-}
-
-fn index(journal: &Path) -> Result<(RunHeader, Contents), RecordError> {
-    let file = File::open(journal).map_err(|source| match is_not_there(&source) {
-        // Nobody brings it back.
-        true => RecordError::Gone { path: journal.into() },
-        false => RecordError::io("open", journal)(source),
-    })?;
-    let bytes = file.metadata().map_err(RecordError::io("look at", journal))?.len();
-    let mut header = None;
-    let mut contents = Contents { bytes, ..Contents::default() };
-    let damage = walk(BufReader::new(file), bytes, &mut |record| {
-        match record {
-            Record::Schema { id, name, encoding, data } => {
-                contents.schemas.insert(*id, ((*name).into(), (*encoding).into(), data.to_vec()));
-            }
-            Record::Channel { id, schema_id, topic, encoding } => {
-                contents.channels.insert(*id, (*schema_id, (*topic).into(), (*encoding).into()));
-            }
-            Record::Metadata { name, pairs } => {
-                let metadata =
-                    pairs.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect();
-                contents.metadata.push(Metadata { name: (*name).into(), metadata });
-            }
-            Record::Attachment { name, media_type, log_time, data } => {
-                contents.attachments.push(Attachment {
-                    log_time: *log_time,
-                    create_time: *log_time,
-                    name: (*name).into(),
-                    media_type: (*media_type).into(),
-                    data: Cow::Owned(data.to_vec()),
-                })
-            }
-            Record::Message(message) => {
-                contents.end = message.data_offset + message.data.len() as u64;
-                let Some((schema_id, _, _)) = contents.channels.get(&message.channel_id) else {
-                    return Err(format!(
-                        "a message names channel {}, which is not declared",
-                        message.channel_id
-                    ));
-                };
-                if header.is_none() {
-                    let schema = contents.schemas.get(schema_id).map(|(name, _, _)| name.as_str());
-                    header = decode_header(schema.unwrap_or_default(), message.data);
-                }
-                contents.messages.push(Place {
-                    channel_id: message.channel_id,
-                    sequence: message.sequence,
-                    log_time: message.log_time,
-                    publish_time: message.publish_time,
-                    offset: message.data_offset,
-                    bytes: u32::try_from(message.data.len()).map_err(|_| "a message is too long")?,
-                });
-            }
+    let known = contents.written(journal).map_err(RecordError::io("read", journal))?;
+    for path in there {
+        let (messages, digest, damage) = digest(&path, known.messages)?;
+        if damage.is_none()
+            && digest == known.digest
+            && (known.messages..=known.messages + 1).contains(&messages)
+        {
+            return Ok(Some(path));
         }
-        Ok(true)
-    });
-    contents.damage = damage.map_err(RecordError::io("read", journal))?;
-    let header = header.ok_or_else(|| {
-        let damage = contents.damage.clone();
-        RecordError::NotARecording {
-            path: journal.into(),
-            offset: damage.as_ref().map_or(0, |damage| damage.offset),
-            reason: damage.map_or("it has no header".into(), |damage| damage.reason),
-        }
-    })?;
-    // Stable: what has the same time keeps the order in which it was written. The header stays first.
-    contents.messages[1..].sort_by_key(|place| place.log_time);
-    Ok((header, contents))
-}
-
-/// What was written, to be found again.
-#[derive(PartialEq)]
-pub struct Written {
-    pub messages: u64,
-    pub digest: u64,
+    }
+    Ok(None)
 }
 
 fn rewrite(
@@ -280,9 +201,7 @@ fn rewrite(
         };
         let mut payload = Vec::new();
         for (i, place) in contents.messages.iter().enumerate() {
-            payload.resize(place.bytes as usize, 0);
-            source.seek(SeekFrom::Start(place.offset))?;
-            source.read_exact(&mut payload)?;
+            place.read(&mut source, &mut payload)?;
             let Some(&channel_id) = channels.get(&place.channel_id) else { continue };
             let (sequence, log_time, publish_time) = (place.sequence, place.log_time, place.publish_time);
             put(&mut writer, MessageHeader { channel_id, sequence, log_time, publish_time }, &payload)?;
@@ -336,25 +255,9 @@ fn declare(writer: &mut Writer<BufWriter<File>>, contents: &Contents) -> mcap::M
     Ok(channels)
 }
 
-pub fn verify(path: &Path, written: &Written) -> Result<(), RecordError> {
-    let file = File::open(path).map_err(RecordError::io("open", path))?;
-    let bytes = file.metadata().map_err(RecordError::io("look at", path))?.len();
-    let (mut messages, mut digest) = (0, DefaultHasher::new());
-    let damage = walk(BufReader::new(file), bytes, &mut |record| {
-        if let Record::Message(MessageRecord { log_time, publish_time, data, .. }) = record {
-            (*log_time, *publish_time, *data).hash(&mut digest);
-            messages += 1;
-        }
-        Ok(true)
-    })
-    .map_err(RecordError::io("read", path))?;
-    let read = Written { messages, digest: digest.finish() };
-    let reason = match damage {
-        Some(damage) => format!("at byte {}: {}", damage.offset, damage.reason),
-        None if read != *written => format!("{messages} messages instead of {}", written.messages),
-        None => return Ok(()),
-    };
-    Err(RecordError::Verify { path: path.into(), reason })
+fn recovered_path(finished: &Path) -> PathBuf {
+    let stem = finished.file_stem().unwrap_or_default().to_string_lossy();
+    finished.with_file_name(format!("{stem}-recovered.mcap"))
 }
 
 /// `finished` itself, or for a recovered journal `NAME-recovered.mcap` when it is taken.
@@ -362,8 +265,7 @@ fn free_path(finished: &Path, may_rename: bool) -> Result<PathBuf, RecordError> 
     if !finished.exists() {
         return Ok(finished.into());
     }
-    let stem = finished.file_stem().unwrap_or_default().to_string_lossy();
-    let renamed = finished.with_file_name(format!("{stem}-recovered.mcap"));
+    let renamed = recovered_path(finished);
     if may_rename && !renamed.exists() {
         return Ok(renamed);
     }

@@ -9,6 +9,7 @@
 pub mod b5r;
 mod column;
 mod container;
+mod contents;
 mod damage;
 mod error;
 pub mod export;
@@ -27,6 +28,7 @@ mod rows;
 mod schema;
 mod scrub;
 mod syncs;
+mod verify;
 mod whole_run;
 mod wire;
 mod writer;

@@ -5,10 +5,11 @@
 use crate::container::{MessageRecord, Record, walk};
 use crate::damage::Damage;
 use crate::error::RecordError;
-use crate::finish::{PARTIAL_ENDING, Written, verify};
+use crate::finish::PARTIAL_ENDING;
 use crate::journal::CONFIG_TEXT;
 use crate::journal_file::{is_journal, sync_folder};
 use crate::reader::read_header;
+use crate::verify::{Written, verify};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, McapResult, WriteOptions, Writer};
 use std::borrow::Cow;

@@ -230,3 +230,28 @@ fn the_gap_of_a_vanished_journal_begins_with_its_first_sample_whichever_channel_
     let [gap] = &gaps[..] else { panic!("{gaps:?}") };
     assert_eq!((gap.from_s, gap.lost_samples), (0.0, Some(300)));
 }
+
+#[test]
+fn a_journal_whose_finished_file_is_in_place_is_no_second_run_at_the_next_start() {
+    for refused in 0..2 {
+        let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+        let mut recorder = recorder(folder.path(), &answers);
+        record(&mut recorder, 0..1000);
+        let journal = folder.path().join("r.mcap.active");
+        if refused == 0 {
+            let mut closed = recorder.close(at_ms(1000));
+            closed.finish_with(&|_| Err(io::ErrorKind::StorageFull.into())).unwrap_err();
+        } else {
+            // Of an earlier start: the file with the words of a recovery.
+            recorder.close(at_ms(1000));
+            let before = std::fs::read(&journal).unwrap();
+            crate::recover_orphans(folder.path()).unwrap();
+            std::fs::write(&journal, before).unwrap();
+        }
+        let orphans = crate::recover_orphans(folder.path()).unwrap();
+        assert!(orphans.is_empty(), "what is known of a run that ended stays: {orphans:?}");
+        let names: Vec<_> =
+            std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(names, ["r.mcap"]);
+    }
+}
