@@ -126,6 +126,15 @@ pub fn rewrite_journal(journal: &Path, ending: Ending<'_>) -> Result<FinishedFil
     rewrite_to(&free, journal, indexed, ending)
 }
 
+/// Puts another file in the place of the finished one: what was lost has changed since it was written.
+pub fn rewrite_again(
+    journal: &Path,
+    finished: &Path,
+    ending: Ending<'_>,
+) -> Result<FinishedFile, RecordError> {
+    rewrite_to(finished, journal, index(journal)?, ending)
+}
+
 fn rewrite_to(
     place: &Path,
     journal: &Path,

@@ -2,7 +2,7 @@
 
 use super::kept::KeptJournal;
 use crate::error::RecordError;
-use crate::finish::{Ending, FinishedFile, SyncFolder, remove_journal, rewrite_journal};
+use crate::finish::{Ending, FinishedFile, SyncFolder, remove_journal, rewrite_again, rewrite_journal};
 use crate::journal_file::sync_folder;
 use trunnion_core::Gap;
 
@@ -12,8 +12,15 @@ pub struct Closed {
     /// What could not be written; the last file says so.
     lost: Option<Gap>,
     /// The next file of those finished: its journal is still to be removed.
-    renamed: Option<FinishedFile>,
+    renamed: Option<Renamed>,
     finished: Finished,
+}
+
+/// A file that is written, with its journal still there.
+struct Renamed {
+    file: FinishedFile,
+    /// What it says was lost.
+    said: Option<Gap>,
 }
 
 /// The result of a run that was recorded to its end.
@@ -53,21 +60,27 @@ impl Closed {
         while let Some(journal) = self.journals.get(self.finished.files.len()) {
             let is_last = self.finished.files.len() + 1 == self.journals.len();
             let lost = self.lost.as_ref().filter(|_| is_last);
-            let file = match self.renamed.take() {
-                Some(file) => file,
-                None => match rewrite_journal(&journal.path, Ending::Ended(lost)) {
-                    Ok(file) => file,
-                    Err(RecordError::Gone { .. }) => {
-                        last_gone = Some(self.lose(self.finished.files.len()));
-                        continue;
-                    }
-                    Err(error) => return Err(error),
-                },
+            let rewritten = match &self.renamed {
+                // It became the last: what was lost since stands in no other.
+                Some(Renamed { file, said }) if said.as_ref() != lost && !journal.is_gone() => {
+                    rewrite_again(&journal.path, &file.path, Ending::Ended(lost))
+                }
+                Some(Renamed { file, .. }) => Ok(file.clone()),
+                None => rewrite_journal(&journal.path, Ending::Ended(lost)),
+            };
+            let file = match rewritten {
+                Ok(file) => file,
+                Err(RecordError::Gone { .. }) if self.renamed.is_none() => {
+                    last_gone = Some(self.lose(self.finished.files.len()));
+                    continue;
+                }
+                Err(error) => return Err(error),
             };
             if let Err(error) = remove_journal(&journal.path, &file.path, sync_folder) {
-                self.renamed = Some(file);
+                self.renamed = Some(Renamed { file, said: lost.cloned() });
                 return Err(error);
             }
+            self.renamed = None;
             self.finished.files.push(file);
         }
         match last_gone {

@@ -212,6 +212,29 @@ fn a_journal_that_is_gone_costs_its_own_samples_and_no_other() {
 }
 
 #[test]
+fn a_file_that_became_the_last_one_says_what_was_lost_behind_it() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let mut recorder = recorder(folder.path(), &answers);
+    record(&mut recorder, 0..1000);
+    answers.lock().unwrap().push_back(io::ErrorKind::StorageFull);
+    assert!(!recorder.sync(at_ms(1000)));
+    record(&mut recorder, 1000..3000);
+    let mut closed = recorder.close(at_ms(3000));
+    // The first file is written, and its journal cannot be removed yet.
+    closed.finish_with(&|_| Err(io::ErrorKind::StorageFull.into())).unwrap_err();
+    std::fs::remove_file(folder.path().join("r-2.mcap.active")).unwrap();
+    let finished = closed.finish().unwrap();
+    let (names, raws, gaps) = read(&finished);
+    assert_eq!(names, ["r.mcap"]);
+    let [gap] = &gaps[..] else { panic!("{gaps:?}") };
+    assert_eq!(
+        (gap.lost_samples, raws.len() as u64),
+        (Some(finished.lost_samples), 3000 - finished.lost_samples)
+    );
+    assert!(finished.lost_samples > 0 && !folder.path().join("r.mcap.active").exists());
+}
+
+#[test]
 fn the_gap_of_a_vanished_journal_begins_with_its_first_sample_whichever_channel_it_is_of() {
     let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
     let mut recorder = recorder(folder.path(), &answers);
