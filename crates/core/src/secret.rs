@@ -70,6 +70,10 @@ const LEFT_OUT: &str = "left out";
 /// Words of keys whose value is a secret, and of comments that may hold one.
 const WORDS: [&str; 5] = ["password", "passphrase", "secret", "token", "credential"];
 
+/// Shortest part behind a colon of a secret that counts as a password of its own, characters: a shorter one, as of `a:table`, is a word
+/// that remarks use for other things.
+const SHORTEST_PART: usize = 6;
+
 /// A hand-written file without its secrets: values of keys that end in the word for one, users and passwords in addresses, and
 /// comments that speak of either, repeat one or stand behind one. A text that is no TOML is left out whole.
 pub fn redacted(text: &str) -> String {
@@ -80,9 +84,9 @@ pub fn redacted(text: &str) -> String {
         .iter()
         .flat_map(|cut| {
             let secret = text[cut.at.clone()].trim_matches(['"', '\'']);
-            // Of a login, `user:password`, the password alone too.
+            // Of `user:password` the password alone too.
             let password = secret.split_once(':').map(|(_, password)| password);
-            [Some(secret), password.filter(|_| cut.is_login)]
+            [Some(secret), password.filter(|part| cut.is_login || part.chars().count() >= SHORTEST_PART)]
         })
         .flatten()
         .filter(|secret| !secret.is_empty() && *secret != LEFT_OUT)
@@ -199,7 +203,11 @@ text = """
 "##;
 
     #[test]
-    fn what_follows_a_colon_is_a_password_in_a_login_alone() {
+    fn what_follows_a_colon_is_a_password_in_a_login_and_where_it_is_long() {
+        for key in ["credential", "password", "token"] {
+            let out = redacted(&format!("{key} = \"ada:hunter2\"\n# hunter2 is Ada's\n# ada is at home\n"));
+            assert!(!out.contains("hunter2") && out.contains("# ada is at home"), "{out}");
+        }
         let text = "token = \"a:table\"\n# of the table\nurl = \"http://u:hut@cnc\"\n# the hut is cold\n";
         let out = redacted(text);
         assert!(out.contains("# of the table"), "{out}");
