@@ -14,6 +14,12 @@ const NAMED_BY: &str = "TRUNNION_BROWSER";
 /// Names under which Debian, Fedora, Google and Microsoft install browsers that print without a screen.
 const USUAL: [&str; 6] =
     ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge"];
+/// Where Debian has the program itself. `chromium` on PATH is a script there, which ends where /proc/cpuinfo is hidden, as it is from the
+/// service (`ProcSubset=pid`).
+const OF_DEBIAN: &str = "/usr/lib/chromium/chromium";
+/// What lets it print where processes may neither get rights nor namespaces, nor memory that is written and run: no sandbox of its own,
+/// no process that forks the others out of one, no compiler of scripts. The page is our own and has no script.
+const CONFINED: [&str; 3] = ["--no-sandbox", "--no-zygote", "--js-flags=--jitless"];
 /// A page of 1500 readings prints in 3 s on two busy cores; a browser that does not answer for longer waits for something.
 const TIMEOUT: Duration = Duration::from_secs(90);
 /// How often is asked whether it is done.
@@ -70,11 +76,14 @@ pub enum PrintError {
 /// # Errors
 /// No browser on this computer, or one that does not print.
 pub fn pdf(page: &Path, pdf: &Path, is_stopped: &dyn Fn() -> bool) -> Result<(), PrintError> {
-    let browser = browser()?;
+    let is_confined = std::fs::read_to_string("/proc/self/status").is_ok_and(|status| confines(&status));
+    let browser = browser(is_confined)?;
     let page = page.canonicalize().map_err(io("find", page))?;
     let pdf = std::path::absolute(pdf).map_err(io("write", pdf))?;
     let profile = std::env::temp_dir().join(format!("trunnion-print-{}", std::process::id()));
-    let printed = print(&browser, &page, &pdf, &profile, is_stopped);
+    let mut command = command(&browser, &page, &pdf, &profile, is_confined);
+    let started = command.spawn().map_err(io("start the browser", &browser));
+    let printed = started.and_then(|mut child| wait(&mut child, &browser, is_stopped));
     // The profile is of no use to anybody; where it is not there, the browser made none.
     std::fs::remove_dir_all(&profile).ok();
     printed?;
@@ -89,9 +98,21 @@ fn io(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> PrintEr
     move |source| PrintError::Io { what, path, source }
 }
 
-fn browser() -> Result<PathBuf, PrintError> {
+/// True of a process that can neither gain rights nor call everything, as under our unit, from what /proc says of it. The sandbox of a
+/// browser cannot begin there, and that of the unit holds the browser too.
+fn confines(status: &str) -> bool {
+    let is = |key: &str, value: &str| {
+        status.lines().any(|line| line.strip_prefix(key).is_some_and(|rest| rest.trim() == value))
+    };
+    is("NoNewPrivs:", "1") && is("Seccomp:", "2")
+}
+
+fn browser(is_confined: bool) -> Result<PathBuf, PrintError> {
     if let Some(named) = std::env::var_os(NAMED_BY) {
         return Ok(named.into());
+    }
+    if is_confined && Path::new(OF_DEBIAN).is_file() {
+        return Ok(OF_DEBIAN.into());
     }
     let path = std::env::var_os("PATH").unwrap_or_default();
     let found = std::env::split_paths(&path)
@@ -100,28 +121,26 @@ fn browser() -> Result<PathBuf, PrintError> {
     found.ok_or(PrintError::NoBrowser)
 }
 
-fn print(
-    browser: &Path,
-    page: &Path,
-    pdf: &Path,
-    profile: &Path,
-    is_stopped: &dyn Fn() -> bool,
-) -> Result<(), PrintError> {
+fn command(browser: &Path, page: &Path, pdf: &Path, profile: &Path, is_confined: bool) -> Command {
     let mut command = Command::new(browser);
     command
         .args(["--headless", "--disable-gpu", "--no-first-run", "--disable-extensions", "--disable-sync"])
         .args(["--disable-background-networking", "--disable-component-update", "--no-pdf-header-footer"])
         .arg(format!("--user-data-dir={}", profile.display()))
         .arg(format!("--print-to-pdf={}", pdf.display()))
+        // Reports of its own crashes go with the profile.
+        .env("CHROME_CONFIG_HOME", profile)
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::null());
-    // Chromium has no sandbox for root. The page is our own and has no script.
-    if std::fs::metadata("/proc/self").is_ok_and(|about| about.uid() == 0) {
+    if is_confined {
+        command.args(CONFINED);
+    } else if std::fs::metadata("/proc/self").is_ok_and(|about| about.uid() == 0) {
+        // Chromium has no sandbox for root.
         command.arg("--no-sandbox");
     }
-    let mut child = command.arg(page).spawn().map_err(io("start the browser", browser))?;
-    wait(&mut child, browser, is_stopped)
+    command.arg(page);
+    command
 }
 
 fn wait(child: &mut Child, browser: &Path, is_stopped: &dyn Fn() -> bool) -> Result<(), PrintError> {
@@ -141,5 +160,27 @@ fn wait(child: &mut Child, browser: &Path, is_stopped: &dyn Fn() -> bool) -> Res
         };
         child.kill().and_then(|()| child.wait()).map_err(io("end", browser))?;
         return Err(why);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_browser_under_the_restrictions_of_the_unit_is_started_without_a_sandbox_of_its_own() {
+        let status = |no_new: u8, seccomp: u8| {
+            format!("Name:\ttrunnion\nNoNewPrivs:\t{no_new}\nSeccomp:\t{seccomp}\nSeccomp_filters:\t9\n")
+        };
+        assert!(confines(&status(1, 2)));
+        assert!(
+            ![(0, 0), (1, 0), (0, 2)].iter().any(|&(no_new, seccomp)| confines(&status(no_new, seccomp)))
+        );
+        let path = Path::new("x");
+        let has = |is_confined, flag: &str| {
+            command(path, path, path, path, is_confined).get_args().any(|given| given == flag)
+        };
+        assert!(CONFINED.iter().all(|flag| has(true, flag)));
+        assert!(!has(false, "--no-zygote"));
     }
 }
