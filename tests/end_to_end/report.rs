@@ -61,6 +61,21 @@ fn a_report_says_which_recording_it_is_of_and_whether_the_tolerance_is_kept() {
 }
 
 #[test]
+fn a_report_says_what_the_service_knows_to_be_missing_and_the_recording_does_not_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = import("points-nothing-hidden", folder.path());
+    let lost = "7 samples could not be written to disk";
+    let state = serde_json::json!({
+        "format": "trunnion-run/1", "state": "done", "at": "", "cycle": "", "parts": [], "tries": 0, "why": "", "losses": [lost],
+    });
+    std::fs::write(folder.path().join("run.state.json"), state.to_string()).unwrap();
+    let answer = json(&["report", &run, "--json"]);
+    assert_eq!(answer["comparison"]["losses"][0], lost);
+    let page = std::fs::read_to_string(folder.path().join("run.report.html")).unwrap();
+    assert!(page.contains(lost), "the page of the service says it");
+}
+
+#[test]
 fn serial_and_tolerance_are_those_of_the_machine_file_and_no_tolerance_is_no_decision() {
     let folder = tempfile::tempdir().unwrap();
     let source = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/machines/table-bc.toml"));

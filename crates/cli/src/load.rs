@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use trunnion::gaps::Missing;
 use trunnion::results::Plausibility;
 use trunnion::{Experiment, Form, Limits, Model};
+use trunnion_service::run_record;
 
 pub use trunnion::files::{machine, machine_text, read};
 
@@ -139,6 +140,17 @@ fn state_gaps(gaps: &[String]) {
         [gap] => terminal::remark(gap),
         [first, further @ ..] => terminal::remark(&format!("{first}; {} further losses", further.len())),
     }
+}
+
+/// What the service kept of each recording's losses (`NAME.state.json`), some of which no recording says; with the run where there are
+/// several.
+pub fn kept_losses(recordings: &[PathBuf]) -> Vec<String> {
+    let of = |recording: &PathBuf| {
+        let run = recording.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let named = move |loss| if recordings.len() == 1 { loss } else { format!("{run}: {loss}") };
+        run_record::read(recording).unwrap_or_default().losses.into_iter().map(named)
+    };
+    recordings.iter().flat_map(of).collect()
 }
 
 /// Reports what is missing from a recording on standard error; how a command ends that did all else.

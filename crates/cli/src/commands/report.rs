@@ -101,7 +101,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         tolerance_um: args.tolerance_um,
         written: today()?,
     };
-    let compared = experiment.fit(&args.model.model(&experiment)?)?.compare().with_best();
+    let compared = experiment.fit(&args.model.model(&experiment)?)?.compare();
+    let compared = compared.with_losses(&load::kept_losses(&args.runs.runs)).with_best();
     let outcome = outcome.with_verdict(compared.diagnosed().results().verdict);
     let mut report = compared.report(&args.runs.runs, &filing)?;
     let page = args.output.clone().unwrap_or_else(|| args.runs.runs[0].with_extension("report.html"));

@@ -141,7 +141,8 @@ impl Open {
             Asks::Report => Ok(compared.page()),
             Asks::Filed { by, language, date } => {
                 let filing = Filing { operator: by.clone(), written: date.clone(), ..Filing::default() };
-                let report = fit.compare().with_best().report(&run_files(&self.recording), &filing)?;
+                let filed = fit.compare().with_losses(&compared.results().losses).with_best();
+                let report = filed.report(&run_files(&self.recording), &filing)?;
                 let known = Language::NAMES.into_iter().find(|(code, _)| code == language);
                 Ok(report_html(&report, known.map_or(Language::English, |(_, language)| language)))
             }

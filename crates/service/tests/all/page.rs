@@ -257,6 +257,10 @@ async fn a_report_is_filed_as_the_command_files_it() {
     let run = folder.path().join("run.mcap");
     let [points, setup] = ["points.csv", "setup.toml"].map(|file| data.join(file));
     trunnion::tables::import(RunKind::Static, &points, &setup, &run).unwrap();
+    // What the service knows and the recording does not say.
+    let losses = vec!["7 samples could not be written to disk".to_string()];
+    let state = RunRecord { losses: losses.clone(), ..RunRecord::default() };
+    trunnion_service::run_record::write(&run, &state).unwrap();
     let runs = Runs::of_folder(folder.path(), None, here());
     let page = Page::over(runs, folder, Serves::Recordings, &[], Access::this_computer()).await;
     let (file, pdf) = ("POST /api/runs/run/filed", "POST /api/runs/run/filed/pdf");
@@ -279,7 +283,9 @@ async fn a_report_is_filed_as_the_command_files_it() {
         written: trunnion_service::daemon::day(SystemClock::start().wall_ns()),
         ..Filing::default()
     };
-    let compared = experiment.fit(&experiment.base_model()).unwrap().compare().with_best();
+    let compared = experiment.fit(&experiment.base_model()).unwrap().compare();
+    let compared = compared.with_losses(&losses).with_best();
+    assert!(written.contains(&losses[0]), "it says less than the page");
     let report = compared.report(&[run], &filing).unwrap();
     assert!(written == report_html(&report, Language::German), "another report than the command's");
     let (status, shown) = page.ask("GET /api/runs/run/filed", "", "").await;
