@@ -23,7 +23,8 @@ use trunnion::results::{ModelChanged, ModelStep};
 /// Every call.
 pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) -> Router {
     let printer = Arc::new(Semaphore::new(1));
-    let page = Page { runs: shared.runs.clone(), shared, access, watchers: live::places(), printer, cancel };
+    let (watchers, filing) = (live::places(), Arc::default());
+    let page = Page { runs: shared.runs.clone(), shared, access, watchers, printer, filing, cancel };
     Router::new()
         .route("/", get(|| async { assets::index() }))
         .route("/assets/{name}", get(asset))

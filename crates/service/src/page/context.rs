@@ -8,7 +8,7 @@ use axum::extract::rejection::JsonRejection;
 use axum::http::StatusCode;
 use axum::response::Response;
 use serde_json::Value;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use trunnion::page::label;
@@ -23,6 +23,8 @@ pub(super) struct Page {
     pub(super) watchers: Arc<Semaphore>,
     /// One report is printed at a time.
     pub(super) printer: Arc<Semaphore>,
+    /// The page of a filed report and its PDF change together.
+    pub(super) filing: Arc<Mutex<()>>,
     pub(super) cancel: CancellationToken,
 }
 

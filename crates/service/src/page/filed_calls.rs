@@ -4,13 +4,15 @@ use super::answer::{Refusal, json_of, pdf, report};
 use super::context::{Answer, Page, person, wrong};
 use super::question::Asks;
 use crate::clock::day;
-use crate::print;
+use crate::print::{self, PrintError};
 use axum::extract::rejection::JsonRejection;
 use axum::extract::{Path, State};
 use axum::routing::post;
 use axum::{Json, Router};
 use serde::Deserialize;
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path as FilePath, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use trunnion::files::write_whole;
 use trunnion::report::Language;
 use trunnion::results::Filed;
@@ -51,46 +53,85 @@ async fn file(
     }
     let date = day(page.shared.clock.wall_ns());
     let text = page.runs.ask(&name, Asks::Filed { by, language, date }).await?;
-    let (html, old) = (page.place(&name, PAGE)?, page.place(&name, PDF)?);
-    let path = html.clone();
-    let written = tokio::task::spawn_blocking(move || {
+    let run = name.clone();
+    let html = at_a_file("writing of a report", move || {
+        let (html, old) = (page.place(&name, PAGE)?, page.place(&name, PDF)?);
+        let _alone = page.filing.lock().unwrap_or_else(PoisonError::into_inner);
         // One of an earlier page is none of this.
-        match std::fs::remove_file(&old) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(format!("cannot remove {}: {error}", old.display()));
-            }
-            _ => {}
-        }
-        write_whole(&path, &String::from_utf8_lossy(&text)).map_err(|failure| chain(&failure))
-    });
-    written.await.map_err(|_| Refusal::Broken("writing of a report"))?.map_err(Refusal::NotWritten)?;
-    json_of(&Filed { run: name, html: html.display().to_string(), ..Filed::default() })
+        remove(&old).map_err(Refusal::NotWritten)?;
+        let written = write_whole(&html, &String::from_utf8_lossy(&text));
+        written.map_err(|failure| Refusal::NotWritten(chain(&failure)))?;
+        Ok(html.display().to_string())
+    })
+    .await?;
+    json_of(&Filed { run, html, ..Filed::default() })
 }
 
 async fn filed(State(page): State<Page>, Path(name): Path<String>) -> Answer {
-    Ok(report(page.file(&name, PAGE).await?.into()))
+    Ok(report(page.file(name, PAGE).await?.into()))
 }
 
 async fn print_filed(State(page): State<Page>, Path(name): Path<String>) -> Answer {
-    let (html, pdf) = (page.place(&name, PAGE)?, page.place(&name, PDF)?);
-    if !html.is_file() {
-        return Err(Refusal::NotNow("file the report first: the PDF is printed from its page"));
-    }
     // One browser at a time: the computer also measures.
     let turn = page.printer.clone().try_acquire_owned().map_err(|_| Refusal::Busy)?;
-    let (of, to, cancel) = (html.clone(), pdf.clone(), page.cancel.clone());
-    let printing = tokio::task::spawn_blocking(move || {
-        let printed = print::pdf(&of, &to, &|| cancel.is_cancelled());
+    let run = name.clone();
+    let (html, pdf) = at_a_file("printing of a report", move || {
+        let printed = page.print(&name);
         drop(turn);
-        printed.map_err(|failure| Refusal::NotWritten(chain(&failure)))
-    });
-    printing.await.map_err(|_| Refusal::Broken("printing of a report"))??;
+        printed
+    })
+    .await?;
     let [html, pdf] = [html, pdf].map(|path| path.display().to_string());
-    json_of(&Filed { run: name, html, pdf: Some(pdf), ..Filed::default() })
+    json_of(&Filed { run, html, pdf: Some(pdf), ..Filed::default() })
 }
 
 async fn printed(State(page): State<Page>, Path(name): Path<String>) -> Answer {
-    Ok(pdf(page.file(&name, PDF).await?.into()))
+    Ok(pdf(page.file(name, PDF).await?.into()))
+}
+
+/// Work that waits for a disk: calls of others are answered meanwhile.
+async fn at_a_file<T: Send + 'static>(
+    what: &'static str,
+    work: impl FnOnce() -> Result<T, Refusal> + Send + 'static,
+) -> Result<T, Refusal> {
+    tokio::task::spawn_blocking(work).await.map_err(|_| Refusal::Broken(what))?
+}
+
+fn remove(file: &FilePath) -> Result<(), String> {
+    match std::fs::remove_file(file) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(format!("cannot remove {}: {error}", file.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a filed page, and keeps the PDF where it is of the page that is there then.
+fn keep_pdf(
+    html: &FilePath,
+    pdf: &FilePath,
+    filing: &Mutex<()>,
+    print: impl FnOnce(&FilePath, &FilePath) -> Result<(), PrintError>,
+) -> Result<(), Refusal> {
+    let first = |_| Refusal::NotNow("file the report first: the PDF is printed from its page");
+    let text = std::fs::read(html).map_err(first)?;
+    let fresh = pdf.with_extension("pdf.partial");
+    let printed = print(html, &fresh).map_err(|failure| Refusal::NotWritten(chain(&failure)));
+    let kept = printed.and_then(|()| {
+        let _alone = filing.lock().unwrap_or_else(PoisonError::into_inner);
+        // Somebody else may have filed another language or name while the browser worked.
+        if std::fs::read(html).ok() != Some(text) {
+            return Err(Refusal::NotNow("the report was filed again while it was printed: print it again"));
+        }
+        let refused = |error| Refusal::NotWritten(format!("cannot rename {}: {error}", fresh.display()));
+        std::fs::rename(&fresh, pdf).map_err(refused)
+    });
+    if kept.is_err()
+        && let Err(left) = remove(&fresh)
+    {
+        tracing::warn!("{left}");
+    }
+    kept
 }
 
 impl Page {
@@ -100,10 +141,54 @@ impl Page {
         Ok(self.runs.place_of(name).ok_or_else(unknown)?.with_extension(ending))
     }
 
-    async fn file(&self, name: &str, ending: &str) -> Result<Vec<u8>, Refusal> {
-        let path = self.place(name, ending)?;
-        let read = tokio::task::spawn_blocking(move || std::fs::read(path)).await;
-        let missing = |_| Refusal::Unknown { what: "filed report of the run", name: name.into() };
-        read.map_err(|_| Refusal::Broken("reading of a report"))?.map_err(missing)
+    /// Prints the filed page of a run: page and PDF.
+    fn print(&self, name: &str) -> Result<(PathBuf, PathBuf), Refusal> {
+        let (html, pdf) = (self.place(name, PAGE)?, self.place(name, PDF)?);
+        let print = |html: &FilePath, pdf: &FilePath| print::pdf(html, pdf, &|| self.cancel.is_cancelled());
+        keep_pdf(&html, &pdf, &self.filing, print)?;
+        Ok((html, pdf))
+    }
+
+    async fn file(&self, name: String, ending: &'static str) -> Result<Vec<u8>, Refusal> {
+        let page = self.clone();
+        let read = move || {
+            let missing = |_| Refusal::Unknown { what: "filed report of the run", name: name.clone() };
+            std::fs::read(page.place(&name, ending)?).map_err(missing)
+        };
+        at_a_file("reading of a report", read).await
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pdf_of_a_page_that_was_filed_again_meanwhile_is_not_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let [html, pdf] = [PAGE, PDF].map(|ending| folder.path().join(format!("run.{ending}")));
+        let filing = Mutex::default();
+        let names = || std::fs::read_dir(folder.path()).unwrap().count();
+        let print = |_: &FilePath, to: &FilePath| {
+            std::fs::write(to, "printed").unwrap();
+            Ok(())
+        };
+        assert!(matches!(keep_pdf(&html, &pdf, &filing, print), Err(Refusal::NotNow(_))), "nothing is filed");
+        std::fs::write(&html, "of Ada").unwrap();
+        keep_pdf(&html, &pdf, &filing, print).unwrap();
+        assert_eq!((std::fs::read_to_string(&pdf).unwrap().as_str(), names()), ("printed", 2));
+        std::fs::remove_file(&pdf).unwrap();
+        let filed_again = |from: &FilePath, to: &FilePath| {
+            std::fs::write(from, "of Bea").unwrap();
+            print(from, to)
+        };
+        let refused = keep_pdf(&html, &pdf, &filing, filed_again).unwrap_err();
+        assert!(refused.to_string().contains("filed again"), "{refused}");
+        let failed = |_: &FilePath, to: &FilePath| {
+            std::fs::write(to, "half").unwrap();
+            Err(PrintError::Stopped)
+        };
+        assert!(keep_pdf(&html, &pdf, &filing, failed).is_err());
+        assert_eq!(names(), 1, "the page alone");
     }
 }
