@@ -4,13 +4,14 @@ use super::watchdog::RECORDER;
 use crate::board::Board;
 use crate::cycles::Choice;
 use crate::latest::Latest;
+use crate::plant::topic;
 use crate::storage::{FolderLock, LockError, Need, Removed, Room, Storage, Tidied, WallClock};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
 use trunnion::cycles::Pace;
-use trunnion::results::{SamplesRemoved, StorageNow, StorageState};
+use trunnion::results::{Published, SamplesRemoved, StorageNow, StorageState};
 use trunnion_core::Clock;
 use trunnion_record::RecorderStatus;
 
@@ -109,16 +110,15 @@ impl Disk {
     pub(super) async fn watch(self, cancel: CancellationToken) {
         let mut period = tokio::time::interval(LOOK);
         let (mut looks, mut before, mut set_s) = (0_u32, RecorderStatus::default(), 0.0);
-        let mut hung = false;
         loop {
             tokio::select! {
                 () = cancel.cancelled() => return,
                 _ = period.tick() => {}
             }
             let now = self.latest.recorder().unwrap_or_default();
-            let hangs = self.board.hung().contains_key(RECORDER);
+            let fails = now.failing.is_some() || self.board.hung().contains_key(RECORDER);
             let is_news = (&now.failing, now.lost_samples) != (&before.failing, before.lost_samples)
-                || std::mem::replace(&mut hung, hangs) != hangs;
+                || fails != self.is_shown_failing();
             let is_set = (self.clock.set_s() - set_s).abs() > WallClock::SET.as_secs_f64();
             let is_time = looks.is_multiple_of(TIDY_EVERY) && now.failing.is_none();
             if is_news || is_time || is_set {
@@ -136,6 +136,12 @@ impl Disk {
             }
             looks = looks.wrapping_add(1);
         }
+    }
+
+    /// True when `storage` says so; the watchdog publishes it too.
+    fn is_shown_failing(&self) -> bool {
+        let shown: Option<StorageNow> = topic(&self.board, StorageNow::TOPIC);
+        shown.is_some_and(|shown| shown.state == StorageState::Failing)
     }
 
     async fn tidy(&self) {
@@ -245,6 +251,23 @@ mod tests {
         let failing = RecorderStatus { failing: Some("no space".into()), ..RecorderStatus::default() };
         disk.report(&failing).await;
         assert_eq!(state(&board), (StorageState::Failing, "no space".into()));
+    }
+
+    #[tokio::test]
+    async fn a_recorder_that_goes_on_is_shown_at_the_next_look_whoever_said_that_it_hung() {
+        let folder = tempfile::tempdir().unwrap();
+        let (disk, board) = disk(folder.path(), 0.0);
+        let (cancel, mut changes) = (CancellationToken::new(), board.changes());
+        let watching = tokio::spawn(disk.watch(cancel.clone()));
+        for what in ["the first look", "one after the watchdog"] {
+            // Less than TIDY_EVERY: then it is published anyway.
+            tokio::time::timeout(LOOK * TIDY_EVERY / 2, changes.changed()).await.expect(what).unwrap();
+            assert_eq!(state(&board).0, StorageState::Good, "{what}");
+            board.publish(&StorageNow { state: StorageState::Failing, ..StorageNow::default() });
+            changes.mark_unchanged();
+        }
+        cancel.cancel();
+        watching.await.unwrap();
     }
 
     #[tokio::test]
