@@ -31,6 +31,9 @@ const LONGEST: Duration = Duration::from_secs(120);
 /// Calls of one computer a second, and at once: a page makes about ten when it is opened, and a person clicks once a second.
 const CALLS_PER_S: f64 = 40.0;
 const CALLS_AT_ONCE: f64 = 200.0;
+/// Logins of one address a second, and at once: a person needs seconds for a token, and behind one address may be everybody of a shop.
+const LOGINS_PER_S: f64 = 1.0;
+const LOGINS_AT_ONCE: f64 = 20.0;
 
 const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
                               base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -41,14 +44,18 @@ pub struct Guard {
     hosts: Vec<String>,
     access: Access,
     calls: Counted,
-    /// Calls without the token, and logins: their own count, for who has none must lock nobody out, and no guess may follow another at
-    /// will.
+    /// Calls without the token: their own count, for who has none must lock nobody out.
     guesses: Counted,
+    /// Logins, which those calls must not hold up, and of which none may follow another at will.
+    logins: Counted,
 }
 
 /// Calls of each computer. As many computers are known as can have connections; the one that was silent longest makes room.
-#[derive(Default)]
-struct Counted(Mutex<BTreeMap<IpAddr, Calls>>);
+struct Counted {
+    per_s: f64,
+    at_once: f64,
+    known: Mutex<BTreeMap<IpAddr, Calls>>,
+}
 
 /// Where a call comes from.
 #[derive(Clone, Copy, Debug)]
@@ -61,16 +68,20 @@ struct Calls {
 }
 
 impl Counted {
+    fn new(per_s: f64, at_once: f64) -> Self {
+        Self { per_s, at_once, known: Mutex::default() }
+    }
+
     /// One call more of a computer; false when it has too many.
     fn count(&self, Peer(of): Peer, now: Instant) -> bool {
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if known.len() >= MOST_CONNECTIONS && !known.contains_key(&of) {
             let silent = known.iter().min_by_key(|(_, calls)| calls.at).map(|(of, _)| *of);
             silent.and_then(|of| known.remove(&of));
         }
-        let calls = known.entry(of).or_insert(Calls { left: CALLS_AT_ONCE, at: now });
+        let calls = known.entry(of).or_insert(Calls { left: self.at_once, at: now });
         let since_s = now.duration_since(calls.at).as_secs_f64();
-        *calls = Calls { left: (calls.left + since_s * CALLS_PER_S).min(CALLS_AT_ONCE), at: now };
+        *calls = Calls { left: (calls.left + since_s * self.per_s).min(self.at_once), at: now };
         let allowed = calls.left >= 1.0;
         if allowed {
             calls.left -= 1.0;
@@ -82,7 +93,9 @@ impl Counted {
 impl Guard {
     /// For a page on this address.
     pub fn new(address: SocketAddr, access: Access) -> Self {
-        Self { hosts: access.hosts(address), access, calls: Counted::default(), guesses: Counted::default() }
+        let calls = || Counted::new(CALLS_PER_S, CALLS_AT_ONCE);
+        let logins = Counted::new(LOGINS_PER_S, LOGINS_AT_ONCE);
+        Self { hosts: access.hosts(address), access, calls: calls(), guesses: calls(), logins }
     }
 
     /// Why the call is refused; `None` when it is not.
@@ -127,7 +140,7 @@ pub async fn guarded(State(guard): State<std::sync::Arc<Guard>>, request: Reques
     let refusal = guard.refusal(request.method(), request.uri().path(), request.headers());
     let peer = request.extensions().get::<Peer>().copied().unwrap_or(Peer(Ipv4Addr::UNSPECIFIED.into()));
     let now = Instant::now();
-    let counted = if request.uri().path() == LOGIN { &guard.guesses } else { &guard.calls };
+    let counted = if request.uri().path() == LOGIN { &guard.logins } else { &guard.calls };
     let too_many = || refused(StatusCode::TOO_MANY_REQUESTS, "too many calls; wait a second");
     let mut response = match refusal {
         Some((StatusCode::UNAUTHORIZED, _)) if !guard.guesses.count(peer, now) => too_many(),
@@ -154,7 +167,7 @@ mod tests {
 
     #[test]
     fn a_computer_has_so_many_calls_at_once_and_so_many_a_second() {
-        let counted = Counted::default();
+        let counted = Counted::new(CALLS_PER_S, CALLS_AT_ONCE);
         let [one, other] = [1, 2].map(|last| Peer(Ipv4Addr::new(127, 0, 0, last).into()));
         let allowed = |peer: Peer, at: Instant| (0..1000).filter(|_| counted.count(peer, at)).count() as f64;
         let now = Instant::now();
