@@ -39,7 +39,7 @@ pub struct Diagnosis {
     pub candidates: Vec<Candidate>,
     /// Ids of the effects that together explain the residual.
     pub set: Vec<String>,
-    /// What the whole set does, as adding all of it gives it, shapes fitted anew; null where it is not more than one, or that fit failed.
+    /// What the whole set does, as adding all of it gives it, shapes fitted again; null where it is not more than one, or that fit failed.
     #[serde(default)]
     pub together: Option<Together>,
     /// An expression that describes the residual better than any effect of the catalogue.
