@@ -52,6 +52,8 @@ mod tests {
     use super::*;
     use crate::config::Config;
     use std::path::Path;
+    use trunnion_core::HostTime;
+    use trunnion_core::reading::{ControllerReading, Execution, Reading};
 
     fn read(tables: &str) -> Result<Vec<BegunBy>, String> {
         let example = include_str!("../../../config/trunnion.toml");
@@ -75,6 +77,27 @@ mod tests {
             let refused = read(&format!("[[program]]\n{keys}\ncycle = \"a.toml\"\n")).unwrap_err();
             assert!(refused.contains(words), "{refused}");
         }
+    }
+
+    #[test]
+    fn a_counter_cuts_no_cycle_in_two_where_no_number_is_asked_for() {
+        let example = include_str!("../../../config/trunnion.toml");
+        let text = example.replace("by = \"execution\"", "by = \"signal\"");
+        let counted = |tables: &str| {
+            let config = Config::parse(Path::new("trunnion.toml"), &(text.clone() + tables)).unwrap();
+            let mut bounds = config.cycle_bounds();
+            let reading = |number| ControllerReading {
+                execution: Execution::Active,
+                program: "P".into(),
+                block: String::new(),
+                signal: Some(number),
+                stamp_ns: 0,
+                arrival: HostTime(i64::from(number)),
+            };
+            (0..4).filter(|number| bounds.take(&Reading::Controller(reading(*number))).is_some()).count()
+        };
+        assert_eq!(counted(""), 1);
+        assert_eq!(counted("[[program]]\nsignal = 2\ncycle = \"b.toml\"\n"), 3);
     }
 
     #[test]

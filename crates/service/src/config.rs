@@ -14,7 +14,7 @@ use trunnion_acquire::config::channels;
 use trunnion_acquire::{DeviceConfig, read_devices};
 use trunnion_core::input::{Document, Table};
 use trunnion_core::{Problems, Role};
-use trunnion_sync::{NestCalibration, StartRule};
+use trunnion_sync::{CycleBounds, NestCalibration, StartRule};
 
 /// What the service needs to know.
 #[derive(Clone, Debug)]
@@ -91,6 +91,11 @@ impl Config {
     pub fn parse_uncalibrated(file: &Path, text: &str) -> Result<Self, Problems> {
         parse_with(file, text, stated_nest)
     }
+
+    /// What begins and ends cycles; a number of the signal is a cycle of its own where a `[[program]]` asks for one.
+    pub fn cycle_bounds(&self) -> CycleBounds {
+        CycleBounds::new(self.cycle_start.clone()).by_number(has_numbers(&self.programs))
+    }
 }
 
 /// Reads the table `[nest]`, given the root and whether there are probes.
@@ -132,7 +137,7 @@ fn read(document: &Document<'_>, file: &Path, text: &str, nest: ReadNest) -> Opt
     let model = root.optional_string("model").map(|path| folder.join(path));
     let recordings = root.string("recordings").map(|path| folder.join(path));
     let cycle_start = StartRule::read(&root);
-    let by_number = programs.iter().flatten().any(|of| matches!(of.begun_by, BegunBy::Signal(_)));
+    let by_number = programs.as_deref().is_some_and(has_numbers);
     if by_number && cycle_start.as_ref().is_some_and(|rule| *rule != StartRule::Signal) {
         root.problem(
             "cycle_start",
@@ -208,6 +213,10 @@ fn read_programs(root: &Table<'_>, folder: &Path) -> Option<Vec<ProgramCycle>> {
     };
     let read: Vec<Option<ProgramCycle>> = root.tables("program").into_iter().map(read).collect();
     read.into_iter().collect()
+}
+
+fn has_numbers(programs: &[ProgramCycle]) -> bool {
+    programs.iter().any(|of| matches!(of.begun_by, BegunBy::Signal(_)))
 }
 
 fn has_probes(devices: &[DeviceConfig]) -> bool {

@@ -47,7 +47,7 @@ use tracing::{error, info, warn};
 use trunnion::results::{CycleProgress, CycleState, Serves};
 use trunnion_core::{Clock, chain};
 use trunnion_record::JOURNAL_ENDING;
-use trunnion_sync::{CycleBounds, Progress};
+use trunnion_sync::Progress;
 
 /// For how long the end of a recording waits for room on the disk: a person who works by day finds it. It holds 8 MB of memory.
 const FINISH_WITHIN: Duration = Duration::from_secs(24 * 3600);
@@ -115,7 +115,7 @@ pub async fn serve_on(
         },
     );
     let broker = config.mqtt.clone().map(|mqtt| tokio::spawn(mqtt::run(mqtt, board.clone(), cancel.clone())));
-    let bounds = CycleBounds::new(config.cycle_start.clone());
+    let bounds = config.cycle_bounds();
     let live = Live::start(config.devices.clone(), bounds, clock.clone(), cancel.clone());
     let set_up = SetUp::new(&board, cycles.first().map(|choice| &choice.plan));
     let set_up = set_up.writing(config.file.clone(), clock.clone(), live.latest().clone());

@@ -11,7 +11,8 @@
 //! begin = "*MSG*CYCLE*BEGIN*"
 //! end = "*MSG*CYCLE*END*"
 //!
-//! by = "signal"                  # the `signal` of the controller's [[device]] is on
+//! by = "signal"                  # the `signal` of the controller's [[device]] is on; where a [[program]] asks for its
+//!                                # number, another number is another cycle
 //!
 //! by = "dwells"                  # the machine stands so long, moves, stands so long …
 //! dwells_s = [2.0, 1.0, 2.0]     # each at least 0.5 s, recognised to 0.3 s; the cycle begins with the motion after the last
@@ -30,12 +31,14 @@
 mod motion;
 mod program;
 mod rule;
+mod signal;
 
 pub use rule::{Pattern, StartRule};
 
 use crate::static_cycle::StandsAt;
 use motion::{Motion, Step};
 use program::{Program, Way};
+use signal::Signal;
 use trunnion_core::HostTime;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading};
 
@@ -83,8 +86,8 @@ pub struct CycleBounds {
     began_by: String,
     /// Name of the program shown last.
     shown: String,
-    /// Number of the signal as last reported, where that begins cycles.
-    signal: Option<u32>,
+    /// Where that begins cycles.
+    signal: Signal,
     /// The last program that ran under another name before, which may have called it.
     caller: Option<String>,
     first_pose: Option<FirstPose>,
@@ -104,6 +107,12 @@ impl CycleBounds {
         let dwells =
             if let StartRule::Dwells { dwells_s, .. } = &rule { dwells_s.clone() } else { Vec::new() };
         Self { rule, motion: Motion::new(dwells), ..Self::default() }
+    }
+
+    /// With numbers of the signal that are cycles of their own; without, all but 0 is *on*, as where the signal is a counter.
+    #[must_use]
+    pub fn by_number(self, by_number: bool) -> Self {
+        Self { signal: Signal::by_number(by_number), ..self }
     }
 
     /// With the place of the first pose: a program that measures the cycle twice begins it there a second time.
@@ -158,11 +167,16 @@ impl CycleBounds {
             self.shown.clone_from(&now.program);
         }
         let way = self.program.take(now);
+        let by_signal = self.rule == StartRule::Signal;
+        let program_ends = matches!(now.execution, Execution::Ready | Execution::Ended);
+        let ends = self.running && self.program_ran && program_ends;
+        // The reading that ends one program may hold the signal of the next, whose beginning ends this cycle too.
+        let next_comes = ends && by_signal && self.signal.comes(now.signal);
         if self.running {
-            if self.program_ran && matches!(now.execution, Execution::Ready | Execution::Ended) {
-                // The reading that ends the program may take the signal back: it is new when it comes on again.
-                if self.rule == StartRule::Signal {
-                    self.signal = now.signal;
+            if ends && !next_comes {
+                // It may take the signal back, which is new when it comes on again.
+                if by_signal {
+                    self.signal.take(now.signal);
                     self.was_there = now.signal.map(|number| number > 0).or(self.was_there);
                 }
                 return self.end(now.arrival, format!("the controller says {:?}", now.execution));
@@ -197,8 +211,8 @@ impl CycleBounds {
                 (there, format!("block {}", now.block))
             }
             StartRule::Signal => {
-                let before = std::mem::replace(&mut self.signal, now.signal);
-                other_number = before.is_some_and(|number| number > 0) && before != now.signal;
+                other_number = self.signal.is_another(now.signal);
+                self.signal.take(now.signal);
                 let why = match now.signal {
                     Some(number @ 2..) => format!("the signal is {number}"),
                     _ => "the signal is on".into(),
@@ -217,7 +231,7 @@ impl CycleBounds {
         };
         let was_there = self.was_there.replace(there);
         let came = there && (was_there != Some(true) || is_another);
-        let begins_again = is_another || matches!(self.rule, StartRule::Block { .. });
+        let begins_again = is_another || next_comes || matches!(self.rule, StartRule::Block { .. });
         if came && (!self.running || begins_again) {
             self.began_by.clone_from(&now.program);
             let under_way = was_there.is_none();
@@ -294,7 +308,7 @@ impl CycleBounds {
 
     fn begin(&mut self, at: HostTime, why: String, program_ran: bool, under_way: bool) -> Option<Bound> {
         (self.running, self.program_ran) = (true, program_ran);
-        let (program, signal) = (self.shown.clone(), self.signal);
+        let (program, signal) = (self.shown.clone(), self.signal.number());
         Some(Bound::Begins { at, why: why.trim_end().into(), program, signal, under_way })
     }
 

@@ -16,7 +16,7 @@ use trunnion_service::config::Config;
 use trunnion_service::cycles::Choice;
 use trunnion_service::daemon::{self, NewRun, Recorded, Report};
 use trunnion_service::latest::{Latest, Mounted, Readiness};
-use trunnion_service::live::{CycleBounds, Live, check};
+use trunnion_service::live::{Live, check};
 use trunnion_service::storage::FolderLock;
 
 /// Record one cycle, analyse it, and end
@@ -64,7 +64,7 @@ async fn record(config: &Config, choice: &Choice, clock: Arc<dyn Clock>) -> anyh
             stop.cancel();
         }
     });
-    let bounds = CycleBounds::new(config.cycle_start.clone());
+    let bounds = config.cycle_bounds();
     let name = daemon::run_name(&config.recordings, &plan.cycle.name, clock.wall_ns());
     let mut live = Live::start(config.devices.clone(), bounds, clock, cancel);
     live.latest().set_mounted(Mounted::of(plan));
