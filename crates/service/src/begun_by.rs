@@ -73,6 +73,7 @@ mod tests {
             ("name = \"a\"\nsignal = 2", "name is there next to signal"),
             ("signal = 1.5", "a whole number"),
             ("signal = 0", "signal = 0"),
+            ("signal = 2\ncycle = \"a.toml\"\n[[program]]\nsignal = 2", "signal = 2 appears twice"),
         ] {
             let refused = read(&format!("[[program]]\n{keys}\ncycle = \"a.toml\"\n")).unwrap_err();
             assert!(refused.contains(words), "{refused}");

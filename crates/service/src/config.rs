@@ -8,6 +8,7 @@ use crate::opcua::OpcUaConfig;
 use crate::page;
 use crate::page::{AddressError, Lan};
 use crate::storage::StorageConfig;
+use std::collections::BTreeSet;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use trunnion_acquire::config::channels;
@@ -205,8 +206,14 @@ fn read(document: &Document<'_>, file: &Path, text: &str, nest: ReadNest) -> Opt
 }
 
 fn read_programs(root: &Table<'_>, folder: &Path) -> Option<Vec<ProgramCycle>> {
+    let mut numbers = BTreeSet::new();
     let read = |table: Table<'_>| {
         let (begun_by, cycle) = (BegunBy::read(&table), table.string("cycle"));
+        if let Some(BegunBy::Signal(number)) = begun_by
+            && !numbers.insert(number)
+        {
+            table.problem("signal", format!("= {number} appears twice"), "each number once", "");
+        }
         let model = table.optional_string("model").map(|path| folder.join(path));
         table.no_other_keys();
         Some(ProgramCycle { begun_by: begun_by?, cycle: folder.join(cycle?), model })

@@ -153,8 +153,8 @@ impl Cycles {
         let of_every = || self.0.iter().find(|choice| choice.begun_by == BegunBy::Every);
         let by_number = self.0.iter().any(|choice| matches!(choice.begun_by, BegunBy::Signal(_)));
         let refused = || match signal.filter(|_| by_number) {
-            Some(signal) => Refused::NoSignal { signal, allowed: self.signals() },
-            None => Refused::NoProgram { program: program.into(), allowed: self.programs(program) },
+            Some(signal) => Refused::NoSignal { signal, allowed: self.beginnings(program) },
+            None => Refused::NoProgram { program: program.into(), allowed: self.beginnings(program) },
         };
         of_signal.or_else(|| self.0.iter().find(is_named)).or_else(of_every).ok_or_else(refused)
     }
@@ -190,24 +190,17 @@ impl Cycles {
         self.0.iter().map(|choice| choice.plan.cycle.name.as_str())
     }
 
-    /// Programs with their cycles, the nearest name first.
-    fn programs(&self, program: &str) -> String {
-        let named = |choice: &Choice| match &choice.begun_by {
-            BegunBy::Program(name) => Some((name.as_str().to_owned(), choice.plan.cycle.name.clone())),
-            BegunBy::Every | BegunBy::Signal(_) => None,
-        };
-        let mut all: Vec<(String, String)> = self.0.iter().filter_map(named).collect();
-        all.sort_by_key(|(name, _)| distance(program, &name.replace('*', "")));
-        all.iter().map(|(name, cycle)| format!("{name} (cycle {cycle})")).collect::<Vec<_>>().join(", ")
-    }
-
-    /// Numbers of signals with their cycles.
-    fn signals(&self) -> String {
-        let numbered = |choice: &Choice| match choice.begun_by {
-            BegunBy::Signal(number) => Some(format!("{number} (cycle {})", choice.plan.cycle.name)),
-            BegunBy::Every | BegunBy::Program(_) => None,
-        };
-        self.0.iter().filter_map(numbered).collect::<Vec<_>>().join(", ")
+    /// What begins the cycles: numbers of the signal in their order, then programs, the nearest name first.
+    fn beginnings(&self, program: &str) -> String {
+        let mut all: Vec<&Choice> = self.0.iter().collect();
+        all.sort_by_key(|choice| match &choice.begun_by {
+            BegunBy::Signal(number) => (0, *number as usize),
+            BegunBy::Program(name) => (1, distance(program, &name.as_str().replace('*', ""))),
+            BegunBy::Every => (2, 0),
+        });
+        let shown =
+            |choice: &&Choice| format!("{} (cycle {})", choice.begun_by.shown(), choice.plan.cycle.name);
+        all.iter().map(shown).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -244,10 +237,15 @@ mod tests {
         assert_eq!(name(Some(2), Some("demo-static")).unwrap(), "demo-static");
         let refused = name(Some(3), None).unwrap_err().to_string();
         assert!(
-            refused.contains("signal = 3; allowed: 1 (cycle demo-static), 2 (cycle demo-sweep-c)"),
+            refused
+                .contains("signal = 3; allowed: signal 1 (cycle demo-static), signal 2 (cycle demo-sweep-c)"),
             "{refused}"
         );
-        assert!(name(None, None).is_err());
+        // Begun by hand while the signal is off, or not known.
+        for signal in [None, Some(0)] {
+            let refused = name(signal, None).unwrap_err().to_string();
+            assert!(refused.contains("allowed: signal 1 (cycle demo-static), "), "{refused}");
+        }
     }
 
     #[test]
