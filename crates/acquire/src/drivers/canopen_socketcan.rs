@@ -9,7 +9,7 @@ mod interface;
 mod socket;
 mod stamps;
 
-use super::canopen::{FoundNodes, Network, scan};
+use super::canopen::{FoundNodes, Network, listen_and_scan};
 use crate::driver::{Device, Driver, Session};
 use crate::link::Link;
 use crate::probe::{Answer, Medium, Probe, Probing, link};
@@ -29,7 +29,7 @@ pub const DRIVER: Driver = Driver {
     read,
     probe: Some(Probe {
         medium: Medium::Can,
-        asks: "state of the interface; CANopen nodes 1 to 127: device type 1000h, at the bit rate of the interface",
+        asks: "state of the interface; listens for 1.1 s; CANopen nodes 1 to 127: device type 1000h, at the bit rate of the interface",
         run: look,
     }),
 };
@@ -46,7 +46,7 @@ fn look(name: &str) -> Probing<'_> {
 }
 
 async fn nodes(name: &str) -> Result<FoundNodes, SessionEnd> {
-    scan(&mut OpenInterface::open(name)?, &mut link(LOOK_SILENCE)).await
+    listen_and_scan(&mut OpenInterface::open(name)?, &mut link(LOOK_SILENCE)).await
 }
 
 /// Nothing here waits for values.

@@ -7,7 +7,7 @@ use trunnion_acquire::discovery::{Place, Roles, look};
 use trunnion_acquire::{Acquisition, DeviceState, SessionEnd, parse_devices};
 use trunnion_core::AxisValues;
 use trunnion_core::reading::{Message, ProbeReading, Reading, TemperatureReading};
-use trunnion_hil_sim::devices::canopen::{BusConfig, FrameKind, NodeConfig, NodeKind, SdoFault};
+use trunnion_hil_sim::devices::canopen::{BusConfig, FrameKind, Listening, NodeConfig, NodeKind, SdoFault};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, Handle, SimulatedCell, TimeOrigin, canopen};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
 use trunnion_hil_sim::replies;
@@ -273,6 +273,26 @@ async fn no_frame_that_is_late_doubled_lost_merged_or_cut_disables_a_bus_or_is_l
     }
     while let Some(ended) = running.join_next().await {
         ended.unwrap();
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn behind_an_adapter_that_cannot_only_listen_nobody_is_asked() {
+    for listening in [Listening::Refused, Listening::Ignored] {
+        let folder = tempfile::tempdir().unwrap();
+        let port = folder.path().join("can");
+        let config = BusConfig { listening, ..with_thermometer(9) };
+        let origin = TimeOrigin(tokio::time::Instant::now());
+        let _bus = canopen::spawn(world(), &config, &port, origin, &[]).unwrap();
+        let looked = look(Place::serial_port(port.to_str().unwrap()), Some("canopen-slcan")).await;
+        let (driver, found) = looked.found.unwrap_or_else(|| panic!("{:?}", looked.trouble));
+        let says = &found.identity;
+        assert!(
+            says.contains("version 1013") && says.contains("were not asked") && !says.contains("node 1"),
+            "{says}"
+        );
+        assert!(says.contains("put `bitrate`"), "{says}");
+        parse_devices("pasted", &Roles::default().table(driver, &found)).unwrap();
     }
 }
 

@@ -45,6 +45,18 @@ pub struct NodeConfig {
     pub clock: DeviceClock,
 }
 
+/// What an adapter makes of the command to listen without a word on the bus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Listening {
+    /// It obeys.
+    #[default]
+    Obeyed,
+    /// It answers that it cannot.
+    Refused,
+    /// It does not answer.
+    Ignored,
+}
+
 /// An adapter and the nodes on its bus.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BusConfig {
@@ -52,6 +64,8 @@ pub struct BusConfig {
     pub nodes: Vec<NodeConfig>,
     /// Clock of the adapter, which stamps frames in ms modulo 60 000.
     pub adapter_clock: DeviceClock,
+    /// What the adapter makes of `L`, by which it would only listen.
+    pub listening: Listening,
     /// What happens to the SDO answer of a number, counted from 0 over all nodes.
     pub sdo_fault: Option<(u64, SdoFault)>,
     /// What happens to the frame of this kind and number, counted from 0 over all nodes.

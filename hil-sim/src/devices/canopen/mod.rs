@@ -9,7 +9,7 @@ mod node;
 mod nodes;
 mod objects;
 
-pub use config::{BusConfig, FrameKind, NodeConfig, NodeKind, SdoFault};
+pub use config::{BusConfig, FrameKind, Listening, NodeConfig, NodeKind, SdoFault};
 
 pub use nodes::Nodes;
 
@@ -30,7 +30,13 @@ impl BusConfig {
         let id = NodeId::new(5).expect("5 is in 1..=127");
         let kind = NodeKind::BallBar { step_nm: 100, zero_mm: 10.0 };
         let node = NodeConfig { id, kind, serial: 4711, heartbeat_ms: 500, event_timer_ms: 10, clock };
-        Self { nodes: vec![node], adapter_clock: clock, sdo_fault: None, frame_fault: None }
+        Self {
+            nodes: vec![node],
+            adapter_clock: clock,
+            listening: Listening::Obeyed,
+            sdo_fault: None,
+            frame_fault: None,
+        }
     }
 
     /// The ball bar and three probes of ±1 mm as nodes 1 to 3, read by SYNC.
@@ -88,6 +94,7 @@ pub fn spawn(
         adapter: Adapter::default(),
         commands: AdapterDecoder::default(),
         adapter_clock: config.adapter_clock,
+        listening: config.listening,
         sdo_answers: Outbox::with_fault(config.sdo_fault.and_then(|(number, fault)| match fault {
             SdoFault::Reply(fault) => Some((number, fault)),
             SdoFault::BootUp => None,
@@ -108,6 +115,7 @@ struct Bus {
     adapter: Adapter,
     commands: AdapterDecoder,
     adapter_clock: DeviceClock,
+    listening: Listening,
     /// Lines of SDO answers on their way.
     sdo_answers: Outbox,
     /// SDO answers so far, and the number of that instead of which a node begins again.
@@ -190,7 +198,11 @@ impl SerialDevice for Bus {
             if command == Some(HostCommand::Open) && now_s >= self.off_until_s {
                 self.adapter.set_status(StatusFlags::default()); // opening restarts the controller
             }
-            let (answer, frame) = self.adapter.answer(command);
+            let (answer, frame) = match (&command, self.listening) {
+                (Some(HostCommand::Listen), Listening::Refused) => (Some(AdapterMessage::Refused), None),
+                (Some(HostCommand::Listen), Listening::Ignored) => (None, None),
+                _ => self.adapter.answer(command),
+            };
             lines.extend(answer.iter().flat_map(AdapterMessage::encode));
             if let Some(frame) = frame {
                 lines.extend(self.answers(&frame, now_s));

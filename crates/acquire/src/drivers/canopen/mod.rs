@@ -9,10 +9,12 @@
 
 mod bus;
 mod description;
+mod listen;
 mod nodes;
 mod scan;
 
 pub(super) use bus::{Bus, BusEvent};
+pub(super) use listen::{Heard, listen, listen_and_scan};
 pub(super) use scan::{Nodes as FoundNodes, scan};
 
 use crate::link::Link;

@@ -75,9 +75,16 @@ pub(in crate::drivers) struct Nodes {
     words: Vec<String>,
     /// Entries of the key `nodes`.
     measuring: Vec<String>,
+    /// Why nobody was asked.
+    not_asked: Option<String>,
 }
 
 impl Nodes {
+    /// Of a bus on which nothing was sent, with the reason and what to do.
+    pub(in crate::drivers) fn not_asked(why: String) -> Self {
+        Self { not_asked: Some(why), ..Self::default() }
+    }
+
     /// True where nobody answered.
     pub(in crate::drivers) fn is_empty(&self) -> bool {
         self.words.is_empty()
@@ -85,11 +92,12 @@ impl Nodes {
 
     /// Them behind what carries their frames, whose lines of the configuration these are.
     pub(in crate::drivers) fn found(&self, carrier: &str, mut keys: Vec<String>) -> Found {
-        let identity = match self.is_empty() {
-            true => format!(
+        let identity = match (&self.not_asked, self.is_empty()) {
+            (Some(why), _) => format!("{carrier}; CANopen nodes were not asked: {why}"),
+            (None, true) => format!(
                 "{carrier}; no CANopen node answers: check supply, bit rate and terminators, then put the ids into `nodes`"
             ),
-            false => format!("{carrier}; {}", self.words.join("; ")),
+            (None, false) => format!("{carrier}; {}", self.words.join("; ")),
         };
         let nodes = match self.measuring.is_empty() {
             true => "{ id = 1, role = {role} }".into(),

@@ -46,17 +46,32 @@ impl OpenAdapter {
         bitrate: Bitrate,
         link: &mut Link,
     ) -> Result<Self, SessionEnd> {
-        Self::open_by(HostCommand::Open, name, baud, bitrate, link).await
+        let (mut adapter, version, _) = Self::closed(name, baud, bitrate, link).await?;
+        let opened = adapter.command(HostCommand::Open).await?;
+        if version.is_none() && opened.is_none() {
+            return Err(adapter.port.no_answer("as an slcan adapter", 3 * ADAPTER_LIMIT));
+        }
+        if opened == Some(AdapterMessage::Refused) {
+            link.log(true, "the adapter refused to open, it may be open already; going on".into());
+        }
+        Ok(adapter)
     }
 
-    /// The same without a word on the bus, which at another bit rate would disturb it.
+    /// The same without a word on the bus, which at another bit rate would disturb it; none where the adapter does not say that it
+    /// took bit rate and `L`: what it would hear then says nothing.
     pub(super) async fn listen(
         name: &str,
         baud: u32,
         bitrate: Bitrate,
         link: &mut Link,
-    ) -> Result<Self, SessionEnd> {
-        Self::open_by(HostCommand::Listen, name, baud, bitrate, link).await
+    ) -> Result<Option<Self>, SessionEnd> {
+        let (mut adapter, _, bitrate_set) = Self::closed(name, baud, bitrate, link).await?;
+        let opened = adapter.command(HostCommand::Listen).await?;
+        if [bitrate_set, opened].iter().all(|answer| *answer == Some(AdapterMessage::Done)) {
+            return Ok(Some(adapter));
+        }
+        adapter.close().await?;
+        Ok(None)
     }
 
     /// Leaves the bus.
@@ -64,13 +79,13 @@ impl OpenAdapter {
         self.command(HostCommand::Close).await.map(|_| ())
     }
 
-    async fn open_by(
-        how: HostCommand,
+    /// Not yet open, with the answers to version and bit rate.
+    async fn closed(
         name: &str,
         baud: u32,
         bitrate: Bitrate,
         link: &mut Link,
-    ) -> Result<Self, SessionEnd> {
+    ) -> Result<(Self, Option<AdapterMessage>, Option<AdapterMessage>), SessionEnd> {
         let port = serial::open(name, baud, Framing::PLAIN, link)?;
         let mut adapter = Self {
             port,
@@ -86,15 +101,8 @@ impl OpenAdapter {
         adapter.port.write(&[empty.clone(), empty, close].concat()).await?;
         while adapter.port.read(adapter.buffer.as_mut_slice(), Duration::from_millis(50)).await?.is_some() {}
         let version = adapter.command(HostCommand::Version).await?;
-        adapter.command(HostCommand::SetBitrate(bitrate)).await?;
-        let opened = adapter.command(how).await?;
-        if version.is_none() && opened.is_none() {
-            return Err(adapter.port.no_answer("as an slcan adapter", 3 * ADAPTER_LIMIT));
-        }
-        if opened == Some(AdapterMessage::Refused) {
-            link.log(true, "the adapter refused to open, it may be open already; going on".into());
-        }
-        Ok(adapter)
+        let bitrate_set = adapter.command(HostCommand::SetBitrate(bitrate)).await?;
+        Ok((adapter, version, bitrate_set))
     }
 
     /// The adapter's answer; none when it keeps quiet, as some do.

@@ -1,20 +1,18 @@
 //! Is there an slcan adapter at a port, and which nodes are on its bus? `V` and `N` give version and serial number. Then the adapter
-//! listens at one bit rate after the other; nodes are asked at the one at which something was heard. A bus that is silent at all of
-//! them is disturbed by nothing, and asked at each.
+//! listens at one bit rate after the other, without a word on the bus; nodes are asked at the one at which something was heard. A bus
+//! that is silent at all of them is asked at each. With an adapter that cannot only listen (`L`), nothing is asked.
 
 use super::adapter::OpenAdapter;
-use crate::drivers::canopen::{Bus, BusEvent, FoundNodes, scan};
-use crate::link::Link;
+use crate::drivers::canopen::{FoundNodes, Heard, listen, scan};
 use crate::probe::{Answer, Medium, Probe, Probing, ask_at, link};
 use crate::session_end::SessionEnd;
 use crate::transport::serial::Framing;
 use std::time::Duration;
-use tokio::time::Instant;
 use trunnion_protocol::slcan::{AdapterMessage, Bitrate, HostCommand, HostDecoder};
 
 pub(super) const PROBE: Probe = Probe {
     medium: Medium::Serial,
-    asks: "slcan: version V and serial number N at 115200 and 57600 baud; CANopen nodes 1 to 127: device type 1000h",
+    asks: "slcan: version V and serial number N at 115200 and 57600 baud; listens for 1.1 s at each bit rate; CANopen nodes 1 to 127: device type 1000h",
     run: |port| Box::pin(Answer::first(BAUDS.map(|baud| at(port, baud)))),
 };
 
@@ -23,8 +21,9 @@ const BAUDS: [u32; 2] = [115_200, 57_600];
 const LIMIT: Duration = Duration::from_millis(300);
 /// Bit rates of CANopen at which gauges are used, the usual one first.
 const BITRATES: [Bitrate; 4] = [Bitrate::K1000, Bitrate::K500, Bitrate::K250, Bitrate::K125];
-/// Nodes send a heartbeat every second or more often, if they send one.
-const LISTENED: Duration = Duration::from_millis(1100);
+/// A question at a wrong bit rate would disturb whoever talks there.
+const WITHOUT_LISTENING: &str = "the adapter does not take `L`, by which it would listen without a word, so that the bit rate of the \
+                                 bus cannot be found without disturbing it; put `bitrate` and the ids in `nodes` in by hand";
 
 fn at(port: &str, baud: u32) -> Probing<'_> {
     Box::pin(async move {
@@ -63,9 +62,18 @@ async fn look_at_the_bus(port: &str, baud: u32) -> Result<(Bitrate, FoundNodes),
     let mut link = link(LIMIT);
     let mut heard = None;
     for bitrate in BITRATES {
-        if is_heard(port, baud, bitrate, &mut link).await? {
-            heard = Some(bitrate);
-            break;
+        let Some(mut adapter) = OpenAdapter::listen(port, baud, bitrate, &mut link).await? else {
+            return Ok((bitrate, FoundNodes::not_asked(WITHOUT_LISTENING.into())));
+        };
+        let found = listen(&mut adapter, &link).await;
+        adapter.close().await?;
+        match found? {
+            Heard::NotToBeAsked(why) => return Ok((bitrate, FoundNodes::not_asked(why))),
+            Heard::Nodes => {
+                heard = Some(bitrate);
+                break;
+            }
+            Heard::Nothing => {}
         }
     }
     let asked = heard.map_or(BITRATES.to_vec(), |heard| vec![heard]);
@@ -79,19 +87,6 @@ async fn look_at_the_bus(port: &str, baud: u32) -> Result<(Bitrate, FoundNodes),
         }
     }
     Ok((heard.unwrap_or(BITRATES[0]), FoundNodes::default()))
-}
-
-/// True where a frame comes.
-async fn is_heard(port: &str, baud: u32, bitrate: Bitrate, link: &mut Link) -> Result<bool, SessionEnd> {
-    let mut adapter = OpenAdapter::listen(port, baud, bitrate, link).await?;
-    let deadline = Instant::now() + LISTENED;
-    let mut is_heard = false;
-    while !is_heard && Instant::now() < deadline {
-        let events = adapter.receive(deadline.saturating_duration_since(Instant::now()), link).await?;
-        is_heard = events.iter().any(|event| matches!(event, BusEvent::Frame { .. }));
-    }
-    adapter.close().await?;
-    Ok(is_heard)
 }
 
 /// Four hex digits: hardware and software, two each.
