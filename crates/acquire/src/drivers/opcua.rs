@@ -28,6 +28,8 @@ mod connect;
 #[cfg(feature = "opcua")]
 mod instants;
 #[cfg(feature = "opcua")]
+mod missing;
+#[cfg(feature = "opcua")]
 mod nodes;
 #[cfg(feature = "opcua")]
 mod probe;

@@ -52,9 +52,14 @@ impl Instants {
         }
     }
 
+    /// With this stamp the clock of the axes was set back.
+    pub(super) fn is_set_back(&self, stamp_ns: i64) -> bool {
+        self.newest_ns.saturating_sub(stamp_ns) > SET_BACK_NS
+    }
+
     /// A value as the server reported it. One that is not later than the last of its axis is left out.
     pub(super) fn sample(&mut self, axis: usize, stamp_ns: i64, position: f64) {
-        if self.newest_ns.saturating_sub(stamp_ns) > SET_BACK_NS {
+        if self.is_set_back(stamp_ns) {
             self.forget();
             (self.given_ns, self.newest_ns) = (i64::MIN, i64::MIN);
         }

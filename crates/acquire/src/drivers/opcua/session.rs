@@ -5,16 +5,16 @@ mod tests;
 
 use super::connect::{self, Connection, end_of};
 use super::instants::{Instant, Instants};
+use super::missing::{Missing, Stamped};
 use super::nodes::{self, Nodes};
 use super::settings::OpcUa;
 use super::status::{execution, number, signal as signal_in, text};
 use super::subscription::{Notification, Tap, Use, items, subscribe};
 use crate::controller_stamp::of_measurement;
 use crate::link::Link;
-use crate::moments::Moments;
 use crate::session_end::SessionEnd;
 use opcua::types::{AttributeId, DataValue, DateTime, NodeId, ReadValueId, StatusCode, TimestampsToReturn};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -105,9 +105,7 @@ struct Model {
     nodes: Nodes,
     uses: Vec<Use>,
     instants: Instants,
-    moments: Moments,
-    /// Last stamp of each client handle, ns.
-    stamps: HashMap<u32, i64>,
+    missing: Missing,
     delay: Duration,
     /// When the last notification came.
     heard: HostTime,
@@ -131,13 +129,12 @@ impl Model {
         let interval_ns = interval.as_nanos() as i64;
         let hold_ns = 3 * interval_ns + HOLD.as_nanos() as i64;
         let instants = Instants::new(nodes.axes.len(), interval_ns, hold_ns);
-        let uses = items(&nodes).into_iter().map(|(what, _)| what).collect();
+        let uses: Vec<Use> = items(&nodes).into_iter().map(|(what, _)| what).collect();
         Self {
             nodes,
+            missing: Missing::new(uses.len(), now),
             uses,
             instants,
-            moments: Moments::default(),
-            stamps: HashMap::new(),
             delay: interval + ON_THE_WAY,
             heard: now,
             moved: now,
@@ -154,13 +151,16 @@ impl Model {
     fn take(&mut self, values: Vec<(u32, DataValue)>, link: &mut Link) {
         let arrival = link.now();
         for (handle, value) in values {
-            let what = (handle as usize).checked_sub(1).and_then(|k| self.uses.get(k)).copied();
+            let item = (handle as usize).checked_sub(1).filter(|item| *item < self.uses.len());
+            let Some(item) = item else {
+                link.counters.damaged += 1;
+                continue;
+            };
             let stamp_ns = stamp_ns(&value);
-            self.overflow(handle, &value, stamp_ns, arrival, link);
-            match what {
-                None => link.counters.damaged += 1,
-                Some(Use::Axis(axis)) => self.axis(axis, &value, stamp_ns, arrival, link),
-                Some(other) => {
+            self.overflow(item, &value, stamp_ns, arrival, link);
+            match self.uses[item] {
+                Use::Axis(axis) => self.axis(axis, &value, stamp_ns, arrival, link),
+                other => {
                     // A message may hold the end of one program and the beginning of the next.
                     if matches!(other, Use::State) && self.state_changed {
                         self.report_controller(arrival, link);
@@ -172,6 +172,7 @@ impl Model {
             }
         }
         self.heard = arrival;
+        self.missing.notified();
         if self.bad.is_empty() {
             if let Some((since, why)) = self.bad_since.take() {
                 link.gap(since, arrival, None, why);
@@ -182,24 +183,21 @@ impl Model {
         self.report_controller(arrival, link);
     }
 
-    /// Values of an item that the server could not keep are missing between its last stamp and this one.
+    /// Values of an item that the server could not keep are a gap.
     fn overflow(
         &mut self,
-        handle: u32,
+        item: usize,
         value: &DataValue,
         stamp_ns: Option<i64>,
         arrival: HostTime,
         link: &mut Link,
     ) {
-        let moment = |moments: &Moments, stamp_ns: Option<i64>| moments.of(stamp_ns? as f64 * 1e-9);
-        if value.status().overflow() {
-            let from = moment(&self.moments, self.stamps.get(&handle).copied()).unwrap_or(self.heard);
-            let to = moment(&self.moments, stamp_ns).unwrap_or(arrival);
-            link.gap(from.min(to), to, Some(1), "the server's queue of an item ran over".into());
-        }
-        if let Some(stamp_ns) = stamp_ns {
-            self.moments.arrived(stamp_ns as f64 * 1e-9, arrival);
-            self.stamps.insert(handle, stamp_ns);
+        let stamp_ns = stamp_ns.filter(|_| matches!(self.uses[item], Use::Axis(_)));
+        let set_back = stamp_ns.is_some_and(|stamp_ns| self.instants.is_set_back(stamp_ns));
+        let overflow = value.status().overflow();
+        let found = self.missing.take(&Stamped { item, stamp_ns, set_back, overflow, arrival });
+        if let Some((from, to)) = found {
+            link.gap(from, to, Some(1), "the server's queue of an item ran over".into());
         }
     }
 
@@ -260,6 +258,7 @@ impl Model {
         else {
             return;
         };
+        self.missing.stood_until(self.moved + waited);
         let instants = self.instants.all_stand(newest_ns + waited.as_nanos() as i64);
         self.send(instants, true, link);
     }

@@ -1,9 +1,13 @@
 use super::*;
 use crate::drivers::opcua::nodes::AxisNode;
 use crate::execution::SINUMERIK;
+use crate::link::Outlet;
 use crate::probe;
+use crate::status::DeviceStatus;
+use crate::test_clock::AtZero;
 use opcua::types::Variant;
 use proptest::prelude::*;
+use tokio::sync::watch;
 use trunnion_core::Joint;
 
 fn model(link: &Link) -> Model {
@@ -31,6 +35,28 @@ fn a_stamp_that_is_no_time_is_none() {
     for none in [i64::MAX, DateTime::endtimes().ticks(), 1, TICKS_TO_1970 - 1] {
         assert_eq!(stamp(none), None, "{none}");
     }
+}
+
+#[test]
+fn an_overflow_is_a_gap_and_what_was_never_asked_for_is_damage() {
+    let (sender, mut delivered) = mpsc::channel(64);
+    let (status, _) = watch::channel(DeviceStatus::default());
+    let outlet = Outlet::new(0, "nc".into(), sender);
+    let mut link = Link::new(0, Vec::new(), Duration::from_secs(1), Arc::new(AtZero), outlet, status);
+    let mut model = model(&link);
+    let overflown = |ms: i64| {
+        let mut value = value(Variant::from(1.0), 133_000_000_000_000_000 + 10_000 * ms);
+        value.status = Some(StatusCode::Good.set_overflow(true));
+        value
+    };
+    for (handle, lost) in [(1, 1), (0, 1), (77, 1), (1, 2)] {
+        model.take(vec![(handle, overflown(10))], &mut link);
+        assert_eq!(link.counters.lost_readings, lost, "handle {handle}");
+    }
+    assert_eq!(link.counters.damaged, 2);
+    let readings = std::iter::from_fn(|| delivered.try_recv().ok()).map(|message| message.reading);
+    let gaps = readings.filter(|reading| matches!(reading, Reading::Gap(gap) if gap.from == HostTime(0)));
+    assert_eq!(gaps.count(), 2);
 }
 
 fn any_variant() -> impl Strategy<Value = Variant> {
