@@ -54,6 +54,16 @@ impl Lines {
         }
     }
 
+    /// A line has begun and not ended.
+    pub fn is_half(&self) -> bool {
+        !self.line.is_empty()
+    }
+
+    /// The line half received means nothing, however it goes on; it is counted at its end.
+    pub fn spoil(&mut self) {
+        self.spoilt |= self.is_half();
+    }
+
     /// What was seen and lost.
     pub fn counts(&self) -> LineCounts {
         self.counts

@@ -81,8 +81,16 @@ impl Decode<Vec<Line>> for Decoder {
         Some(Self::push(self, bytes)).filter(|lines| !lines.is_empty())
     }
 
+    fn is_half(&self) -> bool {
+        Self::is_half(self)
+    }
+
     fn restart(&mut self) {
         Self::restart(self);
+    }
+
+    fn spoil(&mut self) {
+        Self::spoil(self);
     }
 }
 

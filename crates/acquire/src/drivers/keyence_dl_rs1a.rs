@@ -287,8 +287,16 @@ impl<F: Fn(&Reply) -> bool> Decode<Reply> for Fitting<'_, F> {
         self.decoder.push(bytes).into_iter().rfind(&self.fits)
     }
 
+    fn is_half(&self) -> bool {
+        self.decoder.is_half()
+    }
+
     fn restart(&mut self) {
         self.decoder.restart();
+    }
+
+    fn spoil(&mut self) {
+        self.decoder.spoil();
     }
 }
 

@@ -154,6 +154,19 @@ impl Port {
         }
     }
 
+    /// A line that is open already.
+    #[cfg(test)]
+    pub(super) fn over(stream: SerialStream) -> Self {
+        Self {
+            stream,
+            name: "line".into(),
+            baud: PLAIN_BAUD,
+            framing: Framing::PLAIN,
+            senseless_bytes: 0,
+            owing: false,
+        }
+    }
+
     /// Whether the last request was not answered; it is forgotten with the question.
     pub(super) fn take_owing(&mut self) -> bool {
         std::mem::take(&mut self.owing)

@@ -132,6 +132,16 @@ impl Decoder {
         self.lines.restart();
     }
 
+    /// A line has begun and not ended.
+    pub fn is_half(&self) -> bool {
+        self.lines.is_half()
+    }
+
+    /// The line half received means nothing, however it goes on.
+    pub fn spoil(&mut self) {
+        self.lines.spoil();
+    }
+
     /// What was seen and lost since the start; text that is no line of the format counts as bad.
     pub fn counts(&self) -> LineCounts {
         let seen = self.lines.counts();

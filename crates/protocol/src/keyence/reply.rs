@@ -106,6 +106,16 @@ impl Decoder {
         self.lines.restart();
     }
 
+    /// A reply has begun and not ended.
+    pub fn is_half(&self) -> bool {
+        self.lines.is_half()
+    }
+
+    /// The reply half received means nothing, however it goes on.
+    pub fn spoil(&mut self) {
+        self.lines.spoil();
+    }
+
     /// What was seen and lost since the start.
     pub fn counts(&self) -> LineCounts {
         self.lines.counts()
