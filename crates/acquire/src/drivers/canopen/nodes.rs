@@ -277,7 +277,10 @@ impl Node {
             // Those of before the first answer are of no run, and yet their answers may come.
             let (last, at) = self.last.unwrap_or((0, moment));
             let lost = (sequence.saturating_sub(last) / every).saturating_sub(1);
-            self.unanswered = lost;
+            // A second TPDO of one answer says nothing new.
+            if sequence != last {
+                self.unanswered = lost;
+            }
             if lost > 0 && self.last.is_some() {
                 let reason = format!("node {} missed SYNCs", self.config.id.get());
                 link.gap(at, moment, Some(lost), reason);
