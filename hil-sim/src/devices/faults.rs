@@ -100,9 +100,9 @@ pub enum ReplyFault {
     Late(f64),
     /// It comes twice.
     Doubled,
-    /// It does not come; over HTTP its connection is closed instead.
+    /// It does not come; over HTTP and OPC UA its connection is closed instead.
     Dropped,
-    /// Only its first half comes; over HTTP its connection is closed then.
+    /// Only its first half comes; over HTTP and OPC UA its connection is closed then.
     Cut,
     /// It leaves together with the next one.
     Merged,

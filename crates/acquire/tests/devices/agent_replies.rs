@@ -97,7 +97,6 @@ async fn no_document_that_is_late_doubled_lost_merged_or_cut_disables_an_agent()
             let wrong = SessionEnd::WrongDevice { found: String::new(), expected: String::new() }.kind();
             assert_eq!(status.ends[wrong], 0, "{case:?}: {status:?}");
             let (ends, (_, fault)) = (status.ends.iter().sum::<u64>(), case);
-            println!("{case:?}: {ends} {:?} {gaps:?}", status.last_end);
             let most_ends =
                 u64::from(!(matches!(fault, ReplyFault::Doubled | ReplyFault::Merged) && case.0 >= 2));
             assert!(ends <= most_ends, "{case:?}: {status:?}");

@@ -238,7 +238,7 @@ fn number(value: &ObservedValue) -> Option<f64> {
     }
 }
 
-/// Words for a signal that is on, in the vocabularies of the standard (`ON`, `ACTIVE`, `CLOSED`) and of adapters.
+/// Its number; 1 for a word that means *on* in the vocabularies of the standard (`ON`, `ACTIVE`, `CLOSED`) and of adapters, else 0.
 fn signal(text: &str) -> u32 {
     let is_on = || ["ON", "ACTIVE", "CLOSED", "TRUE", "YES", "HIGH"].contains(&text.to_uppercase().as_str());
     text.parse().map_or_else(|_| u32::from(is_on()), signal_of)
