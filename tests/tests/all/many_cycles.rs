@@ -50,7 +50,7 @@ async fn each_number_of_one_signal_is_measured_by_its_cycle_and_an_unknown_one_i
         tables: "[[program]]\nsignal = 1\ncycle = \"s.toml\"\n[[program]]\nsignal = 4\ncycle = \"w.toml\"\n\
                  [cycle_start]\nby = \"signal\"\n",
         keys: "signal = \"cycle\"\n",
-        words: &["signal = 3", "allowed: 1 (cycle demo-static), 4 (cycle demo-sweep-c)"],
+        words: &["signal = 3", "allowed: signal 1 (cycle demo-static), signal 4 (cycle demo-sweep-c)"],
     })
     .await;
 }
