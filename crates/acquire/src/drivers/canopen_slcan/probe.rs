@@ -22,8 +22,8 @@ const LIMIT: Duration = Duration::from_millis(300);
 /// Bit rates of CANopen at which gauges are used, the usual one first.
 const BITRATES: [Bitrate; 4] = [Bitrate::K1000, Bitrate::K500, Bitrate::K250, Bitrate::K125];
 /// A question at a wrong bit rate would disturb whoever talks there.
-const WITHOUT_LISTENING: &str = "the adapter does not take `L`, by which it would listen without a word, so that the bit rate of the \
-                                 bus cannot be found without disturbing it; put `bitrate` and the ids in `nodes` in by hand";
+const WITHOUT_LISTENING: &str = "the adapter cannot listen without writing (command `L`): nobody is asked, as a wrong bit rate would \
+                                 disturb the bus; put `bitrate` and the ids in `nodes` in by hand";
 
 fn at(port: &str, baud: u32) -> Probing<'_> {
     Box::pin(async move {
