@@ -30,6 +30,8 @@ pub struct Parameter {
     pub limit: Option<Limit>,
     /// True for a change at one moment. A display shows any slow change as sudden ones, each of one step.
     pub sudden: bool,
+    /// What a negative value would say, where machines usually have a positive one.
+    pub negative: Option<&'static str>,
     /// Standard uncertainty beforehand, inside units, of what no reading shows to first order: the tilt of a beam.
     pub u_beforehand: Option<f64>,
 }
@@ -178,7 +180,7 @@ impl Shapes {
 impl Parameter {
     /// A parameter.
     pub fn new(name: impl Into<String>, unit: Unit) -> Self {
-        Self { name: name.into(), unit, limit: None, sudden: false, u_beforehand: None }
+        Self { name: name.into(), unit, limit: None, sudden: false, negative: None, u_beforehand: None }
     }
 
     /// The same where a larger size is not physical.
@@ -191,6 +193,12 @@ impl Parameter {
     #[must_use]
     pub fn known_within(self, u_beforehand: Option<f64>) -> Self {
         Self { u_beforehand, ..self }
+    }
+
+    /// The same where machines usually have a positive value.
+    #[must_use]
+    pub fn usually_positive(self, negative: &'static str) -> Self {
+        Self { negative: Some(negative), ..self }
     }
 
     /// The same where it changes the readings at one moment.

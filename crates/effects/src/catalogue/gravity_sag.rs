@@ -65,7 +65,9 @@ pub(crate) static EFFECT: Effect = Effect {
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     match axis_of(&scene.machine, subject) {
         Some(axis) if scene.moves(axis.letter) => vec![
-            Parameter::new("anisotropy", Unit::UM),
+            // A frame is built to carry its weight upright: S1 §5.3 has 13 µm upright and 19 µm lying, which is positive.
+            Parameter::new("anisotropy", Unit::UM)
+                .usually_positive("upright the frame would give way more than lying on its side"),
             Parameter::new("skewness", Unit::UM),
             Parameter::new("windup.sin", Unit::URAD),
             Parameter::new("windup.cos", Unit::URAD),

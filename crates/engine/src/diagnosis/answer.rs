@@ -22,7 +22,7 @@ use crate::spectrum::Wave;
 use nalgebra::DMatrix;
 use std::f64::consts::LN_10;
 use trunnion_core::convert::um_from_mm;
-use trunnion_effects::{Formula, ModelEffect};
+use trunnion_effects::{Formula, Instance, ModelEffect};
 
 /// A named effect that explains at least this share leads, although a part remains.
 const MOSTLY: f64 = 0.8;
@@ -66,8 +66,9 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         // Something was found that cannot be added.
         (true, false) => (Verdict::UnnamedStructure, String::new(), String::new()),
     };
-    for unfitted in &refits.unfitted {
-        why = format!("{why} {}", unfitted.words()).trim_start().into();
+    let unfitted = refits.unfitted.iter().map(Unfitted::words);
+    for sentence in unfitted.chain(context.against_usual_sign(&listed, &refits.candidates)) {
+        why = format!("{why} {sentence}").trim_start().into();
     }
     if verdict == Verdict::UnnamedStructure && formula.is_none() && next.is_empty() {
         next = NextCycle::REPEAT_THIS_PASS.into();
@@ -224,19 +225,33 @@ impl Context<'_> {
         .collect()
     }
 
+    /// What was found, each with its own fit.
+    fn found_refits<'r>(
+        &'r self,
+        listed: &'r [(usize, Item)],
+        refits: &'r [Option<Refit>],
+    ) -> impl Iterator<Item = (&'r Instance, &'r Refit)> {
+        let is_found = |item: &Item| self.found.items.iter().any(|other| other.what == item.what);
+        let found = listed.iter().zip(refits).filter(move |((_, item), _)| is_found(item));
+        found.filter_map(|((group, _), refit)| Some((&self.scan.named[*group].instance, refit.as_ref()?)))
+    }
+
     /// The first that was found and cannot be the cause, and why.
     fn not_the_cause(&self, listed: &[(usize, Item)], refits: &[Option<Refit>]) -> Option<(String, String)> {
         let scene = &self.problem.experiment().scene;
-        let is_found = |item: &Item| self.found.items.iter().any(|other| other.what == item.what);
-        let mut found = listed.iter().zip(refits).filter(|((_, item), _)| is_found(item));
-        found.find_map(|((group, _), refit)| {
-            let instance = &self.scan.named[*group].instance;
-            let refit = refit.as_ref()?;
+        self.found_refits(listed, refits).find_map(|(instance, refit)| {
             let display = self.scan.remainder.coarse_display.as_ref();
             let within_display = || refit.within_step(instance, scene, display?.step_mm);
             let why = refit.beyond_physical(instance, scene).or_else(within_display)?;
             Some((instance.id(), why))
         })
+    }
+
+    /// Of what was found, what has a sign that its cause usually has not.
+    fn against_usual_sign(&self, listed: &[(usize, Item)], refits: &[Option<Refit>]) -> Option<String> {
+        let scene = &self.problem.experiment().scene;
+        self.found_refits(listed, refits)
+            .find_map(|(instance, refit)| refit.against_usual_sign(instance, scene))
     }
 
     /// Ids of what was found with an effect in the model.

@@ -9,6 +9,9 @@ use trunnion_core::chain;
 use trunnion_core::convert::um_from_mm;
 use trunnion_effects::{Instance, ModelEffect, Scene, Unit};
 
+/// A value below zero by so many of its standard uncertainties is negative: one in 700 is so by chance [normal distribution].
+const SURE: f64 = 3.0;
+
 /// A fit of the model with something added.
 pub struct Refit {
     added: Vec<ModelEffect>,
@@ -103,6 +106,23 @@ impl Refit {
                     limit.largest,
                     limit.beyond,
                     unit = parameter.unit.text(),
+                )
+            })
+        })
+    }
+
+    /// What speaks for readings of which every sign is reversed: a parameter of `instance` with a sign that its cause usually has not.
+    pub fn against_usual_sign(&self, instance: &Instance, scene: &Scene) -> Option<String> {
+        let id = instance.id();
+        instance.parameters(scene).into_iter().find_map(|parameter| {
+            let negative = parameter.negative?;
+            let own = self.fit.parameters.iter().find(|p| p.effect == id && p.name == parameter.name)?;
+            let (value, u) = own.value.zip(own.u)?;
+            (value < -SURE * u).then(|| {
+                format!(
+                    "{id} is found with a negative {}: {negative}, which is not usual. Readings whose signs are all reversed look so, and give every \
+                     location error the wrong sign. Make the sign test before anything is changed.",
+                    parameter.name
                 )
             })
         })

@@ -11,7 +11,7 @@ use trunnion_cycles::Run;
 use trunnion_machine::shipped;
 
 /// Farther off than any probe of an R-test reads, and than any ball bar grows or shrinks, mm.
-const FAR_MM: f64 = 5.0;
+pub(super) const FAR_MM: f64 = 5.0;
 /// Points of which the distance is formed while mistakes are tried: evenly chosen, for time only.
 const TRIED_POINTS: usize = 600;
 /// More mistakes that explain all are not listed.

@@ -1,6 +1,7 @@
 //! Can the readings be so small, so quiet or so restless? Wrong units show there.
 
 use super::found::{Implausible, plain};
+use super::positions::FAR_MM;
 use super::readings::FEWEST_POINTS;
 use crate::Experiment;
 use crate::noise::repeatability::{of_channels_mm, repeatability};
@@ -26,7 +27,9 @@ const TOO_HOT_DEGC: f64 = 55.0;
 const AIR: [&str; 3] = ["ambient", "air", "room"];
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
-    let of_readings = |run: &Run| too_small(run).or_else(|| unrepeatable(run)).or_else(|| loose(run));
+    let of_readings = |run: &Run| {
+        too_small(run).or_else(|| too_large(run)).or_else(|| unrepeatable(run)).or_else(|| loose(run))
+    };
     let enough = runs.iter().filter(|run| run.good_points().count() >= FEWEST_POINTS);
     enough.flat_map(|run| of_readings(run).into_iter().chain(too_hot(run))).collect()
 }
@@ -52,6 +55,19 @@ fn too_hot(run: &Run) -> Option<Implausible> {
 /// True where contact probes read.
 fn has_probes(run: &Run) -> bool {
     run.setups.iter().all(|setup| setup.instrument.deflects_probes())
+}
+
+/// Readings of a ball bar beyond its range. Where three probes read one ball, positions in the readings are tried as a mistake of their own.
+fn too_large(run: &Run) -> Option<Implausible> {
+    let of_bars = run.setups.iter().all(|setup| setup.instrument.keeps_bar_length());
+    let most_mm =
+        run.good_points().flat_map(|point| point.reading_mm).fold(0.0, |most: f64, mm| most.max(mm.abs()));
+    (of_bars && most_mm > FAR_MM).then(|| {
+        plain(
+            format!("{}: the bar grows or shrinks by up to {most_mm:.0} mm, farther than any bar reads.", run.name),
+            "In nm instead of µm (factor 1000) it would be plausible, or the readings hold the length of the bar. Check what dr holds.",
+        )
+    })
 }
 
 fn too_small(run: &Run) -> Option<Implausible> {

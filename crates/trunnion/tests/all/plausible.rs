@@ -15,8 +15,9 @@ fn a_coarse_display_is_not_taken_for_a_stuck_probe() {
             let mut files = Files::committed(set);
             READINGS.into_iter().for_each(|c| files.change(c, |v| (v / step_um).round() * step_um));
             let found = files.open().check().plausibility;
+            let of_display = ["same value", "never beyond"];
             assert!(
-                found.iter().all(|one| !one.finding.contains("same value")),
+                found.iter().all(|one| of_display.iter().all(|words| !one.finding.contains(words))),
                 "{set}, {step_um} µm: {found:?}"
             );
         }
@@ -45,6 +46,25 @@ fn what_is_not_plausible_is_not_judged_and_says_why_on_every_surface() {
         let words = surface.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains("the sense of C reversed"), "{surface}");
     }
+}
+
+/// Only weight knows where down is: a frame that gives way more upright than lying down may be one whose readings are all reversed.
+#[test]
+fn weight_that_acts_the_other_way_asks_for_the_sign_test() {
+    let mut files = Files::committed("points-gravity");
+    let diagnosed = |files: &Files| {
+        let run = files.open();
+        run.fit(&run.base_model()).unwrap().diagnose().unwrap()
+    };
+    let good = diagnosed(&files).results();
+    assert_eq!((good.candidates[0].effect.as_str(), good.why.as_str()), ("gravity-sag:B", ""));
+    READINGS.into_iter().for_each(|column| files.change(column, |value| -value));
+    let reversed = diagnosed(&files);
+    let (answer, text) = (reversed.results(), reversed.summary());
+    assert_eq!((answer.verdict, answer.candidates[0].effect.as_str()), (good.verdict, "gravity-sag:B"));
+    let said = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("Readings whose signs are all reversed look so"), "{said}");
+    assert!(reversed.compare().page().contains("Make the sign test before anything is changed"));
 }
 
 #[test]

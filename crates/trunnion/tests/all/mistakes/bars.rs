@@ -48,8 +48,20 @@ const BAR_XY: &str = include_str!("../../../../../config/cycles/circle-xy.toml")
 /// What is spoilt of which cycle, and what must be said of it.
 pub type BarMistake = (&'static str, &'static str, fn(&mut Files), &'static [&'static str]);
 
-pub const BARS: [BarMistake; 7] = [
+pub const BARS: [BarMistake; 9] = [
     ("constant", BAR_C, |f| f.change("dr_um", |_| 5.0), &["the probe dr reads the same value"]),
+    (
+        "nanometres",
+        BAR_C,
+        |f| f.change("dr_um", |v| 1e3 * v - 2e3),
+        &["farther than any bar reads", "In nm instead of µm"],
+    ),
+    (
+        "readings that hold the length",
+        BAR_C,
+        |f| f.change("dr_um", |v| v + 1e5),
+        &["hold the length of the bar"],
+    ),
     ("stuck", BAR_C, |f| f.hold("dr_um", 10, 60), &["the probe dr reads the same value"]),
     (
         "x and z exchanged",
