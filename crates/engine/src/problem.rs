@@ -14,6 +14,7 @@ pub(crate) mod rows;
 pub mod runs;
 pub(crate) mod sequence;
 pub(crate) mod side_by_side;
+pub(crate) mod steps;
 pub(crate) mod stream;
 pub(crate) mod taken;
 

@@ -3,6 +3,7 @@
 use crate::number::{plain, um, with_unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trunnion_core::number::signed;
 use trunnion_engine::fit::doubts as engine;
 
 /// Numbers of a fit to doubt.
@@ -29,6 +30,8 @@ pub enum DoubtReason {
     BeyondPhysical,
     /// A time constant longer than the longest run.
     LongerThanRun,
+    /// One direction is stated at every point of an axis that went both ways.
+    OneDirection,
     /// Readings of one pose scatter more than those of a machining centre in order.
     Scatter,
 }
@@ -59,6 +62,14 @@ impl From<&engine::Doubt> for Doubt {
                     "{names} of {} is longer than the longest run ({}): its course was not seen to the end.",
                     with_unit(tau_s.round(), "s"),
                     with_unit(longest_s.round(), "s")
+                ),
+            ),
+            engine::DoubtReason::OneDirection { joint, stated, contrary: [contrary, all] } => (
+                DoubtReason::OneDirection,
+                format!(
+                    "{names} is always {}, although {joint} moved the opposite way in {contrary} of {all} steps. That is right where every \
+                     pose was approached from one side; otherwise give the direction as {joint} moved, or 0.",
+                    signed(stated, 0)
                 ),
             ),
             engine::DoubtReason::Scatter { noise_um } => (

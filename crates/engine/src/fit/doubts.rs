@@ -5,12 +5,15 @@
 //!   and the π_jk of those directions add up to more than ½ for two or more coefficients, these are collinear [Belsley 1980].
 //! - A parameter larger than its cause allows (`Limit`).
 //! - A time constant longer than the longest run: its course was never seen.
+//! - One stated direction of an axis that goes both ways: an approach from one side, or a column that was never filled in.
 //! - Readings at rest that scatter as no machining centre in order does: a wrong unit, or something loose.
 
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification};
+use crate::problem::steps::{AGAINST, FEWEST_STEPS, only_direction, steps};
 use crate::solve::linear::Reduced;
 use crate::{Experiment, Status};
 use nalgebra::DMatrix;
+use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::RunKind;
 use trunnion_effects::{Instance, Limit, Model, Parameter, Role, Unit};
@@ -58,6 +61,15 @@ pub enum DoubtReason {
         /// The longest run, s.
         longest_s: f64,
     },
+    /// One direction is stated at every point of an axis that went both ways.
+    OneDirection {
+        /// The axis.
+        joint: Joint,
+        /// What is stated.
+        stated: f64,
+        /// Steps that went the other way, and all.
+        contrary: [usize; 2],
+    },
     /// Readings of one pose scatter more than those of a machining centre in order.
     Scatter {
         /// Repeatability of a reading, µm.
@@ -68,6 +80,7 @@ pub enum DoubtReason {
 /// What to doubt in a fit of `model`.
 pub fn doubts(experiment: &Experiment, model: &Model, fit: &Identification) -> Vec<Doubt> {
     let mut found: Vec<Doubt> = scatter(experiment, fit).into_iter().collect();
+    found.extend(one_direction(experiment));
     let columns = |id: &str, shape: &[f64]| {
         let entry = model.effects.iter().find(|entry| entry.id == id)?;
         let instance = Instance::from_model_effect(entry, experiment.machine()).ok()?;
@@ -120,6 +133,26 @@ fn beyond_physical(
         limit.is_exceeded(value).then(|| Doubt { effect: Some(effect.id.clone()), names, reason })
     };
     parameters.into_iter().filter_map(doubt).collect()
+}
+
+/// Axes at rest that were approached from one side, as stated, while they went both ways.
+fn one_direction(experiment: &Experiment) -> Vec<Doubt> {
+    if experiment.kinds.iter().any(|kind| *kind != RunKind::Static) {
+        return Vec::new();
+    }
+    let of_joint = |joint: Joint| {
+        let stated = only_direction(&experiment.points, joint)?;
+        let steps = steps(&experiment.points, joint);
+        let contrary = [steps.iter().filter(|step| step.is_contrary()).count(), steps.len()];
+        let is_doubted = steps.len() >= FEWEST_STEPS && contrary[0] as f64 > AGAINST * contrary[1] as f64;
+        let reason = DoubtReason::OneDirection { joint, stated, contrary };
+        is_doubted.then(|| Doubt {
+            effect: None,
+            names: vec![format!("direction_{}", joint.lower())],
+            reason,
+        })
+    };
+    experiment.machine().joints().into_iter().filter_map(of_joint).collect()
 }
 
 /// Probes in a nest, read at rest, that do not repeat.

@@ -123,7 +123,7 @@ pub enum IdentifyError {
         what: &'static str,
     },
     /// More unknowns than readings.
-    #[error("{rows} readings cannot determine {determined} parameters; measure more poses")]
+    #[error("{rows} readings are too few to determine {determined} parameters; measure more poses")]
     TooFewReadings {
         /// Scalar readings.
         rows: usize,

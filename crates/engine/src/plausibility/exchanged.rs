@@ -5,6 +5,8 @@ mod axes;
 use super::fitted::{Fitted, Tried};
 use super::found::Implausible;
 use crate::Experiment;
+use crate::noise::repeatability::repeatability;
+use crate::problem::passes::passes;
 use axes::{turned, ways};
 use nalgebra::DVector;
 use trunnion_core::convert::um_from_mm;
@@ -14,8 +16,9 @@ use trunnion_cycles::{Run, RunKind};
 /// A mistake is believed where undoing it divides what the model leaves by this: mean square by nine, which no effect that
 /// resembles the mistake reaches by chance where dozens of readings are left.
 const BELIEVED: f64 = 3.0;
-/// Below this nothing is gross, µm rms.
+/// Below this nothing is gross, µm rms; nor is what is below so many repeatabilities, where these are known and finer.
 pub(super) const GROSS_UM: f64 = 2.0;
+const GROSS_REPEATABILITIES: f64 = 5.0;
 /// What leaves no more than this times the least explains as much: the simpler mistake, tried first, is named. A free angle takes up a
 /// little of every effect.
 const AS_GOOD: f64 = 1.25;
@@ -25,7 +28,10 @@ pub(super) fn exchanged(run: &Run) -> Option<Implausible> {
     let experiment = Experiment::of_points(&[run]).ok()?;
     let model = Fitted::new(&experiment)?;
     let before_um = um_from_mm(model.rms_mm(&experiment.readings_mm()));
-    if before_um < GROSS_UM {
+    let repeated = repeatability(&experiment, &passes(&experiment));
+    let gross_um =
+        repeated.map_or(GROSS_UM, |of| GROSS_UM.min(GROSS_REPEATABILITIES * um_from_mm(of.sigma_mm)));
+    if before_um < gross_um {
         return None;
     }
     let trial = Trial { run, experiment: &experiment, model: &model };

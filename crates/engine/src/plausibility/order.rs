@@ -1,6 +1,7 @@
 //! Times and directions: does the order of the points make sense?
 
 use super::found::{Implausible, plain};
+use crate::problem::steps::{AGAINST, FEWEST_STEPS, only_direction, steps};
 use std::f64::consts::TAU;
 use trunnion_core::number::signed;
 use trunnion_core::{Joint, Point, statistics};
@@ -16,13 +17,8 @@ const FASTEST_MM_PER_S: f64 = 1000.0;
 /// So many equal steps in a row are a pass: in a random order of twelve positions two steps are equal with a chance below 1/12, and four
 /// in a row with one below 1/1000.
 const STREAK: usize = 4;
-/// Share of the steps that must go against the stated direction: in a cycle of one direction each pass, of [`STREAK`] steps or more,
-/// may be followed by one step back.
-const AGAINST: f64 = 1.0 / (STREAK as f64 + 1.0);
-/// The same where both directions are stated: what is left are the returns to the beginning of a pass.
+/// Share of the steps against the stated directions, where both are stated: what is left are the returns to the beginning of a pass.
 const REVERSED: f64 = 0.9;
-/// Steps of an axis below which nothing is said of its direction: two passes.
-const FEWEST_STEPS: usize = 2 * STREAK;
 /// A count is not that of a random order when it is so many standard deviations away: one in 700 on one side [normal distribution].
 const SURE: f64 = 3.0;
 /// With fewer steps a random order may run back no more often than a clock that began again twice: n/2 − SURE √((n + 2)/12) is 2 for
@@ -148,26 +144,14 @@ fn against(run: &Run, joint: Joint) -> Option<Implausible> {
     if run.kind != RunKind::Static {
         return None;
     }
-    let steps: Vec<Step> = run
-        .points
-        .windows(2)
-        .filter(|pair| pair[0].state.setup == pair[1].state.setup)
-        .map(|pair| {
-            let moved = pair[1].state.position[joint] - pair[0].state.position[joint];
-            // The short way round; half a turn goes either way.
-            let turns = if joint.is_rotary() { (moved / TAU).round() } else { 0.0 };
-            Step { moved, way: moved - turns * TAU, stated: pair[1].state.direction[joint] }
-        })
-        .filter(|step| step.moved != 0.0 && step.stated != 0.0)
-        .collect();
-    let stated = run.points.first()?.state.direction[joint];
+    let steps = steps(&run.points, joint);
     if steps.len() < FEWEST_STEPS {
         return None;
     }
     let column = format!("direction_{}", joint.lower());
     let count = steps.len();
-    if run.points.iter().any(|point| point.state.direction[joint] != stated) {
-        let contrary = steps.iter().filter(|step| step.way * step.stated < 0.0).count();
+    let Some(stated) = only_direction(&run.points, joint) else {
+        let contrary = steps.iter().filter(|step| step.is_contrary()).count();
         return (contrary as f64 > REVERSED * count as f64).then(|| {
             plain(
                 format!("{}: {column} is opposite to the motion of {joint} in {contrary} of {count} steps.", run.name),
@@ -176,7 +160,7 @@ fn against(run: &Run, joint: Joint) -> Option<Implausible> {
                 ),
             )
         });
-    }
+    };
     let mut contrary = 0;
     for streak in steps.chunk_by(|a, b| (a.moved - b.moved).abs() <= 1e-6 * a.moved.abs()) {
         if streak.len() >= STREAK && streak[0].moved * stated < 0.0 {
@@ -193,13 +177,6 @@ fn against(run: &Run, joint: Joint) -> Option<Implausible> {
             &format!("The directions were never filled in. Give {column} as the axis moved, or 0 where it is not known."),
         )
     })
-}
-
-/// From one point to the next.
-struct Step {
-    moved: f64,
-    way: f64,
-    stated: f64,
 }
 
 #[cfg(test)]

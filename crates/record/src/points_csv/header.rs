@@ -72,9 +72,11 @@ pub(super) fn read_header(
     for &(at, ref cell) in header {
         let column = parse(cell);
         if column.is_none() && (machine.is_some() || !may_be_joint(cell)) {
-            let advice = match meant(cell, &required, &absent).or_else(|| meant(cell, &allowed, &absent)) {
-                Some(near) => format!("Did you mean {near}?"),
-                None => String::new(),
+            let near = || meant(cell, &required, &absent).or_else(|| meant(cell, &allowed, &absent));
+            let advice = match (machine.and_then(|machine| joint_of_another(cell, machine)), near()) {
+                (Some(advice), _) => advice,
+                (None, Some(near)) => format!("Did you mean {near}?"),
+                (None, None) => String::new(),
             };
             notes.add(line, at, &format!("column \"{cell}\""), &names, &advice);
         } else if column.is_some() && columns.contains(&column) {
@@ -95,6 +97,16 @@ pub(super) fn read_header(
 fn meant(cell: &str, of: &[Column], absent: &dyn Fn(&Column) -> bool) -> Option<String> {
     let names: Vec<String> = of.iter().filter(|column| absent(column)).map(Column::name).collect();
     nearest(cell, names.iter().map(String::as_str)).map(String::from)
+}
+
+/// A column of an axis that the machine has not, but others have.
+fn joint_of_another(cell: &str, machine: &Machine) -> Option<String> {
+    let name = cell.trim_end_matches("_deg").trim_end_matches("_mm").trim_start_matches("direction_");
+    let letter = name.to_ascii_uppercase();
+    let is_axis = name != cell && letter.len() == 1 && "XYZUVWABC".contains(&letter);
+    (is_axis && machine.joint(&letter).is_none()).then(|| {
+        format!("Machine {} has no axis {letter}: these points are of another machine.", machine.name)
+    })
 }
 
 /// Without its machine nobody knows whether a column is about one of its joints.

@@ -51,7 +51,7 @@ impl Files {
     }
 
     /// Rows in an order that is the same in every run of the test.
-    fn shuffle(&mut self, seed: u64) {
+    pub fn shuffle(&mut self, seed: u64) {
         let mut state = seed;
         for k in (1..self.rows.len()).rev() {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -211,7 +211,7 @@ enum Becomes {
     Refused(&'static [&'static str]),
 }
 
-const FILES: [FileMistake; 14] = [
+const FILES: [FileMistake; 15] = [
     (
         "semicolons, decimal commas, CRLF",
         |f| f.text().replace(',', ";").replace('.', ",").replace('\n', "\r\n").into(),
@@ -274,6 +274,14 @@ const FILES: [FileMistake; 14] = [
             f.text().into()
         },
         Becomes::Refused(&["setup.toml:2", "table-cb"]),
+    ),
+    (
+        "another machine, which lacks an axis",
+        |f| {
+            f.replace("\"table-bc\"", "\"table-ac\"");
+            f.text().into()
+        },
+        Becomes::Refused(&["b_deg", "table-ac has no axis B", "another machine"]),
     ),
     (
         "an instrument that does not exist",

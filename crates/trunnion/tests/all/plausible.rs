@@ -67,6 +67,33 @@ fn weight_that_acts_the_other_way_asks_for_the_sign_test() {
     assert!(reversed.compare().page().contains("Make the sign test before anything is changed"));
 }
 
+/// In a random order no pass goes the other way; every pose may have been approached from below.
+#[test]
+fn one_direction_of_an_axis_that_went_both_ways_is_doubted() {
+    let mut files = Files::committed("points-nothing-hidden");
+    let times = files.rows.iter().map(|row| row[files.column("time_s")].clone()).collect::<Vec<_>>();
+    files.shuffle(3);
+    let column = files.column("time_s");
+    files.rows.iter_mut().zip(times).for_each(|(row, time)| row[column] = time);
+    let doubts = |files: &Files| {
+        let run = files.open();
+        assert_eq!(run.check().plausibility, []);
+        run.fit(&run.base_model()).unwrap().results().doubts
+    };
+    assert_eq!(doubts(&files), []);
+    files.change("direction_b", |_| 1.0);
+    let [doubt] = &doubts(&files)[..] else { panic!("one doubt") };
+    assert_eq!(
+        (doubt.reason, &doubt.names[..]),
+        (DoubtReason::OneDirection, &["direction_b".to_owned()][..])
+    );
+    assert!(
+        doubt.words.contains("direction_b is always +1, although B moved the opposite way in"),
+        "{}",
+        doubt.words
+    );
+}
+
 #[test]
 fn readings_ten_times_too_large_are_doubted_where_they_repeat() {
     let mut files = Files::committed("points-gravity");

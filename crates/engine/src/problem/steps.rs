@@ -1,0 +1,47 @@
+//! How an axis went from point to point, and what was stated of it.
+
+use std::f64::consts::TAU;
+use trunnion_core::{Joint, Point};
+
+/// Share of the steps that must go against one stated direction: in a cycle of one direction each pass, of four steps or more, may be
+/// followed by one step back.
+pub(crate) const AGAINST: f64 = 0.2;
+/// Steps of an axis below which nothing is said of its direction: two passes.
+pub(crate) const FEWEST_STEPS: usize = 8;
+
+/// From one point to the next of a setup.
+pub(crate) struct Step {
+    /// By the positions, mm or rad.
+    pub moved: f64,
+    /// The short way round; half a turn goes either way.
+    pub way: f64,
+    /// Direction from which the point was reached, as stated.
+    pub stated: f64,
+}
+
+impl Step {
+    pub fn is_contrary(&self) -> bool {
+        self.way * self.stated < 0.0
+    }
+}
+
+/// Steps of one run at which the axis moved and a direction is stated.
+pub(crate) fn steps(points: &[Point], joint: Joint) -> Vec<Step> {
+    points
+        .windows(2)
+        .filter(|pair| pair[0].state.setup == pair[1].state.setup)
+        .map(|pair| {
+            let moved = pair[1].state.position[joint] - pair[0].state.position[joint];
+            let turns = if joint.is_rotary() { (moved / TAU).round() } else { 0.0 };
+            Step { moved, way: moved - turns * TAU, stated: pair[1].state.direction[joint] }
+        })
+        .filter(|step| step.moved != 0.0 && step.stated != 0.0)
+        .collect()
+}
+
+/// The one direction that is stated at every point.
+pub(crate) fn only_direction(points: &[Point], joint: Joint) -> Option<f64> {
+    let stated = points.first()?.state.direction[joint];
+    let is_only = stated != 0.0 && points.iter().all(|point| point.state.direction[joint] == stated);
+    is_only.then_some(stated)
+}
