@@ -80,6 +80,8 @@ pub struct CycleBounds {
     running: bool,
     /// What begins a cycle is there, as last seen; `None` before the first report.
     was_there: Option<bool>,
+    /// What begins a cycle was there since this one began, which a person may have begun.
+    came: bool,
     /// A program was seen running since the cycle began.
     program_ran: bool,
     /// Name of the program that began it.
@@ -133,7 +135,8 @@ impl CycleBounds {
     /// shows; empty when it shows none.
     pub fn begun_otherwise(&mut self) -> String {
         // A program that the controller already runs ends it; one that begins later is seen to run then.
-        (self.running, self.program_ran) = (true, self.was_there == Some(true));
+        let is_there = self.was_there == Some(true);
+        (self.running, self.came, self.program_ran) = (true, is_there, is_there);
         self.shown.clone()
     }
 
@@ -230,6 +233,7 @@ impl CycleBounds {
             _ => false,
         };
         let was_there = self.was_there.replace(there);
+        self.came |= there;
         let came = there && (was_there != Some(true) || is_another);
         let begins_again = is_another || next_comes || matches!(self.rule, StartRule::Block { .. });
         if came && (!self.running || begins_again) {
@@ -245,7 +249,7 @@ impl CycleBounds {
             StartRule::Program(_) => now.execution == Execution::Unknown,
             _ => false,
         };
-        if self.running && is_level && !there {
+        if self.running && is_level && self.came && !there {
             return self.end(now.arrival, "what began the cycle is gone".into());
         }
         None
@@ -307,7 +311,7 @@ impl CycleBounds {
     }
 
     fn begin(&mut self, at: HostTime, why: String, program_ran: bool, under_way: bool) -> Option<Bound> {
-        (self.running, self.program_ran) = (true, program_ran);
+        (self.running, self.came, self.program_ran) = (true, true, program_ran);
         let (program, signal) = (self.shown.clone(), self.signal.number());
         Some(Bound::Begins { at, why: why.trim_end().into(), program, signal, under_way })
     }

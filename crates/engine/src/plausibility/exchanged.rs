@@ -7,7 +7,7 @@ use super::found::Implausible;
 use crate::Experiment;
 use crate::noise::repeatability::repeatability;
 use crate::problem::passes::passes;
-use axes::{turned, ways};
+use axes::{PROBES, turned, ways};
 use nalgebra::DVector;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::{Joint, NestSide};
@@ -16,7 +16,8 @@ use trunnion_cycles::{Run, RunKind};
 /// A mistake is believed where undoing it divides what the model leaves by this: mean square by nine, which no effect that
 /// resembles the mistake reaches by chance where dozens of readings are left.
 const BELIEVED: f64 = 3.0;
-/// Below this nothing is gross, µm rms; nor is what is below so many repeatabilities, where these are known and finer.
+/// Below this nothing is gross, µm rms. Of readings that vary by more, what is left of them is gross from so many repeatabilities on, where
+/// these are known and finer: but not as a mistake of one setup alone, which a lean of the tool, left by a correction, resembles.
 pub(super) const GROSS_UM: f64 = 2.0;
 const GROSS_REPEATABILITIES: f64 = 5.0;
 /// What leaves no more than this times the least explains as much: the simpler mistake, tried first, is named. A free angle takes up a
@@ -31,11 +32,11 @@ pub(super) fn exchanged(run: &Run) -> Option<Implausible> {
     let repeated = repeatability(&experiment, &passes(&experiment));
     let gross_um =
         repeated.map_or(GROSS_UM, |of| GROSS_UM.min(GROSS_REPEATABILITIES * um_from_mm(of.sigma_mm)));
-    if before_um < gross_um {
+    if before_um < gross_um || variation_um(run) < GROSS_UM {
         return None;
     }
     let trial = Trial { run, experiment: &experiment, model: &model };
-    let tried = trial.all();
+    let tried = trial.all(before_um >= GROSS_UM);
     let least_mm = tried.iter().map(|(_, left_mm)| *left_mm).fold(f64::INFINITY, f64::min);
     let (mistake, left_mm) = tried.into_iter().find(|(_, left_mm)| *left_mm <= AS_GOOD * least_mm)?;
     let left_um = um_from_mm(left_mm);
@@ -49,6 +50,24 @@ pub(super) fn exchanged(run: &Run) -> Option<Implausible> {
     })
 }
 
+/// Scatter of the readings of each channel of a setup about their mean, rms, µm.
+fn variation_um(run: &Run) -> f64 {
+    let (mut squares, mut count) = (0.0, 0);
+    for setup in 0..run.setups.len() {
+        let own: Vec<[f64; 3]> = run
+            .good_points()
+            .filter(|point| point.state.setup == setup)
+            .map(|point| point.reading_mm)
+            .collect();
+        for channel in 0..run.setups[setup].instrument.components().len() {
+            let mean = own.iter().map(|reading| reading[channel]).sum::<f64>() / own.len().max(1) as f64;
+            squares += own.iter().map(|reading| (reading[channel] - mean).powi(2)).sum::<f64>();
+            count += own.len();
+        }
+    }
+    um_from_mm((squares / count.max(1) as f64).sqrt())
+}
+
 struct Trial<'a> {
     run: &'a Run,
     experiment: &'a Experiment,
@@ -56,11 +75,12 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// Every mistake, the simpler ones first; of all readings, then of those of one setup.
-    fn all(&self) -> Vec<Tried> {
+    /// Every mistake, the simpler ones first; of all readings, then, where asked for, of those of one setup.
+    fn all(&self, of_setups: bool) -> Vec<Tried> {
         let setups = &self.run.setups;
         let has_three = setups.iter().all(|setup| setup.instrument.components().len() == 3);
-        let each: Vec<usize> = if setups.len() > 1 { (0..setups.len()).collect() } else { Vec::new() };
+        let each: Vec<usize> =
+            if of_setups && setups.len() > 1 { (0..setups.len()).collect() } else { Vec::new() };
         let mut tried = Vec::new();
         if has_three {
             tried.extend(
@@ -72,6 +92,14 @@ impl Trial<'_> {
         }
         if self.run.kind == RunKind::Static {
             tried.extend(self.shifted(None));
+        }
+        if self.run.kind == RunKind::Static && has_three {
+            tried.extend(
+                PROBES
+                    .iter()
+                    .enumerate()
+                    .flat_map(|(probe, name)| self.late(None, &format!("the readings {name}"), &[probe])),
+            );
         }
         if has_three {
             tried.extend(self.absolute());
@@ -117,20 +145,26 @@ impl Trial<'_> {
         self.model.rms_mm(&rows)
     }
 
+    /// Of every probe together.
     fn shifted(&self, setup: Option<usize>) -> Vec<Tried> {
+        self.late(setup, "the readings", &[0, 1, 2])
+    }
+
+    /// Some of the probes a row late or early.
+    fn late(&self, setup: Option<usize>, which: &str, probes: &[usize]) -> Vec<Tried> {
         let own = self.points_of(setup);
         let points = &self.experiment.points;
         let by_one = |earlier: bool| {
             self.left_mm(|readings| {
                 for pair in own.windows(2) {
                     let (to, from) = if earlier { (pair[0], pair[1]) } else { (pair[1], pair[0]) };
-                    readings[to] = points[from].reading_mm;
+                    probes.iter().for_each(|&probe| readings[to][probe] = points[from].reading_mm[probe]);
                 }
             })
         };
         vec![
-            ("the readings shifted one row earlier: they are one pose late".into(), by_one(true)),
-            ("the readings shifted one row later: they are one pose early".into(), by_one(false)),
+            (format!("{which} shifted one row earlier: they are one pose late"), by_one(true)),
+            (format!("{which} shifted one row later: they are one pose early"), by_one(false)),
         ]
     }
 

@@ -6,7 +6,7 @@ use super::found::Implausible;
 use super::places;
 use std::f64::consts::PI;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::{InstrumentKind, Joint};
+use trunnion_core::{InstrumentKind, Joint, Setup};
 use trunnion_cycles::Run;
 use trunnion_machine::shipped;
 
@@ -169,7 +169,9 @@ fn standing(run: &Run, rows: &[usize], far: &[usize]) -> Option<Implausible> {
         false => format!("rows {} to {}", first + 1, last + 1),
     };
     let finding = format!("{}: in {rows} the axes do not follow the ball, elsewhere they do.", run.name);
-    let hypothesis = if stuck.is_empty() || first == last {
+    let hypothesis = if let Some(setup) = other_setup(run, far) {
+        format!("By their positions they are of setup {setup}. Correct the setup of {rows}.")
+    } else if stuck.is_empty() || first == last {
         format!("Read the positions of {rows} again.")
     } else {
         format!(
@@ -178,6 +180,15 @@ fn standing(run: &Run, rows: &[usize], far: &[usize]) -> Option<Implausible> {
         )
     };
     Some(Implausible { finding, hypothesis, rms_um_with_it: None })
+}
+
+/// Name of a setup to whose ball all these rows belong.
+fn other_setup<'r>(run: &'r Run, rows: &[usize]) -> Option<&'r str> {
+    let belongs = |setup: &&Setup| {
+        let off = |row: &usize| off_mm(&run.machine, setup, &run.points[*row].state.position).norm();
+        rows.iter().all(|row| off(row) < TOGETHER_MM)
+    };
+    run.setups.iter().find(belongs).map(|setup| setup.name.as_str())
 }
 
 /// Every mistake that is tried, with what ball and nest are apart when it is undone, mm.

@@ -1,3 +1,5 @@
+mod signals;
+
 use super::*;
 use crate::StaticRules;
 use trunnion_core::input::Document;
@@ -107,82 +109,6 @@ fn blocks_begin_and_end_it() {
         reported(7.0, Ended, "P", ""),
     ];
     assert_eq!(bounds(rule, &story), [2.0, -4.0, 6.0, -7.0]);
-}
-
-#[test]
-fn a_signal_begins_it_when_it_comes_on_and_ends_it_when_it_goes_off() {
-    let signal = |time_s, on| match reported(time_s, Unknown, "", "") {
-        Reading::Controller(controller) => {
-            Reading::Controller(ControllerReading { signal: on, ..controller })
-        }
-        other => other,
-    };
-    let story = [
-        signal(1.0, Some(0)),
-        signal(2.0, Some(1)),
-        signal(3.0, None),
-        signal(4.0, Some(1)),
-        signal(5.0, Some(0)),
-    ];
-    assert_eq!(bounds(StartRule::Signal, &story), [2.0, -5.0]);
-    let by_number = |story: &[Reading]| {
-        let mut bounds = CycleBounds::new(StartRule::Signal).by_number(true);
-        let number = |now: &Reading| match bounds.take(now)? {
-            Bound::Begins { signal, why, .. } => {
-                assert!(why.ends_with(&format!("the signal is {}", signal.unwrap_or_default())), "{why}");
-                signal
-            }
-            Bound::Ends { .. } => Some(0),
-        };
-        story.iter().filter_map(number).collect::<Vec<u32>>()
-    };
-    assert_eq!(by_number(&[signal(1.0, Some(0)), signal(2.0, Some(7)), signal(3.0, Some(0))]), [7, 0]);
-    // One number after the other, with nothing between.
-    assert_eq!(by_number(&[signal(1.0, Some(0)), signal(2.0, Some(2)), signal(3.0, Some(7))]), [2, 7]);
-    // The end of the program and of its signal in one reading.
-    let with = |time_s, execution, number| match reported(time_s, execution, "P", "") {
-        Reading::Controller(controller) => {
-            Reading::Controller(ControllerReading { signal: Some(number), ..controller })
-        }
-        other => other,
-    };
-    let story = [
-        with(1.0, Ready, 0),
-        with(2.0, Active, 3),
-        with(3.0, Ready, 0),
-        with(4.0, Active, 4),
-        with(5.0, Ready, 0),
-    ];
-    assert_eq!(by_number(&story), [3, 0, 4, 0]);
-    // The end of one program and the number of the next in one reading.
-    let story = [
-        with(1.0, Ready, 0),
-        with(2.0, Active, 3),
-        with(3.0, Ready, 4),
-        with(4.0, Active, 4),
-        with(5.0, Ready, 4),
-        with(6.0, Active, 4),
-    ];
-    assert_eq!(by_number(&story), [3, 4, 0]);
-    // A number that is not known for a while is the same afterwards, or another.
-    let story = [Some(0), Some(2), None, Some(2), None, Some(7), None, Some(0)];
-    let story: Vec<Reading> = (0..8).map(|k| signal(f64::from(k), story[k as usize])).collect();
-    assert_eq!(by_number(&story), [2, 7, 0]);
-}
-
-#[test]
-fn a_signal_that_counts_is_on_until_it_is_0_where_no_number_is_asked_for() {
-    let with = |time_s: i32, execution, number| match reported(f64::from(time_s), execution, "P", "") {
-        Reading::Controller(controller) => {
-            Reading::Controller(ControllerReading { signal: Some(number), ..controller })
-        }
-        other => other,
-    };
-    let story: Vec<Reading> =
-        (0..).zip([0, 1, 2, 3, 0]).map(|(k, number)| with(k, Unknown, number)).collect();
-    assert_eq!(bounds(StartRule::Signal, &story), [1.0, -4.0]);
-    let ended = [with(1, Ready, 0), with(2, Active, 1), with(3, Ready, 2), with(4, Active, 2)];
-    assert_eq!(bounds(StartRule::Signal, &ended), [2.0, -3.0]);
 }
 
 /// Stands and motions one after the other at 50 Hz; C goes 1 rad in 0.4 s.

@@ -6,7 +6,7 @@ use nalgebra::{DVector, Matrix3};
 use trunnion_core::number::signed;
 
 /// Names of the probes.
-const PROBES: [&str; 3] = ["dx", "dy", "dz"];
+pub(super) const PROBES: [&str; 3] = ["dx", "dy", "dz"];
 /// The two probes that a turn about the third mixes.
 const ABOUT: [([usize; 2], &str); 3] = [([0, 1], "z"), ([1, 2], "x"), ([2, 0], "y")];
 /// A nest mounted turned by less is its calibration (effect `nest-rotation`), °.

@@ -56,7 +56,7 @@ fn turned(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     move |[x, y, z]| [cos * x + sin * y, cos * y - sin * x, z]
 }
 
-pub const PROBES: [ProbeMistake; 22] = [
+pub const PROBES: [ProbeMistake; 24] = [
     (
         "every probe at the input of the next",
         GRAVITY,
@@ -82,13 +82,13 @@ pub const PROBES: [ProbeMistake; 22] = [
         &["nest mounted turned by +45° about its z axis"],
     ),
     (
-        "nest on the other side, of readings a tenth as large",
+        "nest on the other side, of readings a sixth as large",
         GRAVITY,
         |f| {
-            f.readings(|values| values.map(|v| 0.1 * v));
+            f.readings(|values| values.map(|v| v / 6.0));
             f.replace("nest = \"table\"", "nest = \"spindle\"");
         },
-        &["1.2 µm rms are left", "nest on the table"],
+        &["1.9 µm rms are left", "nest on the table"],
     ),
     (
         "two inputs on one probe",
@@ -141,6 +141,26 @@ pub const PROBES: [ProbeMistake; 22] = [
         &["readings of the setups low and high exchanged"],
     ),
     ("one pose late in one setup", GRAVITY, |f| f.late(&READINGS), &["one pose late (setup high alone)"]),
+    (
+        "one probe one pose late",
+        NOTHING,
+        |f| {
+            let column = f.column("dz_um");
+            for row in (1..f.rows.len()).rev() {
+                f.rows[row][column] = f.rows[row - 1][column].clone();
+            }
+        },
+        &["the readings dz shifted one row earlier: they are one pose late"],
+    ),
+    (
+        "rows of one setup under the name of the other",
+        GRAVITY,
+        |f| {
+            let column = f.column("setup");
+            f.rows[100..168].iter_mut().for_each(|row| row[column] = "high".into());
+        },
+        &["in rows 101 to 168 the axes do not follow the ball", "they are of setup low"],
+    ),
     (
         "readings that hold the positions",
         GRAVITY,
