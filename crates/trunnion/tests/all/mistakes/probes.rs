@@ -56,7 +56,7 @@ fn turned(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     move |[x, y, z]| [cos * x + sin * y, cos * y - sin * x, z]
 }
 
-pub const PROBES: [ProbeMistake; 24] = [
+pub const PROBES: [ProbeMistake; 23] = [
     (
         "every probe at the input of the next",
         GRAVITY,
@@ -80,15 +80,6 @@ pub const PROBES: [ProbeMistake; 24] = [
         GRAVITY,
         |f| f.readings(turned(45.0)),
         &["nest mounted turned by +45° about its z axis"],
-    ),
-    (
-        "nest on the other side, of readings a sixth as large",
-        GRAVITY,
-        |f| {
-            f.readings(|values| values.map(|v| v / 6.0));
-            f.replace("nest = \"table\"", "nest = \"spindle\"");
-        },
-        &["1.9 µm rms are left", "nest on the table"],
     ),
     (
         "two inputs on one probe",
