@@ -139,7 +139,7 @@ async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
             let status: ServiceStatus = serde_json::from_value(status.clone()).expect("as its schema says");
             let health = status.health.expect("it is online");
             let parts: Vec<&str> = health.parts.keys().map(String::as_str).collect();
-            assert_eq!(parts, ["analysis", "broker", "devices", "disk", "recorder"]);
+            assert_eq!(parts, ["analysis", "broker", "devices", "disk", "recorder", "service"]);
             health.state == Condition::Good && status.devices["probe-1"].state == "Streaming"
         };
         t.get("trunnion/m/live").is_some_and(is_seen)
