@@ -38,24 +38,36 @@ impl Seek for SmallDisk {
     }
 }
 
+/// A recorder whose journals all lie on a disk with so many bytes left.
+fn on_disk(folder: &Path, left: &Arc<AtomicI64>) -> Recorder {
+    let left = Arc::clone(left);
+    on_disks(folder, move || Arc::clone(&left))
+}
+
+/// A recorder each of whose journals lies on a disk of its own.
+fn on_disks(folder: &Path, mut left: impl FnMut() -> Arc<AtomicI64> + Send + 'static) -> Recorder {
+    let open: OpenJournal = Box::new(move |path| {
+        let file = std::fs::File::create_new(path)?;
+        Ok((Box::new(SmallDisk { file, left: left() }), Box::new(|| Ok(()))))
+    });
+    Recorder::create_with(folder, "full", &header("full"), open).unwrap()
+}
+
+/// One of the values that no line through the counts shortens, so that the ring overflows.
+fn sample(raw: i64, period_s: f64) -> Item {
+    let (time_s, value_mm) = (raw as f64 * period_s, (raw as f64).sin());
+    Item::Probe(ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() })
+}
+
 #[test]
 fn a_full_disk_costs_only_what_the_ring_cannot_hold_and_that_is_a_gap() {
     let folder = tempfile::tempdir().unwrap();
     let left = Arc::new(AtomicI64::new(60_000));
-    let disk = Arc::clone(&left);
-    let open: OpenJournal = Box::new(move |path| {
-        let file = std::fs::File::create_new(path)?;
-        Ok((Box::new(SmallDisk { file, left: Arc::clone(&disk) }), Box::new(|| Ok(()))))
-    });
-    let mut recorder = Recorder::create_with(folder.path(), "full", &header("full"), open).unwrap();
+    let mut recorder = on_disk(folder.path(), &left);
     let samples = 1_200_000_i64;
     let mut failed = false;
     for raw in 0..samples {
-        // values that no line through the counts shortens, so that the ring overflows
-        let value_mm = (raw as f64).sin();
-        let time_s = raw as f64 * 1e-5;
-        let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
-        recorder.append(Item::Probe(sample), HostTime(raw * 10_000));
+        recorder.append(sample(raw, 1e-5), HostTime(raw * 10_000));
         failed |= recorder.failing().is_some_and(|why| why.contains("cannot write"));
         if raw == samples - 150_000 {
             left.store(i64::MAX, Ordering::SeqCst);
@@ -87,17 +99,11 @@ fn what_was_lost_stays_counted_when_the_next_file_is_refused_too() {
     // The second and third file have room for their beginning, which ends before what was lost; the last has room for all.
     let beginning = bytes_until_recording_resumed();
     let mut rooms = VecDeque::from([60_000, beginning, beginning]);
-    let open: OpenJournal = Box::new(move |path| {
-        let left = rooms.pop_front().unwrap_or(i64::MAX);
-        let file = std::fs::File::create_new(path)?;
-        Ok((Box::new(SmallDisk { file, left: Arc::new(AtomicI64::new(left)) }), Box::new(|| Ok(()))))
-    });
-    let mut recorder = Recorder::create_with(folder.path(), "full", &header("full"), open).unwrap();
+    let mut recorder =
+        on_disks(folder.path(), move || Arc::new(AtomicI64::new(rooms.pop_front().unwrap_or(i64::MAX))));
     let samples = 1_200_000_i64;
     for raw in 0..samples {
-        let (time_s, value_mm) = (raw as f64 * 1e-5, (raw as f64).sin());
-        let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
-        recorder.append(Item::Probe(sample), HostTime(raw / 400_000 * 1_000_000_000));
+        recorder.append(sample(raw, 1e-5), HostTime(raw / 400_000 * 1_000_000_000));
     }
     let finished = recorder.finish(HostTime(10_000_000_000)).unwrap();
     let read = finished.files.iter().map(|file| read_run(&file.path, &shipped::machine).unwrap());
@@ -114,17 +120,10 @@ fn what_was_lost_stays_counted_when_the_next_file_is_refused_too() {
 fn a_file_that_vanishes_with_the_gap_of_a_full_disk_loses_none_of_its_count() {
     let folder = tempfile::tempdir().unwrap();
     let left = Arc::new(AtomicI64::new(60_000));
-    let disk = Arc::clone(&left);
-    let open: OpenJournal = Box::new(move |path| {
-        let file = std::fs::File::create_new(path)?;
-        Ok((Box::new(SmallDisk { file, left: Arc::clone(&disk) }), Box::new(|| Ok(()))))
-    });
-    let mut recorder = Recorder::create_with(folder.path(), "full", &header("full"), open).unwrap();
+    let mut recorder = on_disk(folder.path(), &left);
     let samples = 1_200_000_i64;
     for raw in 0..samples {
-        let (time_s, value_mm) = (raw as f64 * 1e-5, (raw as f64).sin());
-        let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
-        recorder.append(Item::Probe(sample), HostTime(raw * 10_000));
+        recorder.append(sample(raw, 1e-5), HostTime(raw * 10_000));
         if raw == samples - 150_000 {
             left.store(i64::MAX, Ordering::SeqCst);
         }
@@ -144,16 +143,10 @@ fn a_file_that_vanishes_with_the_gap_of_a_full_disk_loses_none_of_its_count() {
 fn a_disk_that_stays_full_leaves_a_gap_in_what_was_finished() {
     let folder = tempfile::tempdir().unwrap();
     let left = Arc::new(AtomicI64::new(20_000));
-    let open: OpenJournal = Box::new(move |path| {
-        let file = std::fs::File::create_new(path)?;
-        Ok((Box::new(SmallDisk { file, left: Arc::clone(&left) }), Box::new(|| Ok(()))))
-    });
-    let mut recorder = Recorder::create_with(folder.path(), "full", &header("full"), open).unwrap();
+    let mut recorder = on_disk(folder.path(), &left);
     let samples = 20_000_i64;
     for raw in 0..samples {
-        let (time_s, value_mm) = (raw as f64 * 1e-4, (raw as f64).sin());
-        let sample = ProbeSample { time_s, raw, value_mm, ..ProbeSample::default() };
-        recorder.append(Item::Probe(sample), HostTime(raw * 100_000));
+        recorder.append(sample(raw, 1e-4), HostTime(raw * 100_000));
     }
     assert!(!recorder.sync(HostTime(samples * 100_000)), "what waits in memory is on no disk");
     let finished = recorder.finish(HostTime(samples * 100_000)).unwrap();
